@@ -1,0 +1,89 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+namespace csrbf::app {
+
+/// The command line cannot be understood.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Flags of every verb.
+struct CommonOptions {
+  int threads = 0;                ///< 0 = all cores
+  std::string report;             ///< file of the JSON report, or none
+  std::string progress = "auto";  ///< auto, always, never
+  bool quiet = false;
+  bool verbose = false;
+};
+
+// One struct per verb: what was typed, checked for its form only. Empty values mean "not given".
+
+struct ReconstructCommand {
+  std::string input, output;
+  std::string method = "auto";
+  std::string normals = "auto";
+  Index centers = 0;
+  double tolerance = 0;
+  std::string smoothing = "auto";
+  int resolution = 0;
+  std::string trim = "none";
+  std::string model;
+};
+
+struct EstimateNormalsCommand {
+  std::string input, output;
+  Index neighbors = 0;
+  std::string orient = "consistent";
+};
+
+struct PolygonizeCommand {
+  std::string input, output;
+  int resolution = 0;
+  double level = 0;
+  bool refine = true;
+};
+
+struct RenderCommand {
+  std::string input, output;
+  std::string size = "800x600";
+  std::string view = "30,20";
+  std::string up = "z";
+  std::string color = "plain";
+};
+
+struct CompareCommand {
+  std::string first, second;
+};
+
+struct InfoCommand {
+  std::string input;
+};
+
+using Command = std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand,
+                             CompareCommand, InfoCommand>;
+
+struct CommandLine {
+  std::string verb;
+  CommonOptions common;
+  Command command;
+};
+
+/// Understands the arguments; nothing when they asked for help or the version, which is then printed. Throws
+/// UsageError.
+std::optional<CommandLine> parse_command_line(int argc, char** argv);
+
+/// `text` as numbers separated by `separator`: exactly as many as asked. Throws UsageError that names `flag`.
+Eigen::VectorXd parse_numbers(const std::string& text, char separator, Index count, const std::string& flag);
+
+/// The value of a flag that takes a word or a number. Throws UsageError when the text is neither.
+std::optional<double> parse_word_or_number(const std::string& text, const std::string& word, const std::string& flag);
+
+}  // namespace csrbf::app

@@ -1,0 +1,46 @@
+#include "csrbf/surface/estimate_normals.hpp"
+
+#include "verbs.hpp"
+
+#include "csrbf/io/points.hpp"
+#include "csrbf/io/read_file.hpp"
+
+namespace csrbf::app {
+namespace {
+
+constexpr std::string_view viewpoint_word = "viewpoint";
+
+NormalOptions make_options(const EstimateNormalsCommand& command) {
+  NormalOptions options;
+  if (command.neighbors > 0) options.neighbors = command.neighbors;
+  if (command.orient == "none") {
+    options.orient = Orient::none;
+  } else if (command.orient.starts_with(viewpoint_word) && command.orient.size() > viewpoint_word.size()) {
+    options.orient = Orient::viewpoint;
+    options.viewpoint = parse_numbers(command.orient.substr(viewpoint_word.size() + 1), ',', 3, "--orient viewpoint");
+  } else if (command.orient != "consistent") {
+    throw UsageError("--orient " + command.orient + ": unknown; use consistent, viewpoint X,Y,Z or none");
+  }
+  return options;
+}
+
+}  // namespace
+
+void run(const EstimateNormalsCommand& command, Session& session) {
+  NormalOptions options = make_options(command);
+  options.progress = session.progress();
+  if (!is_point_file(command.output))
+    throw UsageError("--output " + command.output + ": unknown extension \"" + file_extension(command.output) +
+                     "\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy");
+  session.expect_output(command.output);
+
+  PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
+  session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
+  session.options = {{"output", command.output}, {"neighbors", options.neighbors}, {"orient", command.orient}};
+  cloud.normals = session.timed("fit", [&] { return estimate_normals(cloud.points, options); });
+  session.result = {{"points", cloud.size()}};
+  session.say(command.output + ": " + counted(cloud.size(), "point") + " with normals");
+  session.write([&] { write_points(command.output, cloud); });
+}
+
+}  // namespace csrbf::app

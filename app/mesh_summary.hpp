@@ -1,0 +1,15 @@
+#pragma once
+
+#include "session.hpp"
+
+#include "csrbf/core/mesh.hpp"
+
+namespace csrbf::app {
+
+/// Fails early when the mesh could not be written: throws UsageError for an unknown format, WriteFailure otherwise.
+void expect_mesh_output(const std::string& path, Session& session);
+
+/// Adds size and topology of a mesh to result and summary.
+void add_mesh_summary(const std::string& path, const Mesh& mesh, Session& session);
+
+}  // namespace csrbf::app

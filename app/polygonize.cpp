@@ -1,0 +1,29 @@
+#include "csrbf/implicit/polygonize.hpp"
+
+#include "mesh_summary.hpp"
+#include "verbs.hpp"
+
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/model.hpp"
+
+namespace csrbf::app {
+
+void run(const PolygonizeCommand& command, Session& session) {
+  expect_mesh_output(command.output, session);
+  session.input = {{"file", command.input}};
+  const std::shared_ptr<const Field<3>> field = session.timed("read", [&] { return read_model(command.input); });
+  const PolygonizeOptions options{
+      .resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*field),
+      .level = command.level,
+      .refine = command.refine,
+      .progress = session.progress()};
+  session.options = {{"output", command.output},
+                     {"resolution", options.resolution},
+                     {"level", options.level},
+                     {"refine", options.refine}};
+  const Mesh mesh = session.timed("polygonize", [&] { return polygonize(*field, options); });
+  add_mesh_summary(command.output, mesh, session);
+  session.write([&] { write_mesh(command.output, mesh); });
+}
+
+}  // namespace csrbf::app

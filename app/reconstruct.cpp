@@ -1,0 +1,131 @@
+#include "csrbf/surface/reconstruct.hpp"
+
+#include "mesh_summary.hpp"
+#include "verbs.hpp"
+
+#include "csrbf/implicit/polygonize.hpp"
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/points.hpp"
+#include "csrbf/io/read_file.hpp"
+#include "csrbf/surface/transfer_properties.hpp"
+#include "csrbf/surface/trim.hpp"
+
+namespace csrbf::app {
+namespace {
+
+Normals parse_normals(const std::string& text) {
+  if (text == "file") return Normals::file;
+  return text == "estimate" ? Normals::estimate : Normals::automatic;
+}
+
+std::optional<double> parse_smoothing(const std::string& text) {
+  if (text == "none") return 0;
+  return parse_word_or_number(text, "auto", "--smoothing");
+}
+
+ReconstructOptions make_options(const ReconstructCommand& command, Session& session) {
+  return {.method = command.method,
+          .normals = parse_normals(command.normals),
+          .centers = command.centers,
+          .tolerance = command.tolerance,
+          .smoothing = parse_smoothing(command.smoothing),
+          .progress = session.progress()};
+}
+
+void expect_outputs(const ReconstructCommand& command, Session& session) {
+  expect_mesh_output(command.output, session);
+  if (command.model.empty()) return;
+  if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
+  session.expect_output(command.model);
+}
+
+void add_report(const ReconstructReport& r, Session& session) {
+  session.add_time("prepare", r.prepare_seconds);
+  session.add_time("fit", r.fit_seconds);
+  session.add_time("evaluate", r.evaluate_seconds);
+  session.warn(r.warnings);
+  session.result = {{"points", r.points},
+                    {"points_used", r.points_used},
+                    {"normals", r.normals},
+                    {"centers", r.centers},
+                    {"method", r.method},
+                    {"patches", r.patches},
+                    {"levels", r.levels},
+                    {"cross_validation_error", r.cross_validation_error},
+                    {"rms_distance", r.rms_distance},
+                    {"p99_distance", r.p99_distance},
+                    {"max_distance", r.max_distance}};
+}
+
+// What was asked for, replaced by what was chosen.
+void add_options(const ReconstructCommand& command, const ReconstructReport& r, int resolution, Session& session) {
+  const auto or_null = [](bool given, const Json& value) { return given ? value : Json(nullptr); };
+  session.options = {{"output", command.output},
+                     {"method", r.method},
+                     {"normals", r.normals},
+                     {"centers", or_null(command.centers > 0, command.centers)},
+                     {"tolerance", or_null(command.tolerance > 0, command.tolerance)},
+                     {"smoothing", r.options.smoothing},
+                     {"resolution", resolution},
+                     {"trim", command.trim},
+                     {"model", or_null(!command.model.empty(), command.model)},
+                     {"leaf_size", r.options.leaf_size},
+                     {"overlap", r.options.overlap},
+                     {"centers_per_patch", r.options.centers_per_patch},
+                     {"normal_weight", r.options.normal_weight}};
+}
+
+void say_quality(const ReconstructReport& r, Session& session) {
+  session.say(counted(r.points, "point") + " given, " + counted(r.points_used, "point") +
+              " used; normals: " + r.normals + "; method: " + r.method + " with " + counted(r.centers, "center"));
+  session.say("distance of the points to the surface, fractions of the diagonal: rms " + rounded(r.rms_distance) +
+              ", 99 % " + rounded(r.p99_distance) + ", largest " + rounded(r.max_distance));
+}
+
+// The points that the surface was made from, with their properties.
+PointCloud used_points(const PointCloud& cloud, const std::vector<Index>& source) {
+  PointCloud used;
+  used.points = cloud.points(Eigen::all, source);
+  for (const Property& p : cloud.properties) used.properties.push_back({p.name, p.type, p.values(source)});
+  return used;
+}
+
+Mesh make_mesh(const Field<3>& field, const PointCloud& used, int resolution, std::optional<double> trim_distance,
+               Session& session) {
+  Mesh mesh = session.timed(
+      "polygonize", [&] { return polygonize(field, {.resolution = resolution, .progress = session.progress()}); });
+  session.timed("evaluate", [&] {
+    DataComponents kept = keep_components_with_data(mesh, used.points);
+    if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");
+    mesh = trim_distance ? trim(kept.mesh, used.points, *trim_distance) : std::move(kept.mesh);
+    mesh.properties = transfer_properties(used.points, used.properties, mesh.vertices);
+  });
+  return mesh;
+}
+
+}  // namespace
+
+void run(const ReconstructCommand& command, Session& session) {
+  const ReconstructOptions options = make_options(command, session);
+  const std::optional<double> trim_distance = parse_word_or_number(command.trim, "none", "--trim");
+  if (trim_distance && !(*trim_distance > 0)) throw UsageError("--trim " + command.trim + ": must be positive");
+  expect_outputs(command, session);
+  const PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
+  session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
+
+  const Reconstruction surface = reconstruct(cloud, options);
+  add_report(surface.report, session);
+  const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
+  add_options(command, surface.report, resolution, session);
+  const Mesh mesh = make_mesh(*surface.field, used_points(cloud, surface.source), resolution, trim_distance, session);
+  add_mesh_summary(command.output, mesh, session);
+  say_quality(surface.report, session);
+
+  session.write([&] {
+    write_mesh(command.output, mesh);
+    if (!command.model.empty()) write_model(command.model, *surface.field);
+  });
+}
+
+}  // namespace csrbf::app

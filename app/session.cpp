@@ -1,0 +1,136 @@
+#include "session.hpp"
+
+#include "interrupt.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/io/atomic_file.hpp"
+#include "csrbf/version.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+namespace csrbf::app {
+namespace {
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__
+  constexpr double units_per_mb = 1024 * 1024;
+#else
+  constexpr double units_per_mb = 1024;
+#endif
+  return static_cast<double>(usage.ru_maxrss) / units_per_mb;
+}
+
+double round_to_ms(double seconds) {
+  constexpr double per_second = 1000;
+  return std::round(per_second * seconds) / per_second;
+}
+
+}  // namespace
+
+Session::Session(std::string verb, const CommonOptions& common)
+    : verb_(std::move(verb)), common_(common), display_(common.quiet ? "never" : common.progress) {
+  set_thread_count(common.threads);
+  if (!common.report.empty()) expect_output(common.report);
+}
+
+Progress Session::progress() {
+  return [this](std::string_view stage, double fraction) {
+    display_.update(stage, fraction);
+    return !interrupted();
+  };
+}
+
+void Session::begin_stage(const std::string& stage) {
+  if (interrupted()) throw Cancelled();
+  display_.update(stage, 0);
+}
+
+void Session::end_stage(const std::string& stage, Clock::time_point start) {
+  add_time(stage, std::chrono::duration<double>(Clock::now() - start).count());
+  if (interrupted()) throw Cancelled();
+}
+
+void Session::add_time(const std::string& stage, double seconds) {
+  time_[stage] = round_to_ms(time_.value(stage, 0.0) + seconds);
+}
+
+void Session::expect_output(const std::string& path) {
+  if (path == "-") {
+    stdout_is_result_ = true;
+    return;
+  }
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && std::filesystem::is_other(status))
+    return;  // opening a pipe twice would end it
+  try {
+    const AtomicFile probe(path);
+  } catch (const IoError& failure) {
+    throw WriteFailure(failure.what());
+  }
+}
+
+void Session::warn(const std::string& message) {
+  warnings_.push_back(message);
+  if (common_.quiet) return;
+  display_.clear();
+  std::fprintf(stderr, "csrbf %s: warning: %s\n", verb_.c_str(), message.c_str());
+}
+
+void Session::warn(const std::vector<std::string>& messages) {
+  for (const std::string& message : messages) warn(message);
+}
+
+Json Session::report() const {
+  Json time = {{"total", round_to_ms(std::chrono::duration<double>(Clock::now() - start_).count())}};
+  time.update(time_);
+  return {{"csrbf", CSRBF_VERSION},
+          {"command", verb_},
+          {"input", input},
+          {"options", options},
+          {"result", result},
+          {"time", time},
+          {"peak_memory_mb", std::round(peak_memory_mb())},
+          {"threads", thread_count()},
+          {"warnings", warnings_}};
+}
+
+void Session::finish() {
+  const Json report = this->report();
+  if (!common_.report.empty())
+    write([&] { write_file(common_.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); });
+  display_.clear();
+  if (common_.quiet) return;
+  std::FILE* out = stdout_is_result_ ? stderr : stdout;
+  for (const std::string& line : summary_) std::fprintf(out, "%s\n", line.c_str());
+  if (common_.verbose) {
+    std::fprintf(stderr, "options: %s\n", options.dump().c_str());
+    std::fprintf(stderr, "time: %s\n", report["time"].dump().c_str());
+  }
+}
+
+std::string rounded(double value, int digits) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
+  return text.data();
+}
+
+std::string counted(Index count, const std::string& noun) {
+  std::string digits = std::to_string(count);
+  constexpr std::ptrdiff_t group = 3;
+  for (auto position = static_cast<std::ptrdiff_t>(digits.size()) - group; position > 0; position -= group)
+    digits.insert(static_cast<std::size_t>(position), 1, ',');
+  if (count == 1) return digits + " " + noun;
+  const bool ends_in_x = !noun.empty() && noun.back() == 'x';
+  return digits + " " + (ends_in_x ? noun.substr(0, noun.size() - 2) + "ices" : noun + "s");
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,111 @@
+#pragma once
+
+#include "command_line.hpp"
+#include "progress_display.hpp"
+
+#include "csrbf/core/progress.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace csrbf::app {
+
+using Json = nlohmann::ordered_json;
+
+/// A result cannot be written.
+class WriteFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// One run of a verb: its report, summary, times, progress and interruption.
+class Session {
+ public:
+  Session(std::string verb, const CommonOptions& common);
+
+  Json input = Json::object();    ///< parts of the report
+  Json options = Json::object();  ///< every option with the value used
+  Json result = Json::object();
+
+  /// For the options of long work: shows the progress; stops the work after Ctrl-C.
+  [[nodiscard]] Progress progress();
+
+  /// Runs `action`, adds its time to the stage and returns its result. Throws Cancelled after Ctrl-C.
+  template <class Action>
+  std::invoke_result_t<Action> timed(const std::string& stage, Action&& action);
+
+  /// Adds seconds to a stage.
+  void add_time(const std::string& stage, double seconds);
+
+  /// Fails early when a result could not be written in the end: throws WriteFailure. Results in "-" keep the summary
+  /// off standard output.
+  void expect_output(const std::string& path);
+
+  /// Stage "write": turns IoError into WriteFailure.
+  template <class Action>
+  void write(Action&& action);
+
+  /// Something the user should know: standard error, and the report.
+  void warn(const std::string& message);
+  void warn(const std::vector<std::string>& messages);
+
+  /// A line of the summary.
+  void say(const std::string& line) { summary_.push_back(line); }
+
+  /// Writes the report and the summary.
+  void finish();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void begin_stage(const std::string& stage);
+  void end_stage(const std::string& stage, Clock::time_point start);
+  [[nodiscard]] Json report() const;
+
+  std::string verb_;
+  CommonOptions common_;
+  ProgressDisplay display_;
+  Clock::time_point start_ = Clock::now();
+  Json time_ = Json::object();
+  std::vector<std::string> warnings_;
+  std::vector<std::string> summary_;
+  bool stdout_is_result_ = false;
+};
+
+/// `value` with a few significant digits, for the summary.
+std::string rounded(double value, int digits = 4);
+
+/// "1 point", "2 points", with thousands separators: counts in the summary.
+std::string counted(Index count, const std::string& noun);
+
+template <class Action>
+std::invoke_result_t<Action> Session::timed(const std::string& stage, Action&& action) {
+  begin_stage(stage);
+  const auto start = Clock::now();
+  if constexpr (std::is_void_v<std::invoke_result_t<Action>>) {
+    action();
+    end_stage(stage, start);
+  } else {
+    auto value = action();
+    end_stage(stage, start);
+    return value;
+  }
+}
+
+template <class Action>
+void Session::write(Action&& action) {
+  timed("write", [&] {
+    try {
+      action();
+    } catch (const IoError& error) {
+      throw WriteFailure(error.what());
+    }
+  });
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,31 @@
+# What `cmake --install` writes: the library with its headers, find_package(csrbf), pkg-config csrbf, and the program.
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/csrbf)
+
+install(
+  TARGETS csrbf
+  EXPORT csrbf-targets
+  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT csrbf-targets NAMESPACE csrbf:: DESTINATION ${package_dir})
+
+get_target_property(library_type csrbf TYPE)
+if(library_type STREQUAL "STATIC_LIBRARY")
+  set(CSRBF_STATIC ON)
+else()
+  set(CSRBF_STATIC OFF)
+endif()
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/csrbf-config.cmake.in ${PROJECT_BINARY_DIR}/csrbf-config.cmake
+                              INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/csrbf-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/csrbf-config.cmake ${PROJECT_BINARY_DIR}/csrbf-config-version.cmake
+        DESTINATION ${package_dir})
+
+file(RELATIVE_PATH up_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/csrbf.pc.in ${PROJECT_BINARY_DIR}/csrbf.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/csrbf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+if(CSRBF_BUILD_APP)
+  install(TARGETS csrbf-cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()

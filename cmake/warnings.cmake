@@ -1,0 +1,25 @@
+# Turns on the warnings this project is written against. They are errors in the preset `dev` only
+# (CMAKE_COMPILE_WARNING_AS_ERROR), so that a new compiler never breaks a user's build.
+#
+# GCC 12 takes some string concatenations for overlapping copies (-Wrestrict) and moves of fixed-size Eigen matrices for
+# reads of uninitialised memory.
+function(csrbf_set_warnings target)
+  target_compile_options(
+    ${target}
+    PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:
+            -Wall
+            -Wextra
+            -Wshadow
+            -Wconversion
+            -Wno-sign-conversion
+            -Wnon-virtual-dtor
+            -Woverloaded-virtual
+            -Wcast-align
+            -Wold-style-cast
+            -Wimplicit-fallthrough>
+            $<$<CXX_COMPILER_ID:GNU>:
+            -Wduplicated-cond
+            -Wlogical-op
+            -Wno-restrict
+            -Wno-error=maybe-uninitialized>)
+endfunction()

@@ -1,0 +1,41 @@
+# Sourced by check and quickstart: installs Debian or Ubuntu packages that are missing.
+
+# What every build of csrbf needs.
+build_packages=(g++ cmake ninja-build libeigen3-dev libnanoflann-dev libpng-dev libcli11-dev nlohmann-json3-dev)
+
+# run_as_root COMMAND...: runs it directly when we are root, else through sudo.
+run_as_root() {
+  if [[ $(id -u) -eq 0 ]]; then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    echo "This needs root and sudo is not installed. Run as root: $*" >&2
+    return 1
+  fi
+}
+
+# install_packages PACKAGE...: installs those that are not installed yet; does nothing when none is missing.
+install_packages() {
+  if ! command -v dpkg-query >/dev/null; then
+    echo "No dpkg here: install by hand what corresponds to: $*" >&2
+    return 0
+  fi
+  local package missing=()
+  for package in "$@"; do
+    [[ $(dpkg-query -W -f '${Status}' "$package" 2>/dev/null) == *' ok installed' ]] || missing+=("$package")
+  done
+  [[ ${#missing[@]} -eq 0 ]] && return 0
+  echo "Installing ${missing[*]}"
+  update_package_lists
+  run_as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" \
+    </dev/null >/dev/null
+}
+
+# update_package_lists: apt-get update, once per run.
+package_lists_are_fresh=no
+update_package_lists() {
+  [[ $package_lists_are_fresh == yes ]] && return 0
+  run_as_root apt-get update -qq </dev/null
+  package_lists_are_fresh=yes
+}

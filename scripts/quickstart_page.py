@@ -1,0 +1,170 @@
+"""Writes index.html, one page with everything in it, from the files that ./quickstart left in a folder.
+
+usage: quickstart_page.py FOLDER
+"""
+
+import base64
+import html
+import json
+import math
+import os
+import sys
+from pathlib import Path
+
+AZIMUTH, ELEVATION = 20, 15  # of the pictures, degrees: about +y from +z, then up
+POINTS_DRAWN = 6000
+
+MODELS = {
+    "bunny": ("Bunny", "points without normals: csrbf estimates and orients them first"),
+    "kitten": ("Kitten", "points with normals"),
+}
+
+STYLE = """
+:root { color-scheme: light; }
+body { margin: 0 auto; max-width: 1120px; padding: 2.5rem 1.5rem 4rem; background: #fff; color: #1d2530;
+  font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
+h1 { font-size: 1.9rem; margin: 0 0 .3rem; letter-spacing: -.01em; }
+h2 { font-size: 1.25rem; margin: 3rem 0 .2rem; }
+p { margin: .3rem 0 1rem; max-width: 46rem; }
+.note { color: #5b6675; }
+.row { display: grid; grid-template-columns: repeat(3, 1fr); gap: 1rem; }
+@media (max-width: 760px) { .row { grid-template-columns: 1fr; } }
+figure { margin: 0; border: 1px solid #e2e6eb; border-radius: 6px; overflow: hidden; background: #fff; }
+figure img, figure svg { display: block; width: 100%; aspect-ratio: 1; object-fit: contain; }
+figcaption { padding: .45rem .8rem; border-top: 1px solid #e2e6eb; font-size: .88rem; color: #5b6675; }
+table { border-collapse: collapse; margin: .6rem 0 0; }
+th, td { padding: .42rem 1.6rem .42rem 0; border-bottom: 1px solid #e2e6eb; text-align: left; }
+td { font-variant-numeric: tabular-nums; }
+thead th { border-bottom: 2px solid #c9d0d8; }
+tbody th { font-weight: 400; color: #5b6675; }
+pre { background: #f5f7f9; border: 1px solid #e2e6eb; border-radius: 6px; padding: .9rem 1.1rem; overflow-x: auto;
+  font: .85rem/1.6 ui-monospace, "DejaVu Sans Mono", monospace; }
+"""
+
+
+def main(folder):
+    reports = {name: json.loads((folder / f"{name}.json").read_text()) for name in MODELS}
+    parts = [section(folder, name) for name in MODELS]
+    commands = (folder / "commands.txt").read_text()
+    version = next(iter(reports.values())).get("csrbf", "")
+    page = f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>csrbf quickstart</title>
+<style>{STYLE}</style>
+</head>
+<body>
+<h1>csrbf: surfaces from points</h1>
+<p class="note">Made on this machine by <code>./quickstart</code> with csrbf {html.escape(str(version))} on
+{os.cpu_count()} cores. The point sets come with Debian's package libcgal-demo.</p>
+{"".join(parts)}
+<h2>Figures</h2>
+{table(reports)}
+<p class="note">Distances are those of the input points to the surface, in parts per million of the diagonal of the
+bounding box. All figures are read from the reports (<code>--report</code>).</p>
+<h2>Commands</h2>
+<p>Run in <code>quickstart-output/</code>; put <code>build/release/bin</code> on the <code>PATH</code> to repeat them.</p>
+<pre>{html.escape(commands)}</pre>
+</body>
+</html>
+"""
+    (folder / "index.html").write_text(page)
+
+
+def section(folder, name):
+    title, note = MODELS[name]
+    points = read_points(folder / f"{name}.xyz")
+    return f"""
+<h2>{title}</h2>
+<p class="note">{len(points):,} {note}.</p>
+<div class="row">
+<figure>{scatter(points)}<figcaption>{drawn(points)}</figcaption></figure>
+<figure>{image(folder / f"{name}.png", "surface")}<figcaption>The surface</figcaption></figure>
+<figure>{image(folder / f"{name}-curvature.png", "mean curvature")}
+<figcaption>Its mean curvature: red convex, blue concave</figcaption></figure>
+</div>"""
+
+
+def image(path, text):
+    data = base64.b64encode(path.read_bytes()).decode()
+    return f'<img alt="{text}" src="data:image/png;base64,{data}">'
+
+
+def read_points(path):
+    with open(path) as lines:
+        return [tuple(map(float, line.split()[:3])) for line in lines]
+
+
+def every(points):
+    return max(1, len(points) // POINTS_DRAWN)
+
+
+def drawn(points):
+    return "The points" if every(points) == 1 else f"The points, one in {every(points)} of them"
+
+
+def scatter(points):
+    """The points seen as in the pictures, the nearer the darker."""
+    a, e = math.radians(AZIMUTH), math.radians(ELEVATION)
+    right = (math.cos(a), 0, -math.sin(a))
+    up = (-math.sin(e) * math.sin(a), math.cos(e), -math.sin(e) * math.cos(a))
+    towards = (math.cos(e) * math.sin(a), math.sin(e), math.cos(e) * math.cos(a))
+
+    def dot(u, v):
+        return sum(x * y for x, y in zip(u, v))
+
+    seen = sorted((dot(p, towards), dot(p, right), dot(p, up)) for p in points[:: every(points)])
+    low, high = ([f(q[k] for q in seen) for k in range(3)] for f in (min, max))
+    size = 1.12 * max(high[1] - low[1], high[2] - low[2])
+    x0, y0 = (high[1] + low[1]) / 2, (high[2] + low[2]) / 2
+
+    dots = []
+    for depth, x, y in seen:
+        shade = round(215 - 165 * (depth - low[0]) / (high[0] - low[0]))
+        cx, cy = 500 + 1000 * (x - x0) / size, 500 - 1000 * (y - y0) / size
+        dots.append(f'<circle cx="{cx:.0f}" cy="{cy:.0f}" r="3" fill="rgb({shade - 20},{shade - 5},{shade + 20})"/>')
+    return f'<svg viewBox="0 0 1000 1000" role="img" aria-label="points">{"".join(dots)}</svg>'
+
+
+def table(reports):
+    def count(key):
+        return lambda report: f'{report["result"][key]:,}'
+
+    def millionths(key):
+        return lambda report: f'{1e6 * report["result"][key]:,.0f}'
+
+    rows = {
+        "points": count("points"),
+        "normals": lambda report: html.escape(str(report["result"]["normals"])),
+        "method": lambda report: html.escape(str(report["result"]["method"])),
+        "centres": count("centers"),
+        "triangles": count("triangles"),
+        "connected components": count("components"),
+        "Euler characteristic": count("euler"),
+        "watertight": lambda report: "yes" if report["result"]["watertight"] else "no",
+        "distance, root mean square": millionths("rms_distance"),
+        "distance, 99 % of the points within": millionths("p99_distance"),
+        "time": lambda report: f'{report["time"]["total"]:.2f} s',
+        "peak memory": lambda report: f'{report["peak_memory_mb"]:.0f} MB',
+    }
+    head = "".join(f"<th>{MODELS[name][0]}</th>" for name in reports)
+    body = ""
+    for label, get in rows.items():
+        cells = "".join(f"<td>{cell(get, report)}</td>" for report in reports.values())
+        body += f'<tr><th scope="row">{label}</th>{cells}</tr>'
+    return f"<table><thead><tr><th></th>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def cell(get, report):
+    try:
+        return get(report)
+    except (KeyError, TypeError, ValueError):
+        return "&ndash;"
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__.strip())
+    main(Path(sys.argv[1]))

@@ -1,0 +1,94 @@
+#pragma once
+
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/types.hpp"
+
+namespace csrbf {
+
+/// How many derivatives an evaluation returns besides the value.
+enum class Derivatives { none = 0, gradient = 1, hessian = 2 };
+
+/// Values and derivatives of a scalar field at n points. Parts that were not asked for have no columns.
+template <int Dim>
+struct Jet {
+  Eigen::VectorXd value;                                                ///< n
+  Points<Dim> gradient;                                                 ///< Dim x n
+  Eigen::Matrix<double, symmetric_size<Dim>, Eigen::Dynamic> hessian;  ///< upper triangle by rows: xx xy xz yy yz zz
+
+  Jet() = default;
+  Jet(Index n, Derivatives derivatives)
+      : value(n),
+        gradient(Dim, derivatives >= Derivatives::gradient ? n : 0),
+        hessian(symmetric_size<Dim>, derivatives >= Derivatives::hessian ? n : 0) {}
+
+  /// Full symmetric Hessian at point i.
+  [[nodiscard]] Eigen::Matrix<double, Dim, Dim> hessian_matrix(Index i) const {
+    Eigen::Matrix<double, Dim, Dim> H;
+    for (int a = 0, entry = 0; a < Dim; ++a)
+      for (int b = a; b < Dim; ++b, ++entry) H(a, b) = H(b, a) = hessian(entry, i);
+    return H;
+  }
+};
+
+/// Where a field writes the jet of a block of n points: column i of each array belongs to point i.
+/// `gradient` and `hessian` are null when they are not wanted.
+struct JetBlock {
+  double* value = nullptr;     ///< n
+  double* gradient = nullptr;  ///< Dim x n, column major
+  double* hessian = nullptr;   ///< symmetric_size<Dim> x n, column major
+
+  [[nodiscard]] Derivatives derivatives() const {
+    if (hessian != nullptr) return Derivatives::hessian;
+    return gradient != nullptr ? Derivatives::gradient : Derivatives::none;
+  }
+};
+
+/// A smooth scalar function on R^Dim; the only interface between the parts of the library.
+///
+/// Sign, everywhere in the library: **f > 0 inside, f = 0 on the surface, f < 0 outside**, so the outward unit normal is
+/// n = -grad f / |grad f| and convex solids have positive curvature.
+template <int Dim>
+class Field {
+ public:
+  Field() = default;
+  Field(const Field&) = default;
+  Field& operator=(const Field&) = default;
+  virtual ~Field() = default;
+
+  /// Evaluates a block of points on the calling thread. Thread safe. Fastest when the points of a block are close to
+  /// each other.
+  virtual void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const = 0;
+
+  /// Box outside which nothing is of interest: the data, or the zero set.
+  [[nodiscard]] virtual Box<Dim> bounds() const = 0;
+
+  /// Points close to every part of the zero set, from which it can be traced; none when nothing is known.
+  [[nodiscard]] virtual Points<Dim> seeds() const { return Points<Dim>(Dim, 0); }
+
+  /// Length of the smallest detail the field can hold, for choosing a cell size; 0 when nothing is known.
+  [[nodiscard]] virtual double detail() const { return 0; }
+
+  /// Evaluates any number of points on all threads.
+  [[nodiscard]] Jet<Dim> evaluate(const PointsRef<Dim>& x, Derivatives derivatives = Derivatives::none) const {
+    Jet<Dim> jet(x.cols(), derivatives);
+    parallel_for(x.cols(), block_size, [&](Index begin, Index end) {
+      JetBlock out{jet.value.data() + begin, nullptr, nullptr};
+      if (derivatives >= Derivatives::gradient) out.gradient = jet.gradient.data() + Dim * begin;
+      if (derivatives >= Derivatives::hessian) out.hessian = jet.hessian.data() + symmetric_size<Dim> * begin;
+      evaluate_block(x.middleCols(begin, end - begin), out);
+    });
+    return jet;
+  }
+
+  /// Value at one point.
+  [[nodiscard]] double operator()(const Point<Dim>& p) const {
+    double value = 0;
+    evaluate_block(p, {&value, nullptr, nullptr});
+    return value;
+  }
+
+  /// Number of points handed to evaluate_block at a time.
+  static constexpr Index block_size = 512;
+};
+
+}  // namespace csrbf

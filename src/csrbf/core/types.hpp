@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+/// csrbf: smooth functions and surfaces from scattered data by compactly supported radial basis functions.
+namespace csrbf {
+
+using Index = Eigen::Index;
+
+/// One point of R^Dim.
+template <int Dim>
+using Point = Eigen::Matrix<double, Dim, 1>;
+
+/// n points as the columns of a Dim x n matrix: the memory of a C-ordered (n, Dim) array.
+template <int Dim>
+using Points = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
+
+/// Read-only view of points; binds to Points, maps and column blocks without a copy.
+template <int Dim>
+using PointsRef = Eigen::Ref<const Points<Dim>>;
+
+/// Number of independent entries of a symmetric Dim x Dim matrix.
+template <int Dim>
+inline constexpr int symmetric_size = Dim * (Dim + 1) / 2;
+
+/// Axis-aligned box [lo, hi]; empty until a point is added.
+template <int Dim>
+struct Box {
+  Point<Dim> lo = Point<Dim>::Constant(std::numeric_limits<double>::infinity());
+  Point<Dim> hi = Point<Dim>::Constant(-std::numeric_limits<double>::infinity());
+
+  void add(const Point<Dim>& p) {
+    lo = lo.cwiseMin(p);
+    hi = hi.cwiseMax(p);
+  }
+  void add(const Box& other) {
+    lo = lo.cwiseMin(other.lo);
+    hi = hi.cwiseMax(other.hi);
+  }
+  [[nodiscard]] bool empty() const { return !(lo.array() <= hi.array()).all(); }
+  [[nodiscard]] Point<Dim> extent() const { return empty() ? Point<Dim>::Zero() : Point<Dim>(hi - lo); }
+  [[nodiscard]] Point<Dim> center() const { return 0.5 * (lo + hi); }
+  [[nodiscard]] double diagonal() const { return extent().norm(); }
+  [[nodiscard]] bool contains(const Point<Dim>& p) const {
+    return (p.array() >= lo.array()).all() && (p.array() <= hi.array()).all();
+  }
+  [[nodiscard]] bool intersects(const Box& other) const {
+    return (lo.array() <= other.hi.array()).all() && (hi.array() >= other.lo.array()).all();
+  }
+  /// The box grown by `margin` on every side.
+  [[nodiscard]] Box inflated(double margin) const {
+    Box grown = *this;
+    grown.lo.array() -= margin;
+    grown.hi.array() += margin;
+    return grown;
+  }
+};
+
+/// Smallest box that holds all points. O(n).
+template <int Dim>
+Box<Dim> bounding_box(const PointsRef<Dim>& points) {
+  Box<Dim> box;
+  if (points.cols() > 0) {
+    box.lo = points.rowwise().minCoeff();
+    box.hi = points.rowwise().maxCoeff();
+  }
+  return box;
+}
+
+}  // namespace csrbf

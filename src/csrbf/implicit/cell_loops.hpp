@@ -1,0 +1,49 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <array>
+#include <span>
+
+namespace csrbf::polygonization {
+
+/// Corner c of a cell lies at the offset (c & 1, c >> 1 & 1, c >> 2 & 1).
+/// An edge runs from its lower corner to the corner above along its axis.
+struct CellEdge {
+  int axis;
+  int corner;
+};
+
+/// Edges 4 a ... 4 a + 3 run along axis a.
+inline constexpr std::array<CellEdge, 12> cell_edges{
+    {{0, 0}, {0, 2}, {0, 4}, {0, 6}, {1, 0}, {1, 1}, {1, 4}, {1, 5}, {2, 0}, {2, 1}, {2, 2}, {2, 3}}};
+
+/// A closed curve in which the surface meets the faces of a cell, counter-clockwise seen from outside the solid.
+struct CellLoop {
+  int size = 0;                            ///< 3 ... 12
+  std::array<std::uint8_t, 12> edges{};    ///< the edges it passes
+  std::array<std::uint16_t, 12> chords{};  ///< bit j of entry i: corners i and j of the loop may be joined
+  bool triangulable = false;               ///< whether such chords triangulate it; if not it needs a vertex inside
+
+  [[nodiscard]] int triangles() const { return triangulable ? size - 2 : size; }
+};
+
+/// Faces (bit 2 axis + side) on which corners alternate between inside and outside. Bit c of `inside`: corner c.
+unsigned ambiguous_faces(unsigned inside);
+
+/// Those of the ambiguous faces on which the bilinear interpolant joins the two inside corners (the asymptotic decider,
+/// Nielson and Hamann 1991). Depends on the four values of a face only, bit for bit, whichever cell asks.
+unsigned joined_faces(unsigned inside, const std::array<double, 8>& value);
+
+/// The loops of a cell. Each face is cut by its own corner values only, so the loops of neighbouring cells fit.
+std::span<const CellLoop> cell_loops(unsigned inside, unsigned joined);
+
+/// Three corners of a loop.
+using LoopTriangle = std::array<std::uint8_t, 3>;
+
+/// Triangulates a triangulable loop through the given points by the permitted chords with the smallest sum of squared
+/// lengths; writes triangles() triangles. A chord is permitted when its ends are not on one face of the cell: such a
+/// chord could be the neighbour's as well, and the edge would have four triangles.
+void triangulate(const CellLoop& loop, const std::array<Point<3>, 12>& points, std::array<LoopTriangle, 12>& triangles);
+
+}  // namespace csrbf::polygonization

@@ -1,0 +1,140 @@
+#include "csrbf/implicit/cell_tracer.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace csrbf::polygonization {
+namespace {
+
+int bit_of(const Cell& cell) {
+  return (cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4;
+}
+
+void sort_along_curve(std::vector<Brick*>& bricks) {
+  std::sort(bricks.begin(), bricks.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
+}
+
+}  // namespace
+
+void CellTracer::add(const Cell& cell) {
+  queue(grid_.at(cell), Mask{1} << bit_of(cell));
+}
+
+bool CellTracer::active(const Cell& cell) const {
+  const Brick* brick = grid_.find(cell);
+  return brick != nullptr && (brick->active >> bit_of(cell) & 1);
+}
+
+void CellTracer::run(const Progress& progress) {
+  while (!queue_.empty()) {
+    begin_wave();
+    sample_corners();
+    visit_cells();
+    ++waves_;
+    report(progress, "polygonize", fraction());
+  }
+}
+
+void CellTracer::queue(Brick& brick, Mask cells) {
+  cells &= ~(brick.visited | brick.pending);
+  if (cells == 0) return;
+  if (brick.queued == 0) queue_.push_back(&brick);
+  brick.queued |= cells;
+}
+
+void CellTracer::begin_wave() {
+  std::swap(front_, queue_);
+  queue_.clear();
+  sort_along_curve(front_);
+  for (Brick* brick : front_) brick->pending = std::exchange(brick->queued, 0);
+}
+
+void CellTracer::sample_corners() {
+  sampled_.clear();
+  Index count = 0;
+  for (Brick* brick : front_) {
+    Octet needed{brick->pending};
+    for (int axis = 0; axis < 3; ++axis) dilate(needed, axis);
+    for (int k = 0; k < 8; ++k) {
+      if (needed[k] == 0) continue;
+      Brick& holder = grid_.upper(*brick, k);
+      const Mask fresh = needed[k] & ~(holder.known | holder.needed);
+      if (fresh == 0) continue;
+      if (holder.needed == 0) sampled_.push_back(&holder);
+      holder.needed |= fresh;
+      count += std::popcount(fresh);
+    }
+  }
+  sort_along_curve(sampled_);
+
+  if (count > points_.cols()) points_.resize(3, 2 * count);
+  Index next = 0;
+  for (const Brick* brick : sampled_)
+    for (Mask left = brick->needed; left != 0; left &= left - 1)
+      points_.col(next++) = grid_.lattice().position(brick->corner(std::countr_zero(left)));
+  const Eigen::VectorXd values = sampler_.values(points_.leftCols(count));
+
+  next = 0;
+  for (Brick* brick : sampled_) {
+    for (Mask left = brick->needed; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      brick->value[bit] = values[next++];
+      if (brick->value[bit] >= 0) brick->inside |= Mask{1} << bit;
+    }
+    brick->known |= std::exchange(brick->needed, 0);
+  }
+}
+
+void CellTracer::visit_cells() {
+  for (Brick* brick : front_) {
+    const Octet inside = inside_corners(*brick);
+    const Mask crossed = brick->pending & mixed_cells(inside);
+    brick->visited |= std::exchange(brick->pending, 0);
+    brick->active |= crossed;
+    active_cells_ += std::popcount(crossed);
+    if (crossed != 0) push_across_faces(*brick, inside, crossed);
+  }
+}
+
+void CellTracer::push_across_faces(Brick& brick, const Octet& inside, Mask cells) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const Mask up = cells & mixed_faces(inside, axis, 1);
+    queue(brick, moved_up(up, axis));
+    if (const Mask carried = carried_up(up, axis)) queue(grid_.upper(brick, 1 << axis), carried);
+    const Mask down = cells & mixed_faces(inside, axis, 0);
+    queue(brick, moved_down(down, axis));
+    if (const Mask carried = carried_down(down, axis)) queue(grid_.lower(brick, axis), carried);
+  }
+}
+
+std::vector<Brick*> CellTracer::finish() {
+  std::vector<Brick*> bricks = grid_.sorted();
+  for (const Brick* brick : bricks) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Octet edges{brick->active};
+      dilate(edges, (axis + 1) % 3);
+      dilate(edges, (axis + 2) % 3);
+      for (int k = 0; k < 8; ++k)
+        if (edges[k] != 0) brick->upper[k]->edges[axis] |= edges[k];
+    }
+  }
+  for (Brick* brick : bricks) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Mask ends = moved_down(brick->inside, axis);
+      if (brick->edges[axis] & last_layer(axis)) ends |= carried_down(grid_.upper(*brick, 1 << axis).inside, axis);
+      brick->edges[axis] &= brick->inside ^ ends;
+    }
+  }
+  return bricks;
+}
+
+// The surface has about as many cells as the faces of its bounding box; unknown in advance, so the estimate only tends
+// to the 0.8 at which the vertices take over.
+double CellTracer::fraction() const {
+  const Eigen::Array3d n = grid_.lattice().cells.cast<double>();
+  const double expected = 2 * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]);
+  return 0.8 * static_cast<double>(active_cells_) / (static_cast<double>(active_cells_) + expected);
+}
+
+}  // namespace csrbf::polygonization

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "csrbf/core/mesh.hpp"
+#include "csrbf/core/progress.hpp"
+#include "csrbf/implicit/brick_grid.hpp"
+#include "csrbf/implicit/level_sampler.hpp"
+
+#include <bit>
+
+namespace csrbf::polygonization {
+
+/// What is asked of the vertices.
+struct VertexDemand {
+  bool refine = true;   ///< on the surface, not only on the chord of the two corner values
+  bool normals = true;  ///< outward unit normals
+};
+
+/// -gradient / |gradient|; zero where that is not defined.
+inline Point<3> outward_normal(const Point<3>& gradient) {
+  const double slope = gradient.norm();
+  return slope > 0 && std::isfinite(slope) ? Point<3>(-gradient / slope) : Point<3>::Zero();
+}
+
+/// Share of a cell edge that stays between a vertex and the ends of its edge, so that no two vertices coincide.
+inline constexpr double edge_margin = 1e-3;
+
+/// Numbers the crossed edges of all bricks in order: within a brick by axis, then by lower corner. Returns their
+/// number. Throws SolverFailure when a mesh cannot hold that many.
+Index number_edge_vertices(const std::vector<Brick*>& bricks);
+
+/// Number of the vertex on the edge of `axis` from corner `bit` of `brick`.
+inline int edge_vertex(const Brick& brick, int axis, int bit) {
+  const Mask before = brick.edges[axis] & ((Mask{1} << bit) - 1);
+  return brick.vertex[axis] + std::popcount(before);
+}
+
+/// Places every numbered vertex where the surface crosses its edge, and fills its normal when asked.
+///
+/// Starts from linear interpolation of the corner values. With refinement each evaluation narrows the bracket; the next
+/// point is the root of the parabola through the value and slope there and the other end of the bracket. One evaluation
+/// is enough for most vertices of a smooth field: until that root moves by less than 1e-4 of the edge, or differs by
+/// less than that from Newton's (which bounds its error), at most 6. A root within `edge_margin` of a corner is first
+/// held at that margin, then moved onto the surface along the gradient. A vertex of the cap that closes the solid at
+/// the boundary stands `edge_margin` outside its inside corner.
+void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& bricks, LevelSampler& sampler,
+                         const VertexDemand& demand, Mesh& mesh, const Progress& progress);
+
+}  // namespace csrbf::polygonization

@@ -1,0 +1,74 @@
+#include "csrbf/implicit/field_scene.hpp"
+
+#include "csrbf/implicit/polygonize.hpp"
+
+namespace csrbf {
+namespace {
+
+RenderOptions mesh_options(RenderOptions options) {
+  options.shading = MeshShading::smooth;
+  options.color = RenderColor::plain;
+  return options;
+}
+
+// Mean and Gaussian curvature of the level set through a point, positive where the inside is convex.
+double mean_curvature(const Point<3>& g, const Eigen::Matrix3d& H) {
+  const double norm = g.norm();
+  const Point<3> n = g / norm;
+  return 0.5 * (n.dot(H * n) - H.trace()) / norm;
+}
+
+double gaussian_curvature(const Point<3>& g, const Eigen::Matrix3d& H) {
+  const double norm = g.norm();
+  const Point<3> n = g / norm;
+  Eigen::Matrix3d adjugate;
+  for (int a = 0; a < 3; ++a) {
+    const int a1 = (a + 1) % 3, a2 = (a + 2) % 3;
+    for (int b = 0; b < 3; ++b) {
+      const int b1 = (b + 1) % 3, b2 = (b + 2) % 3;
+      adjugate(a, b) = (H(a1, b1) * H(a2, b2) - H(a1, b2) * H(a2, b1));
+    }
+  }
+  return n.dot(adjugate * n) / (norm * norm);
+}
+
+}  // namespace
+
+FieldScene::FieldScene(const Field<3>& field, const RenderOptions& options)
+    : field_(field),
+      color_(options.color),
+      mesh_(polygonize(field, {.resolution = options.field_resolution})),
+      triangles_(mesh_, mesh_options(options)),
+      longest_step_(field.bounds().extent().maxCoeff() / options.field_resolution) {}
+
+void FieldScene::trace(std::span<const Ray> rays, std::span<SurfaceHit> hits) const {
+  triangles_.trace(rays, hits);
+  std::vector<std::size_t> met;
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    if (hits[i].exists()) met.push_back(i);
+  Points<3> x(3, static_cast<Index>(met.size()));
+  for (std::size_t i = 0; i < met.size(); ++i) x.col(static_cast<Index>(i)) = hits[met[i]].position;
+
+  // The vertices are on the zero set, so the start is off by the square of the cell size: two steps reach rounding.
+  constexpr int steps = 2;
+  for (int step = 0; step < steps; ++step) {
+    const Jet<3> jet = field_.evaluate(x, Derivatives::gradient);
+    for (Index i = 0; i < x.cols(); ++i) {
+      const double length = std::abs(jet.value[i]) / jet.gradient.col(i).norm();
+      if (length <= longest_step_) x.col(i) -= std::copysign(length, jet.value[i]) * jet.gradient.col(i).normalized();
+    }
+  }
+  const bool curved = color_ == RenderColor::mean_curvature || color_ == RenderColor::gaussian_curvature;
+  const Jet<3> jet = field_.evaluate(x, curved ? Derivatives::hessian : Derivatives::gradient);
+  for (Index i = 0; i < x.cols(); ++i) {
+    SurfaceHit& hit = hits[met[i]];
+    const Point<3> g = jet.gradient.col(i);
+    if (!(g.norm() > 0) || !g.allFinite()) continue;
+    hit.position = x.col(i);
+    hit.normal = -g.normalized();
+    if (color_ == RenderColor::mean_curvature) hit.curvature = mean_curvature(g, jet.hessian_matrix(i));
+    if (color_ == RenderColor::gaussian_curvature) hit.curvature = gaussian_curvature(g, jet.hessian_matrix(i));
+  }
+}
+
+}  // namespace csrbf

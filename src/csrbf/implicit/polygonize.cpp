@@ -1,0 +1,174 @@
+#include "csrbf/implicit/polygonize.hpp"
+
+#include "csrbf/implicit/cell_tracer.hpp"
+#include "csrbf/implicit/cell_triangles.hpp"
+#include "csrbf/implicit/edge_vertices.hpp"
+#include "csrbf/implicit/start_cells.hpp"
+
+#include <Eigen/Geometry>
+
+namespace csrbf {
+namespace {
+
+using namespace polygonization;
+
+constexpr int largest_resolution = 4096;
+constexpr int default_margin = 4;      // cells around the field's bounds
+constexpr double rounding = 1e-9;      // of a whole number of cells
+constexpr int center_steps = 3;        // Newton steps of a vertex inside a cell
+constexpr double center_range = 0.25;  // cells it may move
+
+bool usable(const Box<3>& box) {
+  return !box.empty() && box.extent().allFinite() && box.extent().maxCoeff() > 0;
+}
+
+bool is_default(const Box<3>& box) {
+  const Box<3> none;
+  return box.lo == none.lo && box.hi == none.hi;
+}
+
+void validate(const PolygonizeOptions& options) {
+  require(options.resolution >= 0 && options.resolution <= largest_resolution, "polygonize", "resolution",
+          options.resolution, "must be between 1 and 4096 cells along the longest side, or 0 for automatic");
+  require(std::isfinite(options.level), "polygonize", "level", options.level, "must be finite");
+  require(options.seeds.allFinite(), "polygonize", "seeds", "(not finite)", "every seed must be a point");
+  const bool has_volume = usable(options.bounds) && options.bounds.extent().minCoeff() > 0;
+  require(is_default(options.bounds) || has_volume, "polygonize", "bounds",
+          options.bounds.extent().transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, 0, " x ")),
+          "must have positive, finite extent along every axis; leave them out for those of the field");
+}
+
+// Inner cells fill the bounds; one more layer on every side carries the caps.
+CellLattice make_lattice(const Field<3>& field, const PolygonizeOptions& options) {
+  const Box<3> natural = field.bounds();
+  const bool own_bounds = is_default(options.bounds);
+  require(usable(natural) || !own_bounds, "polygonize", "field.bounds()", natural.diagonal(),
+          "must be finite and not empty; give bounds in the options");
+  const int resolution = options.resolution > 0 ? options.resolution : automatic_resolution(field);
+  const double size = (usable(natural) ? natural : options.bounds).extent().maxCoeff() / resolution;
+  const Eigen::Array3d cells = (own_bounds ? natural : options.bounds).extent().array() / size;
+  require(cells.maxCoeff() < max_cells - 10, "polygonize", "bounds / cell size", cells.maxCoeff(),
+          "must be below 2^20 cells; shrink the bounds or lower the resolution");
+
+  CellLattice lattice;
+  if (own_bounds) {
+    lattice.cells = (cells - rounding).ceil().cast<int>() + 2 * default_margin + 2;
+    lattice.spacing.setConstant(size);
+    lattice.origin = natural.center() - 0.5 * size * lattice.cells.matrix().cast<double>();
+  } else {
+    const Cell inner = cells.round().cast<int>().max(1);
+    lattice.cells = inner + 2;
+    lattice.spacing = options.bounds.extent().array() / inner.cast<double>();
+    lattice.origin = options.bounds.lo - lattice.spacing;
+  }
+  return lattice;
+}
+
+void add_neighbours(const CellLattice& lattice, const Cell& cell, CellTracer& tracer) {
+  for (int k = 0; k < 27; ++k) {
+    const Cell neighbour = cell + Cell(k % 3, k / 3 % 3, k / 9) - 1;
+    if ((neighbour >= 0).all() && (neighbour < lattice.cells).all()) tracer.add(neighbour);
+  }
+}
+
+void trace(const CellLattice& lattice, const Points<3>& seeds, LevelSampler& sampler, CellTracer& tracer,
+           const PolygonizeOptions& options) {
+  const bool scan = seeds.cols() == 0;
+  const std::vector<Cell> starts =
+      scan ? cells_by_scan(lattice, sampler, options.progress) : cells_near_seeds(lattice, sampler, seeds);
+  for (const Cell& cell : starts) tracer.add(cell);
+  tracer.run(options.progress);
+  for (const Cell& cell : starts)
+    if (!tracer.active(cell)) add_neighbours(lattice, cell, tracer);
+  tracer.run(options.progress);
+  if (tracer.active_cells() > 0) return;
+  std::ostringstream message;
+  message << "polygonize: no zero crossing of f - level, level = " << options.level << ", ";
+  scan ? message << "in the scanned box" : message << "near any of " << seeds.cols() << " seeds";
+  message << "; check the level, the bounds and the seeds, or raise the resolution";
+  throw SolverFailure(message.str());
+}
+
+// Moves the vertices inside cells towards the surface and fills their normals.
+void place_center_vertices(const CellLattice& lattice, LevelSampler& sampler, Index first, bool refine, Mesh& mesh) {
+  const Index n = mesh.vertices.cols() - first;
+  if (n == 0) return;
+  const Points<3> start = mesh.vertices.rightCols(n);
+  Points<3> points = start;
+  const double range = center_range * lattice.spacing.minCoeff();
+  Jet<3> jet = sampler.jet(points);
+  for (int step = 0; refine && step < center_steps; ++step) {
+    for (Index i = 0; i < n; ++i) {
+      const Point<3> gradient = jet.gradient.col(i);
+      const double slope = gradient.norm();
+      const Point<3> shift = points.col(i) - jet.value[i] / slope * (gradient / slope) - start.col(i);
+      if (shift.allFinite()) points.col(i) = start.col(i) + std::min(1.0, range / shift.norm()) * shift;
+    }
+    jet = sampler.jet(points);
+  }
+  mesh.vertices.rightCols(n) = points;
+  for (Index i = 0; i < mesh.normals.cols() - first; ++i)
+    mesh.normals.col(first + i) = outward_normal(jet.gradient.col(i));
+}
+
+// Normals where the gradient gave none: the mean of the triangles around.
+void complete_normals(Mesh& mesh) {
+  const Eigen::Array<bool, 1, Eigen::Dynamic> missing = (mesh.normals.array() == 0).colwise().all();
+  if (!missing.any()) return;
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3i v = mesh.triangles.col(t);
+    if (!missing[v[0]] && !missing[v[1]] && !missing[v[2]]) continue;
+    const Point<3> origin = mesh.vertices.col(v[0]);
+    const Point<3> area = (mesh.vertices.col(v[1]) - origin).cross(mesh.vertices.col(v[2]) - origin);
+    for (int i = 0; i < 3; ++i)
+      if (missing[v[i]]) mesh.normals.col(v[i]) += area;
+  }
+  for (Index i = 0; i < mesh.normals.cols(); ++i)
+    if (missing[i]) mesh.normals.col(i).stableNormalize();
+}
+
+}  // namespace
+
+int automatic_resolution(const Field<3>& field) {
+  constexpr double fewest = 32;
+  constexpr double most = 1024;
+  constexpr int unknown = 128;
+  const double cells = field.bounds().extent().maxCoeff() / field.detail();
+  return std::isfinite(cells) && cells > 0 ? static_cast<int>(std::clamp(std::ceil(cells), fewest, most)) : unknown;
+}
+
+Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options) {
+  validate(options);
+  const CellLattice lattice = make_lattice(field, options);
+  const Points<3> seeds = options.seeds.cols() > 0 ? options.seeds : field.seeds();
+  require(seeds.allFinite(), "polygonize", "field.seeds()", "(not finite)", "every seed must be a point");
+  report(options.progress, "polygonize", 0.0);
+
+  LevelSampler sampler(field, options.level);
+  CellTracer tracer(lattice, sampler);
+  trace(lattice, seeds, sampler, tracer, options);
+  const std::vector<Brick*> bricks = tracer.finish();
+  const Index edge_vertices = number_edge_vertices(bricks);
+  const TriangleOffsets offsets = count_triangles(bricks);
+  const Index vertices = edge_vertices + offsets.centers.back();
+  if (vertices > std::numeric_limits<std::int32_t>::max())
+    throw SolverFailure("polygonize: more than 2^31 vertices; lower the resolution");
+
+  Mesh mesh;
+  mesh.vertices.resize(3, vertices);
+  mesh.triangles.resize(3, offsets.triangles.back());
+  if (options.normals) mesh.normals.resize(3, vertices);
+  place_edge_vertices(lattice, bricks, sampler, {options.refine, options.normals}, mesh, options.progress);
+  report(options.progress, "polygonize", 0.95);
+  fill_triangles(bricks, offsets, edge_vertices, mesh);
+  place_center_vertices(lattice, sampler, edge_vertices, options.refine, mesh);
+  if (options.normals) complete_normals(mesh);
+
+  if (options.statistics != nullptr)
+    *options.statistics = {tracer.active_cells(), sampler.value_count(), sampler.gradient_count(), tracer.waves(),
+                           offsets.centers.back()};
+  report(options.progress, "polygonize", 1.0);
+  return mesh;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/core/mesh.hpp"
+#include "csrbf/core/progress.hpp"
+
+namespace csrbf {
+
+/// What polygonize did.
+struct PolygonizeStatistics {
+  Index cells = 0;            ///< cells crossed by the surface
+  Index values = 0;           ///< points evaluated without gradient
+  Index gradients = 0;        ///< points evaluated with gradient
+  Index waves = 0;            ///< batches in which the surface was followed
+  Index center_vertices = 0;  ///< vertices inside cells, where no triangulation of their loop keeps the mesh manifold
+};
+
+struct PolygonizeOptions {
+  /// Cells along the longest side of the field's bounds (of `bounds` where the field has none), 1 ... 4096;
+  /// 0 = automatic_resolution(field).
+  int resolution = 0;
+
+  /// The surface f = level is extracted.
+  double level = 0;
+
+  /// The solid is cut off at this box and closed by flat caps there. Cells then divide each side into equal parts, as
+  /// close to cubes as possible. Default (an empty box): the field's bounds and at least four cells more on every side,
+  /// with cells that are exact cubes.
+  Box<3> bounds{};
+
+  /// Where to start, 3 x n; default: the field's seeds. A component is found when a seed, moved by at most three Newton
+  /// steps of at most two cells along the gradient, lies within a cell of it. When there are no seeds at all the whole
+  /// box is scanned: every cell at up to 256 cells along its longest side, else steps of 1/266 of that side, which miss
+  /// components that are smaller.
+  Points<3> seeds{3, 0};
+
+  /// Vertices on the surface to about 1e-6 of a cell instead of O(cell^2) beside it.
+  bool refine = true;
+
+  /// Outward unit normals at the vertices, from the gradient of the field.
+  bool normals = true;
+
+  Progress progress{};                         ///< stage "polygonize"
+  PolygonizeStatistics* statistics = nullptr;  ///< filled when not null
+};
+
+/// Cells along the longest side that show the detail of the field: cells as long as its detail, between 32 and 1024 of
+/// them; 128 when the field does not know its detail.
+int automatic_resolution(const Field<3>& field);
+
+/// Triangle mesh of the surface f = level by marching cubes, closed, manifold and oriented by construction: each cell
+/// face is cut by its own four corner values only (asymptotic decider, Nielson and Hamann 1991), and no triangle edge
+/// joins two vertices of one cell face unless it is a cut of that face. Surfaces that share a cell stay apart or merge,
+/// but never touch in an edge or a vertex.
+///
+/// Corners with f >= level are inside. Features thinner than a cell may be lost.
+/// Follows the surface from the seeds: time and memory are proportional to the number of vertices, about two values and
+/// one gradient for each, whatever the size of the box. Vertices and triangles are numbered along a Morton curve; the
+/// mesh is the same, bit for bit, for every number of threads.
+///
+/// Throws InvalidInput for a resolution, level, bounds or seeds outside the above; SolverFailure when there is no zero
+/// crossing near any seed (or in the scan), when the field is not finite where it is evaluated (with the position), and
+/// when there are more vertices than 2^31; Cancelled.
+Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options = {});
+
+}  // namespace csrbf

@@ -1,0 +1,97 @@
+#include "csrbf/io/atomic_file.hpp"
+
+#include "csrbf/core/error.hpp"
+
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#ifdef _WIN32
+#include <process.h>
+#define getpid _getpid
+#else
+#include <unistd.h>
+#endif
+
+namespace csrbf {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string reason(int error) {
+  return std::generic_category().message(error);
+}
+
+// A hidden name beside the target, unique among the processes and threads that write there.
+std::string temporary_name(const fs::path& target) {
+  static std::atomic<unsigned> counter{0};
+  const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter++);
+  return (target.parent_path() / ("." + target.filename().string() + "." + unique + ".tmp")).string();
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::directory) {
+    errno = EISDIR;
+    fail("write");
+  }
+  const bool in_place = fs::exists(status) && status.type() != fs::file_type::regular;
+  if (!in_place) {
+    if (fs::exists(status)) target_ = fs::canonical(path, error).string();
+    if (target_.empty()) target_ = path;
+    temporary_ = temporary_name(target_);
+  }
+  file_ = std::fopen((in_place ? target_ : temporary_).c_str(), in_place ? "wb" : "wbx");
+  if (file_ == nullptr) {
+    temporary_.clear();
+    fail("write");
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ != nullptr) std::fclose(file_);
+  if (!temporary_.empty()) std::remove(temporary_.c_str());
+}
+
+void AtomicFile::write(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("write");
+}
+
+void AtomicFile::commit() {
+  std::FILE* file = file_;
+  file_ = nullptr;
+  const bool flushed = std::fflush(file) == 0;
+  const int flush_error = errno;
+  const bool closed = std::fclose(file) == 0;
+  if (!flushed) errno = flush_error;
+  if (!flushed || !closed) fail("write");
+  if (temporary_.empty()) return;
+  std::error_code error;
+  fs::rename(temporary_, target_, error);
+  if (error) {
+    errno = error.value();
+    fail("replace");
+  }
+  temporary_.clear();
+}
+
+void AtomicFile::fail(const char* action) const {
+  const int error = errno;
+  throw IoError(path_ + ": cannot " + action + " the file: " + reason(error));
+}
+
+void write_file(const std::string& path, std::string_view bytes) {
+  if (path != "-") {
+    AtomicFile file(path);
+    file.write(bytes);
+    file.commit();
+  } else if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() || std::fflush(stdout) != 0) {
+    throw IoError("standard output: cannot write: " + reason(errno));
+  }
+}
+
+}  // namespace csrbf

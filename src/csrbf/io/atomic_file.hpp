@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace csrbf {
+
+/// A file that appears under its name only when it is complete: bytes go to a temporary name in the same folder, and
+/// commit() renames it over the target. Without commit() the temporary is removed and the target stays as it was.
+/// Devices and pipes are written directly; a symbolic link keeps pointing to the file that is replaced.
+/// Every failure is an IoError that names the target and the system's reason.
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::string& path);
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile();
+
+  void write(std::string_view bytes);
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const char* action) const;
+
+  std::string path_;       // as the user wrote it, for messages
+  std::string target_;     // with symbolic links resolved
+  std::string temporary_;  // empty when the target is written directly or nothing is left to remove
+  std::FILE* file_ = nullptr;
+};
+
+/// Writes a whole file through AtomicFile; "-" is standard output.
+void write_file(const std::string& path, std::string_view bytes);
+
+}  // namespace csrbf

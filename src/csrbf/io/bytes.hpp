@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <type_traits>
+
+namespace csrbf {
+
+/// The scalar stored at `bytes` (no alignment needed) in the given byte order.
+template <class T>
+T load_scalar(const char* bytes, std::endian order = std::endian::little) {
+  std::array<char, sizeof(T)> raw;
+  std::memcpy(raw.data(), bytes, sizeof(T));
+  if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
+  return std::bit_cast<T>(raw);
+}
+
+/// Appends a scalar to `out` in little-endian order.
+template <class T>
+void append_scalar(std::string& out, T value) {
+  auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  if (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
+  out.append(raw.data(), raw.size());
+}
+
+/// Conversion of a value to a scalar type of a file: integers are rounded and clamped, NaN becomes 0; a float that
+/// cannot hold the value becomes infinite.
+template <class T>
+T narrow_scalar(double value) {
+  constexpr auto lowest = static_cast<double>(std::numeric_limits<T>::lowest());
+  constexpr auto highest = static_cast<double>(std::numeric_limits<T>::max());
+  if constexpr (std::is_floating_point_v<T>) {
+    constexpr T infinity = std::numeric_limits<T>::infinity();
+    if (value > highest) return infinity;
+    return value < lowest ? -infinity : static_cast<T>(value);
+  } else {
+    if (std::isnan(value)) return 0;
+    return static_cast<T>(std::nearbyint(std::clamp(value, lowest, highest)));
+  }
+}
+
+}  // namespace csrbf

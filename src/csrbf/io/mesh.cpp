@@ -1,0 +1,82 @@
+#include "csrbf/io/mesh.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/atomic_file.hpp"
+#include "csrbf/io/obj.hpp"
+#include "csrbf/io/off.hpp"
+#include "csrbf/io/ply.hpp"
+#include "csrbf/io/points.hpp"
+#include "csrbf/io/read_file.hpp"
+#include "csrbf/io/stl.hpp"
+#include "csrbf/io/text.hpp"
+
+namespace csrbf {
+namespace {
+
+struct Format {
+  std::string_view extension;
+  Mesh (*parse)(std::string_view bytes, const std::string& name);
+  std::string (*format)(const Mesh& mesh);
+};
+
+constexpr Format formats[] = {{".ply", parse_ply, format_ply},
+                              {".obj", parse_obj, format_obj},
+                              {".off", parse_off, format_off},
+                              {".stl", parse_stl, format_stl}};
+
+const Format* find_format(const std::string& path) {
+  const std::string extension = path == "-" ? ".off" : file_extension(path);
+  for (const Format& format : formats)
+    if (format.extension == extension) return &format;
+  return nullptr;
+}
+
+const Format& checked_format(const std::string& path) {
+  if (const Format* format = find_format(path)) return *format;
+  std::string known;
+  for (const Format& format : formats) known += " " + std::string(format.extension);
+  throw IoError(path + ": unknown extension " + in_quotes(file_extension(path)) + "; mesh files are" + known);
+}
+
+void check(const Mesh& mesh) {
+  const Index vertices = mesh.vertices.cols();
+  require(mesh.normals.cols() == 0 || mesh.normals.cols() == vertices, "write_mesh", "normals", mesh.normals.cols(),
+          "none or one per vertex is needed");
+  if (mesh.triangles.cols() == 0) return;
+  require(mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < vertices, "write_mesh", "largest vertex index",
+          mesh.triangles.maxCoeff(), "indices must be in [0, number of vertices)");
+}
+
+}  // namespace
+
+Mesh read_mesh(const std::string& path) {
+  const Format& format = checked_format(path);
+  Mesh mesh = format.parse(read_file(path), display_name(path));
+  if (mesh.triangles.cols() == 0)
+    throw IoError(display_name(path) + ": the file holds " + std::to_string(mesh.vertices.cols()) +
+                  " points but no faces");
+  return mesh;
+}
+
+Mesh read_mesh_or_points(const std::string& path) {
+  if (const Format* format = find_format(path); format != nullptr && path != "-")
+    return format->parse(read_file(path), display_name(path));
+  PointCloud cloud = read_points(path);
+  Mesh mesh;
+  mesh.vertices = std::move(cloud.points);
+  mesh.normals = std::move(cloud.normals);
+  mesh.properties = std::move(cloud.properties);
+  return mesh;
+}
+
+void write_mesh(const std::string& path, const Mesh& mesh) {
+  const Format& format = checked_format(path);
+  check(mesh);
+  write_file(path, format.format(mesh));
+}
+
+bool is_mesh_file(const std::string& path) {
+  return find_format(path) != nullptr;
+}
+
+}  // namespace csrbf

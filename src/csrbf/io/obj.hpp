@@ -1,0 +1,18 @@
+#pragma once
+
+#include "csrbf/core/mesh.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace csrbf {
+
+/// Reads a Wavefront OBJ text: v (with colours in [0, 1] behind the coordinates, which become the properties red green
+/// blue), vn when there are as many as vertices and every face uses them so, f (polygons become fans of triangles;
+/// negative indices count from the end). Other lines are ignored. Throws IoError "name:line: ...".
+Mesh parse_obj(std::string_view text, const std::string& name);
+
+/// Vertices, colours, normals and triangles as OBJ text; other properties have no place in the format.
+std::string format_obj(const Mesh& mesh);
+
+}  // namespace csrbf

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "csrbf/core/mesh.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace csrbf {
+
+/// Reads the bytes of a PLY file: ascii or binary of either byte order, every scalar type. Vertex properties x y z
+/// become the vertices, nx ny nz (when all three are there) the normals, the other scalars properties of their type.
+/// Polygons become fans of triangles; a point file gives a mesh without triangles. List properties of vertices and
+/// other elements are skipped. Throws IoError "name:line: ..." (text) or "name: vertex 17: ..." (binary).
+Mesh parse_ply(std::string_view bytes, const std::string& name);
+
+/// The bytes of a binary little-endian PLY file: float coordinates and normals, properties of their own type, and
+/// faces unless `mesh` has no triangles. Throws IoError when a coordinate is too large for a float, InvalidInput when
+/// normals or properties do not have one entry per vertex.
+std::string format_ply(const Mesh& mesh);
+
+}  // namespace csrbf

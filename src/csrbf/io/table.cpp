@@ -1,0 +1,151 @@
+#include "csrbf/io/table.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/text.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace csrbf {
+namespace {
+
+char separator_of(std::string_view line) {
+  for (const char candidate : {';', ','})
+    if (line.find(candidate) != std::string_view::npos) return candidate;
+  return ' ';
+}
+
+// Takes the next cell off the line; nullopt at its end. One separator at the end of a line is ignored.
+std::optional<std::string_view> take_cell(std::string_view& line, char separator) {
+  if (separator == ' ') {
+    const std::string_view word = take_word(line);
+    return word.empty() ? std::nullopt : std::optional(word);
+  }
+  if (line.empty()) return std::nullopt;
+  const std::size_t end = std::min(line.find(separator), line.size());
+  const std::string_view cell = trimmed(line.substr(0, end));
+  line.remove_prefix(std::min(line.size(), end + 1));
+  return cell;
+}
+
+std::vector<std::string_view> split(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  while (const auto cell = take_cell(line, separator)) cells.push_back(*cell);
+  return cells;
+}
+
+bool is_number(std::string_view cell) {
+  return parse_number(cell).has_value();
+}
+
+std::vector<std::string> unquoted(const std::vector<std::string_view>& cells) {
+  std::vector<std::string> names;
+  for (std::string_view cell : cells) {
+    if (cell.size() >= 2 && (cell.front() == '"' || cell.front() == '\'') && cell.front() == cell.back())
+      cell = cell.substr(1, cell.size() - 2);
+    names.emplace_back(cell);
+  }
+  return names;
+}
+
+class TableParser {
+ public:
+  TableParser(std::string_view text, const std::string& name) : text_size_(text.size()), reader_(text, name) {}
+
+  Table parse() {
+    read_head();
+    do {
+      read_row();
+    } while (next_line());
+    const Index rows = columns_ > 0 ? static_cast<Index>(values_.size()) / columns_ : 0;
+    if (promised_rows_ && *promised_rows_ != rows)
+      throw IoError(reader_.name() + ": the first line promises " + std::to_string(*promised_rows_) + " rows, found " +
+                    std::to_string(rows));
+    table_.values = Eigen::Map<const Eigen::MatrixXd>(values_.data(), columns_, rows);
+    return std::move(table_);
+  }
+
+ private:
+  // Moves to the next line that holds something besides a comment; keeps the last whole-line comment.
+  bool next_line() {
+    while (reader_.next()) {
+      line_ = reader_.line();
+      const std::size_t mark = std::min(line_.find('#'), line_.find("//"));
+      if (mark == 0) comment_ = trimmed(line_.substr(line_[0] == '#' ? 1 : 2));
+      line_ = trimmed(line_.substr(0, mark));
+      if (!line_.empty()) return true;
+    }
+    return false;
+  }
+
+  // Row count, column names and the shape of the first row.
+  void read_head() {
+    if (!next_line()) throw IoError(reader_.name() + ": the file holds no rows of numbers");
+    separator_ = separator_of(line_);
+    std::vector<std::string_view> cells = split(line_, separator_);
+    if (const auto count = parse_integer(line_); cells.size() == 1 && count && *count >= 0) {
+      const LineReader before = reader_;
+      if (next_line() && split(line_, separator_of(line_)).size() > 1) {
+        promised_rows_ = *count;
+        separator_ = separator_of(line_);
+        cells = split(line_, separator_);
+      } else {
+        reader_ = before;
+        line_ = reader_.line();
+      }
+    }
+    if (std::none_of(cells.begin(), cells.end(), is_number)) {
+      table_.names = unquoted(cells);
+      if (!next_line()) throw IoError(reader_.name() + ": the file holds column names but no rows of numbers");
+      if (separator_ == ' ') separator_ = separator_of(line_);
+      cells = split(line_, separator_);
+      if (cells.size() != table_.names.size())
+        reader_.fail("expected " + std::to_string(table_.names.size()) + " columns as named, found " +
+                     std::to_string(cells.size()));
+    } else {
+      take_names_from_comment(cells.size());
+    }
+    columns_ = static_cast<Index>(cells.size());
+    table_.first_line = reader_.number();
+    values_.reserve(cells.size() * (1 + text_size_ / (reader_.line().size() + 1)));
+  }
+
+  void take_names_from_comment(std::size_t columns) {
+    const std::vector<std::string_view> cells = split(comment_, separator_of(comment_));
+    if (cells.size() != columns || std::any_of(cells.begin(), cells.end(), is_number)) return;
+    table_.names = unquoted(cells);
+    table_.names_from_comment = true;
+  }
+
+  void read_row() {
+    std::string_view rest = line_;
+    Index found = 0;
+    while (const auto cell = take_cell(rest, separator_)) {
+      if (++found > columns_) continue;
+      const std::optional<double> value = parse_number(*cell);
+      if (!value && cell->empty()) reader_.fail("cell " + std::to_string(found) + " is empty");
+      if (!value) reader_.fail(in_quotes(*cell) + " is not a number");
+      values_.push_back(*value);
+    }
+    if (found != columns_)
+      reader_.fail("expected " + std::to_string(columns_) + " columns as in line " + std::to_string(table_.first_line) +
+                   ", found " + std::to_string(found));
+  }
+
+  std::size_t text_size_;
+  LineReader reader_;
+  std::string_view line_, comment_;
+  char separator_ = ' ';
+  Index columns_ = 0;
+  std::optional<std::int64_t> promised_rows_;
+  std::vector<double> values_;
+  Table table_;
+};
+
+}  // namespace
+
+Table parse_table(std::string_view text, const std::string& name) {
+  return TableParser(text, name).parse();
+}
+
+}  // namespace csrbf

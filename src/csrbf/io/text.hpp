@@ -1,0 +1,67 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace csrbf {
+
+/// Walks over the lines of a text and knows its place for messages. Unix and Windows line ends; the last line may lack
+/// one. The text must outlive the reader.
+class LineReader {
+ public:
+  /// `name` is the file's name in messages; what follows `comment` on a line is ignored (none by default).
+  LineReader(std::string_view text, std::string name, char comment = '\0');
+
+  /// Moves to the next line that is not blank; false at the end of the text.
+  bool next();
+  /// The current line without comment, line end and surrounding blanks.
+  [[nodiscard]] std::string_view line() const { return line_; }
+  /// 1-based number of the current line.
+  [[nodiscard]] Index number() const { return number_; }
+  /// The text behind the current line.
+  [[nodiscard]] std::string_view rest() const { return text_.substr(position_); }
+  /// False when the text behind the current line is far too short for so many items: their memory must not be taken.
+  [[nodiscard]] bool can_hold(Index items, std::size_t values_each) const;
+  /// The file's name.
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+  /// Throws IoError "name:line: message".
+  [[noreturn]] void fail(const std::string& message) const;
+
+ private:
+  std::string_view text_;
+  std::string name_;
+  char comment_;
+  std::size_t position_ = 0;
+  std::string_view line_;
+  Index number_ = 0;
+};
+
+/// Takes the next word (separated by blanks) off `rest`; empty when there is none.
+std::string_view take_word(std::string_view& rest);
+
+/// Number of words left in `rest`.
+Index count_words(std::string_view rest);
+
+/// `text` without blanks around it.
+std::string_view trimmed(std::string_view text);
+
+/// `text` as one word for headers: blanks, separators and quotes become underscores.
+std::string single_word(std::string_view text);
+
+/// `text` in double quotes, shortened when long and without control characters: for messages.
+std::string in_quotes(std::string_view text);
+
+/// The number that `word` is as a whole (a leading plus, nan and inf are numbers), if it is one.
+std::optional<double> parse_number(std::string_view word);
+
+/// The integer that `word` is as a whole, if it is one.
+std::optional<std::int64_t> parse_integer(std::string_view word);
+
+/// Appends the shortest text that reads back as the same double.
+void append_number(std::string& out, double value);
+
+}  // namespace csrbf

@@ -1,0 +1,98 @@
+#include "csrbf/spatial/kd_tree.hpp"
+
+#include <nanoflann.hpp>
+
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+// The view nanoflann asks for.
+template <int Dim>
+struct Columns {
+  const double* data;
+  Index count;
+
+  [[nodiscard]] std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(count); }
+  [[nodiscard]] double kdtree_get_pt(std::size_t i, std::size_t axis) const { return data[Dim * i + axis]; }
+  template <class BoundingBox>
+  bool kdtree_get_bbox(BoundingBox& /*box*/) const {
+    return false;
+  }
+};
+
+template <int Dim>
+using Search =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Columns<Dim>, double, std::uint32_t>,
+                                        Columns<Dim>, Dim, std::uint32_t>;
+
+// Collects indices only: no distances, no sort by distance.
+class IndexCollector {
+ public:
+  IndexCollector(double squared_radius, std::vector<Index>& indices)
+      : squared_radius_(squared_radius), indices_(indices) {}
+  bool addPoint(double squared_distance, std::uint32_t index) {
+    if (squared_distance < squared_radius_) indices_.push_back(static_cast<Index>(index));
+    return true;
+  }
+  [[nodiscard]] double worstDist() const { return squared_radius_; }
+  [[nodiscard]] bool full() const { return true; }
+
+ private:
+  double squared_radius_;
+  std::vector<Index>& indices_;
+};
+
+}  // namespace
+
+template <int Dim>
+struct KdTree<Dim>::Impl {
+  Columns<Dim> columns;
+  Search<Dim> search;
+
+  explicit Impl(const PointsRef<Dim>& points)
+      : columns{points.data(), points.cols()}, search(Dim, columns, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
+    search.buildIndex();
+  }
+};
+
+template <int Dim>
+KdTree<Dim>::KdTree(const PointsRef<Dim>& points) : impl_(std::make_unique<Impl>(points)) {}
+template <int Dim>
+KdTree<Dim>::KdTree(KdTree&&) noexcept = default;
+template <int Dim>
+KdTree<Dim>& KdTree<Dim>::operator=(KdTree&&) noexcept = default;
+template <int Dim>
+KdTree<Dim>::~KdTree() = default;
+
+template <int Dim>
+Index KdTree<Dim>::size() const {
+  return impl_->columns.count;
+}
+
+template <int Dim>
+Index KdTree<Dim>::nearest(const Point<Dim>& x, Index k, Index* indices, double* squared_distances) const {
+  if (size() == 0 || k <= 0) return 0;
+  nanoflann::KNNResultSet<double, Index, Index> result(k);
+  result.init(indices, squared_distances);
+  impl_->search.findNeighbors(result, x.data(), nanoflann::SearchParams());
+  return result.size();
+}
+
+template <int Dim>
+void KdTree<Dim>::within(const Point<Dim>& x, double radius, std::vector<Index>& indices) const {
+  indices.clear();
+  if (size() == 0) return;
+  IndexCollector collector(radius * radius, indices);
+  impl_->search.findNeighbors(collector, x.data(), nanoflann::SearchParams());
+  std::sort(indices.begin(), indices.end());
+}
+
+template class KdTree<1>;
+template class KdTree<2>;
+template class KdTree<3>;
+template class KdTree<4>;
+template class KdTree<5>;
+template class KdTree<6>;
+
+}  // namespace csrbf

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace csrbf {
+
+/// Nearest-neighbour search in a fixed point set. The points are referenced, not copied: they must outlive the tree.
+/// Queries are thread safe. Build O(n log n); queries O(log n + k). Fastest when points are in Morton order.
+template <int Dim>
+class KdTree {
+ public:
+  explicit KdTree(const PointsRef<Dim>& points);
+  KdTree(KdTree&&) noexcept;
+  KdTree& operator=(KdTree&&) noexcept;
+  ~KdTree();
+
+  [[nodiscard]] Index size() const;
+
+  /// Writes the k nearest points of x, nearest first, to `indices` and `squared_distances` (k entries each) and returns
+  /// how many were found: min(k, size()).
+  Index nearest(const Point<Dim>& x, Index k, Index* indices, double* squared_distances) const;
+
+  /// Indices of all points with |p - x| < radius, in ascending index order; replaces the content of `indices`.
+  void within(const Point<Dim>& x, double radius, std::vector<Index>& indices) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace csrbf

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <vector>
+
+namespace csrbf {
+
+/// Permutation that sorts points along a Morton (Z-order) curve over their bounding box: neighbours in the order are
+/// close in space. Ties keep the input order. O(n log n).
+template <int Dim>
+std::vector<Index> morton_order(const PointsRef<Dim>& points);
+
+}  // namespace csrbf

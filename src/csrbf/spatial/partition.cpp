@@ -1,0 +1,220 @@
+#include "csrbf/spatial/partition.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <numeric>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+using Keyed = std::pair<double, Index>;
+
+// Principal axes of the columns `ids` of `columns`, largest spread last; false when they all coincide.
+template <int Dim>
+bool principal_axes(const PointsRef<Dim>& columns, const Index* ids, Index n, Eigen::Matrix<double, Dim, Dim>& axes) {
+  Point<Dim> mean = Point<Dim>::Zero();
+  for (Index i = 0; i < n; ++i) mean += columns.col(ids[i]);
+  mean /= static_cast<double>(n);
+  Eigen::Matrix<double, Dim, Dim> covariance = Eigen::Matrix<double, Dim, Dim>::Zero();
+  for (Index i = 0; i < n; ++i) {
+    const Point<Dim> d = columns.col(ids[i]) - mean;
+    covariance += d * d.transpose();
+  }
+  const double scale = covariance.trace();
+  if (!(scale > 0)) return false;
+  using Bounded = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;  // one solver for every dimension
+  axes = Eigen::SelfAdjointEigenSolver<Bounded>(covariance / scale).eigenvectors();
+  return true;
+}
+
+template <int Dim>
+std::vector<Keyed> project(const PointsRef<Dim>& columns, const Index* ids, Index n, const Point<Dim>& axis) {
+  std::vector<Keyed> keyed(static_cast<std::size_t>(n));
+  for (Index i = 0; i < n; ++i) keyed[static_cast<std::size_t>(i)] = {axis.dot(columns.col(ids[i])), ids[i]};
+  return keyed;
+}
+
+void store(const std::vector<Keyed>& keyed, Index* ids) {
+  for (std::size_t i = 0; i < keyed.size(); ++i) ids[i] = keyed[i].second;
+}
+
+// Eigenvectors have no sign: turns the axis to where the points reach further, so that cuts turn with the cloud.
+void orient(std::vector<Keyed>& keyed) {
+  double mean = 0, third_moment = 0;
+  for (const Keyed& k : keyed) mean += k.first / static_cast<double>(keyed.size());
+  for (const Keyed& k : keyed) third_moment += (k.first - mean) * (k.first - mean) * (k.first - mean);
+  if (third_moment < 0)
+    for (Keyed& k : keyed) k.first = -k.first;
+}
+
+// Puts the `cut` points lowest along the principal axis first.
+template <int Dim>
+void split_at(const PointsRef<Dim>& points, Index* ids, Index n, Index cut) {
+  Eigen::Matrix<double, Dim, Dim> axes;
+  if (!principal_axes<Dim>(points, ids, n, axes)) return;
+  std::vector<Keyed> keyed = project<Dim>(points, ids, n, axes.col(Dim - 1));
+  orient(keyed);
+  std::nth_element(keyed.begin(), keyed.begin() + cut, keyed.end());
+  store(keyed, ids);
+}
+
+template <int Dim>
+class Splitter {
+ public:
+  using Matrix = Eigen::Matrix<double, Dim, Dim>;
+
+  Splitter(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
+           const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options)
+      : points_(points), normals_(normals), spacing_(spacing), options_(options) {}
+
+  // Cuts [begin, end) of `order` in two and returns where, or `end` when it is a leaf.
+  Index split(std::vector<Index>& order, Index begin, Index end) const {
+    const Index n = end - begin;
+    if (n <= 1) return end;
+    Index* ids = order.data() + begin;
+    if (n > options_.leaf_size) return begin + split_evenly(ids, n);
+    Index cut = cut_by_normals(ids, n);
+    if (cut == n) cut = cut_at_gap(ids, n);
+    return begin + cut;
+  }
+
+ private:
+  // Halves the number of leaves, so that all leaves end with nearly the same number of points.
+  Index split_evenly(Index* ids, Index n) const {
+    const Index leaves = (n + options_.leaf_size - 1) / options_.leaf_size;
+    const Index cut = n * (leaves / 2) / leaves;
+    split_at<Dim>(points_, ids, n, cut);
+    return cut;
+  }
+
+  Point<Dim> mean_normal(const Index* ids, Index n) const {
+    Point<Dim> mean = Point<Dim>::Zero();
+    for (Index i = 0; i < n; ++i) mean += normals_.col(ids[i]);
+    return mean / static_cast<double>(n);
+  }
+
+  Index cut_by_normals(Index* ids, Index n) const {
+    if (normals_.cols() == 0) return n;
+    if (mean_normal(ids, n).norm() >= options_.min_mean_normal) return n;
+    Matrix axes;
+    if (!principal_axes<Dim>(normals_, ids, n, axes)) return n;
+    return cut_widest(project<Dim>(normals_, ids, n, axes.col(Dim - 1)), ids, 0.0);
+  }
+
+  Index cut_at_gap(Index* ids, Index n) const {
+    if (spacing_.size() == 0) return n;
+    double spacing = 0;
+    for (Index i = 0; i < n; ++i) spacing += spacing_[ids[i]];
+    spacing /= static_cast<double>(n);
+    if (normals_.cols() > 0) {
+      // Across a small leaf the principal axes need not be those of the sheets.
+      const Index cut =
+          cut_widest(project<Dim>(points_, ids, n, mean_normal(ids, n).normalized()), ids, options_.max_gap * spacing);
+      if (cut < n) return cut;
+    }
+    Matrix axes;
+    if (!principal_axes<Dim>(points_, ids, n, axes)) return n;
+    for (int a = Dim - 1; a >= 0; --a) {
+      const Index cut = cut_widest(project<Dim>(points_, ids, n, axes.col(a)), ids, options_.max_gap * spacing);
+      if (cut < n) return cut;
+    }
+    return n;
+  }
+
+  // Cuts at the widest gap between consecutive keys if it is wider than `least`.
+  static Index cut_widest(std::vector<Keyed> keyed, Index* ids, double least) {
+    std::sort(keyed.begin(), keyed.end());
+    const auto n = static_cast<Index>(keyed.size());
+    Index cut = n;
+    double widest = least;
+    for (std::size_t i = 1; i < keyed.size(); ++i) {
+      const double gap = keyed[i].first - keyed[i - 1].first;
+      if (gap > widest) {
+        widest = gap;
+        cut = static_cast<Index>(i);
+      }
+    }
+    if (cut < n) store(keyed, ids);
+    return cut;
+  }
+
+  const PointsRef<Dim>& points_;
+  const PointsRef<Dim>& normals_;
+  const Eigen::Ref<const Eigen::VectorXd>& spacing_;
+  const PartitionOptions& options_;
+};
+
+}  // namespace
+
+template <int Dim>
+Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
+                    const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options) {
+  require(options.leaf_size >= 1, "partition", "leaf_size", options.leaf_size, "must be at least 1");
+  const Index n = points.cols();
+  require(normals.cols() == 0 || normals.cols() == n, "partition", "normals", normals.cols(), "one per point or none");
+  require(spacing.size() == 0 || spacing.size() == n, "partition", "spacing", spacing.size(), "one per point or none");
+  Partition result;
+  result.order.resize(static_cast<std::size_t>(n));
+  std::iota(result.order.begin(), result.order.end(), Index{0});
+  if (n == 0) {
+    result.begin = {0};
+    return result;
+  }
+
+  // Level by level: the nodes of a level are independent of each other.
+  const Splitter<Dim> splitter(points, normals, spacing, options);
+  std::vector<Index> bounds = {0, n};
+  std::vector<char> is_leaf = {0};
+  for (bool changed = true; changed;) {
+    const auto nodes = static_cast<Index>(is_leaf.size());
+    std::vector<Index> cuts(is_leaf.size());
+    parallel_for(nodes, 1 + nodes / 256, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) {
+        const auto node = static_cast<std::size_t>(i);
+        cuts[node] =
+            is_leaf[node] != 0 ? bounds[node + 1] : splitter.split(result.order, bounds[node], bounds[node + 1]);
+      }
+    });
+    changed = false;
+    std::vector<Index> next_bounds = {0};
+    std::vector<char> next_is_leaf;
+    for (std::size_t node = 0; node < is_leaf.size(); ++node) {
+      const bool leaf = cuts[node] == bounds[node + 1] || cuts[node] == bounds[node];
+      if (!leaf) {
+        next_bounds.push_back(cuts[node]);
+        next_is_leaf.push_back(0);
+        changed = true;
+      }
+      next_bounds.push_back(bounds[node + 1]);
+      next_is_leaf.push_back(leaf ? 1 : 0);
+    }
+    bounds = std::move(next_bounds);
+    is_leaf = std::move(next_is_leaf);
+  }
+  result.begin = std::move(bounds);
+  return result;
+}
+
+template <int Dim>
+Index halve(const PointsRef<Dim>& points, Index* ids, Index n) {
+  split_at<Dim>(points, ids, n, n / 2);
+  return n / 2;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                    \
+  template Index halve<Dim>(const PointsRef<Dim>&, Index*, Index);                \
+  template Partition partition<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&, \
+                                    const Eigen::Ref<const Eigen::VectorXd>&, const PartitionOptions&);
+CSRBF_INSTANTIATE(1)
+CSRBF_INSTANTIATE(2)
+CSRBF_INSTANTIATE(3)
+CSRBF_INSTANTIATE(4)
+CSRBF_INSTANTIATE(5)
+CSRBF_INSTANTIATE(6)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

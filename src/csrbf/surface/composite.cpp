@@ -1,0 +1,126 @@
+#include "csrbf/surface/composite.hpp"
+
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/partition.hpp"
+#include "csrbf/surface/patch_fitter.hpp"
+
+#include <iterator>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr Index patches_per_task = 64;
+constexpr Index tasks_per_report = 64;
+constexpr Index scrap = 8;       // a leaf with fewer than 1 / scrap of the usual points is a scrap
+constexpr double covered = 0.1;  // sum of weights that makes a patch over a scrap superfluous
+
+// One leaf of the final partition with its patch.
+struct Leaf {
+  Index begin, end;  // in the order of the partition
+  FittedPatch patch;
+};
+
+// Fits leaves; halves them as long as a tolerance is missed. The smallest leaves then all but interpolate the
+// positions.
+class LeafFitter {
+ public:
+  LeafFitter(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
+             std::vector<Index>& order, Eigen::VectorXd& areas)
+      : cloud_(cloud),
+        options_(options),
+        tight_options_(tight(options)),
+        order_(order),
+        areas_(areas),
+        fitter_(cloud, tree, options_),
+        tight_fitter_(cloud, tree, tight_options_) {}
+
+  void fit(Index begin, Index end, std::vector<Leaf>& leaves) {
+    Index* ids = order_.data() + begin;
+    FittedPatch patch = fitter_.fit(ids, end - begin);
+    if (options_.tolerance.size() > 0 && !fitter_.within_tolerance(patch)) {
+      if (end - begin >= 2 * CompositeOptions::smallest_leaf) {
+        const Index middle = begin + halve<3>(cloud_.points, ids, end - begin);
+        fit(begin, middle, leaves);
+        fit(middle, end, leaves);
+        return;
+      }
+      patch = tight_fitter_.fit(ids, end - begin);
+    }
+    for (Index k = 0; k < end - begin; ++k) areas_[ids[k]] = fitter_.area_per_sample();
+    leaves.push_back({begin, end, std::move(patch)});
+  }
+
+ private:
+  static CompositeOptions tight(CompositeOptions options) {
+    options.normal_weight *= 1e-4;
+    options.smoothing *= 1e-4;
+    return options;
+  }
+
+  const OrientedPoints& cloud_;
+  const CompositeOptions& options_;
+  const CompositeOptions tight_options_;
+  std::vector<Index>& order_;
+  Eigen::VectorXd& areas_;
+  PatchFitter fitter_, tight_fitter_;
+};
+
+// Cuts at gaps leave scraps: stray samples beside a noisy sheet, or the tip of a thin feature. Only the latter, which
+// no other patch covers, get a patch of their own.
+std::vector<char> needed(const OrientedPoints& cloud, const std::vector<Index>& order, const std::vector<Leaf>& leaves,
+                         Index leaf_size) {
+  std::vector<char> keep(leaves.size());
+  Patches regular;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    keep[i] = scrap * (leaves[i].end - leaves[i].begin) >= leaf_size ? 1 : 0;
+    if (keep[i] != 0) regular.add(leaves[i].patch.patch, Points<3>(3, 0), Eigen::VectorXd(0));
+  }
+  if (regular.size() == static_cast<Index>(leaves.size())) return keep;
+  regular.build();
+  parallel_for(static_cast<Index>(leaves.size()), patches_per_task, [&](Index begin, Index end) {
+    PatchSums sums;
+    for (Index i = begin; i < end; ++i) {
+      const auto leaf = static_cast<std::size_t>(i);
+      if (keep[leaf] != 0) continue;
+      for (Index k = leaves[leaf].begin; k < leaves[leaf].end; ++k) {
+        regular.accumulate(cloud.points.col(order[static_cast<std::size_t>(k)]), Derivatives::none, sums);
+        if (sums.W[0][0] < covered) keep[leaf] = 1;
+      }
+    }
+  });
+  return keep;
+}
+
+}  // namespace
+
+CompositeFit fit_composite(const OrientedPoints& cloud, const CompositeOptions& options, const Progress& progress) {
+  report(progress, "fit", 0);
+  Partition parts = partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = options.leaf_size});
+  const KdTree<3> tree(cloud.points);
+  CompositeFit result;
+  result.areas.resize(cloud.size());
+  std::vector<std::vector<Leaf>> fitted(static_cast<std::size_t>(parts.leaves()));
+  const Index batch = patches_per_task * tasks_per_report;
+  for (Index done = 0; done < parts.leaves(); done += batch) {
+    const Index count = std::min(parts.leaves() - done, batch);
+    parallel_for(count, patches_per_task, [&](Index begin, Index end) {
+      LeafFitter fitter(cloud, tree, options, parts.order, result.areas);
+      for (Index i = done + begin; i < done + end; ++i) {
+        const auto part = static_cast<std::size_t>(i);
+        fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[part]);
+      }
+    });
+    report(progress, "fit", static_cast<double>(done + count) / static_cast<double>(parts.leaves()));
+  }
+  std::vector<Leaf> leaves;
+  for (std::vector<Leaf>& part : fitted) std::move(part.begin(), part.end(), std::back_inserter(leaves));
+  const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
+  const std::vector<char> keep = needed(cloud, parts.order, leaves, usual_leaf);
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    if (keep[i] != 0) result.patches.add(leaves[i].patch.patch, leaves[i].patch.centers, leaves[i].patch.alpha);
+  result.patches.build();
+  return result;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,221 @@
+#include "csrbf/surface/composite_field.hpp"
+
+#include "csrbf/core/taylor.hpp"
+
+#include <array>
+#include <type_traits>
+
+namespace csrbf {
+namespace {
+
+constexpr int lanes = PatchSums::lanes;
+
+// The finest patches are trusted where their weights sum to more than `strong`, and with the winding number's consent
+// from `weak` on ...
+constexpr double strong = 0.1;
+constexpr double weak = 0.02;
+// ... and where the mean square of the local values, in units of the patch radii, is below `agree`: near the surface a
+// large one means that they contradict each other. Above `contradict` they are not trusted at all.
+constexpr double agree = 0.06;
+constexpr double contradict = 0.2;
+// The winding number u = 2w - 1 consents where it is undecided.
+constexpr double undecided = 0.6;
+constexpr double decided = 0.85;
+
+// One lane of one of the sums; second derivatives only if they were summed.
+template <class Scalar>
+Scalar load(const PatchSums& sums, const double (*terms)[lanes], int lane) {
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return terms[0][lane];
+  } else {
+    Scalar t(terms[0][lane]);
+    for (int c = 0; c < 3; ++c) t.gradient[c] = terms[1 + c][lane];
+    if (sums.derivatives < Derivatives::hessian) return t;
+    for (int c = 0, term = 4; c < 3; ++c)
+      for (int d = c; d < 3; ++d, ++term) t.hessian(c, d) = t.hessian(d, c) = terms[term][lane];
+    return t;
+  }
+}
+
+double value_of(double x) {
+  return x;
+}
+double value_of(const Taylor<3>& x) {
+  return x.value;
+}
+
+void store(double f, Index i, double scale, const JetBlock& out) {
+  out.value[i] = scale * f;
+}
+void store(const Taylor<3>& f, Index i, double scale, const JetBlock& out) {
+  out.value[i] = scale * f.value;
+  if (out.gradient != nullptr)
+    for (int c = 0; c < 3; ++c) out.gradient[3 * i + c] = f.gradient[c];
+  if (out.hessian != nullptr)
+    for (int c = 0, term = 0; c < 3; ++c)
+      for (int d = c; d < 3; ++d, ++term) out.hessian[6 * i + term] = f.hessian(c, d) / scale;
+}
+
+// Sum over levels, each trusted with a share of what the finer ones left open.
+template <class Scalar>
+struct Cascade {
+  Scalar sum = Scalar(0.0);
+  Scalar open = Scalar(1.0);
+};
+
+// Points of a chunk that the finest patches alone do not decide.
+template <class Scalar>
+struct Pending {
+  Index count = 0;
+  std::array<Index, lanes> lane;  // column of the chunk
+  std::array<Cascade<Scalar>, lanes> sure;
+  std::array<Cascade<Scalar>, lanes> cascade;
+  Points<3> points{3, lanes};
+};
+
+// How far one level is trusted at a point, in [0, 1], given the weight that is enough.
+template <class Scalar>
+Scalar trust(const PatchSums& sums, int lane, double enough) {
+  const Scalar W = load<Scalar>(sums, sums.W, lane);
+  if (value_of(W) <= 0) return Scalar(0.0);
+  const Scalar covered = smooth_step((1 / enough) * W);
+  const Scalar mean_square = load<Scalar>(sums, sums.Q, lane) / W;
+  if (value_of(mean_square) >= contradict) return Scalar(0.0);
+  if (value_of(mean_square) <= agree) return covered;
+  return covered * (1.0 - smooth_step((1 / (contradict - agree)) * (mean_square - agree)));
+}
+
+template <class Scalar>
+std::array<Scalar, lanes> winding(const WindingNumber& winding, const Pending<Scalar>& pending,
+                                  Derivatives derivatives) {
+  std::array<Scalar, lanes> u;
+  std::array<double, lanes> value{};
+  std::array<double, 3 * lanes> gradient{};
+  std::array<double, 6 * lanes> hessian{};
+  constexpr bool with_derivatives = !std::is_same_v<Scalar, double>;
+  winding.evaluate_block(pending.points.leftCols(pending.count),
+                         {value.data(), with_derivatives ? gradient.data() : nullptr,
+                          derivatives == Derivatives::hessian ? hessian.data() : nullptr});
+  for (Index i = 0; i < pending.count; ++i) {
+    const auto p = static_cast<std::size_t>(i);
+    u[p] = Scalar(value[p]);
+    if constexpr (with_derivatives) {
+      for (int c = 0, term = 0; c < 3; ++c) {
+        u[p].gradient[c] = gradient[3 * p + static_cast<std::size_t>(c)];
+        for (int d = c; d < 3; ++d, ++term)
+          u[p].hessian(c, d) = u[p].hessian(d, c) = hessian[6 * p + static_cast<std::size_t>(term)];
+      }
+    }
+  }
+  return u;
+}
+
+// 1 where u is undecided, 0 where it is certain.
+template <class Scalar>
+Scalar consent(const Scalar& u) {
+  const double certainty = std::abs(value_of(u));
+  if (certainty <= undecided) return Scalar(1.0);
+  if (certainty >= decided) return Scalar(0.0);
+  const Scalar magnitude = value_of(u) < 0 ? Scalar((-1.0) * u) : u;
+  return 1.0 - smooth_step((1 / (decided - undecided)) * (magnitude - undecided));
+}
+
+// Adds one level to the sum t_0 f_0 + (1 - t_0) ( t_1 f_1 + (1 - t_1) ( ... ) ), finest first.
+template <class Scalar>
+void add_level(Cascade<Scalar>& cascade, const Scalar& trusted, const PatchSums& sums, int lane) {
+  if (value_of(trusted) <= 0) return;
+  const Scalar f = load<Scalar>(sums, sums.S, lane) / load<Scalar>(sums, sums.W, lane);
+  cascade.sum = cascade.sum + cascade.open * trusted * f;
+  cascade.open = cascade.open * (1.0 - trusted);
+}
+
+// F = t f_0 + (1 - t) ( c C + (1 - c) far_value u ): the finest patches where they are sure (t), else the cascade C of
+// all levels as far as the winding number consents (c), else the winding number.
+template <class Scalar>
+void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const JetBlock& out) {
+  const Derivatives derivatives = out.derivatives();
+  PatchSums finest;
+  data.levels.front().accumulate(y, derivatives, finest);
+  Pending<Scalar> pending;
+  for (Index i = 0; i < y.cols(); ++i) {
+    const int lane = static_cast<int>(i);
+    const Scalar t = trust<Scalar>(finest, lane, strong);
+    if (value_of(t) >= 1) {
+      store(Scalar(load<Scalar>(finest, finest.S, lane) / load<Scalar>(finest, finest.W, lane)), i, data.scale, out);
+      continue;
+    }
+    const auto p = static_cast<std::size_t>(pending.count);
+    pending.lane[p] = i;
+    pending.sure[p] = Cascade<Scalar>{};
+    add_level(pending.sure[p], t, finest, lane);
+    pending.cascade[p] = Cascade<Scalar>{};
+    add_level(pending.cascade[p], trust<Scalar>(finest, lane, weak), finest, lane);
+    pending.points.col(pending.count++) = y.col(i);
+  }
+  if (pending.count == 0) return;
+
+  const std::array<Scalar, lanes> u = winding(data.winding, pending, derivatives);
+  std::array<Scalar, lanes> agreed;
+  bool any = false;
+  for (std::size_t p = 0; p < static_cast<std::size_t>(pending.count); ++p) {
+    agreed[p] = consent(u[p]);
+    any = any || value_of(agreed[p]) > 0;
+  }
+  for (std::size_t level = 1; any && level < data.levels.size(); ++level) {
+    PatchSums sums;
+    data.levels[level].accumulate(pending.points.leftCols(pending.count), derivatives, sums);
+    for (Index i = 0; i < pending.count; ++i) {
+      const int lane = static_cast<int>(i);
+      add_level(pending.cascade[static_cast<std::size_t>(i)], trust<Scalar>(sums, lane, weak), sums, lane);
+    }
+  }
+  for (std::size_t p = 0; p < static_cast<std::size_t>(pending.count); ++p) {
+    const Cascade<Scalar>& sure = pending.sure[p];
+    const Cascade<Scalar>& cascade = pending.cascade[p];
+    const Scalar far = data.far_value * u[p];
+    const Scalar rest = agreed[p] * (cascade.sum + cascade.open * far) + (1.0 - agreed[p]) * far;
+    store(Scalar(sure.sum + sure.open * rest), pending.lane[p], data.scale, out);
+  }
+}
+
+}  // namespace
+
+Points<3> CompositeField::seeds() const {
+  const std::vector<Patch>& patches = data_.levels.front().patches();
+  Points<3> seeds(3, static_cast<Index>(patches.size()));
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    seeds.col(static_cast<Index>(i)) = data_.origin + data_.scale * patches[i].center;
+  return seeds;
+}
+
+void CompositeField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
+  Points<3> y(3, lanes);
+  for (Index begin = 0; begin < x.cols(); begin += lanes) {
+    const Index count = std::min<Index>(lanes, x.cols() - begin);
+    for (Index i = 0; i < count; ++i) y.col(i) = (x.col(begin + i) - data_.origin) / data_.scale;
+    JetBlock part{out.value + begin, nullptr, nullptr};
+    if (out.gradient != nullptr) part.gradient = out.gradient + 3 * begin;
+    if (out.hessian != nullptr) part.hessian = out.hessian + 6 * begin;
+    evaluate_chunk(y.leftCols(count), part);
+  }
+}
+
+// Points of one chunk share the search for patches, so a chunk wider than a few patches is halved.
+void CompositeField::evaluate_chunk(const PointsRef<3>& y, const JetBlock& out) const {
+  if (y.cols() > 1 && bounding_box<3>(y).diagonal() > 4 * data_.far_value) {
+    const Index half = y.cols() / 2;
+    evaluate_chunk(y.leftCols(half), out);
+    JetBlock rest{out.value + half, nullptr, nullptr};
+    if (out.gradient != nullptr) rest.gradient = out.gradient + 3 * half;
+    if (out.hessian != nullptr) rest.hessian = out.hessian + 6 * half;
+    evaluate_chunk(y.rightCols(y.cols() - half), rest);
+    return;
+  }
+  if (out.derivatives() == Derivatives::none) {
+    blend_levels<double>(data_, y, out);
+  } else {
+    blend_levels<Taylor<3>>(data_, y, out);
+  }
+}
+
+}  // namespace csrbf

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "csrbf/spatial/kd_tree.hpp"
+#include "csrbf/surface/composite.hpp"
+
+#include <vector>
+
+namespace csrbf {
+
+/// A patch with its CSRBF residual.
+struct FittedPatch {
+  Patch patch;
+  Points<3> centers{3, 0};   ///< local coordinates
+  Eigen::VectorXd alpha{0};  ///< coefficients
+
+  /// The step -f grad f / |grad f|^2 from x to the surface of the patch, exact to first order, without regard to its
+  /// support.
+  [[nodiscard]] Point<3> step_to_surface(const Point<3>& x) const;
+};
+
+/// Fits patches to leaves of a cloud (thesis 6.1.3 and 6.1.4, spec 5.3 and 5.4). Keeps its work arrays from patch to
+/// patch: one fitter per thread. The cloud, its tree and the options must outlive it.
+class PatchFitter {
+ public:
+  PatchFitter(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options)
+      : cloud_(cloud), tree_(tree), options_(options) {}
+
+  /// The patch over the n points `ids`.
+  FittedPatch fit(const Index* ids, Index n);
+
+  /// Whether the last patch meets the tolerance of every sample in the inner part of its support.
+  [[nodiscard]] bool within_tolerance(const FittedPatch& patch) const;
+
+  /// Area of the last patch divided by the number of its samples.
+  [[nodiscard]] double area_per_sample() const { return area_per_sample_; }
+
+ private:
+  void frame(const Index* ids, Index n, Patch& patch) const;
+  void gather(const Index* ids, Index n, Patch& patch);
+  void thin();
+  void choose_centers();
+  void localize(const Patch& patch);
+  void fit_quadric(Patch& patch) const;
+  void fit_residual(FittedPatch& result);
+
+  const OrientedPoints& cloud_;
+  const KdTree<3>& tree_;
+  const CompositeOptions& options_;
+  std::vector<Index> support_;
+  std::vector<Index> foreign_;  // in the ball of the support, but of another sheet
+  std::vector<Index> centers_;  // positions in support_
+  // Samples in local coordinates: positions, gradient targets (-n), partition-of-unity weights.
+  Points<3> q_, target_;
+  Eigen::VectorXd weight_;
+  Eigen::MatrixXd rows_, A_;
+  Eigen::VectorXd rhs_;
+  double area_per_sample_ = 0;
+};
+
+}  // namespace csrbf

@@ -1,0 +1,330 @@
+#include "csrbf/surface/patches.hpp"
+
+#include "csrbf/core/simd.hpp"
+
+#include <array>
+
+namespace csrbf {
+namespace {
+
+constexpr int lanes = PatchSums::lanes;
+constexpr int leaf_patches = 2;
+
+// Everything the kernels need of one patch.
+struct PatchView {
+  const Patch* patch;
+  const double* centers;
+  const double* alpha;
+  Index count;
+};
+
+// Local coordinates and weight variable s = 1 - d^2 of all lanes; returns whether any lane is inside.
+CSRBF_ALWAYS_INLINE bool locate(const Patch& p, const double* x, double (*q)[lanes], double* s) {
+  const double* T = p.T.data();  // column major
+  const double cx = p.center[0], cy = p.center[1], cz = p.center[2], k = p.flatness * p.flatness;
+  double largest = -1;
+  for (int l = 0; l < lanes; ++l) {
+    const double dx = x[l] - cx, dy = x[lanes + l] - cy, dz = x[2 * lanes + l] - cz;
+    const double a = T[0] * dx + T[3] * dy + T[6] * dz;
+    const double b = T[1] * dx + T[4] * dy + T[7] * dz;
+    const double c = T[2] * dx + T[5] * dy + T[8] * dz;
+    q[0][l] = a;
+    q[1][l] = b;
+    q[2][l] = c;
+    s[l] = 1 - a * a - b * b - k * c * c;
+  }
+  for (int l = 0; l < lanes; ++l) largest = std::max(largest, s[l]);
+  return largest > 0;
+}
+
+// Value of the local model in units of the patch radius.
+CSRBF_ALWAYS_INLINE void local_value(const PatchView& view, const double (*q)[lanes], double* f) {
+  const double* b = view.patch->quadric.data();
+  for (int l = 0; l < lanes; ++l) {
+    const double x = q[0][l], y = q[1][l], z = q[2][l];
+    f[l] =
+        b[0] + x * (b[1] + b[4] * x + b[5] * y + b[6] * z) + y * (b[2] + b[7] * y + b[8] * z) + z * (b[3] + b[9] * z);
+  }
+  constexpr double scale = 1.0 / (Patches::support * Patches::support);
+  for (Index j = 0; j < view.count; ++j) {
+    const double cx = view.centers[3 * j], cy = view.centers[3 * j + 1], cz = view.centers[3 * j + 2];
+    const double alpha = view.alpha[j] / 3;
+    for (int l = 0; l < lanes; ++l) {
+      const double dx = q[0][l] - cx, dy = q[1][l] - cy, dz = q[2][l] - cz;
+      const double r2 = scale * (dx * dx + dy * dy + dz * dz), r = std::sqrt(r2);
+      const double a = std::max(0.0, 1 - r), a2 = a * a;
+      f[l] += alpha * (a2 * a2 * a2) * (35 * r2 + 18 * r + 3);
+    }
+  }
+}
+
+// Value and gradient (4 terms) of the local model in local coordinates.
+CSRBF_ALWAYS_INLINE void local_gradient(const PatchView& view, const double (*q)[lanes], double (*f)[lanes]) {
+  const double* b = view.patch->quadric.data();
+  for (int l = 0; l < lanes; ++l) {
+    const double x = q[0][l], y = q[1][l], z = q[2][l];
+    f[0][l] =
+        b[0] + x * (b[1] + b[4] * x + b[5] * y + b[6] * z) + y * (b[2] + b[7] * y + b[8] * z) + z * (b[3] + b[9] * z);
+    f[1][l] = b[1] + 2 * b[4] * x + b[5] * y + b[6] * z;
+    f[2][l] = b[2] + b[5] * x + 2 * b[7] * y + b[8] * z;
+    f[3][l] = b[3] + b[6] * x + b[8] * y + 2 * b[9] * z;
+  }
+  constexpr double scale = 1.0 / (Patches::support * Patches::support);
+  for (Index j = 0; j < view.count; ++j) {
+    const double cx = view.centers[3 * j], cy = view.centers[3 * j + 1], cz = view.centers[3 * j + 2];
+    const double alpha = view.alpha[j];
+    for (int l = 0; l < lanes; ++l) {
+      const double dx = q[0][l] - cx, dy = q[1][l] - cy, dz = q[2][l] - cz;
+      const double r2 = scale * (dx * dx + dy * dy + dz * dz), r = std::sqrt(r2);
+      const double a = std::max(0.0, 1 - r), a2 = a * a, a5 = a2 * a2 * a;
+      const double g = -alpha * (56.0 / 3.0) * scale * a5 * (5 * r + 1);  // phi' / r
+      f[0][l] += alpha / 3 * a5 * a * (35 * r2 + 18 * r + 3);
+      f[1][l] += g * dx;
+      f[2][l] += g * dy;
+      f[3][l] += g * dz;
+    }
+  }
+}
+
+// Value, gradient and Hessian (10 terms) of the local model in local coordinates.
+CSRBF_ALWAYS_INLINE void local_jet(const PatchView& view, const double (*q)[lanes], double (*f)[lanes]) {
+  const double* b = view.patch->quadric.data();
+  for (int l = 0; l < lanes; ++l) {
+    const double x = q[0][l], y = q[1][l], z = q[2][l];
+    f[0][l] =
+        b[0] + x * (b[1] + b[4] * x + b[5] * y + b[6] * z) + y * (b[2] + b[7] * y + b[8] * z) + z * (b[3] + b[9] * z);
+    f[1][l] = b[1] + 2 * b[4] * x + b[5] * y + b[6] * z;
+    f[2][l] = b[2] + b[5] * x + 2 * b[7] * y + b[8] * z;
+    f[3][l] = b[3] + b[6] * x + b[8] * y + 2 * b[9] * z;
+    f[4][l] = 2 * b[4];
+    f[5][l] = b[5];
+    f[6][l] = b[6];
+    f[7][l] = 2 * b[7];
+    f[8][l] = b[8];
+    f[9][l] = 2 * b[9];
+  }
+  constexpr double scale = 1.0 / (Patches::support * Patches::support);
+  for (Index j = 0; j < view.count; ++j) {
+    const double cx = view.centers[3 * j], cy = view.centers[3 * j + 1], cz = view.centers[3 * j + 2];
+    const double alpha = view.alpha[j];
+    for (int l = 0; l < lanes; ++l) {
+      const double dx = q[0][l] - cx, dy = q[1][l] - cy, dz = q[2][l] - cz;
+      const double r2 = scale * (dx * dx + dy * dy + dz * dz), r = std::sqrt(r2);
+      const double a = std::max(0.0, 1 - r), a2 = a * a, a4 = a2 * a2;
+      const double phi = alpha / 3 * a4 * a2 * (35 * r2 + 18 * r + 3);
+      const double g = -alpha * (56.0 / 3.0) * scale * a4 * a * (5 * r + 1);  // phi' / r
+      const double h = alpha * 560 * scale * scale * a4;                      // (phi'' - phi' / r) / r^2
+      f[0][l] += phi;
+      f[1][l] += g * dx;
+      f[2][l] += g * dy;
+      f[3][l] += g * dz;
+      f[4][l] += g + h * dx * dx;
+      f[5][l] += h * dx * dy;
+      f[6][l] += h * dx * dz;
+      f[7][l] += g + h * dy * dy;
+      f[8][l] += h * dy * dz;
+      f[9][l] += g + h * dz * dz;
+    }
+  }
+}
+
+// Gradient from local to world coordinates: T^T v.
+CSRBF_ALWAYS_INLINE void gradient_to_world(const Eigen::Matrix3d& M, double (*f)[lanes]) {
+  const double* T = M.data();
+  for (int l = 0; l < lanes; ++l) {
+    const double gx = f[1][l], gy = f[2][l], gz = f[3][l];
+    for (int c = 0; c < 3; ++c) f[1 + c][l] = T[3 * c] * gx + T[3 * c + 1] * gy + T[3 * c + 2] * gz;
+  }
+}
+
+// Gradient and Hessian from local to world coordinates: T^T v and T^T H T.
+CSRBF_ALWAYS_INLINE void to_world(const Eigen::Matrix3d& M, double (*f)[lanes]) {
+  gradient_to_world(M, f);
+  const double* T = M.data();
+  for (int l = 0; l < lanes; ++l) {
+    const double h[3][3] = {{f[4][l], f[5][l], f[6][l]}, {f[5][l], f[7][l], f[8][l]}, {f[6][l], f[8][l], f[9][l]}};
+    double HT[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 3; ++c) HT[i][c] = h[i][0] * T[3 * c] + h[i][1] * T[3 * c + 1] + h[i][2] * T[3 * c + 2];
+    int term = 4;
+    for (int c = 0; c < 3; ++c)
+      for (int d = c; d < 3; ++d, ++term)
+        f[term][l] = T[3 * c] * HT[0][d] + T[3 * c + 1] * HT[1][d] + T[3 * c + 2] * HT[2][d];
+  }
+}
+
+// Weight (1 - d^2)^4 and its derivatives in local coordinates; zero outside.
+CSRBF_ALWAYS_INLINE void weight_jet(const Patch& p, const double (*q)[lanes], const double* s, double (*w)[lanes]) {
+  const double k = p.flatness * p.flatness;
+  for (int l = 0; l < lanes; ++l) {
+    const double t = std::max(0.0, s[l]), x = q[0][l], y = q[1][l], z = k * q[2][l];
+    const double g = -8 * t * t * t, h = 48 * t * t;
+    w[0][l] = t * t * t * t;
+    w[1][l] = g * x;
+    w[2][l] = g * y;
+    w[3][l] = g * z;
+    w[4][l] = g + h * x * x;
+    w[5][l] = h * x * y;
+    w[6][l] = h * x * z;
+    w[7][l] = g + h * y * y;
+    w[8][l] = h * y * z;
+    w[9][l] = g * k + h * z * z;
+  }
+}
+
+CSRBF_SIMD_CLONES void add_values(const PatchView& view, const double* x, PatchSums& sums) {
+  alignas(64) double q[3][lanes], s[lanes], f[lanes];
+  if (!locate(*view.patch, x, q, s)) return;
+  local_value(view, q, f);
+  const double radius = view.patch->radius;
+  for (int l = 0; l < lanes; ++l) {
+    const double t = std::max(0.0, s[l]), w = t * t * t * t;
+    sums.W[0][l] += w;
+    sums.S[0][l] += w * f[l] * radius;
+    sums.Q[0][l] += w * f[l] * f[l];
+  }
+}
+
+CSRBF_SIMD_CLONES void add_gradients(const PatchView& view, const double* x, PatchSums& sums) {
+  alignas(64) double q[3][lanes], s[lanes], f[4][lanes], w[4][lanes];
+  if (!locate(*view.patch, x, q, s)) return;
+  local_gradient(view, q, f);
+  const double radius = view.patch->radius, k = view.patch->flatness * view.patch->flatness;
+  for (int l = 0; l < lanes; ++l) {
+    const double t = std::max(0.0, s[l]), g = -8 * t * t * t;
+    w[0][l] = t * t * t * t;
+    w[1][l] = g * q[0][l];
+    w[2][l] = g * q[1][l];
+    w[3][l] = g * k * q[2][l];
+  }
+  gradient_to_world(view.patch->T, f);
+  gradient_to_world(view.patch->T, w);
+  for (int l = 0; l < lanes; ++l) {
+    const double F = f[0][l], w0 = w[0][l];  // in units of the radius
+    sums.W[0][l] += w0;
+    sums.S[0][l] += w0 * F * radius;
+    sums.Q[0][l] += w0 * F * F;
+    for (int c = 1; c < 4; ++c) {
+      sums.W[c][l] += w[c][l];
+      sums.S[c][l] += (w[c][l] * F + w0 * f[c][l]) * radius;
+      sums.Q[c][l] += w[c][l] * F * F + 2 * w0 * F * f[c][l];
+    }
+  }
+}
+
+CSRBF_SIMD_CLONES void add_jets(const PatchView& view, const double* x, PatchSums& sums) {
+  alignas(64) double q[3][lanes], s[lanes], f[10][lanes], w[10][lanes];
+  if (!locate(*view.patch, x, q, s)) return;
+  local_jet(view, q, f);
+  weight_jet(*view.patch, q, s, w);
+  to_world(view.patch->T, f);
+  to_world(view.patch->T, w);
+  const double radius = view.patch->radius;
+  for (int l = 0; l < lanes; ++l) {
+    const double F = f[0][l], w0 = w[0][l];  // in units of the radius
+    sums.W[0][l] += w0;
+    sums.S[0][l] += w0 * F * radius;
+    sums.Q[0][l] += w0 * F * F;
+    for (int c = 1; c < 4; ++c) {
+      sums.W[c][l] += w[c][l];
+      sums.S[c][l] += (w[c][l] * F + w0 * f[c][l]) * radius;
+      sums.Q[c][l] += w[c][l] * F * F + 2 * w0 * F * f[c][l];
+    }
+    int term = 4;
+    for (int c = 1; c < 4; ++c)
+      for (int d = c; d < 4; ++d, ++term) {
+        const double cross = w[c][l] * f[d][l] + w[d][l] * f[c][l];
+        sums.W[term][l] += w[term][l];
+        sums.S[term][l] += (w[term][l] * F + cross + w0 * f[term][l]) * radius;
+        sums.Q[term][l] += w[term][l] * F * F + 2 * F * cross + 2 * w0 * (f[c][l] * f[d][l] + F * f[term][l]);
+      }
+  }
+}
+
+// Box of the ellipsoid of a patch: half-widths are the lengths of the rows of (T^-1 scaled by the semi-axes).
+Box<3> support_box(const Patch& p) {
+  Eigen::Matrix3d axes = p.T.transpose() * (p.radius * p.radius);  // columns: semi-axis directions times radius
+  axes.col(2) /= p.flatness;
+  const Point<3> half = axes.rowwise().norm();
+  return {p.center - half, p.center + half};
+}
+
+}  // namespace
+
+void Patches::add(const Patch& patch, const PointsRef<3>& centers, const Eigen::Ref<const Eigen::VectorXd>& alpha) {
+  patches_.push_back(patch);
+  centers_.insert(centers_.end(), centers.data(), centers.data() + centers.size());
+  alpha_.insert(alpha_.end(), alpha.data(), alpha.data() + alpha.size());
+  center_begin_.push_back(static_cast<Index>(alpha_.size()));
+}
+
+void Patches::build() {
+  std::vector<Box<3>> boxes;
+  boxes.reserve(patches_.size());
+  for (const Patch& p : patches_) boxes.push_back(support_box(p));
+  nodes_.clear();
+  if (!patches_.empty()) build_node(boxes, 0, size());
+}
+
+Index Patches::build_node(const std::vector<Box<3>>& boxes, Index begin, Index end) {
+  const auto index = nodes_.size();
+  nodes_.push_back({Box<3>{}, begin, end, 0});
+  Box<3> box;
+  if (end - begin <= leaf_patches) {
+    for (Index i = begin; i < end; ++i) box.add(boxes[static_cast<std::size_t>(i)]);
+  } else {
+    const Index middle = begin + (end - begin) / 2;
+    build_node(boxes, begin, middle);
+    const Index right = build_node(boxes, middle, end);
+    nodes_[index].right = right;
+    box = nodes_[index + 1].box;
+    box.add(nodes_[static_cast<std::size_t>(right)].box);
+  }
+  nodes_[index].box = box;
+  return static_cast<Index>(index);
+}
+
+void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSums& sums) const {
+  constexpr std::array<int, 3> number_of_terms = {1, 4, PatchSums::max_terms};
+  const int terms = number_of_terms[static_cast<std::size_t>(derivatives)];
+  sums.derivatives = derivatives;
+  for (int t = 0; t < terms; ++t)
+    for (int l = 0; l < lanes; ++l) sums.W[t][l] = sums.S[t][l] = sums.Q[t][l] = 0;
+  if (nodes_.empty() || x.cols() == 0) return;
+
+  // Structure of arrays, the last point repeated in unused lanes.
+  alignas(64) double soa[3 * lanes];
+  for (int l = 0; l < lanes; ++l) {
+    const Index column = std::min<Index>(l, x.cols() - 1);
+    for (int c = 0; c < 3; ++c) soa[c * lanes + l] = x(c, column);
+  }
+  const Box<3> box = bounding_box<3>(x);
+  std::array<Index, 64> stack;
+  int depth = 0;
+  stack[static_cast<std::size_t>(depth++)] = 0;
+  while (depth > 0) {
+    const Index index = stack[static_cast<std::size_t>(--depth)];
+    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    if (!node.box.intersects(box)) continue;
+    if (node.right != 0) {
+      stack[static_cast<std::size_t>(depth++)] = node.right;
+      stack[static_cast<std::size_t>(depth++)] = index + 1;
+      continue;
+    }
+    for (Index i = node.begin; i < node.end; ++i) {
+      const auto p = static_cast<std::size_t>(i);
+      const Index first = center_begin_[p];
+      const PatchView view{&patches_[p], centers_.data() + 3 * first, alpha_.data() + first,
+                           center_begin_[p + 1] - first};
+      if (derivatives == Derivatives::none) {
+        add_values(view, soa, sums);
+      } else if (derivatives == Derivatives::gradient) {
+        add_gradients(view, soa, sums);
+      } else {
+        add_jets(view, soa, sums);
+      }
+    }
+  }
+}
+
+}  // namespace csrbf

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/core/types.hpp"
+
+#include <vector>
+
+namespace csrbf {
+
+/// One local model of a surface (thesis 6.1, eq. (6.7)): in the local coordinates q = T (x - center),
+///   f(x) = radius * ( b . (1, qx, qy, qz, qx^2, qx qy, qx qz, qy^2, qy qz, qz^2) + sum_j alpha_j phi(|q - c_j| /
+///   support) ),
+/// a quadric plus a CSRBF residual (Wendland C4). T has orthogonal rows of length 1 / radius; its last row is along the
+/// outward normal. The model holds where the weight w = (1 - d^2)^4 with d^2 = qx^2 + qy^2 + (flatness qz)^2 is
+/// positive: inside an ellipsoid of tangential radius `radius` and normal radius `radius / flatness`.
+struct Patch {
+  Point<3> center;
+  Eigen::Matrix3d T;
+  double radius = 0;
+  double flatness = 1;
+  Eigen::Matrix<double, 10, 1> quadric;
+};
+
+/// What a set of patches says about a point: W = sum w, S = sum w f, Q = sum w (f / radius)^2 with derivatives.
+/// Arrays hold `lanes` points each.
+struct PatchSums {
+  static constexpr int lanes = 16;
+  static constexpr int max_terms = 10;  ///< value, 3 first, 6 second derivatives
+
+  Derivatives derivatives = Derivatives::none;  ///< what was summed; further terms hold nothing
+  alignas(64) double W[max_terms][lanes];
+  alignas(64) double S[max_terms][lanes];
+  alignas(64) double Q[max_terms][lanes];
+};
+
+/// Overlapping patches with a bounding volume hierarchy over their supports. Plain data: what a model file stores.
+class Patches {
+ public:
+  /// Support radius of the radial basis functions, in units of the patch radius.
+  static constexpr double support = 2.5;
+
+  Patches() = default;
+
+  /// Adds a patch with the CSRBF centres `centers` (3 x m, local coordinates) and coefficients `alpha` (m).
+  void add(const Patch& patch, const PointsRef<3>& centers, const Eigen::Ref<const Eigen::VectorXd>& alpha);
+
+  /// Builds the hierarchy; call once after the last add. Patches added in spatial order make it tight.
+  void build();
+
+  [[nodiscard]] Index size() const { return static_cast<Index>(patches_.size()); }
+  /// Total number of CSRBF centres.
+  [[nodiscard]] Index centers() const { return alpha_.size() > 0 ? static_cast<Index>(alpha_.size()) : 0; }
+  [[nodiscard]] const Patch& patch(Index i) const { return patches_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const std::vector<Patch>& patches() const { return patches_; }
+  [[nodiscard]] const std::vector<Index>& center_begin() const { return center_begin_; }
+  [[nodiscard]] const std::vector<double>& center_coordinates() const { return centers_; }
+  [[nodiscard]] const std::vector<double>& alpha() const { return alpha_; }
+  [[nodiscard]] Box<3> bounds() const { return nodes_.empty() ? Box<3>{} : nodes_.front().box; }
+
+  /// Sums over all patches at up to PatchSums::lanes points (3 x count, close together).
+  void accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSums& sums) const;
+
+ private:
+  struct Node {
+    Box<3> box;
+    Index begin, end;  // patches below
+    Index right;       // index of the right child; the left one follows the node; 0 for a leaf
+  };
+  Index build_node(const std::vector<Box<3>>& boxes, Index begin, Index end);
+
+  std::vector<Patch> patches_;
+  std::vector<Index> center_begin_ = {0};
+  std::vector<double> centers_;  // 3 per centre
+  std::vector<double> alpha_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace csrbf

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "csrbf/core/mesh.hpp"
+#include "csrbf/core/progress.hpp"
+#include "csrbf/surface/composite.hpp"
+
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+/// Where the normals of a reconstruction come from.
+enum class Normals {
+  automatic,  ///< the given ones when there are any, re-oriented when they contradict each other; else estimated
+  file,       ///< the given ones as they are
+  estimate,   ///< always estimated
+};
+
+/// A cloud made ready to fit.
+struct PreparedCloud {
+  /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order.
+  OrientedPoints cloud;
+  Point<3> origin = Point<3>::Zero();
+  double scale = 1;
+  Box<3> bounds;              ///< of the points used, in the user's coordinates
+  std::vector<Index> source;  ///< index in the input of every point used
+  std::string normals;        ///< "file", "estimated" or "re-oriented"
+  std::vector<std::string> warnings;
+};
+
+/// Cleans a cloud: drops non-finite points, merges points at the same place, drops stray points (isolated clusters much
+/// sparser than the rest), finds normals and the local spacing. Every change is told in `warnings`.
+/// Throws InvalidInput for fewer than four distinct points, and for collinear points. O(n log n).
+PreparedCloud prepare(const PointCloud& input, Normals normals, const Progress& progress = {});
+
+}  // namespace csrbf

@@ -1,0 +1,213 @@
+#include "csrbf/surface/reconstruct.hpp"
+
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/farthest_points.hpp"
+#include "csrbf/spatial/partition.hpp"
+#include "csrbf/surface/choose_options.hpp"
+#include "csrbf/surface/composite_field.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr Index decimation = 4;            // points merged per point of the next coarser level
+constexpr Index coarse_leaf = 40;          // points per patch of a coarse level at most
+constexpr Index coarsest_points = 100;     // a level with fewer points has no coarser one
+constexpr Index finest_leaf = 6;           // points per patch when no smoothing is wanted
+constexpr Index coarsest_leaf = 256;       // points per patch where a search for a tolerance starts
+constexpr Index centers_per_leaf = 8;      // of a budget; a support holds about four times as many
+constexpr Index most_centers = 64;         // in a support, for a budget or a tolerance
+constexpr int tolerance_attempts = 6;      // each asks half the error where the one before missed the tolerance
+constexpr double outlier_share = 0.001;    // of the samples that may miss the tolerance
+constexpr double smallest_slope = 0.1;     // of f near the surface, where it is about 1
+constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between samples
+constexpr double far_spacings = 3;         // |f| far from data: about where the patches end
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void check(const ReconstructOptions& options) {
+  require(options.method == "auto" || options.method == "composite", "reconstruct", "method", options.method,
+          "unknown; use auto or composite");
+  require(options.centers >= 0, "reconstruct", "centers", options.centers,
+          "must be positive, or 0 to let the data decide");
+  require(options.tolerance >= 0 && options.tolerance < 1, "reconstruct", "tolerance", options.tolerance,
+          "must be a fraction of the bounding-box diagonal in [0, 1)");
+  require(!options.smoothing || *options.smoothing >= 0, "reconstruct", "smoothing", options.smoothing.value_or(0),
+          "must not be negative");
+}
+
+// One sample for every few: the one nearest to their mean, standing for their common area.
+OrientedPoints decimate(const OrientedPoints& cloud) {
+  const Partition groups = partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = decimation});
+  OrientedPoints coarse;
+  coarse.points.resize(3, groups.leaves());
+  coarse.normals.resize(3, groups.leaves());
+  coarse.spacing.resize(groups.leaves());
+  for (Index g = 0; g < groups.leaves(); ++g) {
+    const auto group = static_cast<std::size_t>(g);
+    const Index begin = groups.begin[group], end = groups.begin[group + 1];
+    Point<3> mean = Point<3>::Zero(), normal = Point<3>::Zero();
+    double area = 0;
+    for (Index i = begin; i < end; ++i) {
+      const Index id = groups.order[static_cast<std::size_t>(i)];
+      mean += cloud.points.col(id) / static_cast<double>(end - begin);
+      normal += cloud.normals.col(id);
+      area += cloud.spacing[id] * cloud.spacing[id];
+    }
+    Index nearest = groups.order[static_cast<std::size_t>(begin)];
+    for (Index i = begin; i < end; ++i) {
+      const Index id = groups.order[static_cast<std::size_t>(i)];
+      if ((cloud.points.col(id) - mean).squaredNorm() < (cloud.points.col(nearest) - mean).squaredNorm()) nearest = id;
+    }
+    coarse.points.col(g) = cloud.points.col(nearest);
+    coarse.normals.col(g) = normal.norm() > 0 ? Point<3>(normal.normalized()) : Point<3>(cloud.normals.col(nearest));
+    coarse.spacing[g] = std::sqrt(area);
+  }
+  return coarse;
+}
+
+CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeOptions& options,
+                                 const Progress& progress) {
+  CompositeField::Data data;
+  data.origin = prepared.origin;
+  data.scale = prepared.scale;
+  data.bounds = prepared.bounds;
+  const OrientedPoints& cloud = prepared.cloud;
+  CompositeFit finest = fit_composite(cloud, options, progress);
+  data.detail = std::sqrt(finest.areas.mean());
+  data.far_value = far_spacings * data.detail;
+  data.levels.push_back(std::move(finest.patches));
+  CompositeOptions coarse_options = options;
+  coarse_options.centers_per_patch = 0;
+  coarse_options.centers.clear();
+  coarse_options.tolerance.resize(0);
+  coarse_options.leaf_size = std::min(options.leaf_size, coarse_leaf);
+  for (OrientedPoints coarse = decimate(cloud); coarse.size() >= coarsest_points; coarse = decimate(coarse))
+    data.levels.push_back(fit_composite(coarse, coarse_options).patches);
+  const Eigen::VectorXd smoothing_length = winding_smoothing * finest.areas.cwiseSqrt();
+  data.winding = WindingNumber({cloud.points, cloud.normals, finest.areas, smoothing_length});
+  return data;
+}
+
+// First-order distances |f| / |grad f| of the points used, fractions of the diagonal.
+std::vector<double> distances(const Field<3>& field, const PointCloud& input, const std::vector<Index>& source,
+                              double scale) {
+  const Points<3> points = input.points(Eigen::all, source);
+  const Jet<3> jet = field.evaluate(points, Derivatives::gradient);
+  std::vector<double> distance(source.size());
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    const auto column = static_cast<Index>(i);
+    distance[i] = std::abs(jet.value[column]) / std::max(jet.gradient.col(column).norm(), smallest_slope) / scale;
+  }
+  return distance;
+}
+
+void summarize(std::vector<double> distance, ReconstructReport& out) {
+  double sum = 0;
+  for (const double d : distance) sum += d * d;
+  out.rms_distance = std::sqrt(sum / static_cast<double>(distance.size()));
+  out.max_distance = *std::max_element(distance.begin(), distance.end());
+  const auto p99 = distance.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1));
+  std::nth_element(distance.begin(), p99, distance.end());
+  out.p99_distance = *p99;
+}
+
+// Samples further from the surface than the tolerance.
+Index outside(const std::vector<double>& distance, double tolerance) {
+  return std::count_if(distance.begin(), distance.end(), [&](double d) { return d > tolerance; });
+}
+
+bool within_tolerance(const std::vector<double>& distance, double tolerance) {
+  return tolerance == 0 || outside(distance, tolerance) == 0;
+}
+
+// A few samples may be outliers; more mean failure.
+void check_tolerance(const std::vector<double>& distance, double tolerance, ReconstructReport& out) {
+  if (within_tolerance(distance, tolerance)) return;
+  const Index missed = outside(distance, tolerance);
+  if (static_cast<double>(missed) <= outlier_share * static_cast<double>(distance.size())) {
+    out.warnings.push_back(std::to_string(missed) + " points are further from the surface than the tolerance");
+    return;
+  }
+  std::ostringstream message;
+  message << "reconstruct: tolerance = " << tolerance << " of the diagonal cannot be reached: " << missed
+          << " points are further away (99 % within " << out.p99_distance
+          << "); the samples contradict each other there: allow more, or clean them";
+  throw SolverFailure(message.str());
+}
+
+// The composite options: chosen by cross-validation, within the budget or the tolerance that is asked for.
+ChosenOptions choose(const OrientedPoints& cloud, const ReconstructOptions& options, const Progress& progress) {
+  GivenOptions given{options.smoothing, {}};
+  if (options.smoothing == 0.0) given.leaf_size = finest_leaf;
+  if (options.tolerance > 0) given.leaf_size = coarsest_leaf;
+  if (options.centers > 0)
+    given.leaf_size =
+        std::max<Index>(CompositeOptions::smallest_leaf, cloud.size() * centers_per_leaf / options.centers);
+  ChosenOptions chosen = choose_options(cloud, given);
+  if (options.tolerance > 0) {
+    chosen.options.tolerance.setConstant(cloud.size(), options.tolerance);
+    chosen.options.centers_per_patch = most_centers;
+    chosen.options.smoothing = options.smoothing.value_or(CompositeOptions{}.smoothing);
+  }
+  if (options.centers > 0) {
+    chosen.options.centers = farthest_points<3>(cloud.points, options.centers, {.progress = progress}).indices;
+    std::sort(chosen.options.centers.begin(), chosen.options.centers.end());
+    chosen.options.centers_per_patch = most_centers;
+    chosen.options.max_fit_points = 4 * CompositeOptions{}.max_fit_points;
+  }
+  return chosen;
+}
+
+}  // namespace
+
+Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& options) {
+  check(options);
+  Reconstruction result;
+  ReconstructReport& out = result.report;
+  auto start = std::chrono::steady_clock::now();
+  PreparedCloud prepared = prepare(input, options.normals, options.progress);
+  out.prepare_seconds = seconds_since(start);
+
+  start = std::chrono::steady_clock::now();
+  ChosenOptions chosen = choose(prepared.cloud, options, options.progress);
+  out.fit_seconds = seconds_since(start);
+  std::shared_ptr<const CompositeField> field;
+  std::vector<double> distance;
+  for (int attempt = 0; attempt < tolerance_attempts; ++attempt) {
+    start = std::chrono::steady_clock::now();
+    field = std::make_shared<const CompositeField>(build_field(prepared, chosen.options, options.progress));
+    out.fit_seconds += seconds_since(start);
+    start = std::chrono::steady_clock::now();
+    distance = distances(*field, input, prepared.source, prepared.scale);
+    out.evaluate_seconds += seconds_since(start);
+    if (within_tolerance(distance, options.tolerance)) break;
+    for (std::size_t i = 0; i < distance.size(); ++i)
+      if (distance[i] > options.tolerance) chosen.options.tolerance[static_cast<Index>(i)] /= 2;
+  }
+  summarize(distance, out);
+  check_tolerance(distance, options.tolerance, out);
+  const Patches& finest = field->data().levels.front();
+  out.centers = chosen.options.centers.empty() ? finest.centers() : static_cast<Index>(chosen.options.centers.size());
+  out.patches = finest.size();
+  out.levels = static_cast<Index>(field->data().levels.size());
+  out.options = chosen.options;
+  out.cross_validation_error = chosen.cross_validation_error;
+
+  out.method = "composite";
+  out.normals = prepared.normals;
+  out.points = input.size();
+  out.points_used = prepared.cloud.size();
+  out.warnings.insert(out.warnings.begin(), prepared.warnings.begin(), prepared.warnings.end());
+  result.field = field;
+  result.source = std::move(prepared.source);
+  return result;
+}
+
+}  // namespace csrbf

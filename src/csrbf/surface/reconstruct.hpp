@@ -1,0 +1,65 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/core/mesh.hpp"
+#include "csrbf/core/progress.hpp"
+#include "csrbf/surface/prepare.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+/// How reconstruct() turns a cloud into a surface. Lengths are relative to the data; results turn, move and scale with
+/// it.
+struct ReconstructOptions {
+  /// "auto" or "composite" (partition of unity with CSRBF residual, thesis 6.1).
+  std::string method = "auto";
+  /// Where normals come from.
+  Normals normals = Normals::automatic;
+  /// Budget of CSRBF centres; 0 lets the data decide.
+  Index centers = 0;
+  /// Largest distance from an input point to the surface, as a fraction of the bounding-box diagonal; 0 = no bound
+  /// asked.
+  double tolerance = 0;
+  /// Ridge of the CSRBF residual: 0 = none, larger is smoother; not set = chosen from the data by cross-validation.
+  std::optional<double> smoothing;
+  Progress progress;
+};
+
+/// What was found, chosen and measured by reconstruct().
+struct ReconstructReport {
+  std::string method;                 ///< "composite"
+  std::string normals;                ///< "file", "estimated" or "re-oriented"
+  Index points = 0;                   ///< given
+  Index points_used = 0;              ///< after cleaning
+  Index centers = 0;                  ///< CSRBF centres of the finest level
+  Index patches = 0;                  ///< patches of the finest level
+  Index levels = 0;                   ///< levels of patches, finest included
+  CompositeOptions options;           ///< of the finest level, also where chosen automatically
+  double cross_validation_error = 0;  ///< mean distance of left-out points to the surface, fraction of the diagonal
+  double rms_distance = 0;            ///< of the points used to the surface, fraction of the diagonal
+  double p99_distance = 0;            ///< 99th percentile of the same
+  double max_distance = 0;            ///< largest of the same
+  double prepare_seconds = 0;
+  double fit_seconds = 0;
+  double evaluate_seconds = 0;  ///< of the distances above
+  std::vector<std::string> warnings;
+};
+
+/// An implicit surface with the cloud it was made from.
+struct Reconstruction {
+  std::shared_ptr<const Field<3>> field;  ///< f > 0 inside, close to the signed distance near the data
+  std::vector<Index> source;              ///< input indices of the points used
+  ReconstructReport report;
+};
+
+/// Implicit surface through (or, under noise, near) a point cloud. Closed wherever the data are open: use polygonize()
+/// for the watertight mesh, and trim() to open it again far from data. O(n log n). Throws InvalidInput for bad options,
+/// fewer than four distinct points, collinear points, or missing normals when normals = file; SolverFailure when no
+/// surface comes out or the tolerance cannot be reached.
+Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {});
+
+}  // namespace csrbf

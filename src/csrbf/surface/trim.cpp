@@ -1,0 +1,214 @@
+#include "csrbf/surface/trim.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
+#include "csrbf/spatial/morton_order.hpp"
+
+#include <Eigen/Geometry>
+
+#include <array>
+#include <map>
+#include <numeric>
+#include <vector>
+
+namespace csrbf {
+namespace {
+
+constexpr Index spacing_neighbors = 6;  // as many as a sample in a plane has around it
+constexpr double expected_share = 0.1;  // a component with fewer samples than this share of the usual density is empty
+constexpr double expected_samples = 8;  // ... unless it holds at least so many
+
+Points<3> in_morton_order(const PointsRef<3>& points) {
+  return points(Eigen::all, morton_order<3>(points));
+}
+
+// Index of the nearest point for every query, and its distance.
+struct Nearest {
+  std::vector<Index> index;
+  std::vector<double> distance;
+};
+
+Nearest nearest_points(const KdTree<3>& tree, const PointsRef<3>& queries) {
+  Nearest result{std::vector<Index>(static_cast<std::size_t>(queries.cols())),
+                 std::vector<double>(static_cast<std::size_t>(queries.cols()))};
+  parallel_for(queries.cols(), 1024, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      double squared = 0;
+      tree.nearest(queries.col(i), 1, &result.index[static_cast<std::size_t>(i)], &squared);
+      result.distance[static_cast<std::size_t>(i)] = std::sqrt(squared);
+    }
+  });
+  return result;
+}
+
+double spacing_at(const KdTree<3>& tree, const PointsRef<3>& points, Index i) {
+  std::array<Index, spacing_neighbors + 1> index{};
+  std::array<double, spacing_neighbors + 1> squared{};
+  const Index found = tree.nearest(points.col(i), spacing_neighbors + 1, index.data(), squared.data());
+  double sum = 0;
+  for (Index k = 1; k < found; ++k) sum += std::sqrt(squared[static_cast<std::size_t>(k)]);
+  return sum / static_cast<double>(found - 1);
+}
+
+// The chosen triangles with the vertices they use, numbered in the old order.
+Mesh submesh(const Mesh& mesh, const std::vector<Index>& triangles) {
+  std::vector<char> used(static_cast<std::size_t>(mesh.vertices.cols()), 0);
+  for (const Index t : triangles)
+    for (int c = 0; c < 3; ++c) used[static_cast<std::size_t>(mesh.triangles(c, t))] = 1;
+  std::vector<Index> kept;
+  std::vector<std::int32_t> number(used.size(), -1);
+  for (std::size_t v = 0; v < used.size(); ++v)
+    if (used[v] != 0) {
+      number[v] = static_cast<std::int32_t>(kept.size());
+      kept.push_back(static_cast<Index>(v));
+    }
+  Mesh part;
+  part.vertices = mesh.vertices(Eigen::all, kept);
+  if (mesh.normals.cols() > 0) part.normals = mesh.normals(Eigen::all, kept);
+  for (const Property& property : mesh.properties)
+    part.properties.push_back({property.name, property.type, property.values(kept)});
+  part.triangles.resize(3, static_cast<Index>(triangles.size()));
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c)
+      part.triangles(c, static_cast<Index>(t)) = number[static_cast<std::size_t>(mesh.triangles(c, triangles[t]))];
+  return part;
+}
+
+// Corners of the triangles around each vertex fall into fans, joined by common edges; every fan but the first gets its
+// own copy of the vertex.
+void double_shared_vertices(Mesh& mesh) {
+  const Index corners = 3 * mesh.triangles.cols();
+  std::vector<Index> parent(static_cast<std::size_t>(corners));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index i) {
+    while (parent[static_cast<std::size_t>(i)] != i)
+      i = parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
+    return i;
+  };
+  const auto join = [&](Index a, Index b) {
+    a = root(a);
+    b = root(b);
+    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  };
+  struct Side {
+    std::int32_t from, to;
+    Index start, end;  // corners
+  };
+  std::vector<Side> sides;
+  sides.reserve(static_cast<std::size_t>(corners));
+  for (Index t = 0; t < mesh.triangles.cols(); ++t)
+    for (Index c = 0; c < 3; ++c) {
+      const Index start = 3 * t + c, end = 3 * t + (c + 1) % 3;
+      const std::int32_t a = mesh.triangles(c, t), b = mesh.triangles((c + 1) % 3, t);
+      sides.push_back(a < b ? Side{a, b, start, end} : Side{b, a, end, start});
+    }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.from, a.to, a.start) < std::tie(b.from, b.to, b.start);
+  });
+  for (std::size_t i = 1; i < sides.size(); ++i)
+    if (sides[i].from == sides[i - 1].from && sides[i].to == sides[i - 1].to) {
+      join(sides[i].start, sides[i - 1].start);
+      join(sides[i].end, sides[i - 1].end);
+    }
+
+  std::vector<Index> fan_of(static_cast<std::size_t>(mesh.vertices.cols()), -1), copies;
+  std::map<Index, std::int32_t> copy_of_fan;
+  for (Index corner = 0; corner < corners; ++corner) {
+    std::int32_t& vertex = mesh.triangles(corner % 3, corner / 3);
+    Index& first = fan_of[static_cast<std::size_t>(vertex)];
+    const Index fan = root(corner);
+    if (first < 0) first = fan;
+    if (first == fan) continue;
+    const auto [copy, is_new] =
+        copy_of_fan.emplace(fan, static_cast<std::int32_t>(mesh.vertices.cols() + static_cast<Index>(copies.size())));
+    if (is_new) copies.push_back(vertex);
+    vertex = copy->second;
+  }
+  if (copies.empty()) return;
+  std::vector<Index> columns(static_cast<std::size_t>(mesh.vertices.cols()));
+  std::iota(columns.begin(), columns.end(), Index{0});
+  columns.insert(columns.end(), copies.begin(), copies.end());
+  mesh.vertices = Points<3>(mesh.vertices(Eigen::all, columns));
+  if (mesh.normals.cols() > 0) mesh.normals = Points<3>(mesh.normals(Eigen::all, columns));
+  for (Property& property : mesh.properties) property.values = Eigen::VectorXd(property.values(columns));
+}
+
+// Component of every vertex, numbered from 0 in the order of their first vertices.
+std::vector<Index> components(const Mesh& mesh, Index& count) {
+  std::vector<Index> parent(static_cast<std::size_t>(mesh.vertices.cols()));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index i) {
+    while (parent[static_cast<std::size_t>(i)] != i)
+      i = parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
+    return i;
+  };
+  for (Index t = 0; t < mesh.triangles.cols(); ++t)
+    for (int c = 1; c < 3; ++c) {
+      const Index a = root(mesh.triangles(0, t)), b = root(mesh.triangles(c, t));
+      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  std::vector<Index> label(parent.size());
+  count = 0;
+  for (std::size_t v = 0; v < parent.size(); ++v) {
+    const auto r = static_cast<std::size_t>(root(static_cast<Index>(v)));
+    label[v] = r == v ? count++ : label[r];
+  }
+  return label;
+}
+
+}  // namespace
+
+Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance) {
+  require(distance > 0, "trim", "distance", distance, "must be a positive number of local spacings");
+  require(points.cols() >= 2, "trim", "points", points.cols(), "at least 2 are needed");
+  const Points<3> sorted = in_morton_order(points);
+  const KdTree<3> tree(sorted);
+  const Nearest nearest = nearest_points(tree, mesh.vertices);
+  std::vector<char> near(static_cast<std::size_t>(mesh.vertices.cols()));
+  parallel_for(mesh.vertices.cols(), 1024, [&](Index begin, Index end) {
+    for (Index v = begin; v < end; ++v) {
+      const auto i = static_cast<std::size_t>(v);
+      near[i] = nearest.distance[i] <= distance * spacing_at(tree, sorted, nearest.index[i]) ? 1 : 0;
+    }
+  });
+  std::vector<Index> kept;
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const auto is_near = [&](int c) { return near[static_cast<std::size_t>(mesh.triangles(c, t))] != 0; };
+    if (is_near(0) && is_near(1) && is_near(2)) kept.push_back(t);
+  }
+  Mesh trimmed = submesh(mesh, kept);
+  double_shared_vertices(trimmed);
+  return trimmed;
+}
+
+DataComponents keep_components_with_data(const Mesh& mesh, const PointsRef<3>& points) {
+  Index count = 0;
+  const std::vector<Index> label = components(mesh, count);
+  if (count <= 1 || points.cols() == 0) return {mesh, 0};
+  const KdTree<3> tree(mesh.vertices);
+  const Nearest nearest = nearest_points(tree, in_morton_order(points));
+  std::vector<double> samples(static_cast<std::size_t>(count), 0), area(samples.size(), 0);
+  for (const Index v : nearest.index) samples[static_cast<std::size_t>(label[static_cast<std::size_t>(v)])] += 1;
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Point<3> a = mesh.vertices.col(mesh.triangles(0, t)), b = mesh.vertices.col(mesh.triangles(1, t)),
+                   c = mesh.vertices.col(mesh.triangles(2, t));
+    area[static_cast<std::size_t>(label[static_cast<std::size_t>(mesh.triangles(0, t))])] +=
+        0.5 * (b - a).cross(c - a).norm();
+  }
+  const double density = static_cast<double>(points.cols()) / std::accumulate(area.begin(), area.end(), 0.0);
+  std::vector<char> keep(samples.size());
+  for (std::size_t c = 0; c < keep.size(); ++c)
+    keep[c] =
+        samples[c] >= expected_samples || (samples[c] > 0 && samples[c] >= expected_share * density * area[c]) ? 1 : 0;
+  keep[static_cast<std::size_t>(std::max_element(samples.begin(), samples.end()) - samples.begin())] = 1;
+  const Index dropped = std::count(keep.begin(), keep.end(), 0);
+  if (dropped == 0) return {mesh, 0};
+  std::vector<Index> triangles;
+  for (Index t = 0; t < mesh.triangles.cols(); ++t)
+    if (keep[static_cast<std::size_t>(label[static_cast<std::size_t>(mesh.triangles(0, t))])] != 0)
+      triangles.push_back(t);
+  return {submesh(mesh, triangles), dropped};
+}
+
+}  // namespace csrbf

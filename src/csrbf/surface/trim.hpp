@@ -1,0 +1,22 @@
+#pragma once
+
+#include "csrbf/core/mesh.hpp"
+
+namespace csrbf {
+
+/// The part of a mesh within `distance` local spacings of `points` (3 x n): triangles with a vertex further away are
+/// removed, and with them the vertices no triangle uses. The local spacing at a vertex is that of its nearest point:
+/// the mean distance to its nearest neighbours. What remains is open where the data are; still manifold (a vertex that
+/// would join two pieces is doubled). O((v + n) log n). Throws InvalidInput unless distance > 0 and there are at least
+/// two points.
+Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance);
+
+/// The mesh without the connected components that hold no data: those with far fewer `points` (3 x n) near them than
+/// their area calls for. `dropped` is the number of components left out. Never drops all. O((v + n) log v).
+struct DataComponents {
+  Mesh mesh;
+  Index dropped = 0;
+};
+DataComponents keep_components_with_data(const Mesh& mesh, const PointsRef<3>& points);
+
+}  // namespace csrbf

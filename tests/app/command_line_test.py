@@ -1,0 +1,401 @@
+"""Runs the real program on generated files: exit codes, messages, reports, what it writes and what it leaves alone.
+
+usage: command_line_test.py PROGRAM [unittest options]
+"""
+
+import json
+import math
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+PROGRAM = ""
+VERBS = ["reconstruct", "estimate-normals", "polygonize", "render", "compare", "info"]
+REPORT_KEYS = ["csrbf", "command", "input", "options", "result", "time", "peak_memory_mb", "threads", "warnings"]
+
+
+def sphere(n, radius=1.0):
+    """Points on a sphere along a Fibonacci spiral."""
+    golden = math.pi * (3 - math.sqrt(5))
+    points = []
+    for i in range(n):
+        z = 1 - (2 * i + 1) / n
+        r = math.sqrt(1 - z * z)
+        points.append((radius * r * math.cos(golden * i), radius * r * math.sin(golden * i), radius * z))
+    return points
+
+
+def xyz(points):
+    return "".join("%.9g %.9g %.9g\n" % p for p in points)
+
+
+def ply(points, colored=False):
+    """Text PLY with outward normals of a sphere about the origin, and red above z = 0, blue below."""
+    lines = ["ply", "format ascii 1.0", "element vertex %d" % len(points)]
+    lines += ["property float " + name for name in ("x", "y", "z", "nx", "ny", "nz")]
+    if colored:
+        lines += ["property uchar " + name for name in ("red", "green", "blue")]
+    lines += ["end_header"]
+    for p in points:
+        length = math.sqrt(sum(c * c for c in p))
+        row = ["%.9g" % c for c in p] + ["%.9g" % (c / length) for c in p]
+        if colored:
+            row += ["255", "0", "0"] if p[2] > 0 else ["0", "0", "255"]
+        lines.append(" ".join(row))
+    return "\n".join(lines) + "\n"
+
+
+OCTAHEDRON = """OFF
+6 8 12
+1 0 0
+-1 0 0
+0 1 0
+0 -1 0
+0 0 1
+0 0 -1
+3 0 2 4
+3 2 1 4
+3 1 3 4
+3 3 0 4
+3 2 0 5
+3 1 2 5
+3 3 1 5
+3 0 3 5
+"""
+
+
+def read_ply(path):
+    """Vertex rows and number of faces of a binary little-endian PLY file."""
+    with open(path, "rb") as file:
+        data = file.read()
+    header, body = data.split(b"end_header\n", 1)
+    assert b"binary_little_endian" in header
+    sizes = {"float": "f", "uchar": "B", "double": "d", "int": "i"}
+    names, codes, count, faces, element = [], "<", 0, 0, ""
+    for line in header.decode().splitlines():
+        words = line.split()
+        if words[0] == "element":
+            element = words[1]
+            count, faces = (int(words[2]), faces) if element == "vertex" else (count, int(words[2]))
+        if words[0] == "property" and element == "vertex":
+            names.append(words[2])
+            codes += sizes[words[1]]
+    size = struct.calcsize(codes)
+    rows = [dict(zip(names, struct.unpack_from(codes, body, i * size))) for i in range(count)]
+    return rows, faces
+
+
+def read_png(path):
+    """Width, height and the rows of an RGB picture."""
+    with open(path, "rb") as file:
+        data = file.read()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height, depth, color = struct.unpack(">IIBB", data[16:26])
+    assert (depth, color) == (8, 2)
+    packed, at = b"", 8
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + length]
+        at += 12 + length
+    raw = zlib.decompress(packed)
+    assert len(raw) == height * (1 + 3 * width)
+    return width, height, raw
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="csrbf_test_")
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w") as file:
+            file.write(text)
+        return self.path(name)
+
+    def files(self):
+        return sorted(os.listdir(self.folder.name))
+
+    def run_program(self, *arguments, stdin=None):
+        return subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, input=stdin, timeout=300,
+                              cwd=self.folder.name)
+
+    def succeed(self, *arguments, stdin=None):
+        done = self.run_program(*arguments, stdin=stdin)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def fail_with(self, code, message, *arguments):
+        """The run ends with `code` and says `message` on standard error only, and writes no file."""
+        before = self.files()
+        done = self.run_program(*arguments)
+        self.assertEqual(done.returncode, code, done.stderr)
+        self.assertIn(message, done.stderr)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(self.files(), before)
+
+    def report(self, name="report.json"):
+        with open(self.path(name)) as file:
+            report = json.load(file)
+        self.assertEqual(list(report), REPORT_KEYS)
+        self.assertIn("total", report["time"])
+        self.assertGreater(report["peak_memory_mb"], 0)
+        self.assertGreaterEqual(report["threads"], 1)
+        return report
+
+
+class Usage(CommandLine):
+    def test_help_lists_the_verbs(self):
+        text = self.succeed("--help").stdout
+        for verb in VERBS:
+            self.assertIn(verb, text)
+
+    def test_help_of_each_verb_has_an_example_and_the_common_flags(self):
+        for verb in VERBS:
+            text = self.succeed(verb, "--help").stdout
+            self.assertIn("Example:\n  csrbf " + verb, text)
+            for flag in ("--threads", "--report", "--progress", "--quiet", "--verbose", "--version", "--help"):
+                self.assertIn(flag, text)
+            self.assertIn("default: all cores", text)
+            self.assertLessEqual(max(map(len, text.splitlines())), 100)
+
+    def test_version_is_printed_everywhere(self):
+        self.assertRegex(self.succeed("--version").stdout, r"^csrbf \d+\.\d+\.\d+\n$")
+        self.assertRegex(self.succeed("info", "--version").stdout, r"^csrbf \d+\.\d+\.\d+\n$")
+
+    def test_bad_usage_gives_2_and_says_why(self):
+        self.fail_with(2, "a verb is required")
+        self.fail_with(2, "unknown verb \"frobnicate\"", "frobnicate")
+        self.fail_with(2, "--output is required", "reconstruct", "points.xyz")
+        self.fail_with(2, "csrbf info --help", "info")
+        self.fail_with(2, "not expected", "info", "a.ply", "--frobnicate")
+        self.fail_with(2, "--threads", "info", "a.ply", "--threads", "0")
+        self.fail_with(2, "--progress", "info", "a.ply", "--progress", "sometimes")
+        self.fail_with(2, "--resolution", "reconstruct", "a.ply", "-o", "b.ply", "--resolution", "many")
+        self.fail_with(2, "--size 10: expected 2 numbers", "render", "a.ply", "-o", "b.png", "--size", "10")
+        self.fail_with(2, "--view up", "render", "a.ply", "-o", "b.png", "--view", "up")
+        self.fail_with(2, "--color pink", "render", "a.ply", "-o", "b.png", "--color", "pink")
+        self.fail_with(2, "--trim far", "reconstruct", "a.ply", "-o", "b.ply", "--trim", "far")
+        self.fail_with(2, "--smoothing some", "reconstruct", "a.ply", "-o", "b.ply", "--smoothing", "some")
+
+    def test_unknown_output_formats_give_2(self):
+        cloud = self.write("cloud.xyz", xyz(sphere(100)))
+        self.fail_with(2, "mesh files are .ply .obj .off .stl", "reconstruct", cloud, "-o", self.path("mesh.vtk"))
+        self.fail_with(2, "models are .csrbf", "reconstruct", cloud, "-o", self.path("mesh.ply"), "--model", "m.bin")
+        self.fail_with(2, "pictures are .png", "render", cloud, "-o", self.path("picture.jpg"))
+        self.fail_with(2, "point files are", "estimate-normals", cloud, "-o", self.path("points.las"))
+
+
+class Input(CommandLine):
+    def test_unreadable_input_gives_2_and_names_the_place(self):
+        out = self.path("mesh.ply")
+        self.fail_with(2, "missing.ply: cannot read the file: No such file", "reconstruct", "missing.ply", "-o", out)
+        ragged = self.write("ragged.xyz", "0 0 0\n1 0 0\n\n0 1\n")
+        self.fail_with(2, "ragged.xyz:4: expected 3 columns as in line 1, found 2", "reconstruct", ragged, "-o", out)
+        empty = self.write("empty.xyz", "")
+        self.fail_with(2, "empty.xyz: the file holds no rows", "reconstruct", empty, "-o", out)
+        broken = self.write("broken.ply", ply(sphere(50))[:-100])
+        self.fail_with(2, "broken.ply:", "reconstruct", broken, "-o", out)
+        las = self.write("cloud.las", "LASF")
+        self.fail_with(2, "unknown extension \".las\"", "reconstruct", las, "-o", out)
+        model = self.write("model.csrbf", "not a model")
+        self.fail_with(2, "model.csrbf: not a csrbf model", "polygonize", model, "-o", out)
+        self.fail_with(2, "not a csrbf model", "render", model, "-o", self.path("a.png"))
+        self.fail_with(2, "not a csrbf model", "info", model)
+
+    def test_points_that_are_no_surface_give_2(self):
+        out = self.path("mesh.ply")
+        few = self.write("few.xyz", "0 0 0\n1 0 0\n0 1 0\n")
+        self.fail_with(2, "reconstruct", "reconstruct", few, "-o", out)
+        line = self.write("line.xyz", "".join("%d 0 0\n" % i for i in range(100)))
+        self.fail_with(2, "reconstruct", "reconstruct", line, "-o", out)
+        bad = self.write("nan.xyz", "nan nan nan\n" * 20)
+        self.fail_with(2, "reconstruct", "reconstruct", bad, "-o", out)
+
+    def test_two_clouds_cannot_be_compared(self):
+        cloud = self.write("cloud.xyz", xyz(sphere(10)))
+        self.fail_with(2, "one must be a mesh", "compare", cloud, cloud)
+
+
+class Output(CommandLine):
+    def test_results_that_cannot_be_written_give_1_before_any_work(self):
+        cloud = self.write("cloud.xyz", xyz(sphere(100)))
+        self.fail_with(1, "No such file or directory", "reconstruct", cloud, "-o", self.path("no/folder/mesh.ply"))
+        self.fail_with(1, "No such file or directory", "info", cloud, "--report", self.path("no/folder/report.json"))
+        os.mkdir(self.path("folder.ply"))
+        self.fail_with(1, "Is a directory", "reconstruct", cloud, "-o", self.path("folder.ply"))
+        os.rmdir(self.path("folder.ply"))
+
+    def test_a_full_disk_gives_1(self):
+        mesh = self.write("octahedron.off", OCTAHEDRON)
+        self.fail_with(1, "No space left on device", "info", mesh, "--report", "/dev/full")
+
+    def test_a_failed_run_keeps_the_old_result(self):
+        old = self.write("mesh.ply", "old")
+        ragged = self.write("ragged.xyz", "0 0 0\n1 0\n")
+        self.fail_with(2, "ragged.xyz:2", "reconstruct", ragged, "-o", old)
+        with open(old) as file:
+            self.assertEqual(file.read(), "old")
+
+    def test_quiet_prints_nothing(self):
+        mesh = self.write("octahedron.off", OCTAHEDRON)
+        done = self.succeed("info", mesh, "--quiet", "--progress", "always")
+        self.assertEqual(done.stdout + done.stderr, "")
+
+
+class Info(CommandLine):
+    def test_tells_what_a_point_file_holds(self):
+        cloud = self.write("cloud.ply", ply(sphere(50, radius=2), colored=True))
+        done = self.succeed("info", cloud, "--report", self.path("report.json"))
+        self.assertLessEqual(len(done.stdout.splitlines()), 10)
+        self.assertIn("50 points", done.stdout)
+        result = self.report()["result"]
+        self.assertEqual((result["kind"], result["points"], result["normals"]), ("points", 50, True))
+        self.assertEqual([p["name"] for p in result["properties"]], ["red", "green", "blue"])
+        self.assertAlmostEqual(result["bounds"]["hi"][2], 2 * (1 - 1 / 50), places=5)
+
+    def test_tells_the_topology_of_a_mesh(self):
+        mesh = self.write("octahedron.off", OCTAHEDRON)
+        self.succeed("info", mesh, "--report", self.path("report.json"))
+        result = self.report()["result"]
+        self.assertEqual((result["vertices"], result["triangles"], result["edges"]), (6, 8, 12))
+        self.assertEqual((result["watertight"], result["manifold"], result["euler"]), (True, True, 2))
+
+    def test_warns_of_points_that_are_not_finite(self):
+        cloud = self.write("cloud.xyz", "0 0 0\n1 nan 0\n0 1 inf\n")
+        done = self.succeed("info", cloud, "--report", self.path("report.json"))
+        self.assertIn("2 points without finite coordinates", done.stderr)
+        self.assertEqual(len(self.report()["warnings"]), 1)
+
+
+class Compare(CommandLine):
+    def test_a_mesh_equals_itself(self):
+        mesh = self.write("octahedron.off", OCTAHEDRON)
+        done = self.succeed("compare", mesh, mesh, "--report", self.path("report.json"))
+        self.assertLessEqual(len(done.stdout.splitlines()), 10)
+        result = self.report()["result"]
+        self.assertLess(result["chamfer_mean"], 1e-12)
+        self.assertLess(result["hausdorff99"], 1e-12)
+        self.assertLess(result["normal_error_deg"], 1e-4)
+        self.assertTrue(result["watertight"] and result["manifold"])
+
+    def test_distances_are_fractions_of_the_diagonal(self):
+        mesh = self.write("octahedron.off", OCTAHEDRON)
+        # The centre of a face, one unit off along its normal; the diagonal of the points' box is 2 sqrt(3) t.
+        t = 1 / 3 + 1 / math.sqrt(3)
+        points = self.write("points.xyz", xyz([(t, t, t), (-t, -t, -t)]))
+        self.succeed("compare", mesh, points, "--report", self.path("report.json"))
+        self.assertAlmostEqual(self.report()["result"]["chamfer_mean"], 1 / (2 * math.sqrt(3) * t), places=6)
+
+
+class Surfaces(CommandLine):
+    """Everything that can be done with a sphere."""
+
+    def test_reconstruct_writes_mesh_model_and_report(self):
+        cloud = self.write("cloud.ply", ply(sphere(2000), colored=True))
+        done = self.succeed("reconstruct", cloud, "-o", self.path("mesh.ply"), "--model", self.path("model.csrbf"),
+                            "--report", self.path("report.json"), "--resolution", "48")
+        self.assertEqual(self.files(), ["cloud.ply", "mesh.ply", "model.csrbf", "report.json"])
+        self.assertLessEqual(len(done.stdout.splitlines()), 10)
+        self.assertEqual(done.stderr, "")
+        report = self.report()
+        result = report["result"]
+        self.assertEqual((result["points"], result["watertight"], result["components"], result["euler"]),
+                         (2000, True, 1, 2))
+        for key in ("points_used", "centers", "method", "vertices", "triangles", "rms_distance", "p99_distance"):
+            self.assertIn(key, result)
+        self.assertLess(result["p99_distance"], 1e-3)
+        for key in ("method", "normals", "centers", "tolerance", "smoothing", "resolution", "trim"):
+            self.assertIn(key, report["options"])
+        for stage in ("read", "prepare", "fit", "evaluate", "polygonize", "write", "total"):
+            self.assertIn(stage, report["time"])
+
+        vertices, faces = read_ply(self.path("mesh.ply"))
+        self.assertEqual((len(vertices), faces), (result["vertices"], result["triangles"]))
+        for v in vertices:
+            length = math.sqrt(v["x"] ** 2 + v["y"] ** 2 + v["z"] ** 2)
+            self.assertAlmostEqual(length, 1, delta=0.01)
+            self.assertGreater(v["x"] * v["nx"] + v["y"] * v["ny"] + v["z"] * v["nz"], 0.95)
+            if abs(v["z"]) > 0.2:
+                self.assertEqual((v["red"], v["blue"]), (255, 0) if v["z"] > 0 else (0, 255))
+
+        info = self.succeed("info", self.path("model.csrbf"))
+        self.assertIn("model:", info.stdout)
+        self.succeed("polygonize", self.path("model.csrbf"), "-o", self.path("coarse.obj"), "--resolution", "16",
+                     "--report", self.path("report.json"))
+        self.assertTrue(self.report()["result"]["watertight"])
+        for name in ("mesh.ply", "model.csrbf"):
+            self.succeed("render", self.path(name), "-o", self.path("a.png"), "--size", "80x60", "--color", "normal")
+            width, height, pixels = read_png(self.path("a.png"))
+            self.assertEqual((width, height), (80, 60))
+            self.assertGreater(len(set(pixels)), 50)
+        self.succeed("compare", self.path("mesh.ply"), self.path("coarse.obj"))
+
+    def test_results_do_not_depend_on_the_number_of_threads(self):
+        cloud = self.write("cloud.ply", ply(sphere(1000)))
+        for threads in ("1", "2"):
+            self.succeed("reconstruct", cloud, "-o", self.path(threads + ".ply"), "--threads", threads,
+                         "--resolution", "32")
+        with open(self.path("1.ply"), "rb") as one, open(self.path("2.ply"), "rb") as two:
+            self.assertEqual(one.read(), two.read())
+
+    def test_reconstruct_reads_and_writes_the_standard_streams(self):
+        done = self.succeed("reconstruct", "-", "-o", "-", "--resolution", "24", stdin=xyz(sphere(500)))
+        self.assertTrue(done.stdout.startswith("NOFF\n"))
+        self.assertIn("watertight", done.stderr)
+        self.assertEqual(self.files(), [])
+
+    def test_estimate_normals_points_outwards(self):
+        cloud = self.write("cloud.xyz", xyz(sphere(1000)))
+        self.succeed("estimate-normals", cloud, "-o", self.path("oriented.ply"), "--report", self.path("report.json"))
+        rows, faces = read_ply(self.path("oriented.ply"))
+        self.assertEqual((len(rows), faces), (1000, 0))
+        for v in rows:
+            self.assertGreater(v["x"] * v["nx"] + v["y"] * v["ny"] + v["z"] * v["nz"], 0.95)
+        self.assertEqual(self.report()["input"]["points"], 1000)
+        self.succeed("estimate-normals", cloud, "-o", self.path("inwards.ply"), "--orient", "viewpoint", "0,0,0")
+        for v in read_ply(self.path("inwards.ply"))[0]:
+            self.assertLess(v["x"] * v["nx"] + v["y"] * v["ny"] + v["z"] * v["nz"], -0.95)
+
+    def test_progress_is_shown_as_lines_when_asked_for(self):
+        cloud = self.write("cloud.ply", ply(sphere(500)))
+        done = self.succeed("reconstruct", cloud, "-o", self.path("m.ply"), "--progress", "always", "--resolution", "24")
+        self.assertRegex(done.stderr, r"(?m)^fit \d+ %")
+        self.assertRegex(done.stderr, r"(?m)^polygonize \d+ %")
+
+    def test_interruption_gives_130_and_leaves_nothing(self):
+        cloud = self.write("cloud.ply", ply(sphere(60000)))
+        process = subprocess.Popen([PROGRAM, "reconstruct", cloud, "-o", self.path("mesh.ply"), "--model",
+                                    self.path("model.csrbf"), "--report", self.path("report.json"), "--progress",
+                                    "always"], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        for line in process.stderr:
+            if line.startswith("prepare"):
+                break
+        process.send_signal(signal.SIGINT)
+        output, messages = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 130, messages)
+        self.assertEqual(output, "")
+        self.assertIn("interrupted", messages)
+        self.assertEqual(self.files(), ["cloud.ply"])
+
+    def test_interruption_while_reading_gives_130(self):
+        process = subprocess.Popen([PROGRAM, "reconstruct", "-", "-o", self.path("mesh.ply"), "--progress", "always"],
+                                   stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.assertTrue(process.stderr.readline().startswith("read"))
+        process.send_signal(signal.SIGINT)
+        messages = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 130, messages)
+        self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)

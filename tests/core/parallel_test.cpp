@@ -1,0 +1,154 @@
+#include "csrbf/core/parallel.hpp"
+
+#include "csrbf/core/error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace csrbf {
+namespace {
+
+// Restores the default number of threads after each test.
+class Parallel : public ::testing::Test {
+ protected:
+  ~Parallel() override { set_thread_count(0); }
+};
+
+using Ranges = std::set<std::pair<Index, Index>>;
+
+Ranges ranges(Index n, Index grain) {
+  std::mutex mutex;
+  Ranges seen;
+  parallel_for(n, grain, [&](Index begin, Index end) {
+    const std::lock_guard lock(mutex);
+    EXPECT_TRUE(seen.emplace(begin, end).second);
+  });
+  return seen;
+}
+
+TEST_F(Parallel, RangesAreConsecutiveAndTheLastIsShorter) {
+  for (const int threads : {1, 2, 5}) {
+    set_thread_count(threads);
+    EXPECT_EQ(ranges(10, 4), (Ranges{{0, 4}, {4, 8}, {8, 10}}));
+    EXPECT_EQ(ranges(3, 100), (Ranges{{0, 3}}));
+  }
+}
+
+TEST_F(Parallel, NothingToDoCallsNothing) {
+  EXPECT_TRUE(ranges(0, 4).empty());
+  EXPECT_TRUE(ranges(-7, 4).empty());
+}
+
+TEST_F(Parallel, GrainBelowOneCountsAsOne) {
+  EXPECT_EQ(ranges(3, 0), (Ranges{{0, 1}, {1, 2}, {2, 3}}));
+}
+
+TEST_F(Parallel, EveryIndexIsVisitedOnceWhateverTheNumberOfThreads) {
+  for (const int threads : {1, 2, 3, 8}) {
+    set_thread_count(threads);
+    std::vector<std::atomic<int>> visits(10'007);
+    parallel_for(10'007, 13, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
+    });
+    for (const auto& count : visits) ASSERT_EQ(count, 1);
+  }
+}
+
+TEST_F(Parallel, RangesDependOnSizeAndGrainOnly) {
+  set_thread_count(1);
+  const Ranges expected = ranges(1001, 10);
+  for (const int threads : {2, 3, 7}) {
+    set_thread_count(threads);
+    EXPECT_EQ(ranges(1001, 10), expected);
+  }
+}
+
+TEST_F(Parallel, ThreadCountIsWhatWasSetAndZeroMeansAllCores) {
+  set_thread_count(3);
+  EXPECT_EQ(thread_count(), 3);
+  set_thread_count(0);
+  EXPECT_EQ(thread_count(), std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+}
+
+TEST_F(Parallel, SeveralThreadsWorkOnOneLoop) {
+  set_thread_count(2);
+  std::atomic<int> arrived{0};
+  // Each of two ranges waits for the other: with one thread only this would never end.
+  parallel_for(2, 1, [&](Index, Index) {
+    ++arrived;
+    while (arrived < 2) std::this_thread::yield();
+  });
+  EXPECT_EQ(arrived, 2);
+}
+
+TEST_F(Parallel, InnerLoopsRunOnTheThreadOfTheirBody) {
+  set_thread_count(3);
+  std::atomic<int> total{0};
+  parallel_for(16, 1, [&](Index, Index) {
+    const std::thread::id owner = std::this_thread::get_id();
+    parallel_for(20, 3, [&](Index begin, Index end) {
+      EXPECT_EQ(std::this_thread::get_id(), owner);
+      total += static_cast<int>(end - begin);
+    });
+  });
+  EXPECT_EQ(total, 16 * 20);
+}
+
+TEST_F(Parallel, LoopsOfSeveralCallersDoNotMix) {
+  set_thread_count(2);
+  std::vector<std::thread> callers;
+  std::array<std::atomic<Index>, 4> sums{};
+  for (std::size_t c = 0; c < sums.size(); ++c)
+    callers.emplace_back([&, c] {
+      for (int repeat = 0; repeat < 50; ++repeat)
+        parallel_for(100, 7, [&](Index begin, Index end) {
+          for (Index i = begin; i < end; ++i) sums[c] += i;
+        });
+    });
+  for (std::thread& caller : callers) caller.join();
+  for (const auto& sum : sums) EXPECT_EQ(sum, 50 * 4950);
+}
+
+TEST_F(Parallel, TheExceptionOfTheLowestRangeArrives) {
+  for (const int threads : {1, 2, 4}) {
+    set_thread_count(threads);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      try {
+        parallel_for(100, 1, [](Index begin, Index) {
+          if (begin >= 17) throw std::out_of_range(std::to_string(begin));
+        });
+        FAIL() << "no exception";
+      } catch (const std::out_of_range& error) {
+        EXPECT_STREQ(error.what(), "17");
+      }
+    }
+  }
+}
+
+TEST_F(Parallel, WorksAgainAfterAnException) {
+  set_thread_count(2);
+  EXPECT_THROW(parallel_for(8, 1, [](Index, Index) { throw std::runtime_error("stop"); }), std::runtime_error);
+  EXPECT_THROW(
+      parallel_for(8, 1,
+                   [](Index, Index) { parallel_for(4, 1, [](Index, Index) { throw std::runtime_error("inner"); }); }),
+      std::runtime_error);
+  EXPECT_EQ(ranges(10, 4), (Ranges{{0, 4}, {4, 8}, {8, 10}}));
+}
+
+TEST_F(Parallel, RefusesANegativeNumberOfThreads) {
+  try {
+    set_thread_count(-1);
+    FAIL() << "no error";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("set_thread_count: threads = -1"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace csrbf

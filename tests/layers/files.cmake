@@ -1,0 +1,58 @@
+# Fails when a file of the project breaks a rule that no compiler checks.
+# usage: cmake -D SOURCE_DIR=... -P files.cmake
+cmake_minimum_required(VERSION 3.25)
+
+set(longest 400)
+set(code "\\.(hpp|cpp)$")
+
+# Nothing says on which machine, where or when the project was written.
+set(foreign "/(work|home|root|tmp)/" "(deb\\.debian|registry\\.npmjs|pypi)\\.org" "(this|last|next|previous|earlier) session"
+    "[Hh]elper [A-Z][^a-z]")
+
+set(violations "")
+foreach(folder IN ITEMS src app tests cmake examples benchmarks python viewer docs scripts)
+  file(GLOB_RECURSE found RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/${folder}/*.hpp ${SOURCE_DIR}/${folder}/*.cpp
+       ${SOURCE_DIR}/${folder}/*.in ${SOURCE_DIR}/${folder}/*.cmake ${SOURCE_DIR}/${folder}/*.txt
+       ${SOURCE_DIR}/${folder}/*.sh ${SOURCE_DIR}/${folder}/*.py ${SOURCE_DIR}/${folder}/*.md)
+  list(APPEND files ${found})
+endforeach()
+file(GLOB found RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/*.md ${SOURCE_DIR}/*.txt ${SOURCE_DIR}/*.json ${SOURCE_DIR}/check
+     ${SOURCE_DIR}/quickstart)
+list(APPEND files ${found})
+
+foreach(file IN LISTS files)
+  file(READ ${SOURCE_DIR}/${file} text)
+  if(text MATCHES "\t")
+    string(APPEND violations "\n  ${file}: has a tab; indent with spaces")
+  endif()
+  if(text MATCHES "[ \t\r]\n")
+    string(APPEND violations "\n  ${file}: has white space at the end of a line")
+  endif()
+  if(NOT text MATCHES "[^\n]\n$")
+    string(APPEND violations "\n  ${file}: does not end with exactly one newline")
+  endif()
+  foreach(pattern IN LISTS foreign)
+    if(text MATCHES "(${pattern})")
+      string(APPEND violations "\n  ${file}: \"${CMAKE_MATCH_1}\" names a place outside the project")
+    endif()
+  endforeach()
+  if(file MATCHES "${code}")
+    string(REGEX MATCHALL "\n" newlines "${text}")
+    list(LENGTH newlines lines)
+    if(lines GREATER longest)
+      string(APPEND violations "\n  ${file}: has ${lines} lines, more than ${longest}; split it by what it does")
+    endif()
+    if(NOT file MATCHES "(^|/)[a-z0-9_]+\\.(hpp|cpp)$")
+      string(APPEND violations "\n  ${file}: name files in snake_case")
+    endif()
+    if(file MATCHES "\\.hpp$" AND NOT text MATCHES "^#pragma once\n")
+      string(APPEND violations "\n  ${file}: start headers with #pragma once")
+    endif()
+  endif()
+endforeach()
+
+list(LENGTH files count)
+if(violations)
+  message(FATAL_ERROR "Files that break the rules:${violations}")
+endif()
+message(STATUS "${count} files keep the rules")
