@@ -205,8 +205,7 @@ void Parser::add_estimate_normals() {
                 "csrbf estimate-normals scan.xyz -o oriented.ply");
   v.argument("POINTS", c.input, std::string("points to read: ") + point_formats);
   v.output(c.output, "points to write with their normals: the same formats");
-  v.flag("neighbors", c.neighbors, "K", "automatic", "points that each normal is estimated from")
-      ->check(CLI::Range(3, 1000));
+  v.flag("neighbors", c.neighbors, "K", "12", "points that each normal is estimated from")->check(CLI::Range(3, 1000));
   v.flag("orient", c.orient, "HOW", "consistent",
          "consistent: outwards, as neighbours agree; viewpoint X,Y,Z: towards the scanner; none: either way");
   v.add_common();

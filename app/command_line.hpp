@@ -40,7 +40,7 @@ struct ReconstructCommand {
 
 struct EstimateNormalsCommand {
   std::string input, output;
-  Index neighbors = 0;
+  Index neighbors = 12;
   std::string orient = "consistent";
 };
 

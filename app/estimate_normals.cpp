@@ -12,7 +12,7 @@ constexpr std::string_view viewpoint_word = "viewpoint";
 
 NormalOptions make_options(const EstimateNormalsCommand& command) {
   NormalOptions options;
-  if (command.neighbors > 0) options.neighbors = command.neighbors;
+  options.neighbors = command.neighbors;
   if (command.orient == "none") {
     options.orient = Orient::none;
   } else if (command.orient.starts_with(viewpoint_word) && command.orient.size() > viewpoint_word.size()) {

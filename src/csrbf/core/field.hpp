@@ -11,8 +11,8 @@ enum class Derivatives { none = 0, gradient = 1, hessian = 2 };
 /// Values and derivatives of a scalar field at n points. Parts that were not asked for have no columns.
 template <int Dim>
 struct Jet {
-  Eigen::VectorXd value;                                                ///< n
-  Points<Dim> gradient;                                                 ///< Dim x n
+  Eigen::VectorXd value;                                               ///< n
+  Points<Dim> gradient;                                                ///< Dim x n
   Eigen::Matrix<double, symmetric_size<Dim>, Eigen::Dynamic> hessian;  ///< upper triangle by rows: xx xy xz yy yz zz
 
   Jet() = default;
@@ -45,8 +45,8 @@ struct JetBlock {
 
 /// A smooth scalar function on R^Dim; the only interface between the parts of the library.
 ///
-/// Sign, everywhere in the library: **f > 0 inside, f = 0 on the surface, f < 0 outside**, so the outward unit normal is
-/// n = -grad f / |grad f| and convex solids have positive curvature.
+/// Sign, everywhere in the library: **f > 0 inside, f = 0 on the surface, f < 0 outside**, so the outward unit normal
+/// is n = -grad f / |grad f| and convex solids have positive curvature.
 template <int Dim>
 class Field {
  public:

@@ -7,8 +7,8 @@
 
 namespace csrbf {
 
-/// A named number per point, kept as it was on disk: `type` is a PLY scalar type (char uchar short ushort int uint float
-/// double). Colours are the properties red, green, blue (and alpha) of type uchar.
+/// A named number per point, kept as it was on disk: `type` is a PLY scalar type (char uchar short ushort int uint
+/// float double). Colours are the properties red, green, blue (and alpha) of type uchar.
 struct Property {
   std::string name;
   std::string type = "float";
@@ -38,11 +38,11 @@ struct Mesh {
 
 /// What the connectivity of a mesh says about the surface.
 struct Topology {
-  Index vertices = 0;        ///< vertices used by a triangle
+  Index vertices = 0;  ///< vertices used by a triangle
   Index edges = 0;
   Index triangles = 0;
-  Index components = 0;      ///< connected components
-  Index boundary_edges = 0;  ///< edges with one triangle
+  Index components = 0;            ///< connected components
+  Index boundary_edges = 0;        ///< edges with one triangle
   Index nonmanifold_edges = 0;     ///< edges with more than two triangles
   Index nonmanifold_vertices = 0;  ///< vertices whose triangles do not form one fan
   Index inconsistent_edges = 0;    ///< edges whose two triangles are oriented differently

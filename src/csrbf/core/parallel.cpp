@@ -125,7 +125,9 @@ Pool& pool() {
 
 }  // namespace
 
-int thread_count() { return pool().size(); }
+int thread_count() {
+  return pool().size();
+}
 
 void set_thread_count(int threads) {
   require(threads >= 0, "set_thread_count", "threads", threads, "must be 0 (all cores) or positive");

@@ -26,7 +26,7 @@ using PointsRef = Eigen::Ref<const Points<Dim>>;
 
 /// Number of independent entries of a symmetric Dim x Dim matrix.
 template <int Dim>
-inline constexpr int symmetric_size = Dim * (Dim + 1) / 2;
+inline constexpr int symmetric_size = Dim*(Dim + 1) / 2;
 
 /// Axis-aligned box [lo, hi]; empty until a point is added.
 template <int Dim>

@@ -65,7 +65,7 @@ class TileSamples {
   static constexpr int after = LightPattern::side - before - 1;
 
   [[nodiscard]] std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row * columns_ + column);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
   }
   [[nodiscard]] Ray ray_at(int column, int row) const;
   [[nodiscard]] Sample sample_of(const Ray& ray, const SurfaceHit& hit) const;

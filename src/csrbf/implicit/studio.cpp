@@ -15,21 +15,21 @@ Eigen::Vector3f encoded(const LinearRgb& light) {
 
 }  // namespace
 
-Studio::Studio(const Scene& scene_, const RenderOptions& options_, const SurfaceColor& color_, const Camera& camera_,
-               const Box<3>& box_)
-    : scene(scene_),
-      options(options_),
-      color(color_),
-      camera(camera_),
-      pattern(rays_per_sample(options_)),
+Studio::Studio(const Scene& shown, const RenderOptions& settings, const SurfaceColor& colors, const Camera& view,
+               const Box<3>& surface_box)
+    : scene(shown),
+      options(settings),
+      color(colors),
+      camera(view),
+      pattern(rays_per_sample(settings)),
       ground_pattern((pattern.rays_per_sample() + 1) / 2),
-      box(box_),
-      up(up_direction(options_.up)),
+      box(surface_box),
+      up(up_direction(settings.up)),
       key_light((-0.55 * camera.right + 0.75 * camera.up - 0.65 * camera.forward).normalized()),
       fill_light((0.80 * camera.right + 0.10 * camera.up - 0.60 * camera.forward).normalized()),
       reach(0.35 * box.diagonal()),
-      ground_level(options_.ground == Ground::shadow ? box.lo.dot(up) : -std::numeric_limits<double>::infinity()),
-      background(options_.background.data()) {}
+      ground_level(settings.ground == Ground::shadow ? box.lo.dot(up) : -std::numeric_limits<double>::infinity()),
+      background(settings.background.data()) {}
 
 Eigen::Vector3f Studio::ground_color(const ReceivedLight& light) const {
   return background * ((0.65F + 0.35F * light.open) * (0.88F + 0.12F * light.lit));

@@ -29,8 +29,8 @@ struct Studio {
   double ground_level = 0;      ///< along `up`; -inf without ground
   Eigen::Vector3f background;   ///< sRGB
 
-  Studio(const Scene& scene, const RenderOptions& options, const SurfaceColor& color, const Camera& camera,
-         const Box<3>& box);
+  Studio(const Scene& shown, const RenderOptions& settings, const SurfaceColor& colors, const Camera& view,
+         const Box<3>& surface_box);
 
   /// sRGB of the ground: the background where it sees all lights.
   [[nodiscard]] Eigen::Vector3f ground_color(const ReceivedLight& light) const;

@@ -219,7 +219,7 @@ inline bool TriangleTree::intersect(const LeafTriangle& leaf, LocalRay& ray) con
   return true;
 }
 
-template <bool any_hit>
+template <bool AnyHit>
 bool TriangleTree::traverse(LocalRay& ray) const {
   std::array<Entry<float>, stack_size> stack;
   std::size_t top = 0;
@@ -227,11 +227,11 @@ bool TriangleTree::traverse(LocalRay& ray) const {
   while (top > 0) {
     const std::int32_t child = stack[--top].child;
     const auto t_max = static_cast<float>(ray.t_max);
-    if (!any_hit && stack[top].near > t_max) continue;
+    if (!AnyHit && stack[top].near > t_max) continue;
     if (child < 0) {
       const LeafTriangle* leaf = leaves_.data() + ~child;
       for (bool last = false; !last; last = leaf++->is_last())
-        if (intersect(*leaf, ray) && any_hit) return true;
+        if (intersect(*leaf, ray) && AnyHit) return true;
       continue;
     }
     const TreeNode& node = nodes_[static_cast<std::size_t>(child)];
@@ -247,7 +247,7 @@ bool TriangleTree::traverse(LocalRay& ray) const {
       stack[top] = {node.child[k], t_in[static_cast<Index>(k)]};
       top += t_in[static_cast<Index>(k)] <= t_out[static_cast<Index>(k)];
     }
-    if constexpr (!any_hit) nearest_last(stack, first, top);
+    if constexpr (!AnyHit) nearest_last(stack, first, top);
   }
   return ray.hit.triangle >= 0;
 }

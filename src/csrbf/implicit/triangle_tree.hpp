@@ -8,7 +8,7 @@
 namespace csrbf {
 
 /// Closest points and ray hits on the triangles of a mesh, through a bounding volume hierarchy. Holds its own copy of
-/// the geometry (about 45 bytes per triangle and 24 per vertex). Build O(t log t); queries about O(log t), thread safe,
+/// the geometry (about 35 bytes per triangle and 24 per vertex). Build O(t log t); queries about O(log t), thread safe,
 /// without allocation, with the same relative accuracy at every scale and position. Degenerate triangles are part of
 /// the surface for closest points and invisible to rays.
 class TriangleTree {
@@ -57,7 +57,7 @@ class TriangleTree {
   [[nodiscard]] Point<3> to_local(const Point<3>& x) const { return (x - center_) * scale_; }
   [[nodiscard]] bool enter(const Point<3>& origin, const Point<3>& direction, double t_max, LocalRay& ray) const;
   bool intersect(const LeafTriangle& leaf, LocalRay& ray) const;
-  template <bool any_hit>
+  template <bool AnyHit>
   bool traverse(LocalRay& ray) const;
 
   // Local coordinates have the origin at the centre of the box and its longest side between 1 and 2.

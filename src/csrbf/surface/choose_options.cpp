@@ -13,7 +13,7 @@ constexpr Index fold = 10;            // one sample in `fold` is left out
 constexpr Index trials = 400;         // patches tried per choice
 constexpr int predicted = 2;          // left-out samples predicted per patch
 constexpr Index fewest_trials = 8;    // below this there is too little to choose from
-constexpr double thickest = 0.15;     // error against patch radius; smaller patches follow layers of the noise
+constexpr double thickest = 0.1;      // error against patch radius; smaller patches follow layers of the noise
 constexpr double flat_enough = 0.05;  // the same, where even samples off the surface find the middle of the sheet
 constexpr double confidence = 0.5;    // standard errors: a smoother choice this close to the best one is preferred
 
@@ -143,6 +143,7 @@ Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& optio
 ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& given) {
   ChosenOptions result;
   CompositeOptions& options = result.options;
+  options.normal_rows = given.normal_rows;
   options.smoothing = given.smoothing.value_or(options.smoothing);
   options.leaf_size = given.leaf_size.value_or(options.leaf_size);
   CrossValidation validation(cloud);

@@ -17,6 +17,7 @@ struct ChosenOptions {
 struct GivenOptions {
   std::optional<double> smoothing;
   std::optional<Index> leaf_size;
+  NormalRows normal_rows = NormalRows::gradient;
 };
 
 /// Chooses patch size, weight of the normals, number of CSRBF centres and smoothing by cross-validation: every tenth

@@ -15,6 +15,12 @@ struct OrientedPoints {
   [[nodiscard]] Index size() const { return points.cols(); }
 };
 
+/// How the CSRBF residual is told about the normals.
+enum class NormalRows {
+  gradient,     ///< grad f = -n at the samples: better under noise, no offset to choose
+  off_surface,  ///< f = -+ kappa at p +- kappa n, kappa half the local spacing (thesis 6.1.4, spec 5.4)
+};
+
 /// How the local models are fitted. The defaults suit clean, dense samples; choose_parameters() adapts them to the
 /// data.
 struct CompositeOptions {
@@ -26,6 +32,7 @@ struct CompositeOptions {
   Index centers_per_patch = 16;
   /// Weight of the normals against the positions in the fit, in units of the patch radius (rho of eq. (6.4)).
   double normal_weight = 0.03;
+  NormalRows normal_rows = NormalRows::gradient;
   /// Native-space ridge of the CSRBF residual, relative to the trace of the normal matrix.
   double smoothing = 1e-6;
   /// Largest number of points a patch is fitted to; more are thinned evenly.

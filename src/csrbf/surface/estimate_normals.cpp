@@ -1,95 +1,231 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
-#include "csrbf/surface/orient_normals.hpp"
+#include "csrbf/surface/local_normal.hpp"
 
 #include <Eigen/Eigenvalues>
 
-#include <vector>
+#include <string>
 
 namespace csrbf {
 namespace {
 
-constexpr Index default_neighbors = 12;
-constexpr double line = 1e-10;  // second against largest spread of points on a line, squared lengths
+constexpr std::string_view stage = "estimate normals";
+constexpr Index choices[] = {16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512};
+constexpr Index sampled_points = 300;
+constexpr double give_up = 1.15;      // a choice this much worse than the best ends the search
+constexpr double flat = 0.4;          // thicker neighbourhoods show no surface yet
+constexpr Index shared_from = 33;     // neighbourhoods this large are shared ...
+constexpr Index share = 16;           // ... by one point in this many of them
+constexpr Index max_neighbors = 256;  // for neighbours on a line
+constexpr Index graph_neighbors = 12;
+constexpr double line = 1e-14;  // of the largest variance: the cloud lies on a line
 
-// Direction of least spread of the given points; zero when they lie on a line.
-Point<3> least_spread(const Points<3>& points, const Index* ids, Index n) {
-  Point<3> mean = Point<3>::Zero();
-  for (Index i = 0; i < n; ++i) mean += points.col(ids[i]);
-  mean /= static_cast<double>(n);
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (Index i = 0; i < n; ++i) {
-    const Point<3> d = points.col(ids[i]) - mean;
-    covariance += d * d.transpose();
+// The different points in unit coordinates and Morton order.
+struct Cloud {
+  Points<3> points;
+  std::vector<Index> unique_of;  // of each input point
+};
+
+Cloud sort_unique(const PointsRef<3>& input) {
+  const Box<3> box = bounding_box<3>(input);
+  const Point<3> center = 0.5 * box.lo + 0.5 * box.hi;
+  const double size = (0.5 * box.hi - 0.5 * box.lo).maxCoeff(), scale = size > 0 ? size : 1;
+  const std::vector<Index> order = morton_order<3>(input);
+  Cloud cloud{Points<3>(3, input.cols()), std::vector<Index>(order.size())};
+  Index count = 0;
+  for (const Index i : order) {
+    const Point<3> p = (input.col(i) - center) / scale;
+    if (count == 0 || p != cloud.points.col(count - 1)) cloud.points.col(count++) = p;
+    cloud.unique_of[static_cast<std::size_t>(i)] = count - 1;
   }
-  const double scale = covariance.trace();
-  if (!(scale > 0)) return Point<3>::Zero();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance / scale);
-  return solver.eigenvalues()[1] > line * solver.eigenvalues()[2] ? Point<3>(solver.eigenvectors().col(0))
-                                                                  : Point<3>::Zero();
+  cloud.points.conservativeResize(3, count);
+  return cloud;
 }
 
-// Normals of points in Morton order, with arbitrary signs.
-Points<3> directions(const Points<3>& points, Index neighbors, const Progress& progress) {
-  constexpr Index batch = 1 << 16;
-  const KdTree<3> tree(points);
-  Points<3> normals(3, points.cols());
-  for (Index done = 0; done < points.cols(); done += batch) {
-    report(progress, "estimate normals", static_cast<double>(done) / static_cast<double>(points.cols()));
-    parallel_for(std::min(batch, points.cols() - done), 1024, [&](Index begin, Index end) {
-      std::vector<Index> ids;
-      std::vector<double> distance;
-      for (Index i = done + begin; i < done + end; ++i) {
-        normals.col(i).setZero();
-        for (Index k = neighbors + 1;; k *= 2) {
-          ids.resize(static_cast<std::size_t>(std::min(k, points.cols())));
-          distance.resize(ids.size());
-          const Index found = tree.nearest(points.col(i), static_cast<Index>(ids.size()), ids.data(), distance.data());
-          normals.col(i) = least_spread(points, ids.data(), found);
-          if (normals.col(i).squaredNorm() > 0 || found == points.cols()) break;
-        }
-      }
+void check(const PointsRef<3>& points, const NormalOptions& options) {
+  constexpr auto where = "estimate_normals";
+  require(options.neighbors == 0 || options.neighbors >= 3, where, "neighbors", options.neighbors,
+          "must be 0 (automatic) or at least 3");
+  require(points.allFinite(), where, "points", "NaN or infinity", "must be finite; remove such points");
+  require(points.cols() < (Index{1} << 31), where, "points.cols()", points.cols(), "must be below 2^31");
+  if (options.orient == Orient::viewpoint)
+    require(options.viewpoint.allFinite(), where, "viewpoint", options.viewpoint.transpose(), "must be finite");
+}
+
+void check_spread(const Points<3>& points) {
+  constexpr auto where = "estimate_normals";
+  require(points.cols() >= 3, where, "number of different points", points.cols(),
+          "a surface needs points in 3 dimensions, at least 3 of them");
+  const Points<3> centered = points.colwise() - points.rowwise().mean();
+  const Eigen::Matrix3d covariance = centered * centered.transpose();
+  const Eigen::Vector3d variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
+  require(variance[1] > line * variance[2], where, "points", "all on one line",
+          "a surface needs points that spread in at least two directions");
+}
+
+// Nearest points of a place; the spans of the last query stay valid until the next.
+class Neighborhood {
+ public:
+  Neighborhood(const Points<3>& points, const KdTree<3>& tree) : points_(points), tree_(tree) {}
+
+  void query(const Point<3>& center, Index count) {
+    count = std::min(count, points_.cols());
+    if (static_cast<Index>(ids_.size()) < count) {
+      ids_.resize(static_cast<std::size_t>(count));
+      d2_.resize(ids_.size());
+    }
+    count_ = static_cast<std::size_t>(tree_.nearest(center, count, ids_.data(), d2_.data()));
+    frame_ = local_frame(points_, ids(), d2(), center);
+  }
+  // Doubles the number of neighbours while they lie on a line.
+  void query_surface(const Point<3>& center, Index count) {
+    query(center, count);
+    while (!frame_.is_surface() && static_cast<Index>(count_) < std::min(max_neighbors, points_.cols()))
+      query(center, count *= 2);
+  }
+  [[nodiscard]] std::span<const Index> ids() const { return {ids_.data(), count_}; }
+  [[nodiscard]] std::span<const double> d2() const { return {d2_.data(), count_}; }
+  [[nodiscard]] const LocalFrame& frame() const { return frame_; }
+  [[nodiscard]] LocalQuadric quadric() const { return fit_quadric(points_, ids(), d2(), frame_); }
+
+ private:
+  const Points<3>& points_;
+  const KdTree<3>& tree_;
+  std::vector<Index> ids_;
+  std::vector<double> d2_;
+  std::size_t count_ = 0;
+  LocalFrame frame_;
+};
+
+// Median of (l0 / l1)^(1/2) over a sample of the points.
+double thickness(const Points<3>& points, const KdTree<3>& tree, Index neighbors) {
+  const Index count = std::min(sampled_points, points.cols());
+  std::vector<double> ratio(static_cast<std::size_t>(count));
+  parallel_for(count, 32, [&](Index begin, Index end) {
+    Neighborhood near(points, tree);
+    for (Index s = begin; s < end; ++s) {
+      near.query(points.col((2 * s + 1) * points.cols() / (2 * count)), neighbors);
+      const Eigen::Vector3d& l = near.frame().eigenvalues;
+      ratio[static_cast<std::size_t>(s)] = l[1] > 0 ? std::sqrt(std::max(0.0, l[0]) / l[1]) : 1.0;
+    }
+  });
+  const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(ratio.begin(), middle, ratio.end());
+  return *middle;
+}
+
+Index choose_neighbors(const Points<3>& points, const KdTree<3>& tree) {
+  Index best = choices[0];
+  double least = std::numeric_limits<double>::infinity();
+  for (const Index choice : choices) {
+    if (choice > choices[0] && 16 * choice > points.cols()) break;
+    const double thick = thickness(points, tree, choice), criterion = thick * std::cbrt(static_cast<double>(choice));
+    if (thick >= flat || criterion < least) {
+      best = choice;
+      if (thick < flat) least = criterion;
+    } else if (criterion > give_up * least) {
+      break;
+    }
+  }
+  return best;
+}
+
+// Normals, and neighbours of points on the way where they are found anyway.
+struct Fit {
+  Points<3> normals;
+  NeighborTable table;
+};
+
+void keep_neighbors(const Neighborhood& near, Index i, NeighborTable& table) {
+  Index kept = 0;
+  for (std::size_t j = 0; j < near.ids().size() && kept < table.k; ++j) {
+    if (near.ids()[j] == i) continue;
+    table.index[static_cast<std::size_t>(i * table.k + kept++)] = static_cast<std::uint32_t>(near.ids()[j]);
+    table.reach[i] = std::sqrt(near.d2()[j]);
+  }
+}
+
+// One quadric for the points [begin, end) if they are close together compared with their neighbourhood.
+void fit_range(const Points<3>& points, Index begin, Index end, Index neighbors, Neighborhood& near, Fit& fit) {
+  const Index count = end - begin;
+  const Point<3> center =
+      count > 1 ? Point<3>(points.middleCols(begin, count).rowwise().mean()) : Point<3>(points.col(begin));
+  near.query_surface(center, neighbors);
+  if (count == 1 && fit.table.k > 0) keep_neighbors(near, begin, fit.table);
+  if (count > 1) {
+    const double radius2 = (points.middleCols(begin, count).colwise() - center).colwise().squaredNorm().maxCoeff();
+    if (!(radius2 < 0.25 * near.d2().back())) {
+      const Index middle = begin + count / 2;
+      fit_range(points, begin, middle, neighbors, near, fit);
+      fit_range(points, middle, end, neighbors, near, fit);
+      return;
+    }
+  }
+  if (near.frame().is_line()) {
+    fit.normals.middleCols(begin, count).setZero();
+    return;
+  }
+  const LocalQuadric quadric = near.quadric();
+  for (Index i = begin; i < end; ++i) fit.normals.col(i) = quadric.normal(points.col(i));
+}
+
+// `graph` neighbours per point come along, or none if there is no table at that price.
+Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Index graph, const Progress& progress) {
+  const Index n = points.cols(), together = neighbors >= shared_from ? neighbors / share : 1;
+  Fit fit{Points<3>(3, n), {}};
+  graph = std::min(graph, n - 1);
+  if (together == 1 && neighbors > graph) {
+    fit.table.k = graph;
+    fit.table.index.resize(static_cast<std::size_t>(n * graph));
+    fit.table.reach.resize(n);
+  }
+  const Index slice = std::max<Index>(n / 16, 1 << 16) / together * together;
+  for (Index first = 0; first < n; first += slice) {
+    report(progress, stage, 0.1 + 0.5 * static_cast<double>(first) / static_cast<double>(n));
+    const Index last = std::min(n, first + slice), ranges = (last - first + together - 1) / together;
+    parallel_for(ranges, std::max<Index>(1, 512 / together), [&](Index begin, Index end) {
+      Neighborhood near(points, tree);
+      for (Index r = begin; r < end; ++r)
+        fit_range(points, first + r * together, std::min(last, first + (r + 1) * together), neighbors, near, fit);
     });
   }
-  return normals;
+  return fit;
 }
 
 }  // namespace
 
-Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options) {
-  constexpr const char* name = "estimate_normals";
-  require(points.cols() >= 3, name, "points", points.cols(), "at least 3 points are needed");
-  require(points.allFinite(), name, "points", "(not finite)", "drop points with NaN or infinite coordinates first");
-  require(options.neighbors == 0 || options.neighbors >= 3, name, "neighbors", options.neighbors,
-          "must be at least 3, or 0 for the default");
-  require(options.viewpoint.allFinite(), name, "viewpoint", options.viewpoint.transpose(), "must be finite");
-
-  const std::vector<Index> order = morton_order<3>(points);
-  const Box<3> box = bounding_box<3>(points);
-  const double scale = box.extent().maxCoeff();
-  Points<3> sorted = points(Eigen::all, order);
-  if (scale > 0) sorted = ((sorted.colwise() - box.lo) / scale).eval();
-  Points<3> normals =
-      directions(sorted, options.neighbors > 0 ? options.neighbors : default_neighbors, options.progress);
-  require(normals.squaredNorm() > 0, name, "points", points.cols(),
-          "points all lie on one line; normals need a surface");
-
-  if (options.orient == Orient::consistent) {
-    OrientOptions orient;
-    orient.progress = options.progress;
-    orient_normals(sorted, normals, orient);
-  } else if (options.orient == Orient::viewpoint) {
-    for (Index i = 0; i < normals.cols(); ++i)
-      if (normals.col(i).dot(options.viewpoint - points.col(order[static_cast<std::size_t>(i)])) < 0)
-        normals.col(i) *= -1;
+Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options, NormalReport* details) {
+  check(points, options);
+  report(options.progress, stage, 0);
+  const Cloud cloud = sort_unique(points);
+  check_spread(cloud.points);
+  const KdTree<3> tree(cloud.points);
+  NormalReport result;
+  result.duplicates = points.cols() - cloud.points.cols();
+  result.neighbors = options.neighbors > 0 ? options.neighbors : choose_neighbors(cloud.points, tree);
+  const bool consistent = options.orient == Orient::consistent;
+  Fit fit = fit_all(cloud.points, tree, result.neighbors, consistent ? graph_neighbors : 0, options.progress);
+  Points<3>& normals = fit.normals;
+  if (consistent) {
+    if (fit.table.k == 0) fit.table = make_neighbor_table(cloud.points, tree, graph_neighbors);
+    result.orientation = orient_normals(cloud.points, fit.table, normals, [&](std::string_view, double fraction) {
+      return !options.progress || options.progress(stage, 0.7 + 0.3 * fraction);
+    });
   }
-  Points<3> result(3, points.cols());
-  for (std::size_t i = 0; i < order.size(); ++i) result.col(order[i]) = normals.col(static_cast<Index>(i));
-  report(options.progress, "estimate normals", 1);
-  return result;
+  Points<3> output(3, points.cols());
+  for (Index i = 0; i < points.cols(); ++i) {
+    output.col(i) = normals.col(cloud.unique_of[static_cast<std::size_t>(i)]);
+    if (options.orient == Orient::viewpoint && output.col(i).dot(options.viewpoint - points.col(i)) < 0)
+      output.col(i) = -output.col(i).eval();
+    result.undetermined += output.col(i).squaredNorm() > 0 ? 0 : 1;
+  }
+  report(options.progress, stage, 1);
+  if (details != nullptr) *details = result;
+  return output;
 }
 
 }  // namespace csrbf

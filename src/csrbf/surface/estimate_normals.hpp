@@ -2,29 +2,49 @@
 
 #include "csrbf/core/progress.hpp"
 #include "csrbf/core/types.hpp"
+#include "csrbf/surface/orient_normals.hpp"
 
 namespace csrbf {
 
-/// How normals, which a neighbourhood gives up to their sign, are turned.
+/// Which way estimated normals point.
 enum class Orient {
-  consistent,  ///< all to the same side of the surface, outward where it is closed: see orient_normals()
-  viewpoint,   ///< towards a point, such as the scanner
-  none,        ///< as they come
+  consistent,  ///< neighbours agree, outward where there is an outside (orient_normals)
+  viewpoint,   ///< each towards one point, the scanner
+  none         ///< either way
 };
 
 struct NormalOptions {
-  /// Points of a neighbourhood, at least 3; 0 = 12: enough to average, few enough to follow bends.
+  /// Points each normal is estimated from, itself included, at least 3; 0 chooses one number for the cloud: 16 for
+  /// clean data, up to 512 under noise.
   Index neighbors = 0;
   Orient orient = Orient::consistent;
-  /// Where normals point with Orient::viewpoint.
-  Point<3> viewpoint = Point<3>::Zero();
+  Point<3> viewpoint = Point<3>::Zero();  ///< for Orient::viewpoint
   Progress progress;
 };
 
-/// Unit normals of a surface from its points (Hoppe et al. 1992, spec 5.1): the direction in which the neighbours of a
-/// point spread least. A neighbourhood that lies on a line, as in a scan line or among duplicates, is doubled until it
-/// does not. n columns in the order of the points. O(n log n). Throws InvalidInput for fewer than 3 points, points that
-/// are not finite or all on one line, neighbors below 3, and a viewpoint that is not finite.
-Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options = {});
+/// What estimate_normals did.
+struct NormalReport {
+  Index neighbors = 0;       ///< points per normal
+  Index duplicates = 0;      ///< points that coincide with an earlier one; they share its normal
+  Index undetermined = 0;    ///< zero normals
+  OrientReport orientation;  ///< for Orient::consistent
+};
+
+/// Unit normals of points on a surface (spec 5.1): the eigenvector of the smallest eigenvalue of the covariance of the
+/// nearest points (Hoppe et al. 1992), weighted by 1 - d^2/h^2, then tilted by the linear part of a quadric fitted to
+/// the same points in that frame (jet, Cazals and Pouget 2005) with a slight ridge on the quadratic terms. The quadric
+/// removes the error of curved surfaces under uneven sampling: from 0.5 to 0.02 degrees on a torus of 1e5 random
+/// points, from 5.6 to 3.2 on a scanned figure; it is neutral on creases and in noise.
+///
+/// The automatic number of neighbours minimises the median of (l0 / l1)^(1/2) K^(1/3) over a sample of points, l0 <= l1
+/// <= l2 the eigenvalues: l0 / l1 grows with K by curvature but falls while noise makes up the thickness. Beyond 32
+/// neighbours, nearby points share a neighbourhood and its quadric.
+///
+/// Coinciding points count once. Where the neighbours lie on a line, their number is doubled until they do not, up to
+/// 256; a normal that stays undetermined is zero. Invariant under similarities; signs are free for Orient::none. Throws
+/// InvalidInput for coordinates that are not finite, fewer than 3 different points, or points on one line. O(n log n):
+/// 0.5 s for 1e5 points on one core, more under noise. `report` receives the details if given.
+Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options = {},
+                           NormalReport* report = nullptr);
 
 }  // namespace csrbf

@@ -19,7 +19,8 @@ struct NeighborTable {
     return {index.data() + i * k, static_cast<std::size_t>(k)};
   }
   [[nodiscard]] Index size() const { return reach.size(); }
-  /// Area of the surface that point i stands for, when it is smooth: the disc out to the last neighbour holds k of them.
+  /// Area of the surface that point i stands for, when it is smooth: the disc out to the last neighbour holds k of
+  /// them.
   [[nodiscard]] double area(Index i) const {
     return std::numbers::pi * reach[i] * reach[i] / static_cast<double>(std::max<Index>(1, k));
   }

@@ -13,7 +13,7 @@ using namespace orientation;
 
 constexpr Index max_components = 256;
 constexpr Index max_clusters = 400;
-constexpr double convincing = 0.9;   // energy ratio below which the winding number overrules the neighbours
+constexpr double convincing = 0.97;  // energy ratio below which the winding number overrules the neighbours
 constexpr double has_inside = 0.1;   // mean winding number on a surface that has an inside and an outside
 
 void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* where) {
@@ -100,7 +100,8 @@ OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighb
   // Components by the tree, then by the winding number where there are several.
   const Clusters components = make_clusters(graph, normals, graph.near, max_components);
   if (components.size() == 0) return result;
-  result.flipped_edges = static_cast<double>(components.flipped_edges) / static_cast<double>(std::max<Index>(1, components.tree_edges));
+  result.flipped_edges =
+      static_cast<double>(components.flipped_edges) / static_cast<double>(std::max<Index>(1, components.tree_edges));
   Signs signs = components.tree_sign;
   if (components.size() > 1) {
     const Energy energy(points, normals, neighbors, graph, components);

@@ -116,7 +116,8 @@ void Energy::sum_winding(const Points<3>& probes, const Points<3>& points, const
   }
 }
 
-void Energy::count_votes(const Points<3>& points, const Points<3>& normals, const Graph& graph, const Clusters& clusters) {
+void Energy::count_votes(const Points<3>& points, const Points<3>& normals, const Graph& graph,
+                         const Clusters& clusters) {
   votes_.setZero(clusters.size(), clusters.size());
   std::vector<double> sizes(static_cast<std::size_t>(clusters.size()), 0);
   for (const std::int32_t c : clusters.of)
@@ -145,7 +146,8 @@ void Energy::list_moves(const Clusters& clusters) {
 
 Eigen::VectorXf Energy::winding(const Signs& signs) const {
   Eigen::VectorXf w = Eigen::VectorXf::Zero(winding_.rows());
-  for (Index c = 0; c < winding_.cols(); ++c) w += static_cast<float>(signs[static_cast<std::size_t>(c)]) * winding_.col(c);
+  for (Index c = 0; c < winding_.cols(); ++c)
+    w += static_cast<float>(signs[static_cast<std::size_t>(c)]) * winding_.col(c);
   return w;
 }
 
@@ -162,7 +164,9 @@ double Energy::of_winding(const Eigen::VectorXf& w) const {
   return sum;
 }
 
-double Energy::of(const Signs& signs) const { return of_winding(winding(signs)); }
+double Energy::of(const Signs& signs) const {
+  return of_winding(winding(signs));
+}
 
 double Energy::mean_winding(const Signs& signs) const {
   return static_cast<double>(weight_.head(on_surface_).dot(winding(signs).head(on_surface_))) / surface_share;
@@ -196,7 +200,8 @@ double Energy::descend_from(Signs& signs) const {
       w = turned;
       energy = after;
       improved = true;
-      for (const Index c : move) signs[static_cast<std::size_t>(c)] = static_cast<signed char>(-signs[static_cast<std::size_t>(c)]);
+      for (const Index c : move)
+        signs[static_cast<std::size_t>(c)] = static_cast<signed char>(-signs[static_cast<std::size_t>(c)]);
     }
     if (!improved) break;
   }

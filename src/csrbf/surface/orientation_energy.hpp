@@ -8,10 +8,10 @@ namespace csrbf::orientation {
 /// One sign, 1 or -1, per cluster.
 using Signs = std::vector<signed char>;
 
-/// What the winding number w says about the signs of clusters. For a closed surface with outward normals w is 1 inside, 0
-/// outside and 1/2 on it. The energy of a choice of signs is the mean over sampled points of (2 w - 1)^2 on the surface and
-/// of 4 min(w^2, (1 - w)^2) at several distances on both sides of it, where every cluster is large enough to show.
-/// w is linear in the signs, so that changing one is cheap.
+/// What the winding number w says about the signs of clusters. For a closed surface with outward normals w is 1 inside,
+/// 0 outside and 1/2 on it. The energy of a choice of signs is the mean over sampled points of (2 w - 1)^2 on the
+/// surface and of 4 min(w^2, (1 - w)^2) at several distances on both sides of it, where every cluster is large enough
+/// to show. w is linear in the signs, so that changing one is cheap.
 class Energy {
  public:
   Energy(const Points<3>& points, const Points<3>& normals, const NeighborTable& table, const Graph& graph,
@@ -29,15 +29,16 @@ class Energy {
   [[nodiscard]] Eigen::VectorXf winding(const Signs& signs) const;
   double descend_from(Signs& signs) const;
   [[nodiscard]] double of_winding(const Eigen::VectorXf& w) const;
-  void sum_winding(const Points<3>& probes, const Points<3>& points, const Points<3>& normals, const NeighborTable& table,
-                   const Clusters& clusters, const std::vector<std::vector<Index>>& members);
+  void sum_winding(const Points<3>& probes, const Points<3>& points, const Points<3>& normals,
+                   const NeighborTable& table, const Clusters& clusters,
+                   const std::vector<std::vector<Index>>& members);
   void count_votes(const Points<3>& points, const Points<3>& normals, const Graph& graph, const Clusters& clusters);
   void list_moves(const Clusters& clusters);
 
-  Eigen::MatrixXf winding_;                // probe x cluster: w of the cluster alone
-  Eigen::VectorXf weight_;                 // of the probes, sum 1
-  Index on_surface_ = 0;                   // that many probes come first
-  Eigen::MatrixXd votes_;                  // cluster x cluster: agreeing minus disagreeing neighbours, as a share of all
+  Eigen::MatrixXf winding_;  // probe x cluster: w of the cluster alone
+  Eigen::VectorXf weight_;   // of the probes, sum 1
+  Index on_surface_ = 0;     // that many probes come first
+  Eigen::MatrixXd votes_;    // cluster x cluster: agreeing minus disagreeing neighbours, as a share of all
   std::vector<std::vector<Index>> moves_;  // sets of clusters to turn together
 };
 

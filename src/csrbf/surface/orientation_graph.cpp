@@ -13,8 +13,8 @@ constexpr double max_cost = 4;
 constexpr int buckets = 4096;  // of costs in [0, max_cost]
 constexpr Index thinning = 8;  // between the subsets that bridge gaps
 
-// Mean sine of the angle between a tangent plane and the directions to the neighbours: curvature, noise, edges and second
-// sheets raise it.
+// Mean sine of the angle between a tangent plane and the directions to the neighbours: curvature, noise, edges and
+// second sheets raise it.
 Eigen::VectorXd roughness(const Points<3>& points, const Points<3>& normals, const NeighborTable& table,
                           const std::vector<std::uint32_t>& ids) {
   Eigen::VectorXd rough(table.size());
@@ -47,10 +47,13 @@ std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, 
         const Index b = ids[other];
         // Mutual neighbours meet once.
         const auto back = table.of(other);
-        const bool repeated = other < i && std::find(back.begin(), back.end(), static_cast<std::uint32_t>(i)) != back.end();
-        const double total = cost(points.col(a), normals.col(a), points.col(b), normals.col(b)) + rough[i] + rough[other];
+        const bool repeated =
+            other < i && std::find(back.begin(), back.end(), static_cast<std::uint32_t>(i)) != back.end();
+        const double total =
+            cost(points.col(a), normals.col(a), points.col(b), normals.col(b)) + rough[i] + rough[other];
         bucket[static_cast<std::size_t>(i) * k + j] = static_cast<std::uint16_t>(
-            repeated || !(total <= max_cost) ? buckets : std::min(buckets - 1, static_cast<int>(total / max_cost * buckets)));
+            repeated || !(total <= max_cost) ? buckets
+                                             : std::min(buckets - 1, static_cast<int>(total / max_cost * buckets)));
       }
     }
   });

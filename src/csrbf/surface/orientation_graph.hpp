@@ -38,12 +38,13 @@ struct Graph {
   std::size_t near = 0;     ///< edges before this one join neighbours; the others bridge gaps between components
 };
 
-/// How little two points say about each other: 1 - |n_a . n_b|, plus the mean sine of the angles between the edge and the
-/// two tangent planes, which keeps the two sides of a thin sheet apart. In [0, 2]; infinite for a zero normal.
+/// How little two points say about each other: 1 - |n_a . n_b|, plus the mean sine of the angles between the edge and
+/// the two tangent planes, which keeps the two sides of a thin sheet apart. In [0, 2]; infinite for a zero normal.
 double cost(const Point<3>& pa, const Point<3>& na, const Point<3>& pb, const Point<3>& nb);
 
-/// The neighbour graph, ordered by cost plus the roughness of the surroundings of both points, united with edges between
-/// ever sparser subsets of the points until it is connected. Points with a zero normal have no edges. O(n log n).
+/// The neighbour graph, ordered by cost plus the roughness of the surroundings of both points, united with edges
+/// between ever sparser subsets of the points until it is connected. Points with a zero normal have no edges. O(n log
+/// n).
 Graph make_graph(const Points<3>& points, const Points<3>& normals, const NeighborTable& table);
 
 /// A partition of the points into clusters with trusted signs inside.
@@ -57,8 +58,8 @@ struct Clusters {
   [[nodiscard]] Index size() const { return static_cast<Index>(tree_sign.size()); }
 };
 
-/// Cuts the minimum spanning tree of the graph into at most `max_clusters` clusters: edges from `trusted` on join clusters
-/// only while one of them is small.
+/// Cuts the minimum spanning tree of the graph into at most `max_clusters` clusters: edges from `trusted` on join
+/// clusters only while one of them is small.
 Clusters make_clusters(const Graph& graph, const Points<3>& normals, std::size_t trusted, Index max_clusters);
 
 }  // namespace csrbf::orientation

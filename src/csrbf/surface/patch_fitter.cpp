@@ -1,5 +1,7 @@
 #include "csrbf/surface/patch_fitter.hpp"
 
+#include "csrbf/kernels/wendland.hpp"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
@@ -28,14 +30,13 @@ QuadricRows quadric_rows(const Point<3>& q) {
   return rows;
 }
 
-// Wendland C4 in three dimensions and its phi' / r, as functions of r^2.
+// The kernel of the residual as a function of r^2, and its phi' / r.
+const Wendland kernel(3, 2);
 double phi(double r2) {
-  const double r = std::sqrt(r2), a = std::max(0.0, 1 - r), a2 = a * a;
-  return a2 * a2 * a2 * (35 * r2 + 18 * r + 3) / 3;
+  return kernel.value(std::sqrt(r2));
 }
 double phi_slope(double r2) {
-  const double r = std::sqrt(r2), a = std::max(0.0, 1 - r), a2 = a * a;
-  return (-56.0 / 3.0) * a2 * a2 * a * (5 * r + 1);
+  return kernel.g(std::sqrt(r2));
 }
 
 }  // namespace
@@ -157,10 +158,12 @@ void PatchFitter::localize(const Patch& patch) {
   q_.resize(3, count);
   target_.resize(3, count);
   weight_.resize(count);
+  offset_.resize(count);
   for (Index k = 0; k < count; ++k) {
     const Index i = support_[static_cast<std::size_t>(k)];
     q_.col(k) = patch.T * (cloud_.points.col(i) - patch.center);
     target_.col(k) = -patch.radius * (patch.T * cloud_.normals.col(i));
+    offset_[k] = 0.5 * cloud_.spacing[i] / patch.radius;
     const double s = std::max(0.0, 1 - q_.col(k).squaredNorm());
     weight_[k] = s * s + 1e-3;  // wider than the blending weight: the rim of the patch is used too
   }
@@ -185,12 +188,9 @@ void PatchFitter::fit_quadric(Patch& patch) const {
   patch.quadric = A.ldlt().solve(b);
 }
 
-// Eq. (6.10) with normals as gradient rows: (B^T W B + lambda K) alpha = B^T W (s - g), K the kernel matrix of the
-// centres.
-void PatchFitter::fit_residual(FittedPatch& result) {
-  const Index K = q_.cols(), M = static_cast<Index>(centers_.size());
-  if (M == 0) return;
-  result.centers = q_(Eigen::all, centers_);
+// Weighted rows of the residual for values and normals: B alpha = s - g, grad B alpha = -n - grad g.
+void PatchFitter::gradient_rows(const FittedPatch& result) {
+  const Index K = q_.cols(), M = result.centers.cols();
   rows_.resize(4 * K, M);
   rhs_.resize(4 * K);
   const double root_rho = std::sqrt(options_.normal_weight);
@@ -205,6 +205,34 @@ void PatchFitter::fit_residual(FittedPatch& result) {
       rows_(4 * k, j) = root_w * phi(r2);
       rows_.col(j).segment<3>(4 * k + 1) = (root_g * inverse_support2 * phi_slope(r2)) * d;
     }
+  }
+}
+
+// The same with values beside the surface instead of gradients: the targets at q + side kappa n are -side kappa.
+void PatchFitter::off_surface_rows(const FittedPatch& result) {
+  const Index K = q_.cols(), M = result.centers.cols();
+  rows_.resize(3 * K, M);
+  rhs_.resize(3 * K);
+  for (Index k = 0; k < K; ++k)
+    for (int side = -1; side <= 1; ++side) {
+      const Index row = 3 * k + side + 1;
+      const Point<3> q = q_.col(k) - side * offset_[k] * target_.col(k);
+      const double root_w = std::sqrt(weight_[k]);
+      rhs_[row] = root_w * (-side * offset_[k] - quadric_rows(q).row(0).dot(result.patch.quadric));
+      for (Index j = 0; j < M; ++j)
+        rows_(row, j) = root_w * phi(inverse_support2 * (q - result.centers.col(j)).squaredNorm());
+    }
+}
+
+// Eq. (6.10): (B^T W B + lambda K) alpha = B^T W (s - g), K the kernel matrix of the centres.
+void PatchFitter::fit_residual(FittedPatch& result) {
+  const auto M = static_cast<Index>(centers_.size());
+  if (M == 0) return;
+  result.centers = q_(Eigen::all, centers_);
+  if (options_.normal_rows == NormalRows::gradient) {
+    gradient_rows(result);
+  } else {
+    off_surface_rows(result);
   }
   A_.setZero(M, M);
   A_.selfadjointView<Eigen::Lower>().rankUpdate(rows_.transpose());

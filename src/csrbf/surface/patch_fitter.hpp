@@ -42,6 +42,8 @@ class PatchFitter {
   void localize(const Patch& patch);
   void fit_quadric(Patch& patch) const;
   void fit_residual(FittedPatch& result);
+  void gradient_rows(const FittedPatch& result);
+  void off_surface_rows(const FittedPatch& result);
 
   const OrientedPoints& cloud_;
   const KdTree<3>& tree_;
@@ -51,7 +53,7 @@ class PatchFitter {
   std::vector<Index> centers_;  // positions in support_
   // Samples in local coordinates: positions, gradient targets (-n), partition-of-unity weights.
   Points<3> q_, target_;
-  Eigen::VectorXd weight_;
+  Eigen::VectorXd weight_, offset_;
   Eigen::MatrixXd rows_, A_;
   Eigen::VectorXd rhs_;
   double area_per_sample_ = 0;

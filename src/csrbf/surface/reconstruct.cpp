@@ -144,12 +144,14 @@ void check_tolerance(const std::vector<double>& distance, double tolerance, Reco
 
 // The composite options: chosen by cross-validation, within the budget or the tolerance that is asked for.
 ChosenOptions choose(const OrientedPoints& cloud, const ReconstructOptions& options, const Progress& progress) {
-  GivenOptions given{options.smoothing, {}};
+  GivenOptions given;
+  given.smoothing = options.smoothing;
   if (options.smoothing == 0.0) given.leaf_size = finest_leaf;
   if (options.tolerance > 0) given.leaf_size = coarsest_leaf;
   if (options.centers > 0)
     given.leaf_size =
         std::max<Index>(CompositeOptions::smallest_leaf, cloud.size() * centers_per_leaf / options.centers);
+  given.normal_rows = options.normal_rows;
   ChosenOptions chosen = choose_options(cloud, given);
   if (options.tolerance > 0) {
     chosen.options.tolerance.setConstant(cloud.size(), options.tolerance);

@@ -26,6 +26,8 @@ struct ReconstructOptions {
   double tolerance = 0;
   /// Ridge of the CSRBF residual: 0 = none, larger is smoother; not set = chosen from the data by cross-validation.
   std::optional<double> smoothing;
+  /// How the fit is told about the normals.
+  NormalRows normal_rows = NormalRows::gradient;
   Progress progress;
 };
 

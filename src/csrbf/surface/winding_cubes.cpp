@@ -60,7 +60,8 @@ const Matrix& restriction(bool upper) {
     for (int i = 0; i < order; ++i)
       for (int j = i; j < order; ++j)
         for (std::size_t half = 0; half < 2; ++half)
-          m[half](i, j) = static_cast<float>(binomial[i][j] * std::pow(0.5, i) * std::pow(half == 1 ? 0.5 : -0.5, j - i));
+          m[half](i, j) =
+              static_cast<float>(binomial[i][j] * std::pow(0.5, i) * std::pow(half == 1 ? 0.5 : -0.5, j - i));
     return m;
   }();
   return matrices[upper ? 1 : 0];
@@ -124,7 +125,8 @@ std::unique_ptr<Cubes::Cube> Cubes::make_child(const Cube& parent, std::size_t o
   Cell& cell = cube->cell;
   const bool upper[3] = {(octant & 1) != 0, (octant & 2) != 0, (octant & 4) != 0};
   cell.half = 0.5 * parent.cell.half;
-  for (int axis = 0; axis < 3; ++axis) cell.center[axis] = parent.cell.center[axis] + (upper[axis] ? cell.half : -cell.half);
+  for (int axis = 0; axis < 3; ++axis)
+    cell.center[axis] = parent.cell.center[axis] + (upper[axis] ? cell.half : -cell.half);
   cube->depth = parent.depth + 1;
   Sources sources = classify(cell, parent.near);
   set_near(*cube, std::move(sources.near));

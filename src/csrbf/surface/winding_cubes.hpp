@@ -7,8 +7,8 @@
 
 namespace csrbf::winding {
 
-/// An octree of cells around a tree of samples, divided until few samples are near a cell. Cells are made when a point in
-/// them is first asked for; what is in a cell does not depend on when. Lengths in units of the tree.
+/// An octree of cells around a tree of samples, divided until few samples are near a cell. Cells are made when a point
+/// in them is first asked for; what is in a cell does not depend on when. Lengths in units of the tree.
 class Cubes {
  public:
   /// Half side of the root.

@@ -32,8 +32,8 @@ Frame make_frame(const Point<3>& x, double unit) {
   return frame;
 }
 
-// Adds sum m.r / D^(3/2), D = r^2 + eps^2, and its derivatives over samples begin, ..., begin + lanes; those from `count`
-// on do not count.
+// Adds sum m.r / D^(3/2), D = r^2 + eps^2, and its derivatives over samples begin, ..., begin + lanes; those from
+// `count` on do not count.
 template <int Order>
 CSRBF_ALWAYS_INLINE void add_samples(const Tree& tree, std::int32_t begin, std::int32_t count, const Frame& frame,
                                      float (*__restrict sum)[lanes]) {
@@ -120,7 +120,9 @@ CSRBF_ALWAYS_INLINE void add_polynomial(const Coefficients& far, const float* t,
 }
 
 template <int Order>
-constexpr int terms = Order == 0 ? 1 : Order == 1 ? 4 : 10;
+constexpr int terms = Order == 0   ? 1
+                      : Order == 1 ? 4
+                                   : 10;
 
 template <int Order>
 CSRBF_ALWAYS_INLINE void sum_cell(const Tree& tree, const Cell& cell, const Frame& frame, const float* t, Lanes& near,
@@ -137,8 +139,8 @@ CSRBF_SIMD_CLONES void cell_value(const Tree& tree, const Cell& cell, const Fram
                                   Lanes& far) {
   sum_cell<0>(tree, cell, frame, t, near, far);
 }
-CSRBF_SIMD_CLONES void cell_gradient(const Tree& tree, const Cell& cell, const Frame& frame, const float* t, Lanes& near,
-                                     Lanes& far) {
+CSRBF_SIMD_CLONES void cell_gradient(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
+                                     Lanes& near, Lanes& far) {
   sum_cell<1>(tree, cell, frame, t, near, far);
 }
 CSRBF_SIMD_CLONES void cell_hessian(const Tree& tree, const Cell& cell, const Frame& frame, const float* t, Lanes& near,
@@ -154,7 +156,8 @@ CSRBF_ALWAYS_INLINE void add_expansion(const Node& node, const Layer& at, float*
   const float q0 = node.cubic[0], q1 = node.cubic[1], q2 = node.cubic[2], q3 = node.cubic[3], q4 = node.cubic[4],
               q5 = node.cubic[5], q6 = node.cubic[6], q7 = node.cubic[7], q8 = node.cubic[8], q9 = node.cubic[9];
   const float trace = -(axx + ayy + azz) / 3;
-  const float b0 = -0.6F * q0 - 0.2F * (q3 + q5), b1 = -0.6F * q6 - 0.2F * (q1 + q8), b2 = -0.6F * q9 - 0.2F * (q2 + q7);
+  const float b0 = -0.6F * q0 - 0.2F * (q3 + q5), b1 = -0.6F * q6 - 0.2F * (q1 + q8),
+              b2 = -0.6F * q9 - 0.2F * (q2 + q7);
   const double c0 = node.center[0], c1 = node.center[1], c2 = node.center[2], scale = node.inverse_scale;
   for (int l = 0; l < layer; ++l) {
     const float x = static_cast<float>((c0 - at.x[0][l]) * scale), y = static_cast<float>((c1 - at.x[1][l]) * scale),

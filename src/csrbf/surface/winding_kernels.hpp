@@ -19,8 +19,8 @@ struct Range {
   std::int32_t begin, end;
 };
 
-/// A cube of space: the field of the samples outside `near` as a polynomial, degree 3 in each of t = (x - center) / half;
-/// the coefficient of tx^i ty^j tz^k is far[16 i + 4 j + k].
+/// A cube of space: the field of the samples outside `near` as a polynomial, degree 3 in each of t = (x - center) /
+/// half; the coefficient of tx^i ty^j tz^k is far[16 i + 4 j + k].
 struct Cell {
   Point<3> center = Point<3>::Zero();
   double half = 0;
@@ -41,6 +41,7 @@ struct Layer {
 };
 
 /// Adds the expansions of some nodes and all samples of other nodes.
-void add_sources(const Tree& tree, std::span<const std::int32_t> nodes, std::span<const std::int32_t> leaves, Layer& at);
+void add_sources(const Tree& tree, std::span<const std::int32_t> nodes, std::span<const std::int32_t> leaves,
+                 Layer& at);
 
 }  // namespace csrbf::winding

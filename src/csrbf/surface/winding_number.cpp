@@ -69,13 +69,21 @@ WindingNumber::WindingNumber(const Data& data) {
   if (data.points.cols() > 0) impl_ = std::make_shared<const Impl>(data);
 }
 
-WindingNumber::Data WindingNumber::data() const { return impl_ ? winding::samples_of(impl_->tree) : Data{}; }
+WindingNumber::Data WindingNumber::data() const {
+  return impl_ ? winding::samples_of(impl_->tree) : Data{};
+}
 
-Points<3> WindingNumber::seeds() const { return impl_ ? impl_->tree.points : Points<3>(3, 0); }
+Points<3> WindingNumber::seeds() const {
+  return impl_ ? impl_->tree.points : Points<3>(3, 0);
+}
 
-Index WindingNumber::size() const { return impl_ ? impl_->tree.size() : 0; }
+Index WindingNumber::size() const {
+  return impl_ ? impl_->tree.size() : 0;
+}
 
-Box<3> WindingNumber::bounds() const { return impl_ ? bounding_box<3>(impl_->tree.points) : Box<3>{}; }
+Box<3> WindingNumber::bounds() const {
+  return impl_ ? bounding_box<3>(impl_->tree.points) : Box<3>{};
+}
 
 void WindingNumber::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
   for (Index i = 0; i < x.cols(); ++i) {

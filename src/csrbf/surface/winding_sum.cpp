@@ -24,7 +24,8 @@ void find_sources(const Tree& tree, const Layer& at, Lists& lists) {
     lists.stack.pop_back();
     const Node& node = tree.nodes[static_cast<std::size_t>(id)];
     const Point<3> c(node.center);
-    const double gap2 = (box.lo - c).cwiseMax(c - box.hi).cwiseMax(0.0).squaredNorm() * node.inverse_scale * node.inverse_scale;
+    const double gap2 =
+        (box.lo - c).cwiseMax(c - box.hi).cwiseMax(0.0).squaredNorm() * node.inverse_scale * node.inverse_scale;
     if (gap2 + node.eps2 > opening * opening) {
       lists.expansions.push_back(id);
     } else if (node.is_leaf()) {

@@ -38,8 +38,8 @@ void add(std::array<double, Size>& sum, double factor, const std::array<double, 
   for (std::size_t k = 0; k < Size; ++k) sum[k] += factor * term[k];
 }
 
-// Moments about a centre c as polynomials of r: N = sum m.r, M = sum (m.r)(d.r), Q = sum (m.r)(d.r)^2, where m = a n / 2 pi
-// and d = p - c; centre and eps^2 are means with weight |m|.
+// Moments about a centre c as polynomials of r: N = sum m.r, M = sum (m.r)(d.r), Q = sum (m.r)(d.r)^2, where m = a n /
+// 2 pi and d = p - c; centre and eps^2 are means with weight |m|.
 struct Moments {
   double weight = 0;
   Linear center{};

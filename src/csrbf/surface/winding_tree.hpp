@@ -15,8 +15,8 @@ struct Samples {
   Eigen::VectorXd eps;
 };
 
-/// Samples [begin, begin + count) and the expansion of their field about `center`, lengths in units of 1 / inverse_scale,
-/// which is the radius of the node. With r = center - x, D = r^2 + eps2 and d = p - center,
+/// Samples [begin, begin + count) and the expansion of their field about `center`, lengths in units of 1 /
+/// inverse_scale, which is the radius of the node. With r = center - x, D = r^2 + eps2 and d = p - center,
 ///   u + 1 = N(r) D^(-3/2) + ((tr A)(r) + A(r)) D^(-5/2) + Q(r) D^(-7/2) + O(radius / |r|)^3.
 struct Node {
   double center[3];
