@@ -18,6 +18,7 @@ constexpr Index choices[] = {16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512};
 constexpr Index sampled_points = 300;
 constexpr double give_up = 1.15;      // a choice this much worse than the best ends the search
 constexpr double flat = 0.4;          // thicker neighbourhoods show no surface yet
+constexpr double thinnest = 0.01;     // less is rounding
 constexpr Index shared_from = 33;     // neighbourhoods this large are shared ...
 constexpr Index share = 16;           // ... by one point in this many of them
 constexpr Index max_neighbors = 256;  // for neighbours on a line
@@ -123,10 +124,13 @@ Index choose_neighbors(const Points<3>& points, const KdTree<3>& tree) {
   double least = std::numeric_limits<double>::infinity();
   for (const Index choice : choices) {
     if (choice > choices[0] && 16 * choice > points.cols()) break;
-    const double thick = thickness(points, tree, choice), criterion = thick * std::cbrt(static_cast<double>(choice));
-    if (thick >= flat || criterion < least) {
+    const double thick = std::max(thinnest, thickness(points, tree, choice));
+    const double criterion = thick * std::cbrt(static_cast<double>(choice));
+    if (std::isinf(least) && thick >= flat) {
       best = choice;
-      if (thick < flat) least = criterion;
+    } else if (criterion < least) {
+      least = criterion;
+      best = choice;
     } else if (criterion > give_up * least) {
       break;
     }

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <bit>
+#include <limits>
 #include <numeric>
 #include <unordered_map>
 
@@ -20,7 +21,10 @@ constexpr Index neighbors = 10;          // for spacing: enough to average, few 
 constexpr double link_length = 4;        // in spacings: points closer than this belong to one cluster
 constexpr double stray_sparseness = 3;   // a cluster is stray when its spacing is this many times the usual one
 constexpr double stray_share = 0.005;    // ... and it holds fewer than this share of the points
-constexpr double usual_agreement = 0.9;  // below this share of agreeing neighbours given normals are re-oriented
+constexpr double cloudy_share = 0.05;    // ... or fewer than this, and fills space instead of lying on a sheet:
+constexpr double sheet_variation = 0.1;  // smallest share of the spread of neighbours in one direction (1/3 in a ball)
+constexpr double usual_contradictions = 5e-4;     // share of neighbours whose given normals may disagree unexamined
+constexpr double remaining_contradictions = 0.2;  // of them, when turning normals is the remedy
 
 void warn(std::vector<std::string>& warnings, Index count, const std::string& text) {
   if (count > 0) warnings.push_back(std::to_string(count) + " " + text);
@@ -127,9 +131,34 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Marks the points to keep: clusters of points linked by short neighbour distances are stray when they are small and
-// much sparser than usual.
-std::vector<char> keep_unless_stray(const Neighborhoods& near, Index n) {
+// Whether j is among the neighbours of i. A stray point has neighbours on the surface, but is the neighbour of none of
+// them.
+bool is_neighbor(const Neighborhoods& near, Index i, Index j) {
+  const auto first = near.index.begin() + i * near.k;
+  return std::find(first, first + near.k, static_cast<std::uint32_t>(j)) != first + near.k;
+}
+
+// Share of the spread, in the direction of least spread, of the neighbours of point i in its own cluster; 1 when there
+// are too few to tell.
+double least_variation(const Points<3>& points, const Neighborhoods& near, std::vector<Index>& parent, Index i) {
+  constexpr Index enough = 5;
+  Points<3> together(3, near.k);
+  Index count = 0;
+  for (Index j = 0; j < near.k; ++j) {
+    const Index other = near.index[static_cast<std::size_t>(i * near.k + j)];
+    if (find_root(parent, other) == find_root(parent, i)) together.col(count++) = points.col(other);
+  }
+  if (count < enough) return 1;
+  const Points<3> centered = together.leftCols(count).colwise() - together.leftCols(count).rowwise().mean();
+  const Eigen::Matrix3d covariance = centered * centered.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] / std::max(solver.eigenvalues().sum(), std::numeric_limits<double>::min());
+}
+
+// Marks the points to keep: clusters of points linked by short neighbour distances are stray when they are much sparser
+// than usual and small, or fill space.
+std::vector<char> keep_unless_stray(const Points<3>& points, const Neighborhoods& near) {
+  const Index n = points.cols();
   std::vector<double> reach(static_cast<std::size_t>(n));
   for (Index i = 0; i < n; ++i)
     reach[static_cast<std::size_t>(i)] = std::sqrt(near.distance2[static_cast<std::size_t>(i * near.k + near.k / 2)]);
@@ -141,7 +170,8 @@ std::vector<char> keep_unless_stray(const Neighborhoods& near, Index n) {
       const auto entry = static_cast<std::size_t>(i * near.k + j);
       const Index other = near.index[entry];
       const double shorter = std::min(reach[static_cast<std::size_t>(i)], reach[static_cast<std::size_t>(other)]);
-      if (near.distance2[entry] > link_length * link_length * shorter * shorter) continue;
+      if (near.distance2[entry] > link_length * link_length * shorter * shorter || !is_neighbor(near, other, i))
+        continue;
       const Index a = find_root(parent, i), b = find_root(parent, other);
       parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
     }
@@ -152,12 +182,20 @@ std::vector<char> keep_unless_stray(const Neighborhoods& near, Index n) {
     ++size[root];
     sum[root] += reach[static_cast<std::size_t>(i)];
   }
+  std::vector<double> variation(static_cast<std::size_t>(n), 0);
+  const auto is_sparse = [&](std::size_t root) {
+    return static_cast<double>(size[root]) < cloudy_share * static_cast<double>(n) &&
+           sum[root] > stray_sparseness * usual * static_cast<double>(size[root]);
+  };
+  for (Index i = 0; i < n; ++i) {
+    const auto root = static_cast<std::size_t>(find_root(parent, i));
+    if (is_sparse(root)) variation[root] += least_variation(points, near, parent, i) / static_cast<double>(size[root]);
+  }
   std::vector<char> keep(static_cast<std::size_t>(n), 1);
   for (Index i = 0; i < n; ++i) {
     const auto root = static_cast<std::size_t>(find_root(parent, i));
     const bool small = static_cast<double>(size[root]) < stray_share * static_cast<double>(n);
-    if (small && sum[root] > stray_sparseness * usual * static_cast<double>(size[root]))
-      keep[static_cast<std::size_t>(i)] = 0;
+    if (is_sparse(root) && (small || variation[root] > sheet_variation)) keep[static_cast<std::size_t>(i)] = 0;
   }
   return keep;
 }
@@ -204,6 +242,22 @@ void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& p
   }
 }
 
+// Given normals with flipped patches disagree along the borders of the patches; then there is an orientation with far
+// fewer disagreements. Noise or creases leave about as many however the normals are turned.
+void reorient_if_better(PreparedCloud& result, const Progress& progress) {
+  OrientedPoints& cloud = result.cloud;
+  const double contradictions = 1 - orientation_consistency(cloud.points, cloud.normals);
+  if (contradictions < usual_contradictions) return;
+  Points<3> turned = cloud.normals;
+  OrientOptions options;
+  options.progress = progress;
+  orient_normals(cloud.points, turned, options);
+  if (1 - orientation_consistency(cloud.points, turned) > remaining_contradictions * contradictions) return;
+  cloud.normals = std::move(turned);
+  result.normals = "re-oriented";
+  result.warnings.push_back("the given normals contradict each other: re-oriented");
+}
+
 void find_normals(PreparedCloud& result, Normals source, bool given, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   NormalOptions options;
@@ -223,11 +277,7 @@ void find_normals(PreparedCloud& result, Normals source, bool given, const Progr
   warn(result.warnings, missing, "missing normals estimated");
   if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
   result.normals = "file";
-  if (source == Normals::automatic && orientation_consistency(cloud.points, cloud.normals) < usual_agreement) {
-    orient_normals(cloud.points, cloud.normals, {});
-    result.normals = "re-oriented";
-    result.warnings.push_back("the given normals contradict each other: re-oriented");
-  }
+  if (source == Normals::automatic) reorient_if_better(result, progress);
 }
 
 }  // namespace
@@ -261,7 +311,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
 
   Neighborhoods near = find_neighbors(points, neighbors);
   report(progress, "prepare", 0.5);
-  const std::vector<char> keep = keep_unless_stray(near, points.cols());
+  const std::vector<char> keep = keep_unless_stray(points, near);
   std::vector<Index> used;
   for (std::size_t i = 0; i < keep.size(); ++i)
     if (keep[i] != 0) used.push_back(static_cast<Index>(i));
