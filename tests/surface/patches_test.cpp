@@ -143,7 +143,7 @@ PatchSums sums_at(const Patches& patches, const PointsRef<3>& x, Derivatives der
   return sums;
 }
 
-// The blend f = S / W with its derivatives (quotient rule, spec 3.3).
+// The blend f = S / W with its derivatives (quotient rule).
 Term blend(const Term& S, const Term& W) {
   const double f = S.value / W.value;
   const Point<3> gradient = (S.gradient - f * W.gradient) / W.value;

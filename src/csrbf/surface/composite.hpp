@@ -18,7 +18,7 @@ struct OrientedPoints {
 /// How the CSRBF residual is told about the normals.
 enum class NormalRows {
   gradient,     ///< grad f = -n at the samples: better under noise, no offset to choose
-  off_surface,  ///< f = -+ kappa at p +- kappa n, kappa half the local spacing (thesis 6.1.4, spec 5.4)
+  off_surface,  ///< f = -+ kappa at p +- kappa n, kappa half the local spacing (thesis 6.1.4)
 };
 
 /// How the local models are fitted. The defaults suit clean, dense samples; choose_parameters() adapts them to the
@@ -53,7 +53,7 @@ struct CompositeFit {
   Eigen::VectorXd areas;
 };
 
-/// Fits one patch per leaf of `cloud` (thesis 6.1): a quadric in local scaled coordinates (spec 5.3), then a CSRBF
+/// Fits one patch per leaf of `cloud` (thesis 6.1): a quadric in local scaled coordinates, then a CSRBF
 /// residual, both by weighted least squares on positions (f = 0) and normals (grad f = -n). A patch sees only points
 /// whose normal is within 78 degrees of its own, so that it never joins two sheets. O(n).
 CompositeFit fit_composite(const OrientedPoints& cloud, const CompositeOptions& options, const Progress& progress = {});

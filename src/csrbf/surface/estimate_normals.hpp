@@ -30,7 +30,7 @@ struct NormalReport {
   OrientReport orientation;  ///< for Orient::consistent
 };
 
-/// Unit normals of points on a surface (spec 5.1): the eigenvector of the smallest eigenvalue of the covariance of the
+/// Unit normals of points on a surface: the eigenvector of the smallest eigenvalue of the covariance of the
 /// nearest points (Hoppe et al. 1992), weighted by 1 - d^2/h^2, then tilted by the linear part of a quadric fitted to
 /// the same points in that frame (jet, Cazals and Pouget 2005) with a slight ridge on the quadratic terms. The quadric
 /// removes the error of curved surfaces under uneven sampling: from 0.5 to 0.02 degrees on a torus of 1e5 random

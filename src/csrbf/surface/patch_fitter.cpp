@@ -12,7 +12,7 @@ namespace {
 
 constexpr double compatible_normals = 0.2;  // cosine: 78 degrees
 constexpr Index fewest_fit_points = 8;      // twice what a quadric needs
-constexpr double ridge_quadric = 1e-6;      // relative; makes a planar patch planar (spec 5.3)
+constexpr double ridge_quadric = 1e-6;      // relative; makes a planar patch planar
 constexpr double round_off = 1e-13;         // relative; keeps the normal matrices positive definite
 constexpr double inner = 0.5;               // squared radius where the blending weight is above 1 / 16
 constexpr double smallest_slope = 1e-3;     // of a model that ignores its normals

@@ -18,7 +18,7 @@ struct FittedPatch {
   [[nodiscard]] Point<3> step_to_surface(const Point<3>& x) const;
 };
 
-/// Fits patches to leaves of a cloud (thesis 6.1.3 and 6.1.4, spec 5.3 and 5.4). Keeps its work arrays from patch to
+/// Fits patches to leaves of a cloud (thesis 6.1.3 and 6.1.4). Keeps its work arrays from patch to
 /// patch: one fitter per thread. The cloud, its tree and the options must outlive it.
 class PatchFitter {
  public:

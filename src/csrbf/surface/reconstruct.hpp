@@ -25,10 +25,10 @@ struct ReconstructOptions {
   /// asked.
   double tolerance = 0;
   /// Ridge of the CSRBF residual: 0 = none, larger is smoother; not set = chosen from the data by cross-validation.
-  std::optional<double> smoothing;
+  std::optional<double> smoothing = {};
   /// How the fit is told about the normals.
   NormalRows normal_rows = NormalRows::gradient;
-  Progress progress;
+  Progress progress = {};
 };
 
 /// What was found, chosen and measured by reconstruct().
