@@ -83,11 +83,12 @@ void say_quality(const ReconstructReport& r, Session& session) {
               ", 99 % " + rounded(r.p99_distance) + ", largest " + rounded(r.max_distance));
 }
 
-// The points that the surface was made from, with their properties.
-PointCloud used_points(const PointCloud& cloud, const std::vector<Index>& source) {
+// The points that the surface was made from, with the normals used and their properties.
+PointCloud used_points(const PointCloud& cloud, const Reconstruction& surface) {
   PointCloud used;
-  used.points = cloud.points(Eigen::all, source);
-  for (const Property& p : cloud.properties) used.properties.push_back({p.name, p.type, p.values(source)});
+  used.points = cloud.points(Eigen::all, surface.source);
+  used.normals = surface.normals;
+  for (const Property& p : cloud.properties) used.properties.push_back({p.name, p.type, p.values(surface.source)});
   return used;
 }
 
@@ -96,9 +97,10 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, int resolution, st
   Mesh mesh = session.timed(
       "polygonize", [&] { return polygonize(field, {.resolution = resolution, .progress = session.progress()}); });
   session.timed("evaluate", [&] {
+    if (trim_distance) mesh = trim(mesh, used.points, *trim_distance, used.normals);
     DataComponents kept = keep_components_with_data(mesh, used.points);
     if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");
-    mesh = trim_distance ? trim(kept.mesh, used.points, *trim_distance) : std::move(kept.mesh);
+    mesh = std::move(kept.mesh);
     mesh.properties = transfer_properties(used.points, used.properties, mesh.vertices);
   });
   return mesh;
@@ -118,7 +120,7 @@ void run(const ReconstructCommand& command, Session& session) {
   add_report(surface.report, session);
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
   add_options(command, surface.report, resolution, session);
-  const Mesh mesh = make_mesh(*surface.field, used_points(cloud, surface.source), resolution, trim_distance, session);
+  const Mesh mesh = make_mesh(*surface.field, used_points(cloud, surface), resolution, trim_distance, session);
   add_mesh_summary(command.output, mesh, session);
   say_quality(surface.report, session);
 

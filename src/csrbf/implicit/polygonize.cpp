@@ -71,20 +71,28 @@ void add_neighbours(const CellLattice& lattice, const Cell& cell, CellTracer& tr
   }
 }
 
-void trace(const CellLattice& lattice, const Points<3>& seeds, LevelSampler& sampler, CellTracer& tracer,
-           const PolygonizeOptions& options) {
-  const bool scan = seeds.cols() == 0;
-  const std::vector<Cell> starts =
-      scan ? cells_by_scan(lattice, sampler, options.progress) : cells_near_seeds(lattice, sampler, seeds);
+void trace_from(const CellLattice& lattice, const std::vector<Cell>& starts, CellTracer& tracer,
+                const Progress& progress) {
   for (const Cell& cell : starts) tracer.add(cell);
-  tracer.run(options.progress);
+  tracer.run(progress);
   for (const Cell& cell : starts)
     if (!tracer.active(cell)) add_neighbours(lattice, cell, tracer);
-  tracer.run(options.progress);
+  tracer.run(progress);
+}
+
+// From the seeds; where there are none, or the field's own lead nowhere, from all crossings of a coarse scan.
+void trace(const Field<3>& field, const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
+           const PolygonizeOptions& options) {
+  const bool given = options.seeds.cols() > 0;
+  const Points<3> seeds = given ? options.seeds : field.seeds();
+  require(seeds.allFinite(), "polygonize", "field.seeds()", "(not finite)", "every seed must be a point");
+  if (seeds.cols() > 0) trace_from(lattice, cells_near_seeds(lattice, sampler, seeds), tracer, options.progress);
+  if (tracer.active_cells() == 0 && !given)
+    trace_from(lattice, cells_by_scan(lattice, sampler, options.progress), tracer, options.progress);
   if (tracer.active_cells() > 0) return;
   std::ostringstream message;
   message << "polygonize: no zero crossing of f - level, level = " << options.level << ", ";
-  scan ? message << "in the scanned box" : message << "near any of " << seeds.cols() << " seeds";
+  given ? message << "near any of " << seeds.cols() << " seeds" : message << "in the scanned box";
   message << "; check the level, the bounds and the seeds, or raise the resolution";
   throw SolverFailure(message.str());
 }
@@ -140,13 +148,11 @@ int automatic_resolution(const Field<3>& field) {
 Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options) {
   validate(options);
   const CellLattice lattice = make_lattice(field, options);
-  const Points<3> seeds = options.seeds.cols() > 0 ? options.seeds : field.seeds();
-  require(seeds.allFinite(), "polygonize", "field.seeds()", "(not finite)", "every seed must be a point");
   report(options.progress, "polygonize", 0.0);
 
   LevelSampler sampler(field, options.level);
   CellTracer tracer(lattice, sampler);
-  trace(lattice, seeds, sampler, tracer, options);
+  trace(field, lattice, sampler, tracer, options);
   const std::vector<Brick*> bricks = tracer.finish();
   const Index edge_vertices = number_edge_vertices(bricks);
   const TriangleOffsets offsets = count_triangles(bricks);

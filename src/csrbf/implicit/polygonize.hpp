@@ -29,9 +29,9 @@ struct PolygonizeOptions {
   Box<3> bounds{};
 
   /// Where to start, 3 x n; default: the field's seeds. A component is found when a seed, moved by at most three Newton
-  /// steps of at most two cells along the gradient, lies within a cell of it. When there are no seeds at all the whole
-  /// box is scanned: every cell at up to 256 cells along its longest side, else steps of 1/266 of that side, which miss
-  /// components that are smaller.
+  /// steps of at most two cells along the gradient, lies within a cell of it. When the field has no seeds, or they
+  /// lead nowhere, the whole box is scanned: every cell at up to 256 cells along its longest side, else steps of 1/266
+  /// of that side, which miss components that are smaller.
   Points<3> seeds{3, 0};
 
   /// Vertices on the surface to about 1e-6 of a cell instead of O(cell^2) beside it.

@@ -12,6 +12,14 @@ namespace {
 constexpr const char* composite_kind = "composite surface";
 constexpr Index patch_numbers = 24;  // center 3, T 9, radius, flatness, quadric 10
 
+// An array of finite numbers.
+const ArchiveArray<double>& numbers(const Archive& archive, const std::string& name, Index rows, Index columns = -1) {
+  const ArchiveArray<double>& array =
+      columns < 0 ? archive.array<double>(name, rows) : archive.array<double>(name, rows, columns);
+  if (!array.allFinite()) archive.fail("\"" + name + "\" holds NaN or infinity");
+  return array;
+}
+
 Archive to_archive(const Patches& patches) {
   Archive archive;
   archive.kind = "patches";
@@ -32,10 +40,10 @@ Archive to_archive(const Patches& patches) {
 }
 
 Patches patches_from(const Archive& archive) {
-  const auto& table = archive.array<double>("patches", patch_numbers);
+  const auto& table = numbers(archive, "patches", patch_numbers);
   const auto& begin = archive.array<std::int64_t>("center_begin", table.cols() + 1, 1);
-  const auto& centers = archive.array<double>("centers", 3);
-  const auto& alpha = archive.array<double>("alpha", centers.cols(), 1);
+  const auto& centers = numbers(archive, "centers", 3);
+  const auto& alpha = numbers(archive, "alpha", centers.cols(), 1);
   if (begin(0, 0) != 0 || begin(table.cols(), 0) != centers.cols()) archive.fail("the centres do not fit the patches");
   Patches patches;
   for (Index i = 0; i < table.cols(); ++i) {
@@ -47,7 +55,7 @@ Patches patches_from(const Archive& archive) {
     p.radius = table(12, i);
     p.flatness = table(13, i);
     p.quadric = table.col(i).segment<10>(14);
-    if (!table.col(i).allFinite() || !(p.radius > 0) || !(p.flatness > 0)) archive.fail("a patch is damaged");
+    if (!(p.radius > 0) || !(p.flatness > 0)) archive.fail("a patch is damaged");
     patches.add(p, centers.middleCols(first, count), alpha.col(0).segment(first, count));
   }
   patches.build();
@@ -67,10 +75,11 @@ Archive to_archive(const WindingNumber& winding) {
 
 WindingNumber winding_from(const Archive& archive) {
   WindingNumber::Data data;
-  data.points = archive.array<double>("points", 3);
-  data.normals = archive.array<double>("normals", 3, data.points.cols());
-  data.areas = archive.array<double>("areas", data.points.cols(), 1);
-  data.eps = archive.array<double>("smoothing_length", data.points.cols(), 1);
+  data.points = numbers(archive, "points", 3);
+  data.normals = numbers(archive, "normals", 3, data.points.cols());
+  data.areas = numbers(archive, "areas", data.points.cols(), 1);
+  data.eps = numbers(archive, "smoothing_length", data.points.cols(), 1);
+  if (!(data.areas.minCoeff() >= 0 && data.eps.minCoeff() >= 0)) archive.fail("an area is damaged");
   return WindingNumber(std::move(data));
 }
 
@@ -93,13 +102,13 @@ Archive to_archive(const CompositeField& field) {
 
 std::shared_ptr<const Field<3>> composite_from(const Archive& archive) {
   CompositeField::Data data;
-  data.origin = archive.array<double>("origin", 3, 1);
+  data.origin = numbers(archive, "origin", 3, 1);
   data.scale = archive.number("scale");
   data.far_value = archive.number("far_value");
   data.detail = archive.number("detail");
-  data.bounds.lo = archive.array<double>("lower_bounds", 3, 1);
-  data.bounds.hi = archive.array<double>("upper_bounds", 3, 1);
-  if (!(data.scale > 0) || !(data.far_value > 0)) archive.fail("the scale is damaged");
+  data.bounds.lo = numbers(archive, "lower_bounds", 3, 1);
+  data.bounds.hi = numbers(archive, "upper_bounds", 3, 1);
+  if (!(data.scale > 0 && data.far_value > 0 && data.detail > 0)) archive.fail("the scale is damaged");
   const std::int64_t levels = archive.integer("levels", 1, 64);
   for (std::int64_t i = 0; i < levels; ++i)
     data.levels.push_back(patches_from(archive.part("level" + std::to_string(i))));

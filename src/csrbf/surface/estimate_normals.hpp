@@ -19,7 +19,7 @@ struct NormalOptions {
   Index neighbors = 0;
   Orient orient = Orient::consistent;
   Point<3> viewpoint = Point<3>::Zero();  ///< for Orient::viewpoint
-  Progress progress;
+  Progress progress = {};
 };
 
 /// What estimate_normals did.

@@ -7,7 +7,8 @@ namespace csrbf {
 namespace {
 
 constexpr std::size_t least_for_curvature = 8;
-constexpr double ridge = 1e-3;
+constexpr double ridge = 1e-5;
+constexpr double roots_apart = 1e-5;  // closer to zero, the closed form of the eigenvalues is rounding
 constexpr double tiny_ridge = 1e-12;  // keeps the system regular for points on a line
 
 double support2(std::span<const double> d2) {
@@ -38,6 +39,7 @@ LocalFrame local_frame(const Points<3>& points, std::span<const Index> ids, std:
   const double scale = covariance.trace() > 0 ? 1 / covariance.trace() : 1;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(covariance * scale);
+  if (!(solver.eigenvalues()[1] > roots_apart * solver.eigenvalues()[2])) solver.compute(covariance * scale);
   frame.axes = solver.eigenvectors();
   frame.eigenvalues = solver.eigenvalues() / scale;
   return frame;

@@ -32,7 +32,7 @@ struct LocalQuadric {
   [[nodiscard]] Point<3> normal(const Point<3>& p) const;
 };
 
-/// Weighted least squares with a ridge of 1e-3 of the weights on the quadratic terms, which vanish for fewer than 8
+/// Weighted least squares with a ridge of 1e-5 of the weights on the quadratic terms, which vanish for fewer than 8
 /// points.
 LocalQuadric fit_quadric(const Points<3>& points, std::span<const Index> ids, std::span<const double> d2,
                          const LocalFrame& frame);

@@ -9,7 +9,7 @@ namespace csrbf {
 struct OrientOptions {
   /// Neighbours per point in the graph of points that should agree.
   Index neighbors = 12;
-  Progress progress;
+  Progress progress = {};
 };
 
 /// What settled the signs.

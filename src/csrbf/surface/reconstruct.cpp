@@ -209,6 +209,7 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   out.warnings.insert(out.warnings.begin(), prepared.warnings.begin(), prepared.warnings.end());
   result.field = field;
   result.source = std::move(prepared.source);
+  result.normals = std::move(prepared.cloud.normals);
   return result;
 }
 

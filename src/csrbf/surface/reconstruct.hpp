@@ -55,6 +55,7 @@ struct ReconstructReport {
 struct Reconstruction {
   std::shared_ptr<const Field<3>> field;  ///< f > 0 inside, close to the signed distance near the data
   std::vector<Index> source;              ///< input indices of the points used
+  Points<3> normals;                      ///< of the points used: given, estimated or re-oriented; unit, outward
   ReconstructReport report;
 };
 

@@ -16,6 +16,8 @@ namespace csrbf {
 namespace {
 
 constexpr Index spacing_neighbors = 6;  // as many as a sample in a plane has around it
+constexpr Index facing_neighbors = 8;
+constexpr double facing = 0.7;          // cosine of the angle between normals that face the same way
 constexpr double expected_share = 0.1;  // a component with fewer samples than this share of the usual density is empty
 constexpr double expected_samples = 8;  // ... unless it holds at least so many
 
@@ -49,6 +51,29 @@ double spacing_at(const KdTree<3>& tree, const PointsRef<3>& points, Index i) {
   double sum = 0;
   for (Index k = 1; k < found; ++k) sum += std::sqrt(squared[static_cast<std::size_t>(k)]);
   return sum / static_cast<double>(found - 1);
+}
+
+// 1 for the vertices that trim() keeps.
+std::vector<char> near_samples(const Mesh& mesh, const PointsRef<3>& points, double distance,
+                               const PointsRef<3>& normals) {
+  const std::vector<Index> order = morton_order<3>(points);
+  const Points<3> sorted = points(Eigen::all, order);
+  const KdTree<3> tree(sorted);
+  const Index asked = normals.cols() > 0 ? std::min(facing_neighbors, points.cols()) : 1;
+  std::vector<char> near(static_cast<std::size_t>(mesh.vertices.cols()));
+  parallel_for(mesh.vertices.cols(), 1024, [&](Index begin, Index end) {
+    std::array<Index, facing_neighbors> index{};
+    std::array<double, facing_neighbors> squared{};
+    for (Index v = begin; v < end; ++v) {
+      const Index found = tree.nearest(mesh.vertices.col(v), asked, index.data(), squared.data());
+      const double reach = distance * spacing_at(tree, sorted, index[0]);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(found) && squared[k] <= reach * reach; ++k)
+        if (normals.cols() == 0 ||
+            normals.col(order[static_cast<std::size_t>(index[k])]).dot(mesh.normals.col(v)) > facing)
+          near[static_cast<std::size_t>(v)] = 1;
+    }
+  });
+  return near;
 }
 
 // The chosen triangles with the vertices they use, numbered in the old order.
@@ -159,19 +184,12 @@ std::vector<Index> components(const Mesh& mesh, Index& count) {
 
 }  // namespace
 
-Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance) {
+Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals) {
   require(distance > 0, "trim", "distance", distance, "must be a positive number of local spacings");
   require(points.cols() >= 2, "trim", "points", points.cols(), "at least 2 are needed");
-  const Points<3> sorted = in_morton_order(points);
-  const KdTree<3> tree(sorted);
-  const Nearest nearest = nearest_points(tree, mesh.vertices);
-  std::vector<char> near(static_cast<std::size_t>(mesh.vertices.cols()));
-  parallel_for(mesh.vertices.cols(), 1024, [&](Index begin, Index end) {
-    for (Index v = begin; v < end; ++v) {
-      const auto i = static_cast<std::size_t>(v);
-      near[i] = nearest.distance[i] <= distance * spacing_at(tree, sorted, nearest.index[i]) ? 1 : 0;
-    }
-  });
+  require(normals.cols() == 0 || normals.cols() == points.cols(), "trim", "normals", normals.cols(),
+          "must be as many as the points, or none");
+  const std::vector<char> near = near_samples(mesh, points, distance, normals);
   std::vector<Index> kept;
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     const auto is_near = [&](int c) { return near[static_cast<std::size_t>(mesh.triangles(c, t))] != 0; };

@@ -1,0 +1,140 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace csrbf {
+
+/// Samples of a surface with their exact outward normals; each stands for area / size of it.
+struct Shape {
+  Points<3> points{3, 0};
+  Points<3> normals{3, 0};
+  double area = 0;
+
+  [[nodiscard]] Index size() const { return points.cols(); }
+  [[nodiscard]] double spacing() const { return std::sqrt(area / static_cast<double>(size())); }
+};
+
+inline Shape join(const Shape& a, const Shape& b) {
+  Shape both{Points<3>(3, a.size() + b.size()), Points<3>(3, a.size() + b.size()), a.area + b.area};
+  both.points << a.points, b.points;
+  both.normals << a.normals, b.normals;
+  return both;
+}
+
+/// Evenly spread (Fibonacci) points.
+inline Shape even_sphere(Index count, const Point<3>& center = Point<3>::Zero(), double radius = 1) {
+  Shape shape{Points<3>(3, count), Points<3>(3, count), 4 * std::numbers::pi * radius * radius};
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (Index i = 0; i < count; ++i) {
+    const double z = 1 - (2.0 * static_cast<double>(i) + 1) / static_cast<double>(count), r = std::sqrt(1 - z * z);
+    const double angle = golden * static_cast<double>(i);
+    shape.normals.col(i) << r * std::cos(angle), r * std::sin(angle), z;
+    shape.points.col(i) = center + radius * shape.normals.col(i);
+  }
+  return shape;
+}
+
+inline Shape random_sphere(Index count, unsigned seed, const Point<3>& center = Point<3>::Zero(), double radius = 1) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  Shape shape{Points<3>(3, count), Points<3>(3, count), 4 * std::numbers::pi * radius * radius};
+  for (Index i = 0; i < count; ++i) {
+    shape.normals.col(i) = Point<3>(normal(random), normal(random), normal(random)).normalized();
+    shape.points.col(i) = center + radius * shape.normals.col(i);
+  }
+  return shape;
+}
+
+constexpr double torus_major = 1, torus_minor = 0.35;
+
+/// Uniformly distributed points of a torus around z; `noise` is a standard deviation.
+inline Shape random_torus(Index count, unsigned seed, double noise = 0) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform;
+  std::normal_distribution<double> normal;
+  Shape shape{Points<3>(3, count), Points<3>(3, count),
+              4 * std::numbers::pi * std::numbers::pi * torus_major * torus_minor};
+  for (Index i = 0; i < count;) {
+    const double u = 2 * std::numbers::pi * uniform(random), v = 2 * std::numbers::pi * uniform(random);
+    if (uniform(random) * (torus_major + torus_minor) > torus_major + torus_minor * std::cos(v)) continue;
+    shape.normals.col(i) << std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v);
+    shape.points.col(i) = torus_minor * shape.normals.col(i) + torus_major * Point<3>(std::cos(u), std::sin(u), 0);
+    if (noise > 0) shape.points.col(i) += noise * Point<3>(normal(random), normal(random), normal(random));
+    ++i;
+  }
+  return shape;
+}
+
+/// Random points of a box around the origin, about one per spacing^2.
+inline Shape random_box(const Point<3>& half, double spacing, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Point<3>> points, normals;
+  Shape shape;
+  for (Index axis = 0; axis < 3; ++axis) {
+    const Index second = (axis + 1) % 3, third = (axis + 2) % 3;
+    const double area = 4 * half[second] * half[third];
+    shape.area += 2 * area;
+    for (const double side : {-1.0, 1.0})
+      for (Index k = 0; k < static_cast<Index>(area / (spacing * spacing)); ++k) {
+        Point<3> p;
+        p[axis] = side * half[axis];
+        p[second] = uniform(random) * half[second];
+        p[third] = uniform(random) * half[third];
+        points.push_back(p);
+        normals.push_back(side * Point<3>::Unit(axis));
+      }
+  }
+  shape.points.resize(3, static_cast<Index>(points.size()));
+  shape.normals = shape.points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    shape.points.col(static_cast<Index>(i)) = points[i];
+    shape.normals.col(static_cast<Index>(i)) = normals[i];
+  }
+  return shape;
+}
+
+inline Eigen::Matrix3d some_rotation() {
+  return Eigen::Matrix3d((Eigen::Matrix3d() << 2, -1, 2, 2, 2, -1, -1, 2, 2).finished() / 3);
+}
+
+/// Normals with random signs.
+inline Points<3> scrambled(const Points<3>& normals, unsigned seed) {
+  std::mt19937_64 random(seed);
+  Points<3> result = normals;
+  for (Index i = 0; i < result.cols(); ++i)
+    if ((random() & 1U) != 0) result.col(i) = -normals.col(i);
+  return result;
+}
+
+/// Share of the normals on the right side.
+inline double outward_share(const Points<3>& normals, const Points<3>& truth) {
+  Index right = 0;
+  for (Index i = 0; i < truth.cols(); ++i) right += normals.col(i).dot(truth.col(i)) > 0 ? 1 : 0;
+  return static_cast<double>(right) / static_cast<double>(truth.cols());
+}
+
+/// Root mean square angle between the lines of two sets of unit normals, in degrees.
+inline double angle_error(const Points<3>& normals, const Points<3>& truth) {
+  double sum = 0;
+  for (Index i = 0; i < truth.cols(); ++i) {
+    const double sine = normals.col(i).cross(truth.col(i)).norm();
+    sum += std::pow(std::asin(std::min(1.0, sine)), 2);
+  }
+  return std::sqrt(sum / static_cast<double>(truth.cols())) * 180 / std::numbers::pi;
+}
+
+/// Scans outside the project, next to it; tests that need them are skipped without.
+inline std::filesystem::path scan(const std::string& name) {
+  return std::filesystem::path(__FILE__).parent_path() / "../../../shared/data/surface" / name;
+}
+
+}  // namespace csrbf
