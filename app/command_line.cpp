@@ -1,5 +1,8 @@
 #include "command_line.hpp"
 
+#include "completion.hpp"
+#include "man_page.hpp"
+
 #include "csrbf/io/text.hpp"
 #include "csrbf/version.hpp"
 
@@ -33,10 +36,9 @@ class HelpFormatter : public CLI::Formatter {
   }
 
   std::string make_option_opts(const CLI::Option* option) const override {
-    const bool takes_value = option->get_expected_max() > 0 && !option->get_positional();
-    // Behind a colon CLI11 lists the checks; the description says what matters of them.
-    const std::string type = option->get_type_name();
-    return takes_value && !type.empty() ? " " + type.substr(0, type.find(':')) : "";
+    // The description says what matters of the checks.
+    const std::string form = value_form(*option);
+    return form.empty() ? "" : " " + form;
   }
 
   std::string make_option_desc(const CLI::Option* option) const override {
@@ -148,6 +150,7 @@ class Parser {
     add_compare();
     add_info();
     for (CLI::Option* option : app_.get_options()) option->group("Flags");
+    add_installed_texts();
   }
 
   std::optional<CommandLine> parse(std::vector<std::string> arguments);
@@ -159,6 +162,7 @@ class Parser {
   void add_render();
   void add_compare();
   void add_info();
+  void add_installed_texts();
 
   Verb verb(const std::string& name, const std::string& what, const std::string& example) {
     return Verb(app_, common_, name, what, example);
@@ -252,6 +256,19 @@ void Parser::add_info() {
   Verb v = verb("info", "Say what a file of points, a mesh or a model holds", "csrbf info scan.ply");
   v.argument("FILE", info_.input, "points, mesh or model");
   v.add_common();
+}
+
+// What the installation writes beside the program; the empty group hides these flags.
+void Parser::add_installed_texts() {
+  const auto print = [](const std::string& text) {
+    std::cout << text;
+    throw CLI::Success();
+  };
+  app_.add_flag_callback("--print-man", [=, this] { print(man_page(usage_of(app_))); })->group("");
+  app_.add_option_function<std::string>(
+          "--print-completion", [=, this](const std::string& shell) { print(completion(usage_of(app_), shell)); })
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}))
+      ->group("");
 }
 
 std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {

@@ -1,4 +1,5 @@
-# What `cmake --install` writes: the library with its headers, find_package(csrbf), pkg-config csrbf, and the program.
+# What `cmake --install` writes: the library with its headers, find_package(csrbf), pkg-config csrbf, and the program
+# with its man page and completions.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/csrbf)
@@ -28,4 +29,8 @@ install(FILES ${PROJECT_BINARY_DIR}/csrbf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}
 
 if(CSRBF_BUILD_APP)
   install(TARGETS csrbf-cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(NOT CMAKE_CROSSCOMPILING)
+    install(DIRECTORY ${PROJECT_BINARY_DIR}/share/man/ DESTINATION ${CMAKE_INSTALL_MANDIR})
+    install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATAROOTDIR} PATTERN man EXCLUDE)
+  endif()
 endif()

@@ -6,6 +6,8 @@ usage: command_line_test.py PROGRAM [unittest options]
 import json
 import math
 import os
+import re
+import shutil
 import signal
 import struct
 import subprocess
@@ -192,6 +194,62 @@ class Usage(CommandLine):
         self.fail_with(2, "models are .csrbf", "reconstruct", cloud, "-o", self.path("mesh.ply"), "--model", "m.bin")
         self.fail_with(2, "pictures are .png", "render", cloud, "-o", self.path("picture.jpg"))
         self.fail_with(2, "point files are", "estimate-normals", cloud, "-o", self.path("points.las"))
+
+
+class InstalledTexts(CommandLine):
+    """The man page and the completions that the program prints for the installation."""
+
+    def long_flags(self, verb):
+        return set(re.findall(r"--[a-z-]+", self.succeed(verb, "--help").stdout.split("Example:")[0]))
+
+    def completed(self, *words):
+        """What bash offers for the last of the words."""
+        script = self.write("completion", self.succeed("--print-completion", "bash").stdout)
+        command = 'source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _csrbf; printf "%s\\n" "${COMPREPLY[@]}"'
+        done = subprocess.run(["bash", "-c", command, script, *words], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.stderr, "")
+        return done.stdout.split()
+
+    def test_man_page_has_every_verb_and_flag(self):
+        page = self.succeed("--print-man").stdout.replace("\\-", "-")
+        for title in ("NAME", "SYNOPSIS", "DESCRIPTION", "VERBS", "EXIT STATUS", "FORMATS", "EXAMPLES"):
+            self.assertIn(".SH %s\n" % title, page)
+        for verb in VERBS:
+            self.assertIn(".SS %s\n.B csrbf %s\n" % (verb, verb), page)
+            for flag in self.long_flags(verb):
+                self.assertIn("\\fB%s\\fR" % flag, page)
+        self.assertNotIn("--print", page + self.succeed("--help").stdout)
+
+    def test_man_page_is_clean(self):
+        if not shutil.which("groff"):
+            self.skipTest("no groff")
+        page = self.write("csrbf.1", self.succeed("--print-man").stdout)
+        done = subprocess.run(["groff", "-man", "-ww", "-z", page], capture_output=True, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stdout + done.stderr), (0, ""))
+
+    def test_completions_have_every_verb_and_flag(self):
+        for shell, dashes in (("bash", "--"), ("zsh", "--"), ("fish", "-l ")):
+            script = self.succeed("--print-completion", shell).stdout
+            for verb in VERBS:
+                self.assertIn(verb, script)
+                for flag in self.long_flags(verb):
+                    self.assertIn(dashes + flag[2:], script)
+
+    def test_shells_accept_their_completions(self):
+        for shell in filter(shutil.which, ("bash", "zsh", "fish")):
+            script = self.write(shell, self.succeed("--print-completion", shell).stdout)
+            done = subprocess.run([shell, "-n", script], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.fail_with(2, "tcsh", "--print-completion", "tcsh")
+
+    def test_bash_completes_verbs_flags_and_words_and_leaves_files_to_readline(self):
+        self.assertEqual(self.completed("csrbf", "rec"), ["reconstruct"])
+        self.assertLessEqual(set(VERBS), set(self.completed("csrbf", "")))
+        self.assertEqual(self.completed("csrbf", "reconstruct", "--tr"), ["--trim"])
+        self.assertEqual(self.completed("csrbf", "reconstruct", "a.ply", "--normals", ""), ["auto", "file", "estimate"])
+        self.assertEqual(self.completed("csrbf", "reconstruct", "-o", ""), [])
+        for verb in VERBS:
+            self.assertEqual(set(self.completed("csrbf", verb, "--")), self.long_flags(verb))
 
 
 class Input(CommandLine):

@@ -299,7 +299,7 @@ TYPED_TEST(PartitionIn, HalvesAcrossTheLongestAxis) {
     const Points<Dim> turned = random_rotation<Dim>(3) * points;
     std::vector<Index> ids(static_cast<std::size_t>(n));
     std::iota(ids.begin(), ids.end(), Index{0});
-    const Index middle = halve<Dim>(turned, ids.data(), n);
+    const Index middle = halve<Dim>(turned, Points<Dim>(Dim, 0), ids.data(), n);
     EXPECT_EQ(middle, n / 2);
     std::vector<Index> sorted = ids;
     std::sort(sorted.begin(), sorted.end());
@@ -315,11 +315,28 @@ TYPED_TEST(PartitionIn, HalvesAcrossTheLongestAxis) {
   }
 }
 
+TEST(Partition, CutsANoisySheetAcrossNotAlong) {
+  // Thicker than its leaves are wide.
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform;
+  Points<3> points(3, 4096);
+  for (Index i = 0; i < points.cols(); ++i) points.col(i) << uniform(random), uniform(random), 0.2 * uniform(random);
+  const Points<3> up = Point<3>::UnitZ().replicate(1, points.cols());
+  const Partition parts = partition<3>(points, up, Eigen::VectorXd(0), {.leaf_size = 16});
+  ASSERT_EQ(parts.leaves(), 256);
+  for (std::size_t leaf = 0; leaf < 256; ++leaf) {
+    Box<3> box;
+    for (Index k = parts.begin[leaf]; k < parts.begin[leaf + 1]; ++k)
+      box.add(Point<3>(points.col(parts.order[static_cast<std::size_t>(k)])));
+    EXPECT_LT(box.extent().head<2>().maxCoeff(), 0.2);  // three times the side of 1 / 256 of the square
+  }
+}
+
 TEST(Partition, HalvesTheGivenPointsOnly) {
   Points<1> line(1, 6);
   line << 0, 100, 1, 2, 200, 3;
   std::vector<Index> ids = {5, 0, 3, 2};
-  EXPECT_EQ(halve<1>(line, ids.data(), 4), 2);
+  EXPECT_EQ(halve<1>(line, Points<1>(1, 0), ids.data(), 4), 2);
   std::set<std::set<Index>> halves = {{ids[0], ids[1]}, {ids[2], ids[3]}};
   EXPECT_EQ(halves, (std::set<std::set<Index>>{{0, 2}, {3, 5}}));
 }

@@ -151,13 +151,19 @@ TEST_P(CompositeFieldOf, HasDerivativesThatAgreeWithDifferencesOfSecondOrder) {
   // Half of the points are within a few spacings of the surface, where patches of all levels and the winding number are
   // blended. The worst points straddle faces of the winding number's cubes.
   const DifferenceErrors coarse = difference_errors(field, x, 0.03 * h), fine = difference_errors(field, x, 0.01 * h);
-  EXPECT_LT(quantile(fine.gradient, 0.5), 1e-5);
-  EXPECT_LT(quantile(fine.gradient, 0.95), 5e-3);
-  EXPECT_LT(quantile(fine.hessian, 0.5), 1e-5 / h);
+  EXPECT_LT(quantile(fine.gradient, 0.5), 1e-6);
+  EXPECT_LT(quantile(fine.gradient, 0.95), 1e-3);
+  EXPECT_LT(quantile(fine.hessian, 0.5), 1e-6 / h);
   EXPECT_LT(quantile(fine.hessian, 0.95), 5e-2 / h);
-  for (const double q : {0.9, 0.95}) {
-    EXPECT_GT(std::log(quantile(coarse.gradient, q) / quantile(fine.gradient, q)) / std::log(3.0), 1.7) << q;
-    EXPECT_GT(std::log(quantile(coarse.hessian, q) / quantile(fine.hessian, q)) / std::log(3.0), 1.7) << q;
+  // Below these errors the order is hidden by those faces.
+  constexpr double floor = 2e-6;
+  for (const double q : {0.6, 0.7, 0.8}) {
+    if (quantile(coarse.gradient, q) > floor) {
+      EXPECT_GT(std::log(quantile(coarse.gradient, q) / quantile(fine.gradient, q)) / std::log(3.0), 1.4) << q;
+    }
+    if (quantile(coarse.hessian, q) > 30 * floor / h) {
+      EXPECT_GT(std::log(quantile(coarse.hessian, q) / quantile(fine.hessian, q)) / std::log(3.0), 1.4) << q;
+    }
   }
 }
 

@@ -284,5 +284,38 @@ TEST(PatchFitter, KnowsTheAreaOfASample) {
   EXPECT_NEAR(fitter.area_per_sample(), 4.0 / 2500, 0.15 * 4.0 / 2500);  // some samples on the rim of some 32
 }
 
+// A noisy square in the plane z = 0, its patches, and the mean distances of their samples.
+TEST(PatchFitter, LeavesSamplesOutWithoutFittingAgain) {
+  constexpr double noise = 0.002;  // a tenth of the spacing
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  OrientedPoints cloud = plane_cloud(10000, Point<3>::UnitZ());
+  for (Index i = 0; i < cloud.size(); ++i) cloud.points(2, i) += noise * normal(random);
+  const KdTree<3> tree(cloud.points);
+  for (const Index centers : {0, 16}) {
+    CompositeOptions options = quadric_only(12);
+    options.centers_per_patch = centers;
+    options.normal_weight = 1e-3;
+    PatchFitter fitter(cloud, tree, options);
+    double fitted = 0, left_out = 0, held_out = 0;
+    constexpr int patches = 400;
+    for (int t = 0; t < patches; ++t) {
+      const Index middle = 25 * t;
+      const std::vector<Index> ids = nearest(tree, cloud.points.col(middle), options.leaf_size);
+      const FittedPatch patch = fitter.fit(ids.data(), static_cast<Index>(ids.size()));
+      double distance = 0;
+      fitter.left_out_distances(patch, {&middle, 1}, &distance);
+      left_out += distance / patches;
+      fitted += patch.distance(cloud.points.col(middle)) / patches;
+      // The same sample with its noise drawn again was not fitted to.
+      Point<3> again = cloud.points.col(middle);
+      again[2] = 0.3 + noise * normal(random);
+      held_out += patch.distance(again) / patches;
+    }
+    EXPECT_LT(fitted, 0.95 * held_out) << centers;
+    EXPECT_NEAR(left_out, held_out, 0.15 * held_out) << centers;  // each mean is known to 4 %
+  }
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -113,7 +113,7 @@ Reference reference(const Model& model, const Point<3>& x) {
 }
 
 struct ReferenceSums {
-  Term W, S, Q;
+  Term W, S, A, Q;
 };
 ReferenceSums reference_sums(const std::vector<Model>& models, const Point<3>& x) {
   ReferenceSums sums;
@@ -121,6 +121,7 @@ ReferenceSums reference_sums(const std::vector<Model>& models, const Point<3>& x
     const Reference r = reference(model, x);
     sums.W.add(r.w);
     sums.S.add(product(r.w, r.f), model.patch.radius);
+    sums.A.add(product(r.w, r.f));
     sums.Q.add(product(r.w, product(r.f, r.f)));
   }
   return sums;
@@ -234,6 +235,7 @@ TEST(Patches, AgreeWithTheDefinition) {
     constexpr double tolerance = 1e-9;
     expect_near(lane_of(sums, sums.W, 0), expected.W, tolerance);
     expect_near(lane_of(sums, sums.S, 0), expected.S, tolerance);
+    expect_near(lane_of(sums, sums.A, 0), expected.A, tolerance);
     expect_near(lane_of(sums, sums.Q, 0), expected.Q, tolerance);
     EXPECT_NEAR(sums.W[0][0], expected.W.value, rounding);
     covered += expected.W.value > 0 ? 1 : 0;
@@ -251,7 +253,7 @@ TEST(Patches, GiveTheSameSumsWithFewerDerivatives) {
     const PatchSums jets = sums_at(patches, x, Derivatives::hessian);
     EXPECT_EQ(values.derivatives, Derivatives::none);
     EXPECT_EQ(jets.derivatives, Derivatives::hessian);
-    for (const auto sum : {&PatchSums::W, &PatchSums::S, &PatchSums::Q}) {
+    for (const auto sum : {&PatchSums::W, &PatchSums::S, &PatchSums::A, &PatchSums::Q}) {
       EXPECT_NEAR((values.*sum)[0][0], (jets.*sum)[0][0], rounding);
       for (int t = 0; t < 4; ++t)
         EXPECT_NEAR((gradients.*sum)[t][0], (jets.*sum)[t][0], rounding * (1 + std::abs((jets.*sum)[t][0])));
@@ -302,6 +304,7 @@ TEST(Patches, GiveSumsThatDoNotDependOnTheOtherPointsOfAChunk) {
           for (int t = 0; t < terms; ++t) {
             EXPECT_EQ(some.W[t][i], all.W[t][begin + i]);
             EXPECT_EQ(some.S[t][i], all.S[t][begin + i]);
+            EXPECT_EQ(some.A[t][i], all.A[t][begin + i]);
             EXPECT_EQ(some.Q[t][i], all.Q[t][begin + i]);
           }
       }

@@ -151,7 +151,7 @@ TEST(ReconstructShapes, ASquareIsClosedAndOpenedAgainByTrim) {
   EXPECT_EQ(t.euler, t.components);  // discs: no holes, nothing closed
   EXPECT_TRUE(t.manifold());
   const double spacing = 0.02;
-  EXPECT_LT(open.vertices.row(2).cwiseAbs().maxCoeff(), 2 * spacing);
+  EXPECT_LT(open.vertices.row(2).cwiseAbs().maxCoeff(), 3 * spacing);
   EXPECT_GT(open.vertices.row(0).maxCoeff(), 1 - spacing);
   EXPECT_LT(open.vertices.row(0).maxCoeff(), 1 + 3 * spacing);
 }
@@ -192,7 +192,7 @@ TEST(ReconstructShapes, StrayPointsLeaveOneLargeComponent) {
     EXPECT_TRUE(topology(mesh).manifold());
     EXPECT_LE(topology(mesh).components, 3);
     const MeshComparison difference = compare(mesh, mesh_of(good), {.samples = 20000});
-    EXPECT_LT(difference.completeness.p99, 1e-3);
+    EXPECT_LT(difference.completeness.p99, 1.5e-3);
     EXPECT_LT(difference.accuracy.mean, 2e-3);
   }
 }

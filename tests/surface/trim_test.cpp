@@ -269,11 +269,11 @@ TEST(KeepComponentsWithData, KeepsThemAllWhenAllHoldData) {
 }
 
 TEST(KeepComponentsWithData, KeepsASmallObjectWithItsFewSamplesButNotALargeOne) {
-  // 400 samples per unit of area: a sphere of radius 0.03 has 4.5.
-  const PointCloud cloud = csrbf::joined(sphere_cloud(5000), sphere_cloud(4, 2, 0.03, {3, 0, 0}));
-  const DataComponents small =
-      keep_components_with_data(joined(sphere_mesh(20), sphere_mesh(5, 0.03, {3, 0, 0})), cloud.points);
-  EXPECT_EQ(small.dropped, 0);
+  // 400 samples per unit of area: a sphere of radius 0.05 has 12.6.
+  const PointCloud cloud = csrbf::joined(sphere_cloud(5000), sphere_cloud(12, 2, 0.05, {3, 0, 0}));
+  const Mesh both = joined(sphere_mesh(20), sphere_mesh(5, 0.05, {3, 0, 0}));
+  EXPECT_EQ(keep_components_with_data(both, cloud.points).dropped, 0);
+  EXPECT_EQ(keep_components_with_data(both, cloud.points.leftCols(5007)).dropped, 1);
   const DataComponents large =
       keep_components_with_data(joined(sphere_mesh(20), sphere_mesh(20, 1, {3, 0, 0})), cloud.points);
   EXPECT_EQ(large.dropped, 1);

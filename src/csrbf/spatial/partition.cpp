@@ -11,23 +11,39 @@
 namespace csrbf {
 namespace {
 
+constexpr double flat = 0.8;  // length of the mean unit normal of a nearly flat sheet
+
 using Keyed = std::pair<double, Index>;
 
-// Principal axes of the columns `ids` of `columns`, largest spread last; false when they all coincide.
 template <int Dim>
-bool principal_axes(const PointsRef<Dim>& columns, const Index* ids, Index n, Eigen::Matrix<double, Dim, Dim>& axes) {
+Point<Dim> mean_of(const PointsRef<Dim>& columns, const Index* ids, Index n) {
   Point<Dim> mean = Point<Dim>::Zero();
   for (Index i = 0; i < n; ++i) mean += columns.col(ids[i]);
-  mean /= static_cast<double>(n);
+  return mean / static_cast<double>(n);
+}
+
+// Principal axes of the columns `ids` of `columns`, largest spread last; false when they all coincide. Spread along
+// `normal` does not count.
+template <int Dim>
+bool principal_axes(const PointsRef<Dim>& columns, const Index* ids, Index n, Eigen::Matrix<double, Dim, Dim>& axes,
+                    const Point<Dim>& normal = Point<Dim>::Zero()) {
+  const Point<Dim> mean = mean_of<Dim>(columns, ids, n);
   Eigen::Matrix<double, Dim, Dim> covariance = Eigen::Matrix<double, Dim, Dim>::Zero();
   for (Index i = 0; i < n; ++i) {
-    const Point<Dim> d = columns.col(ids[i]) - mean;
+    Point<Dim> d = columns.col(ids[i]) - mean;
+    d -= d.dot(normal) * normal;
     covariance += d * d.transpose();
   }
   const double scale = covariance.trace();
   if (!(scale > 0)) return false;
-  using Bounded = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;  // one solver for every dimension
-  axes = Eigen::SelfAdjointEigenSolver<Bounded>(covariance / scale).eigenvectors();
+  if constexpr (Dim <= 3) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Dim, Dim>> solver;
+    solver.computeDirect(covariance / scale);
+    axes = solver.eigenvectors();
+  } else {
+    using Bounded = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;  // one solver for 4 to 6 dimensions
+    axes = Eigen::SelfAdjointEigenSolver<Bounded>(covariance / scale).eigenvectors();
+  }
   return true;
 }
 
@@ -51,11 +67,15 @@ void orient(std::vector<Keyed>& keyed) {
     for (Keyed& k : keyed) k.first = -k.first;
 }
 
-// Puts the `cut` points lowest along the principal axis first.
+// Puts the `cut` points lowest along the principal axis first. Of a nearly flat sheet, an axis along the sheet: noise
+// may make it thicker than it is wide.
 template <int Dim>
-void split_at(const PointsRef<Dim>& points, Index* ids, Index n, Index cut) {
+void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n, Index cut) {
+  Point<Dim> normal = Point<Dim>::Zero();
+  if (normals.cols() > 0) normal = mean_of<Dim>(normals, ids, n);
+  normal = normal.norm() > flat ? Point<Dim>(normal.normalized()) : Point<Dim>(Point<Dim>::Zero());
   Eigen::Matrix<double, Dim, Dim> axes;
-  if (!principal_axes<Dim>(points, ids, n, axes)) return;
+  if (!principal_axes<Dim>(points, ids, n, axes, normal)) return;
   std::vector<Keyed> keyed = project<Dim>(points, ids, n, axes.col(Dim - 1));
   orient(keyed);
   std::nth_element(keyed.begin(), keyed.begin() + cut, keyed.end());
@@ -87,19 +107,13 @@ class Splitter {
   Index split_evenly(Index* ids, Index n) const {
     const Index leaves = (n + options_.leaf_size - 1) / options_.leaf_size;
     const Index cut = n * (leaves / 2) / leaves;
-    split_at<Dim>(points_, ids, n, cut);
+    split_at<Dim>(points_, normals_, ids, n, cut);
     return cut;
-  }
-
-  Point<Dim> mean_normal(const Index* ids, Index n) const {
-    Point<Dim> mean = Point<Dim>::Zero();
-    for (Index i = 0; i < n; ++i) mean += normals_.col(ids[i]);
-    return mean / static_cast<double>(n);
   }
 
   Index cut_by_normals(Index* ids, Index n) const {
     if (normals_.cols() == 0) return n;
-    if (mean_normal(ids, n).norm() >= options_.min_mean_normal) return n;
+    if (mean_of<Dim>(normals_, ids, n).norm() >= options_.min_mean_normal) return n;
     Matrix axes;
     if (!principal_axes<Dim>(normals_, ids, n, axes)) return n;
     return cut_widest(project<Dim>(normals_, ids, n, axes.col(Dim - 1)), ids, 0.0);
@@ -112,8 +126,8 @@ class Splitter {
     spacing /= static_cast<double>(n);
     if (normals_.cols() > 0) {
       // Across a small leaf the principal axes need not be those of the sheets.
-      const Index cut =
-          cut_widest(project<Dim>(points_, ids, n, mean_normal(ids, n).normalized()), ids, options_.max_gap * spacing);
+      const Index cut = cut_widest(project<Dim>(points_, ids, n, mean_of<Dim>(normals_, ids, n).normalized()), ids,
+                                   options_.max_gap * spacing);
       if (cut < n) return cut;
     }
     Matrix axes;
@@ -200,14 +214,14 @@ Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
 }
 
 template <int Dim>
-Index halve(const PointsRef<Dim>& points, Index* ids, Index n) {
-  split_at<Dim>(points, ids, n, n / 2);
+Index halve(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n) {
+  split_at<Dim>(points, normals, ids, n, n / 2);
   return n / 2;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                    \
-  template Index halve<Dim>(const PointsRef<Dim>&, Index*, Index);                \
-  template Partition partition<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&, \
+#define CSRBF_INSTANTIATE(Dim)                                                            \
+  template Index halve<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&, Index*, Index); \
+  template Partition partition<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&,         \
                                     const Eigen::Ref<const Eigen::VectorXd>&, const PartitionOptions&);
 CSRBF_INSTANTIATE(1)
 CSRBF_INSTANTIATE(2)

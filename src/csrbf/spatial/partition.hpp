@@ -35,8 +35,9 @@ template <int Dim>
 Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
                     const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options = {});
 
-/// Halves the n points `ids` across their principal axis: reorders them and returns how many come first (n / 2).
+/// Halves the n points `ids` as partition() does (`normals` may be empty): reorders them and returns how many come
+/// first (n / 2).
 template <int Dim>
-Index halve(const PointsRef<Dim>& points, Index* ids, Index n);
+Index halve(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n);
 
 }  // namespace csrbf

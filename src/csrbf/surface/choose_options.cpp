@@ -1,6 +1,7 @@
 #include "csrbf/surface/choose_options.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/patch_fitter.hpp"
 
 #include <array>
@@ -9,111 +10,130 @@
 namespace csrbf {
 namespace {
 
-constexpr Index fold = 10;            // one sample in `fold` is left out
-constexpr Index trials = 400;         // patches tried per choice
-constexpr int predicted = 2;          // left-out samples predicted per patch
-constexpr Index fewest_trials = 8;    // below this there is too little to choose from
-constexpr double thickest = 0.1;      // error against patch radius; smaller patches follow layers of the noise
-constexpr double flat_enough = 0.05;  // the same, where even samples off the surface find the middle of the sheet
-constexpr double confidence = 0.5;    // standard errors: a smoother choice this close to the best one is preferred
+constexpr Index block_size = 96;  // samples predicted together
+constexpr Index around_block = 4 * block_size;
+constexpr Index blocks = 100;
+constexpr double thickest = 0.2;    // error against patch radius; smaller patches follow layers of the noise
+constexpr double confidence = 0.5;  // standard errors
+constexpr double margin = 0.1;      // of the error
+constexpr Index noisy_leaf = 12;    // best leaves at least this large are due to noise
 
-constexpr std::array<Index, 9> leaf_sizes = {6, 9, 14, 24, 40, 70, 120, 200, 350};
-constexpr std::array<double, 6> normal_weights = {0.01, 0.03, 0.1, 0.3, 1, 3};
+// Halves of a block, and larger.
+constexpr std::array<Index, 7> leaf_sizes = {6, 12, 24, 48, 96, 200, 350};
+constexpr std::array<double, 5> normal_weights = {3, 1, 0.3, 0.1, 0.03};
 constexpr std::array<Index, 3> center_counts = {0, 16, 32};
-constexpr std::array<double, 3> smoothings = {1e-1, 1e-3, 1e-6};
+constexpr std::array<double, 4> smoothings = {1e-1, 1e-2, 1e-3, 1e-6};
 
+// Samples in blocks all over the cloud, each predicted by a patch fitted without it.
 class CrossValidation {
  public:
-  explicit CrossValidation(const OrientedPoints& cloud) : training_(split(cloud)), tree_(training_.points) {
-    const KdTree<3> left_out(left_out_);
-    const Index n = left_out_.cols(), count = std::min(trials, n);
-    std::array<Index, predicted> nearest{};
-    std::array<double, predicted> distance{};
+  explicit CrossValidation(const OrientedPoints& cloud) : cloud_(cloud), tree_(cloud.points) {
+    const Index n = cloud.size(), count = std::min(blocks, n / block_size);
     for (Index t = 0; t < count; ++t) {
-      const Point<3> center = left_out_.col(t * n / count);
-      const Index found = left_out.nearest(center, predicted, nearest.data(), distance.data());
-      trials_.push_back({center, {}});
-      for (int i = 0; i < predicted; ++i)
-        trials_.back().targets.col(i) = left_out_.col(nearest[static_cast<std::size_t>(std::min<Index>(i, found - 1))]);
+      begin_.push_back(static_cast<Index>(samples_.size()));
+      add_block((2 * t + 1) * n / (2 * count));
     }
+    begin_.push_back(static_cast<Index>(samples_.size()));
   }
 
-  [[nodiscard]] Index size() const { return static_cast<Index>(trials_.size()); }
-  [[nodiscard]] Index training_size() const { return training_.size(); }
+  [[nodiscard]] Index size() const { return static_cast<Index>(samples_.size()); }
 
-  // Mean prediction error of every trial patch; all infinite when the patches are hardly wider than the errors.
+  // Mean error of every block; all infinite when the patches are hardly wider than the errors.
   [[nodiscard]] Eigen::ArrayXd errors(const CompositeOptions& options) const {
-    Eigen::ArrayXd error(size()), radius(size());
-    for_each_patch(options, [&](Index t, const FittedPatch& patch) {
-      const Trial& trial = trials_[static_cast<std::size_t>(t)];
-      double sum = 0;
-      for (int i = 0; i < predicted; ++i) sum += patch.step_to_surface(trial.targets.col(i)).norm();
-      error[t] = sum / predicted;
-      radius[t] = patch.patch.radius;
+    const auto count = static_cast<Index>(begin_.size()) - 1;
+    Eigen::ArrayXd error(count), radius(count);
+    parallel_for(count, 4, [&](Index first, Index last) {
+      PatchFitter fitter(cloud_, tree_, options);
+      for (Index t = first; t < last; ++t) {
+        Sum sum = predict(fitter, options.leaf_size, begin_[static_cast<std::size_t>(t)],
+                          begin_[static_cast<std::size_t>(t) + 1]);
+        error[t] = sum.error / sum.samples;
+        radius[t] = sum.radius / sum.samples;
+      }
     });
     if (error.mean() > thickest * radius.mean()) error.setConstant(std::numeric_limits<double>::infinity());
     return error;
   }
 
-  // Moves the patch centres from noisy samples to the middle of the sheet. A patch around a noisy sample holds samples
-  // with like errors, so it would predict that sample too well.
-  void center_on_sheet(CompositeOptions options, const std::vector<Index>& leaf_sizes_upwards) {
-    for (const Index leaf_size : leaf_sizes_upwards) {
-      options.leaf_size = leaf_size;
-      Eigen::ArrayXd error(size()), radius(size());
-      Points<3> step(3, size());
-      for_each_patch(options, [&](Index t, const FittedPatch& patch) {
-        step.col(t) = patch.step_to_surface(trials_[static_cast<std::size_t>(t)].center);
-        error[t] = step.col(t).norm();
-        radius[t] = patch.patch.radius;
-      });
-      if (error.mean() > flat_enough * radius.mean() && leaf_size != leaf_sizes_upwards.back()) continue;
-      for (Index t = 0; t < size(); ++t)
-        if (error[t] < radius[t]) trials_[static_cast<std::size_t>(t)].center += step.col(t);
-      return;
+ private:
+  // The samples nearest to sample `middle` along the sheet, whatever their noise across it.
+  void add_block(Index middle) {
+    std::vector<Index> near(static_cast<std::size_t>(std::min(around_block, cloud_.size())));
+    std::vector<double> squared(near.size());
+    const Point<3> center = cloud_.points.col(middle);
+    tree_.nearest(center, static_cast<Index>(near.size()), near.data(), squared.data());
+    Point<3> normal = Point<3>::Zero();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(block_size); ++i)
+      if (cloud_.normals.col(near[i]).dot(cloud_.normals.col(middle)) > 0) normal += cloud_.normals.col(near[i]);
+    normal.normalize();
+    std::vector<std::pair<double, Index>> along;
+    for (const Index i : near) {
+      const Point<3> d = cloud_.points.col(i) - center;
+      if (cloud_.normals.col(i).dot(normal) > 0) along.emplace_back(d.squaredNorm() - std::pow(d.dot(normal), 2), i);
     }
+    std::sort(along.begin(), along.end());
+    along.resize(std::min(along.size(), static_cast<std::size_t>(block_size)));
+    for (const auto& [distance, i] : along) samples_.push_back(i);
   }
 
- private:
-  struct Trial {
-    Point<3> center;
-    Eigen::Matrix<double, 3, predicted> targets;
+  struct Sum {
+    double error = 0, radius = 0, samples = 0;
   };
 
-  template <class Body>
-  void for_each_patch(const CompositeOptions& options, const Body& body) const {
-    parallel_for(size(), 16, [&](Index begin, Index end) {
-      PatchFitter fitter(training_, tree_, options);
-      std::vector<Index> leaf(static_cast<std::size_t>(options.leaf_size));
-      std::vector<double> distance(leaf.size());
-      for (Index t = begin; t < end; ++t) {
-        const Point<3>& center = trials_[static_cast<std::size_t>(t)].center;
-        const Index found = tree_.nearest(center, options.leaf_size, leaf.data(), distance.data());
-        body(t, fitter.fit(leaf.data(), found));
-      }
-    });
+  // A block is cut into leaves, or is the middle of a leaf.
+  Sum predict(PatchFitter& fitter, Index leaf_size, Index begin, Index end) const {
+    std::vector<Index> ids(samples_.begin() + begin, samples_.begin() + end);
+    Sum sum;
+    if (leaf_size <= end - begin) {
+      predict(fitter, leaf_size, ids, sum);
+      return sum;
+    }
+    Point<3> center = Point<3>::Zero();
+    for (const Index i : ids) center += cloud_.points.col(i) / static_cast<double>(ids.size());
+    std::vector<Index> leaf(static_cast<std::size_t>(leaf_size));
+    std::vector<double> distance(leaf.size());
+    const Index found = tree_.nearest(center, leaf_size, leaf.data(), distance.data());
+    add(fitter, fitter.fit(leaf.data(), found), ids, sum);
+    return sum;
   }
 
-  OrientedPoints split(const OrientedPoints& cloud) {
-    std::vector<Index> kept, left;
-    for (Index i = 0; i < cloud.size(); ++i) (i % fold == fold / 2 ? left : kept).push_back(i);
-    left_out_ = cloud.points(Eigen::all, left);
-    return {cloud.points(Eigen::all, kept), cloud.normals(Eigen::all, kept), cloud.spacing(kept)};
+  void predict(PatchFitter& fitter, Index leaf_size, std::span<Index> ids, Sum& sum) const {
+    const auto n = static_cast<Index>(ids.size());
+    if (n > leaf_size) {
+      const auto cut = static_cast<std::size_t>(halve<3>(cloud_.points, cloud_.normals, ids.data(), n));
+      predict(fitter, leaf_size, ids.first(cut), sum);
+      predict(fitter, leaf_size, ids.subspan(cut), sum);
+      return;
+    }
+    add(fitter, fitter.fit(ids.data(), n), ids, sum);
   }
 
-  Points<3> left_out_;
-  OrientedPoints training_;
+  static void add(PatchFitter& fitter, const FittedPatch& patch, std::span<const Index> ids, Sum& sum) {
+    std::vector<double> distance(ids.size());
+    fitter.left_out_distances(patch, ids, distance.data());
+    for (const double d : distance) sum.error += d;
+    sum.radius += patch.patch.radius * static_cast<double>(ids.size());
+    sum.samples += static_cast<double>(ids.size());
+  }
+
+  const OrientedPoints& cloud_;
   KdTree<3> tree_;
-  std::vector<Trial> trials_;
+  std::vector<Index> samples_, begin_;
 };
 
-// The first of `choices` (smoothest first) whose errors are within the confidence of the best one's.
-template <class Choices>
-std::size_t smoothest_good(const Choices& errors) {
+// How a choice among nearly equal ones is made, smoothest first. Noise asks for the first whose errors are within the
+// confidence of the best one's. Without noise the errors of left-out samples overstate those of the surface, which is
+// nearer to samples than these are to each other: the last within a margin of the best is taken.
+std::size_t choose(const std::vector<Eigen::ArrayXd>& errors, bool noisy) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < errors.size(); ++i)
     if (errors[i].mean() < errors[best].mean()) best = i;
   if (!std::isfinite(errors[best].mean())) return 0;
+  if (!noisy) {
+    std::size_t last = errors.size() - 1;
+    while (errors[last].mean() > (1 + margin) * errors[best].mean()) --last;
+    return last;
+  }
   for (std::size_t i = 0; i < best; ++i) {
     if (!std::isfinite(errors[i].mean())) continue;
     const Eigen::ArrayXd difference = errors[i] - errors[best];
@@ -127,13 +147,13 @@ std::size_t smoothest_good(const Choices& errors) {
 // Tries each value of one option, smoothest first, and keeps the choice; returns its errors.
 template <class Value, class Values>
 Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& options, Value CompositeOptions::*member,
-                      const Values& values) {
+                      const Values& values, bool noisy) {
   std::vector<Eigen::ArrayXd> errors;
   for (const Value value : values) {
     options.*member = value;
     errors.push_back(validation.errors(options));
   }
-  const std::size_t chosen = smoothest_good(errors);
+  const std::size_t chosen = choose(errors, noisy);
   options.*member = values[chosen];
   return errors[chosen];
 }
@@ -147,25 +167,21 @@ ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& gi
   options.smoothing = given.smoothing.value_or(options.smoothing);
   options.leaf_size = given.leaf_size.value_or(options.leaf_size);
   CrossValidation validation(cloud);
-  if (validation.size() < fewest_trials) return result;
+  if (validation.size() == 0) return result;
 
   // Large leaves first, as long as a few of them make up the cloud.
   std::vector<Index> sizes;
   for (auto size = leaf_sizes.rbegin(); size != leaf_sizes.rend(); ++size)
-    if (20 * *size <= validation.training_size()) sizes.push_back(*size);
+    if (20 * *size <= cloud.size()) sizes.push_back(*size);
   if (sizes.empty()) return result;
   options.normal_weight = 0.1;
-  if (!given.leaf_size) {
-    options.centers_per_patch = 0;
-    validation.center_on_sheet(options, {sizes.rbegin(), sizes.rend()});
-    options.centers_per_patch = CompositeOptions{}.centers_per_patch;
-    choose(validation, options, &CompositeOptions::leaf_size, sizes);
-  }
+  if (!given.leaf_size) choose(validation, options, &CompositeOptions::leaf_size, sizes, true);
   options.leaf_size = std::min(options.leaf_size, sizes.front());
-  choose(validation, options, &CompositeOptions::normal_weight, normal_weights);
-  Eigen::ArrayXd errors = choose(validation, options, &CompositeOptions::centers_per_patch, center_counts);
+  const bool noisy = options.leaf_size >= noisy_leaf;
+  choose(validation, options, &CompositeOptions::normal_weight, normal_weights, noisy);
+  Eigen::ArrayXd errors = choose(validation, options, &CompositeOptions::centers_per_patch, center_counts, noisy);
   if (!given.smoothing && options.centers_per_patch > 0)
-    errors = choose(validation, options, &CompositeOptions::smoothing, smoothings);
+    errors = choose(validation, options, &CompositeOptions::smoothing, smoothings, noisy);
   options.leaf_size = given.leaf_size.value_or(options.leaf_size);
   result.cross_validation_error = errors.mean();
   return result;

@@ -9,7 +9,7 @@ namespace csrbf {
 /// Options of the composite fit and what speaks for them.
 struct ChosenOptions {
   CompositeOptions options;
-  /// Mean distance of left-out samples to the patches fitted without them; unit of the cloud.
+  /// Mean distance of samples to the patches fitted without them; unit of the cloud.
   double cross_validation_error = 0;
 };
 
@@ -20,9 +20,10 @@ struct GivenOptions {
   NormalRows normal_rows = NormalRows::gradient;
 };
 
-/// Chooses patch size, weight of the normals, number of CSRBF centres and smoothing by cross-validation: every tenth
-/// sample is left out, and a few hundred patches fitted to the others predict it. Noise asks for large patches, detail
-/// for small ones; of choices that cannot be told apart the smoother one wins. O(n) with a small factor.
+/// Chooses patch size, weight of the normals, number of CSRBF centres and smoothing by leave-one-out cross-validation
+/// of some ten thousand samples in blocks all over the cloud. Noise asks for large patches, detail for small ones; of
+/// choices that cannot be told apart the smoother one wins under noise, else the one closer to the samples. Time does
+/// not depend on n, but for finding the blocks: O(n log n).
 ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& given = {});
 
 }  // namespace csrbf

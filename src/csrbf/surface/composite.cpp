@@ -40,7 +40,7 @@ class LeafFitter {
     FittedPatch patch = fitter_.fit(ids, end - begin);
     if (options_.tolerance.size() > 0 && !fitter_.within_tolerance(patch)) {
       if (end - begin >= 2 * CompositeOptions::smallest_leaf) {
-        const Index middle = begin + halve<3>(cloud_.points, ids, end - begin);
+        const Index middle = begin + halve<3>(cloud_.points, cloud_.normals, ids, end - begin);
         fit(begin, middle, leaves);
         fit(middle, end, leaves);
         return;

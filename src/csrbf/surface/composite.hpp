@@ -21,7 +21,7 @@ enum class NormalRows {
   off_surface,  ///< f = -+ kappa at p +- kappa n, kappa half the local spacing (thesis 6.1.4)
 };
 
-/// How the local models are fitted. The defaults suit clean, dense samples; choose_parameters() adapts them to the
+/// How the local models are fitted. The defaults suit clean, dense samples; choose_options() adapts them to the
 /// data.
 struct CompositeOptions {
   /// Points per leaf of the partition: one patch each.

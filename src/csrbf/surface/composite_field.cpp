@@ -12,12 +12,13 @@ constexpr int lanes = PatchSums::lanes;
 
 // The finest patches are trusted where their weights sum to more than `strong`, and with the winding number's consent
 // from `weak` on ...
-constexpr double strong = 0.1;
-constexpr double weak = 0.02;
-// ... and where the mean square of the local values, in units of the patch radii, is below `agree`: near the surface a
-// large one means that they contradict each other. Above `contradict` they are not trusted at all.
-constexpr double agree = 0.06;
-constexpr double contradict = 0.2;
+constexpr double certain = 20;
+constexpr double strong = 0.03;
+constexpr double weak = 0.01;
+// ... and where the variance of the local models, in units of the patch radii, is below `agree`. Above `contradict`
+// they are not trusted at all.
+constexpr double agree = 0.01;
+constexpr double contradict = 0.04;
 // The winding number u = 2w - 1 consents where it is undecided.
 constexpr double undecided = 0.6;
 constexpr double decided = 0.85;
@@ -78,11 +79,12 @@ template <class Scalar>
 Scalar trust(const PatchSums& sums, int lane, double enough) {
   const Scalar W = load<Scalar>(sums, sums.W, lane);
   if (value_of(W) <= 0) return Scalar(0.0);
-  const Scalar covered = smooth_step((1 / enough) * W);
-  const Scalar mean_square = load<Scalar>(sums, sums.Q, lane) / W;
-  if (value_of(mean_square) >= contradict) return Scalar(0.0);
-  if (value_of(mean_square) <= agree) return covered;
-  return covered * (1.0 - smooth_step((1 / (contradict - agree)) * (mean_square - agree)));
+  const Scalar mean = load<Scalar>(sums, sums.A, lane) / W;
+  const Scalar covered = smooth_step((1 / enough) * W * (1.0 + certain * (mean * mean)));
+  const Scalar variance = load<Scalar>(sums, sums.Q, lane) / W - mean * mean;
+  if (value_of(variance) >= contradict) return Scalar(0.0);
+  if (value_of(variance) <= agree) return covered;
+  return covered * (1.0 - smooth_step((1 / (contradict - agree)) * (variance - agree)));
 }
 
 template <class Scalar>

@@ -1,6 +1,8 @@
 #include "csrbf/surface/patch_fitter.hpp"
 
 #include "csrbf/kernels/wendland.hpp"
+#include "csrbf/linalg/gram.hpp"
+#include "csrbf/surface/patch_rows.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -15,7 +17,9 @@ constexpr Index fewest_fit_points = 8;      // twice what a quadric needs
 constexpr double ridge_quadric = 1e-6;      // relative; makes a planar patch planar
 constexpr double round_off = 1e-13;         // relative; keeps the normal matrices positive definite
 constexpr double inner = 0.5;               // squared radius where the blending weight is above 1 / 16
-constexpr double smallest_slope = 1e-3;     // of a model that ignores its normals
+constexpr double smallest_freedom = 0.01;   // of a sample that decides its own prediction
+constexpr int newton_steps = 3;
+constexpr double smallest_slope = 1e-3;  // of a model that ignores its normals
 constexpr double inverse_support2 = 1.0 / (Patches::support * Patches::support);
 
 // Rows of the quadric at q: value, then the three derivatives.
@@ -41,8 +45,7 @@ double phi_slope(double r2) {
 
 }  // namespace
 
-Point<3> FittedPatch::step_to_surface(const Point<3>& x) const {
-  const Point<3> q = patch.T * (x - patch.center);
+Eigen::Vector4d FittedPatch::evaluate(const Point<3>& q) const {
   Eigen::Vector4d f = quadric_rows(q) * patch.quadric;
   for (Index j = 0; j < alpha.size(); ++j) {
     const Point<3> d = q - centers.col(j);
@@ -50,9 +53,25 @@ Point<3> FittedPatch::step_to_surface(const Point<3>& x) const {
     f[0] += alpha[j] * phi(r2);
     f.tail<3>() += alpha[j] * inverse_support2 * phi_slope(r2) * d;
   }
+  return f;
+}
+
+Point<3> FittedPatch::step_to_surface(const Point<3>& x) const {
+  const Eigen::Vector4d f = evaluate(patch.T * (x - patch.center));
   const Point<3> slope = f.tail<3>();
   const double squared = std::max(slope.squaredNorm(), smallest_slope * smallest_slope);
   return (-f[0] * patch.radius * patch.radius / squared) * (patch.T.transpose() * slope);
+}
+
+double FittedPatch::distance(const Point<3>& x) const {
+  const Point<3> target = patch.T * (x - patch.center);
+  Point<3> q(target[0], target[1], 0);
+  Eigen::Vector4d f = evaluate(q);
+  for (int step = 0; step < newton_steps; ++step) {
+    q[2] = std::clamp(q[2] - f[0] / std::min(f[3], -smallest_slope), -1.0, 1.0);
+    f = evaluate(q);
+  }
+  return patch.radius * std::abs(target[2] - q[2]) * std::abs(f[3]) / std::max(f.tail<3>().norm(), smallest_slope);
 }
 
 FittedPatch PatchFitter::fit(const Index* ids, Index n) {
@@ -155,72 +174,87 @@ void PatchFitter::choose_centers() {
 
 void PatchFitter::localize(const Patch& patch) {
   const auto count = static_cast<Index>(support_.size());
-  q_.resize(3, count);
-  target_.resize(3, count);
-  weight_.resize(count);
-  offset_.resize(count);
+  const Index padded = (count + gram_rows - 1) / gram_rows * gram_rows;
+  q_.setZero(padded, 3);
+  target_.setZero(padded, 3);
+  weight_.setZero(padded);
+  offset_.setZero(padded);
   for (Index k = 0; k < count; ++k) {
     const Index i = support_[static_cast<std::size_t>(k)];
-    q_.col(k) = patch.T * (cloud_.points.col(i) - patch.center);
-    target_.col(k) = -patch.radius * (patch.T * cloud_.normals.col(i));
+    const Point<3> q = patch.T * (cloud_.points.col(i) - patch.center);
+    q_.row(k) = q;
+    target_.row(k) = -patch.radius * (patch.T * cloud_.normals.col(i));
     offset_[k] = 0.5 * cloud_.spacing[i] / patch.radius;
-    const double s = std::max(0.0, 1 - q_.col(k).squaredNorm());
+    const double s = std::max(0.0, 1 - q.squaredNorm());
     weight_[k] = s * s + 1e-3;  // wider than the blending weight: the rim of the patch is used too
   }
+  root_w_ = weight_.cwiseSqrt();
+  root_g_ = std::sqrt(options_.normal_weight) * root_w_;
 }
 
 // Spec 5.3: sum_k w_k ( g(q_k)^2 + rho |grad g(q_k) + n_k|^2 ) + mu |A|^2 over quadrics g(q) = q.A q + b.q + c.
-void PatchFitter::fit_quadric(Patch& patch) const {
-  Eigen::Matrix<double, 10, 10> A = Eigen::Matrix<double, 10, 10>::Zero();
-  Eigen::Matrix<double, 10, 1> b = Eigen::Matrix<double, 10, 1>::Zero();
-  const double rho = options_.normal_weight;
-  for (Index k = 0; k < q_.cols(); ++k) {
-    const QuadricRows rows = quadric_rows(q_.col(k));
-    const Eigen::Matrix<double, 10, 4> weighted =
-        rows.transpose() * (weight_[k] * Eigen::Vector4d(1, rho, rho, rho)).asDiagonal();
-    A.noalias() += weighted * rows;
-    b.noalias() += weighted.rightCols<3>() * target_.col(k);
-  }
+void PatchFitter::fit_quadric(Patch& patch) {
+  const Index K = q_.rows();
+  quadric_columns_.resize(4 * K, 11);
+  quadric_columns(q_.data(), K, root_w_.data(), root_g_.data(), quadric_columns_.data());
+  quadric_columns_.col(10).head(K).setZero();
+  for (int c = 0; c < 3; ++c) quadric_columns_.col(10).segment((1 + c) * K, K) = root_g_.cwiseProduct(target_.col(c));
+  Eigen::Matrix<double, 11, 11> A;
+  gram(quadric_columns_.data(), 4 * K, 11, A.data());
+  const Eigen::Matrix<double, 10, 1> b = A.row(10).head<10>();
   const double total = weight_.sum();
   for (const int square : {4, 7, 9}) A(square, square) += ridge_quadric * total;
   for (const int mixed : {5, 6, 8}) A(mixed, mixed) += 2 * ridge_quadric * total;
   A.diagonal().array() += round_off * total;
-  patch.quadric = A.ldlt().solve(b);
+  quadric_matrix_.compute(A.topLeftCorner<10, 10>());
+  patch.quadric = quadric_matrix_.solve(b);
 }
 
-// Weighted rows of the residual for values and normals: B alpha = s - g, grad B alpha = -n - grad g.
-void PatchFitter::gradient_rows(const FittedPatch& result) {
-  const Index K = q_.cols(), M = result.centers.cols();
-  rows_.resize(4 * K, M);
-  rhs_.resize(4 * K);
-  const double root_rho = std::sqrt(options_.normal_weight);
-  for (Index k = 0; k < K; ++k) {
-    const double root_w = std::sqrt(weight_[k]), root_g = root_w * root_rho;
-    const Eigen::Vector4d g = quadric_rows(q_.col(k)) * result.patch.quadric;
-    rhs_[4 * k] = -root_w * g[0];
-    rhs_.segment<3>(4 * k + 1) = root_g * (target_.col(k) - g.tail<3>());
-    for (Index j = 0; j < M; ++j) {
-      const Point<3> d = q_.col(k) - result.centers.col(j);
-      const double r2 = inverse_support2 * d.squaredNorm();
-      rows_(4 * k, j) = root_w * phi(r2);
-      rows_.col(j).segment<3>(4 * k + 1) = (root_g * inverse_support2 * phi_slope(r2)) * d;
+// The fit is linear in the samples: leaving sample k out divides its residual by 1 - h_k, h_k = df_k / ds_k (its
+// leverage). For a quadric fit followed by a fit of its residual, H = H_q + H_r (1 - H_q).
+void PatchFitter::left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance) {
+  const Index M = options_.normal_rows == NormalRows::gradient ? patch.alpha.size() : 0;
+  Eigen::MatrixXd cross(M, 10);
+  if (M > 0) {
+    cross = columns_.leftCols(M).transpose() * quadric_columns_.leftCols(10);
+    cross = quadric_matrix_.solve(cross.transpose().eval()).transpose().eval();
+    cross = residual_matrix_.solve(cross).eval();
+  }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    distance[i] = patch.distance(cloud_.points.col(ids[i]));
+    const auto found = std::find(support_.begin(), support_.end(), ids[i]);
+    if (found == support_.end()) continue;
+    const auto k = static_cast<Index>(found - support_.begin());
+    const Eigen::Matrix<double, 10, 1> row = quadric_columns_.row(k).head<10>();
+    double leverage = row.dot(quadric_matrix_.solve(row));
+    if (M > 0) {
+      const Eigen::VectorXd b = columns_.row(k).head(M);
+      leverage += b.dot(residual_matrix_.solve(b)) - b.dot(cross * row);
     }
+    distance[i] /= std::max(1 - leverage, smallest_freedom);
   }
 }
 
+// Weighted rows of the residual for values and normals: B alpha = s - g, grad B alpha = -n - grad g.
+void PatchFitter::gradient_columns(const FittedPatch& result) {
+  const Index K = q_.rows(), M = result.centers.cols();
+  columns_.resize(4 * K, M + 1);
+  kernel_columns(q_.data(), K, root_w_.data(), root_g_.data(), result.centers.data(), M, columns_.data());
+  columns_.col(M) = quadric_columns_.col(10);
+  columns_.col(M).noalias() -= quadric_columns_.leftCols(10) * result.patch.quadric;
+}
+
 // The same with values beside the surface instead of gradients: the targets at q + side kappa n are -side kappa.
-void PatchFitter::off_surface_rows(const FittedPatch& result) {
-  const Index K = q_.cols(), M = result.centers.cols();
-  rows_.resize(3 * K, M);
-  rhs_.resize(3 * K);
+void PatchFitter::off_surface_columns(const FittedPatch& result) {
+  const Index K = q_.rows(), M = result.centers.cols();
+  columns_.resize(3 * K, M + 1);
   for (Index k = 0; k < K; ++k)
     for (int side = -1; side <= 1; ++side) {
-      const Index row = 3 * k + side + 1;
-      const Point<3> q = q_.col(k) - side * offset_[k] * target_.col(k);
-      const double root_w = std::sqrt(weight_[k]);
-      rhs_[row] = root_w * (-side * offset_[k] - quadric_rows(q).row(0).dot(result.patch.quadric));
+      const Index row = (side + 1) * K + k;
+      const Point<3> q = q_.row(k) - side * offset_[k] * target_.row(k);
+      columns_(row, M) = root_w_[k] * (-side * offset_[k] - quadric_rows(q).row(0).dot(result.patch.quadric));
       for (Index j = 0; j < M; ++j)
-        rows_(row, j) = root_w * phi(inverse_support2 * (q - result.centers.col(j)).squaredNorm());
+        columns_(row, j) = root_w_[k] * phi(inverse_support2 * (q - result.centers.col(j)).squaredNorm());
     }
 }
 
@@ -228,21 +262,24 @@ void PatchFitter::off_surface_rows(const FittedPatch& result) {
 void PatchFitter::fit_residual(FittedPatch& result) {
   const auto M = static_cast<Index>(centers_.size());
   if (M == 0) return;
-  result.centers = q_(Eigen::all, centers_);
+  result.centers = q_(centers_, Eigen::all).transpose();
   if (options_.normal_rows == NormalRows::gradient) {
-    gradient_rows(result);
+    gradient_columns(result);
   } else {
-    off_surface_rows(result);
+    off_surface_columns(result);
   }
-  A_.setZero(M, M);
-  A_.selfadjointView<Eigen::Lower>().rankUpdate(rows_.transpose());
-  const double scale = A_.trace() / static_cast<double>(M);
+  gram_.resize(M + 1, M + 1);
+  gram(columns_.data(), columns_.rows(), M + 1, gram_.data());
+  const Eigen::VectorXd b = gram_.row(M).head(M);
+  auto A = gram_.topLeftCorner(M, M);
+  const double scale = A.trace() / static_cast<double>(M);
   for (Index j = 0; j < M; ++j)
     for (Index i = j; i < M; ++i)
-      A_(i, j) += options_.smoothing * scale *
-                  phi(inverse_support2 * (result.centers.col(i) - result.centers.col(j)).squaredNorm());
-  A_.diagonal().array() += round_off * scale;
-  result.alpha = A_.selfadjointView<Eigen::Lower>().ldlt().solve(rows_.transpose() * rhs_);
+      A(i, j) += options_.smoothing * scale *
+                 phi(inverse_support2 * (result.centers.col(i) - result.centers.col(j)).squaredNorm());
+  A.diagonal().array() += round_off * scale;
+  residual_matrix_.compute(A);
+  result.alpha = residual_matrix_.solve(b);
 }
 
 }  // namespace csrbf

@@ -3,6 +3,9 @@
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/composite.hpp"
 
+#include <Eigen/Cholesky>
+
+#include <span>
 #include <vector>
 
 namespace csrbf {
@@ -16,6 +19,14 @@ struct FittedPatch {
   /// The step -f grad f / |grad f|^2 from x to the surface of the patch, exact to first order, without regard to its
   /// support.
   [[nodiscard]] Point<3> step_to_surface(const Point<3>& x) const;
+
+  /// Distance of x to the surface of the patch as found along the patch's normal from the middle of the patch: x itself
+  /// has no influence on where the surface is looked for.
+  [[nodiscard]] double distance(const Point<3>& x) const;
+
+ private:
+  /// Value and gradient in local coordinates.
+  [[nodiscard]] Eigen::Vector4d evaluate(const Point<3>& q) const;
 };
 
 /// Fits patches to leaves of a cloud (thesis 6.1.3 and 6.1.4). Keeps its work arrays from patch to
@@ -31,6 +42,10 @@ class PatchFitter {
   /// Whether the last patch meets the tolerance of every sample in the inner part of its support.
   [[nodiscard]] bool within_tolerance(const FittedPatch& patch) const;
 
+  /// Distances of samples to the surface of the last patch, had it been fitted without them (without their positions:
+  /// their normals stay); off-surface rows do not count.
+  void left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance);
+
   /// Area of the last patch divided by the number of its samples.
   [[nodiscard]] double area_per_sample() const { return area_per_sample_; }
 
@@ -40,10 +55,10 @@ class PatchFitter {
   void thin();
   void choose_centers();
   void localize(const Patch& patch);
-  void fit_quadric(Patch& patch) const;
+  void fit_quadric(Patch& patch);
   void fit_residual(FittedPatch& result);
-  void gradient_rows(const FittedPatch& result);
-  void off_surface_rows(const FittedPatch& result);
+  void gradient_columns(const FittedPatch& result);
+  void off_surface_columns(const FittedPatch& result);
 
   const OrientedPoints& cloud_;
   const KdTree<3>& tree_;
@@ -51,11 +66,15 @@ class PatchFitter {
   std::vector<Index> support_;
   std::vector<Index> foreign_;  // in the ball of the support, but of another sheet
   std::vector<Index> centers_;  // positions in support_
-  // Samples in local coordinates: positions, gradient targets (-n), partition-of-unity weights.
-  Points<3> q_, target_;
-  Eigen::VectorXd weight_, offset_;
-  Eigen::MatrixXd rows_, A_;
-  Eigen::VectorXd rhs_;
+  // Samples in local coordinates, padded with samples of weight zero: positions and gradient targets (-n), a column per
+  // component; weights, and square roots of those of values and gradients.
+  Eigen::MatrixX3d q_, target_;
+  Eigen::VectorXd weight_, root_w_, root_g_, offset_;
+  // Weighted rows of the model, values before gradients; the data are the last column.
+  Eigen::MatrixXd quadric_columns_, columns_;
+  Eigen::MatrixXd gram_;
+  Eigen::LDLT<Eigen::Matrix<double, 10, 10>> quadric_matrix_;
+  Eigen::LDLT<Eigen::MatrixXd> residual_matrix_;
   double area_per_sample_ = 0;
 };
 

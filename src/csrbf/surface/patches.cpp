@@ -180,8 +180,10 @@ CSRBF_SIMD_CLONES void add_values(const PatchView& view, const double* x, PatchS
   for (int l = 0; l < lanes; ++l) {
     const double t = std::max(0.0, s[l]), w = t * t * t * t;
     sums.W[0][l] += w;
-    sums.S[0][l] += w * f[l] * radius;
-    sums.Q[0][l] += w * f[l] * f[l];
+    const double wf = w * f[l];
+    sums.S[0][l] += wf * radius;
+    sums.A[0][l] += wf;
+    sums.Q[0][l] += wf * f[l];
   }
 }
 
@@ -203,10 +205,13 @@ CSRBF_SIMD_CLONES void add_gradients(const PatchView& view, const double* x, Pat
     const double F = f[0][l], w0 = w[0][l];  // in units of the radius
     sums.W[0][l] += w0;
     sums.S[0][l] += w0 * F * radius;
+    sums.A[0][l] += w0 * F;
     sums.Q[0][l] += w0 * F * F;
     for (int c = 1; c < 4; ++c) {
       sums.W[c][l] += w[c][l];
-      sums.S[c][l] += (w[c][l] * F + w0 * f[c][l]) * radius;
+      const double slope = w[c][l] * F + w0 * f[c][l];
+      sums.S[c][l] += slope * radius;
+      sums.A[c][l] += slope;
       sums.Q[c][l] += w[c][l] * F * F + 2 * w0 * F * f[c][l];
     }
   }
@@ -224,10 +229,13 @@ CSRBF_SIMD_CLONES void add_jets(const PatchView& view, const double* x, PatchSum
     const double F = f[0][l], w0 = w[0][l];  // in units of the radius
     sums.W[0][l] += w0;
     sums.S[0][l] += w0 * F * radius;
+    sums.A[0][l] += w0 * F;
     sums.Q[0][l] += w0 * F * F;
     for (int c = 1; c < 4; ++c) {
       sums.W[c][l] += w[c][l];
-      sums.S[c][l] += (w[c][l] * F + w0 * f[c][l]) * radius;
+      const double slope = w[c][l] * F + w0 * f[c][l];
+      sums.S[c][l] += slope * radius;
+      sums.A[c][l] += slope;
       sums.Q[c][l] += w[c][l] * F * F + 2 * w0 * F * f[c][l];
     }
     int term = 4;
@@ -235,7 +243,9 @@ CSRBF_SIMD_CLONES void add_jets(const PatchView& view, const double* x, PatchSum
       for (int d = c; d < 4; ++d, ++term) {
         const double cross = w[c][l] * f[d][l] + w[d][l] * f[c][l];
         sums.W[term][l] += w[term][l];
-        sums.S[term][l] += (w[term][l] * F + cross + w0 * f[term][l]) * radius;
+        const double second = w[term][l] * F + cross + w0 * f[term][l];
+        sums.S[term][l] += second * radius;
+        sums.A[term][l] += second;
         sums.Q[term][l] += w[term][l] * F * F + 2 * F * cross + 2 * w0 * (f[c][l] * f[d][l] + F * f[term][l]);
       }
   }
@@ -289,7 +299,7 @@ void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSu
   const int terms = number_of_terms[static_cast<std::size_t>(derivatives)];
   sums.derivatives = derivatives;
   for (int t = 0; t < terms; ++t)
-    for (int l = 0; l < lanes; ++l) sums.W[t][l] = sums.S[t][l] = sums.Q[t][l] = 0;
+    for (int l = 0; l < lanes; ++l) sums.W[t][l] = sums.S[t][l] = sums.A[t][l] = sums.Q[t][l] = 0;
   if (nodes_.empty() || x.cols() == 0) return;
 
   // Structure of arrays, the last point repeated in unused lanes.

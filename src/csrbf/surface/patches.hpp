@@ -21,8 +21,9 @@ struct Patch {
   Eigen::Matrix<double, 10, 1> quadric;
 };
 
-/// What a set of patches says about a point: W = sum w, S = sum w f, Q = sum w (f / radius)^2 with derivatives.
-/// Arrays hold `lanes` points each.
+/// What a set of patches says about a point: W = sum w, S = sum w f, A = sum w f / radius and Q = sum w (f / radius)^2
+/// with derivatives. F = S / W is the blended model; V = Q / W - (A / W)^2, the variance of the local models in units
+/// of their radii, tells how far they agree. Arrays hold `lanes` points each.
 struct PatchSums {
   static constexpr int lanes = 16;
   static constexpr int max_terms = 10;  ///< value, 3 first, 6 second derivatives
@@ -30,6 +31,7 @@ struct PatchSums {
   Derivatives derivatives = Derivatives::none;  ///< what was summed; further terms hold nothing
   alignas(64) double W[max_terms][lanes];
   alignas(64) double S[max_terms][lanes];
+  alignas(64) double A[max_terms][lanes];
   alignas(64) double Q[max_terms][lanes];
 };
 

@@ -2,7 +2,6 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
-#include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/choose_options.hpp"
 #include "csrbf/surface/composite_field.hpp"
 
@@ -15,6 +14,8 @@ namespace csrbf {
 namespace {
 
 constexpr Index decimation = 4;            // points merged per point of the next coarser level
+constexpr double run_reach = 4;            // spacings
+constexpr double run_normals = 0.3;        // cosine
 constexpr Index coarse_leaf = 40;          // points per patch of a coarse level at most
 constexpr Index coarsest_points = 100;     // a level with fewer points has no coarser one
 constexpr Index finest_leaf = 6;           // points per patch when no smoothing is wanted
@@ -42,32 +43,38 @@ void check(const ReconstructOptions& options) {
           "must not be negative");
 }
 
-// One sample for every few: the one nearest to their mean, standing for their common area.
+// Ends of runs of at most `decimation` samples in Morton order that lie together on one sheet.
+std::vector<Index> runs(const OrientedPoints& cloud) {
+  std::vector<Index> ends;
+  Index first = 0;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const double reach = run_reach * cloud.spacing[first];
+    const bool joins = i - first < decimation && cloud.normals.col(i).dot(cloud.normals.col(first)) > run_normals &&
+                       (cloud.points.col(i) - cloud.points.col(first)).squaredNorm() < reach * reach;
+    if (i > first && !joins) {
+      ends.push_back(i);
+      first = i;
+    }
+  }
+  if (cloud.size() > 0) ends.push_back(cloud.size());
+  return ends;
+}
+
+// One sample for every few: the one nearest to their mean, standing for their common area. Keeps the Morton order.
 OrientedPoints decimate(const OrientedPoints& cloud) {
-  const Partition groups = partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = decimation});
-  OrientedPoints coarse;
-  coarse.points.resize(3, groups.leaves());
-  coarse.normals.resize(3, groups.leaves());
-  coarse.spacing.resize(groups.leaves());
-  for (Index g = 0; g < groups.leaves(); ++g) {
-    const auto group = static_cast<std::size_t>(g);
-    const Index begin = groups.begin[group], end = groups.begin[group + 1];
-    Point<3> mean = Point<3>::Zero(), normal = Point<3>::Zero();
-    double area = 0;
-    for (Index i = begin; i < end; ++i) {
-      const Index id = groups.order[static_cast<std::size_t>(i)];
-      mean += cloud.points.col(id) / static_cast<double>(end - begin);
-      normal += cloud.normals.col(id);
-      area += cloud.spacing[id] * cloud.spacing[id];
-    }
-    Index nearest = groups.order[static_cast<std::size_t>(begin)];
-    for (Index i = begin; i < end; ++i) {
-      const Index id = groups.order[static_cast<std::size_t>(i)];
-      if ((cloud.points.col(id) - mean).squaredNorm() < (cloud.points.col(nearest) - mean).squaredNorm()) nearest = id;
-    }
-    coarse.points.col(g) = cloud.points.col(nearest);
-    coarse.normals.col(g) = normal.norm() > 0 ? Point<3>(normal.normalized()) : Point<3>(cloud.normals.col(nearest));
-    coarse.spacing[g] = std::sqrt(area);
+  const std::vector<Index> ends = runs(cloud);
+  const auto count = static_cast<Index>(ends.size());
+  OrientedPoints coarse{Points<3>(3, count), Points<3>(3, count), Eigen::VectorXd(count)};
+  for (Index g = 0; g < count; ++g) {
+    const Index begin = g > 0 ? ends[static_cast<std::size_t>(g - 1)] : 0,
+                n = ends[static_cast<std::size_t>(g)] - begin;
+    const auto points = cloud.points.middleCols(begin, n);
+    const Point<3> mean = points.rowwise().mean(), normal = cloud.normals.middleCols(begin, n).rowwise().sum();
+    Index nearest = 0;
+    (points.colwise() - mean).colwise().squaredNorm().minCoeff(&nearest);
+    coarse.points.col(g) = points.col(nearest);
+    coarse.normals.col(g) = normal.normalized();
+    coarse.spacing[g] = cloud.spacing.segment(begin, n).norm();
   }
   return coarse;
 }
@@ -88,8 +95,12 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   coarse_options.centers.clear();
   coarse_options.tolerance.resize(0);
   coarse_options.leaf_size = std::min(options.leaf_size, coarse_leaf);
-  for (OrientedPoints coarse = decimate(cloud); coarse.size() >= coarsest_points; coarse = decimate(coarse))
+  Index previous = cloud.size();
+  for (OrientedPoints coarse = decimate(cloud); coarse.size() >= coarsest_points && 2 * coarse.size() < previous;
+       coarse = decimate(coarse)) {
     data.levels.push_back(fit_composite(coarse, coarse_options).patches);
+    previous = coarse.size();
+  }
   const Eigen::VectorXd smoothing_length = winding_smoothing * finest.areas.cwiseSqrt();
   data.winding = WindingNumber({cloud.points, cloud.normals, finest.areas, smoothing_length});
   return data;

@@ -17,9 +17,9 @@ namespace {
 
 constexpr Index spacing_neighbors = 6;  // as many as a sample in a plane has around it
 constexpr Index facing_neighbors = 8;
-constexpr double facing = 0.7;          // cosine of the angle between normals that face the same way
-constexpr double expected_share = 0.1;  // a component with fewer samples than this share of the usual density is empty
-constexpr double expected_samples = 8;  // ... unless it holds at least so many
+constexpr double facing = 0.7;           // cosine of the angle between normals that face the same way
+constexpr double expected_share = 0.05;  // a component with fewer samples than this share of the usual density is empty
+constexpr double fewest_samples = 8;     // ... or with fewer than these
 
 Points<3> in_morton_order(const PointsRef<3>& points) {
   return points(Eigen::all, morton_order<3>(points));
@@ -217,8 +217,7 @@ DataComponents keep_components_with_data(const Mesh& mesh, const PointsRef<3>& p
   const double density = static_cast<double>(points.cols()) / std::accumulate(area.begin(), area.end(), 0.0);
   std::vector<char> keep(samples.size());
   for (std::size_t c = 0; c < keep.size(); ++c)
-    keep[c] =
-        samples[c] >= expected_samples || (samples[c] > 0 && samples[c] >= expected_share * density * area[c]) ? 1 : 0;
+    keep[c] = samples[c] >= fewest_samples && samples[c] >= expected_share * density * area[c] ? 1 : 0;
   keep[static_cast<std::size_t>(std::max_element(samples.begin(), samples.end()) - samples.begin())] = 1;
   const Index dropped = std::count(keep.begin(), keep.end(), 0);
   if (dropped == 0) return {mesh, 0};

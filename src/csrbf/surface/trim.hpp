@@ -13,7 +13,8 @@ namespace csrbf {
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals = Points<3>(3, 0));
 
 /// The mesh without the connected components that hold no data: those with far fewer `points` (3 x n) near them than
-/// their area calls for. `dropped` is the number of components left out. Never drops all. O((v + n) log v).
+/// their area calls for, or fewer than 8. `dropped` is the number of components left out. Never drops all. O((v + n)
+/// log v).
 struct DataComponents {
   Mesh mesh;
   Index dropped = 0;

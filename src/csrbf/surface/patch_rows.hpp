@@ -1,0 +1,15 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+namespace csrbf {
+
+/// Fills the 4 K rows of the quadric model at K samples q (K x 3, column-major): K values times root_w, then three
+/// times K derivatives times root_g; column-major, 10 columns: 1, x, y, z, x^2, x y, x z, y^2, y z, z^2.
+void quadric_columns(const double* q, Index K, const double* root_w, const double* root_g, double* columns);
+
+/// The same for M Wendland C4 functions of support radius Patches::support around `centers` (3 x M): M columns.
+void kernel_columns(const double* q, Index K, const double* root_w, const double* root_g, const double* centers,
+                    Index M, double* columns);
+
+}  // namespace csrbf
