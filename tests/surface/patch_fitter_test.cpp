@@ -284,7 +284,6 @@ TEST(PatchFitter, KnowsTheAreaOfASample) {
   EXPECT_NEAR(fitter.area_per_sample(), 4.0 / 2500, 0.15 * 4.0 / 2500);  // some samples on the rim of some 32
 }
 
-// A noisy square in the plane z = 0, its patches, and the mean distances of their samples.
 TEST(PatchFitter, LeavesSamplesOutWithoutFittingAgain) {
   constexpr double noise = 0.002;  // a tenth of the spacing
   std::mt19937_64 random(1);
@@ -313,7 +312,9 @@ TEST(PatchFitter, LeavesSamplesOutWithoutFittingAgain) {
       held_out += patch.distance(again) / patches;
     }
     EXPECT_LT(fitted, 0.95 * held_out) << centers;
-    EXPECT_NEAR(left_out, held_out, 0.15 * held_out) << centers;  // each mean is known to 4 %
+    // With leverage h: sigma / sqrt(1 - h) against sigma sqrt(1 + h); h is up to about a half. Means are known to 4 %.
+    EXPECT_GT(left_out, 0.9 * held_out) << centers;
+    EXPECT_LT(left_out, 1.3 * held_out) << centers;
   }
 }
 
