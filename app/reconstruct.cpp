@@ -11,6 +11,8 @@
 #include "csrbf/surface/transfer_properties.hpp"
 #include "csrbf/surface/trim.hpp"
 
+#include <utility>
+
 namespace csrbf::app {
 namespace {
 
@@ -84,10 +86,10 @@ void say_quality(const ReconstructReport& r, Session& session) {
 }
 
 // The points that the surface was made from, with the normals used and their properties.
-PointCloud used_points(const PointCloud& cloud, const Reconstruction& surface) {
+PointCloud used_points(const PointCloud& cloud, Reconstruction& surface) {
   PointCloud used;
   used.points = cloud.points(Eigen::all, surface.source);
-  used.normals = surface.normals;
+  used.normals = std::move(surface.normals);
   for (const Property& p : cloud.properties) used.properties.push_back({p.name, p.type, p.values(surface.source)});
   return used;
 }
@@ -98,7 +100,7 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, int resolution, st
       "polygonize", [&] { return polygonize(field, {.resolution = resolution, .progress = session.progress()}); });
   session.timed("evaluate", [&] {
     if (trim_distance) mesh = trim(mesh, used.points, *trim_distance, used.normals);
-    DataComponents kept = keep_components_with_data(mesh, used.points);
+    DataComponents kept = keep_components_with_data(std::move(mesh), used.points);
     if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");
     mesh = std::move(kept.mesh);
     mesh.properties = transfer_properties(used.points, used.properties, mesh.vertices);
@@ -113,14 +115,16 @@ void run(const ReconstructCommand& command, Session& session) {
   const std::optional<double> trim_distance = parse_word_or_number(command.trim, "none", "--trim");
   if (trim_distance && !(*trim_distance > 0)) throw UsageError("--trim " + command.trim + ": must be positive");
   expect_outputs(command, session);
-  const PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
+  PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
   session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
 
-  const Reconstruction surface = reconstruct(cloud, options);
+  Reconstruction surface = reconstruct(cloud, options);
   add_report(surface.report, session);
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
   add_options(command, surface.report, resolution, session);
-  const Mesh mesh = make_mesh(*surface.field, used_points(cloud, surface), resolution, trim_distance, session);
+  const PointCloud used = used_points(std::exchange(cloud, {}), surface);
+  const Mesh mesh = make_mesh(*surface.field, used, resolution, trim_distance, session);
+  if (command.model.empty()) surface.field.reset();  // its memory is needed
   add_mesh_summary(command.output, mesh, session);
   say_quality(surface.report, session);
 

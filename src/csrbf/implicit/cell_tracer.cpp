@@ -52,7 +52,6 @@ void CellTracer::begin_wave() {
 
 void CellTracer::sample_corners() {
   sampled_.clear();
-  Index count = 0;
   for (Brick* brick : front_) {
     Octet needed{brick->pending};
     for (int axis = 0; axis < 3; ++axis) dilate(needed, axis);
@@ -63,20 +62,26 @@ void CellTracer::sample_corners() {
       if (fresh == 0) continue;
       if (holder.needed == 0) sampled_.push_back(&holder);
       holder.needed |= fresh;
-      count += std::popcount(fresh);
     }
   }
   sort_along_curve(sampled_);
 
-  if (count > points_.cols()) points_.resize(3, 2 * count);
-  Index next = 0;
-  for (const Brick* brick : sampled_)
+  points_.resize(3, 64 * std::min(slice_bricks, static_cast<Index>(sampled_.size())));
+  const std::span<Brick*> bricks(sampled_);
+  for (std::size_t done = 0; done < bricks.size(); done += slice_bricks)
+    sample(bricks.subspan(done, std::min<std::size_t>(slice_bricks, bricks.size() - done)));
+}
+
+// Samples the needed corners of some bricks in one batch.
+void CellTracer::sample(std::span<Brick*> bricks) {
+  Index count = 0;
+  for (const Brick* brick : bricks)
     for (Mask left = brick->needed; left != 0; left &= left - 1)
-      points_.col(next++) = grid_.lattice().position(brick->corner(std::countr_zero(left)));
+      points_.col(count++) = grid_.lattice().position(brick->corner(std::countr_zero(left)));
   const Eigen::VectorXd values = sampler_.values(points_.leftCols(count));
 
-  next = 0;
-  for (Brick* brick : sampled_) {
+  Index next = 0;
+  for (Brick* brick : bricks) {
     for (Mask left = brick->needed; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       brick->value[bit] = values[next++];

@@ -4,10 +4,12 @@
 #include "csrbf/implicit/brick_grid.hpp"
 #include "csrbf/implicit/level_sampler.hpp"
 
+#include <span>
+
 namespace csrbf::polygonization {
 
 /// Follows a surface from cell to cell, across the faces it crosses, in waves. Every corner of a visited cell is
-/// sampled once, all new corners of a wave in one batch that runs along the Morton curve of the bricks. Time and memory
+/// sampled once, the new corners of a wave in large batches along the Morton curve of the bricks. Time and memory
 /// proportional to the number of cells visited.
 class CellTracer {
  public:
@@ -29,9 +31,12 @@ class CellTracer {
   [[nodiscard]] Index waves() const { return waves_; }
 
  private:
+  static constexpr Index slice_bricks = 4096;  // of a batch
+
   void queue(Brick& brick, Mask cells);
   void begin_wave();
   void sample_corners();
+  void sample(std::span<Brick*> bricks);
   void visit_cells();
   void push_across_faces(Brick& brick, const Octet& inside, Mask cells);
   [[nodiscard]] double fraction() const;
@@ -41,7 +46,7 @@ class CellTracer {
   std::vector<Brick*> queue_;    // bricks with queued cells
   std::vector<Brick*> front_;    // bricks with pending cells
   std::vector<Brick*> sampled_;  // bricks with needed corners
-  Points<3> points_{3, 0};       // the batch of a wave, kept for its memory
+  Points<3> points_{3, 0};       // a batch, kept for its memory
   Index active_cells_ = 0;
   Index waves_ = 0;
 };

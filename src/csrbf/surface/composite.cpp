@@ -4,7 +4,6 @@
 #include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/patch_fitter.hpp"
 
-#include <iterator>
 #include <utility>
 
 namespace csrbf {
@@ -68,28 +67,21 @@ class LeafFitter {
 
 // Cuts at gaps leave scraps: stray samples beside a noisy sheet, or the tip of a thin feature. Only the latter, which
 // no other patch covers, get a patch of their own.
-std::vector<char> needed(const OrientedPoints& cloud, const std::vector<Index>& order, const std::vector<Leaf>& leaves,
-                         Index leaf_size) {
-  std::vector<char> keep(leaves.size());
-  Patches regular;
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    keep[i] = scrap * (leaves[i].end - leaves[i].begin) >= leaf_size ? 1 : 0;
-    if (keep[i] != 0) regular.add(leaves[i].patch.patch, Points<3>(3, 0), Eigen::VectorXd(0));
-  }
-  if (regular.size() == static_cast<Index>(leaves.size())) return keep;
-  regular.build();
-  parallel_for(static_cast<Index>(leaves.size()), patches_per_task, [&](Index begin, Index end) {
+void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, const std::vector<Leaf>& scraps,
+                Patches& patches) {
+  std::vector<char> needed(scraps.size());
+  parallel_for(static_cast<Index>(scraps.size()), patches_per_task, [&](Index begin, Index end) {
     PatchSums sums;
     for (Index i = begin; i < end; ++i) {
-      const auto leaf = static_cast<std::size_t>(i);
-      if (keep[leaf] != 0) continue;
-      for (Index k = leaves[leaf].begin; k < leaves[leaf].end; ++k) {
-        regular.accumulate(cloud.points.col(order[static_cast<std::size_t>(k)]), Derivatives::none, sums);
-        if (sums.W[0][0] < covered) keep[leaf] = 1;
+      const Leaf& leaf = scraps[static_cast<std::size_t>(i)];
+      for (Index k = leaf.begin; k < leaf.end; ++k) {
+        patches.accumulate(cloud.points.col(order[static_cast<std::size_t>(k)]), Derivatives::none, sums);
+        if (sums.W[0][0] < covered) needed[static_cast<std::size_t>(i)] = 1;
       }
     }
   });
-  return keep;
+  for (std::size_t i = 0; i < scraps.size(); ++i)
+    if (needed[i] != 0) patches.add(scraps[i].patch.patch, scraps[i].patch.centers, scraps[i].patch.alpha);
 }
 
 }  // namespace
@@ -100,26 +92,37 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const CompositeOptions& 
   const KdTree<3> tree(cloud.points);
   CompositeFit result;
   result.areas.resize(cloud.size());
-  std::vector<std::vector<Leaf>> fitted(static_cast<std::size_t>(parts.leaves()));
-  const Index batch = patches_per_task * tasks_per_report;
+  const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
+  std::vector<Leaf> scraps;
+  result.patches.reserve(parts.leaves(), options.centers_per_patch);
+  std::vector<std::vector<Leaf>> fitted(static_cast<std::size_t>(patches_per_task * tasks_per_report));
+  const auto batch = static_cast<Index>(fitted.size());
   for (Index done = 0; done < parts.leaves(); done += batch) {
     const Index count = std::min(parts.leaves() - done, batch);
     parallel_for(count, patches_per_task, [&](Index begin, Index end) {
       LeafFitter fitter(cloud, tree, options, parts.order, result.areas);
-      for (Index i = done + begin; i < done + end; ++i) {
-        const auto part = static_cast<std::size_t>(i);
-        fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[part]);
+      for (Index i = begin; i < end; ++i) {
+        const auto part = static_cast<std::size_t>(done + i);
+        fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[static_cast<std::size_t>(i)]);
       }
     });
+    for (std::vector<Leaf>& part : fitted) {
+      for (Leaf& leaf : part) {
+        if (scrap * (leaf.end - leaf.begin) >= usual_leaf) {
+          result.patches.add(leaf.patch.patch, leaf.patch.centers, leaf.patch.alpha);
+        } else {
+          scraps.push_back(std::move(leaf));
+        }
+      }
+      part.clear();
+    }
     report(progress, "fit", static_cast<double>(done + count) / static_cast<double>(parts.leaves()));
   }
-  std::vector<Leaf> leaves;
-  for (std::vector<Leaf>& part : fitted) std::move(part.begin(), part.end(), std::back_inserter(leaves));
-  const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
-  const std::vector<char> keep = needed(cloud, parts.order, leaves, usual_leaf);
-  for (std::size_t i = 0; i < leaves.size(); ++i)
-    if (keep[i] != 0) result.patches.add(leaves[i].patch.patch, leaves[i].patch.centers, leaves[i].patch.alpha);
   result.patches.build();
+  if (!scraps.empty()) {
+    add_needed(cloud, parts.order, scraps, result.patches);
+    result.patches.build();
+  }
   return result;
 }
 

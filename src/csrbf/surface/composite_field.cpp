@@ -87,6 +87,32 @@ Scalar trust(const PatchSums& sums, int lane, double enough) {
   return covered * (1.0 - smooth_step((1 / (contradict - agree)) * (variance - agree)));
 }
 
+// Whether the finest patches are trusted entirely: trust(..., strong) >= 1.
+bool sure(const PatchSums& sums, int lane) {
+  const double W = sums.W[0][lane];
+  if (!(W > 0)) return false;
+  const double mean = sums.A[0][lane] / W;
+  return W * (1 + certain * mean * mean) >= strong && sums.Q[0][lane] / W - mean * mean <= agree;
+}
+
+// The blended model F = S / W of a level.
+void store_blend(const PatchSums& sums, int lane, Index i, double scale, const JetBlock& out) {
+  const double inverse = 1 / sums.W[0][lane], F = sums.S[0][lane] * inverse;
+  out.value[i] = scale * F;
+  if (out.gradient == nullptr) return;
+  std::array<double, 4> W, D;  // derivatives of W and F
+  for (std::size_t c = 1; c < 4; ++c) {
+    W[c] = sums.W[c][lane];
+    D[c] = (sums.S[c][lane] - F * W[c]) * inverse;
+    out.gradient[3 * i + static_cast<Index>(c) - 1] = D[c];
+  }
+  if (out.hessian == nullptr) return;
+  for (std::size_t c = 1, term = 4; c < 4; ++c)
+    for (std::size_t d = c; d < 4; ++d, ++term)
+      out.hessian[6 * i + static_cast<Index>(term) - 4] =
+          (sums.S[term][lane] - F * sums.W[term][lane] - D[c] * W[d] - D[d] * W[c]) * inverse / scale;
+}
+
 template <class Scalar>
 std::array<Scalar, lanes> winding(const WindingNumber& winding, const Pending<Scalar>& pending,
                                   Derivatives derivatives) {
@@ -141,11 +167,11 @@ void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const
   Pending<Scalar> pending;
   for (Index i = 0; i < y.cols(); ++i) {
     const int lane = static_cast<int>(i);
-    const Scalar t = trust<Scalar>(finest, lane, strong);
-    if (value_of(t) >= 1) {
-      store(Scalar(load<Scalar>(finest, finest.S, lane) / load<Scalar>(finest, finest.W, lane)), i, data.scale, out);
+    if (sure(finest, lane)) {
+      store_blend(finest, lane, i, data.scale, out);
       continue;
     }
+    const Scalar t = trust<Scalar>(finest, lane, strong);
     const auto p = static_cast<std::size_t>(pending.count);
     pending.lane[p] = i;
     pending.sure[p] = Cascade<Scalar>{};

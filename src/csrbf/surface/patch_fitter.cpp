@@ -16,9 +16,10 @@ constexpr double compatible_normals = 0.2;  // cosine: 78 degrees
 constexpr Index fewest_fit_points = 8;      // twice what a quadric needs
 constexpr double ridge_quadric = 1e-6;      // relative; makes a planar patch planar
 constexpr double round_off = 1e-13;         // relative; keeps the normal matrices positive definite
-constexpr double inner = 0.5;               // squared radius where the blending weight is above 1 / 16
+constexpr double inner = 0.65;              // squared radius where the blending weight is above 1 / 64
 constexpr double smallest_freedom = 0.01;   // of a sample that decides its own prediction
 constexpr int newton_steps = 3;
+constexpr double flattest = 0.9;         // normal radius of a patch, in units of its radius
 constexpr double smallest_slope = 1e-3;  // of a model that ignores its normals
 constexpr double inverse_support2 = 1.0 / (Patches::support * Patches::support);
 
@@ -132,7 +133,7 @@ void PatchFitter::gather(const Index* ids, Index n, Patch& patch) {
   area_per_sample_ = std::numbers::pi * patch.radius * patch.radius / static_cast<double>(support_.size());
   double height = 0;
   for (const Index i : support_) height = std::max(height, std::abs(normal.dot(cloud_.points.col(i) - patch.center)));
-  patch.flatness = 1.0 / std::clamp(1.5 * height / patch.radius, 0.8, 1.0);
+  patch.flatness = 1.0 / std::clamp(1.5 * height / patch.radius, flattest, 1.0);
   patch.T /= patch.radius;
 }
 

@@ -261,6 +261,13 @@ Box<3> support_box(const Patch& p) {
 
 }  // namespace
 
+void Patches::reserve(Index patches, Index centers_per_patch) {
+  patches_.reserve(static_cast<std::size_t>(patches));
+  center_begin_.reserve(static_cast<std::size_t>(patches + 1));
+  alpha_.reserve(static_cast<std::size_t>(patches * centers_per_patch));
+  centers_.reserve(static_cast<std::size_t>(3 * patches * centers_per_patch));
+}
+
 void Patches::add(const Patch& patch, const PointsRef<3>& centers, const Eigen::Ref<const Eigen::VectorXd>& alpha) {
   patches_.push_back(patch);
   centers_.insert(centers_.end(), centers.data(), centers.data() + centers.size());

@@ -43,10 +43,13 @@ class Patches {
 
   Patches() = default;
 
+  /// Makes room for so many patches with so many centres each.
+  void reserve(Index patches, Index centers_per_patch);
+
   /// Adds a patch with the CSRBF centres `centers` (3 x m, local coordinates) and coefficients `alpha` (m).
   void add(const Patch& patch, const PointsRef<3>& centers, const Eigen::Ref<const Eigen::VectorXd>& alpha);
 
-  /// Builds the hierarchy; call once after the last add. Patches added in spatial order make it tight.
+  /// Builds the hierarchy; call after the last add. Patches added in spatial order make it tight.
   void build();
 
   [[nodiscard]] Index size() const { return static_cast<Index>(patches_.size()); }

@@ -242,10 +242,20 @@ void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& p
   }
 }
 
+// Share of the pairs of near neighbours whose normals point against each other.
+double opposite_neighbors(const Points<3>& normals, const Neighborhoods& near) {
+  Index pairs = 0, opposite = 0;
+  for (Index i = 0; i < normals.cols(); ++i)
+    for (Index j = 1; j < std::min<Index>(near.k, 5); ++j, ++pairs)
+      if (normals.col(i).dot(normals.col(near.index[static_cast<std::size_t>(i * near.k + j)])) < 0) ++opposite;
+  return pairs == 0 ? 0 : static_cast<double>(opposite) / static_cast<double>(pairs);
+}
+
 // Given normals with flipped patches disagree along the borders of the patches; then there is an orientation with far
 // fewer disagreements. Noise or creases leave about as many however the normals are turned.
-void reorient_if_better(PreparedCloud& result, const Progress& progress) {
+void reorient_if_better(PreparedCloud& result, const Neighborhoods& near, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
+  if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
   const double contradictions = 1 - orientation_consistency(cloud.points, cloud.normals);
   if (contradictions < usual_contradictions) return;
   Points<3> turned = cloud.normals;
@@ -258,7 +268,8 @@ void reorient_if_better(PreparedCloud& result, const Progress& progress) {
   result.warnings.push_back("the given normals contradict each other: re-oriented");
 }
 
-void find_normals(PreparedCloud& result, Normals source, bool given, const Progress& progress) {
+void find_normals(PreparedCloud& result, const Neighborhoods& near, Normals source, bool given,
+                  const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   NormalOptions options;
   options.progress = progress;
@@ -277,7 +288,7 @@ void find_normals(PreparedCloud& result, Normals source, bool given, const Progr
   warn(result.warnings, missing, "missing normals estimated");
   if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
   result.normals = "file";
-  if (source == Normals::automatic) reorient_if_better(result, progress);
+  if (source == Normals::automatic) reorient_if_better(result, near, progress);
 }
 
 }  // namespace
@@ -327,7 +338,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   result.cloud.points = std::move(points);
   if (input.has_normals()) result.cloud.normals = select(normals, source_index);
   result.source = std::move(source_index);
-  find_normals(result, source, input.has_normals(), progress);
+  find_normals(result, near, source, input.has_normals(), progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near, result.cloud.size());
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
   report(progress, "prepare", 1);

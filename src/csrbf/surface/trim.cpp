@@ -200,10 +200,10 @@ Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const P
   return trimmed;
 }
 
-DataComponents keep_components_with_data(const Mesh& mesh, const PointsRef<3>& points) {
+DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) {
   Index count = 0;
   const std::vector<Index> label = components(mesh, count);
-  if (count <= 1 || points.cols() == 0) return {mesh, 0};
+  if (count <= 1 || points.cols() == 0) return {std::move(mesh), 0};
   const KdTree<3> tree(mesh.vertices);
   const Nearest nearest = nearest_points(tree, in_morton_order(points));
   std::vector<double> samples(static_cast<std::size_t>(count), 0), area(samples.size(), 0);
@@ -220,7 +220,7 @@ DataComponents keep_components_with_data(const Mesh& mesh, const PointsRef<3>& p
     keep[c] = samples[c] >= fewest_samples && samples[c] >= expected_share * density * area[c] ? 1 : 0;
   keep[static_cast<std::size_t>(std::max_element(samples.begin(), samples.end()) - samples.begin())] = 1;
   const Index dropped = std::count(keep.begin(), keep.end(), 0);
-  if (dropped == 0) return {mesh, 0};
+  if (dropped == 0) return {std::move(mesh), 0};
   std::vector<Index> triangles;
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     if (keep[static_cast<std::size_t>(label[static_cast<std::size_t>(mesh.triangles(0, t))])] != 0)

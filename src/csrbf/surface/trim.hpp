@@ -19,6 +19,6 @@ struct DataComponents {
   Mesh mesh;
   Index dropped = 0;
 };
-DataComponents keep_components_with_data(const Mesh& mesh, const PointsRef<3>& points);
+DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points);
 
 }  // namespace csrbf
