@@ -10,18 +10,17 @@ namespace {
 
 constexpr int lanes = PatchSums::lanes;
 
-// The finest patches are trusted where their weights sum to more than `strong`, and with the winding number's consent
-// from `weak` on ...
+// Patches are trusted where the sum of their weights is more than `enough`; far from the surface, where the mean m of
+// the local models in units of the radii leaves no doubt about the sign, 1 + certain m^2 times less will do ...
+constexpr double enough = 0.04;
 constexpr double certain = 20;
-constexpr double strong = 0.03;
-constexpr double weak = 0.01;
-// ... and where the variance of the local models, in units of the patch radii, is below `agree`. Above `contradict`
-// they are not trusted at all.
+// ... and where the variance of the local models, in the same units, is below `agree`. Above `contradict` they are not
+// trusted at all.
 constexpr double agree = 0.01;
 constexpr double contradict = 0.04;
-// The winding number u = 2w - 1 consents where it is undecided.
-constexpr double undecided = 0.6;
-constexpr double decided = 0.85;
+// What the patches leave open is completed by coarser ones where the winding number u = 2w - 1 is undecided.
+constexpr double undecided = 0.2;
+constexpr double decided = 0.45;
 
 // One lane of one of the sums; second derivatives only if they were summed.
 template <class Scalar>
@@ -74,9 +73,9 @@ struct Pending {
   Points<3> points{3, lanes};
 };
 
-// How far one level is trusted at a point, in [0, 1], given the weight that is enough.
+// How far one level is trusted at a point, in [0, 1].
 template <class Scalar>
-Scalar trust(const PatchSums& sums, int lane, double enough) {
+Scalar trust(const PatchSums& sums, int lane) {
   const Scalar W = load<Scalar>(sums, sums.W, lane);
   if (value_of(W) <= 0) return Scalar(0.0);
   const Scalar mean = load<Scalar>(sums, sums.A, lane) / W;
@@ -87,12 +86,12 @@ Scalar trust(const PatchSums& sums, int lane, double enough) {
   return covered * (1.0 - smooth_step((1 / (contradict - agree)) * (variance - agree)));
 }
 
-// Whether the finest patches are trusted entirely: trust(..., strong) >= 1.
+// Whether the finest patches are trusted entirely: trust() = 1.
 bool sure(const PatchSums& sums, int lane) {
   const double W = sums.W[0][lane];
   if (!(W > 0)) return false;
   const double mean = sums.A[0][lane] / W;
-  return W * (1 + certain * mean * mean) >= strong && sums.Q[0][lane] / W - mean * mean <= agree;
+  return W * (1 + certain * mean * mean) >= enough && sums.Q[0][lane] / W - mean * mean <= agree;
 }
 
 // The blended model F = S / W of a level.
@@ -158,7 +157,7 @@ void add_level(Cascade<Scalar>& cascade, const Scalar& trusted, const PatchSums&
 }
 
 // F = t f_0 + (1 - t) ( c C + (1 - c) far_value u ): the finest patches where they are sure (t), else the cascade C of
-// all levels as far as the winding number consents (c), else the winding number.
+// the coarser levels as far as the winding number consents (c), else the winding number.
 template <class Scalar>
 void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const JetBlock& out) {
   const Derivatives derivatives = out.derivatives();
@@ -171,13 +170,12 @@ void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const
       store_blend(finest, lane, i, data.scale, out);
       continue;
     }
-    const Scalar t = trust<Scalar>(finest, lane, strong);
+    const Scalar t = trust<Scalar>(finest, lane);
     const auto p = static_cast<std::size_t>(pending.count);
     pending.lane[p] = i;
     pending.sure[p] = Cascade<Scalar>{};
     add_level(pending.sure[p], t, finest, lane);
     pending.cascade[p] = Cascade<Scalar>{};
-    add_level(pending.cascade[p], trust<Scalar>(finest, lane, weak), finest, lane);
     pending.points.col(pending.count++) = y.col(i);
   }
   if (pending.count == 0) return;
@@ -194,7 +192,7 @@ void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const
     data.levels[level].accumulate(pending.points.leftCols(pending.count), derivatives, sums);
     for (Index i = 0; i < pending.count; ++i) {
       const int lane = static_cast<int>(i);
-      add_level(pending.cascade[static_cast<std::size_t>(i)], trust<Scalar>(sums, lane, weak), sums, lane);
+      add_level(pending.cascade[static_cast<std::size_t>(i)], trust<Scalar>(sums, lane), sums, lane);
     }
   }
   for (std::size_t p = 0; p < static_cast<std::size_t>(pending.count); ++p) {
