@@ -151,7 +151,7 @@ std::unique_ptr<Cubes::Cube> Cubes::make_child(const Cube& parent, std::size_t o
 }
 
 const Cell* Cubes::find(const Point<3>& x) const {
-  if (!(x.cwiseAbs().maxCoeff() <= extent)) return nullptr;
+  if (!(x.array().abs() <= extent).all()) return nullptr;  // NaN is outside too
   const Cube* cube = &root_;
   while (cube->divided) {
     std::size_t octant = 0;
