@@ -20,7 +20,7 @@ constexpr Index noisy_leaf = 12;    // best leaves at least this large are due t
 
 // Halves of a block, and larger.
 constexpr std::array<Index, 7> leaf_sizes = {6, 12, 24, 48, 96, 200, 350};
-constexpr std::array<double, 5> normal_weights = {3, 1, 0.3, 0.1, 0.03};
+constexpr std::array<double, 6> normal_weights = {3, 1, 0.3, 0.1, 0.03, 0.01};
 constexpr std::array<Index, 3> center_counts = {0, 16, 32};
 constexpr std::array<double, 4> smoothings = {1e-1, 1e-2, 1e-3, 1e-6};
 
