@@ -1,5 +1,6 @@
 #include "csrbf/core/mesh.hpp"
 
+#include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/error.hpp"
 
 #include <algorithm>
@@ -7,25 +8,6 @@
 
 namespace csrbf {
 namespace {
-
-// Disjoint sets of the numbers 0 ... n - 1.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t i, std::uint32_t j) {
-    i = find(i);
-    j = find(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // Corner 3 t + i of triangle t; side 3 t + i leads from corner i to the next one.
 std::uint32_t next_corner(std::uint32_t corner) {

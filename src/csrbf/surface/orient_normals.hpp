@@ -39,7 +39,7 @@ struct OrientReport {
 /// clusters, whose signs are chosen by the winding number w of the whole (as in the dipole propagation of Metzer et al.
 /// 2021 and in parametric Gauss reconstruction, Lin et al. 2022, but with an energy that has a known ideal): w must be
 /// 0 or 1 off the surface and 1/2 on it. Greedy turns of clusters and of branches of the tree lower that energy.
-/// Components are settled this way in any case; clusters only when the energy falls by more than a tenth, because noise
+/// Components are settled this way in any case; clusters only when the energy falls by more than 3 %, because noise
 /// always offers a little. A closed shell inside another bounds a cavity, so its normals point into the cavity. An open
 /// sheet without inside gets its normals on the side of +z (else +y, +x).
 ///

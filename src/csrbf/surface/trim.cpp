@@ -1,5 +1,6 @@
 #include "csrbf/surface/trim.hpp"
 
+#include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
@@ -25,23 +26,16 @@ Points<3> in_morton_order(const PointsRef<3>& points) {
   return points(Eigen::all, morton_order<3>(points));
 }
 
-// Index of the nearest point for every query, and its distance.
-struct Nearest {
-  std::vector<Index> index;
-  std::vector<double> distance;
-};
-
-Nearest nearest_points(const KdTree<3>& tree, const PointsRef<3>& queries) {
-  Nearest result{std::vector<Index>(static_cast<std::size_t>(queries.cols())),
-                 std::vector<double>(static_cast<std::size_t>(queries.cols()))};
+// Index of the nearest point for every query.
+std::vector<Index> nearest_points(const KdTree<3>& tree, const PointsRef<3>& queries) {
+  std::vector<Index> nearest(static_cast<std::size_t>(queries.cols()));
   parallel_for(queries.cols(), 1024, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       double squared = 0;
-      tree.nearest(queries.col(i), 1, &result.index[static_cast<std::size_t>(i)], &squared);
-      result.distance[static_cast<std::size_t>(i)] = std::sqrt(squared);
+      tree.nearest(queries.col(i), 1, &nearest[static_cast<std::size_t>(i)], &squared);
     }
   });
-  return result;
+  return nearest;
 }
 
 double spacing_at(const KdTree<3>& tree, const PointsRef<3>& points, Index i) {
@@ -104,27 +98,16 @@ Mesh submesh(const Mesh& mesh, const std::vector<Index>& triangles) {
 // own copy of the vertex.
 void double_shared_vertices(Mesh& mesh) {
   const Index corners = 3 * mesh.triangles.cols();
-  std::vector<Index> parent(static_cast<std::size_t>(corners));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index i) {
-    while (parent[static_cast<std::size_t>(i)] != i)
-      i = parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
-    return i;
-  };
-  const auto join = [&](Index a, Index b) {
-    a = root(a);
-    b = root(b);
-    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  };
+  DisjointSets fans(static_cast<std::size_t>(corners));
   struct Side {
     std::int32_t from, to;
-    Index start, end;  // corners
+    std::uint32_t start, end;  // corners
   };
   std::vector<Side> sides;
   sides.reserve(static_cast<std::size_t>(corners));
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     for (Index c = 0; c < 3; ++c) {
-      const Index start = 3 * t + c, end = 3 * t + (c + 1) % 3;
+      const auto start = static_cast<std::uint32_t>(3 * t + c), end = static_cast<std::uint32_t>(3 * t + (c + 1) % 3);
       const std::int32_t a = mesh.triangles(c, t), b = mesh.triangles((c + 1) % 3, t);
       sides.push_back(a < b ? Side{a, b, start, end} : Side{b, a, end, start});
     }
@@ -133,8 +116,8 @@ void double_shared_vertices(Mesh& mesh) {
   });
   for (std::size_t i = 1; i < sides.size(); ++i)
     if (sides[i].from == sides[i - 1].from && sides[i].to == sides[i - 1].to) {
-      join(sides[i].start, sides[i - 1].start);
-      join(sides[i].end, sides[i - 1].end);
+      fans.unite(sides[i].start, sides[i - 1].start);
+      fans.unite(sides[i].end, sides[i - 1].end);
     }
 
   std::vector<Index> fan_of(static_cast<std::size_t>(mesh.vertices.cols()), -1), copies;
@@ -142,7 +125,7 @@ void double_shared_vertices(Mesh& mesh) {
   for (Index corner = 0; corner < corners; ++corner) {
     std::int32_t& vertex = mesh.triangles(corner % 3, corner / 3);
     Index& first = fan_of[static_cast<std::size_t>(vertex)];
-    const Index fan = root(corner);
+    const Index fan = fans.find(static_cast<std::uint32_t>(corner));
     if (first < 0) first = fan;
     if (first == fan) continue;
     const auto [copy, is_new] =
@@ -161,23 +144,15 @@ void double_shared_vertices(Mesh& mesh) {
 
 // Component of every vertex, numbered from 0 in the order of their first vertices.
 std::vector<Index> components(const Mesh& mesh, Index& count) {
-  std::vector<Index> parent(static_cast<std::size_t>(mesh.vertices.cols()));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index i) {
-    while (parent[static_cast<std::size_t>(i)] != i)
-      i = parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
-    return i;
-  };
+  DisjointSets sets(static_cast<std::size_t>(mesh.vertices.cols()));
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
-    for (int c = 1; c < 3; ++c) {
-      const Index a = root(mesh.triangles(0, t)), b = root(mesh.triangles(c, t));
-      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-  std::vector<Index> label(parent.size());
+    for (int c = 1; c < 3; ++c)
+      sets.unite(static_cast<std::uint32_t>(mesh.triangles(0, t)), static_cast<std::uint32_t>(mesh.triangles(c, t)));
+  std::vector<Index> label(static_cast<std::size_t>(mesh.vertices.cols()));
   count = 0;
-  for (std::size_t v = 0; v < parent.size(); ++v) {
-    const auto r = static_cast<std::size_t>(root(static_cast<Index>(v)));
-    label[v] = r == v ? count++ : label[r];
+  for (std::uint32_t v = 0; v < label.size(); ++v) {
+    const std::uint32_t first = sets.find(v);
+    label[v] = first == v ? count++ : label[first];
   }
   return label;
 }
@@ -205,9 +180,9 @@ DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) 
   const std::vector<Index> label = components(mesh, count);
   if (count <= 1 || points.cols() == 0) return {std::move(mesh), 0};
   const KdTree<3> tree(mesh.vertices);
-  const Nearest nearest = nearest_points(tree, in_morton_order(points));
+  const std::vector<Index> nearest = nearest_points(tree, in_morton_order(points));
   std::vector<double> samples(static_cast<std::size_t>(count), 0), area(samples.size(), 0);
-  for (const Index v : nearest.index) samples[static_cast<std::size_t>(label[static_cast<std::size_t>(v)])] += 1;
+  for (const Index v : nearest) samples[static_cast<std::size_t>(label[static_cast<std::size_t>(v)])] += 1;
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     const Point<3> a = mesh.vertices.col(mesh.triangles(0, t)), b = mesh.vertices.col(mesh.triangles(1, t)),
                    c = mesh.vertices.col(mesh.triangles(2, t));
