@@ -167,10 +167,20 @@ TEST(Prepare, EstimatesNormalsWhenToldOrWhenThereAreNone) {
   input.normals *= -1;
   const PreparedCloud told = prepare(input, Normals::estimate);
   const PreparedCloud none = prepare(without_normals(input), Normals::automatic);
-  for (const PreparedCloud& prepared : {told, none}) {
-    EXPECT_EQ(prepared.normals, "estimated");
-    EXPECT_GT(outward(prepared, input), 0.99);
+  for (const PreparedCloud* prepared : {&told, &none}) {
+    EXPECT_EQ(prepared->normals, "estimated");
+    EXPECT_GT(outward(*prepared, input), 0.99);
   }
+}
+
+TEST(Prepare, ReorientsALargeCloudWithAFlippedPatch) {
+  constexpr Index large = 120'000;  // some of the points decide whether to turn the others
+  PointCloud input = sphere_cloud(large);
+  for (Index i = 0; i < large; ++i)
+    if (input.points(2, i) > 0.5) input.normals.col(i) *= -1;
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, "re-oriented");
+  EXPECT_GT(outward(prepared, input), 0.99);
 }
 
 TEST(Prepare, ReorientsNormalsThatContradictEachOther) {

@@ -41,6 +41,13 @@ struct JetBlock {
     if (hessian != nullptr) return Derivatives::hessian;
     return gradient != nullptr ? Derivatives::gradient : Derivatives::none;
   }
+
+  /// The same arrays from point `begin` on.
+  template <int Dim>
+  [[nodiscard]] JetBlock from(Index begin) const {
+    return {value + begin, gradient != nullptr ? gradient + Dim * begin : nullptr,
+            hessian != nullptr ? hessian + symmetric_size<Dim> * begin : nullptr};
+  }
 };
 
 /// A smooth scalar function on R^Dim; the only interface between the parts of the library.

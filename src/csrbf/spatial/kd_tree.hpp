@@ -7,7 +7,8 @@
 
 namespace csrbf {
 
-/// Nearest-neighbour search in a fixed point set. The points are referenced, not copied: they must outlive the tree.
+/// Nearest-neighbour search in a fixed point set. The points are referenced, not copied: their memory
+/// must outlive the tree.
 /// Queries are thread safe. Build O(n log n); queries O(log n + k). Fastest when points are in Morton order.
 template <int Dim>
 class KdTree {

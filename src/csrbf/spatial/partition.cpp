@@ -5,13 +5,15 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <array>
 #include <numeric>
 #include <utility>
 
 namespace csrbf {
 namespace {
 
-constexpr double flat = 0.8;  // length of the mean unit normal of a nearly flat sheet
+constexpr double flat = 0.8;        // length of the mean unit normal of a nearly flat sheet
+constexpr Index axes_sample = 512;  // points that tell the axes of a larger set
 
 using Keyed = std::pair<double, Index>;
 
@@ -71,11 +73,16 @@ void orient(std::vector<Keyed>& keyed) {
 // may make it thicker than it is wide.
 template <int Dim>
 void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n, Index cut) {
+  std::array<Index, axes_sample> sample;
+  const Index count = std::min(n, axes_sample);
+  for (Index i = 0; i < count; ++i) sample[static_cast<std::size_t>(i)] = ids[i * n / count];
   Point<Dim> normal = Point<Dim>::Zero();
-  if (normals.cols() > 0) normal = mean_of<Dim>(normals, ids, n);
+  if (normals.cols() > 0) normal = mean_of<Dim>(normals, sample.data(), count);
   normal = normal.norm() > flat ? Point<Dim>(normal.normalized()) : Point<Dim>(Point<Dim>::Zero());
   Eigen::Matrix<double, Dim, Dim> axes;
-  if (!principal_axes<Dim>(points, ids, n, axes, normal)) return;
+  if (!principal_axes<Dim>(points, sample.data(), count, axes, normal) &&
+      !principal_axes<Dim>(points, ids, n, axes, normal))
+    return;
   std::vector<Keyed> keyed = project<Dim>(points, ids, n, axes.col(Dim - 1));
   orient(keyed);
   std::nth_element(keyed.begin(), keyed.begin() + cut, keyed.end());

@@ -17,6 +17,8 @@ constexpr double thickest = 0.2;    // error against patch radius; smaller patch
 constexpr double confidence = 0.5;  // standard errors
 constexpr double margin = 0.1;      // of the error
 constexpr Index noisy_leaf = 12;    // best leaves at least this large are due to noise
+constexpr Index heat_stride = 4;    // one in so many blocks tells ...
+constexpr double hopeless = 1.3;    // ... which values are so many times worse than the best
 
 // Halves of a block, and larger.
 constexpr std::array<Index, 7> leaf_sizes = {6, 12, 24, 48, 96, 200, 350};
@@ -27,7 +29,7 @@ constexpr std::array<double, 4> smoothings = {1e-1, 1e-2, 1e-3, 1e-6};
 // Samples in blocks all over the cloud, each predicted by a patch fitted without it.
 class CrossValidation {
  public:
-  explicit CrossValidation(const OrientedPoints& cloud) : cloud_(cloud), tree_(cloud.points) {
+  CrossValidation(const OrientedPoints& cloud, const KdTree<3>& tree) : cloud_(cloud), tree_(tree) {
     const Index n = cloud.size(), count = std::min(blocks, n / block_size);
     for (Index t = 0; t < count; ++t) {
       begin_.push_back(static_cast<Index>(samples_.size()));
@@ -38,15 +40,15 @@ class CrossValidation {
 
   [[nodiscard]] Index size() const { return static_cast<Index>(samples_.size()); }
 
-  // Mean error of every block; all infinite when the patches are hardly wider than the errors.
-  [[nodiscard]] Eigen::ArrayXd errors(const CompositeOptions& options) const {
-    const auto count = static_cast<Index>(begin_.size()) - 1;
+  // Mean error of every `stride`-th block; all infinite when the patches are hardly wider than the errors.
+  [[nodiscard]] Eigen::ArrayXd errors(const CompositeOptions& options, Index stride = 1) const {
+    const Index count = (static_cast<Index>(begin_.size()) - 1 + stride - 1) / stride;
     Eigen::ArrayXd error(count), radius(count);
     parallel_for(count, 4, [&](Index first, Index last) {
       PatchFitter fitter(cloud_, tree_, options);
       for (Index t = first; t < last; ++t) {
-        Sum sum = predict(fitter, options.leaf_size, begin_[static_cast<std::size_t>(t)],
-                          begin_[static_cast<std::size_t>(t) + 1]);
+        const auto block = static_cast<std::size_t>(stride * t);
+        const Sum sum = predict(fitter, options.leaf_size, begin_[block], begin_[block + 1]);
         error[t] = sum.error / sum.samples;
         radius[t] = sum.radius / sum.samples;
       }
@@ -117,7 +119,7 @@ class CrossValidation {
   }
 
   const OrientedPoints& cloud_;
-  KdTree<3> tree_;
+  const KdTree<3>& tree_;
   std::vector<Index> samples_, begin_;
 };
 
@@ -144,14 +146,22 @@ std::size_t choose(const std::vector<Eigen::ArrayXd>& errors, bool noisy) {
   return best;
 }
 
-// Tries each value of one option, smoothest first, and keeps the choice; returns its errors.
+// Tries each value of one option, smoothest first, and keeps the choice; returns its errors. Values that are much worse
+// than the best on a few blocks are not tried on the others.
 template <class Value, class Values>
 Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& options, Value CompositeOptions::*member,
                       const Values& values, bool noisy) {
-  std::vector<Eigen::ArrayXd> errors;
-  for (const Value value : values) {
-    options.*member = value;
-    errors.push_back(validation.errors(options));
+  Eigen::ArrayXd heat(static_cast<Index>(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    options.*member = values[i];
+    heat[static_cast<Index>(i)] = validation.errors(options, heat_stride).mean();
+  }
+  std::vector<Eigen::ArrayXd> errors(values.size(),
+                                     Eigen::ArrayXd::Constant(1, std::numeric_limits<double>::infinity()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(heat[static_cast<Index>(i)] <= hopeless * heat.minCoeff())) continue;
+    options.*member = values[i];
+    errors[i] = validation.errors(options);
   }
   const std::size_t chosen = choose(errors, noisy);
   options.*member = values[chosen];
@@ -161,12 +171,16 @@ Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& optio
 }  // namespace
 
 ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& given) {
+  return choose_options(cloud, KdTree<3>(cloud.points), given);
+}
+
+ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree, const GivenOptions& given) {
   ChosenOptions result;
   CompositeOptions& options = result.options;
   options.normal_rows = given.normal_rows;
   options.smoothing = given.smoothing.value_or(options.smoothing);
   options.leaf_size = given.leaf_size.value_or(options.leaf_size);
-  CrossValidation validation(cloud);
+  const CrossValidation validation(cloud, tree);
   if (validation.size() == 0) return result;
 
   // Large leaves first, as long as a few of them make up the cloud.

@@ -23,7 +23,10 @@ struct GivenOptions {
 /// Chooses patch size, weight of the normals, number of CSRBF centres and smoothing by leave-one-out cross-validation
 /// of some ten thousand samples in blocks all over the cloud. Noise asks for large patches, detail for small ones; of
 /// choices that cannot be told apart the smoother one wins under noise, else the one closer to the samples. Time does
-/// not depend on n, but for finding the blocks: O(n log n).
+/// not depend on n.
+ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree, const GivenOptions& given = {});
+
+/// The same with a tree of its own: O(n log n).
 ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& given = {});
 
 }  // namespace csrbf

@@ -87,9 +87,13 @@ void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, co
 }  // namespace
 
 CompositeFit fit_composite(const OrientedPoints& cloud, const CompositeOptions& options, const Progress& progress) {
+  return fit_composite(cloud, KdTree<3>(cloud.points), options, progress);
+}
+
+CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
+                           const Progress& progress) {
   report(progress, "fit", 0);
   Partition parts = partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = options.leaf_size});
-  const KdTree<3> tree(cloud.points);
   CompositeFit result;
   result.areas.resize(cloud.size());
   const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;

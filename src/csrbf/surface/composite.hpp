@@ -2,6 +2,7 @@
 
 #include "csrbf/core/progress.hpp"
 #include "csrbf/core/types.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/patches.hpp"
 
 namespace csrbf {
@@ -56,6 +57,10 @@ struct CompositeFit {
 /// Fits one patch per leaf of `cloud` (thesis 6.1): a quadric in local scaled coordinates, then a CSRBF
 /// residual, both by weighted least squares on positions (f = 0) and normals (grad f = -n). A patch sees only points
 /// whose normal is within 78 degrees of its own, so that it never joins two sheets. O(n).
+CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
+                           const Progress& progress = {});
+
+/// The same with a tree of its own.
 CompositeFit fit_composite(const OrientedPoints& cloud, const CompositeOptions& options, const Progress& progress = {});
 
 }  // namespace csrbf

@@ -21,6 +21,7 @@ constexpr double contradict = 0.04;
 // What the patches leave open is completed by coarser ones where the winding number u = 2w - 1 is undecided.
 constexpr double undecided = 0.2;
 constexpr double decided = 0.45;
+constexpr double chunk_reach = 4;  // widest chunk, in units of the far value
 
 // One lane of one of the sums; second derivatives only if they were summed.
 template <class Scalar>
@@ -214,29 +215,27 @@ Points<3> CompositeField::seeds() const {
   return seeds;
 }
 
+// Points of one chunk share the search for patches, so a chunk ends where the next point is more than a few patches
+// away from some of it.
 void CompositeField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
+  const double widest = chunk_reach * data_.far_value;
   Points<3> y(3, lanes);
-  for (Index begin = 0; begin < x.cols(); begin += lanes) {
-    const Index count = std::min<Index>(lanes, x.cols() - begin);
-    for (Index i = 0; i < count; ++i) y.col(i) = (x.col(begin + i) - data_.origin) / data_.scale;
-    JetBlock part{out.value + begin, nullptr, nullptr};
-    if (out.gradient != nullptr) part.gradient = out.gradient + 3 * begin;
-    if (out.hessian != nullptr) part.hessian = out.hessian + 6 * begin;
-    evaluate_chunk(y.leftCols(count), part);
+  for (Index begin = 0; begin < x.cols();) {
+    Box<3> box;
+    Index count = 0;
+    for (; count < lanes && begin + count < x.cols(); ++count) {
+      y.col(count) = (x.col(begin + count) - data_.origin) / data_.scale;
+      Box<3> grown = box;
+      grown.add(Point<3>(y.col(count)));
+      if (count > 0 && !(grown.diagonal() <= widest)) break;
+      box = grown;
+    }
+    evaluate_chunk(y.leftCols(count), out.from<3>(begin));
+    begin += count;
   }
 }
 
-// Points of one chunk share the search for patches, so a chunk wider than a few patches is halved.
 void CompositeField::evaluate_chunk(const PointsRef<3>& y, const JetBlock& out) const {
-  if (y.cols() > 1 && bounding_box<3>(y).diagonal() > 4 * data_.far_value) {
-    const Index half = y.cols() / 2;
-    evaluate_chunk(y.leftCols(half), out);
-    JetBlock rest{out.value + half, nullptr, nullptr};
-    if (out.gradient != nullptr) rest.gradient = out.gradient + 3 * half;
-    if (out.hessian != nullptr) rest.hessian = out.hessian + 6 * half;
-    evaluate_chunk(y.rightCols(y.cols() - half), rest);
-    return;
-  }
   if (out.derivatives() == Derivatives::none) {
     blend_levels<double>(data_, y, out);
   } else {

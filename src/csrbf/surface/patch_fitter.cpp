@@ -214,26 +214,26 @@ void PatchFitter::fit_quadric(Patch& patch) {
 // The fit is linear in the samples: leaving sample k out divides its residual by 1 - h_k, h_k = df_k / ds_k (its
 // leverage). For a quadric fit followed by a fit of its residual, H = H_q + H_r (1 - H_q).
 void PatchFitter::left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance) {
-  const Index M = options_.normal_rows == NormalRows::gradient ? patch.alpha.size() : 0;
-  Eigen::MatrixXd cross(M, 10);
-  if (M > 0) {
-    cross = columns_.leftCols(M).transpose() * quadric_columns_.leftCols(10);
-    cross = quadric_matrix_.solve(cross.transpose().eval()).transpose().eval();
-    cross = residual_matrix_.solve(cross).eval();
-  }
+  std::vector<Index> rows;           // in the support
+  std::vector<std::size_t> columns;  // in `ids`
   for (std::size_t i = 0; i < ids.size(); ++i) {
     distance[i] = patch.distance(cloud_.points.col(ids[i]));
     const auto found = std::find(support_.begin(), support_.end(), ids[i]);
     if (found == support_.end()) continue;
-    const auto k = static_cast<Index>(found - support_.begin());
-    const Eigen::Matrix<double, 10, 1> row = quadric_columns_.row(k).head<10>();
-    double leverage = row.dot(quadric_matrix_.solve(row));
-    if (M > 0) {
-      const Eigen::VectorXd b = columns_.row(k).head(M);
-      leverage += b.dot(residual_matrix_.solve(b)) - b.dot(cross * row);
-    }
-    distance[i] /= std::max(1 - leverage, smallest_freedom);
+    rows.push_back(found - support_.begin());
+    columns.push_back(i);
   }
+  const Eigen::Matrix<double, 10, Eigen::Dynamic> q = quadric_columns_(rows, Eigen::seqN(0, 10)).transpose();
+  const Eigen::Matrix<double, 10, Eigen::Dynamic> solved = quadric_matrix_.solve(q);
+  Eigen::VectorXd leverage = q.cwiseProduct(solved).colwise().sum();
+  const Index M = options_.normal_rows == NormalRows::gradient ? patch.alpha.size() : 0;
+  if (M > 0) {
+    const Eigen::MatrixXd b = columns_(rows, Eigen::seqN(0, M)).transpose();
+    const Eigen::MatrixXd cross = columns_.leftCols(M).transpose() * quadric_columns_.leftCols(10);
+    leverage += residual_matrix_.solve(b).cwiseProduct(b - cross * solved).colwise().sum().transpose();
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    distance[columns[i]] /= std::max(1 - leverage[static_cast<Index>(i)], smallest_freedom);
 }
 
 // Weighted rows of the residual for values and normals: B alpha = s - g, grad B alpha = -n - grad g.

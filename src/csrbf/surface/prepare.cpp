@@ -1,9 +1,9 @@
 #include "csrbf/surface/prepare.hpp"
 
-#include "csrbf/core/parallel.hpp"
-#include "csrbf/spatial/kd_tree.hpp"
+#include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/neighbor_table.hpp"
 #include "csrbf/surface/orient_normals.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -11,19 +11,20 @@
 #include <array>
 #include <bit>
 #include <limits>
-#include <numeric>
+#include <numbers>
 #include <unordered_map>
 
 namespace csrbf {
 namespace {
 
-constexpr Index neighbors = 10;          // for spacing: enough to average, few enough to stay local
+constexpr Index neighbors = 9;           // for spacing: enough to average, few enough to stay local
 constexpr double link_length = 4;        // in spacings: points closer than this belong to one cluster
 constexpr double stray_sparseness = 3;   // a cluster is stray when its spacing is this many times the usual one
 constexpr double stray_share = 0.005;    // ... and it holds fewer than this share of the points
 constexpr double cloudy_share = 0.05;    // ... or fewer than this, and fills space instead of lying on a sheet:
 constexpr double sheet_variation = 0.1;  // smallest share of the spread of neighbours in one direction (1/3 in a ball)
 constexpr double usual_contradictions = 5e-4;     // share of neighbours whose given normals may disagree unexamined
+constexpr Index examined = 50'000;                // points that tell whether turning normals is the remedy
 constexpr double remaining_contradictions = 0.2;  // of them, when turning normals is the remedy
 
 void warn(std::vector<std::string>& warnings, Index count, const std::string& text) {
@@ -72,57 +73,18 @@ void require_spread(const Points<3>& y) {
         "reconstruct: points: all lie on one line; a surface needs points that spread in at least two directions");
 }
 
-// Neighbour lists of all points: `k` entries each, the point itself first.
-struct Neighborhoods {
-  Index k = 0;
-  std::vector<std::uint32_t> index;
-  std::vector<float> distance2;
-};
-
-Neighborhoods find_neighbors(const Points<3>& points, Index k) {
-  Neighborhoods result;
-  result.k = std::min(k, points.cols());
-  result.index.resize(static_cast<std::size_t>(points.cols() * result.k));
-  result.distance2.resize(result.index.size());
-  const KdTree<3> tree(points);
-  parallel_for(points.cols(), 1024, [&](Index begin, Index end) {
-    std::vector<Index> ids(static_cast<std::size_t>(result.k));
-    std::vector<double> d2(ids.size());
-    for (Index i = begin; i < end; ++i) {
-      tree.nearest(points.col(i), result.k, ids.data(), d2.data());
-      for (Index j = 0; j < result.k; ++j) {
-        const auto to = static_cast<std::size_t>(i * result.k + j), from = static_cast<std::size_t>(j);
-        result.index[to] = static_cast<std::uint32_t>(ids[from]);
-        result.distance2[to] = static_cast<float>(d2[from]);
-      }
-    }
-  });
-  return result;
-}
-
 // Spacing s with s^2 = area per sample: the disc through the farthest neighbour, shared by the points on this sheet.
-Eigen::VectorXd local_spacing(const Points<3>& normals, const Neighborhoods& near, Index n) {
-  Eigen::VectorXd spacing(n);
-  const double pi = 3.14159265358979323846;
-  for (Index i = 0; i < n; ++i) {
-    const auto row = static_cast<std::size_t>(i * near.k);
-    int same_sheet = 0;
-    for (Index j = 0; j < near.k; ++j) {
-      const Index other = near.index[row + static_cast<std::size_t>(j)];
-      if (other != i && (normals.cols() == 0 || normals.col(i).dot(normals.col(other)) > 0)) ++same_sheet;
-    }
-    const double reach2 = near.distance2[row + static_cast<std::size_t>(near.k - 1)];
-    spacing[i] = std::sqrt(pi * reach2 / std::max(1, same_sheet));
+Eigen::VectorXd local_spacing(const Points<3>& normals, const NeighborTable& near) {
+  Eigen::VectorXd spacing(near.size());
+  for (Index i = 0; i < near.size(); ++i) {
+    const auto on_sheet = [&](std::uint32_t j) {
+      return normals.cols() == 0 || normals.col(i).dot(normals.col(j)) > 0;
+    };
+    const std::ptrdiff_t same_sheet = std::count_if(near.of(i).begin(), near.of(i).end(), on_sheet);
+    spacing[i] =
+        near.reach[i] * std::sqrt(std::numbers::pi / static_cast<double>(std::max(std::ptrdiff_t{1}, same_sheet)));
   }
   return spacing;
-}
-
-Index find_root(std::vector<Index>& parent, Index i) {
-  while (parent[static_cast<std::size_t>(i)] != i) {
-    parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
-    i = parent[static_cast<std::size_t>(i)];
-  }
-  return i;
 }
 
 double median(std::vector<double> values) {
@@ -133,21 +95,19 @@ double median(std::vector<double> values) {
 
 // Whether j is among the neighbours of i. A stray point has neighbours on the surface, but is the neighbour of none of
 // them.
-bool is_neighbor(const Neighborhoods& near, Index i, Index j) {
-  const auto first = near.index.begin() + i * near.k;
-  return std::find(first, first + near.k, static_cast<std::uint32_t>(j)) != first + near.k;
+bool is_neighbor(const NeighborTable& near, Index i, Index j) {
+  return std::find(near.of(i).begin(), near.of(i).end(), static_cast<std::uint32_t>(j)) != near.of(i).end();
 }
 
-// Share of the spread, in the direction of least spread, of the neighbours of point i in its own cluster; 1 when there
+// Share of the spread, in the direction of least spread, of point i and its neighbours in its own cluster; 1 when there
 // are too few to tell.
-double least_variation(const Points<3>& points, const Neighborhoods& near, std::vector<Index>& parent, Index i) {
+double least_variation(const Points<3>& points, const NeighborTable& near, DisjointSets& clusters, Index i) {
   constexpr Index enough = 5;
-  Points<3> together(3, near.k);
-  Index count = 0;
-  for (Index j = 0; j < near.k; ++j) {
-    const Index other = near.index[static_cast<std::size_t>(i * near.k + j)];
-    if (find_root(parent, other) == find_root(parent, i)) together.col(count++) = points.col(other);
-  }
+  Points<3> together(3, near.k + 1);
+  together.col(0) = points.col(i);
+  Index count = 1;
+  for (const std::uint32_t other : near.of(i))
+    if (clusters.find(other) == clusters.find(static_cast<std::uint32_t>(i))) together.col(count++) = points.col(other);
   if (count < enough) return 1;
   const Points<3> centered = together.leftCols(count).colwise() - together.leftCols(count).rowwise().mean();
   const Eigen::Matrix3d covariance = centered * centered.transpose();
@@ -155,47 +115,49 @@ double least_variation(const Points<3>& points, const Neighborhoods& near, std::
   return solver.eigenvalues()[0] / std::max(solver.eigenvalues().sum(), std::numeric_limits<double>::min());
 }
 
+// Points linked by distances that are short for both.
+DisjointSets link(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach) {
+  DisjointSets clusters(reach.size());
+  for (Index i = 0; i < points.cols(); ++i)
+    for (const std::uint32_t other : near.of(i)) {
+      const double shorter = std::min(reach[static_cast<std::size_t>(i)], reach[other]);
+      if ((points.col(i) - points.col(other)).squaredNorm() <= link_length * link_length * shorter * shorter &&
+          is_neighbor(near, other, i))
+        clusters.unite(static_cast<std::uint32_t>(i), other);
+    }
+  return clusters;
+}
+
 // Marks the points to keep: clusters of points linked by short neighbour distances are stray when they are much sparser
 // than usual and small, or fill space.
-std::vector<char> keep_unless_stray(const Points<3>& points, const Neighborhoods& near) {
-  const Index n = points.cols();
-  std::vector<double> reach(static_cast<std::size_t>(n));
-  for (Index i = 0; i < n; ++i)
-    reach[static_cast<std::size_t>(i)] = std::sqrt(near.distance2[static_cast<std::size_t>(i * near.k + near.k / 2)]);
+std::vector<char> keep_unless_stray(const Points<3>& points, const NeighborTable& near) {
+  const auto n = static_cast<std::size_t>(points.cols());
+  std::vector<double> reach(n);
+  for (Index i = 0; i < points.cols(); ++i)
+    reach[static_cast<std::size_t>(i)] =
+        (points.col(i) - points.col(near.of(i)[static_cast<std::size_t>(near.k / 2)])).norm();
   const double usual = median(reach);
-  std::vector<Index> parent(static_cast<std::size_t>(n));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  for (Index i = 0; i < n; ++i)
-    for (Index j = 1; j < near.k; ++j) {
-      const auto entry = static_cast<std::size_t>(i * near.k + j);
-      const Index other = near.index[entry];
-      const double shorter = std::min(reach[static_cast<std::size_t>(i)], reach[static_cast<std::size_t>(other)]);
-      if (near.distance2[entry] > link_length * link_length * shorter * shorter || !is_neighbor(near, other, i))
-        continue;
-      const Index a = find_root(parent, i), b = find_root(parent, other);
-      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-  std::vector<Index> size(static_cast<std::size_t>(n), 0);
-  std::vector<double> sum(static_cast<std::size_t>(n), 0);
-  for (Index i = 0; i < n; ++i) {
-    const auto root = static_cast<std::size_t>(find_root(parent, i));
-    ++size[root];
-    sum[root] += reach[static_cast<std::size_t>(i)];
+  DisjointSets clusters = link(points, near, reach);
+  std::vector<Index> size(n, 0);
+  std::vector<double> sum(n, 0), variation(n, 0);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    ++size[clusters.find(i)];
+    sum[clusters.find(i)] += reach[i];
   }
-  std::vector<double> variation(static_cast<std::size_t>(n), 0);
-  const auto is_sparse = [&](std::size_t root) {
-    return static_cast<double>(size[root]) < cloudy_share * static_cast<double>(n) &&
-           sum[root] > stray_sparseness * usual * static_cast<double>(size[root]);
+  const auto is_sparse = [&](std::uint32_t cluster) {
+    return static_cast<double>(size[cluster]) < cloudy_share * static_cast<double>(n) &&
+           sum[cluster] > stray_sparseness * usual * static_cast<double>(size[cluster]);
   };
-  for (Index i = 0; i < n; ++i) {
-    const auto root = static_cast<std::size_t>(find_root(parent, i));
-    if (is_sparse(root)) variation[root] += least_variation(points, near, parent, i) / static_cast<double>(size[root]);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t cluster = clusters.find(i);
+    if (is_sparse(cluster))
+      variation[cluster] += least_variation(points, near, clusters, i) / static_cast<double>(size[cluster]);
   }
-  std::vector<char> keep(static_cast<std::size_t>(n), 1);
-  for (Index i = 0; i < n; ++i) {
-    const auto root = static_cast<std::size_t>(find_root(parent, i));
-    const bool small = static_cast<double>(size[root]) < stray_share * static_cast<double>(n);
-    if (is_sparse(root) && (small || variation[root] > sheet_variation)) keep[static_cast<std::size_t>(i)] = 0;
+  std::vector<char> keep(n, 1);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t cluster = clusters.find(i);
+    const bool small = static_cast<double>(size[cluster]) < stray_share * static_cast<double>(n);
+    if (is_sparse(cluster) && (small || variation[cluster] > sheet_variation)) keep[i] = 0;
   }
   return keep;
 }
@@ -243,32 +205,47 @@ void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& p
 }
 
 // Share of the pairs of near neighbours whose normals point against each other.
-double opposite_neighbors(const Points<3>& normals, const Neighborhoods& near) {
+double opposite_neighbors(const Points<3>& normals, const NeighborTable& near) {
+  const auto nearest = static_cast<std::size_t>(std::min<Index>(near.k, 4));
   Index pairs = 0, opposite = 0;
   for (Index i = 0; i < normals.cols(); ++i)
-    for (Index j = 1; j < std::min<Index>(near.k, 5); ++j, ++pairs)
-      if (normals.col(i).dot(normals.col(near.index[static_cast<std::size_t>(i * near.k + j)])) < 0) ++opposite;
+    for (const std::uint32_t j : near.of(i).first(nearest)) {
+      ++pairs;
+      if (normals.col(i).dot(normals.col(j)) < 0) ++opposite;
+    }
   return pairs == 0 ? 0 : static_cast<double>(opposite) / static_cast<double>(pairs);
 }
 
-// Given normals with flipped patches disagree along the borders of the patches; then there is an orientation with far
-// fewer disagreements. Noise or creases leave about as many however the normals are turned.
-void reorient_if_better(PreparedCloud& result, const Neighborhoods& near, const Progress& progress) {
-  OrientedPoints& cloud = result.cloud;
-  if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
-  const double contradictions = 1 - orientation_consistency(cloud.points, cloud.normals);
-  if (contradictions < usual_contradictions) return;
-  Points<3> turned = cloud.normals;
+// Share of the contradictions among the normals that consistent ones leave; 1 when there are hardly any contradictions.
+double remaining_after_orientation(const Points<3>& points, Points<3>& normals, const Progress& progress) {
+  const double contradictions = 1 - orientation_consistency(points, normals);
+  if (contradictions < usual_contradictions) return 1;
   OrientOptions options;
   options.progress = progress;
-  orient_normals(cloud.points, turned, options);
-  if (1 - orientation_consistency(cloud.points, turned) > remaining_contradictions * contradictions) return;
+  orient_normals(points, normals, options);
+  return (1 - orientation_consistency(points, normals)) / contradictions;
+}
+
+// Given normals with flipped patches disagree along the borders of the patches; then there is an orientation with far
+// fewer disagreements. Noise or creases leave about as many however the normals are turned: in a large cloud, some of
+// the points tell which it is.
+void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
+  OrientedPoints& cloud = result.cloud;
+  if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
+  if (cloud.size() > 2 * examined) {
+    const auto some = Eigen::seq(0, cloud.size() - 1, cloud.size() / examined);
+    Points<3> turned = cloud.normals(Eigen::all, some);
+    if (remaining_after_orientation(cloud.points(Eigen::all, some), turned, progress) > remaining_contradictions)
+      return;
+  }
+  Points<3> turned = cloud.normals;
+  if (remaining_after_orientation(cloud.points, turned, progress) > remaining_contradictions) return;
   cloud.normals = std::move(turned);
   result.normals = "re-oriented";
   result.warnings.push_back("the given normals contradict each other: re-oriented");
 }
 
-void find_normals(PreparedCloud& result, const Neighborhoods& near, Normals source, bool given,
+void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
                   const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   NormalOptions options;
@@ -320,7 +297,8 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   for (std::size_t i = 0; i < order.size(); ++i) source_index[i] = kept[static_cast<std::size_t>(order[i])];
   report(progress, "prepare", 0.2);
 
-  Neighborhoods near = find_neighbors(points, neighbors);
+  auto tree = std::make_unique<const KdTree<3>>(points);
+  NeighborTable near = make_neighbor_table(points, *tree, neighbors);
   report(progress, "prepare", 0.5);
   const std::vector<char> keep = keep_unless_stray(points, near);
   std::vector<Index> used;
@@ -333,13 +311,15 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
     std::vector<Index> remaining;
     for (const Index i : used) remaining.push_back(source_index[static_cast<std::size_t>(i)]);
     source_index = std::move(remaining);
-    near = find_neighbors(points, neighbors);
+    tree = std::make_unique<const KdTree<3>>(points);
+    near = make_neighbor_table(points, *tree, neighbors);
   }
-  result.cloud.points = std::move(points);
+  result.cloud.points = std::move(points);  // stays in its place in memory, where the tree looks for it
+  result.tree = std::move(tree);
   if (input.has_normals()) result.cloud.normals = select(normals, source_index);
   result.source = std::move(source_index);
   find_normals(result, near, source, input.has_normals(), progress);
-  result.cloud.spacing = local_spacing(result.cloud.normals, near, result.cloud.size());
+  result.cloud.spacing = local_spacing(result.cloud.normals, near);
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
   report(progress, "prepare", 1);
   return result;

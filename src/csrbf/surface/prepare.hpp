@@ -2,8 +2,10 @@
 
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/composite.hpp"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,7 @@ enum class Normals {
 struct PreparedCloud {
   /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order.
   OrientedPoints cloud;
+  std::unique_ptr<const KdTree<3>> tree;  ///< of the points of the cloud
   Point<3> origin = Point<3>::Zero();
   double scale = 1;
   Box<3> bounds;              ///< of the points used, in the user's coordinates

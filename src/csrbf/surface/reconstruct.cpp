@@ -13,15 +13,16 @@
 namespace csrbf {
 namespace {
 
-constexpr Index decimation = 4;            // points merged per point of the next coarser level
-constexpr double run_reach = 4;            // spacings
-constexpr double run_normals = 0.3;        // cosine
-constexpr Index coarse_leaf = 40;          // points per patch of a coarse level at most
-constexpr Index coarsest_points = 100;     // a level with fewer points has no coarser one
-constexpr Index finest_leaf = 6;           // points per patch when no smoothing is wanted
-constexpr Index coarsest_leaf = 256;       // points per patch where a search for a tolerance starts
-constexpr Index centers_per_leaf = 8;      // of a budget; a support holds about four times as many
-constexpr Index most_centers = 64;         // in a support, for a budget or a tolerance
+constexpr Index decimation = 4;                        // points merged per point of the next coarser level
+constexpr double run_reach = 4;                        // spacings
+constexpr double run_normals = 0.3;                    // cosine
+constexpr Index fewest_coarse = 12, most_coarse = 40;  // points per patch of a coarse level
+constexpr Index most_coarse_centers = 16;              // ... and CSRBF centres: they carry its shape across holes
+constexpr Index coarsest_points = 100;                 // a level with fewer points has no coarser one
+constexpr Index finest_leaf = 6;                       // points per patch when no smoothing is wanted
+constexpr Index coarsest_leaf = 256;                   // points per patch where a search for a tolerance starts
+constexpr Index centers_per_leaf = 8;                  // of a budget; a support holds about four times as many
+constexpr Index most_centers = 64;                     // in a support, for a budget or a tolerance
 constexpr int tolerance_attempts = 6;      // each asks half the error where the one before missed the tolerance
 constexpr double outlier_share = 0.001;    // of the samples that may miss the tolerance
 constexpr double smallest_slope = 0.1;     // of f near the surface, where it is about 1
@@ -86,15 +87,16 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   data.scale = prepared.scale;
   data.bounds = prepared.bounds;
   const OrientedPoints& cloud = prepared.cloud;
-  CompositeFit finest = fit_composite(cloud, options, progress);
+  CompositeFit finest = fit_composite(cloud, *prepared.tree, options, progress);
   data.detail = std::sqrt(finest.areas.mean());
   data.far_value = far_spacings * data.detail;
   data.levels.push_back(std::move(finest.patches));
   CompositeOptions coarse_options = options;
-  coarse_options.centers_per_patch = 0;
+  coarse_options.centers_per_patch = std::min(options.centers_per_patch, most_coarse_centers);
+  coarse_options.smoothing = CompositeOptions{}.smoothing;
   coarse_options.centers.clear();
   coarse_options.tolerance.resize(0);
-  coarse_options.leaf_size = std::min(options.leaf_size, coarse_leaf);
+  coarse_options.leaf_size = std::clamp(options.leaf_size, fewest_coarse, most_coarse);
   Index previous = cloud.size();
   for (OrientedPoints coarse = decimate(cloud); coarse.size() >= coarsest_points && 2 * coarse.size() < previous;
        coarse = decimate(coarse)) {
@@ -154,7 +156,8 @@ void check_tolerance(const std::vector<double>& distance, double tolerance, Reco
 }
 
 // The composite options: chosen by cross-validation, within the budget or the tolerance that is asked for.
-ChosenOptions choose(const OrientedPoints& cloud, const ReconstructOptions& options, const Progress& progress) {
+ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& options) {
+  const OrientedPoints& cloud = prepared.cloud;
   GivenOptions given;
   given.smoothing = options.smoothing;
   if (options.smoothing == 0.0) given.leaf_size = finest_leaf;
@@ -163,14 +166,14 @@ ChosenOptions choose(const OrientedPoints& cloud, const ReconstructOptions& opti
     given.leaf_size =
         std::max<Index>(CompositeOptions::smallest_leaf, cloud.size() * centers_per_leaf / options.centers);
   given.normal_rows = options.normal_rows;
-  ChosenOptions chosen = choose_options(cloud, given);
+  ChosenOptions chosen = choose_options(cloud, *prepared.tree, given);
   if (options.tolerance > 0) {
     chosen.options.tolerance.setConstant(cloud.size(), options.tolerance);
     chosen.options.centers_per_patch = most_centers;
     chosen.options.smoothing = options.smoothing.value_or(CompositeOptions{}.smoothing);
   }
   if (options.centers > 0) {
-    chosen.options.centers = farthest_points<3>(cloud.points, options.centers, {.progress = progress}).indices;
+    chosen.options.centers = farthest_points<3>(cloud.points, options.centers, {.progress = options.progress}).indices;
     std::sort(chosen.options.centers.begin(), chosen.options.centers.end());
     chosen.options.centers_per_patch = most_centers;
     chosen.options.max_fit_points = 4 * CompositeOptions{}.max_fit_points;
@@ -189,7 +192,7 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   out.prepare_seconds = seconds_since(start);
 
   start = std::chrono::steady_clock::now();
-  ChosenOptions chosen = choose(prepared.cloud, options, options.progress);
+  ChosenOptions chosen = choose(prepared, options);
   out.fit_seconds = seconds_since(start);
   std::shared_ptr<const CompositeField> field;
   std::vector<double> distance;

@@ -13,7 +13,7 @@ constexpr double separation = 3;
 // A node stands for its samples further than this many radii from its centre.
 constexpr double opening = 4;
 // Cubes with at most this many near samples are not divided.
-constexpr Index near_capacity = 250;
+constexpr Index near_capacity = 2500;
 constexpr int max_depth = 30;
 
 using Matrix = Eigen::Matrix<float, order, order>;
