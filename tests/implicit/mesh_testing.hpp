@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/core/error.hpp"
+#include "core/error_testing.hpp"
 #include "csrbf/core/mesh.hpp"
 
 #include <numbers>
@@ -47,17 +47,6 @@ inline Mesh unit_sphere(int rings) {
   for (std::size_t f = 0; f < faces.size(); ++f) mesh.triangles.col(static_cast<Index>(f)) = faces[f];
   mesh.normals = mesh.vertices;
   return mesh;
-}
-
-/// What the InvalidInput thrown by `action` says; empty when it does not throw.
-template <class Action>
-std::string invalid_input_message(Action&& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
 }
 
 }  // namespace csrbf

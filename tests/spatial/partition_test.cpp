@@ -1,6 +1,6 @@
 #include "csrbf/spatial/partition.hpp"
 
-#include "csrbf/core/error.hpp"
+#include "core/error_testing.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "spatial/spatial_testing.hpp"
 
@@ -339,16 +339,6 @@ TEST(Partition, HalvesTheGivenPointsOnly) {
   EXPECT_EQ(halve<1>(line, Points<1>(1, 0), ids.data(), 4), 2);
   std::set<std::set<Index>> halves = {{ids[0], ids[1]}, {ids[2], ids[3]}};
   EXPECT_EQ(halves, (std::set<std::set<Index>>{{0, 2}, {3, 5}}));
-}
-
-template <class Action>
-std::string invalid_input_message(Action&& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Partition, RejectsEmptyLeavesAndArraysThatDoNotFitThePoints) {

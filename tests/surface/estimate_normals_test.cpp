@@ -1,6 +1,6 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
-#include "csrbf/core/error.hpp"
+#include "core/error_testing.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/io/points.hpp"
 #include "surface/oriented_shapes.hpp"
@@ -202,32 +202,22 @@ TEST(EstimateNormals, OfScansAgreeWithTheirScanners) {
   }
 }
 
-template <class Run>
-std::string failure(Run run) {
-  try {
-    run();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(EstimateNormals, RejectPointsWithoutASurface) {
   Points<3> points = random_sphere(100, 12).points;
-  EXPECT_EQ(failure([&] { estimate_normals(points, {.neighbors = 2}); }),
+  EXPECT_EQ(invalid_input_message([&] { estimate_normals(points, {.neighbors = 2}); }),
             "estimate_normals: neighbors = 2: must be 0 (automatic) or at least 3");
   points(1, 5) = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(failure([&] { estimate_normals(points); }),
+  EXPECT_EQ(invalid_input_message([&] { estimate_normals(points); }),
             "estimate_normals: points = NaN or infinity: must be finite; remove such points");
   EXPECT_EQ(
-      failure([&] { estimate_normals(Points<3>(3, 0)); }),
+      invalid_input_message([&] { estimate_normals(Points<3>(3, 0)); }),
       "estimate_normals: number of different points = 0: a surface needs points in 3 dimensions, at least 3 of them");
   EXPECT_EQ(
-      failure([&] { estimate_normals(Points<3>::Ones(3, 50)); }),
+      invalid_input_message([&] { estimate_normals(Points<3>::Ones(3, 50)); }),
       "estimate_normals: number of different points = 1: a surface needs points in 3 dimensions, at least 3 of them");
   const Points<3> line = Point<3>(1, 2, 3) * Eigen::RowVectorXd::LinSpaced(100, 0, 1);
   EXPECT_EQ(
-      failure([&] { estimate_normals(line); }),
+      invalid_input_message([&] { estimate_normals(line); }),
       "estimate_normals: points = all on one line: a surface needs points that spread in at least two directions");
 }
 

@@ -1,6 +1,6 @@
 #include "csrbf/surface/orient_normals.hpp"
 
-#include "csrbf/core/error.hpp"
+#include "core/error_testing.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
 #include "surface/oriented_shapes.hpp"
@@ -213,28 +213,18 @@ TEST(OrientationConsistency, SeesTurnedPatchesButNotTheTwoSidesOfAPlate) {
   EXPECT_EQ(outward_share(patched, sphere.normals), 1);
 }
 
-template <class Run>
-std::string failure(Run run) {
-  try {
-    run();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(OrientNormals, RejectWhatMakesNoSense) {
   const Shape sphere = random_sphere(100, 34);
   Points<3> normals = sphere.normals.leftCols(99);
-  EXPECT_EQ(failure([&] { orient_normals(sphere.points, normals); }),
+  EXPECT_EQ(invalid_input_message([&] { orient_normals(sphere.points, normals); }),
             "orient_normals: normals.cols() = 99: must be the number of points");
   normals = sphere.normals;
-  EXPECT_EQ(failure([&] { orient_normals(sphere.points, normals, {.neighbors = 2}); }),
+  EXPECT_EQ(invalid_input_message([&] { orient_normals(sphere.points, normals, {.neighbors = 2}); }),
             "orient_normals: neighbors = 2: must be at least 3; 12 is usual");
   normals(0, 0) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(failure([&] { orient_normals(sphere.points, normals); }),
+  EXPECT_EQ(invalid_input_message([&] { orient_normals(sphere.points, normals); }),
             "orient_normals: normals = NaN or infinity: must be finite; set unknown normals to zero");
-  EXPECT_EQ(failure([&] {
+  EXPECT_EQ(invalid_input_message([&] {
               orientation_consistency(sphere.points * std::numeric_limits<double>::infinity(), sphere.normals);
             }),
             "orientation_consistency: points = NaN or infinity: must be finite; remove such points");

@@ -17,14 +17,6 @@ PointCloud without_normals(PointCloud cloud) {
   return cloud;
 }
 
-void expect_closed(const Mesh& mesh, Index components, Index euler) {
-  const Topology t = topology(mesh);
-  EXPECT_TRUE(t.watertight());
-  EXPECT_TRUE(t.manifold());
-  EXPECT_EQ(t.components, components);
-  EXPECT_EQ(t.euler, euler);
-}
-
 template <class Distance>
 Eigen::ArrayXd distances(const Mesh& mesh, Distance distance) {
   Eigen::ArrayXd result(mesh.vertices.cols());

@@ -60,14 +60,6 @@ Mesh mesh_of(const PointCloud& cloud, const ReconstructOptions& options = {}) {
   return polygonize(*reconstruct(cloud, options).field);
 }
 
-void expect_closed(const Mesh& mesh, Index components, Index euler) {
-  const Topology t = topology(mesh);
-  EXPECT_TRUE(t.watertight());
-  EXPECT_TRUE(t.manifold());
-  EXPECT_EQ(t.components, components);
-  EXPECT_EQ(t.euler, euler);
-}
-
 template <class Error>
 void expect_error(const PointCloud& cloud, const ReconstructOptions& options, const std::string& part) {
   try {

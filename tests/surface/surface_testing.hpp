@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/core/error.hpp"
+#include "core/error_testing.hpp"
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/surface/composite.hpp"
 
@@ -111,15 +111,12 @@ inline OrientedPoints oriented(const PointCloud& cloud, double area) {
   return {cloud.points, cloud.normals, Eigen::VectorXd::Constant(n, std::sqrt(area / static_cast<double>(n)))};
 }
 
-/// What the InvalidInput thrown by `action` says; empty when it does not throw.
-template <class Action>
-std::string invalid_input_message(Action&& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
+inline void expect_closed(const Mesh& mesh, Index components, Index euler) {
+  const Topology t = topology(mesh);
+  EXPECT_TRUE(t.watertight());
+  EXPECT_TRUE(t.manifold());
+  EXPECT_EQ(t.components, components);
+  EXPECT_EQ(t.euler, euler);
 }
 
 }  // namespace csrbf

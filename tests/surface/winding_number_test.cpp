@@ -1,6 +1,6 @@
 #include "csrbf/surface/winding_number.hpp"
 
-#include "csrbf/core/error.hpp"
+#include "core/error_testing.hpp"
 #include "surface/oriented_shapes.hpp"
 
 #include <gtest/gtest.h>
@@ -235,12 +235,7 @@ template <class Change>
 std::string failure(Change change) {
   WindingNumber::Data data = samples(even_sphere(10));
   change(data);
-  try {
-    const WindingNumber u(data);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
+  return invalid_input_message([&] { const WindingNumber u(data); });
 }
 
 TEST(WindingNumber, RejectsSamplesThatMakeNoSense) {

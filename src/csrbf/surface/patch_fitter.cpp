@@ -1,7 +1,7 @@
 #include "csrbf/surface/patch_fitter.hpp"
 
-#include "csrbf/kernels/wendland.hpp"
 #include "csrbf/linalg/gram.hpp"
+#include "csrbf/surface/patch_kernel.hpp"
 #include "csrbf/surface/patch_rows.hpp"
 
 #include <Eigen/Cholesky>
@@ -21,7 +21,6 @@ constexpr double smallest_freedom = 0.01;   // of a sample that decides its own 
 constexpr int newton_steps = 3;
 constexpr double flattest = 0.9;         // normal radius of a patch, in units of its radius
 constexpr double smallest_slope = 1e-3;  // of a model that ignores its normals
-constexpr double inverse_support2 = 1.0 / (Patches::support * Patches::support);
 
 // Rows of the quadric at q: value, then the three derivatives.
 using QuadricRows = Eigen::Matrix<double, 4, 10>;
@@ -35,24 +34,15 @@ QuadricRows quadric_rows(const Point<3>& q) {
   return rows;
 }
 
-// The kernel of the residual as a function of r^2, and its phi' / r.
-const Wendland kernel(3, 2);
-double phi(double r2) {
-  return kernel.value(std::sqrt(r2));
-}
-double phi_slope(double r2) {
-  return kernel.g(std::sqrt(r2));
-}
-
 }  // namespace
 
 Eigen::Vector4d FittedPatch::evaluate(const Point<3>& q) const {
   Eigen::Vector4d f = quadric_rows(q) * patch.quadric;
   for (Index j = 0; j < alpha.size(); ++j) {
     const Point<3> d = q - centers.col(j);
-    const double r2 = inverse_support2 * d.squaredNorm();
-    f[0] += alpha[j] * phi(r2);
-    f.tail<3>() += alpha[j] * inverse_support2 * phi_slope(r2) * d;
+    const double d2 = d.squaredNorm();
+    f[0] += alpha[j] * patch_kernel::value(d2);
+    f.tail<3>() += alpha[j] * patch_kernel::slope(d2) * d;
   }
   return f;
 }
@@ -255,7 +245,7 @@ void PatchFitter::off_surface_columns(const FittedPatch& result) {
       const Point<3> q = q_.row(k) - side * offset_[k] * target_.row(k);
       columns_(row, M) = root_w_[k] * (-side * offset_[k] - quadric_rows(q).row(0).dot(result.patch.quadric));
       for (Index j = 0; j < M; ++j)
-        columns_(row, j) = root_w_[k] * phi(inverse_support2 * (q - result.centers.col(j)).squaredNorm());
+        columns_(row, j) = root_w_[k] * patch_kernel::value((q - result.centers.col(j)).squaredNorm());
     }
 }
 
@@ -277,7 +267,7 @@ void PatchFitter::fit_residual(FittedPatch& result) {
   for (Index j = 0; j < M; ++j)
     for (Index i = j; i < M; ++i)
       A(i, j) += options_.smoothing * scale *
-                 phi(inverse_support2 * (result.centers.col(i) - result.centers.col(j)).squaredNorm());
+                 patch_kernel::value((result.centers.col(i) - result.centers.col(j)).squaredNorm());
   A.diagonal().array() += round_off * scale;
   residual_matrix_.compute(A);
   result.alpha = residual_matrix_.solve(b);

@@ -1,9 +1,7 @@
 #include "csrbf/surface/patch_rows.hpp"
 
 #include "csrbf/core/simd.hpp"
-#include "csrbf/surface/patches.hpp"
-
-#include <cmath>
+#include "csrbf/surface/patch_kernel.hpp"
 
 namespace csrbf {
 
@@ -55,7 +53,6 @@ CSRBF_SIMD_CLONES void quadric_columns(const double* q, Index K, const double* r
 
 CSRBF_SIMD_CLONES void kernel_columns(const double* q, Index K, const double* root_w, const double* root_g,
                                       const double* centers, Index M, double* columns) {
-  constexpr double scale = 1.0 / (Patches::support * Patches::support);
   for (Index j = 0; j < M; ++j) {
     const double cx = centers[3 * j], cy = centers[3 * j + 1], cz = centers[3 * j + 2];
     double* value = columns + 4 * K * j;
@@ -64,10 +61,8 @@ CSRBF_SIMD_CLONES void kernel_columns(const double* q, Index K, const double* ro
     double* gz = gy + K;
     for (Index k = 0; k < K; ++k) {
       const double dx = q[k] - cx, dy = q[K + k] - cy, dz = q[2 * K + k] - cz;
-      const double r2 = scale * (dx * dx + dy * dy + dz * dz), r = std::sqrt(r2);
-      const double a = std::max(0.0, 1 - r), a2 = a * a, a5 = a2 * a2 * a;
-      const double slope = -(56.0 / 3.0) * scale * root_g[k] * a5 * (5 * r + 1);  // phi' / r
-      value[k] = root_w[k] * a5 * a * (35 * r2 + 18 * r + 3) / 3;
+      const double d2 = dx * dx + dy * dy + dz * dz, slope = root_g[k] * patch_kernel::slope(d2);
+      value[k] = root_w[k] * patch_kernel::value(d2);
       gx[k] = slope * dx;
       gy[k] = slope * dy;
       gz[k] = slope * dz;

@@ -1,6 +1,7 @@
 #include "csrbf/surface/patches.hpp"
 
 #include "csrbf/core/simd.hpp"
+#include "csrbf/surface/patch_kernel.hpp"
 
 #include <array>
 
@@ -45,15 +46,12 @@ CSRBF_ALWAYS_INLINE void local_value(const PatchView& view, const double (*q)[la
     f[l] =
         b[0] + x * (b[1] + b[4] * x + b[5] * y + b[6] * z) + y * (b[2] + b[7] * y + b[8] * z) + z * (b[3] + b[9] * z);
   }
-  constexpr double scale = 1.0 / (Patches::support * Patches::support);
   for (Index j = 0; j < view.count; ++j) {
     const double cx = view.centers[3 * j], cy = view.centers[3 * j + 1], cz = view.centers[3 * j + 2];
-    const double alpha = view.alpha[j] / 3;
+    const double alpha = view.alpha[j];
     for (int l = 0; l < lanes; ++l) {
       const double dx = q[0][l] - cx, dy = q[1][l] - cy, dz = q[2][l] - cz;
-      const double r2 = scale * (dx * dx + dy * dy + dz * dz), r = std::sqrt(r2);
-      const double a = std::max(0.0, 1 - r), a2 = a * a;
-      f[l] += alpha * (a2 * a2 * a2) * (35 * r2 + 18 * r + 3);
+      f[l] += alpha * patch_kernel::value(dx * dx + dy * dy + dz * dz);
     }
   }
 }
@@ -69,16 +67,13 @@ CSRBF_ALWAYS_INLINE void local_gradient(const PatchView& view, const double (*q)
     f[2][l] = b[2] + b[5] * x + 2 * b[7] * y + b[8] * z;
     f[3][l] = b[3] + b[6] * x + b[8] * y + 2 * b[9] * z;
   }
-  constexpr double scale = 1.0 / (Patches::support * Patches::support);
   for (Index j = 0; j < view.count; ++j) {
     const double cx = view.centers[3 * j], cy = view.centers[3 * j + 1], cz = view.centers[3 * j + 2];
     const double alpha = view.alpha[j];
     for (int l = 0; l < lanes; ++l) {
       const double dx = q[0][l] - cx, dy = q[1][l] - cy, dz = q[2][l] - cz;
-      const double r2 = scale * (dx * dx + dy * dy + dz * dz), r = std::sqrt(r2);
-      const double a = std::max(0.0, 1 - r), a2 = a * a, a5 = a2 * a2 * a;
-      const double g = -alpha * (56.0 / 3.0) * scale * a5 * (5 * r + 1);  // phi' / r
-      f[0][l] += alpha / 3 * a5 * a * (35 * r2 + 18 * r + 3);
+      const double d2 = dx * dx + dy * dy + dz * dz, g = alpha * patch_kernel::slope(d2);
+      f[0][l] += alpha * patch_kernel::value(d2);
       f[1][l] += g * dx;
       f[2][l] += g * dy;
       f[3][l] += g * dz;
@@ -103,18 +98,14 @@ CSRBF_ALWAYS_INLINE void local_jet(const PatchView& view, const double (*q)[lane
     f[8][l] = b[8];
     f[9][l] = 2 * b[9];
   }
-  constexpr double scale = 1.0 / (Patches::support * Patches::support);
   for (Index j = 0; j < view.count; ++j) {
     const double cx = view.centers[3 * j], cy = view.centers[3 * j + 1], cz = view.centers[3 * j + 2];
     const double alpha = view.alpha[j];
     for (int l = 0; l < lanes; ++l) {
       const double dx = q[0][l] - cx, dy = q[1][l] - cy, dz = q[2][l] - cz;
-      const double r2 = scale * (dx * dx + dy * dy + dz * dz), r = std::sqrt(r2);
-      const double a = std::max(0.0, 1 - r), a2 = a * a, a4 = a2 * a2;
-      const double phi = alpha / 3 * a4 * a2 * (35 * r2 + 18 * r + 3);
-      const double g = -alpha * (56.0 / 3.0) * scale * a4 * a * (5 * r + 1);  // phi' / r
-      const double h = alpha * 560 * scale * scale * a4;                      // (phi'' - phi' / r) / r^2
-      f[0][l] += phi;
+      const double d2 = dx * dx + dy * dy + dz * dz;
+      const double g = alpha * patch_kernel::slope(d2), h = alpha * patch_kernel::bend(d2);
+      f[0][l] += alpha * patch_kernel::value(d2);
       f[1][l] += g * dx;
       f[2][l] += g * dy;
       f[3][l] += g * dz;
