@@ -1,0 +1,291 @@
+#include "csrbf/kernels/compact_kernels.hpp"
+
+#include "csrbf/kernels/vector_math.hpp"
+#include "csrbf/kernels/wendland.hpp"
+
+#include <array>
+
+namespace csrbf {
+namespace {
+
+class WendlandFunction : public RadialFunction {
+ public:
+  WendlandFunction(int dimension, int smoothness) : function_(dimension, smoothness) {}
+
+  void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
+    if (out.g == nullptr) {
+      function_.values(r2, n, out.phi);
+    } else if (out.h == nullptr) {
+      function_.gradients(r2, n, out.phi, out.g);
+    } else {
+      function_.hessians(r2, n, out.phi, out.g, out.h);
+    }
+  }
+
+ private:
+  Wendland function_;
+};
+
+CSRBF_ALWAYS_INLINE double inside(double r2) {
+  const double r = std::sqrt(r2);
+  return 1 < r ? 1 : r;  // keeps NaN
+}
+
+// artanh(e) - e = e^3 sum_j artanh[j] e^(2j).
+constexpr std::array<double, 21> artanh = [] {
+  std::array<double, 21> series{};
+  for (std::size_t j = 0; j < series.size(); ++j) series[j] = 1.0 / static_cast<double>(2 * j + 3);
+  return series;
+}();
+
+// phi = e^5 sum_j missing_wendland_tail[j] e^(2j).
+constexpr std::array<double, 20> missing_wendland_tail = [] {
+  std::array<double, 20> series{};
+  for (std::size_t j = 0; j < series.size(); ++j) series[j] = 6.0 / static_cast<double>((2 * j + 3) * (2 * j + 5));
+  return series;
+}();
+
+struct MissingWendland {
+  CSRBF_ALWAYS_INLINE Radial operator()(double r2) const {
+    const bool center = r2 < center_r2;
+    const double r = center ? 1e-100 : inside(r2);
+    const double e2 = (1 - r) * (1 + r);
+    const double e = std::sqrt(e2);
+    const double series = polynomial_value<20>(artanh, e2) * e2 * e;
+    const double tail = polynomial_value<19>(missing_wendland_tail, e2) * e2 * e2 * e;
+    const bool close = e2 < .16;
+    // artanh(e) - e, by its series where the difference cancels
+    const double rest = close ? series : vector_log((1 + e) / r) - e;
+    const double phi = close ? tail : e * e2 - 3 * r * r * rest;
+    return {center ? 1 : phi, center ? 0 : -6 * rest, center ? 0 : 6 * e / (r * r)};
+  }
+};
+
+struct BuhmannC1 {
+  CSRBF_ALWAYS_INLINE Radial operator()(double r2) const {
+    const bool center = r2 < center_r2;
+    const double r = center ? 1 : inside(r2);
+    const double s = r * r;
+    const double log_r = vector_log(r);
+    const double phi = 1 + s * (12 + 12 * log_r + r * (-16 + 3 * r));
+    const double g = 24 * log_r + 36 + r * (-48 + 12 * r);
+    return {center ? 1 : (phi < 0 ? 0 : phi), g > 0 ? 0 : g, 24 * (1 - r) * (1 - r) / s};
+  }
+};
+
+struct BuhmannC2 {
+  CSRBF_ALWAYS_INLINE Radial operator()(double r2) const {
+    const bool center = r2 < center_r2;
+    const double r = center ? 1 : inside(r2);
+    const double s = r * r;
+    const double log_r = vector_log(r);
+    const double phi = 1 + s * (-12 + r * (32 + r * (-21 + 12 * log_r)));
+    const double g = -24 + r * (96 + r * (-72 + 48 * log_r));
+    const double h = 96 * ((1 - r) / r + log_r);
+    return {center ? 1 : (phi < 0 ? 0 : phi), center ? -24 : (g > 0 ? 0 : g), h < 0 ? 0 : h};
+  }
+};
+
+// The zero of order 4 at r = 1 divided out, in powers of sqrt(r).
+struct BuhmannC3 {
+  CSRBF_ALWAYS_INLINE Radial operator()(double r2) const {
+    constexpr std::array<double, 6> factor = {1, 4, 10, 20, 26.6, 22.4};
+    const bool center = r2 < center_r2;
+    const double s = std::sqrt(inside(r2));
+    const double a = 1 - s;
+    const double safe = center ? 1 : s;
+    return {integer_power<4>(a) * polynomial_value<5>(factor, s), -16.8 * a * a * a * (1 + s * (3 + 6 * s)),
+            center ? 0 : 252 * a * a / safe};
+  }
+};
+
+using WuPolynomial = std::array<double, 7>;
+
+// ((1-r)^m p)' = (1-r)^(m-1) slope.
+constexpr WuPolynomial slope_factor(const WuPolynomial& p, int m) {
+  WuPolynomial slope{};
+  for (std::size_t j = 0; j < p.size(); ++j) {
+    const auto degree = static_cast<double>(j);
+    slope[j] = -(m + degree) * p[j] + (j + 1 < p.size() ? (degree + 1) * p[j + 1] : 0);
+  }
+  return slope;
+}
+
+// p / r for p(0) = 0.
+constexpr WuPolynomial divided(const WuPolynomial& p) {
+  WuPolynomial quotient{};
+  for (std::size_t j = 0; j + 1 < p.size(); ++j) quotient[j] = p[j + 1];
+  return quotient;
+}
+
+// phi = (1-r)^m p(r), p of degree m - 1; phi'/r = (1-r)^(m-1) p_g(r) and h = (1-r)^(m-2) p_h(r), over r and r^3 for
+// functions of 0 derivatives, h over r for functions of 2. Compile-time constants: the loops become vector code.
+struct WuCoefficients {
+  WuPolynomial value{};
+  WuPolynomial g{};
+  WuPolynomial h{};
+
+  // From the integer coefficients of p before the division by p(0).
+  constexpr WuCoefficients(int m, int derivatives, const WuPolynomial& p) : value(p), g(slope_factor(p, m)) {
+    if (derivatives == 0) {
+      const WuPolynomial slope = slope_factor(g, m - 1);  // ((1-r)^(m-1) p_g / r)' / r
+      for (std::size_t j = 0; j < p.size(); ++j) h[j] = (j > 0 ? slope[j - 1] + g[j - 1] : 0) - g[j];
+    } else {
+      g = divided(g);
+      h = slope_factor(g, m - 1);
+      if (derivatives > 2) h = divided(h);
+    }
+    for (auto* coefficients : {&value, &g, &h})
+      for (double& x : *coefficients) x /= p[0];
+  }
+};
+
+// psi_{K,L} of Wu: p and the number of derivatives 2 (L - K).
+template <int K, int L>
+constexpr WuPolynomial wu_polynomial = {};
+template <>
+constexpr WuPolynomial wu_polynomial<1, 1> = {2, 1};
+template <>
+constexpr WuPolynomial wu_polynomial<2, 2> = {8, 9, 3};
+template <>
+constexpr WuPolynomial wu_polynomial<3, 3> = {16, 29, 20, 5};
+template <>
+constexpr WuPolynomial wu_polynomial<1, 2> = {4, 16, 12, 3};
+template <>
+constexpr WuPolynomial wu_polynomial<2, 3> = {8, 40, 48, 25, 5};
+template <>
+constexpr WuPolynomial wu_polynomial<1, 3> = {6, 36, 82, 72, 30, 5};
+template <>
+constexpr WuPolynomial wu_polynomial<0, 3> = {5, 35, 101, 147, 101, 35, 5};
+
+template <int K, int L>
+struct Wu {
+  CSRBF_ALWAYS_INLINE Radial operator()(double r2) const {
+    constexpr int m = 2 * L - K + 1;
+    constexpr int derivatives = 2 * (L - K);
+    constexpr WuCoefficients c(m, derivatives, wu_polynomial<K, L>);
+    const bool center = r2 < center_r2;
+    const double r = inside(r2);
+    const double a = 1 - r;
+    const double common = m > 2 ? integer_power<m - 2>(a) : (r < 1 ? 1 : 0 * r);  // zero from r = 1 on
+    const double phi = common * a * a * polynomial_value<m - 1>(c.value, r);
+    double g = common * a * polynomial_value<m - 1>(c.g, r);
+    double h = common * polynomial_value<(m < 7 ? m : 6)>(c.h, r);
+    if constexpr (derivatives <= 2) {
+      const double safe = center ? 1 : r;
+      const double pole = derivatives == 0 ? safe * safe * safe : safe;
+      if constexpr (derivatives == 0) g = center ? 0 : g / safe;
+      h = center ? 0 : h / pole;
+    }
+    return {phi, g, h};
+  }
+};
+
+enum class Formula {
+  missing_wendland,
+  buhmann_c1,
+  buhmann_c2,
+  buhmann_c3,
+  wu_11,
+  wu_22,
+  wu_33,
+  wu_12,
+  wu_23,
+  wu_13,
+  wu_03
+};
+
+template <RadialParts parts>
+CSRBF_ALWAYS_INLINE void formula_loop(Formula formula, const double* r2, Index n, double* phi, double* g, double* h) {
+  switch (formula) {
+    case Formula::missing_wendland:
+      return radial_loop<parts>(MissingWendland{}, r2, n, phi, g, h);
+    case Formula::buhmann_c1:
+      return radial_loop<parts>(BuhmannC1{}, r2, n, phi, g, h);
+    case Formula::buhmann_c2:
+      return radial_loop<parts>(BuhmannC2{}, r2, n, phi, g, h);
+    case Formula::buhmann_c3:
+      return radial_loop<parts>(BuhmannC3{}, r2, n, phi, g, h);
+    case Formula::wu_11:
+      return radial_loop<parts>(Wu<1, 1>{}, r2, n, phi, g, h);
+    case Formula::wu_22:
+      return radial_loop<parts>(Wu<2, 2>{}, r2, n, phi, g, h);
+    case Formula::wu_33:
+      return radial_loop<parts>(Wu<3, 3>{}, r2, n, phi, g, h);
+    case Formula::wu_12:
+      return radial_loop<parts>(Wu<1, 2>{}, r2, n, phi, g, h);
+    case Formula::wu_23:
+      return radial_loop<parts>(Wu<2, 3>{}, r2, n, phi, g, h);
+    case Formula::wu_13:
+      return radial_loop<parts>(Wu<1, 3>{}, r2, n, phi, g, h);
+    case Formula::wu_03:
+      return radial_loop<parts>(Wu<0, 3>{}, r2, n, phi, g, h);
+  }
+}
+
+CSRBF_SIMD_CLONES void value_loop(Formula f, const double* r2, Index n, double* phi) {
+  formula_loop<RadialParts::value>(f, r2, n, phi, nullptr, nullptr);
+}
+CSRBF_SIMD_CLONES void gradient_loop(Formula f, const double* r2, Index n, double* phi, double* g) {
+  formula_loop<RadialParts::gradient>(f, r2, n, phi, g, nullptr);
+}
+CSRBF_SIMD_CLONES void hessian_loop(Formula f, const double* r2, Index n, double* phi, double* g, double* h) {
+  formula_loop<RadialParts::hessian>(f, r2, n, phi, g, h);
+}
+
+class FormulaFunction : public RadialFunction {
+ public:
+  explicit FormulaFunction(Formula formula) : formula_(formula) {}
+
+  void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
+    const auto loop = [this](const double* s, Index count, double* phi, double* g, double* h) {
+      if (g == nullptr) return value_loop(formula_, s, count, phi);
+      if (h == nullptr) return gradient_loop(formula_, s, count, phi, g);
+      hessian_loop(formula_, s, count, phi, g, h);
+    };
+    in_radial_blocks(loop, r2, n, out);
+  }
+
+ private:
+  Formula formula_;
+};
+
+}  // namespace
+
+std::shared_ptr<const RadialFunction> wendland_function(int dimension, int smoothness) {
+  return std::make_shared<WendlandFunction>(dimension, smoothness);
+}
+
+std::shared_ptr<const RadialFunction> missing_wendland_function() {
+  return std::make_shared<FormulaFunction>(Formula::missing_wendland);
+}
+
+std::shared_ptr<const RadialFunction> wu_function(int dimension, int derivatives) {
+  const auto make = [](Formula formula) { return std::make_shared<FormulaFunction>(formula); };
+  switch (derivatives) {
+    case 0:
+      if (dimension <= 3) return make(Formula::wu_11);
+      if (dimension <= 5) return make(Formula::wu_22);
+      return dimension <= 7 ? make(Formula::wu_33) : nullptr;
+    case 2:
+      if (dimension <= 3) return make(Formula::wu_12);
+      return dimension <= 5 ? make(Formula::wu_23) : nullptr;
+    case 4:
+      return dimension <= 3 ? make(Formula::wu_13) : nullptr;
+    default:
+      return dimension <= 1 ? make(Formula::wu_03) : nullptr;
+  }
+}
+
+std::shared_ptr<const RadialFunction> buhmann_function(int derivatives) {
+  switch (derivatives) {
+    case 1:
+      return std::make_shared<FormulaFunction>(Formula::buhmann_c1);
+    case 2:
+      return std::make_shared<FormulaFunction>(Formula::buhmann_c2);
+    default:
+      return std::make_shared<FormulaFunction>(Formula::buhmann_c3);
+  }
+}
+
+}  // namespace csrbf
