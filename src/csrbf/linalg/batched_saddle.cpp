@@ -1,0 +1,152 @@
+#include "csrbf/linalg/batched_saddle.hpp"
+
+#include "csrbf/core/simd.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace csrbf {
+namespace {
+
+constexpr int lanes = batch_lanes;
+
+// Columns of G whose part outside the span of the others is smaller are linearly dependent, as in solve_saddle().
+constexpr double dependent = 1e-11;
+constexpr double smallest_pivot = 1e-15;
+
+// I - beta v v^T on components first, ..., n - 1.
+struct Reflector {
+  const double* v;
+  Index first;
+  double beta[lanes];
+};
+
+CSRBF_ALWAYS_INLINE void reflect(const Reflector& H, Index n, double* x) {
+  double sum[lanes] = {};
+  for (Index i = lanes * H.first; i < lanes * n; i += lanes)
+    for (int l = 0; l < lanes; ++l) sum[l] += H.v[i + l] * x[i + l];
+  for (int l = 0; l < lanes; ++l) sum[l] *= H.beta[l];
+  for (Index i = lanes * H.first; i < lanes * n; i += lanes)
+    for (int l = 0; l < lanes; ++l) x[i + l] -= sum[l] * H.v[i + l];
+}
+
+// Turns column g of G into the vector of the reflector that leaves of its components q, ..., n - 1 only the first one,
+// which is `remainder`.
+CSRBF_ALWAYS_INLINE Reflector make_reflector(double* g, Index q, Index n, double* remainder) {
+  Reflector H{g, q, {}};
+  double sum[lanes] = {};
+  for (Index i = lanes * q; i < lanes * n; i += lanes)
+    for (int l = 0; l < lanes; ++l) sum[l] += g[i + l] * g[i + l];
+  for (int l = 0; l < lanes; ++l) {
+    const double norm = std::sqrt(sum[l]);
+    const double head = g[lanes * q + l];
+    remainder[l] = head > 0 ? -norm : norm;
+    g[lanes * q + l] = head - remainder[l];
+    const double length = norm * (norm + std::abs(head));
+    H.beta[l] = length > 0 ? 1 / length : 0;
+  }
+  return H;
+}
+
+// w = beta A v - (beta^2 v^T A v / 2) v on the trailing block: H A H = A - v w^T - w v^T.
+CSRBF_ALWAYS_INLINE void two_sided_vector(const Reflector& H, const double* A, Index n, double* w) {
+  std::fill(w + lanes * H.first, w + lanes * n, 0.0);
+  for (Index i = H.first; i < n; ++i) {
+    const double* row = A + batch_entry(i, 0);
+    const double* vi = H.v + lanes * i;
+    double sum[lanes];
+    for (int l = 0; l < lanes; ++l) sum[l] = row[lanes * i + l] * vi[l];
+    for (Index j = lanes * H.first; j < lanes * i; j += lanes)
+      for (int l = 0; l < lanes; ++l) {
+        sum[l] += row[j + l] * H.v[j + l];
+        w[j + l] += row[j + l] * vi[l];
+      }
+    for (int l = 0; l < lanes; ++l) w[lanes * i + l] += sum[l];
+  }
+  double product[lanes] = {};
+  for (Index i = lanes * H.first; i < lanes * n; i += lanes)
+    for (int l = 0; l < lanes; ++l) product[l] += w[i + l] * H.v[i + l];
+  for (Index i = lanes * H.first; i < lanes * n; i += lanes)
+    for (int l = 0; l < lanes; ++l) w[i + l] = H.beta[l] * (w[i + l] - .5 * H.beta[l] * product[l] * H.v[i + l]);
+}
+
+// A = H A H: columns before `first` from the left, the trailing block from both sides.
+CSRBF_ALWAYS_INLINE void reflect_matrix(const Reflector& H, Index n, double* A, double* w, double* column) {
+  for (Index c = 0; c < H.first; ++c) {
+    for (Index i = H.first; i < n; ++i) std::copy_n(A + batch_entry(i, c), lanes, column + lanes * i);
+    reflect(H, n, column);
+    for (Index i = H.first; i < n; ++i) std::copy_n(column + lanes * i, lanes, A + batch_entry(i, c));
+  }
+  two_sided_vector(H, A, n, w);
+  for (Index i = H.first; i < n; ++i) {
+    double* row = A + batch_entry(i, 0);
+    double vi[lanes];
+    double wi[lanes];
+    std::copy_n(H.v + lanes * i, lanes, vi);
+    std::copy_n(w + lanes * i, lanes, wi);
+    for (Index j = lanes * H.first; j <= lanes * i; j += lanes)
+      for (int l = 0; l < lanes; ++l) row[j + l] -= vi[l] * w[j + l] + wi[l] * H.v[j + l];
+  }
+}
+
+// The QR decomposition of G, applied to A from both sides and to s. The remainders on the diagonal of R go to `pi` for
+// the time being, the vectors of the reflectors stay in G from the diagonal on. Marks deficient lanes by 1.
+CSRBF_SIMD_CLONES void reduce(const BatchSaddle& m, Reflector* H, double* R, double* deficient) {
+  for (Index q = 0; q < m.Q; ++q) {
+    double* g = m.G + lanes * q * m.n;
+    double squares[lanes] = {};
+    for (Index i = 0; i < lanes * m.n; i += lanes)
+      for (int l = 0; l < lanes; ++l) squares[l] += g[i + l] * g[i + l];
+    H[q] = make_reflector(g, q, m.n, R + lanes * q);
+    for (int l = 0; l < lanes; ++l)
+      if (!(std::abs(R[lanes * q + l]) > dependent * std::sqrt(squares[l]))) deficient[l] = 1;
+    for (Index p = q + 1; p < m.Q; ++p) reflect(H[q], m.n, m.G + lanes * p * m.n);
+    for (Index c = 0; c < m.count; ++c) reflect(H[q], m.n, m.s + lanes * c * m.n);
+    reflect_matrix(H[q], m.n, m.A, m.work, m.work + lanes * m.n);
+  }
+}
+
+// pi from R pi = s_Q - A_Qz y, where the first Q components of the rotated s are s_Q, and alpha = H_1 ... H_Q [0; y].
+CSRBF_SIMD_CLONES void expand(const BatchSaddle& m, const Reflector* H, const double* R) {
+  for (Index c = 0; c < m.count; ++c) {
+    double* s = m.s + lanes * c * m.n;
+    double* pi = m.pi + lanes * c * m.Q;
+    for (Index q = m.Q - 1; q >= 0; --q) {
+      double sum[lanes];
+      std::copy_n(s + lanes * q, lanes, sum);
+      for (Index i = m.Q; i < m.n; ++i) {
+        const double* a = m.A + batch_entry(i, q);
+        for (int l = 0; l < lanes; ++l) sum[l] -= a[l] * s[lanes * i + l];
+      }
+      for (Index p = q + 1; p < m.Q; ++p) {
+        const double* r = m.G + lanes * (p * m.n + q);
+        for (int l = 0; l < lanes; ++l) sum[l] -= r[l] * pi[lanes * p + l];
+      }
+      for (int l = 0; l < lanes; ++l) pi[lanes * q + l] = sum[l] / R[lanes * q + l];
+    }
+    std::fill_n(s, lanes * m.Q, 0.0);
+    for (Index q = m.Q - 1; q >= 0; --q) reflect(H[q], m.n, s);
+  }
+}
+
+}  // namespace
+
+BatchMask batch_saddle(const BatchSaddle& m) {
+  std::vector<Reflector> H(static_cast<std::size_t>(m.Q));
+  std::vector<double> R(static_cast<std::size_t>(lanes * m.Q));
+  double deficient[lanes] = {};
+  reduce(m, H.data(), R.data(), deficient);
+  const Index z = m.n - m.Q;
+  double* const null_space = m.work + 2 * lanes * m.n;
+  for (Index i = 0; i < z; ++i)
+    std::copy_n(m.A + batch_entry(m.Q + i, m.Q), lanes * (i + 1), null_space + batch_entry(i, 0));
+  BatchMask failed = batch_cholesky(null_space, z, smallest_pivot);
+  for (Index c = 0; c < m.count; ++c) batch_solve(null_space, z, m.s + lanes * (c * m.n + m.Q));
+  expand(m, H.data(), R.data());
+  for (int l = 0; l < lanes; ++l)
+    if (deficient[l] > 0) failed |= BatchMask{1} << l;
+  return failed;
+}
+
+}  // namespace csrbf
