@@ -1,6 +1,7 @@
 #include "csrbf/surface/prepare.hpp"
 
 #include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/spatial/coincident_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
 #include "csrbf/surface/neighbor_table.hpp"
@@ -8,11 +9,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <array>
-#include <bit>
 #include <limits>
 #include <numbers>
-#include <unordered_map>
 
 namespace csrbf {
 namespace {
@@ -31,31 +29,18 @@ void warn(std::vector<std::string>& warnings, Index count, const std::string& te
   if (count > 0) warnings.push_back(std::to_string(count) + " " + text);
 }
 
-struct BitHash {
-  std::size_t operator()(const std::array<double, 3>& p) const {
-    std::uint64_t h = 0;
-    for (const double c : p) h = (h ^ std::bit_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15ULL + (h >> 29U);
-    return static_cast<std::size_t>(h ^ (h >> 32U));
-  }
-};
-
 // Indices of the finite points, the first of each group of equal ones; `normals` gets the sum of the group's normals.
 std::vector<Index> distinct_points(const PointCloud& input, Points<3>& normals, std::vector<std::string>& warnings) {
-  std::unordered_map<std::array<double, 3>, Index, BitHash> first;
-  first.reserve(static_cast<std::size_t>(input.size()));
+  const std::vector<Index> first = first_coincident<3>(input.points);
   std::vector<Index> kept;
   Index non_finite = 0;
   for (Index i = 0; i < input.size(); ++i) {
     if (!input.points.col(i).allFinite()) {
       ++non_finite;
-      continue;
-    }
-    const std::array<double, 3> key = {input.points(0, i) + 0.0, input.points(1, i) + 0.0, input.points(2, i) + 0.0};
-    const auto [entry, is_new] = first.emplace(key, i);
-    if (is_new) {
+    } else if (first[static_cast<std::size_t>(i)] == i) {
       kept.push_back(i);
     } else if (normals.cols() > 0) {
-      normals.col(entry->second) += normals.col(i);
+      normals.col(first[static_cast<std::size_t>(i)]) += normals.col(i);
     }
   }
   warn(warnings, non_finite, "points with NaN or infinite coordinates dropped");
