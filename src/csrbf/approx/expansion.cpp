@@ -1,0 +1,72 @@
+#include "csrbf/approx/expansion.hpp"
+
+#include "csrbf/approx/evaluation_order.hpp"
+#include "csrbf/approx/polynomial.hpp"
+#include "csrbf/core/dimensions.hpp"
+
+namespace csrbf {
+
+template <int Dim>
+Expansion<Dim>::Expansion(std::shared_ptr<const RadialBasis<Dim>> basis, Eigen::VectorXd coefficients,
+                          PolynomialTail<Dim> tail, const Box<Dim>& bounds)
+    : basis_(std::move(basis)),
+      coefficients_(std::move(coefficients)),
+      slot_coefficients_(basis_->to_slots(coefficients_)),
+      tail_(std::move(tail)),
+      bounds_(bounds) {
+  require(tail_.coefficients.size() == Polynomials<Dim>(tail_.degree).size(), "Expansion", "tail.coefficients",
+          tail_.coefficients.size(), "there must be one per monomial of the degree");
+  require(std::isfinite(tail_.scale) && tail_.scale > 0, "Expansion", "tail.scale", tail_.scale, "must be positive");
+  if (bounds_.empty()) bounds_ = bounding_box<Dim>(basis_->centers());
+}
+
+template <int Dim>
+double Expansion<Dim>::detail() const {
+  return basis_->size() == 0 ? 0 : basis_->supports().minCoeff();
+}
+
+template <int Dim>
+std::vector<Index> Expansion<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
+  if (!basis_->kernel().compact()) return {};
+  return evaluation_order_of<Dim>(x);
+}
+
+template <int Dim>
+void Expansion<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
+  const Index n = x.cols();
+  std::fill_n(out.value, n, 0.0);
+  if (out.gradient != nullptr) std::fill_n(out.gradient, Dim * n, 0.0);
+  if (out.hessian != nullptr) std::fill_n(out.hessian, symmetric_size<Dim> * n, 0.0);
+  if (basis_->size() > 0) basis_->add_sums(x, slot_coefficients_, out);
+  if (tail_.degree >= 0) add_tail(x, out);
+}
+
+template <int Dim>
+void Expansion<Dim>::add_tail(const PointsRef<Dim>& x, const JetBlock& out) const {
+  const Index n = x.cols();
+  if (tail_.degree == 0) {
+    Eigen::Map<Eigen::VectorXd>(out.value, n).array() += tail_.coefficients[0];
+    return;
+  }
+  const Polynomials<Dim> polynomials(tail_.degree);
+  const Derivatives wanted = out.derivatives();
+  const Points<Dim> local = (x.colwise() - tail_.origin) / tail_.scale;
+  const Index Q = polynomials.size();
+  Eigen::MatrixXd value(n, Q);
+  Eigen::MatrixXd gradient(wanted >= Derivatives::gradient ? n * Dim : 0, Q);
+  Eigen::MatrixXd hessian(wanted >= Derivatives::hessian ? n * symmetric_size<Dim> : 0, Q);
+  polynomials.rows(local, value.data(), gradient.size() > 0 ? gradient.data() : nullptr,
+                   hessian.size() > 0 ? hessian.data() : nullptr);
+  Eigen::Map<Eigen::VectorXd>(out.value, n) += value * tail_.coefficients;
+  if (wanted >= Derivatives::gradient)
+    Eigen::Map<Eigen::VectorXd>(out.gradient, n * Dim) += gradient * tail_.coefficients / tail_.scale;
+  if (wanted >= Derivatives::hessian)
+    Eigen::Map<Eigen::VectorXd>(out.hessian, n * symmetric_size<Dim>) +=
+        hessian * tail_.coefficients / (tail_.scale * tail_.scale);
+}
+
+#define CSRBF_INSTANTIATE(Dim) template class Expansion<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/types.hpp"
+
+#include <vector>
+
+namespace csrbf {
+
+/// Scattered data: N points with k values each, and how much each counts.
+template <int Dim>
+struct Samples {
+  Points<Dim> points;       ///< Dim x N
+  Eigen::MatrixXd values;   ///< N x k
+  Eigen::VectorXd weights;  ///< N, not negative: the inverse variances of the values up to a factor; empty: all 1
+
+  [[nodiscard]] Index size() const { return points.cols(); }
+  [[nodiscard]] Index components() const { return values.cols(); }
+  [[nodiscard]] double weight(Index i) const { return weights.size() == 0 ? 1 : weights[i]; }
+  [[nodiscard]] Eigen::VectorXd all_weights() const {
+    return weights.size() == 0 ? Eigen::VectorXd::Ones(size()).eval() : weights;
+  }
+};
+
+/// Throws InvalidInput in the name of `function` unless there is a sample, the sizes match, every number is finite, no
+/// weight is negative and one is positive.
+template <int Dim>
+void require_valid(const Samples<Dim>& samples, const char* function) {
+  require(samples.size() > 0, function, "samples", "none", "at least one sample is needed");
+  require(samples.values.rows() == samples.size(), function, "values", samples.values.rows(),
+          "there must be one row of values per point");
+  require(samples.components() > 0, function, "values", "0 columns", "at least one value per point is needed");
+  require(samples.points.allFinite(), function, "points", "NaN or infinity",
+          "every coordinate must be finite; remove the other samples");
+  require(samples.values.allFinite(), function, "values", "NaN or infinity",
+          "every value must be finite; remove the other samples");
+  if (samples.weights.size() == 0) return;
+  require(samples.weights.size() == samples.size(), function, "weights", samples.weights.size(),
+          "there must be one weight per point, or none at all");
+  require(samples.weights.allFinite() && samples.weights.minCoeff() >= 0, function, "weights", "negative or not finite",
+          "weights must be finite and not negative");
+  require(samples.weights.maxCoeff() > 0, function, "weights", "all zero", "at least one weight must be positive");
+}
+
+/// The samples of positive weight, with weights of mean 1; without weights the samples as they are.
+template <int Dim>
+Samples<Dim> normalize_weights(const Samples<Dim>& samples) {
+  if (samples.weights.size() == 0) return samples;
+  std::vector<Index> positive;
+  for (Index i = 0; i < samples.size(); ++i)
+    if (samples.weights[i] > 0) positive.push_back(i);
+  Samples<Dim> result{samples.points(Eigen::all, positive), samples.values(positive, Eigen::all),
+                      samples.weights(positive) / samples.weights.maxCoeff()};
+  result.weights /= result.weights.mean();
+  return result;
+}
+
+}  // namespace csrbf
