@@ -1,0 +1,20 @@
+#pragma once
+
+#include "csrbf/approx/partition_of_unity.hpp"
+
+namespace csrbf {
+
+/// Options of the local functions of a partition of unity and what speaks for them.
+struct ChosenLocalOptions {
+  LocalOptions options;
+  /// Mean absolute error of samples predicted by patches fitted without them, all components together.
+  double error = 0;
+  double rmse = 0;  ///< their root mean square error
+};
+
+/// Chooses kernel, degree, number of samples and centres per patch and smoothing by leave-one-out cross-validation of
+/// some patches spread over the samples. Its time does not depend on their number, but for finding the patches.
+template <int Dim>
+ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const PartitionOfUnityOptions& given);
+
+}  // namespace csrbf

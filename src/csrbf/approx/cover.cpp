@@ -1,0 +1,253 @@
+#include "csrbf/approx/cover.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+
+#include <array>
+#include <numeric>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr double nearest_end = 0.3;     // of a split to the ends of the side, as a share of it
+constexpr Index median_sample = 255;    // points that tell the median
+constexpr double margin = 1e-9;         // of the extent, around the points
+constexpr double smallest_cell = 1e-9;  // side, as a share of the extent
+
+template <int Dim>
+struct Located {
+  Point<Dim> x;
+  std::uint32_t id;
+};
+
+// A part of the points and its cell, on the way to the leaves.
+template <int Dim>
+struct Part {
+  Index begin, end;
+  Box<Dim> cell;
+  Index axis = -1;
+  double split = 0;
+  Index middle = 0;
+  std::size_t child = 0;  // the lower part, among the parts of the next level
+};
+
+template <int Dim>
+double near_median(const Located<Dim>* points, Index n, Index axis) {
+  std::array<double, median_sample> sample;
+  const Index count = std::min(n, median_sample);
+  for (Index i = 0; i < count; ++i) sample[static_cast<std::size_t>(i)] = points[i * n / count].x[axis];
+  const auto middle = sample.begin() + count / 2;
+  std::nth_element(sample.begin(), middle, sample.begin() + count);
+  return *middle;
+}
+
+template <int Dim>
+void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, Part<Dim>& part) {
+  const Index n = part.end - part.begin;
+  if (n <= leaf_size) return;
+  const Point<Dim> extent = part.cell.extent();
+  Index axis = 0;
+  const double length = extent.maxCoeff(&axis);
+  if (!(length > smallest)) return;  // points that all but coincide
+  Located<Dim>* first = points.data() + part.begin;
+  const double lo = part.cell.lo[axis], hi = part.cell.hi[axis];
+  const double split = std::clamp(near_median(first, n, axis), lo + nearest_end * length, hi - nearest_end * length);
+  part.axis = axis;
+  part.split = split;
+  part.middle =
+      part.begin + (std::partition(first, first + n, [&](const Located<Dim>& p) { return p.x[axis] < split; }) - first);
+}
+
+// Splits level by level: the parts of one level are independent of each other.
+template <int Dim>
+std::vector<std::vector<Part<Dim>>> split_all(std::vector<Located<Dim>>& points, const Box<Dim>& box, Index leaf_size) {
+  std::vector<std::vector<Part<Dim>>> levels = {{{0, static_cast<Index>(points.size()), box}}};
+  const double smallest = smallest_cell * box.extent().maxCoeff();
+  for (bool more = true; more;) {
+    std::vector<Part<Dim>>& parts = levels.back();
+    const auto count = static_cast<Index>(parts.size());
+    parallel_for(count, 1 + count / 256, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) cut(points, leaf_size, smallest, parts[static_cast<std::size_t>(i)]);
+    });
+    std::vector<Part<Dim>> next;
+    for (Part<Dim>& part : parts) {
+      if (part.axis < 0) continue;
+      part.child = next.size();
+      Part<Dim> lower{part.begin, part.middle, part.cell}, upper{part.middle, part.end, part.cell};
+      lower.cell.hi[part.axis] = upper.cell.lo[part.axis] = part.split;
+      next.push_back(lower);
+      next.push_back(upper);
+    }
+    more = !next.empty();
+    if (more) levels.push_back(std::move(next));
+  }
+  return levels;
+}
+
+}  // namespace
+
+template <int Dim>
+Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth) {
+  require(points.cols() > 0, "Cover", "points", 0, "at least one is needed");
+  require(points.cols() < (Index{1} << 32), "Cover", "points", points.cols(), "must be fewer than 2^32");
+  require(leaf_size >= 1, "Cover", "leaf_size", leaf_size, "must be at least 1");
+  require(growth > 1, "Cover", "growth", growth, "must be above 1, so that supports overlap");
+  tree_.growth = growth;
+  tree_.box = bounding_box<Dim>(points);
+  const double largest = tree_.box.extent().maxCoeff();
+  for (int a = 0; a < Dim; ++a) {  // no side without length
+    const double pad = margin * (largest > 0 ? largest : std::max(1.0, std::abs(tree_.box.lo[a])));
+    tree_.box.lo[a] -= pad;
+    tree_.box.hi[a] += pad;
+  }
+  std::vector<Located<Dim>> located(static_cast<std::size_t>(points.cols()));
+  for (Index i = 0; i < points.cols(); ++i)
+    located[static_cast<std::size_t>(i)] = {points.col(i), static_cast<std::uint32_t>(i)};
+  const auto levels = split_all(located, tree_.box, leaf_size);
+
+  // Preorder, so that cells follow each other as their points do.
+  struct Visit {
+    std::size_t level, part;
+    std::ptrdiff_t parent;  // node whose right child this is, or -1
+  };
+  begin_ = {0};
+  std::vector<Visit> stack = {{0, 0, -1}};
+  while (!stack.empty()) {
+    const Visit visit = stack.back();
+    stack.pop_back();
+    const Part<Dim>& part = levels[visit.level][visit.part];
+    const auto node = static_cast<std::uint32_t>(tree_.axis.size());
+    if (visit.parent >= 0) tree_.right[static_cast<std::size_t>(visit.parent)] = node;
+    tree_.axis.push_back(static_cast<std::int8_t>(part.axis));
+    tree_.split.push_back(part.split);
+    tree_.right.push_back(0);
+    if (part.axis < 0) {
+      tree_.right.back() = static_cast<std::uint32_t>(begin_.size() - 1);
+      begin_.push_back(part.end);
+    } else {
+      stack.push_back({visit.level + 1, part.child + 1, static_cast<std::ptrdiff_t>(node)});
+      stack.push_back({visit.level + 1, part.child, -1});
+    }
+  }
+  points_.resize(Dim, points.cols());
+  order_.resize(located.size());
+  for (std::size_t i = 0; i < located.size(); ++i) {
+    points_.col(static_cast<Index>(i)) = located[i].x;
+    order_[i] = located[i].id;
+  }
+  make_cells();
+  find_supports();
+}
+
+template <int Dim>
+Cover<Dim>::Cover(Tree tree) : tree_(std::move(tree)) {
+  make_cells();
+  find_supports();
+}
+
+template <int Dim>
+void Cover<Dim>::make_cells() {
+  std::vector<std::pair<std::size_t, Box<Dim>>> stack = {{0, tree_.box}};
+  while (!stack.empty()) {
+    const auto [node, box] = stack.back();
+    stack.pop_back();
+    const int axis = tree_.axis[node];
+    if (axis < 0) {
+      cells_.push_back(box);
+      continue;
+    }
+    Box<Dim> lower = box, upper = box;
+    lower.hi[axis] = upper.lo[axis] = tree_.split[node];
+    stack.push_back({tree_.right[node], upper});
+    stack.push_back({node + 1, lower});
+  }
+}
+
+// For every support the cells it reaches into; then, for every cell, the supports.
+template <int Dim>
+void Cover<Dim>::find_supports() {
+  std::vector<std::vector<std::uint32_t>> reached(cells_.size());
+  parallel_for(size(), 256, [&](Index begin, Index end) {
+    std::vector<std::uint32_t> stack;
+    for (Index i = begin; i < end; ++i) {
+      const Point<Dim> center = cell(i).center(), half = 0.5 * growth() * cell(i).extent();
+      const Point<Dim> lo = center - half, hi = center + half;
+      std::vector<std::uint32_t>& list = reached[static_cast<std::size_t>(i)];
+      stack.assign(1, 0);
+      while (!stack.empty()) {
+        const std::uint32_t node = stack.back();
+        stack.pop_back();
+        const int axis = tree_.axis[node];
+        if (axis < 0) {
+          list.push_back(tree_.right[node]);
+          continue;
+        }
+        if (hi[axis] > tree_.split[node]) stack.push_back(tree_.right[node]);
+        if (lo[axis] < tree_.split[node]) stack.push_back(node + 1);
+      }
+    }
+  });
+  over_begin_.assign(cells_.size() + 1, 0);
+  for (const auto& list : reached)
+    for (const std::uint32_t c : list) ++over_begin_[c + 1];
+  std::partial_sum(over_begin_.begin(), over_begin_.end(), over_begin_.begin());
+  over_.resize(over_begin_.back());
+  std::vector<std::size_t> next(over_begin_.begin(), over_begin_.end() - 1);
+  for (std::size_t i = 0; i < reached.size(); ++i)
+    for (const std::uint32_t c : reached[i]) over_[next[c]++] = static_cast<std::uint32_t>(i);
+}
+
+template <int Dim>
+Index Cover<Dim>::find(const Point<Dim>& x) const {
+  std::size_t node = 0;
+  while (tree_.axis[node] >= 0) node = x[tree_.axis[node]] < tree_.split[node] ? node + 1 : tree_.right[node];
+  return tree_.right[node];
+}
+
+template <int Dim>
+void Cover<Dim>::collect(const Point<Dim>& x, double reach, Search& search) const {
+  search.found.clear();
+  std::array<std::uint32_t, 512> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t node = stack[--depth];
+    const int axis = tree_.axis[node];
+    if (axis >= 0) {
+      if (x[axis] + reach >= tree_.split[node]) stack[depth++] = tree_.right[node];
+      if (x[axis] - reach < tree_.split[node]) stack[depth++] = node + 1;
+      continue;
+    }
+    const auto cell = static_cast<std::size_t>(tree_.right[node]);
+    for (Index i = begin_[cell]; i < begin_[cell + 1]; ++i) {
+      const double d2 = (points_.col(i) - x).squaredNorm();
+      if (d2 < reach * reach) search.found.emplace_back(d2, static_cast<std::uint32_t>(i));
+    }
+  }
+}
+
+template <int Dim>
+void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& search) const {
+  n = std::min(n, points_.cols());
+  const double farthest = (1 + 1e-12) * ((x - tree_.box.center()).norm() + tree_.box.diagonal());  // 1e-12: rounding
+  reach = std::min(std::max(reach, 1e-12 * farthest), farthest);
+  for (;;) {
+    collect(x, reach, search);
+    const auto found = static_cast<Index>(search.found.size());
+    if (found >= n || reach >= farthest) break;
+    const double missing = static_cast<double>(n) / static_cast<double>(std::max<Index>(found, 1));
+    reach = std::min(farthest, reach * std::clamp(1.1 * std::pow(missing, 1.0 / Dim), 1.15, 2.0));
+  }
+  n = std::min(n, static_cast<Index>(search.found.size()));
+  std::nth_element(search.found.begin(), search.found.begin() + (n - 1), search.found.end());
+  search.found.resize(static_cast<std::size_t>(n));
+  std::sort(search.found.begin(), search.found.end());
+}
+
+#define CSRBF_INSTANTIATE(Dim) template class Cover<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

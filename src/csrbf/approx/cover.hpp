@@ -1,0 +1,82 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace csrbf {
+
+/// A cover of the bounding box of scattered points: a kd-tree whose leaves, the cells, tile the box, each with a
+/// support that is the cell grown about its centre, so that supports overlap (thesis 3.3.1 and Algorithm 4, corrected:
+/// cells are split without overlap and grown afterwards, so the box has no holes and no point is counted more often
+/// than the growth asks for).
+///
+/// A cell is halved across its longest side, near the median of its points but not nearer than 30 % to its ends, until
+/// it holds at most `leaf_size` of them: cells stay compact, and where there are no points there are few cells.
+template <int Dim>
+class Cover {
+ public:
+  /// `growth` > 1: side of a support over that of its cell. O(n log n).
+  Cover(const PointsRef<Dim>& points, Index leaf_size, double growth);
+
+  /// The cells and tree of a saved cover, see `Tree`, without points.
+  struct Tree {
+    Box<Dim> box;
+    std::vector<std::int8_t> axis;  ///< of the split of each node in preorder; -1 for cells
+    std::vector<double> split;      ///< its coordinate; 0 for cells
+    std::vector<std::uint32_t>
+        right;  ///< node of the upper part (the lower part is the next node); for cells their number
+    double growth = 1;
+  };
+  explicit Cover(Tree tree);
+  [[nodiscard]] const Tree& tree() const { return tree_; }
+
+  /// Number of cells, which is that of supports.
+  [[nodiscard]] Index size() const { return static_cast<Index>(cells_.size()); }
+  [[nodiscard]] const Box<Dim>& box() const { return tree_.box; }
+  [[nodiscard]] double growth() const { return tree_.growth; }
+  [[nodiscard]] const Box<Dim>& cell(Index i) const { return cells_[static_cast<std::size_t>(i)]; }
+
+  /// The cell of the tree that x falls into, also for x outside the box.
+  [[nodiscard]] Index find(const Point<Dim>& x) const;
+
+  /// The supports that reach into a cell, in ascending order.
+  [[nodiscard]] std::span<const std::uint32_t> supports_over(Index cell) const {
+    const auto i = static_cast<std::size_t>(cell);
+    return {over_.data() + over_begin_[i], over_begin_[i + 1] - over_begin_[i]};
+  }
+
+  /// The points, cell by cell.
+  [[nodiscard]] const Points<Dim>& points() const { return points_; }
+  /// Their numbers in the input.
+  [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
+  /// Number of points in a cell.
+  [[nodiscard]] Index count(Index cell) const {
+    return begin_[static_cast<std::size_t>(cell) + 1] - begin_[static_cast<std::size_t>(cell)];
+  }
+
+  /// Work space of `nearest`.
+  struct Search {
+    std::vector<std::pair<double, std::uint32_t>> found;
+  };
+  /// Columns of points() of the n points nearest to x, sorted by distance; fewer only if there are fewer points.
+  /// `reach` is a guess of the distance of the last one.
+  void nearest(const Point<Dim>& x, Index n, double reach, Search& search) const;
+
+ private:
+  void collect(const Point<Dim>& x, double reach, Search& search) const;
+  void make_cells();
+  void find_supports();
+
+  Tree tree_;
+  std::vector<Box<Dim>> cells_;
+  std::vector<std::size_t> over_begin_;
+  std::vector<std::uint32_t> over_;
+  Points<Dim> points_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Index> begin_;
+};
+
+}  // namespace csrbf

@@ -1,0 +1,310 @@
+#include "csrbf/approx/fit.hpp"
+
+#include "csrbf/approx/choose_local_options.hpp"
+#include "csrbf/approx/error_bounded.hpp"
+#include "csrbf/approx/fitted_field.hpp"
+#include "csrbf/approx/fixed_budget.hpp"
+#include "csrbf/approx/interpolate.hpp"
+#include "csrbf/approx/least_squares.hpp"
+#include "csrbf/approx/merge_duplicates.hpp"
+#include "csrbf/approx/moving_least_squares.hpp"
+#include "csrbf/approx/multilevel.hpp"
+#include "csrbf/approx/partition_of_unity.hpp"
+#include "csrbf/approx/pca_multiresolution.hpp"
+#include "csrbf/core/dimensions.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+constexpr Index few = 1000;                 // samples up to which one system for all of them is solved
+constexpr double different_units = 10;      // ratio of the extents of axes that are scaled to equal extent in any case
+constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
+constexpr double ghost_share = 0.15;        // of a period, on which samples are repeated
+constexpr Index checked_samples = 100'000;  // for the error at the samples
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+template <int Dim>
+void check(const FitOptions& options) {
+  const std::vector<std::string> methods = fit_methods();
+  require(std::find(methods.begin(), methods.end(), options.method) != methods.end(), "fit", "method", options.method,
+          "unknown; use one of " + join(methods));
+  require(options.centers >= 0, "fit", "centers", options.centers, "must be positive, or 0 to let the method decide");
+  require(options.tolerance >= 0 && std::isfinite(options.tolerance), "fit", "tolerance", options.tolerance,
+          "must be a positive error in the unit of the values, or 0 for none");
+  require(!options.smoothing || (*options.smoothing >= 0 && std::isfinite(*options.smoothing)), "fit", "smoothing",
+          options.smoothing.value_or(0), "must not be negative");
+  require(!options.degree || (*options.degree >= -1 && *options.degree <= 8), "fit", "degree",
+          options.degree.value_or(0), "must be -1 (none), 0, ... or 8");
+  require(options.periods.empty() || options.periods.size() == Dim, "fit", "periods", options.periods.size(),
+          "one per axis, 0 for axes that are not periodic, or none at all");
+  for (const double period : options.periods)
+    require(period >= 0 && std::isfinite(period), "fit", "periods", period, "must be positive, or 0 for none");
+  if (options.kernel != "auto") (void)Kernel(options.kernel, Dim, options.kernel_parameter);
+}
+
+std::string choose_method(const FitOptions& options, Index samples) {
+  if (options.method != "auto") return options.method;
+  if (options.tolerance > 0) return "error-bounded";
+  if (options.centers > 0) return "fixed-budget";
+  return samples <= few ? "interpolate" : "partition-of-unity";
+}
+
+PartitionOfUnityOptions local_options(const FitOptions& options) {
+  PartitionOfUnityOptions local;
+  if (options.kernel != "auto") local.kernel = options.kernel;
+  local.degree = options.degree;
+  local.smoothing = options.smoothing;
+  local.progress = options.progress;
+  return local;
+}
+
+// Wraps samples into the first period and repeats those near its ends beyond them.
+template <int Dim>
+Samples<Dim> repeat(const Samples<Dim>& samples, const Point<Dim>& periods, const Point<Dim>& lo) {
+  Samples<Dim> result = samples;
+  for (int a = 0; a < Dim; ++a) {
+    if (!(periods[a] > 0)) continue;
+    std::vector<Index> source;
+    std::vector<double> coordinate;
+    for (Index i = 0; i < result.size(); ++i) {
+      const double c = result.points(a, i) - periods[a] * std::floor((result.points(a, i) - lo[a]) / periods[a]);
+      result.points(a, i) = c;
+      for (const double copy : {c - periods[a], c + periods[a]})
+        if (copy > lo[a] - ghost_share * periods[a] && copy < lo[a] + (1 + ghost_share) * periods[a]) {
+          source.push_back(i);
+          coordinate.push_back(copy);
+        }
+    }
+    const Index n = result.size(), more = static_cast<Index>(source.size());
+    result.points.conservativeResize(Eigen::NoChange, n + more);
+    result.values.conservativeResize(n + more, Eigen::NoChange);
+    if (result.weights.size() > 0) result.weights.conservativeResize(n + more);
+    for (Index i = 0; i < more; ++i) {
+      const Index from = source[static_cast<std::size_t>(i)];
+      result.points.col(n + i) = result.points.col(from);
+      result.points(a, n + i) = coordinate[static_cast<std::size_t>(i)];
+      result.values.row(n + i) = result.values.row(from);
+      if (result.weights.size() > 0) result.weights[n + i] = result.weights[from];
+    }
+  }
+  return result;
+}
+
+// One fit in scaled coordinates; fills the report.
+template <int Dim>
+class Fitter {
+ public:
+  using Fields = std::vector<std::shared_ptr<const Field<Dim>>>;
+
+  Fitter(const Samples<Dim>& samples, const FitOptions& options, FitReport& report)
+      : samples_(samples), options_(options), report_(report) {}
+
+  Fields fit() {
+    const std::string& method = report_.method;
+    if (method == "interpolate") return interpolant();
+    if (method == "partition-of-unity") return partition();
+    if (method == "moving-least-squares") return moving();
+    if (method == "least-squares") return level_sum(least_squares(samples_, level_options<LeastSquaresOptions>()));
+    if (method == "multilevel") {
+      auto options = level_options<MultilevelOptions>();
+      options.tolerance = options_.tolerance;
+      if (options_.smoothing.value_or(0) > 0) options.solve = LevelSolve::ridge;
+      return level_sum(multilevel(samples_, options));
+    }
+    if (method == "fixed-budget") return level_sum(fixed_budget(samples_, level_options<FixedBudgetOptions>()));
+    if (method == "error-bounded") {
+      auto options = level_options<ErrorBoundedOptions>();
+      if (options_.tolerance > 0) options.tolerance = options_.tolerance;
+      return level_sum(error_bounded(samples_, options));
+    }
+    PcaMultiresolutionOptions options;
+    set_kernel(options);
+    if (options_.tolerance > 0) options.tolerance = options_.tolerance;
+    if (options_.centers > 0) options.cluster_size = std::max<Index>(1, samples_.size() / options_.centers);
+    return level_sum(pca_multiresolution(samples_, options));
+  }
+
+ private:
+  template <class Options>
+  void set_kernel(Options& options) {
+    if (options_.kernel != "auto") options.kernel = options_.kernel;
+    if (options_.smoothing) options.lambda0 = *options_.smoothing;
+    options.progress = options_.progress;
+    report_.kernel = options.kernel;
+  }
+
+  template <class Options>
+  Options level_options() {
+    Options options;
+    set_kernel(options);
+    options.centers = options_.centers;
+    return options;
+  }
+
+  Fields level_sum(const LevelFit<Dim>& fit) {
+    report_.levels = static_cast<Index>(fit.levels.size());
+    report_.centers = 0;
+    for (const auto& level : fit.fields.front()->levels()) report_.centers += level->basis().size();
+    for (const LevelReport& level : fit.levels) report_.support = std::max(report_.support, level.largest_support);
+    report_.smoothing = fit.levels.front().lambda0;
+    if (!fit.converged) report_.warnings.push_back("the tolerance does not hold at every sample");
+    return fit.model();
+  }
+
+  Fields partition() {
+    if (options_.kernel != "auto")
+      require(Kernel(options_.kernel, Dim).order() == 0, "fit", "kernel", options_.kernel,
+              "is only conditionally positive definite; a partition of unity needs another one, such as wendland-c4");
+    const PartitionOfUnityFit<Dim> fit = partition_of_unity(samples_, local_options(options_));
+    const LocalOptions& local = fit.report.local;
+    report_.kernel = local.kernel;
+    report_.degree = local.degree;
+    report_.centers = fit.report.centers;
+    report_.patches = fit.report.patches;
+    report_.samples_per_patch = local.samples;
+    report_.smoothing = local.smoothing;
+    report_.cross_validation_rmse = fit.report.cross_validation_rmse;
+    return fit.fields();
+  }
+
+  Fields moving() {
+    MovingLeastSquaresOptions options;
+    if (options_.kernel != "auto") options.kernel = options_.kernel;
+    if (options_.degree) options.degree = *options_.degree;
+    report_.kernel = options.kernel;
+    report_.degree = options.degree;
+    report_.centers = samples_.size();
+    return moving_least_squares(samples_, options);
+  }
+
+  // Without noise the samples are met; whether there is any, leave-one-out tells.
+  Fields interpolant() {
+    InterpolateOptions options;
+    options.kernel = options_.kernel;
+    options.parameter = options_.kernel_parameter;
+    options.smoothing = options_.smoothing.value_or(0);
+    if (options_.degree) options.degree = *options_.degree;
+    options.progress = options_.progress;
+    Interpolation<Dim> best = interpolate(samples_, options);
+    if (!options_.smoothing && samples_.size() > 2 * Dim) {
+      options.smoothing.reset();
+      Interpolation<Dim> smoothed = interpolate(samples_, options);
+      if (smoothed.report.leave_one_out < smoother_gain * best.report.leave_one_out) best = std::move(smoothed);
+    }
+    report_.kernel = best.report.kernel;
+    report_.degree = best.report.degree;
+    report_.support = best.report.support;
+    report_.smoothing = best.report.smoothing;
+    report_.cross_validation_rmse = best.report.leave_one_out;
+    report_.centers = best.components.front()->basis().size();
+    return {best.components.begin(), best.components.end()};
+  }
+
+  static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
+
+  const Samples<Dim>& samples_;
+  const FitOptions& options_;
+  FitReport& report_;
+};
+
+// What the coordinates are divided by.
+template <int Dim>
+Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options, const std::string& method) {
+  if (!options.scale_axes) return Point<Dim>::Ones();
+  const Point<Dim> extent = bounding_box<Dim>(samples.points).extent();
+  Point<Dim> equal = Point<Dim>::Ones();
+  double largest = 0, smallest = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < Dim; ++a) {
+    if (!(extent[a] > 0)) continue;
+    equal[a] = extent[a];
+    largest = std::max(largest, extent[a]);
+    smallest = std::min(smallest, extent[a]);
+  }
+  if (!(largest > maybe_different * smallest)) return Point<Dim>::Ones();
+  if (largest > different_units * smallest) return equal;
+  if (method != "partition-of-unity") return Point<Dim>::Ones();
+  Samples<Dim> scaled = samples;
+  scaled.points.array().colwise() /= equal.array();
+  const PartitionOfUnityOptions local = local_options(options);
+  return choose_local_options(scaled, local).error < choose_local_options(samples, local).error
+             ? equal
+             : Point<Dim>(Point<Dim>::Ones());
+}
+
+template <int Dim>
+void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
+  const Index stride = std::max<Index>(1, samples.size() / checked_samples);
+  const auto some = Eigen::seq(0, samples.size() - 1, stride);
+  const Points<Dim> points = samples.points(Eigen::all, some);
+  Eigen::VectorXd norms(static_cast<Index>(fit.components.size()));
+  for (std::size_t c = 0; c < fit.components.size(); ++c) {
+    const Eigen::VectorXd error =
+        fit.components[c]->evaluate(points).value - samples.values.col(static_cast<Index>(c))(some);
+    norms[static_cast<Index>(c)] = error.stableNorm();
+    fit.report.max_error = std::max(fit.report.max_error, error.cwiseAbs().maxCoeff());
+  }
+  fit.report.rmse = norms.stableNorm() / std::sqrt(static_cast<double>(points.cols() * norms.size()));
+}
+
+}  // namespace
+
+std::vector<std::string> fit_methods() {
+  return {
+      "auto",         "interpolate",   "least-squares",       "partition-of-unity", "multilevel", "pca-multiresolution",
+      "fixed-budget", "error-bounded", "moving-least-squares"};
+}
+
+template <int Dim>
+Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
+  require_valid(samples, "fit");
+  check<Dim>(options);
+  auto start = std::chrono::steady_clock::now();
+  Fit<Dim> result;
+  FitReport& report = result.report;
+  typename FittedField<Dim>::Frame frame;
+  frame.box = bounding_box<Dim>(samples.points);
+  frame.extrapolation = options.extrapolation;
+  for (std::size_t a = 0; a < options.periods.size(); ++a) frame.periods[static_cast<Index>(a)] = options.periods[a];
+
+  // error_bounded treats duplicates itself: the bound holds for each of them.
+  const bool keep_duplicates = options.method == "error-bounded" || options.method == "pca-multiresolution" ||
+                               (options.method == "auto" && options.tolerance > 0);
+  const bool periodic = frame.periods.maxCoeff() > 0;
+  Samples<Dim> scaled = periodic ? repeat(samples, frame.periods, frame.box.lo) : samples;
+  MergedSamples<Dim> merged = merge_duplicates(scaled);
+  const auto place = merged.place.begin();  // the samples come before their repetitions
+  report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
+  if (!keep_duplicates) scaled = std::move(merged.samples);
+  report.samples = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
+  report.method = choose_method(options, scaled.size());
+  frame.scales = choose_scales(scaled, options, report.method);
+  scaled.points.array().colwise() /= frame.scales.array();
+  report.axis_scales.assign(frame.scales.data(), frame.scales.data() + Dim);
+  report.choose_seconds = seconds_since(start);
+
+  start = std::chrono::steady_clock::now();
+  for (auto& field : Fitter<Dim>(scaled, options, report).fit())
+    result.components.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
+  report.fit_seconds = seconds_since(start);
+  measure_errors(samples, result);
+  return result;
+}
+
+#define CSRBF_INSTANTIATE(Dim) template Fit<Dim> fit<Dim>(const Samples<Dim>&, const FitOptions&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,64 @@
+#include "csrbf/approx/fitted_field.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace csrbf {
+
+template <int Dim>
+Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& outside) const {
+  Point<Dim> y;
+  for (int a = 0; a < Dim; ++a) {
+    double c = x[a];
+    const double period = frame_.periods[a];
+    if (period > 0) c -= period * std::floor((c - frame_.box.lo[a]) / period);
+    const double inside = period > 0 ? c : std::clamp(c, frame_.box.lo[a], frame_.box.hi[a]);
+    outside[static_cast<std::size_t>(a)] = inside != c;
+    y[a] = inside / frame_.scales[a];
+  }
+  return y;
+}
+
+template <int Dim>
+std::vector<Index> FittedField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
+  Points<Dim> y(Dim, x.cols());
+  parallel_for(x.cols(), 4096, [&](Index begin, Index end) {
+    std::array<bool, Dim> outside;
+    for (Index i = begin; i < end; ++i) y.col(i) = map(x.col(i), outside);
+  });
+  return inner_->evaluation_order(y);
+}
+
+template <int Dim>
+void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
+  Points<Dim> y(Dim, x.cols());
+  std::vector<std::array<bool, Dim>> outside(static_cast<std::size_t>(x.cols()));
+  for (Index i = 0; i < x.cols(); ++i) y.col(i) = map(x.col(i), outside[static_cast<std::size_t>(i)]);
+  inner_->evaluate_block(y, out);
+  for (Index i = 0; i < x.cols(); ++i) {
+    const std::array<bool, Dim>& moved = outside[static_cast<std::size_t>(i)];
+    const bool any = std::find(moved.begin(), moved.end(), true) != moved.end();
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const bool undefined = !x.col(i).allFinite() || (any && frame_.extrapolation == Extrapolation::nan);
+    if (undefined) out.value[i] = nan;
+    // A coordinate that was moved to the box has no influence.
+    const auto factor = [&](int a) { return moved[static_cast<std::size_t>(a)] ? 0.0 : 1 / frame_.scales[a]; };
+    if (out.gradient != nullptr)
+      for (int a = 0; a < Dim; ++a) out.gradient[Dim * i + a] = undefined ? nan : out.gradient[Dim * i + a] * factor(a);
+    if (out.hessian == nullptr) continue;
+    double* entry = out.hessian + symmetric_size<Dim> * i;
+    for (int a = 0; a < Dim; ++a)
+      for (int b = a; b < Dim; ++b, ++entry) *entry = undefined ? nan : *entry * factor(a) * factor(b);
+  }
+}
+
+#define CSRBF_INSTANTIATE(Dim) template class FittedField<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

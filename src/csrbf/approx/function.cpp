@@ -1,0 +1,93 @@
+#include "csrbf/approx/function.hpp"
+
+#include "csrbf/core/error.hpp"
+
+#include <type_traits>
+
+namespace csrbf {
+namespace {
+
+constexpr const char* dimensions_text =
+    "must be one of the dimensions the library was built for (core/dimensions.hpp): 1 to 6";
+
+// Calls use(fit) for the fit there is.
+template <class Use>
+auto visit_fit(const Function::Fits& fits, const Use& use) {
+  using Result = decltype(use(std::get<0>(fits)));
+  return std::visit(
+      [&](const auto& fit) -> Result {
+        if constexpr (std::is_same_v<std::decay_t<decltype(fit)>, std::monostate>) {
+          throw InvalidInput("Function: empty");
+        } else {
+          return use(fit);
+        }
+      },
+      fits);
+}
+
+template <int Dim>
+Function::Values evaluate_all(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::MatrixXd>& x,
+                              Derivatives derivatives) {
+  require(x.rows() == Dim, "evaluate", "dimension of the points", x.rows(),
+          "must be " + std::to_string(Dim) + ", that of the function");
+  const auto k = static_cast<Index>(fit.components.size());
+  const Index m = x.cols();
+  Function::Values result;
+  result.value.resize(m, k);
+  result.gradient.resize(m, derivatives >= Derivatives::gradient ? k * Dim : 0);
+  result.hessian.resize(m, derivatives >= Derivatives::hessian ? k * symmetric_size<Dim> : 0);
+  const Eigen::Map<const Points<Dim>, 0, Eigen::OuterStride<>> points(x.data(), Dim, m,
+                                                                      Eigen::OuterStride<>(x.outerStride()));
+  for (Index c = 0; c < k; ++c) {
+    const Jet<Dim> jet = fit.components[static_cast<std::size_t>(c)]->evaluate(points, derivatives);
+    result.value.col(c) = jet.value;
+    if (derivatives >= Derivatives::gradient) result.gradient.middleCols(c * Dim, Dim) = jet.gradient.transpose();
+    if (derivatives >= Derivatives::hessian)
+      result.hessian.middleCols(c * symmetric_size<Dim>, symmetric_size<Dim>) = jet.hessian.transpose();
+  }
+  return result;
+}
+
+template <int Dim>
+Function fit_in(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options) {
+  return Function(fit<Dim>(Samples<Dim>{points, values, weights}, options));
+}
+
+}  // namespace
+
+Index Function::components() const {
+  return visit_fit(fit_, [](const auto& fit) { return static_cast<Index>(fit.components.size()); });
+}
+
+const FitReport& Function::report() const {
+  return *visit_fit(fit_, [](const auto& fit) { return &fit.report; });
+}
+
+Function::Values Function::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x, Derivatives derivatives) const {
+  return visit_fit(fit_, [&](const auto& fit) { return evaluate_all(fit, x, derivatives); });
+}
+
+Eigen::MatrixXd Function::bounds() const {
+  return visit_fit(fit_, [](const auto& fit) {
+    const auto box = fit.components.front()->bounds();
+    Eigen::MatrixXd corners(box.lo.size(), 2);
+    corners << box.lo, box.hi;
+    return corners;
+  });
+}
+
+Function fit_function(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                      const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options) {
+  switch (points.rows()) {
+#define CSRBF_CASE(Dim) \
+  case Dim:             \
+    return fit_in<Dim>(points, values, weights, options);
+    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+#undef CSRBF_CASE
+    default:
+      throw InvalidInput("fit: dimension = " + std::to_string(points.rows()) + ": " + dimensions_text);
+  }
+}
+
+}  // namespace csrbf

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "csrbf/approx/fit.hpp"
+#include "csrbf/core/dimensions.hpp"
+
+#include <variant>
+
+namespace csrbf {
+
+/// A fitted function whose dimension is known at run time only: what the program, the model files and Python hold.
+class Function {
+ public:
+#define CSRBF_ALTERNATIVE(Dim) Fit<Dim>,
+  using Fits = std::variant<CSRBF_FOR_EACH_DIM(CSRBF_ALTERNATIVE) std::monostate>;
+#undef CSRBF_ALTERNATIVE
+
+  template <int Dim>
+  explicit Function(Fit<Dim> fit) : dimension_(Dim), fit_(std::move(fit)) {}
+
+  [[nodiscard]] int dimension() const {
+    return dimension_;
+  }
+  [[nodiscard]] Index components() const;
+  [[nodiscard]] const FitReport& report() const;
+  [[nodiscard]] const Fits& fits() const {
+    return fit_;
+  }
+
+  /// Values and derivatives at m points: one row per point, component-major columns.
+  struct Values {
+    Eigen::MatrixXd value;     ///< m x k
+    Eigen::MatrixXd gradient;  ///< m x (k d), or no columns
+    Eigen::MatrixXd hessian;   ///< m x (k d (d + 1) / 2), upper triangles, or no columns
+  };
+  /// `x`: d x m. Throws InvalidInput when it has another number of rows. On all threads.
+  [[nodiscard]] Values evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x,
+                                Derivatives derivatives = Derivatives::none) const;
+
+  /// The box of the samples: d x 2, lower and upper corner.
+  [[nodiscard]] Eigen::MatrixXd bounds() const;
+
+ private:
+  int dimension_;
+  Fits fit_;
+};
+
+/// fit() for points (d x n), values (n x k) and weights (n, or empty) of any dimension there is.
+Function fit_function(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                      const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options = {});
+
+}  // namespace csrbf

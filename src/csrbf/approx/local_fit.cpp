@@ -1,0 +1,387 @@
+#include "csrbf/approx/local_fit.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/simd.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+constexpr int L = batch_lanes;
+constexpr double dependent = 1e-11;  // pivots smaller than this share of their diagonal: columns that do not help
+constexpr double round_off = 1e-14;  // relative ridge that keeps the systems positive definite
+constexpr double smallest_freedom = 1e-6;
+constexpr double even_spread = 0.35;  // smallest variance against that of a ball, for samples to count as evenly spread
+constexpr Index most_spread = 400;    // larger patches reach far enough as they are
+constexpr Index widened = 4, widest = 16;  // times as many samples are looked at where they are not
+
+// Squared distances of all pairs of n points, lower triangle by rows.
+CSRBF_SIMD_CLONES void pair_distances(const double* q, int dim, Index n, double scale, double* r2) {
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j <= i; ++j, r2 += L) {
+      double sum[L] = {};
+      for (int a = 0; a < dim; ++a)
+        for (int l = 0; l < L; ++l) {
+          const double d = q[L * (dim * i + a) + l] - q[L * (dim * j + a) + l];
+          sum[l] += d * d;
+        }
+      for (int l = 0; l < L; ++l) r2[l] = scale * sum[l];
+    }
+}
+
+// r2[n j + i] of all points to the chosen ones.
+CSRBF_SIMD_CLONES void distances_to(const double* q, int dim, Index n, const Index* chosen, Index m, double scale,
+                                    double* r2) {
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < m; ++j, r2 += L) {
+      const double* c = q + L * dim * chosen[j];
+      double sum[L] = {};
+      for (int a = 0; a < dim; ++a)
+        for (int l = 0; l < L; ++l) {
+          const double d = q[L * (dim * i + a) + l] - c[L * a + l];
+          sum[l] += d * d;
+        }
+      for (int l = 0; l < L; ++l) r2[l] = scale * sum[l];
+    }
+}
+
+// out = a b, lane by lane.
+CSRBF_SIMD_CLONES void multiply(const double* a, const double* b, double* out) {
+  for (int l = 0; l < L; ++l) out[l] = a[l] * b[l];
+}
+
+// y -= F b for the first `columns` entries of each of n rows of `width` entries.
+CSRBF_SIMD_CLONES void subtract_product(const double* F, Index n, Index width, Index columns, const double* b,
+                                        double* y) {
+  for (Index k = 0; k < n; ++k) {
+    double sum[L] = {};
+    for (Index j = 0; j < columns; ++j)
+      for (int l = 0; l < L; ++l) sum[l] += F[L * (width * k + j) + l] * b[L * j + l];
+    for (int l = 0; l < L; ++l) y[L * k + l] -= sum[l];
+  }
+}
+
+// sum_k a_k b_k, lane by lane.
+CSRBF_SIMD_CLONES void dot(const double* a, const double* b, Index n, double* sum) {
+  double s[L] = {};
+  for (Index k = 0; k < n; ++k)
+    for (int l = 0; l < L; ++l) s[l] += a[L * k + l] * b[L * k + l];
+  for (int l = 0; l < L; ++l) sum[l] = s[l];
+}
+
+// Keeps the n / 2 nearest samples, and of the others those that are farthest from all kept before.
+template <int Dim>
+void spread(const Points<Dim>& points, Index n, std::vector<std::pair<double, std::uint32_t>>& found) {
+  const auto near = static_cast<std::size_t>(n / 2), wanted = static_cast<std::size_t>(n);
+  std::vector<double> distance(found.size(), std::numeric_limits<double>::infinity());
+  const auto keep = [&](std::size_t k) {
+    for (std::size_t i = k + 1; i < found.size(); ++i)
+      distance[i] = std::min(distance[i], (points.col(found[i].second) - points.col(found[k].second)).squaredNorm());
+  };
+  for (std::size_t k = 0; k < near; ++k) keep(k);
+  for (std::size_t k = near; k < wanted; ++k) {
+    const auto farthest = std::max_element(distance.begin() + static_cast<std::ptrdiff_t>(k), distance.end());
+    const auto at = static_cast<std::size_t>(farthest - distance.begin());
+    std::swap(found[k], found[at]);
+    std::swap(distance[k], distance[at]);
+    keep(k);
+  }
+  found.resize(wanted);
+  std::sort(found.begin(), found.end());
+}
+
+// Adds to every diagonal entry a share of the mean of the first n.
+void add_ridge(double* A, Index n, double share) {
+  double trace[L] = {};
+  for (Index i = 0; i < n; ++i)
+    for (int l = 0; l < L; ++l) trace[l] += A[batch_entry(i, i) + l];
+  for (Index i = 0; i < n; ++i)
+    for (int l = 0; l < L; ++l) A[batch_entry(i, i) + l] += share * trace[l] / static_cast<double>(n);
+}
+
+}  // namespace
+
+template <int Dim>
+bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
+  const auto n = static_cast<double>(chosen.size());
+  Point<Dim> mean = Point<Dim>::Zero();
+  double reach2 = 0;
+  for (const auto& [d2, id] : chosen) {
+    mean += points.col(id) / n;
+    reach2 = std::max(reach2, d2);
+  }
+  Eigen::Matrix<double, Dim, Dim> covariance = Eigen::Matrix<double, Dim, Dim>::Zero();
+  for (const auto& [d2, id] : chosen) covariance += (points.col(id) - mean) * (points.col(id) - mean).transpose() / n;
+  if constexpr (Dim == 1) {
+    return covariance(0, 0) * (Dim + 2) < even_spread * reach2;
+  } else {
+    // LL^T of covariance - threshold fails when an eigenvalue is below the threshold.
+    covariance.diagonal().array() -= even_spread * reach2 / (Dim + 2);
+    return covariance.llt().info() != Eigen::Success;
+  }
+}
+
+template <int Dim>
+LocalFitter<Dim>::LocalFitter(const Cover<Dim>& cover, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
+                              const LocalOptions& options)
+    : cover_(cover),
+      values_(values),
+      weights_(weights),
+      options_(options),
+      kernel_(options.kernel, Dim),
+      basis_(options.degree),
+      n_(std::min(options.samples, cover.points().cols())),
+      M_(std::min(options.centers, n_)),
+      Q_(basis_.size()),
+      C_(values.cols()),
+      inverse_support2_(1 / (options.support * options.support)) {
+  for (Index j = 0; j < M_; ++j) center_rows_.push_back(j * n_ / M_);
+  const auto n = static_cast<std::size_t>(n_), M = static_cast<std::size_t>(M_), Q = static_cast<std::size_t>(Q_),
+             C = static_cast<std::size_t>(C_);
+  const std::size_t width = interpolates() ? Q + C : Q + M + C;
+  ids_.resize(L * n);
+  q_.resize(L * n * Dim);
+  s_.resize(L * n * C);
+  weight_.resize(L * n);
+  F_.resize(L * n * width);
+  G_.resize(static_cast<std::size_t>(batch_matrix_size(static_cast<Index>(width))));
+  const std::size_t pairs = interpolates() ? static_cast<std::size_t>(batch_matrix_size(n_)) : L * n * M;
+  r2_.resize(pairs);
+  A_.resize(pairs);
+}
+
+template <int Dim>
+LocalModels<Dim> LocalFitter<Dim>::models() const {
+  LocalModels<Dim> models;
+  models.degree = options_.degree;
+  models.kernel = kernel_;
+  models.support = options_.support;
+  models.centers_each = M_;
+  models.components = C_;
+  return models;
+}
+
+// The nearest samples in local coordinates; unused lanes repeat the first one.
+template <int Dim>
+void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& models, Index first) {
+  for (int l = 0; l < L; ++l) {
+    const int used = l < count ? l : 0;
+    const Box<Dim>& cell = cover_.cell(cells[used]);
+    const Point<Dim> center = cell.center();
+    const double crowd = static_cast<double>(n_) / static_cast<double>(std::max<Index>(1, cover_.count(cells[used])));
+    const double reach = 0.45 * cell.diagonal() * std::pow(crowd, 1.0 / Dim);
+    cover_.nearest(center, n_, reach, search_);
+    for (Index wide = widened; n_ <= most_spread && wide <= widest && lopsided<Dim>(cover_.points(), search_.found);
+         wide *= widened) {
+      cover_.nearest(center, wide * n_, 2 * reach, search_);
+      spread<Dim>(cover_.points(), n_, search_.found);
+    }
+    double radius = std::sqrt(search_.found.back().first);
+    if (!(radius > 0)) radius = cell.diagonal();
+    if (l < count) {
+      models.center.col(first + l) = center;
+      models.radius[first + l] = radius;
+    }
+    for (Index k = 0; k < n_; ++k) {
+      const std::uint32_t id = search_.found[static_cast<std::size_t>(k)].second;
+      ids_[static_cast<std::size_t>(n_ * l + k)] = id;
+      for (int a = 0; a < Dim; ++a)
+        q_[static_cast<std::size_t>(L * (Dim * k + a) + l)] = (cover_.points()(a, id) - center[a]) / radius;
+      for (Index c = 0; c < C_; ++c) s_[static_cast<std::size_t>(L * (n_ * c + k) + l)] = values_(id, c);
+      weight_[static_cast<std::size_t>(L * k + l)] = weights_.size() == 0 ? 1 : std::sqrt(weights_[id]);
+    }
+  }
+}
+
+// Weighted monomials: the first Q of `width` entries of each row of F.
+template <int Dim>
+void LocalFitter<Dim>::polynomial_rows(Index width) {
+  for (Index k = 0; k < n_; ++k) {
+    double* row = F_.data() + L * width * k;
+    for (Index j = 0; j < Q_; ++j) {
+      if (j == 0) {
+        std::copy_n(weight_.data() + L * k, L, row);
+      } else {
+        const auto& step = basis_.steps()[static_cast<std::size_t>(j)];
+        multiply(row + L * step.parent, q_.data() + L * (Dim * k + step.axis), row + L * j);
+      }
+    }
+  }
+}
+
+template <int Dim>
+void LocalFitter<Dim>::fit(const Index* cells, int count, LocalModels<Dim>& models, Index first) {
+  gather(cells, count, models, first);
+  if (interpolates()) {
+    fit_interpolant(models, first, count);
+  } else {
+    fit_least_squares(models, first, count);
+  }
+  for (int l = 0; l < count; ++l)
+    for (Index j = 0; j < M_; ++j)
+      for (int a = 0; a < Dim; ++a)
+        models.position[static_cast<std::size_t>(Dim * (M_ * (first + l) + j) + a)] =
+            q_[static_cast<std::size_t>(L * (Dim * center_rows_[static_cast<std::size_t>(j)] + a) + l)];
+}
+
+template <int Dim>
+void LocalFitter<Dim>::fit_interpolant(LocalModels<Dim>& models, Index first, int count) {
+  // Least squares polynomial c of the values; its residual.
+  const Index width = Q_ + C_;
+  if (Q_ > 0) {
+    polynomial_rows(width);
+    for (Index k = 0; k < n_; ++k)
+      for (Index c = 0; c < C_; ++c)
+        multiply(s_.data() + L * (n_ * c + k), weight_.data() + L * k, F_.data() + L * (width * k + Q_ + c));
+    std::fill(G_.begin(), G_.end(), 0.0);
+    batch_gram(F_.data(), n_, width, G_.data());
+    add_ridge(G_.data(), Q_, round_off);
+    batch_cholesky(G_.data(), Q_, dependent);
+    for (Index k = 0; k < n_; ++k)  // the unweighted monomials
+      for (Index j = 0; j < Q_; ++j)
+        for (int l = 0; l < L; ++l)
+          F_[static_cast<std::size_t>(L * (width * k + j) + l)] /= weight_[static_cast<std::size_t>(L * k + l)];
+    for (Index c = 0; c < C_; ++c) {
+      double* b = G_.data() + batch_entry(Q_ + c, 0);
+      batch_solve(G_.data(), Q_, b);
+      subtract_product(F_.data(), n_, width, Q_, b, s_.data() + L * n_ * c);
+      for (int l = 0; l < count; ++l)
+        for (Index j = 0; j < Q_; ++j)
+          models.polynomial[static_cast<std::size_t>(Q_ * (C_ * (first + l) + c) + j)] = b[L * j + l];
+    }
+  }
+  // (A + lambda W^-1) alpha = residual.
+  pair_distances(q_.data(), Dim, n_, inverse_support2_, r2_.data());
+  kernel_.values(r2_.data(), static_cast<Index>(r2_.size()), A_.data());
+  for (Index k = 0; k < n_; ++k)
+    for (int l = 0; l < L; ++l) {
+      const double w = weight_[static_cast<std::size_t>(L * k + l)];
+      A_[static_cast<std::size_t>(batch_entry(k, k) + l)] +=
+          options_.smoothing / (w * w) + round_off * static_cast<double>(n_);
+    }
+  batch_cholesky(A_.data(), n_, round_off);
+  batch_solve(A_.data(), n_, s_.data(), C_);
+  for (int l = 0; l < count; ++l)
+    for (Index c = 0; c < C_; ++c)
+      for (Index j = 0; j < n_; ++j)
+        models.alpha[static_cast<std::size_t>(n_ * (C_ * (first + l) + c) + j)] =
+            s_[static_cast<std::size_t>(L * (n_ * c + j) + l)];
+}
+
+template <int Dim>
+void LocalFitter<Dim>::fit_least_squares(LocalModels<Dim>& models, Index first, int count) {
+  const Index width = Q_ + M_ + C_, unknowns = Q_ + M_;
+  polynomial_rows(width);
+  distances_to(q_.data(), Dim, n_, center_rows_.data(), M_, inverse_support2_, r2_.data());
+  kernel_.values(r2_.data(), static_cast<Index>(r2_.size()), A_.data());
+  for (Index k = 0; k < n_; ++k) {
+    double* row = F_.data() + L * width * k;
+    const double* w = weight_.data() + L * k;
+    for (Index j = 0; j < M_; ++j) multiply(A_.data() + L * (M_ * k + j), w, row + L * (Q_ + j));
+    for (Index c = 0; c < C_; ++c) multiply(s_.data() + L * (n_ * c + k), w, row + L * (unknowns + c));
+  }
+  std::fill(G_.begin(), G_.end(), 0.0);
+  batch_gram(F_.data(), n_, width, G_.data());
+  for (Index i = 0; i < M_; ++i)
+    for (Index j = 0; j <= i; ++j)
+      for (int l = 0; l < L; ++l)
+        G_[static_cast<std::size_t>(batch_entry(Q_ + i, Q_ + j) + l)] +=
+            options_.smoothing *
+            A_[static_cast<std::size_t>(L * (M_ * center_rows_[static_cast<std::size_t>(i)] + j) + l)];
+  add_ridge(G_.data(), unknowns, round_off);
+  batch_cholesky(G_.data(), unknowns, dependent);
+  for (Index c = 0; c < C_; ++c) {
+    double* b = G_.data() + batch_entry(unknowns + c, 0);
+    batch_solve(G_.data(), unknowns, b);
+    for (int l = 0; l < count; ++l) {
+      for (Index j = 0; j < Q_; ++j)
+        models.polynomial[static_cast<std::size_t>(Q_ * (C_ * (first + l) + c) + j)] = b[L * j + l];
+      for (Index j = 0; j < M_; ++j)
+        models.alpha[static_cast<std::size_t>(M_ * (C_ * (first + l) + c) + j)] = b[L * (Q_ + j) + l];
+    }
+  }
+}
+
+template <int Dim>
+void LocalFitter<Dim>::left_out_errors(Index targets, double* error) {
+  if (interpolates()) {
+    interpolant_errors(targets, error);
+  } else {
+    least_squares_errors(targets, error);
+  }
+}
+
+// With E = (A + lambda W^-1)^-1 and the polynomials P, the interpolant has the coefficients M s with
+// M = E - E P (P^T E P)^-1 P^T E, and leaving sample k out changes its prediction by (M s)_k / M_kk.
+template <int Dim>
+void LocalFitter<Dim>::interpolant_errors(Index targets, double* error) {
+  const Index width = Q_ + C_, n = n_;
+  work_.assign(static_cast<std::size_t>(L * n * (Q_ + targets)), 0.0);
+  double* EP = work_.data();
+  double* unit = EP + L * n * Q_;
+  for (Index j = 0; j < Q_; ++j)
+    for (Index k = 0; k < n; ++k) std::copy_n(F_.data() + L * (width * k + j), L, EP + L * (n * j + k));
+  for (Index t = 0; t < targets; ++t) std::fill_n(unit + L * (n * t + t), L, 1.0);
+  batch_solve(A_.data(), n, work_.data(), Q_ + targets);
+  std::vector<double> S(static_cast<std::size_t>(batch_matrix_size(Q_))),
+      rhs(static_cast<std::size_t>(L * Q_ * (C_ + targets)));
+  std::vector<double> column(static_cast<std::size_t>(L * n));
+  for (Index i = 0; i < Q_; ++i) {
+    for (Index k = 0; k < n; ++k) std::copy_n(F_.data() + L * (width * k + i), L, column.data() + L * k);
+    for (Index j = 0; j <= i; ++j) dot(column.data(), EP + L * n * j, n, S.data() + batch_entry(i, j));
+    for (Index c = 0; c < C_; ++c) dot(column.data(), s_.data() + L * n * c, n, rhs.data() + L * (Q_ * c + i));
+    for (Index t = 0; t < targets; ++t) std::copy_n(EP + L * (n * i + t), L, rhs.data() + L * (Q_ * (C_ + t) + i));
+  }
+  const std::vector<double> before = rhs;
+  if (Q_ > 0) {
+    batch_cholesky(S.data(), Q_, dependent);
+    batch_solve(S.data(), Q_, rhs.data(), C_ + targets);
+  }
+  for (Index t = 0; t < targets; ++t) {
+    double drop[L];
+    dot(before.data() + L * Q_ * (C_ + t), rhs.data() + L * Q_ * (C_ + t), Q_, drop);
+    for (Index c = 0; c < C_; ++c) {
+      double shift[L];
+      dot(before.data() + L * Q_ * (C_ + t), rhs.data() + L * Q_ * c, Q_, shift);
+      for (int l = 0; l < L; ++l) {
+        const double diagonal = unit[L * (n * t + t) + l],
+                     M = std::max(diagonal - drop[l], smallest_freedom * diagonal);
+        error[(l * C_ + c) * targets + t] = (s_[static_cast<std::size_t>(L * (n * c + t) + l)] - shift[l]) / M;
+      }
+    }
+  }
+}
+
+// Residual over 1 - h with the leverage h of the sample.
+template <int Dim>
+void LocalFitter<Dim>::least_squares_errors(Index targets, double* error) {
+  const Index unknowns = Q_ + M_, width = unknowns + C_;
+  work_.resize(static_cast<std::size_t>(L * unknowns * targets));
+  for (Index t = 0; t < targets; ++t)
+    std::copy_n(F_.data() + L * width * t, L * unknowns, work_.data() + L * unknowns * t);
+  batch_solve(G_.data(), unknowns, work_.data(), targets);
+  for (Index t = 0; t < targets; ++t) {
+    double leverage[L];
+    const double* row = F_.data() + L * width * t;
+    dot(row, work_.data() + L * unknowns * t, unknowns, leverage);
+    for (Index c = 0; c < C_; ++c) {
+      double fitted[L];
+      dot(row, G_.data() + batch_entry(unknowns + c, 0), unknowns, fitted);
+      for (int l = 0; l < L; ++l)
+        error[(l * C_ + c) * targets + t] = (row[L * (unknowns + c) + l] - fitted[l]) /
+                                            std::max(1 - leverage[l], smallest_freedom) /
+                                            weight_[static_cast<std::size_t>(L * t + l)];
+    }
+  }
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                           \
+  template bool lopsided<Dim>(const Points<Dim>&, const std::vector<std::pair<double, std::uint32_t>>&); \
+  template class LocalFitter<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,78 @@
+#include "csrbf/approx/local_models.hpp"
+
+#include "csrbf/approx/lane_sums.hpp"
+#include "csrbf/core/dimensions.hpp"
+
+namespace csrbf {
+
+template <int Dim>
+void LocalModels<Dim>::resize(Index models) {
+  center.resize(Dim, models);
+  radius.resize(models);
+  position.resize(static_cast<std::size_t>(Dim * centers_each * models));
+  alpha.resize(static_cast<std::size_t>(components * centers_each * models));
+  polynomial.resize(static_cast<std::size_t>(components * polynomial_size() * models));
+}
+
+template <int Dim>
+LocalEvaluator<Dim>::LocalEvaluator(const LocalModels<Dim>& models) : models_(models) {
+  const Polynomials<Dim> basis(models.degree);
+  for (const auto& step : basis.steps()) {
+    parent_.push_back(static_cast<std::int16_t>(step.parent));
+    axis_.push_back(static_cast<std::int16_t>(step.axis));
+  }
+  const auto M = static_cast<std::size_t>(lanes * models.centers_each);
+  q_.resize(Dim * lanes);
+  monomial_.resize(static_cast<std::size_t>(lanes * terms * basis.size()));
+  r2_.resize(M);
+  phi_.resize(M);
+  g_.resize(M);
+  h_.resize(M);
+}
+
+template <int Dim>
+void LocalEvaluator<Dim>::evaluate(Index i, Index component, const double* x, Derivatives derivatives,
+                                   double (*f)[lanes]) {
+  const int wanted = derivatives == Derivatives::none ? 1 : derivatives == Derivatives::gradient ? 1 + Dim : terms;
+  const double inverse = 1 / models_.radius[i];
+  for (int a = 0; a < Dim; ++a)
+    for (int l = 0; l < lanes; ++l)
+      q_[static_cast<std::size_t>(lanes * a + l)] = (x[lanes * a + l] - models_.center(a, i)) * inverse;
+  const double* q = q_.data();
+
+  // The polynomial.
+  const Index Q = models_.polynomial_size();
+  const double* c = models_.polynomial.data() + (i * models_.components + component) * Q;
+  lane_sums::polynomial(q, Dim, parent_.data(), axis_.data(), Q, c, wanted, monomial_.data(), f[0]);
+
+  // The radial functions.
+  const Index M = models_.centers_each;
+  if (M > 0) {
+    const double* centers = models_.position.data() + Dim * M * i;
+    const double* alpha = models_.alpha.data() + (i * models_.components + component) * M;
+    const double scale = 1 / (models_.support * models_.support);
+    lane_sums::distances(q, Dim, centers, M, scale, r2_.data());
+    if (derivatives == Derivatives::none) {
+      models_.kernel.values(r2_.data(), lanes * M, phi_.data());
+    } else if (derivatives == Derivatives::gradient) {
+      models_.kernel.gradients(r2_.data(), lanes * M, phi_.data(), g_.data());
+    } else {
+      models_.kernel.hessians(r2_.data(), lanes * M, phi_.data(), g_.data(), h_.data());
+    }
+    lane_sums::add_values(phi_.data(), alpha, M, f[0]);
+    if (derivatives >= Derivatives::gradient)
+      lane_sums::add_gradients(g_.data(), alpha, M, q, Dim, centers, scale, f[0]);
+    if (derivatives == Derivatives::hessian)
+      lane_sums::add_hessians(g_.data(), h_.data(), alpha, M, q, Dim, centers, scale, f[0]);
+  }
+  for (int t = 1; t < wanted; ++t)
+    for (int l = 0; l < lanes; ++l) f[t][l] *= t <= Dim ? inverse : inverse * inverse;
+}
+
+#define CSRBF_INSTANTIATE(Dim)      \
+  template struct LocalModels<Dim>; \
+  template class LocalEvaluator<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
