@@ -137,6 +137,12 @@ std::int64_t Archive::integer(const std::string& name, std::int64_t lo, std::int
   return value;
 }
 
+const ArchiveArray<double>& Archive::numbers(const std::string& name, Index rows, Index cols) const {
+  const ArchiveArray<double>& found = array<double>(name, rows, cols);
+  if (!found.allFinite()) fail("\"" + name + "\" holds NaN or infinity");
+  return found;
+}
+
 Archive Archive::part(const std::string& prefix) const {
   const std::string start = prefix + "/";
   Archive found;

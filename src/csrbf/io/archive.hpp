@@ -55,6 +55,8 @@ class Archive {
     check_shape(name, found.rows(), found.cols(), rows, cols);
     return found;
   }
+  /// As array<double>(); all entries must be finite.
+  [[nodiscard]] const ArchiveArray<double>& numbers(const std::string& name, Index rows = -1, Index cols = -1) const;
   /// The archive that was stored under "prefix/". Throws IoError when there is none.
   [[nodiscard]] Archive part(const std::string& prefix) const;
 

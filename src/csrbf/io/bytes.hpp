@@ -20,11 +20,19 @@ T load_scalar(const char* bytes, std::endian order = std::endian::little) {
   return std::bit_cast<T>(raw);
 }
 
+/// Stores a scalar at `bytes` (no alignment needed) in little-endian order.
+template <class T>
+void store_scalar(char* bytes, T value) {
+  auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  if (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
+  std::memcpy(bytes, raw.data(), raw.size());
+}
+
 /// Appends a scalar to `out` in little-endian order.
 template <class T>
 void append_scalar(std::string& out, T value) {
-  auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
-  if (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
+  std::array<char, sizeof(T)> raw;
+  store_scalar(raw.data(), value);
   out.append(raw.data(), raw.size());
 }
 
@@ -40,7 +48,9 @@ T narrow_scalar(double value) {
     return value < lowest ? -infinity : static_cast<T>(value);
   } else {
     if (std::isnan(value)) return 0;
-    return static_cast<T>(std::nearbyint(std::clamp(value, lowest, highest)));
+    // As a double the largest 64-bit integer is one too large to convert.
+    if (value >= highest) return std::numeric_limits<T>::max();
+    return static_cast<T>(std::nearbyint(std::max(value, lowest)));
   }
 }
 

@@ -2,10 +2,9 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/atomic_file.hpp"
+#include "csrbf/io/png.hpp"
 #include "csrbf/io/read_file.hpp"
 #include "csrbf/io/text.hpp"
-
-#include <png.h>
 
 namespace csrbf {
 
@@ -19,17 +18,13 @@ void write_png(const std::string& path, const RgbImage& image) {
   require(image.pixels.size() == bytes, "write_png", "bytes of pixels", image.pixels.size(),
           "three per pixel are needed");
 
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width);
-  png.height = static_cast<png_uint_32>(image.height);
-  png.format = PNG_FORMAT_RGB;
-  std::string encoded(PNG_IMAGE_PNG_SIZE_MAX(png), '\0');
-  png_alloc_size_t size = encoded.size();
-  if (png_image_write_to_memory(&png, encoded.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
-    throw IoError(path + ": cannot encode the picture: " + png.message);
-  encoded.resize(size);
-  write_file(path, encoded);
+  VolumeLayout layout;
+  layout.grid.axes = 2;
+  layout.grid.size = {image.width, image.height, 1};
+  layout.components = 3;
+  layout.type = SampleType::uint8;
+  const std::string_view samples(reinterpret_cast<const char*>(image.pixels.data()), bytes);
+  write_file(path, format_png(layout, samples, path).head);
 }
 
 }  // namespace csrbf

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/archive.hpp"
+#include "csrbf/io/function_archive.hpp"
 #include "csrbf/surface/composite_field.hpp"
 
 #include <utility>
@@ -11,14 +12,6 @@ namespace {
 
 constexpr const char* composite_kind = "composite surface";
 constexpr Index patch_numbers = 24;  // center 3, T 9, radius, flatness, quadric 10
-
-// An array of finite numbers.
-const ArchiveArray<double>& numbers(const Archive& archive, const std::string& name, Index rows, Index columns = -1) {
-  const ArchiveArray<double>& array =
-      columns < 0 ? archive.array<double>(name, rows) : archive.array<double>(name, rows, columns);
-  if (!array.allFinite()) archive.fail("\"" + name + "\" holds NaN or infinity");
-  return array;
-}
 
 Archive to_archive(const Patches& patches) {
   Archive archive;
@@ -40,10 +33,10 @@ Archive to_archive(const Patches& patches) {
 }
 
 Patches patches_from(const Archive& archive) {
-  const auto& table = numbers(archive, "patches", patch_numbers);
+  const auto& table = archive.numbers("patches", patch_numbers);
   const auto& begin = archive.array<std::int64_t>("center_begin", table.cols() + 1, 1);
-  const auto& centers = numbers(archive, "centers", 3);
-  const auto& alpha = numbers(archive, "alpha", centers.cols(), 1);
+  const auto& centers = archive.numbers("centers", 3);
+  const auto& alpha = archive.numbers("alpha", centers.cols(), 1);
   if (begin(0, 0) != 0 || begin(table.cols(), 0) != centers.cols()) archive.fail("the centres do not fit the patches");
   Patches patches;
   for (Index i = 0; i < table.cols(); ++i) {
@@ -75,10 +68,10 @@ Archive to_archive(const WindingNumber& winding) {
 
 WindingNumber winding_from(const Archive& archive) {
   WindingNumber::Data data;
-  data.points = numbers(archive, "points", 3);
-  data.normals = numbers(archive, "normals", 3, data.points.cols());
-  data.areas = numbers(archive, "areas", data.points.cols(), 1);
-  data.eps = numbers(archive, "smoothing_length", data.points.cols(), 1);
+  data.points = archive.numbers("points", 3);
+  data.normals = archive.numbers("normals", 3, data.points.cols());
+  data.areas = archive.numbers("areas", data.points.cols(), 1);
+  data.eps = archive.numbers("smoothing_length", data.points.cols(), 1);
   if (!(data.areas.minCoeff() >= 0 && data.eps.minCoeff() >= 0)) archive.fail("an area is damaged");
   return WindingNumber(std::move(data));
 }
@@ -102,12 +95,12 @@ Archive to_archive(const CompositeField& field) {
 
 std::shared_ptr<const Field<3>> composite_from(const Archive& archive) {
   CompositeField::Data data;
-  data.origin = numbers(archive, "origin", 3, 1);
+  data.origin = archive.numbers("origin", 3, 1);
   data.scale = archive.number("scale");
   data.far_value = archive.number("far_value");
   data.detail = archive.number("detail");
-  data.bounds.lo = numbers(archive, "lower_bounds", 3, 1);
-  data.bounds.hi = numbers(archive, "upper_bounds", 3, 1);
+  data.bounds.lo = archive.numbers("lower_bounds", 3, 1);
+  data.bounds.hi = archive.numbers("upper_bounds", 3, 1);
   if (!(data.scale > 0 && data.far_value > 0 && data.detail > 0)) archive.fail("the scale is damaged");
   const std::int64_t levels = archive.integer("levels", 1, 64);
   for (std::int64_t i = 0; i < levels; ++i)
@@ -129,7 +122,21 @@ void write_model(const std::string& path, const Field<3>& field) {
 std::shared_ptr<const Field<3>> read_model(const std::string& path) {
   const Archive archive = read_archive(path);
   if (archive.kind == composite_kind) return composite_from(archive);
-  archive.fail("this is a \"" + archive.kind + "\", not a surface");
+  if (archive.kind != function_kind) archive.fail("this is a \"" + archive.kind + "\", not a surface");
+  const Function function = function_from(archive).function;
+  if (function.dimension() != 3 || function.components() != 1)
+    archive.fail("this is a function of " + std::to_string(function.dimension()) + " variables with " +
+                 std::to_string(function.components()) +
+                 " components, not a surface: surfaces are functions of 3 variables with 1 component");
+  return std::get<Fit<3>>(function.fits()).components.front();
+}
+
+void write_model(const std::string& path, const NamedFunction& function) {
+  write_archive(path, to_archive(function));
+}
+
+NamedFunction read_function(const std::string& path) {
+  return function_from(read_archive(path));
 }
 
 }  // namespace csrbf

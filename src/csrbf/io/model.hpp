@@ -1,18 +1,35 @@
 #pragma once
 
+#include "csrbf/approx/function.hpp"
 #include "csrbf/core/field.hpp"
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace csrbf {
 
-/// Writes a field to a .csrbf file, complete: read_model() gives the same values. Throws InvalidInput for a kind of
-/// field that has no file form, IoError when the file cannot be written.
+/// Writes a surface to a .csrbf file, complete or not at all: read_model() gives the same values, bit for bit. Throws
+/// InvalidInput for a kind of field that has no file form, IoError when the file cannot be written.
 void write_model(const std::string& path, const Field<3>& field);
 
-/// Reads what write_model() wrote. Throws IoError for files that are missing, damaged, of another kind or from the
-/// future.
+/// Reads the implicit surface of a .csrbf file; a function of three variables with one component counts as one. Throws
+/// IoError for files that are missing, damaged, of another kind or from the future.
 std::shared_ptr<const Field<3>> read_model(const std::string& path);
+
+/// A fitted function and the names of the columns that its samples had.
+struct NamedFunction {
+  Function function;
+  std::vector<std::string> coordinate_names = {};  ///< empty: x y z, or x1 x2 ... from four on
+  std::vector<std::string> value_names = {};       ///< empty: value, or value1 value2 ...
+};
+
+/// Writes a fitted function with its report to a .csrbf file, complete or not at all: read_function() gives the same
+/// values, bit for bit. Throws InvalidInput for fields that have no file form and when the numbers of names do not
+/// match, IoError when the file cannot be written.
+void write_model(const std::string& path, const NamedFunction& function);
+
+/// Reads what write_model() wrote of a function. Throws IoError as read_model().
+NamedFunction read_function(const std::string& path);
 
 }  // namespace csrbf

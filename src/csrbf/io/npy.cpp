@@ -33,12 +33,9 @@ constexpr Scalar scalars[] = {
     {"b1", 1, load_as_double<std::uint8_t>},
 };
 
-struct Header {
-  Scalar scalar{};
-  std::endian order = std::endian::little;
-  bool fortran = false;
-  std::vector<Index> shape;
-};
+const Scalar& scalar_of(const NpyHeader& header) {
+  return *std::find_if(std::begin(scalars), std::end(scalars), [&](const Scalar& s) { return s.code == header.type; });
+}
 
 [[noreturn]] void fail(const std::string& name, const std::string& message) {
   throw IoError(name + ": " + message);
@@ -52,19 +49,18 @@ std::string_view value_of(std::string_view dictionary, std::string_view key, con
   return trimmed(dictionary.substr(colon + 1));
 }
 
-void parse_type(std::string_view text, const std::string& name, Header& header) {
+void parse_type(std::string_view text, const std::string& name, NpyHeader& header) {
   const std::size_t end = text.find('\'', 1);
   if (text.empty() || text[0] != '\'' || end == std::string_view::npos || end < 2)
     fail(name, "arrays of records are not supported; save a plain array of float64");
   const std::string_view type = text.substr(1, end - 1);
   header.order = type[0] == '>' ? std::endian::big : std::endian::little;
-  for (const Scalar& scalar : scalars)
-    if (type.substr(1) == scalar.code) header.scalar = scalar;
-  if (header.scalar.load == nullptr)
+  header.type = type.substr(1);
+  if (std::none_of(std::begin(scalars), std::end(scalars), [&](const Scalar& s) { return s.code == header.type; }))
     fail(name, "elements of type " + in_quotes(type) + " are not supported; save float64");
 }
 
-void parse_shape(std::string_view text, const std::string& name, Header& header) {
+void parse_shape(std::string_view text, const std::string& name, NpyHeader& header) {
   const std::size_t end = text.find(')');
   if (text.empty() || text[0] != '(' || end == std::string_view::npos) fail(name, "the .npy header has no valid shape");
   std::string_view list = text.substr(1, end - 1);
@@ -77,29 +73,9 @@ void parse_shape(std::string_view text, const std::string& name, Header& header)
   }
 }
 
-// Splits the file into header and data.
-Header parse_header(std::string_view& bytes, const std::string& name) {
-  if (bytes.empty()) fail(name, "the file is empty");
-  if (!bytes.starts_with(magic) || bytes.size() < 12) fail(name, "not a .npy file");
-  const int version = bytes[6];
-  if (version < 1 || version > 3)
-    fail(name, "written in .npy format " + std::to_string(version) + ", this program reads 1 to 3");
-  const std::size_t prefix = version == 1 ? 10 : 12;
-  const std::size_t length =
-      version == 1 ? load_scalar<std::uint16_t>(bytes.data() + 8) : load_scalar<std::uint32_t>(bytes.data() + 8);
-  if (length > bytes.size() - prefix) fail(name, "the file ends within its header");
-  const std::string_view dictionary = bytes.substr(prefix, length);
-  bytes.remove_prefix(prefix + length);
-  Header header;
-  parse_type(value_of(dictionary, "descr", name), name, header);
-  parse_shape(value_of(dictionary, "shape", name), name, header);
-  header.fortran = value_of(dictionary, "fortran_order", name).starts_with("True");
-  return header;
-}
-
 // Number of elements; refuses shapes that the data cannot fill, however large their product.
-std::size_t checked_size(const Header& header, std::size_t data_bytes, const std::string& name) {
-  const std::size_t room = data_bytes / header.scalar.size;
+std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const std::string& name) {
+  const std::size_t room = data_bytes / scalar_of(header).size;
   std::size_t size = 1;
   for (const Index length : header.shape) {
     const auto n = static_cast<std::size_t>(length);
@@ -125,22 +101,52 @@ std::size_t fortran_to_c(std::size_t k, const std::vector<Index>& shape) {
 
 }  // namespace
 
+NpyHeader parse_npy_header(std::string_view& bytes, const std::string& name) {
+  if (bytes.empty()) fail(name, "the file is empty");
+  if (!bytes.starts_with(magic) || bytes.size() < 12) fail(name, "not a .npy file");
+  const int version = bytes[6];
+  if (version < 1 || version > 3)
+    fail(name, "written in .npy format " + std::to_string(version) + ", this program reads 1 to 3");
+  const std::size_t prefix = version == 1 ? 10 : 12;
+  const std::size_t length =
+      version == 1 ? load_scalar<std::uint16_t>(bytes.data() + 8) : load_scalar<std::uint32_t>(bytes.data() + 8);
+  if (length > bytes.size() - prefix) fail(name, "the file ends within its header");
+  const std::string_view dictionary = bytes.substr(prefix, length);
+  bytes.remove_prefix(prefix + length);
+  NpyHeader header;
+  parse_type(value_of(dictionary, "descr", name), name, header);
+  parse_shape(value_of(dictionary, "shape", name), name, header);
+  header.fortran = value_of(dictionary, "fortran_order", name).starts_with("True");
+  return header;
+}
+
+std::string npy_bytes_in_c_order(const NpyHeader& header, std::string_view data, const std::string& name) {
+  const std::size_t size = scalar_of(header).size;
+  const std::size_t count = checked_size(header, data.size(), name);
+  std::string bytes(count * size, '\0');
+  for (std::size_t k = 0; k < count; ++k)
+    data.copy(bytes.data() + fortran_to_c(k, header.shape) * size, size, k * size);
+  return bytes;
+}
+
 NpyArray parse_npy(std::string_view bytes, const std::string& name) {
-  const Header header = parse_header(bytes, name);
+  const NpyHeader header = parse_npy_header(bytes, name);
+  const Scalar& scalar = scalar_of(header);
   NpyArray array;
   array.shape = header.shape;
   array.values.resize(checked_size(header, bytes.size(), name));
   for (std::size_t k = 0; k < array.values.size(); ++k) {
-    const double value = header.scalar.load(bytes.data() + k * header.scalar.size, header.order);
+    const double value = scalar.load(bytes.data() + k * scalar.size, header.order);
     array.values[header.fortran ? fortran_to_c(k, header.shape) : k] = value;
   }
   return array;
 }
 
-std::string format_npy(const NpyArray& array) {
+std::string format_npy_header(std::string_view type, const std::vector<Index>& lengths) {
   std::string shape;
-  for (const Index length : array.shape) shape += std::to_string(length) + ",";
-  std::string dictionary = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + shape + "), }";
+  for (const Index length : lengths) shape += std::to_string(length) + ",";
+  std::string dictionary =
+      "{'descr': '<" + std::string(type) + "', 'fortran_order': False, 'shape': (" + shape + "), }";
   constexpr std::size_t prefix = 10;
   constexpr std::size_t alignment = 64;
   dictionary.append(alignment - 1 - (prefix + dictionary.size()) % alignment, ' ');
@@ -148,7 +154,11 @@ std::string format_npy(const NpyArray& array) {
   std::string out(magic);
   out += {'\x01', '\x00'};
   append_scalar(out, static_cast<std::uint16_t>(dictionary.size()));
-  out += dictionary;
+  return out + dictionary;
+}
+
+std::string format_npy(const NpyArray& array) {
+  std::string out = format_npy_header("f8", array.shape);
   out.reserve(out.size() + 8 * array.values.size());
   for (const double value : array.values) append_scalar(out, value);
   return out;

@@ -121,29 +121,21 @@ PointCloud parse_point_table(std::string_view text, const std::string& name) {
 
 std::string format_point_table(const PointCloud& cloud, TableStyle style) {
   const bool named = style == TableStyle::txt || style == TableStyle::csv;
-  const char separator = style == TableStyle::csv ? ',' : ' ';
-  std::string out;
-  const auto end_line = [&] { out.back() = '\n'; };
-  if (style == TableStyle::pts) out += std::to_string(cloud.size()) + "\n";
-  if (named) {
-    if (style == TableStyle::txt) out += "# ";
-    const auto add = [&](std::string_view column) { out.append(column) += separator; };
-    std::for_each(position_names.begin(), position_names.end(), add);
-    if (cloud.has_normals()) std::for_each(normal_names.begin(), normal_names.end(), add);
-    for (const Property& p : cloud.properties) add(single_word(p.name));
-    end_line();
+  const std::size_t properties = named ? cloud.properties.size() : 0;
+  const Index fixed = cloud.has_normals() ? 6 : 3;
+  Eigen::MatrixXd values(fixed + static_cast<Index>(properties), cloud.size());
+  values.topRows(3) = cloud.points;
+  if (cloud.has_normals()) values.middleRows(3, 3) = cloud.normals;
+  std::vector<std::string> names(position_names.begin(), position_names.end());
+  if (cloud.has_normals()) names.insert(names.end(), normal_names.begin(), normal_names.end());
+  for (std::size_t p = 0; p < properties; ++p) {
+    values.row(fixed + static_cast<Index>(p)) = cloud.properties[p].values.transpose();
+    names.push_back(cloud.properties[p].name);
   }
-  const auto add_value = [&](double value) {
-    append_number(out, value);
-    out += separator;
-  };
-  for (Index i = 0; i < cloud.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) add_value(cloud.points(axis, i));
-    for (int axis = 0; axis < 3 && cloud.has_normals(); ++axis) add_value(cloud.normals(axis, i));
-    for (std::size_t p = 0; named && p < cloud.properties.size(); ++p) add_value(cloud.properties[p].values(i));
-    end_line();
-  }
-  return out;
+  if (!named) names.clear();
+  const std::string count = style == TableStyle::pts ? std::to_string(cloud.size()) + "\n" : "";
+  return count +
+         format_table(names, values, style == TableStyle::csv ? ',' : ' ', style == TableStyle::txt ? "# " : "");
 }
 
 }  // namespace csrbf

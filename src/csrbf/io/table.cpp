@@ -38,6 +38,10 @@ bool is_number(std::string_view cell) {
   return parse_number(cell).has_value();
 }
 
+bool is_missing(std::string_view cell) {
+  return cell.empty() || cell == "NA" || cell == "null" || cell == "NULL";
+}
+
 std::vector<std::string> unquoted(const std::vector<std::string_view>& cells) {
   std::vector<std::string> names;
   for (std::string_view cell : cells) {
@@ -50,7 +54,8 @@ std::vector<std::string> unquoted(const std::vector<std::string_view>& cells) {
 
 class TableParser {
  public:
-  TableParser(std::string_view text, const std::string& name) : text_size_(text.size()), reader_(text, name) {}
+  TableParser(std::string_view text, const std::string& name, TextCells text_cells)
+      : text_size_(text.size()), reader_(text, name), text_cells_(text_cells) {}
 
   Table parse() {
     read_head();
@@ -99,6 +104,7 @@ class TableParser {
       if (!next_line()) throw IoError(reader_.name() + ": the file holds column names but no rows of numbers");
       if (separator_ == ' ') separator_ = separator_of(line_);
       cells = split(line_, separator_);
+      if (cells.size() + 1 == table_.names.size() && last_cell_is_empty()) cells.emplace_back();
       if (cells.size() != table_.names.size())
         reader_.fail("expected " + std::to_string(table_.names.size()) + " columns as named, found " +
                      std::to_string(cells.size()));
@@ -123,17 +129,37 @@ class TableParser {
     while (const auto cell = take_cell(rest, separator_)) {
       if (++found > columns_) continue;
       const std::optional<double> value = parse_number(*cell);
-      if (!value && cell->empty()) reader_.fail("cell " + std::to_string(found) + " is empty");
-      if (!value) reader_.fail(in_quotes(*cell) + " is not a number");
-      values_.push_back(*value);
+      values_.push_back(value ? *value : not_a_number(*cell, found - 1));
+    }
+    if (found + 1 == columns_ && last_cell_is_empty()) {
+      values_.push_back(not_a_number("", found));
+      ++found;
     }
     if (found != columns_)
       reader_.fail("expected " + std::to_string(columns_) + " columns as in line " + std::to_string(table_.first_line) +
                    ", found " + std::to_string(found));
   }
 
+  // A separator at the end of the line may also stand before an empty cell: when one is missing.
+  [[nodiscard]] bool last_cell_is_empty() const {
+    return text_cells_ == TextCells::note && separator_ != ' ' && line_.ends_with(separator_);
+  }
+
+  double not_a_number(std::string_view cell, Index column) {
+    if (text_cells_ == TextCells::refuse) {
+      if (cell.empty()) reader_.fail("cell " + std::to_string(column + 1) + " is empty");
+      reader_.fail(in_quotes(cell) + " is not a number");
+    }
+    const auto known = [&](const TextCell& c) { return c.column == column; };
+    auto& cells = table_.text_cells;
+    if (!is_missing(cell) && std::none_of(cells.begin(), cells.end(), known))
+      cells.push_back({column, reader_.number(), std::string(cell)});
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
   std::size_t text_size_;
   LineReader reader_;
+  TextCells text_cells_;
   std::string_view line_, comment_;
   char separator_ = ' ';
   Index columns_ = 0;
@@ -144,8 +170,23 @@ class TableParser {
 
 }  // namespace
 
-Table parse_table(std::string_view text, const std::string& name) {
-  return TableParser(text, name).parse();
+Table parse_table(std::string_view text, const std::string& name, TextCells text_cells) {
+  return TableParser(text, name, text_cells).parse();
+}
+
+std::string format_table(const std::vector<std::string>& names, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                         char separator, std::string_view head) {
+  std::string out(names.empty() ? "" : head);
+  for (const std::string& name : names) out.append(single_word(name)) += separator;
+  if (!names.empty()) out.back() = '\n';
+  for (Index row = 0; row < values.cols(); ++row) {
+    for (Index column = 0; column < values.rows(); ++column) {
+      append_number(out, values(column, row));
+      out += separator;
+    }
+    out.back() = '\n';
+  }
+  return out;
 }
 
 }  // namespace csrbf

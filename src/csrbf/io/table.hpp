@@ -8,18 +8,33 @@
 
 namespace csrbf {
 
+/// A cell that is no number.
+struct TextCell {
+  Index column = 0;  ///< from 0
+  Index line = 0;    ///< of the text
+  std::string text;
+};
+
+/// What happens to cells that are no numbers: an error, or they become NaN and the table tells of them.
+enum class TextCells { refuse, note };
+
 /// Rows of numbers from a text.
 struct Table {
-  std::vector<std::string> names;   ///< column names, or none
-  bool names_from_comment = false;  ///< the names stood in a comment line right before the first row
-  Eigen::MatrixXd values;           ///< columns x rows: one matrix column per line of the text
-  Index first_line = 0;             ///< line number of the first row, for messages
+  std::vector<std::string> names;    ///< column names, or none
+  bool names_from_comment = false;   ///< the names stood in a comment line right before the first row
+  Eigen::MatrixXd values;            ///< columns x rows: one matrix column per line of the text
+  Index first_line = 0;              ///< line number of the first row, for messages
+  std::vector<TextCell> text_cells;  ///< the first of each column that has any (TextCells::note)
 };
 
 /// Reads lines of numbers separated by blanks, tabs, commas or semicolons (the first row decides); # and // begin
 /// comments. A first line without any number names the columns. One single number on the first line, before longer
-/// rows, is the number of rows (.pts) and must be right. Throws IoError "name:line: ..." for ragged rows, cells that
-/// are no numbers and a text without rows.
-Table parse_table(std::string_view text, const std::string& name);
+/// rows, is the number of rows (.pts) and must be right. With TextCells::note, cells that are empty, NA or null are
+/// NaN. Throws IoError "name:line: ..." for ragged rows, cells that are no numbers and a text without rows.
+Table parse_table(std::string_view text, const std::string& name, TextCells text_cells = TextCells::refuse);
+
+/// Rows of numbers as text: values is columns x rows. `head` comes before the first name.
+std::string format_table(const std::vector<std::string>& names, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                         char separator, std::string_view head = "");
 
 }  // namespace csrbf

@@ -1,0 +1,92 @@
+#pragma once
+
+#include "csrbf/core/grid.hpp"
+
+#include <bit>
+#include <string>
+#include <string_view>
+
+namespace csrbf {
+
+/// Calls action(T{}) with T the C++ type of the samples.
+template <class Action>
+decltype(auto) with_sample_type(SampleType type, Action action) {
+  switch (type) {
+    case SampleType::uint8:
+      return action(std::uint8_t{});
+    case SampleType::int8:
+      return action(std::int8_t{});
+    case SampleType::uint16:
+      return action(std::uint16_t{});
+    case SampleType::int16:
+      return action(std::int16_t{});
+    case SampleType::uint32:
+      return action(std::uint32_t{});
+    case SampleType::int32:
+      return action(std::int32_t{});
+    case SampleType::uint64:
+      return action(std::uint64_t{});
+    case SampleType::int64:
+      return action(std::int64_t{});
+    case SampleType::float32:
+      return action(float{});
+    default:
+      return action(double{});
+  }
+}
+
+/// Bytes of one sample.
+std::size_t sample_size(SampleType type);
+
+/// "uint8", "int8", ..., "float64".
+std::string_view sample_name(SampleType type);
+
+[[nodiscard]] constexpr bool is_floating(SampleType type) {
+  return type == SampleType::float32 || type == SampleType::float64;
+}
+
+/// Samples of an image file: in the order of Volume, or one component after the other ("planar").
+struct RawVolume {
+  VolumeLayout layout;
+  std::string bytes;       ///< samples from `offset` on: the file itself when they are not compressed
+  std::size_t offset = 0;  ///< so that reading needs no second copy
+  std::endian order = std::endian::native;
+  bool planar = false;  ///< the component runs slowest
+  double slope = 1;     ///< value = slope * sample + intercept
+  double intercept = 0;
+
+  [[nodiscard]] std::size_t samples() const {
+    return static_cast<std::size_t>(layout.values_per_frame() * layout.frames);
+  }
+  [[nodiscard]] std::size_t byte_count() const { return samples() * sample_size(layout.type); }
+};
+
+/// A file as it is written: both parts one after the other.
+struct FileParts {
+  std::string head;
+  std::string body;
+};
+
+/// Values of the samples; raw.bytes must hold byte_count() of them behind its offset. Parallel.
+template <class Scalar>
+Volume<Scalar> decode_samples(const RawVolume& raw);
+
+/// Values as little-endian samples: integers are rounded and clamped, NaN becomes 0. Parallel.
+template <class Scalar>
+std::string encode_samples(const Volume<Scalar>& volume, SampleType type);
+
+/// Bytes of all samples of a layout whose parts come from a file. Throws IoError when an axis is not positive, when
+/// there are more than 2^40, or when they need more than `available` bytes: before any memory is taken.
+std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t available, const std::string& name);
+
+/// As above for samples compressed into `compressed` bytes: deflate shrinks by less than a factor of 1100.
+std::size_t checked_deflated_bytes(const VolumeLayout& layout, std::size_t compressed, const std::string& name);
+
+/// Makes the columns of `linear` (direction * diag(spacing)) the grid's axes; the last may be 0 for a single slice.
+/// Throws IoError for a singular matrix and for numbers that are not finite.
+void set_axes(Grid& grid, const Eigen::Matrix3d& linear, const std::string& name);
+
+/// The grid in another space: x and y change their sign between the two of patients.
+Grid in_space(Grid grid, Space space);
+
+}  // namespace csrbf

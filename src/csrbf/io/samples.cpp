@@ -1,0 +1,235 @@
+#include "csrbf/io/samples.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/atomic_file.hpp"
+#include "csrbf/io/npy.hpp"
+#include "csrbf/io/read_file.hpp"
+#include "csrbf/io/table.hpp"
+#include "csrbf/io/text.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace csrbf {
+namespace {
+
+constexpr std::array<std::string_view, 6> extensions{".csv", ".txt", ".tsv", ".dat", ".xyz", ".npy"};
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + in_quotes(word);
+  return list;
+}
+
+Table table_of(const NpyArray& array, const std::string& name) {
+  if (array.shape.size() != 2 || array.shape[0] == 0)
+    throw IoError(name + ": the array has " + std::to_string(array.shape.size()) +
+                  " axes or no rows, samples need an (n, d+1) array of one row per sample");
+  Table table;
+  table.values = Eigen::Map<const Eigen::MatrixXd>(array.values.data(), array.shape[1], array.shape[0]);
+  return table;
+}
+
+Table read_table(const std::string& path) {
+  const std::string extension = path == "-" ? ".csv" : file_extension(path);
+  if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) {
+    std::string known;
+    for (const std::string_view e : extensions) known += " " + std::string(e);
+    throw IoError(path + ": unknown extension " + in_quotes(extension) + "; files of samples are" + known);
+  }
+  const std::string name = display_name(path);
+  if (extension == ".npy") return table_of(parse_npy(read_file(path), name), name);
+  return parse_table(read_file(path), name, TextCells::note);
+}
+
+class ColumnPicker {
+ public:
+  ColumnPicker(const Table& table, std::string name)
+      : table_(table), name_(std::move(name)), used_(static_cast<std::size_t>(table.values.rows()), false) {}
+
+  // The columns of a list of names and numbers, which are used from now on.
+  std::vector<Index> take(std::string_view list) {
+    std::vector<Index> columns;
+    while (!trimmed(list).empty()) {
+      const std::size_t comma = std::min(list.find(','), list.size());
+      columns.push_back(take_one(trimmed(list.substr(0, comma))));
+      list.remove_prefix(std::min(list.size(), comma + 1));
+    }
+    return columns;
+  }
+
+  // All columns that nobody took, or the last of them.
+  std::vector<Index> take_rest() {
+    std::vector<Index> columns;
+    for (Index i = 0; i < size(); ++i)
+      if (!used(i)) columns.push_back(i);
+    for (const Index i : columns) use(i);
+    return columns;
+  }
+  std::vector<Index> take_last() {
+    for (Index i = size() - 1; i >= 0; --i)
+      if (!used(i)) {
+        use(i);
+        return {i};
+      }
+    return {};
+  }
+
+  // Throws when one of the columns holds text.
+  void check_numbers(const std::vector<Index>& columns) const {
+    for (const TextCell& cell : table_.text_cells)
+      if (std::find(columns.begin(), columns.end(), cell.column) != columns.end())
+        throw IoError(name_ + ":" + std::to_string(cell.line) + ": " + in_quotes(cell.text) +
+                      " is not a number (column " + std::to_string(cell.column + 1) + ")");
+  }
+
+ private:
+  [[nodiscard]] Index size() const { return table_.values.rows(); }
+  [[nodiscard]] bool used(Index column) const { return used_[static_cast<std::size_t>(column)]; }
+  void use(Index column) { used_[static_cast<std::size_t>(column)] = true; }
+
+  Index take_one(std::string_view word) {
+    const auto found = std::find(table_.names.begin(), table_.names.end(), word);
+    const auto number = parse_integer(word);
+    Index column = 0;
+    if (found != table_.names.end())
+      column = found - table_.names.begin();
+    else if (number && *number >= 1 && *number <= size())
+      column = static_cast<Index>(*number) - 1;
+    else if (number)
+      throw IoError(name_ + ": there is no column " + in_quotes(word) + "; the file has " + std::to_string(size()) +
+                    " columns");
+    else
+      throw IoError(name_ + ": no column is named " + in_quotes(word) + "; " +
+                    (table_.names.empty()
+                         ? "the columns have no names, give numbers from 1 to " + std::to_string(size())
+                         : "the columns are " + listed(table_.names)));
+    if (used(column)) throw IoError(name_ + ": column " + in_quotes(word) + " is used twice");
+    use(column);
+    return column;
+  }
+
+  const Table& table_;
+  std::string name_;
+  std::vector<bool> used_;
+};
+
+std::vector<std::string> numbered(const std::string& stem, Index count) {
+  std::vector<std::string> names;
+  for (Index i = 1; i <= count; ++i) names.push_back(stem + std::to_string(i));
+  return names;
+}
+
+std::vector<std::string> names_of(const Table& table, const std::vector<Index>& columns,
+                                  const std::vector<std::string>& defaults) {
+  if (table.names.empty()) return defaults;
+  std::vector<std::string> names;
+  for (const Index column : columns) names.push_back(table.names[static_cast<std::size_t>(column)]);
+  return names;
+}
+
+// Rows in which all used numbers are finite.
+std::vector<Index> complete_rows(const Table& table, const std::vector<Index>& used) {
+  std::vector<Index> rows;
+  for (Index row = 0; row < table.values.cols(); ++row)
+    if (std::all_of(used.begin(), used.end(), [&](Index c) { return std::isfinite(table.values(c, row)); }))
+      rows.push_back(row);
+  return rows;
+}
+
+void check_weights(const Eigen::VectorXd& weights, const std::vector<Index>& rows, const std::string& name) {
+  for (Index i = 0; i < weights.size(); ++i)
+    if (!(weights(i) >= 0))
+      throw IoError(name + ": row " + std::to_string(rows[static_cast<std::size_t>(i)] + 1) + " has the weight " +
+                    std::to_string(weights(i)) + "; weights must not be negative");
+}
+
+}  // namespace
+
+std::vector<std::string> default_coordinate_names(Index d) {
+  const std::vector<std::string> axes{"x", "y", "z"};
+  if (d <= static_cast<Index>(axes.size())) return {axes.begin(), axes.begin() + d};
+  return numbered("x", d);
+}
+
+std::vector<std::string> default_value_names(Index k) {
+  return k == 1 ? std::vector<std::string>{"value"} : numbered("value", k);
+}
+
+SampleTable read_samples(const std::string& path, const SampleColumns& columns) {
+  const Table table = read_table(path);
+  const std::string name = display_name(path);
+  ColumnPicker picker(table, name);
+  const std::vector<Index> weights = picker.take(columns.weights);
+  if (weights.size() > 1) throw IoError(name + ": weights stand in one column, found " + in_quotes(columns.weights));
+  std::vector<Index> values = picker.take(columns.values);
+  std::vector<Index> coordinates = picker.take(columns.coordinates);
+  if (values.empty()) values = picker.take_last();
+  if (coordinates.empty()) coordinates = picker.take_rest();
+  if (values.empty() || coordinates.empty())
+    throw IoError(name + ": samples need one column of coordinates and one of values at least, the file has " +
+                  std::to_string(table.values.rows()) + " columns");
+  std::vector<Index> used = coordinates;
+  used.insert(used.end(), values.begin(), values.end());
+  used.insert(used.end(), weights.begin(), weights.end());
+  picker.check_numbers(used);
+
+  const std::vector<Index> rows = complete_rows(table, used);
+  if (rows.empty()) throw IoError(name + ": no row has a finite number in every column that is used");
+  SampleTable samples;
+  samples.dropped = table.values.cols() - static_cast<Index>(rows.size());
+  samples.coordinates = table.values(coordinates, rows);
+  samples.values = table.values(values, rows).transpose();
+  if (!weights.empty()) samples.weights = table.values(weights, rows).transpose();
+  check_weights(samples.weights, rows, name);
+  samples.coordinate_names = names_of(table, coordinates, default_coordinate_names(samples.coordinates.rows()));
+  samples.value_names = names_of(table, values, default_value_names(samples.values.cols()));
+  return samples;
+}
+
+Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::string>& names) {
+  const Table table = read_table(path);
+  const std::string name = display_name(path);
+  if (table.values.rows() < static_cast<Index>(names.size()))
+    throw IoError(name + ": expected " + std::to_string(names.size()) + " coordinates (" + listed(names) + "), found " +
+                  std::to_string(table.values.rows()) + " columns");
+  std::vector<Index> columns;
+  for (const std::string& wanted : names) {
+    const auto found = std::find(table.names.begin(), table.names.end(), wanted);
+    if (found != table.names.end()) columns.push_back(found - table.names.begin());
+  }
+  if (columns.size() < names.size()) {
+    columns.resize(names.size());
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i] = static_cast<Index>(i);
+  }
+  ColumnPicker(table, name).check_numbers(columns);
+  return table.values(columns, Eigen::all);
+}
+
+void write_table(const std::string& path, const ResultTable& table) {
+  const Index rows = table.values.rows();
+  require(table.coordinates.cols() == rows, "write_table", "coordinates", table.coordinates.cols(),
+          "one column per row of values is needed");
+  require(static_cast<Index>(table.coordinate_names.size()) == table.coordinates.rows() &&
+              static_cast<Index>(table.value_names.size()) == table.values.cols(),
+          "write_table", "names", table.coordinate_names.size() + table.value_names.size(),
+          "one per coordinate and value is needed");
+  const std::string extension = path == "-" ? ".csv" : file_extension(path);
+  if (extension == ".npy") {
+    NpyArray array{{rows}, {}};
+    if (table.values.cols() != 1) array.shape.push_back(table.values.cols());
+    array.values.resize(static_cast<std::size_t>(table.values.size()));
+    Eigen::Map<Eigen::MatrixXd>(array.values.data(), table.values.cols(), rows) = table.values.transpose();
+    write_file(path, format_npy(array));
+    return;
+  }
+  if (extension != ".csv" && extension != ".txt")
+    throw IoError(path + ": unknown extension " + in_quotes(extension) + "; tables of results are .csv .txt .npy");
+  Eigen::MatrixXd columns(table.coordinates.rows() + table.values.cols(), rows);
+  columns << table.coordinates, table.values.transpose();
+  std::vector<std::string> names = table.coordinate_names;
+  names.insert(names.end(), table.value_names.begin(), table.value_names.end());
+  write_file(path, extension == ".csv" ? format_table(names, columns, ',') : format_table(names, columns, ' ', "# "));
+}
+
+}  // namespace csrbf

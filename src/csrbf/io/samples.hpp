@@ -1,0 +1,55 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+/// Which columns of a table are what: their names or 1-based numbers, separated by commas; empty takes the default.
+struct SampleColumns {
+  std::string coordinates = {};  ///< default: all columns that are neither values nor weights
+  std::string values = {};       ///< default: the last column that is neither a coordinate nor the weight
+  std::string weights = {};      ///< one column; default: none, all samples weigh 1
+};
+
+/// Scattered samples as they are read, for any dimension.
+struct SampleTable {
+  Eigen::MatrixXd coordinates;  ///< d x n
+  Eigen::MatrixXd values;       ///< n x k
+  Eigen::VectorXd weights;      ///< n, or empty
+  std::vector<std::string> coordinate_names, value_names;
+  Index dropped = 0;  ///< rows left out because one of their numbers is missing or not finite
+};
+
+/// Names of d coordinates: x y z, or x1 x2 ... from four on.
+std::vector<std::string> default_coordinate_names(Index d);
+/// Names of k values: value, or value1 value2 ...
+std::vector<std::string> default_value_names(Index k);
+
+/// Reads samples: .csv .txt .tsv .dat .xyz and "-" for standard input (numbers separated by commas, semicolons, tabs or
+/// blanks, with a line of column names or without, see io/table.hpp) or .npy (an (n, d+1) array). Columns that are not
+/// used may hold text; empty cells, NA and null are missing numbers. Columns without names get the default ones. Throws
+/// IoError "file:line: ..." for what cannot be read, for unknown columns (naming those there are), negative weights and
+/// when no row is left.
+SampleTable read_samples(const std::string& path, const SampleColumns& columns = {});
+
+/// Reads points to evaluate at, in the formats of samples: the columns of these names when the file has all of them,
+/// else the first names.size() columns; a d x m matrix. Numbers that are missing are NaN, so that every row has an
+/// answer. Throws IoError.
+Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::string>& names);
+
+/// Answers to queries.
+struct ResultTable {
+  std::vector<std::string> coordinate_names, value_names;
+  Eigen::MatrixXd coordinates;  ///< d x m
+  Eigen::MatrixXd values;       ///< m x k
+};
+
+/// Writes one row per query, complete or not at all (AtomicFile): .csv and "-" for standard output hold names,
+/// coordinates and values, .txt the same with blanks and the names in a comment; .npy holds the values alone, as (m,)
+/// or (m, k). Throws IoError, InvalidInput when numbers of names, rows or columns do not match.
+void write_table(const std::string& path, const ResultTable& table);
+
+}  // namespace csrbf
