@@ -257,8 +257,9 @@ TEST_P(DamagedFunction, WithWildNumbersIsRefusedOrRead) {
         EXPECT_TRUE(is_refusal(error) || error == "no exception") << name << " = " << wild << ": " << error;
       }
       const bool is_free = name.ends_with("_scales");  // of the report: information
-      if (!is_free)
+      if (!is_free) {
         EXPECT_TRUE(is_refusal(error_after(name, ArchiveArray<double>(array->topRows(array->rows() - 1))))) << name;
+      }
     }
   }
 }

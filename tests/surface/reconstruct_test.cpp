@@ -3,6 +3,7 @@
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/surface/trim.hpp"
+#include "surface/surface_testing.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -47,15 +48,6 @@ double torus_distance(const Point<3>& p) {
   return std::abs(std::hypot(std::hypot(p[0], p[1]) - 1, p[2]) - 0.35);
 }
 
-PointCloud join(const PointCloud& a, const PointCloud& b) {
-  PointCloud both;
-  both.points.resize(3, a.size() + b.size());
-  both.points << a.points, b.points;
-  both.normals.resize(3, a.size() + b.size());
-  both.normals << a.normals, b.normals;
-  return both;
-}
-
 Mesh mesh_of(const PointCloud& cloud, const ReconstructOptions& options = {}) {
   return polygonize(*reconstruct(cloud, options).field);
 }
@@ -83,7 +75,7 @@ TEST(Reconstruct, MakesASphereOfSphereSamples) {
 }
 
 TEST(Reconstruct, KeepsTwoSpheresApart) {
-  expect_closed(mesh_of(join(sphere(2000), sphere(2000, 1, {2.3, 0, 0}))), 2, 4);
+  expect_closed(mesh_of(joined(sphere(2000), sphere(2000, 1, {2.3, 0, 0}))), 2, 4);
 }
 
 TEST(Reconstruct, ConvergesOnATorusAtThirdOrderInTheSpacing) {
@@ -190,7 +182,7 @@ TEST(Reconstruct, TurnsAFlippedPatchOfNormals) {
 }
 
 TEST(Reconstruct, MergesDuplicatesAndDropsPointsThatAreNotFinite) {
-  PointCloud cloud = join(sphere(2000), sphere(2000));
+  PointCloud cloud = joined(sphere(2000), sphere(2000));
   cloud.points(1, 7) = std::numeric_limits<double>::quiet_NaN();
   cloud.points(2, 9) = std::numeric_limits<double>::infinity();
   const Reconstruction result = reconstruct(cloud);
@@ -205,7 +197,7 @@ TEST(Reconstruct, SurvivesOutliers) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   stray.points = Points<3>::NullaryExpr(3, 30, [&] { return uniform(random); });
   stray.normals = Points<3>::NullaryExpr(3, 30, [&] { return uniform(random); });
-  const PointCloud cloud = join(sphere(3000), stray);
+  const PointCloud cloud = joined(sphere(3000), stray);
   const Reconstruction result = reconstruct(cloud);
   const Mesh mesh = keep_components_with_data(polygonize(*result.field), cloud.points(Eigen::all, result.source)).mesh;
   EXPECT_TRUE(topology(mesh).watertight());
