@@ -5,6 +5,7 @@
 #include "csrbf/core/parallel.hpp"
 
 #include <array>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -15,6 +16,7 @@ constexpr double nearest_end = 0.3;     // of a split to the ends of the side, a
 constexpr Index median_sample = 255;    // points that tell the median
 constexpr double margin = 1e-9;         // of the extent, around the points
 constexpr double smallest_cell = 1e-9;  // side, as a share of the extent
+constexpr double smallest_side = 64 * std::numeric_limits<double>::epsilon();  // as a share of the coordinates
 
 template <int Dim>
 struct Located {
@@ -64,7 +66,8 @@ void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, Pa
 template <int Dim>
 std::vector<std::vector<Part<Dim>>> split_all(std::vector<Located<Dim>>& points, const Box<Dim>& box, Index leaf_size) {
   std::vector<std::vector<Part<Dim>>> levels = {{{0, static_cast<Index>(points.size()), box}}};
-  const double smallest = smallest_cell * box.extent().maxCoeff();
+  const double coordinate = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
+  const double smallest = std::max(smallest_cell * box.extent().maxCoeff(), 4 * smallest_side * coordinate);
   for (bool more = true; more;) {
     std::vector<Part<Dim>>& parts = levels.back();
     const auto count = static_cast<Index>(parts.size());
@@ -98,7 +101,9 @@ Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth) 
   tree_.box = bounding_box<Dim>(points);
   const double largest = tree_.box.extent().maxCoeff();
   for (int a = 0; a < Dim; ++a) {  // no side without length
-    const double pad = margin * (largest > 0 ? largest : std::max(1.0, std::abs(tree_.box.lo[a])));
+    const double coordinate = std::max(std::abs(tree_.box.lo[a]), std::abs(tree_.box.hi[a]));
+    const double pad =
+        std::max(margin * (largest > 0 ? largest : std::max(1.0, coordinate)), smallest_side * coordinate);
     tree_.box.lo[a] -= pad;
     tree_.box.hi[a] += pad;
   }
@@ -138,12 +143,14 @@ Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth) 
     order_[i] = located[i].id;
   }
   make_cells();
+  make_grid();
   find_supports();
 }
 
 template <int Dim>
 Cover<Dim>::Cover(Tree tree) : tree_(std::move(tree)) {
   make_cells();
+  make_grid();
   find_supports();
 }
 
@@ -200,8 +207,45 @@ void Cover<Dim>::find_supports() {
 }
 
 template <int Dim>
+void Cover<Dim>::make_grid() {
+  constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();  // of the coordinates
+  const Point<Dim> margin_of_part = rounding * box().lo.cwiseAbs().cwiseMax(box().hi.cwiseAbs());
+  parts_ = std::max<Index>(1, static_cast<Index>(std::pow(static_cast<double>(size()), 1.0 / Dim)));
+  const Point<Dim> side = box().extent() / static_cast<double>(parts_);
+  parts_per_length_ = side.cwiseInverse();
+  start_.resize(static_cast<std::size_t>(std::pow(static_cast<double>(parts_), Dim) + 0.5));
+  parallel_for(static_cast<Index>(start_.size()), 256, [&](Index begin, Index end) {
+    for (Index part = begin; part < end; ++part) {
+      Point<Dim> lo;
+      Index rest = part;
+      for (int a = 0; a < Dim; ++a, rest /= parts_)
+        lo[a] = box().lo[a] + static_cast<double>(rest % parts_) * side[a] - margin_of_part[a];
+      const Point<Dim> hi = lo + side + 2 * margin_of_part;
+      std::size_t node = 0;
+      for (int axis = tree_.axis[0]; axis >= 0; axis = tree_.axis[node]) {
+        if (hi[axis] < tree_.split[node]) {
+          ++node;
+        } else if (lo[axis] >= tree_.split[node]) {
+          node = tree_.right[node];
+        } else {
+          break;
+        }
+      }
+      start_[static_cast<std::size_t>(part)] = static_cast<std::uint32_t>(node);
+    }
+  });
+}
+
+template <int Dim>
 Index Cover<Dim>::find(const Point<Dim>& x) const {
-  std::size_t node = 0;
+  Index part = 0;
+  bool inside = true;
+  for (int a = Dim - 1; a >= 0; --a) {
+    const double t = (x[a] - box().lo[a]) * parts_per_length_[a];
+    inside = inside && t >= 0 && t < static_cast<double>(parts_);  // not for NaN
+    part = parts_ * part + (inside ? static_cast<Index>(t) : 0);
+  }
+  std::size_t node = inside ? start_[static_cast<std::size_t>(part)] : 0;
   while (tree_.axis[node] >= 0) node = x[tree_.axis[node]] < tree_.split[node] ? node + 1 : tree_.right[node];
   return tree_.right[node];
 }

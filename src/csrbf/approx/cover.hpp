@@ -68,10 +68,15 @@ class Cover {
  private:
   void collect(const Point<Dim>& x, double reach, Search& search) const;
   void make_cells();
+  void make_grid();
   void find_supports();
 
   Tree tree_;
   std::vector<Box<Dim>> cells_;
+  // A regular grid over the box, with as many parts as there are cells: the deepest node that holds each part.
+  Index parts_ = 1;  // per axis
+  Point<Dim> parts_per_length_ = Point<Dim>::Zero();
+  std::vector<std::uint32_t> start_;
   std::vector<std::size_t> over_begin_;
   std::vector<std::uint32_t> over_;
   Points<Dim> points_;

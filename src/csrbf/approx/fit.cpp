@@ -271,6 +271,7 @@ template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   require_valid(samples, "fit");
   check<Dim>(options);
+  csrbf::report(options.progress, "choose", 0);
   auto start = std::chrono::steady_clock::now();
   Fit<Dim> result;
   FitReport& report = result.report;
@@ -289,7 +290,10 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
   if (!keep_duplicates) scaled = std::move(merged.samples);
   report.samples = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
-  report.method = choose_method(options, scaled.size());
+  report.method = choose_method(options, report.samples);
+  require(std::isnan(options.kernel_parameter) || report.method == "interpolate", "fit", "kernel_parameter",
+          options.kernel_parameter,
+          "is for the method interpolate; " + report.method + " uses the default of the kernel");
   frame.scales = choose_scales(scaled, options, report.method);
   scaled.points.array().colwise() /= frame.scales.array();
   report.axis_scales.assign(frame.scales.data(), frame.scales.data() + Dim);

@@ -25,7 +25,7 @@ struct FitOptions {
   std::string method = "auto";
   /// A name of kernels/kernel.hpp, or auto.
   std::string kernel = "auto";
-  /// Of kernels that have one; NaN: the default of the kernel.
+  /// Of kernels that have one, for the method interpolate; NaN: the default of the kernel.
   double kernel_parameter = std::numeric_limits<double>::quiet_NaN();
   /// Budget of centres; 0: the method decides.
   Index centers = 0;

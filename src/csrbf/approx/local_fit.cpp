@@ -15,6 +15,7 @@ constexpr double dependent = 1e-11;  // pivots smaller than this share of their 
 constexpr double round_off = 1e-14;  // relative ridge that keeps the systems positive definite
 constexpr double smallest_freedom = 1e-6;
 constexpr double even_spread = 0.35;  // smallest variance against that of a ball, for samples to count as evenly spread
+constexpr double flat = 1e-10;        // the same for samples on a line or plane, about which others tell nothing new
 constexpr Index most_spread = 400;    // larger patches reach far enough as they are
 constexpr Index widened = 4, widest = 16;  // times as many samples are looked at where they are not
 
@@ -102,10 +103,9 @@ void add_ridge(double* A, Index n, double share) {
     for (int l = 0; l < L; ++l) A[batch_entry(i, i) + l] += share * trace[l] / static_cast<double>(n);
 }
 
-}  // namespace
-
+// Whether the smallest variance is below a share of that of a filled ball.
 template <int Dim>
-bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
+bool narrower(double share, const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
   const auto n = static_cast<double>(chosen.size());
   Point<Dim> mean = Point<Dim>::Zero();
   double reach2 = 0;
@@ -116,12 +116,19 @@ bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std
   Eigen::Matrix<double, Dim, Dim> covariance = Eigen::Matrix<double, Dim, Dim>::Zero();
   for (const auto& [d2, id] : chosen) covariance += (points.col(id) - mean) * (points.col(id) - mean).transpose() / n;
   if constexpr (Dim == 1) {
-    return covariance(0, 0) * (Dim + 2) < even_spread * reach2;
+    return covariance(0, 0) * (Dim + 2) < share * reach2;
   } else {
     // LL^T of covariance - threshold fails when an eigenvalue is below the threshold.
-    covariance.diagonal().array() -= even_spread * reach2 / (Dim + 2);
+    covariance.diagonal().array() -= share * reach2 / (Dim + 2);
     return covariance.llt().info() != Eigen::Success;
   }
+}
+
+}  // namespace
+
+template <int Dim>
+bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
+  return narrower<Dim>(even_spread, points, chosen);
 }
 
 template <int Dim>
@@ -178,6 +185,7 @@ void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& m
          wide *= widened) {
       cover_.nearest(center, wide * n_, 2 * reach, search_);
       spread<Dim>(cover_.points(), n_, search_.found);
+      if (narrower<Dim>(flat, cover_.points(), search_.found)) cover_.nearest(center, n_, reach, search_);
     }
     double radius = std::sqrt(search_.found.back().first);
     if (!(radius > 0)) radius = cell.diagonal();

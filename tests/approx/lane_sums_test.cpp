@@ -1,0 +1,120 @@
+#include "csrbf/approx/lane_sums.hpp"
+
+#include "csrbf/approx/polynomial.hpp"
+
+#include "approx/approx_testing.hpp"
+
+#include <vector>
+
+namespace csrbf {
+namespace {
+
+constexpr int L = lane_sums::lanes;
+constexpr double rounding = 1e-12;  // sums of fewer than 100 terms of size 1
+
+std::vector<double> random_numbers(Index count, unsigned seed) {
+  const Points<1> numbers = (2 * random_points<1>(count, seed).array() - 1).matrix();
+  return {numbers.data(), numbers.data() + count};
+}
+
+// Point of a lane.
+template <int Dim>
+Point<Dim> lane(const std::vector<double>& x, int l) {
+  Point<Dim> p;
+  for (int a = 0; a < Dim; ++a) p[a] = x[static_cast<std::size_t>(L * a + l)];
+  return p;
+}
+
+template <int Dim>
+void expect_polynomials(int degree) {
+  constexpr int all = 1 + Dim + symmetric_size<Dim>;
+  const Polynomials<Dim> basis(degree);
+  const Index Q = basis.size();
+  std::vector<std::int16_t> parent, axis;
+  for (const auto& step : basis.steps()) {
+    parent.push_back(static_cast<std::int16_t>(step.parent));
+    axis.push_back(static_cast<std::int16_t>(step.axis));
+  }
+  const std::vector<double> x = random_numbers(L * Dim, 1), c = random_numbers(Q, 2);
+  const Eigen::Map<const Eigen::VectorXd> coefficients(c.data(), Q);
+  std::vector<double> jets(static_cast<std::size_t>(L * all * Q));
+  for (const int terms : {1, 1 + Dim, all}) {
+    std::vector<double> f(static_cast<std::size_t>(L * all), 77.0);
+    lane_sums::polynomial(x.data(), Dim, parent.data(), axis.data(), Q, c.data(), terms, jets.data(), f.data());
+    for (int l = 0; l < L; ++l) {
+      const Point<Dim> p = lane<Dim>(x, l);
+      Eigen::MatrixXd value(1, Q), gradient(Dim, Q), hessian(symmetric_size<Dim>, Q);
+      basis.rows(p, value.data(), gradient.data(), hessian.data());
+      Eigen::VectorXd expected(all);
+      expected << value * coefficients, gradient * coefficients, hessian * coefficients;
+      for (int t = 0; t < all; ++t)
+        EXPECT_NEAR(f[static_cast<std::size_t>(L * t + l)], t < terms ? expected[t] : 77, 100 * rounding)
+            << Dim << " " << degree << " " << t;
+    }
+  }
+}
+
+TEST(LaneSums, SumPolynomialsAndTheirDerivatives) {
+  for (int degree = 0; degree <= 6; ++degree) {
+    expect_polynomials<1>(degree);
+    expect_polynomials<2>(degree);
+    expect_polynomials<3>(degree);
+  }
+  expect_polynomials<4>(3);
+  expect_polynomials<5>(3);
+  expect_polynomials<6>(2);
+}
+
+TEST(LaneSums, AreZeroForNoMonomials) {
+  std::vector<double> f(static_cast<std::size_t>(3 * L), 5.0);
+  lane_sums::polynomial(f.data(), 1, nullptr, nullptr, 0, nullptr, 3, nullptr, f.data());
+  EXPECT_EQ(f, std::vector<double>(static_cast<std::size_t>(3 * L), 0.0));
+}
+
+// Sums of alpha_j phi_j with given numbers for phi, g and h, lane by lane from the formulas.
+template <int Dim>
+void expect_sums(Index n) {
+  constexpr int all = 1 + Dim + symmetric_size<Dim>;
+  constexpr double scale = 0.7, before = 3;
+  const std::vector<double> x = random_numbers(L * Dim, 1), centers = random_numbers(Dim * n, 2),
+                            alpha = random_numbers(n, 3), phi = random_numbers(L * n, 4), g = random_numbers(L * n, 5),
+                            h = random_numbers(L * n, 6);
+  std::vector<double> f(static_cast<std::size_t>(L * all), before), r2(static_cast<std::size_t>(L * n));
+  lane_sums::distances(x.data(), Dim, centers.data(), n, scale, r2.data());
+  lane_sums::add_values(phi.data(), alpha.data(), n, f.data());
+  lane_sums::add_gradients(g.data(), alpha.data(), n, x.data(), Dim, centers.data(), scale, f.data());
+  lane_sums::add_hessians(g.data(), h.data(), alpha.data(), n, x.data(), Dim, centers.data(), scale, f.data());
+  for (int l = 0; l < L; ++l) {
+    double value = before;
+    Point<Dim> gradient = Point<Dim>::Constant(before);
+    Eigen::Matrix<double, Dim, Dim> hessian = Eigen::Matrix<double, Dim, Dim>::Constant(before);
+    for (Index j = 0; j < n; ++j) {
+      const auto at = static_cast<std::size_t>(L * j + l);
+      const double a = alpha[static_cast<std::size_t>(j)];
+      const Point<Dim> d = lane<Dim>(x, l) - Eigen::Map<const Point<Dim>>(centers.data() + Dim * j);
+      EXPECT_NEAR(r2[at], scale * d.squaredNorm(), rounding);
+      value += a * phi[at];
+      gradient += a * scale * g[at] * d;
+      hessian += a * scale * (g[at] * Eigen::Matrix<double, Dim, Dim>::Identity() + scale * h[at] * d * d.transpose());
+    }
+    EXPECT_NEAR(f[static_cast<std::size_t>(l)], value, rounding);
+    for (int a = 0, t = 1 + Dim; a < Dim; ++a) {
+      EXPECT_NEAR(f[static_cast<std::size_t>(L * (1 + a) + l)], gradient[a], rounding);
+      for (int b = a; b < Dim; ++b, ++t) EXPECT_NEAR(f[static_cast<std::size_t>(L * t + l)], hessian(a, b), rounding);
+    }
+  }
+}
+
+TEST(LaneSums, SumRadialFunctionsAndTheirDerivatives) {
+  for (const Index n : {0, 1, 7, 50}) {
+    expect_sums<1>(n);
+    expect_sums<2>(n);
+    expect_sums<3>(n);
+    expect_sums<4>(n);
+    expect_sums<5>(n);
+    expect_sums<6>(n);
+  }
+}
+
+}  // namespace
+}  // namespace csrbf
