@@ -67,8 +67,43 @@ struct InfoCommand {
   std::string input;
 };
 
-using Command = std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand,
-                             CompareCommand, InfoCommand>;
+/// How a function is fitted.
+struct FitFlags {
+  std::string method = "auto";
+  std::string kernel = "auto";
+  std::optional<double> kernel_parameter;
+  Index centers = 0;
+  double tolerance = 0;
+  std::string smoothing = "auto";
+  std::optional<int> degree;
+  std::string extrapolation = "constant";
+};
+
+struct FitCommand {
+  std::string input, output;
+  FitFlags fit;
+  std::string coordinates, values, weights;
+  std::string periods;
+};
+
+struct EvaluateCommand {
+  std::string input, output;
+  std::string points;
+  std::string grid, bounds;
+  std::string like;
+  bool gradient = false;
+  bool hessian = false;
+};
+
+struct InpaintCommand {
+  std::string input, output;
+  std::string mask;
+  std::string missing;
+  FitFlags fit;
+};
+
+using Command = std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand, FitCommand,
+                             EvaluateCommand, InpaintCommand, CompareCommand, InfoCommand>;
 
 struct CommandLine {
   std::string verb;
@@ -82,6 +117,12 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv);
 
 /// `text` as numbers separated by `separator`: exactly as many as asked. Throws UsageError that names `flag`.
 Eigen::VectorXd parse_numbers(const std::string& text, char separator, Index count, const std::string& flag);
+
+/// As parse_numbers, but as many as there are.
+Eigen::VectorXd parse_list(const std::string& text, char separator, const std::string& flag);
+
+/// The value of --smoothing auto|none|L: nothing, 0 or L. Throws UsageError.
+std::optional<double> parse_smoothing(const std::string& text);
 
 /// The value of a flag that takes a word or a number. Throws UsageError when the text is neither.
 std::optional<double> parse_word_or_number(const std::string& text, const std::string& word, const std::string& flag);

@@ -1,8 +1,15 @@
+#include "fit_summary.hpp"
 #include "verbs.hpp"
 
 #include "csrbf/io/archive.hpp"
+#include "csrbf/io/function_archive.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/read_file.hpp"
+#include "csrbf/io/sample_codec.hpp"
+#include "csrbf/io/volume.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 namespace csrbf::app {
 namespace {
@@ -71,10 +78,50 @@ struct ValueDescription {
   }
 };
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+void tell_function(const NamedFunction& named, Session& session) {
+  const Function& function = named.function;
+  const Eigen::MatrixXd bounds = function.bounds();
+  const Eigen::VectorXd lo = bounds.col(0), hi = bounds.col(1);
+  const FitReport& r = function.report();
+  session.result.update(
+      {{"dimension", function.dimension()},
+       {"components", function.components()},
+       {"coordinates", named.coordinate_names},
+       {"values", named.value_names},
+       {"bounds",
+        {{"lo", std::vector<double>(lo.begin(), lo.end())}, {"hi", std::vector<double>(hi.begin(), hi.end())}}},
+       {"samples", r.samples},
+       {"method", r.method},
+       {"kernel", r.kernel},
+       {"centers", r.centers},
+       {"smoothing", r.smoothing},
+       {"rmse", r.rmse},
+       {"max_error", r.max_error},
+       {"cross_validation_rmse", r.cross_validation_rmse}});
+  std::string box;
+  for (Index a = 0; a < lo.size(); ++a)
+    box += (a > 0 ? ", " : "") + named.coordinate_names[static_cast<std::size_t>(a)] + " from " + rounded(lo[a]) +
+           " to " + rounded(hi[a]);
+  session.say("model:       function " + joined(named.value_names) + " of " + joined(named.coordinate_names) +
+              ", fitted to " + counted(r.samples, "sample"));
+  session.say("bounds:      " + box);
+  say_fit(r, session);
+}
+
 void tell_model(const Archive& archive, Session& session) {
   Json contents = Json::object();
   for (const auto& [name, value] : archive.values()) contents[name] = std::visit(ValueDescription{}, value);
   session.result = {{"kind", "model"}, {"model", archive.kind}, {"format", archive_format}, {"contents", contents}};
+  if (archive.kind == function_kind) {
+    tell_function(function_from(archive), session);
+    return;
+  }
   session.say("model:       " + archive.kind);
   constexpr std::size_t most_lines = 8;
   std::size_t shown = 0;
@@ -88,12 +135,50 @@ void tell_model(const Archive& archive, Session& session) {
     session.say("  and " + std::to_string(contents.size() - most_lines) + " more entries (all in the report)");
 }
 
+void tell_image(const std::string& path, Session& session) {
+  const Volume<float> image = session.timed("read", [&] { return read_volume(path); });
+  const auto& size = image.grid.size;
+  const Point<3>&spacing = image.grid.spacing, &origin = image.grid.origin;
+  Index undefined = 0;
+  float lo = std::numeric_limits<float>::infinity(), hi = -lo;
+  for (const float value : image.values) {
+    if (std::isnan(value)) ++undefined;
+    lo = std::min(lo, std::isnan(value) ? lo : value);
+    hi = std::max(hi, std::isnan(value) ? hi : value);
+  }
+  session.result = {{"kind", "image"},
+                    {"size", size},
+                    {"frames", image.frames},
+                    {"components", image.components},
+                    {"type", sample_name(image.type)},
+                    {"spacing", to_json(spacing)},
+                    {"origin", to_json(origin)},
+                    {"not_a_number", undefined}};
+  session.result["min"] = lo <= hi ? Json(lo) : Json(nullptr);
+  session.result["max"] = lo <= hi ? Json(hi) : Json(nullptr);
+  std::string text;
+  for (int a = 0; a < image.grid.axes; ++a)
+    text += (a > 0 ? " x " : "") + std::to_string(size[static_cast<std::size_t>(a)]);
+  session.say("image:       " + text + " pixels of " + std::to_string(image.components) + " " +
+              std::string(sample_name(image.type)) + ", " + counted(image.frames, "frame"));
+  session.say("spacing:     " + to_text(spacing) + ", origin " + to_text(origin));
+  if (lo <= hi)
+    session.say("values:      from " + rounded(lo) + " to " + rounded(hi) +
+                (undefined > 0 ? ", " + counted(undefined, "NaN") : ""));
+}
+
 }  // namespace
 
 void run(const InfoCommand& command, Session& session) {
   session.input = {{"file", command.input}};
   if (file_extension(command.input) == ".csrbf") {
-    tell_model(session.timed("read", [&] { return read_archive(command.input); }), session);
+    const Archive archive = session.timed("read", [&] { return read_archive(command.input); });
+    tell_model(archive, session);
+    return;
+  }
+  // .npy files hold points more often than images.
+  if (is_volume_file(command.input) && file_extension(command.input) != ".npy") {
+    tell_image(command.input, session);
     return;
   }
   const Mesh mesh = session.timed("read", [&] { return read_mesh_or_points(command.input); });

@@ -114,7 +114,12 @@ std::string examples() {
   return section("EXAMPLES") + "Turn a point cloud into a mesh and keep the surface as a function:\n" +
          command("csrbf reconstruct bunny.xyz -o bunny.ply --model bunny.csrbf") + ".PP\nDraw it:\n" +
          command("csrbf render bunny.csrbf -o bunny.png --up y --view 20,15") + ".PP\nMake a finer mesh of it:\n" +
-         command("csrbf polygonize bunny.csrbf -o fine.ply --resolution 512");
+         command("csrbf polygonize bunny.csrbf -o fine.ply --resolution 512") +
+         ".PP\nFit a function to the columns of a table and evaluate it on a grid:\n" +
+         command("csrbf fit soundings.csv -o depth.csrbf") +
+         command("csrbf evaluate depth.csrbf -o depth.nrrd --grid 800,600") +
+         ".PP\nFill the pixels of an image that a mask marks:\n" +
+         command("csrbf inpaint photo.png -o filled.png --mask scratches.png");
 }
 
 }  // namespace
@@ -128,7 +133,8 @@ std::string man_page(const Usage& program) {
           paragraph(
               "csrbf turns scattered points into an implicit surface: a smooth function that is positive inside "
               "an object, negative outside and zero on its surface. From it come watertight meshes, pictures, "
-              "normals and curvatures. Each verb below does one step.");
+              "normals and curvatures. It also turns scattered samples of any quantity into a smooth function that "
+              "can be evaluated anywhere, and fills the missing pixels of images. Each verb below does one step.");
   const std::vector<FlagUsage> common = common_flags(program);
   roff += section("VERBS");
   for (const Usage& verb : program.verbs) roff += verb_section(verb, common);

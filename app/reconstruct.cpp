@@ -21,11 +21,6 @@ Normals parse_normals(const std::string& text) {
   return text == "estimate" ? Normals::estimate : Normals::automatic;
 }
 
-std::optional<double> parse_smoothing(const std::string& text) {
-  if (text == "none") return 0;
-  return parse_word_or_number(text, "auto", "--smoothing");
-}
-
 ReconstructOptions make_options(const ReconstructCommand& command, Session& session) {
   return {.method = command.method,
           .normals = parse_normals(command.normals),

@@ -10,6 +10,9 @@ void run(const ReconstructCommand& command, Session& session);
 void run(const EstimateNormalsCommand& command, Session& session);
 void run(const PolygonizeCommand& command, Session& session);
 void run(const RenderCommand& command, Session& session);
+void run(const FitCommand& command, Session& session);
+void run(const EvaluateCommand& command, Session& session);
+void run(const InpaintCommand& command, Session& session);
 void run(const CompareCommand& command, Session& session);
 void run(const InfoCommand& command, Session& session);
 

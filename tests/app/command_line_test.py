@@ -17,7 +17,7 @@ import unittest
 import zlib
 
 PROGRAM = ""
-VERBS = ["reconstruct", "estimate-normals", "polygonize", "render", "compare", "info"]
+VERBS = ["reconstruct", "estimate-normals", "polygonize", "render", "fit", "evaluate", "inpaint", "compare", "info"]
 REPORT_KEYS = ["csrbf", "command", "input", "options", "result", "time", "peak_memory_mb", "threads", "warnings"]
 
 

@@ -145,8 +145,8 @@ NpyArray parse_npy(std::string_view bytes, const std::string& name) {
 std::string format_npy_header(std::string_view type, const std::vector<Index>& lengths) {
   std::string shape;
   for (const Index length : lengths) shape += std::to_string(length) + ",";
-  std::string dictionary =
-      "{'descr': '<" + std::string(type) + "', 'fortran_order': False, 'shape': (" + shape + "), }";
+  std::string dictionary = "{'descr': '" + std::string(type.back() == '1' ? "|" : "<") + std::string(type) +
+                           "', 'fortran_order': False, 'shape': (" + shape + "), }";
   constexpr std::size_t prefix = 10;
   constexpr std::size_t alignment = 64;
   dictionary.append(alignment - 1 - (prefix + dictionary.size()) % alignment, ' ');

@@ -1,0 +1,123 @@
+#include "evaluation_places.hpp"
+#include "verbs.hpp"
+
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/samples.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace csrbf::app {
+namespace {
+
+struct Wanted {
+  bool gradient = false;
+  bool hessian = false;
+
+  [[nodiscard]] Derivatives derivatives() const {
+    if (hessian) return Derivatives::hessian;
+    return gradient ? Derivatives::gradient : Derivatives::none;
+  }
+};
+
+// value, then value_x value_y, then value_xx value_xy value_yy, for all components each.
+std::vector<std::string> column_names(const NamedFunction& model, const Wanted& wanted) {
+  std::vector<std::string> names = model.value_names;
+  const std::vector<std::string>& axes = model.coordinate_names;
+  if (wanted.gradient)
+    for (const std::string& value : model.value_names)
+      for (const std::string& axis : axes) names.push_back(value + "_" + axis);
+  if (wanted.hessian)
+    for (const std::string& value : model.value_names)
+      for (std::size_t a = 0; a < axes.size(); ++a)
+        for (std::size_t b = a; b < axes.size(); ++b) names.push_back(value + "_" + axes[a] + "_" + axes[b]);
+  return names;
+}
+
+// columns x places: the memory of an image with the columns as components.
+Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
+                             const Progress& progress) {
+  constexpr Index slice = Index{1} << 20;
+  Eigen::MatrixXd answers(columns, places.count);
+  for (Index begin = 0; begin < places.count; begin += slice) {
+    report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(places.count));
+    const Index n = std::min(slice, places.count - begin);
+    const Function::Values values = model.function.evaluate(places.points(begin, n), wanted.derivatives());
+    Index row = 0;
+    const auto put = [&](const Eigen::MatrixXd& part) {
+      answers.block(row, begin, part.cols(), n) = part.transpose();
+      row += part.cols();
+    };
+    put(values.value);
+    if (wanted.gradient) put(values.gradient);
+    if (wanted.hessian) put(values.hessian);
+  }
+  return answers;
+}
+
+void write_answers(const std::string& path, const NamedFunction& model, const Places& places,
+                   const std::vector<std::string>& columns, Eigen::MatrixXd answers) {
+  if (places.is_image) {
+    VolumeLayout layout = places.layout;
+    layout.components = answers.rows();
+    write_places(path, layout, answers);
+    return;
+  }
+  const bool has_coordinates = !path.ends_with(".npy");
+  write_table(path, {.coordinate_names = has_coordinates ? model.coordinate_names : std::vector<std::string>{},
+                     .value_names = columns,
+                     .coordinates = has_coordinates ? places.points(0, places.count) : Eigen::MatrixXd(0, places.count),
+                     .values = answers.transpose()});
+}
+
+void tell_values(const std::string& output, const Eigen::MatrixXd& values, const std::vector<std::string>& columns,
+                 Session& session) {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  Index undefined = 0;
+  for (Index i = 0; i < values.cols(); ++i) {
+    bool defined = true;
+    for (const double value : values.col(i)) {
+      defined = defined && std::isfinite(value);
+      if (!std::isfinite(value)) continue;
+      lo = std::min(lo, value);
+      hi = std::max(hi, value);
+    }
+    if (!defined) ++undefined;
+  }
+  const bool any = lo <= hi;
+  session.result = {{"points", values.cols()},
+                    {"columns", columns},
+                    {"undefined", undefined},
+                    {"min", any ? Json(lo) : Json(nullptr)},
+                    {"max", any ? Json(hi) : Json(nullptr)}};
+  if (undefined > 0)
+    session.warn(counted(undefined, "point") + " without a value: coordinates are missing or beyond the samples");
+  session.say(output + ": " + counted(values.cols(), "point") +
+              (any ? ", values from " + rounded(lo) + " to " + rounded(hi) : ""));
+}
+
+}  // namespace
+
+void run(const EvaluateCommand& command, Session& session) {
+  check_places(command);
+  session.expect_output(command.output);
+  const NamedFunction model = session.timed("read", [&] { return read_function(command.input); });
+  const Places places = session.timed("read", [&] { return make_places(command, model); });
+  session.input = {
+      {"file", command.input}, {"dimension", model.function.dimension()}, {"components", model.function.components()}};
+  session.options = {{"output", command.output},
+                     {"points", command.points.empty() ? Json(nullptr) : Json(command.points)},
+                     {"like", command.like.empty() ? Json(nullptr) : Json(command.like)},
+                     {"gradient", command.gradient},
+                     {"hessian", command.hessian}};
+  session.options.update(places.options);
+  const Wanted wanted{command.gradient, command.hessian};
+  const std::vector<std::string> columns = column_names(model, wanted);
+  Eigen::MatrixXd answers = session.timed("evaluate", [&] {
+    return evaluate_all(model, places, wanted, static_cast<Index>(columns.size()), session.progress());
+  });
+  tell_values(command.output, answers.topRows(model.function.components()), columns, session);
+  session.write([&] { write_answers(command.output, model, places, columns, std::move(answers)); });
+}
+
+}  // namespace csrbf::app

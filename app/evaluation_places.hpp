@@ -1,0 +1,30 @@
+#pragma once
+
+#include "session.hpp"
+
+#include "csrbf/core/grid.hpp"
+#include "csrbf/io/model.hpp"
+
+#include <functional>
+
+namespace csrbf::app {
+
+/// Where a function is evaluated: at points, or at the nodes of a grid.
+struct Places {
+  Index count = 0;
+  std::function<Eigen::MatrixXd(Index begin, Index n)> points;  ///< d x n
+  bool is_image = false;                                        ///< the result is an image with this layout
+  VolumeLayout layout = {};
+  Json options = Json::object();  ///< of the report
+};
+
+/// Throws UsageError unless the flags say where to evaluate, and the output can hold it.
+void check_places(const EvaluateCommand& command);
+
+/// Reads or makes the places. Throws UsageError, IoError.
+Places make_places(const EvaluateCommand& command, const NamedFunction& model);
+
+/// Writes answers (components x voxels) as an image. Throws IoError.
+void write_places(const std::string& path, const VolumeLayout& layout, const Eigen::MatrixXd& answers);
+
+}  // namespace csrbf::app

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "session.hpp"
+
+#include "csrbf/approx/fit.hpp"
+
+namespace csrbf::app {
+
+/// The options that the flags ask for. Throws UsageError.
+FitOptions make_fit_options(const FitFlags& flags, Session& session);
+
+/// Adds the options used, also those chosen, and what the fit did to the report: result, times and warnings.
+void add_fit_report(const FitFlags& flags, const FitReport& report, Session& session);
+
+/// Adds the method and the errors to the summary.
+void say_fit(const FitReport& report, Session& session);
+
+/// JSON of an option: null where it was not given.
+template <class Value>
+Json or_null(bool given, const Value& value) {
+  return given ? Json(value) : Json(nullptr);
+}
+
+}  // namespace csrbf::app

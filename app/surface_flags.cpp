@@ -1,0 +1,77 @@
+#include "verb_flags.hpp"
+
+#include <string>
+
+namespace csrbf::app {
+namespace {
+
+constexpr const char* point_formats = ".ply .xyz .pts .txt .csv .obj .off .npy, or - for text on standard input";
+constexpr const char* mesh_formats = ".ply .obj .off .stl";
+
+}  // namespace
+
+void declare(Verb v, ReconstructCommand& c) {
+  v.argument("POINTS", c.input, std::string("points to read: ") + point_formats);
+  v.output(c.output, std::string("mesh to write: ") + mesh_formats);
+  v.flag("method", c.method, "NAME", "auto", "auto or composite (partition of unity with an RBF residual)");
+  v.flag("normals", c.normals, "auto|file|estimate", "auto",
+         "auto: those of the file if it has any, turned outwards where they contradict each other; file: as they are; "
+         "estimate: always estimated")
+      ->check(CLI::IsMember({"auto", "file", "estimate"}));
+  v.flag("centers", c.centers, "N", "from the data", "budget of RBF centres")->check(CLI::PositiveNumber);
+  v.flag("tolerance", c.tolerance, "E", "none",
+         "largest distance from an input point to the surface, as a fraction of the bounding-box diagonal, outliers "
+         "aside")
+      ->check(CLI::PositiveNumber);
+  v.flag("smoothing", c.smoothing, "auto|none|L", "auto", "how much noise to smooth away; larger is smoother");
+  v.flag("resolution", c.resolution, "N", "from the sampling", "cells of the mesh along the longest side")
+      ->check(CLI::Range(1, 4096));
+  v.flag("trim", c.trim, "T", "none",
+         "drop surface further than T local point spacings from the data; none: watertight");
+  v.flag("model", c.model, "FILE", "", "save the implicit surface: .csrbf");
+  v.add_common();
+}
+
+void declare(Verb v, EstimateNormalsCommand& c) {
+  v.argument("POINTS", c.input, std::string("points to read: ") + point_formats);
+  v.output(c.output, "points to write with their normals: the same formats");
+  v.flag("neighbors", c.neighbors, "K", "12", "points that each normal is estimated from")->check(CLI::Range(3, 1000));
+  v.flag("orient", c.orient, "HOW", "consistent",
+         "consistent: outwards, as neighbours agree; viewpoint X,Y,Z: towards the scanner; none: either way");
+  v.add_common();
+}
+
+void declare(Verb v, PolygonizeCommand& c) {
+  v.argument("MODEL", c.input, "model to read: .csrbf");
+  v.output(c.output, std::string("mesh to write: ") + mesh_formats);
+  v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
+  v.flag("level", c.level, "V", "0", "the surface where the model has this value; positive values are inside");
+  v.toggle("--refine,!--no-refine", c.refine, "move the vertices onto the surface (this is the default)");
+  v.add_common();
+}
+
+void declare(Verb v, RenderCommand& c) {
+  v.argument("INPUT", c.input, std::string("model (.csrbf) or mesh to read: ") + mesh_formats);
+  v.output(c.output, "picture to write: .png");
+  v.flag("size", c.size, "WxH", c.size, "size in pixels");
+  v.flag("view", c.view, "AZIMUTH,ELEVATION", c.view, "direction to look from, degrees: about +z from +x, then up");
+  v.flag("up", c.up, "x|y|z", c.up, "axis that points up")->check(CLI::IsMember({"x", "y", "z"}));
+  v.flag("color", c.color, "NAME", "plain",
+         "plain, normal, mean-curvature, gaussian-curvature, or error:REFERENCE (a mesh)");
+  v.add_common();
+}
+
+void declare(Verb v, CompareCommand& c) {
+  v.argument("A", c.first, std::string("mesh: ") + mesh_formats);
+  v.argument("B", c.second,
+             std::string("reference: a mesh, or points: then the distances go from the points to the mesh only; ") +
+                 point_formats);
+  v.add_common();
+}
+
+void declare(Verb v, InfoCommand& c) {
+  v.argument("FILE", c.input, "points, image, mesh or model");
+  v.add_common();
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,83 @@
+#pragma once
+
+#include "command_line.hpp"
+
+#include "csrbf/version.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace csrbf::app {
+
+/// A verb of the program with its flags bound to one of the command structs.
+class Verb {
+ public:
+  Verb(CLI::App& parent, CommonOptions& common, const std::string& name, const std::string& what,
+       const std::string& example)
+      : app_(*parent.add_subcommand(name, what)), common_(common) {
+    app_.footer("Example:\n  " + example);
+    app_.set_help_flag();
+    app_.group("Verbs");
+  }
+
+  template <class Value>
+  void argument(const std::string& name, Value& value, const std::string& what) {
+    app_.add_option(name, value, what)->required()->type_name("FILE");
+  }
+  void output(std::string& value, const std::string& what) {
+    app_.add_option("-o,--output", value, what)->required()->type_name("FILE")->group(flag_group);
+  }
+  /// A flag with a value; `shown_default` says what happens without it.
+  template <class Value>
+  CLI::Option* flag(const std::string& name, Value& value, const std::string& type, const std::string& shown_default,
+                    const std::string& what) {
+    return app_.add_option("--" + name, value, what)->type_name(type)->default_str(shown_default)->group(flag_group);
+  }
+  void toggle(const std::string& names, bool& value, const std::string& what) {
+    app_.add_flag(names, value, what)->group(flag_group);
+  }
+
+  /// The flags of every verb, last in the help.
+  void add_common() {
+    constexpr int most_threads = 4096;
+    app_.add_option("--threads", common_.threads, "threads to use")
+        ->type_name("N")
+        ->default_str("all cores")
+        ->check(CLI::Range(1, most_threads))
+        ->group(common_group);
+    app_.add_option("--report", common_.report, "write options, results, times and warnings as JSON")
+        ->type_name("FILE")
+        ->group(common_group);
+    app_.add_option("--progress", common_.progress, "show the progress on standard error; auto: on a terminal")
+        ->type_name("auto|always|never")
+        ->default_str("auto")
+        ->check(CLI::IsMember({"auto", "always", "never"}))
+        ->group(common_group);
+    app_.add_flag("-q,--quiet", common_.quiet, "print errors only")->group(common_group);
+    app_.add_flag("-v,--verbose", common_.verbose, "print the options used and the times too")->group(common_group);
+    app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version")->group(common_group);
+    app_.set_help_flag("-h,--help", "print this")->group(common_group);
+  }
+
+ private:
+  static constexpr const char* flag_group = "Flags";
+  static constexpr const char* common_group = "Common flags";
+
+  CLI::App& app_;
+  CommonOptions& common_;
+};
+
+// What the command line of each verb looks like: its flags are bound to the struct.
+
+void declare(Verb v, ReconstructCommand& c);
+void declare(Verb v, EstimateNormalsCommand& c);
+void declare(Verb v, PolygonizeCommand& c);
+void declare(Verb v, RenderCommand& c);
+void declare(Verb v, CompareCommand& c);
+void declare(Verb v, InfoCommand& c);
+void declare(Verb v, FitCommand& c);
+void declare(Verb v, EvaluateCommand& c);
+void declare(Verb v, InpaintCommand& c);
+
+}  // namespace csrbf::app

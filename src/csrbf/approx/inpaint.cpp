@@ -1,0 +1,203 @@
+#include "csrbf/approx/inpaint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+constexpr const char* function = "inpaint";
+constexpr double rim_voxels = 8;     // holds the samples of the patches around a missing voxel
+constexpr double rim_depths = 2;     // of the deepest hole
+constexpr double useful_share = .5;  // of the known voxels: with more near ones all are taken
+
+using Mask = std::vector<unsigned char>;  // one entry per voxel
+
+// City-block distance of every voxel to the nearest one with mask[i] == wanted, in the unit of the spacing. The
+// distance is separable: the minimum along one axis after the other, there and back.
+std::vector<float> distance_to(bool wanted, const Mask& mask, const Grid& grid) {
+  std::vector<float> distance(mask.size());
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    distance[i] = (mask[i] != 0) == wanted ? 0 : std::numeric_limits<float>::infinity();
+  Index stride = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Index size = grid.size[axis];
+    const auto step = static_cast<float>(grid.spacing[static_cast<Index>(axis)]);
+    for (Index line = 0; line < grid.voxels(); line += size * stride) {
+      const auto relax = [&](Index to, Index from) {
+        float* target = distance.data() + line + to * stride;
+        const float* source = distance.data() + line + from * stride;
+        for (Index k = 0; k < stride; ++k) target[k] = std::min(target[k], source[k] + step);
+      };
+      for (Index i = 1; i < size; ++i) relax(i, i - 1);
+      for (Index i = size - 2; i >= 0; --i) relax(i, i + 1);
+    }
+    stride *= size;
+  }
+  return distance;
+}
+
+// The axes of more than one voxel.
+std::vector<int> long_axes(const Grid& grid) {
+  std::vector<int> axes;
+  for (int a = 0; a < 3; ++a)
+    if (grid.size[static_cast<std::size_t>(a)] > 1) axes.push_back(a);
+  return axes;
+}
+
+double mean_spacing(const Grid& grid) {
+  const std::vector<int> axes = long_axes(grid);
+  double product = 1;
+  for (const int a : axes) product *= grid.spacing[a];
+  return axes.empty() ? 1 : std::pow(product, 1 / static_cast<double>(axes.size()));
+}
+
+// The known voxels that become samples, in ascending order.
+std::vector<Index> sample_voxels(const Mask& missing, const Grid& grid, Index known) {
+  const std::vector<float> to_known = distance_to(false, missing, grid);
+  const double depth = *std::max_element(to_known.begin(), to_known.end());
+  const auto rim = static_cast<float>(std::max(rim_voxels * mean_spacing(grid), rim_depths * depth));
+  const std::vector<float> to_missing = distance_to(true, missing, grid);
+  std::vector<Index> near, all;
+  all.reserve(static_cast<std::size_t>(known));
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    if (missing[i] != 0) continue;
+    all.push_back(static_cast<Index>(i));
+    if (to_missing[i] <= rim) near.push_back(static_cast<Index>(i));
+  }
+  return static_cast<double>(near.size()) < useful_share * static_cast<double>(known) ? near : all;
+}
+
+// Physical coordinates along the (long) axes of the image: distances are what they are in space.
+template <int Dim>
+Points<Dim> positions(const std::vector<Index>& voxels, const Grid& grid) {
+  const std::vector<int> axes = long_axes(grid);
+  Points<Dim> points = Points<Dim>::Zero(Dim, static_cast<Index>(voxels.size()));
+  for (Index k = 0; k < points.cols(); ++k) {
+    Index rest = voxels[static_cast<std::size_t>(k)];
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const Index size = grid.size[static_cast<std::size_t>(axes[i])];
+      points(static_cast<Index>(i), k) = grid.spacing[axes[i]] * static_cast<double>(rest % size);
+      rest /= size;
+    }
+  }
+  return points;
+}
+
+// Some components of one frame that miss the same voxels.
+template <class Scalar>
+struct Part {
+  Eigen::Map<typename Volume<Scalar>::Values> frame;  // components x voxels
+  Index first, count;                                 // components
+  const Grid& grid;
+  Mask missing;
+
+  [[nodiscard]] Index missing_voxels() const {
+    return static_cast<Index>(missing.size()) - std::count(missing.begin(), missing.end(), 0);
+  }
+};
+
+template <int Dim, class Scalar>
+FitReport fill(Part<Scalar>& part, const FitOptions& options) {
+  const Index unknown = part.missing_voxels();
+  const std::vector<Index> known = sample_voxels(part.missing, part.grid, part.frame.cols() - unknown);
+  Samples<Dim> samples;
+  samples.points = positions<Dim>(known, part.grid);
+  samples.values = part.frame(Eigen::seqN(part.first, part.count), known).transpose().template cast<double>();
+  const Fit<Dim> fitted = fit(samples, options);
+  samples = {};
+
+  std::vector<Index> wanted;
+  wanted.reserve(static_cast<std::size_t>(unknown));
+  for (std::size_t i = 0; i < part.missing.size(); ++i)
+    if (part.missing[i] != 0) wanted.push_back(static_cast<Index>(i));
+  const Points<Dim> points = positions<Dim>(wanted, part.grid);
+  for (Index c = 0; c < part.count; ++c) {
+    const Eigen::VectorXd values = fitted.components[static_cast<std::size_t>(c)]->evaluate(points).value;
+    for (Index k = 0; k < values.size(); ++k)
+      part.frame(part.first + c, wanted[static_cast<std::size_t>(k)]) = static_cast<Scalar>(values[k]);
+  }
+  return fitted.report;
+}
+
+template <class Scalar>
+FitReport fill(Part<Scalar>& part, const FitOptions& options) {
+  switch (part.grid.dimension()) {
+    case 1:
+      return fill<1>(part, options);
+    case 2:
+      return fill<2>(part, options);
+    default:
+      return fill<3>(part, options);
+  }
+}
+
+// Components that miss the same voxels are one part, so that they share a fit.
+template <class Scalar>
+std::vector<Part<Scalar>> parts_of(Volume<Scalar>& image, Index t, const unsigned char* missing) {
+  const auto frame = image.frame(t);
+  const auto mask_of = [&](Index c) {
+    Mask mask(static_cast<std::size_t>(frame.cols()));
+    for (Index i = 0; i < frame.cols(); ++i)
+      mask[static_cast<std::size_t>(i)] = missing[i] != 0 || !std::isfinite(frame(c, i)) ? 1 : 0;
+    return mask;
+  };
+  std::vector<Part<Scalar>> parts;
+  for (Index c = 0; c < image.components; ++c) {
+    Mask mask = mask_of(c);
+    if (!parts.empty() && parts.back().missing == mask)
+      ++parts.back().count;
+    else
+      parts.push_back({frame, c, 1, image.grid, std::move(mask)});
+  }
+  return parts;
+}
+
+void check(const VolumeLayout& image, Index values, Index missing) {
+  require(values == image.values_per_frame() * image.frames, function, "values of the image", values,
+          "one per component, voxel and frame is needed");
+  require(missing == image.grid.voxels() || missing == image.grid.voxels() * image.frames, function,
+          "entries of the mask", missing,
+          "there must be one per voxel (" + std::to_string(image.grid.voxels()) + ") or per voxel of every frame");
+  require(image.grid.spacing.allFinite() && image.grid.spacing.minCoeff() > 0, function, "spacing",
+          image.grid.spacing.transpose(), "must be positive");
+}
+
+Progress of_frame(const Progress& progress, Index t, Index frames) {
+  if (!progress || frames == 1) return progress;
+  return [&progress, t, frames](std::string_view stage, double fraction) {
+    return progress(stage, (static_cast<double>(t) + fraction) / static_cast<double>(frames));
+  };
+}
+
+}  // namespace
+
+template <class Scalar>
+InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const FitOptions& options) {
+  check(image, static_cast<Index>(image.values.size()), static_cast<Index>(missing.size()));
+  InpaintReport report;
+  const bool same_mask = static_cast<Index>(missing.size()) == image.grid.voxels();
+  for (Index t = 0; t < image.frames; ++t) {
+    FitOptions frame_options = options;
+    frame_options.scale_axes = false;
+    frame_options.progress = of_frame(options.progress, t, image.frames);
+    for (Part<Scalar>& part : parts_of(image, t, missing.data() + (same_mask ? 0 : t * image.grid.voxels()))) {
+      const Index unknown = part.missing_voxels();
+      const Index known = part.frame.cols() - unknown;
+      require(known > 0, function, "known voxels", 0, "frame " + std::to_string(t + 1) + " has no value to start from");
+      if (unknown > 0) {
+        FitReport fitted = fill(part, frame_options);
+        if (report.missing == 0) report.fit = std::move(fitted);
+      }
+      report.missing += unknown * part.count;
+      report.known += known * part.count;
+    }
+  }
+  return report;
+}
+
+template InpaintReport inpaint(Volume<float>&, const std::vector<unsigned char>&, const FitOptions&);
+template InpaintReport inpaint(Volume<double>&, const std::vector<unsigned char>&, const FitOptions&);
+
+}  // namespace csrbf

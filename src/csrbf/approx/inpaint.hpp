@@ -1,0 +1,32 @@
+#pragma once
+
+#include "csrbf/approx/fit.hpp"
+#include "csrbf/core/grid.hpp"
+
+#include <vector>
+
+namespace csrbf {
+
+/// What inpaint() did. Counts are of values: voxels times components times frames.
+struct InpaintReport {
+  Index missing = 0;  ///< replaced
+  Index known = 0;
+  FitReport fit;  ///< of the first component and frame with missing values; its `samples` are the known voxels used
+};
+
+/// Fills missing or unreliable voxels of an image of up to 3 axes: every frame by itself, and every component, with a
+/// function fitted to the known values (see fit()). Distances are physical, so that voxels that are longer in one
+/// direction count as such. Known values stay as they are; filled ones are neither rounded nor clamped.
+///
+/// `missing`: one entry per voxel, or per voxel of every frame, not 0 where the values are to be replaced. Values that
+/// are not finite are missing as well.
+///
+/// Known voxels far from all missing ones say nothing about them: only those within a city-block distance of 8 voxels,
+/// or of twice the depth of the deepest hole where that is more, are samples of the fit, provided that these are less
+/// than half of the known voxels; otherwise all of them are. O(n) time and memory besides the fit.
+///
+/// Throws InvalidInput when `missing` has another size, or nothing is known in a frame, and what fit() throws.
+template <class Scalar>
+InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const FitOptions& options = {});
+
+}  // namespace csrbf

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "csrbf/approx/nearest_samples.hpp"
+#include "csrbf/approx/rbf_system.hpp"
+#include "csrbf/core/progress.hpp"
+
+#include <limits>
+#include <optional>
+#include <string>
+
+namespace csrbf {
+
+struct RbfInterpolatorOptions {
+  /// 0: one interpolant of all points. Otherwise every query is answered by the interpolant of that many points nearest
+  /// to it (all points when there are not as many).
+  Index neighbors = 0;
+  /// Added to the diagonal of the system, >= 0 to be well posed: one entry for all points, or one each; empty: 0.
+  Eigen::VectorXd smoothing = {};
+  /// linear, thin_plate_spline, cubic, quintic, multiquadric, inverse_multiquadric, inverse_quadratic, gaussian, or a
+  /// name of Kernel.
+  std::string kernel = "thin_plate_spline";
+  /// Kernels are phi(epsilon r). May be unset, for 1, when the kernel has no scale.
+  std::optional<double> epsilon = {};
+  /// Of the polynomial, -1 for none; unset: the smallest with which the system is always solvable, and at least 0.
+  std::optional<int> degree = {};
+  Progress progress = {};
+};
+
+/// Interpolation or smoothing of scattered data by one radial function per point and a polynomial, or by local such
+/// interpolants over nearest neighbours: the model and the conventions of SciPy's class of that name. For scattered
+/// data in general fit() is the better tool: it is smooth where local interpolants jump, chooses what has to be given
+/// here, and works in O(n).
+///
+///     (A + diag(smoothing)) alpha + G pi = values,   G^T alpha = 0,   A_ij = phi(epsilon |y_i - y_j|)
+///
+/// with the polynomials G in coordinates that map the bounding box of the points to [-1, 1]^d. Any dimension.
+class RbfInterpolator {
+ public:
+  /// `points`: d x n; `values`: k x n. O(n^3) without neighbours, else O(n log n).
+  /// Throws InvalidInput for sizes that do not match, numbers that are not finite, unknown kernels, a scale that is
+  /// missing and fewer points than the polynomial has coefficients; SolverFailure when the system is singular.
+  RbfInterpolator(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                  const RbfInterpolatorOptions& options = {});
+
+  /// One that has been solved already: with `coefficients` (k x (n + Q)) as of coefficients().
+  static RbfInterpolator restore(const Eigen::Ref<const Eigen::MatrixXd>& points,
+                                 const Eigen::Ref<const Eigen::MatrixXd>& coefficients,
+                                 const RbfInterpolatorOptions& options);
+
+  /// Values (k x m) at the points x (d x m), on all threads. O(m n), or O(m (log n + neighbors^3)) with systems that
+  /// several queries share solved once. Queries that are not finite give NaN without neighbours.
+  /// Throws InvalidInput for another dimension and, with neighbours, for queries that are not finite; SolverFailure
+  /// when a local system is singular.
+  [[nodiscard]] Eigen::MatrixXd evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x,
+                                         const Progress& progress = {}) const;
+
+  [[nodiscard]] Index dimension() const { return points_.rows(); }
+  [[nodiscard]] Index neighbors() const { return neighbors_; }
+  [[nodiscard]] int degree() const { return degree_; }
+  /// Below it the system need not be solvable: the order of the kernel minus 1.
+  [[nodiscard]] static int smallest_degree(const std::string& kernel, Index dimension);
+  [[nodiscard]] double epsilon() const { return epsilon_; }
+  [[nodiscard]] Eigen::MatrixXi powers() const { return basis_.monomials.powers(); }
+
+  /// alpha and pi, k x (n + Q); empty with neighbours.
+  [[nodiscard]] Eigen::MatrixXd coefficients() const;
+
+ private:
+  RbfInterpolator(const Eigen::Ref<const Eigen::MatrixXd>& points, const RbfInterpolatorOptions& options);
+
+  Eigen::MatrixXd points_;  // in Morton order with neighbours
+  Eigen::MatrixXd values_;  // with neighbours, in the same order
+  Eigen::VectorXd smoothing_;
+  Index neighbors_ = 0;
+  double epsilon_ = 1;
+  int degree_ = -1;
+  RbfBasis basis_;
+  RbfCoefficients solution_;
+  std::unique_ptr<const NearestSamples> search_;
+};
+
+}  // namespace csrbf

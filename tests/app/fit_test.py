@@ -1,0 +1,468 @@
+"""Runs fit, evaluate and inpaint of the real program on generated files.
+
+usage: fit_test.py PROGRAM [unittest options]
+"""
+
+import ast
+import math
+import os
+import random
+import struct
+import sys
+import unittest
+
+sys.dont_write_bytecode = True  # leave no files in the folder of the sources
+import command_line_test
+from command_line_test import CommandLine
+
+
+def plane(x, y):
+    return 1 + 2 * x - 3 * y
+
+
+def wave(x, y):
+    return math.sin(3 * x) * math.cos(2 * y)
+
+
+def rows_of(function, n=400, seed=1):
+    """Random points of the unit square with the value of the function behind."""
+    source = random.Random(seed)
+    points = [(source.random(), source.random()) for _ in range(n)]
+    return [(x, y, function(x, y)) for x, y in points]
+
+
+def csv(rows, head=None):
+    lines = [head] if head else []
+    return "\n".join(lines + [",".join("%.17g" % c for c in row) for row in rows]) + "\n"
+
+
+def npy_bytes(shape, values, kind="<f8"):
+    code = {"<f8": "d", "<f4": "f", "|u1": "B", "<u2": "H", "<i2": "h"}[kind]
+    head = repr({"descr": kind, "fortran_order": False, "shape": tuple(shape)})
+    head = (head + " " * (63 - (len(head) + 10) % 64) + "\n").encode()
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head + struct.pack("<%d%s" % (len(values), code), *values)
+
+
+def read_npy(path):
+    """Shape, type and values."""
+    with open(path, "rb") as file:
+        data = file.read()
+    assert data[:8] == b"\x93NUMPY\x01\x00"
+    length = struct.unpack("<H", data[8:10])[0]
+    head = ast.literal_eval(data[10:10 + length].decode())
+    assert not head["fortran_order"]
+    code = {"<f8": "d", "<f4": "f", "|u1": "B", "<u2": "H", "<i2": "h"}[head["descr"]]
+    body = data[10 + length:]
+    return head["shape"], head["descr"], list(struct.unpack("<%d%s" % (len(body) // struct.calcsize(code), code), body))
+
+
+def pgm(width, height, values):
+    return b"P5\n%d %d\n255\n" % (width, height) + bytes(values)
+
+
+def read_pgm(path):
+    with open(path, "rb") as file:
+        data = file.read()
+    magic, width, height, most, body = data.split(None, 4)
+    assert (magic, most) == (b"P5", b"255")
+    return int(width), int(height), list(body)
+
+
+class Functions(CommandLine):
+    def write_bytes(self, name, data):
+        with open(self.path(name), "wb") as file:
+            file.write(data)
+        return self.path(name)
+
+    def table(self, name):
+        """Names and rows of numbers of a .csv file."""
+        with open(self.path(name)) as file:
+            names, *lines = file.read().splitlines()
+        return names.split(","), [[float(c) for c in line.split(",")] for line in lines]
+
+    def fitted(self, rows, *flags, head=None, name="model.csrbf"):
+        samples = self.write("samples.csv", csv(rows, head))
+        self.succeed("fit", samples, "-o", self.path(name), *flags)
+        os.remove(samples)
+        return self.path(name)
+
+
+class Fit(Functions):
+    def test_reports_what_was_done(self):
+        rows = rows_of(wave) + [(0.5, 0.5, 1.0), (0.5, 0.5, 3.0)]
+        samples = self.write("samples.csv", csv(rows, "x,y,height"))
+        done = self.succeed("fit", samples, "-o", self.path("wave.csrbf"), "--report", self.path("report.json"))
+        self.assertLessEqual(len(done.stdout.splitlines()), 10)
+        self.assertIn("wave.csrbf", done.stdout)
+        report = self.report()
+        for key in ("samples", "merged_duplicates", "centers", "levels", "rmse", "max_error", "smoothing",
+                    "cross_validation_rmse"):
+            self.assertIn(key, report["result"])
+        self.assertEqual(report["result"]["merged_duplicates"], 1)
+        self.assertEqual(report["result"]["samples"], 401)
+        self.assertEqual(report["input"]["coordinates"], ["x", "y"])
+        self.assertEqual(report["options"]["values"], ["height"])
+        for key in ("output", "method", "kernel", "centers", "tolerance", "smoothing", "degree", "extrapolation",
+                    "coordinates", "values", "weights", "periods"):
+            self.assertIn(key, report["options"])
+        self.assertNotEqual(report["options"]["method"], "auto")
+        for stage in ("read", "fit", "write"):
+            self.assertIn(stage, report["time"])
+
+    def test_takes_columns_by_name_and_number(self):
+        rows = [(plane(x, y), 7, y, x, x * y) for x, y, _ in rows_of(plane)]
+        model = self.fitted(rows, "--coordinates", "x,y", "--values", "u,5", head="u,junk,y,x,v")
+        queries = self.write("queries.csv", "y,x\n0.25,0.5\n")
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries)
+        names, values = self.table("out.csv")
+        self.assertEqual(names, ["x", "y", "u", "v"])
+        self.assertEqual(values[0][:2], [0.5, 0.25])
+        self.assertAlmostEqual(values[0][2], plane(0.5, 0.25), places=6)
+        self.assertAlmostEqual(values[0][3], 0.125, places=3)
+
+    def test_reads_standard_input_and_npy(self):
+        rows = rows_of(plane)
+        self.succeed("fit", "-", "-o", self.path("text.csrbf"), stdin=csv(rows))
+        array = self.write_bytes("samples.npy", npy_bytes((len(rows), 3), [c for row in rows for c in row]))
+        self.succeed("fit", array, "-o", self.path("array.csrbf"))
+        answers = [self.succeed("evaluate", self.path(model), "-o", "-", "--points", "-", stdin="0.5 0.25\n").stdout
+                   for model in ("text.csrbf", "array.csrbf")]
+        self.assertEqual(answers[0], answers[1])
+        names, values = [line.split(",") for line in answers[0].splitlines()]
+        self.assertEqual(names, ["x", "y", "value"])
+        self.assertAlmostEqual(float(values[2]), plane(0.5, 0.25), places=6)
+
+    def test_every_method_is_within_its_means(self):
+        rows = rows_of(wave)
+        queries = self.write("queries.csv", csv([row[:2] for row in rows_of(wave, 50, seed=2)]))
+        for method in ("interpolate", "least-squares", "partition-of-unity", "multilevel", "pca-multiresolution",
+                       "fixed-budget", "error-bounded", "moving-least-squares"):
+            model = self.fitted(rows, "--method", method, name=method + ".csrbf")
+            self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries)
+            for x, y, value in self.table("out.csv")[1]:
+                self.assertAlmostEqual(value, wave(x, y), delta=0.2, msg=method)
+
+    def test_a_tolerance_holds_at_every_sample(self):
+        rows = rows_of(wave, 600)
+        model = self.fitted(rows, "--tolerance", "0.01")
+        queries = self.write("queries.csv", csv([row[:2] for row in rows]))
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries)
+        for x, y, value in self.table("out.csv")[1]:
+            self.assertLessEqual(abs(value - wave(x, y)), 0.01)
+
+    def test_smoothing_none_interpolates(self):
+        source = random.Random(3)
+        rows = [(x, y, v + source.gauss(0, 0.1)) for x, y, v in rows_of(wave, 200)]
+        self.fitted(rows, "--smoothing", "none", "--method", "interpolate", "--report", self.path("report.json"))
+        self.assertLess(self.report()["result"]["max_error"], 1e-6)
+
+    def test_weights_say_what_counts(self):
+        rows = [(x, y, plane(x, y), 1) for x, y, _ in rows_of(plane, 200)]
+        rows += [(x, y, 50, 0) for x, y, _ in rows_of(plane, 50, seed=5)]
+        model = self.fitted(rows, "--weights", "w", "--method", "moving-least-squares", head="x,y,v,w")
+        out = self.succeed("evaluate", model, "-o", "-", "--points", "-", stdin="0.5,0.5\n").stdout
+        self.assertAlmostEqual(float(out.splitlines()[1].split(",")[2]), plane(0.5, 0.5), places=3)
+
+    def test_periodic_axes_are_continuous_across_their_ends(self):
+        source = random.Random(4)
+        rows = [(x, y, math.sin(math.radians(x)) + y) for x, y in
+                ((360 * source.random(), source.random()) for _ in range(1500))]
+        model = self.fitted(rows, "--periods", "360,0", "--method", "partition-of-unity")
+        out = self.succeed("evaluate", model, "-o", "-", "--points", "-", stdin="0,0.5\n360,0.5\n-90,0.5\n270,0.5\n")
+        values = [float(line.split(",")[2]) for line in out.stdout.splitlines()[1:]]
+        self.assertAlmostEqual(values[0], 0.5, places=2)
+        self.assertAlmostEqual(values[0], values[1], places=9)
+        self.assertAlmostEqual(values[2], values[3], places=9)
+
+    def test_outside_the_samples_the_function_is_constant_or_nan(self):
+        queries = self.write("queries.csv", "5,0.5\n0.5,0.5\n")
+        for how in ("constant", "nan"):
+            model = self.fitted(rows_of(plane), "--extrapolation", how)
+            done = self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries)
+            outside = self.table("out.csv")[1][0][2]
+            self.assertEqual(math.isnan(outside), how == "nan")
+            self.assertEqual("1 point without a value" in done.stderr, how == "nan")
+
+    def test_rows_with_missing_numbers_are_left_out_with_a_warning(self):
+        text = csv(rows_of(plane)) + "0.5,,1\n0.5,NA,2\nnan,0,3\n"
+        done = self.succeed("fit", self.write("s.csv", text), "-o", self.path("m.csrbf"), "--report",
+                            self.path("report.json"))
+        self.assertIn("3 rows", done.stderr)
+        self.assertEqual(self.report()["input"]["dropped"], 3)
+        self.assertTrue(any("3 rows" in warning for warning in self.report()["warnings"]))
+
+    def test_constant_values_and_a_single_point_are_functions(self):
+        for rows in ([(x, y, 4) for x, y, _ in rows_of(plane, 50)], [(1, 2, 4)], [(1, 2, 4)] * 5,
+                     [(i / 10, i / 5, 4) for i in range(20)]):
+            model = self.fitted(rows)
+            out = self.succeed("evaluate", model, "-o", "-", "--points", "-", stdin="0.3,0.7\n").stdout
+            self.assertAlmostEqual(float(out.splitlines()[1].split(",")[2]), 4, places=6)
+
+    def test_bad_input_gives_2_and_says_why(self):
+        out = self.path("model.csrbf")
+        good = self.write("good.csv", csv(rows_of(plane, 30)))
+        self.fail_with(2, "ragged.csv:3: expected 3 columns", "fit", self.write("ragged.csv", "1,2,3\n4,5,6\n7,8\n"),
+                       "-o", out)
+        self.fail_with(2, "text.csv:2: \"five\" is not a number", "fit", self.write("text.csv", "1,2,3\n4,five,6\n"),
+                       "-o", out)
+        self.fail_with(2, "the file holds no rows", "fit", self.write("empty.csv", ""), "-o", out)
+        self.fail_with(2, "missing.csv: cannot read the file", "fit", "missing.csv", "-o", out)
+        self.fail_with(2, "no column is named \"z\"", "fit", good, "-o", out, "--coordinates", "z")
+        self.fail_with(2, "there is no column \"9\"", "fit", good, "-o", out, "--values", "9")
+        self.fail_with(2, "dimension = 8", "fit", self.write("wide.csv", ",".join("123456789") + "\n"), "-o", out)
+        self.fail_with(2, "one column of coordinates", "fit", self.write("narrow.csv", "1\n2\n"), "-o", out)
+        self.fail_with(2, "no row has a finite number", "fit", self.write("nan.csv", "nan,nan,nan\n"), "-o", out)
+        self.fail_with(2, "weights must not be negative", "fit", self.write("w.csv", "1,2,3,-1\n4,5,6,1\n"), "-o", out,
+                       "--weights", "4")
+        self.fail_with(2, "array has 3 axes", "fit", self.write_bytes("cube.npy", npy_bytes((2, 2, 2), range(8))), "-o",
+                       out)
+        self.fail_with(2, "unknown extension \".xlsx\"", "fit", self.write("table.xlsx", ""), "-o", out)
+
+    def test_bad_flags_give_2_and_list_what_there_is(self):
+        out = self.path("model.csrbf")
+        good = self.write("good.csv", csv(rows_of(plane, 30)))
+        self.fail_with(2, "partition-of-unity", "fit", good, "-o", out, "--method", "magic")
+        self.fail_with(2, "wendland-c2", "fit", good, "-o", out, "--kernel", "magic")
+        self.fail_with(2, "models are .csrbf", "fit", good, "-o", self.path("model.bin"))
+        self.fail_with(2, "models are .csrbf", "fit", good, "-o", "-")
+        self.fail_with(2, "--smoothing", "fit", good, "-o", out, "--smoothing", "some")
+        self.fail_with(2, "must not be negative", "fit", good, "-o", out, "--smoothing=-1")
+        self.fail_with(2, "--tolerance", "fit", good, "-o", out, "--tolerance", "0")
+        self.fail_with(2, "--periods 360: expected 2", "fit", good, "-o", out, "--periods", "360")
+        self.fail_with(2, "--periods", "fit", good, "-o", out, "--periods", "360,east")
+        self.fail_with(2, "--extrapolation", "fit", good, "-o", out, "--extrapolation", "linear")
+        self.fail_with(1, "No such file or directory", "fit", good, "-o", self.path("no/folder/model.csrbf"))
+
+
+class Evaluate(Functions):
+    def test_writes_values_gradients_and_hessians(self):
+        rows = [(x, y, plane(x, y), x * y) for x, y, _ in rows_of(plane, 900)]
+        model = self.fitted(rows, "--values", "u,v", "--method", "partition-of-unity", head="x,y,u,v")
+        queries = self.write("queries.csv", "0.5,0.25\n0.75,0.5\n")
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries, "--gradient", "--hessian")
+        names, values = self.table("out.csv")
+        self.assertEqual(names, ["x", "y", "u", "v", "u_x", "u_y", "v_x", "v_y", "u_x_x", "u_x_y", "u_y_y", "v_x_x",
+                                 "v_x_y", "v_y_y"])
+        expected = [0.5, 0.25, plane(0.5, 0.25), 0.125, 2, -3, 0.25, 0.5, 0, 0, 0, 0, 1, 0]
+        for name, found, wanted in zip(names, values[0], expected):
+            self.assertAlmostEqual(found, wanted, delta=0.02, msg=name)
+
+        self.succeed("evaluate", model, "-o", self.path("out.npy"), "--points", queries)
+        self.assertEqual(read_npy(self.path("out.npy"))[0], (2, 2))
+        self.succeed("evaluate", model, "-o", self.path("out.npy"), "--points", queries, "--gradient")
+        shape, kind, numbers = read_npy(self.path("out.npy"))
+        self.assertEqual((shape, kind), ((2, 6), "<f8"))
+        self.assertEqual(numbers[:6], values[0][2:8])
+        self.succeed("evaluate", model, "-o", self.path("out.npy"), "--points", queries, "--hessian")
+        self.assertEqual(read_npy(self.path("out.npy"))[0], (2, 8))
+
+    def test_one_value_and_its_gradient_have_the_promised_shapes(self):
+        model = self.fitted(rows_of(plane))
+        queries = self.write("queries.csv", "0.5,0.25\n0.75,0.5\n0.1,0.1\n")
+        self.succeed("evaluate", model, "-o", self.path("out.npy"), "--points", queries)
+        self.assertEqual(read_npy(self.path("out.npy"))[0], (3,))
+        self.succeed("evaluate", model, "-o", self.path("out.npy"), "--points", queries, "--gradient", "--report",
+                     self.path("report.json"))
+        self.assertEqual(read_npy(self.path("out.npy"))[0], (3, 3))
+        self.assertEqual(self.report()["result"]["points"], 3)
+        self.assertIn("evaluate", self.report()["time"])
+
+    def test_a_grid_has_nodes_at_both_ends_and_x_fastest(self):
+        model = self.fitted(rows_of(plane))
+        self.succeed("evaluate", model, "-o", self.path("grid.npy"), "--grid", "5,3", "--bounds", "0.2:0.6,0.5:0.9")
+        shape, _, values = read_npy(self.path("grid.npy"))
+        self.assertEqual(shape, (3, 5))
+        for j in range(3):
+            for i in range(5):
+                self.assertAlmostEqual(values[5 * j + i], plane(0.2 + 0.1 * i, 0.5 + 0.2 * j), places=6)
+        self.succeed("evaluate", model, "-o", self.path("grid.csv"), "--grid", "5,3", "--bounds", "0.2:0.6,0.5:0.9")
+        names, rows = self.table("grid.csv")
+        self.assertEqual([row[2] for row in rows], values)
+        self.assertAlmostEqual(rows[1][0], 0.3)
+        self.succeed("evaluate", model, "-o", self.path("grid.npy"), "--grid", "4", "--gradient", "--report",
+                     self.path("report.json"))
+        self.assertEqual(read_npy(self.path("grid.npy"))[0], (4, 4, 3))
+        self.assertEqual(self.report()["options"]["grid"], [4, 4])
+
+    def test_a_grid_becomes_an_image_with_its_position(self):
+        model = self.fitted(rows_of(plane))
+        self.succeed("evaluate", model, "-o", self.path("grid.nrrd"), "--grid", "5,3", "--bounds", "0.2:0.6,0.5:0.9")
+        with open(self.path("grid.nrrd"), "rb") as file:
+            head = file.read().split(b"\n\n")[0].decode()
+        self.assertIn("sizes: 5 3", head)
+        self.assertIn("type: double", head)
+        self.assertIn("origin", head)
+
+    def test_like_an_image_takes_its_grid(self):
+        rows = [(12 * x, 8 * y, plane(x, y)) for x, y, _ in rows_of(plane)]
+        model = self.fitted(rows)
+        image = self.write_bytes("image.pgm", pgm(13, 9, [0] * (13 * 9)))
+        self.succeed("evaluate", model, "-o", self.path("out.npy"), "--like", image)
+        shape, kind, values = read_npy(self.path("out.npy"))
+        self.assertEqual((shape, kind), ((9, 13), "<f8"))
+        self.assertAlmostEqual(values[13 * 4 + 6], plane(0.5, 0.5), places=5)
+        self.succeed("evaluate", model, "-o", self.path("out.pgm"), "--like", image)
+        self.assertEqual(read_pgm(self.path("out.pgm"))[:2], (13, 9))
+
+    def test_queries_with_missing_numbers_have_answers_without_value(self):
+        model = self.fitted(rows_of(plane))
+        done = self.succeed("evaluate", model, "-o", "-", "--points", "-", stdin="0.5,0.5\n,0.5\n")
+        lines = done.stdout.splitlines()
+        self.assertEqual(len(lines), 3)
+        self.assertIn("nan", lines[2])
+        self.assertIn("1 point without a value", done.stderr)
+
+    def test_bad_flags_and_input_give_2(self):
+        model = self.fitted(rows_of(plane))
+        queries = self.write("queries.csv", "0.5,0.5\n")
+        out = self.path("out.csv")
+        self.fail_with(2, "give one of --points, --grid and --like", "evaluate", model, "-o", out)
+        self.fail_with(2, "give one of", "evaluate", model, "-o", out, "--points", queries, "--grid", "3,3")
+        self.fail_with(2, "--bounds needs --grid", "evaluate", model, "-o", out, "--points", queries, "--bounds", "0:1,0:1")
+        self.fail_with(2, "--grid 3,3,3: expected 2", "evaluate", model, "-o", out, "--grid", "3,3,3")
+        self.fail_with(2, "--grid 0,3", "evaluate", model, "-o", out, "--grid", "0,3")
+        self.fail_with(2, "--bounds 0:1: expected 2", "evaluate", model, "-o", out, "--grid", "3,3", "--bounds", "0:1")
+        self.fail_with(2, "LO must be below HI", "evaluate", model, "-o", out, "--grid", "3,3", "--bounds", "1:0,0:1")
+        self.fail_with(2, "values at points go to", "evaluate", model, "-o", self.path("out.png"), "--points", queries)
+        self.fail_with(2, "pictures hold whole numbers", "evaluate", model, "-o", self.path("out.png"), "--grid", "3,3")
+        self.fail_with(2, "unknown extension \".xyz\"", "evaluate", model, "-o", self.path("out.xyz"), "--grid", "3,3")
+        self.fail_with(2, "expected 2 coordinates", "evaluate", model, "-o", out, "--points",
+                       self.write("narrow.csv", "0.5\n"))
+        self.fail_with(2, "narrow.csv: not a csrbf model", "evaluate", self.path("narrow.csv"), "-o", out, "--points",
+                       queries)
+        cube = self.write_bytes("cube.npy", npy_bytes((5, 5, 5), [0.0] * 125))
+        self.fail_with(2, "the image has 3 axes, the model 2 variables", "evaluate", model, "-o", self.path("out.npy"),
+                       "--like", cube)
+        with open(model, "rb") as file:
+            data = file.read()
+        self.fail_with(2, "the file is damaged", "evaluate",
+                       self.write_bytes("bad.csrbf", data[:90] + bytes([data[90] ^ 1]) + data[91:]), "-o", out,
+                       "--points", queries)
+        self.fail_with(2, "the file is truncated", "evaluate", self.write_bytes("cut.csrbf", data[:-9]), "-o", out,
+                       "--points", queries)
+        self.fail_with(2, "written by a newer csrbf", "evaluate",
+                       self.write_bytes("new.csrbf", data[:8] + b"\x63" + data[9:]), "-o", out, "--points", queries)
+
+
+class Models(Functions):
+    def test_info_tells_what_a_function_is(self):
+        model = self.fitted(rows_of(wave), head="longitude,latitude,depth")
+        done = self.succeed("info", model, "--report", self.path("report.json"))
+        self.assertLessEqual(len(done.stdout.splitlines()), 10)
+        self.assertIn("function depth of longitude, latitude", done.stdout)
+        result = self.report()["result"]
+        self.assertEqual((result["kind"], result["model"], result["dimension"]), ("model", "function", 2))
+        self.assertEqual(result["values"], ["depth"])
+
+    def test_a_function_of_two_variables_is_no_surface(self):
+        model = self.fitted(rows_of(wave))
+        message = "this is a function of 2 variables"
+        self.fail_with(2, message, "polygonize", model, "-o", self.path("mesh.ply"))
+        self.fail_with(2, message, "render", model, "-o", self.path("picture.png"))
+
+    def test_a_function_of_three_variables_can_be_polygonized_at_a_level(self):
+        source = random.Random(6)
+        points = [[2 * source.random() - 1 for _ in range(3)] for _ in range(3000)]
+        model = self.fitted([(*p, sum(c * c for c in p)) for p in points], "--method", "partition-of-unity")
+        self.succeed("polygonize", model, "-o", self.path("mesh.ply"), "--level", "0.5", "--resolution", "40")
+        vertices, faces = command_line_test.read_ply(self.path("mesh.ply"))
+        self.assertGreater(faces, 1000)
+        for v in vertices:
+            self.assertAlmostEqual(math.sqrt(v["x"] ** 2 + v["y"] ** 2 + v["z"] ** 2), math.sqrt(0.5), delta=0.01)
+
+
+class Inpaint(Functions):
+    WIDTH, HEIGHT = 40, 30
+
+    def picture(self):
+        return [round(128 + 100 * wave(x / 20, y / 20)) for y in range(self.HEIGHT) for x in range(self.WIDTH)]
+
+    def mask(self, share=0.3, seed=1):
+        source = random.Random(seed)
+        return [255 if source.random() < share else 0 for _ in range(self.WIDTH * self.HEIGHT)]
+
+    def test_fills_masked_pixels_and_keeps_the_others(self):
+        truth, mask = self.picture(), self.mask()
+        spoiled = [0 if m else v for v, m in zip(truth, mask)]
+        image = self.write_bytes("image.pgm", pgm(self.WIDTH, self.HEIGHT, spoiled))
+        marks = self.write_bytes("mask.pgm", pgm(self.WIDTH, self.HEIGHT, mask))
+        done = self.succeed("inpaint", image, "-o", self.path("out.pgm"), "--mask", marks, "--report",
+                            self.path("report.json"))
+        self.assertLessEqual(len(done.stdout.splitlines()), 10)
+        width, height, filled = read_pgm(self.path("out.pgm"))
+        self.assertEqual((width, height), (self.WIDTH, self.HEIGHT))
+        for found, wanted, marked in zip(filled, truth, mask):
+            self.assertLessEqual(abs(found - wanted), 3 if marked else 0)
+        report = self.report()
+        self.assertEqual(report["result"]["missing"], sum(1 for m in mask if m))
+        self.assertEqual(report["result"]["missing"] + report["result"]["known"], len(truth))
+        for key in ("samples", "method", "rmse", "cross_validation_rmse"):
+            self.assertIn(key, report["result"])
+        for key in ("mask", "missing", "method", "smoothing"):
+            self.assertIn(key, report["options"])
+
+    def test_fills_pixels_of_a_value_and_nan(self):
+        truth, mask = self.picture(), self.mask()
+        for kind, missing, flags in (("|u1", 0, ("--missing", "0")), ("<u2", 65535, ("--missing", "65535")),
+                                     ("<f4", -9999.9, ("--missing=-9999.9",)), ("<f8", math.nan, ())):
+            values = [missing if m else v for v, m in zip(truth, mask)]
+            image = self.write_bytes("image.npy", npy_bytes((self.HEIGHT, self.WIDTH), values, kind))
+            self.succeed("inpaint", image, "-o", self.path("out.npy"), *flags)
+            shape, found_kind, filled = read_npy(self.path("out.npy"))
+            self.assertEqual((shape, found_kind), ((self.HEIGHT, self.WIDTH), kind))
+            for found, wanted in zip(filled, truth):
+                self.assertLessEqual(abs(found - wanted), 3, kind)
+
+    def test_keeps_bit_depth_spacing_and_orientation_of_volumes(self):
+        nx, ny, nz = 12, 10, 8
+        values = [round(10000 + 900 * wave(x / 6, y / 6) + 50 * z)
+                  for z in range(nz) for y in range(ny) for x in range(nx)]
+        source = random.Random(2)
+        holes = [-1 if source.random() < 0.2 else v for v in values]
+        head = ("NRRD0005\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: %d %d %d\n"
+                "space directions: (0,0.5,0) (-0.5,0,0) (0,0,3)\nspace origin: (7,8,9)\nencoding: raw\n"
+                "endian: little\n\n" % (nx, ny, nz)).encode()
+        image = self.write_bytes("image.nrrd", head + struct.pack("<%dh" % len(holes), *holes))
+        self.succeed("inpaint", image, "-o", self.path("out.nrrd"), "--missing=-1")
+        with open(self.path("out.nrrd"), "rb") as file:
+            text, body = file.read().split(b"\n\n", 1)
+        fields = dict(line.split(": ", 1) for line in text.decode().splitlines() if ": " in line)
+        self.assertIn(fields["type"], ("short", "int16", "int16_t"))
+        numbers = [float(c) for c in fields["space directions"].replace("(", " ").replace(")", " ").replace(",", " ").split()]
+        self.assertEqual(numbers, [0, 0.5, 0, -0.5, 0, 0, 0, 0, 3])
+        filled = struct.unpack("<%dh" % len(holes), body)
+        for found, wanted, marked in zip(filled, values, holes):
+            self.assertLessEqual(abs(found - wanted), 30 if marked == -1 else 0)
+
+    def test_warns_when_nothing_is_missing(self):
+        image = self.write_bytes("image.pgm", pgm(self.WIDTH, self.HEIGHT, self.picture()))
+        done = self.succeed("inpaint", image, "-o", self.path("out.pgm"))
+        self.assertIn("nothing is missing", done.stderr)
+        self.assertEqual(read_pgm(self.path("out.pgm"))[2], self.picture())
+
+    def test_bad_input_gives_2_and_says_why(self):
+        image = self.write_bytes("image.pgm", pgm(self.WIDTH, self.HEIGHT, self.picture()))
+        out = self.path("out.pgm")
+        small = self.write_bytes("small.pgm", pgm(3, 2, [0] * 6))
+        self.fail_with(2, "the mask has 3 x 2 pixels, the image 40 x 30", "inpaint", image, "-o", out, "--mask", small)
+        everything = self.write_bytes("all.pgm", pgm(self.WIDTH, self.HEIGHT, [1] * (self.WIDTH * self.HEIGHT)))
+        self.fail_with(2, "no value to start from", "inpaint", image, "-o", out, "--mask", everything)
+        self.fail_with(2, "images are .png", "inpaint", image, "-o", self.path("out.jpg"))
+        self.fail_with(2, "missing.png: cannot read the file", "inpaint", "missing.png", "-o", out)
+        self.fail_with(2, "--missing", "inpaint", image, "-o", out, "--missing", "black")
+        self.fail_with(2, "cannot be NaN", "inpaint", image, "-o", out, "--extrapolation", "nan", "--missing", "0")
+        self.fail_with(2, "partition-of-unity", "inpaint", image, "-o", out, "--missing", "128", "--method", "magic")
+        cut = self.write_bytes("cut.pgm", pgm(self.WIDTH, self.HEIGHT, self.picture())[:-20])
+        self.fail_with(2, "cut.pgm", "inpaint", cut, "-o", out)
+
+    def test_info_tells_what_an_image_is(self):
+        image = self.write_bytes("image.pgm", pgm(self.WIDTH, self.HEIGHT, self.picture()))
+        done = self.succeed("info", image, "--report", self.path("report.json"))
+        self.assertIn("40 x 30 pixels", done.stdout)
+        self.assertEqual(self.report()["result"]["kind"], "image")
+        self.assertEqual(self.report()["result"]["type"], "uint8")
+
+
+if __name__ == "__main__":
+    command_line_test.PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)

@@ -1,0 +1,274 @@
+#include "csrbf/approx/inpaint.hpp"
+
+#include "core/error_testing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace csrbf {
+namespace {
+
+using Mask = std::vector<unsigned char>;
+
+VolumeLayout layout(Index nx, Index ny, Index nz = 1) {
+  VolumeLayout layout;
+  layout.grid.size = {nx, ny, nz};
+  layout.grid.axes = nz > 1 ? 3 : 2;
+  return layout;
+}
+
+// Values of f at the physical positions along the axes.
+template <class Function>
+Volume<double> picture_of(const VolumeLayout& layout, const Function& f) {
+  Volume<double> image(layout);
+  const Grid& grid = image.grid;
+  for (Index z = 0; z < grid.size[2]; ++z)
+    for (Index y = 0; y < grid.size[1]; ++y)
+      for (Index x = 0; x < grid.size[0]; ++x) {
+        const Point<3> voxel(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+        image.values[static_cast<std::size_t>(grid.index(x, y, z))] = f(Point<3>(grid.spacing.cwiseProduct(voxel)));
+      }
+  return image;
+}
+
+double smooth(const Point<3>& p) {
+  return 100 + 50 * std::sin(.13 * p.x() + .1 * p.z()) * std::cos(.11 * p.y() - .07 * p.z());
+}
+
+Mask random_mask(const Grid& grid, double share, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Mask mask(static_cast<std::size_t>(grid.voxels()));
+  for (unsigned char& m : mask) m = uniform(random) < share ? 1 : 0;
+  return mask;
+}
+
+Mask hole(const Grid& grid, const Point<3>& center, double radius) {
+  Mask mask(static_cast<std::size_t>(grid.voxels()), 0);
+  for (Index z = 0; z < grid.size[2]; ++z)
+    for (Index y = 0; y < grid.size[1]; ++y)
+      for (Index x = 0; x < grid.size[0]; ++x)
+        if ((Point<3>(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)) - center).norm() < radius)
+          mask[static_cast<std::size_t>(grid.index(x, y, z))] = 1;
+  return mask;
+}
+
+// Spoils the marked values, so that nothing can be read from them.
+Volume<double> spoiled(Volume<double> image, const Mask& mask) {
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    if (mask[i % mask.size()] != 0) image.values[i] = -1e6;
+  return image;
+}
+
+double largest_error(const Volume<double>& image, const Volume<double>& truth) {
+  double largest = 0;
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    largest = std::max(largest, std::abs(image.values[i] - truth.values[i]));
+  return largest;
+}
+
+TEST(Inpaint, RestoresAConstantAndALinearImage) {
+  constexpr double round_off = 1e-7;  // of a system of moderate condition, relative to values of about 100
+  for (const double slope : {0.0, 1.0}) {
+    const auto f = [&](const Point<3>& p) { return 100 + slope * (p.x() - 2 * p.y()); };
+    const Volume<double> truth = picture_of(layout(24, 20), f);
+    const Mask mask = random_mask(truth.grid, .3, 1);
+    Volume<double> image = spoiled(truth, mask);
+    inpaint(image, mask);
+    EXPECT_LT(largest_error(image, truth), round_off * 100) << slope;
+  }
+}
+
+TEST(Inpaint, LeavesKnownValuesAloneAndCountsTheOthers) {
+  const Volume<double> truth = picture_of(layout(30, 25), smooth);
+  const Mask mask = random_mask(truth.grid, .5, 2);
+  Volume<double> image = spoiled(truth, mask);
+  const InpaintReport report = inpaint(image, mask);
+  Index missing = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask[i] == 0)
+      EXPECT_EQ(image.values[i], truth.values[i]);
+    else
+      ++missing;
+  }
+  EXPECT_EQ(report.missing, missing);
+  EXPECT_EQ(report.known, truth.grid.voxels() - missing);
+  EXPECT_EQ(report.fit.samples, report.known);
+}
+
+TEST(Inpaint, FillsScatteredPixelsOfASmoothImage) {
+  const Volume<double> truth = picture_of(layout(120, 90), smooth);
+  const Mask mask = random_mask(truth.grid, .7, 3);
+  Volume<double> image = spoiled(truth, mask);
+  inpaint(image, mask);
+  constexpr double tolerance = .5;  // of a range of 100: gaps of a few pixels against a wavelength of 50
+  EXPECT_LT(largest_error(image, truth), tolerance);
+}
+
+TEST(Inpaint, FillsScatteredVoxelsInThreeDimensions) {
+  VolumeLayout thick = layout(24, 22, 12);
+  thick.grid.spacing = Point<3>(1, 1, 3);
+  const Volume<double> truth = picture_of(thick, smooth);
+  const Mask mask = random_mask(truth.grid, .4, 4);
+  Volume<double> image = spoiled(truth, mask);
+  inpaint(image, mask);
+  constexpr double tolerance = 1;
+  EXPECT_LT(largest_error(image, truth), tolerance);
+}
+
+TEST(Inpaint, OfAHoleTakesTheKnownPixelsAroundItOnly) {
+  const Volume<double> truth = picture_of(layout(200, 200), smooth);
+  const Mask mask = hole(truth.grid, Point<3>(100, 90, 0), 6);
+  Volume<double> image = spoiled(truth, mask);
+  const InpaintReport report = inpaint(image, mask);
+  EXPECT_LT(report.fit.samples, 1500);
+  constexpr double tolerance = 1;
+  EXPECT_LT(largest_error(image, truth), tolerance);
+
+  // What lies far away has no influence at all.
+  Volume<double> other = spoiled(truth, mask);
+  for (Index x = 0; x < 200; ++x) other.values[static_cast<std::size_t>(other.grid.index(x, 5))] = 1e9;
+  inpaint(other, mask);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask[i] != 0) {
+      EXPECT_EQ(other.values[i], image.values[i]);
+    }
+  }
+}
+
+TEST(Inpaint, TakesNaNForMissing) {
+  const Volume<double> truth = picture_of(layout(40, 30), smooth);
+  const Mask mask = random_mask(truth.grid, .2, 5);
+  Volume<double> marked = spoiled(truth, mask), holes = truth;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask[i] != 0) holes.values[i] = std::nan("");
+  inpaint(marked, mask);
+  const InpaintReport report = inpaint(holes, Mask(mask.size(), 0));
+  EXPECT_GT(report.missing, 0);
+  EXPECT_EQ(holes.values, marked.values);
+}
+
+TEST(Inpaint, FillsComponentsAsIfTheyStoodAlone) {
+  const Volume<double> gray = picture_of(layout(40, 30), smooth);
+  const Mask mask = random_mask(gray.grid, .3, 6);
+  VolumeLayout color = gray;
+  color.components = 3;
+  Volume<double> image(color);
+  for (std::size_t i = 0; i < gray.values.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      image.values[3 * i + c] = mask[i] != 0 ? 0 : static_cast<double>(c + 1) * gray.values[i];
+  const FitOptions options{.method = "partition-of-unity", .smoothing = 0};
+  const InpaintReport report = inpaint(image, mask, options);
+  Volume<double> alone = spoiled(gray, mask);
+  EXPECT_EQ(report.missing, 3 * inpaint(alone, mask, options).missing);
+  constexpr double tolerance = 1;  // other local options may be chosen
+  for (std::size_t i = 0; i < gray.values.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(image.values[3 * i + c], static_cast<double>(c + 1) * alone.values[i], tolerance);
+}
+
+TEST(Inpaint, FillsComponentsThatMissDifferentPixels) {
+  const Volume<double> gray = picture_of(layout(30, 30), smooth);
+  VolumeLayout pair = gray;
+  pair.components = 2;
+  Volume<double> image(pair);
+  for (std::size_t i = 0; i < gray.values.size(); ++i) image.values[2 * i] = image.values[2 * i + 1] = gray.values[i];
+  image.values[2 * 200] = image.values[2 * 500 + 1] = std::nan("");
+  const InpaintReport report = inpaint(image, Mask(gray.values.size(), 0));
+  EXPECT_EQ(report.missing, 2);
+  constexpr double tolerance = .1;  // one pixel among known ones
+  EXPECT_NEAR(image.values[2 * 200], gray.values[200], tolerance);
+  EXPECT_NEAR(image.values[2 * 500 + 1], gray.values[500], tolerance);
+}
+
+TEST(Inpaint, FillsEveryFrameByItselfWithACommonOrItsOwnMask) {
+  VolumeLayout two = layout(30, 20);
+  two.frames = 2;
+  Volume<double> truth(two);
+  const Volume<double> one = picture_of(layout(30, 20), smooth);
+  for (std::size_t i = 0; i < one.values.size(); ++i) {
+    truth.values[i] = one.values[i];
+    truth.values[one.values.size() + i] = -3 * one.values[i];
+  }
+  const Mask mask = random_mask(truth.grid, .3, 7);
+  Mask both = mask;
+  both.insert(both.end(), mask.begin(), mask.end());
+  Volume<double> common = spoiled(truth, mask), own = common;
+  std::vector<double> fractions;
+  const FitOptions options{.method = "partition-of-unity", .progress = [&](std::string_view, double fraction) {
+                             fractions.push_back(fraction);
+                             return true;
+                           }};
+  const InpaintReport report = inpaint(common, mask, options);
+  inpaint(own, both, options);
+  EXPECT_EQ(common.values, own.values);
+  EXPECT_EQ(report.missing, 2 * static_cast<Index>(std::count(mask.begin(), mask.end(), 1)));
+  constexpr double tolerance = 1;
+  EXPECT_LT(largest_error(common, truth), 3 * tolerance);
+  EXPECT_LE(*std::max_element(fractions.begin(), fractions.end()), 1);
+}
+
+TEST(Inpaint, SeesASliceOfAVolumeAsThePlaneThatItIs) {
+  VolumeLayout flat = layout(30, 25), sagittal = layout(1, 30, 25);
+  const Volume<double> truth = picture_of(flat, smooth);
+  const Mask mask = random_mask(truth.grid, .4, 8);
+  Volume<double> image = spoiled(truth, mask), slice(sagittal);
+  slice.values = image.values;
+  inpaint(image, mask);
+  inpaint(slice, mask);
+  EXPECT_EQ(slice.values, image.values);
+}
+
+TEST(Inpaint, DoesNotDependOnTheUnitOfLength) {
+  const Volume<double> truth = picture_of(layout(40, 30), smooth);
+  const Mask mask = random_mask(truth.grid, .4, 9);
+  const FitOptions options{.method = "partition-of-unity"};
+  Volume<double> image = spoiled(truth, mask), small = image;
+  small.grid.spacing *= 0x1p-20;
+  inpaint(image, mask, options);
+  inpaint(small, mask, options);
+  constexpr double round_off = 1e-6;
+  EXPECT_LT(largest_error(small, image), round_off);
+}
+
+TEST(Inpaint, FillsALineAndAnImageOfOneKnownPixel) {
+  Volume<double> line(layout(50, 1));
+  for (std::size_t i = 0; i < 50; ++i) line.values[i] = static_cast<double>(i);
+  line.values[20] = line.values[21] = std::nan("");
+  inpaint(line, Mask(50, 0));
+  constexpr double tolerance = 1e-3;
+  EXPECT_NEAR(line.values[20], 20, tolerance);
+
+  Volume<double> lonely(layout(4, 4), std::nan(""));
+  lonely.values[5] = 7;
+  inpaint(lonely, Mask(16, 0));
+  EXPECT_EQ(lonely.values, std::vector<double>(16, 7.0));
+}
+
+TEST(Inpaint, WithoutMissingValuesDoesNothing) {
+  Volume<float> image(layout(4, 4), 3.F);
+  const InpaintReport report = inpaint(image, Mask(16, 0));
+  EXPECT_EQ(report.missing, 0);
+  EXPECT_EQ(report.known, 16);
+  EXPECT_EQ(image.values, std::vector<float>(16, 3.F));
+}
+
+TEST(Inpaint, RefusesMasksOfAnotherSizeAndImagesOfWhichNothingIsKnown) {
+  Volume<double> image(layout(4, 3), 1.0);
+  EXPECT_EQ(invalid_input_message([&] { inpaint(image, Mask(11, 0)); }),
+            "inpaint: entries of the mask = 11: there must be one per voxel (12) or per voxel of every frame");
+  EXPECT_EQ(invalid_input_message([&] { inpaint(image, Mask(12, 1)); }),
+            "inpaint: known voxels = 0: frame 1 has no value to start from");
+  Mask one(12, 0);
+  one[3] = 1;
+  EXPECT_NE(invalid_input_message([&] { inpaint(image, one, {.method = "magic"}); }).find("method = magic"),
+            std::string::npos);
+  image.values.pop_back();
+  EXPECT_NE(invalid_input_message([&] { inpaint(image, Mask(12, 0)); }).find("values of the image = 11"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace csrbf
