@@ -1,0 +1,133 @@
+#include "bindings.hpp"
+
+#include "csrbf/approx/function.hpp"
+#include "csrbf/io/function_archive.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace csrbf::python {
+namespace {
+
+using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
+
+FitOptions make_options(const py::dict& given) {
+  FitOptions options;
+  const auto read = [&](const char* name, auto& field) {
+    if (given.contains(name)) field = given[name].cast<std::decay_t<decltype(field)>>();
+  };
+  read("method", options.method);
+  read("kernel", options.kernel);
+  read("kernel_parameter", options.kernel_parameter);
+  read("centers", options.centers);
+  read("tolerance", options.tolerance);
+  read("smoothing", options.smoothing);
+  read("degree", options.degree);
+  read("periods", options.periods);
+  if (given.contains("nan_outside") && given["nan_outside"].cast<bool>()) options.extrapolation = Extrapolation::nan;
+  return options;
+}
+
+py::dict to_dict(const FitReport& r) {
+  using namespace py::literals;
+  return py::dict("method"_a = r.method, "kernel"_a = r.kernel, "samples"_a = r.samples,
+                  "merged_duplicates"_a = r.merged_duplicates, "centers"_a = r.centers, "levels"_a = r.levels,
+                  "patches"_a = r.patches, "samples_per_patch"_a = r.samples_per_patch, "degree"_a = r.degree,
+                  "support"_a = r.support, "smoothing"_a = r.smoothing, "rmse"_a = r.rmse, "max_error"_a = r.max_error,
+                  "cross_validation_rmse"_a = r.cross_validation_rmse, "axis_scales"_a = r.axis_scales,
+                  "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
+}
+
+std::unique_ptr<NamedFunction> fit_arrays(const Array& points, const Array& values, const std::optional<Array>& weights,
+                                          const py::dict& given) {
+  FitOptions options = make_options(given);
+  const auto x = columns(points, "points");
+  const auto by_row = columns(values, "values");
+  Eigen::VectorXd w;
+  if (weights) w = vector(*weights, "weights");
+  return run([&](const Progress& progress) {
+    options.progress = progress;
+    if (by_row.rows() == 1)  // the same memory as a column
+      return std::make_unique<NamedFunction>(NamedFunction{
+          fit_function(x, Eigen::Map<const Eigen::MatrixXd>(by_row.data(), by_row.cols(), 1), w, options)});
+    return std::make_unique<NamedFunction>(NamedFunction{fit_function(x, by_row.transpose(), w, options)});
+  });
+}
+
+// Row-major output arrays: (m, k), (m, k, d), (m, k, d, d).
+struct Output {
+  double* value = nullptr;
+  double* gradient = nullptr;
+  double* hessian = nullptr;
+};
+
+void fill(const Function::Values& from, Index d, Index first, const Output& to) {
+  const Index k = from.value.cols();
+  for (Index i = 0; i < from.value.rows(); ++i) {
+    const Index row = first + i;
+    for (Index c = 0; c < k; ++c) {
+      to.value[k * row + c] = from.value(i, c);
+      for (Index a = 0; to.gradient != nullptr && a < d; ++a)
+        to.gradient[d * (k * row + c) + a] = from.gradient(i, d * c + a);
+      if (to.hessian == nullptr) continue;
+      double* matrix = to.hessian + d * d * (k * row + c);
+      for (Index a = 0, entry = c * d * (d + 1) / 2; a < d; ++a)
+        for (Index b = a; b < d; ++b, ++entry) matrix[d * a + b] = matrix[d * b + a] = from.hessian(i, entry);
+    }
+  }
+}
+
+py::tuple evaluate(const NamedFunction& f, const Array& at, int order) {
+  const auto x = columns(at, "x");
+  const Index d = f.function.dimension();
+  const Index k = f.function.components();
+  const Index m = x.cols();
+  require(x.rows() == d, "evaluate", "x", x.rows(), "the points must have " + std::to_string(d) + " coordinates");
+  const auto derivatives = static_cast<Derivatives>(std::clamp(order, 0, 2));
+  py::array_t<double> value({m, k});
+  py::array_t<double> gradient({order > 0 ? m : 0, k, d});
+  py::array_t<double> hessian({order > 1 ? m : 0, k, d, d});
+  const Output out{value.mutable_data(), order > 0 ? gradient.mutable_data() : nullptr,
+                   order > 1 ? hessian.mutable_data() : nullptr};
+  run([&](const Progress& progress) {
+    in_parts(m, progress, [&](Index begin, Index count) {
+      fill(f.function.evaluate(x.middleCols(begin, count), derivatives), d, begin, out);
+    });
+  });
+  return py::make_tuple(value, gradient, hessian);
+}
+
+py::bytes to_bytes(const NamedFunction& f) {
+  return py::bytes(run([&](const Progress& /*progress*/) { return format_archive(to_archive(f)); }));
+}
+
+std::unique_ptr<NamedFunction> from_bytes(const std::string& bytes) {
+  return run([&](const Progress& /*progress*/) {
+    return std::make_unique<NamedFunction>(function_from(parse_archive(bytes, "pickle")));
+  });
+}
+
+}  // namespace
+
+void bind_fit(py::module_& m) {
+  py::class_<NamedFunction>(m, "Function")
+      .def_property_readonly("dimension", [](const NamedFunction& f) { return f.function.dimension(); })
+      .def_property_readonly("components", [](const NamedFunction& f) { return f.function.components(); })
+      .def_property_readonly("report", [](const NamedFunction& f) { return to_dict(f.function.report()); })
+      .def_property_readonly("bounds",
+                             [](const NamedFunction& f) { return to_array(Eigen::MatrixXd(f.function.bounds())); })
+      .def("evaluate", &evaluate)
+      .def("save", [](const NamedFunction& f,
+                      const std::string& path) { run([&](const Progress& /*progress*/) { write_model(path, f); }); })
+      .def("to_bytes", &to_bytes)
+      .def_static("from_bytes", &from_bytes);
+  m.def("fit", &fit_arrays);
+  m.def("is_function_file", [](const std::string& path) {
+    return run([&](const Progress& /*progress*/) { return read_archive(path).kind == function_kind; });
+  });
+  m.def("read_function", [](const std::string& path) {
+    return run([&](const Progress& /*progress*/) { return std::make_unique<NamedFunction>(read_function(path)); });
+  });
+}
+
+}  // namespace csrbf::python

@@ -1,0 +1,89 @@
+#pragma once
+
+#include "csrbf/core/progress.hpp"
+#include "csrbf/core/types.hpp"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+
+namespace csrbf::python {
+
+namespace py = pybind11;
+
+/// A C-contiguous array of float64; other arrays are converted, that one is not copied.
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// An (n, d) array as the d x n matrix with the same memory.
+inline Eigen::Map<const Eigen::MatrixXd> columns(const Array& array, const char* name) {
+  if (array.ndim() != 2) throw InvalidInput(std::string(name) + ": must be a two-dimensional array, one point a row");
+  return {array.data(), array.shape(1), array.shape(0)};
+}
+
+/// As columns(), for points of known dimension.
+template <int Dim>
+Eigen::Map<const Points<Dim>> points(const Array& array, const char* name) {
+  if (array.ndim() != 2 || array.shape(1) != Dim)
+    throw InvalidInput(std::string(name) + ": must be an array of " + std::to_string(Dim) + " columns");
+  return {array.data(), Dim, array.shape(0)};
+}
+
+inline Eigen::Map<const Eigen::VectorXd> vector(const Array& array, const char* name) {
+  if (array.ndim() != 1) throw InvalidInput(std::string(name) + ": must be a one-dimensional array");
+  return {array.data(), array.size()};
+}
+
+/// A matrix as the C-contiguous array (columns, rows) that owns its memory.
+template <class Matrix>
+py::array_t<typename Matrix::Scalar> to_array(Matrix&& matrix) {
+  auto owned = std::make_unique<std::decay_t<Matrix>>(std::forward<Matrix>(matrix));
+  const auto* data = owned->data();
+  const std::vector<py::ssize_t> shape = {owned->cols(), owned->rows()};
+  const py::capsule owner(owned.release(), [](void* p) { delete static_cast<std::decay_t<Matrix>*>(p); });
+  return py::array_t<typename std::decay_t<Matrix>::Scalar>(shape, data, owner);
+}
+
+/// Asks Python now and then whether a signal has arrived, and stops the work when its handler raised an exception
+/// (Ctrl-C: KeyboardInterrupt).
+inline Progress watch_signals() {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds pause{50};
+  return [pause, last = Clock::now()](std::string_view /*stage*/, double /*fraction*/) mutable {
+    if (Clock::now() - last < pause) return true;
+    last = Clock::now();
+    const py::gil_scoped_acquire hold;
+    return PyErr_CheckSignals() == 0;
+  };
+}
+
+/// work(progress) without the interpreter lock; an exception that a signal handler raised comes out as itself.
+template <class Work>
+auto run(const Work& work) {
+  try {
+    const py::gil_scoped_release release;
+    return work(watch_signals());
+  } catch (const Cancelled&) {
+    throw py::error_already_set();
+  }
+}
+
+/// Calls use(begin, count) for parts of [0, n), looking for signals in between.
+template <class Use>
+void in_parts(Index n, const Progress& progress, const Use& use) {
+  constexpr Index part = Index{1} << 18;
+  for (Index begin = 0; begin < n; begin += part) {
+    report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(n));
+    use(begin, std::min(part, n - begin));
+  }
+}
+
+void bind_fit(py::module_& m);
+void bind_rbf_interpolator(py::module_& m);
+void bind_surface(py::module_& m);
+
+}  // namespace csrbf::python

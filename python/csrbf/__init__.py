@@ -1,0 +1,43 @@
+"""Smooth functions and surfaces from scattered data.
+
+    f = csrbf.fit(points, values)         # points (n, d), values (n,) or (n, k)
+    f(x), f.gradient(x), f.hessian(x)     # anywhere
+    s = csrbf.reconstruct(points)         # an implicit surface from points in space
+    s.polygonize().save("mesh.ply")
+
+Arrays of points have one point a row; C-contiguous float64 arrays are not copied. Computations use all cores
+(`set_thread_count`), release the interpreter lock and stop on Ctrl-C. Objects can be pickled. Wrong arguments raise
+ValueError, unreadable or unwritable files `IoError`, valid data without a result of the requested quality
+`SolverFailure`.
+"""
+
+import os
+
+from csrbf import _csrbf
+from csrbf._csrbf import IoError, SolverFailure, set_thread_count, thread_count
+from csrbf._function import Function, fit
+from csrbf._rbf_interpolator import RBFInterpolator
+from csrbf._surface import Mesh, Surface, reconstruct
+
+__version__ = _csrbf.version
+__all__ = [
+    "Function",
+    "IoError",
+    "Mesh",
+    "RBFInterpolator",
+    "SolverFailure",
+    "Surface",
+    "fit",
+    "load",
+    "reconstruct",
+    "set_thread_count",
+    "thread_count",
+]
+
+
+def load(path):
+    """The Function or Surface that a .csrbf file holds, written by `save` or by the program csrbf."""
+    path = os.fspath(path)
+    if _csrbf.is_function_file(path):
+        return Function(_csrbf.read_function(path))
+    return Surface(_csrbf.read_surface(path))

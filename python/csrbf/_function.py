@@ -1,0 +1,117 @@
+import os
+
+import numpy as np
+
+from csrbf import _csrbf
+from csrbf._arrays import floats, queries, rows, smoothing_or_none
+
+
+class Function:
+    """A smooth function of d variables with one value (`fit` to values (n,)) or k values (n, k).
+
+    Points may come in an array of any shape (..., d); the same leading shape comes back.
+
+    report: dict with what the fit did: the method and all options used, also those chosen automatically, the errors
+    at the samples, the cross-validated error, times and warnings.
+    """
+
+    def __init__(self, function, scalar=None):
+        self._function = function
+        self._scalar = function.components == 1 if scalar is None else scalar
+        self.report = function.report
+
+    @property
+    def dimension(self):
+        """d, the number of variables."""
+        return self._function.dimension
+
+    @property
+    def bounds(self):
+        """Lower and upper corner of the box of the samples, (2, d)."""
+        return self._function.bounds
+
+    def __call__(self, x):
+        """Values at points (m, d): (m,), or (m, k)."""
+        return self._evaluate(x, 0)
+
+    def gradient(self, x):
+        """Gradients at points (m, d): (m, d), or (m, k, d)."""
+        return self._evaluate(x, 1)
+
+    def hessian(self, x):
+        """Matrices of second derivatives at points (m, d): (m, d, d), or (m, k, d, d)."""
+        return self._evaluate(x, 2)
+
+    def save(self, path):
+        """Writes a .csrbf file for `load` and the program csrbf."""
+        self._function.save(os.fspath(path))
+
+    def _evaluate(self, x, order):
+        x, shape = queries(x, self.dimension)
+        result = self._function.evaluate(x, order)[order]
+        result = result[:, 0] if self._scalar else result
+        return result.reshape(shape + result.shape[1:])
+
+    def __reduce__(self):
+        return _restore, (self._function.to_bytes(), self._scalar)
+
+    def __repr__(self):
+        values = "one value" if self._scalar else f"{self._function.components} values"
+        return f"<csrbf.Function of {self.dimension} variables, {values}, method {self.report['method']}>"
+
+
+def _restore(content, scalar):
+    return Function(_csrbf.Function.from_bytes(content), scalar)
+
+
+def fit(
+    points,
+    values,
+    method="auto",
+    tolerance=None,
+    centers=None,
+    smoothing="auto",
+    *,
+    kernel="auto",
+    kernel_parameter=None,
+    degree=None,
+    weights=None,
+    periods=None,
+    extrapolation="constant",
+):
+    """A smooth function through, or under noise near, scattered samples.
+
+    points: (n, d), any order, d from 1 to 6. values: (n,) or (n, k).
+    method: "auto", "interpolate", "least-squares", "partition-of-unity", "multilevel", "pca-multiresolution",
+        "fixed-budget", "error-bounded" or "moving-least-squares".
+    tolerance: largest error allowed at any sample, in the unit of the values.
+    centers: largest number of radial basis functions.
+    smoothing: "auto" chooses by cross-validation, "none" interpolates, a number is taken as it is.
+    kernel, kernel_parameter, degree: of the radial basis functions and of the polynomials; chosen when not given.
+    weights: (n,), how much each sample counts: the inverse variance of its error, up to a factor.
+    periods: period of every axis, None or 0 for axes that are not periodic: [360, None] for longitude and latitude.
+    extrapolation: outside the box of the samples "constant" gives the value at the nearest point of the box, "nan"
+        gives NaN.
+    """
+    points = rows(points, "points")
+    values = floats(values, "values")
+    if values.ndim not in (1, 2) or len(values) != len(points):
+        raise ValueError(f"values: has shape {values.shape}; must be ({len(points)},) or ({len(points)}, k)")
+    if extrapolation not in ("constant", "nan"):
+        raise ValueError(f'extrapolation: "{extrapolation}" is neither "constant" nor "nan"')
+    options = {
+        "method": method,
+        "kernel": kernel,
+        "kernel_parameter": kernel_parameter,
+        "centers": centers,
+        "tolerance": tolerance,
+        "smoothing": smoothing_or_none(smoothing),
+        "degree": degree,
+        "periods": None if periods is None else [period or 0.0 for period in np.atleast_1d(periods).tolist()],
+        "nan_outside": extrapolation == "nan",
+    }
+    given = {name: value for name, value in options.items() if value is not None}
+    if weights is not None:
+        weights = floats(weights, "weights")
+    table = values if values.ndim == 2 else values.reshape(-1, 1)
+    return Function(_csrbf.fit(points, table, weights, given), scalar=values.ndim == 1)

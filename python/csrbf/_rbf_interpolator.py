@@ -1,0 +1,103 @@
+import warnings
+
+import numpy as np
+
+from csrbf import _csrbf
+from csrbf._arrays import rows
+
+
+class SingularSystem(_csrbf.SolverFailure, np.linalg.LinAlgError):
+    """The equations of an interpolant have no unique solution."""
+
+
+class RBFInterpolator:
+    """Interpolation by a radial function at every data point and a polynomial, with the arguments, the conventions and
+    the results of the class of this name in SciPy.
+
+    Prefer `fit` for large or noisy data: it is smooth everywhere, needs no parameters and costs O(n).
+
+    y: (n, dim) data points, of any dimension. d: (n, ...) values, real or complex.
+    neighbors: every evaluation uses only that many data points nearest to it; None: all. Systems shared by several
+        evaluation points are solved once.
+    smoothing: added to the diagonal of the system; a number, or one for each data point. 0 interpolates.
+    kernel: "linear", "thin_plate_spline", "cubic", "quintic", "multiquadric", "inverse_multiquadric",
+        "inverse_quadratic", "gaussian", or any other kernel of csrbf, such as "wendland-c2" or "matern-c4".
+    epsilon: kernels are functions of epsilon times distance; needed unless a factor of the distance makes no difference
+        (linear, thin_plate_spline, cubic, quintic).
+    degree: of the polynomial, -1 for none. Default: the smallest with which the kernel is well-posed, at least 0.
+
+    Raises ValueError for wrong arguments, and SolverFailure, which is here a numpy.linalg.LinAlgError as well, when the
+    system is singular.
+    """
+
+    def __init__(self, y, d, neighbors=None, smoothing=0.0, kernel="thin_plate_spline", epsilon=None, degree=None):
+        self.y = rows(y, "y")
+        n, dimension = self.y.shape
+        self.d_dtype = complex if np.iscomplexobj(d) else float
+        values = np.ascontiguousarray(d, dtype=self.d_dtype)
+        if np.ndim(d) == 0 or len(values) != n:
+            raise ValueError(f"d: has shape {np.shape(d)}; the length of its first axis must be that of y, {n}")
+        self.d_shape = values.shape[1:]
+        # The real and imaginary parts of complex values are separate components.
+        self.d = values.reshape(n, -1).view(float)
+        self.smoothing = np.asarray(smoothing, dtype=float)
+        if self.smoothing.shape not in ((), (n,)):
+            raise ValueError(f"smoothing: has shape {self.smoothing.shape}; must be a number or ({n},)")
+        self.smoothing = np.ascontiguousarray(np.broadcast_to(self.smoothing, n))
+        self.kernel = kernel.lower()
+        self.neighbors = None if neighbors is None else int(min(neighbors, n))
+        if self.neighbors is not None and self.neighbors < 1:
+            raise ValueError(f"neighbors: {neighbors} must be at least 1, or None for all")
+        if degree is not None:
+            degree = self._checked_degree(int(degree), dimension)
+        self._solve(None if epsilon is None else float(epsilon), degree)
+
+    def __call__(self, x):
+        """Values (m, ...) at points x (m, dim)."""
+        x = rows(x, "x")
+        if x.shape[1] != self.y.shape[1]:
+            raise ValueError(f"x: has shape {x.shape}; points must have {self.y.shape[1]} coordinates")
+        try:
+            values = self._interpolant.evaluate(x)
+        except _csrbf.SolverFailure as error:
+            raise SingularSystem(*error.args) from None
+        return values.view(self.d_dtype).reshape((len(x),) + self.d_shape)
+
+    def _checked_degree(self, degree, dimension):
+        smallest = _csrbf.RbfInterpolator.smallest_degree(self.kernel, dimension)
+        if -1 <= degree < smallest:
+            warnings.warn(
+                f"degree {degree} is below {smallest}, from which on the kernel {self.kernel} is well-posed: the "
+                "system may be singular, and smoothing may not smooth",
+                UserWarning,
+                stacklevel=3,
+            )
+        return degree
+
+    def _solve(self, epsilon, degree):
+        try:
+            self._interpolant = _csrbf.RbfInterpolator(
+                self.y, self.d, self.neighbors or 0, self.smoothing, self.kernel, epsilon, degree
+            )
+        except _csrbf.SolverFailure as error:
+            raise SingularSystem(*error.args) from None
+        self.epsilon = self._interpolant.epsilon
+        self.powers = self._interpolant.powers
+
+    def __getstate__(self):
+        state = self.__dict__.copy()
+        interpolant = state.pop("_interpolant")
+        state["degree"] = interpolant.degree
+        state["coefficients"] = interpolant.coefficients if self.neighbors is None else None
+        return state
+
+    def __setstate__(self, state):
+        degree = state.pop("degree")
+        coefficients = state.pop("coefficients")
+        self.__dict__.update(state)
+        if coefficients is None:
+            self._solve(self.epsilon, degree)
+        else:
+            self._interpolant = _csrbf.RbfInterpolator.restore(
+                self.y, coefficients, self.smoothing, self.kernel, self.epsilon, degree
+            )

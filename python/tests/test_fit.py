@@ -1,0 +1,228 @@
+"""fit, Function and load: values, derivatives, shapes, files, pickles, interruption and errors."""
+
+import math
+import os
+import pickle
+import signal
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy as np
+
+import csrbf
+
+
+def samples(n, d=2, seed=1):
+    x = np.random.default_rng(seed).random((n, d))
+    return x, np.sin(2 * x[:, 0]) + (x**2).sum(axis=1)
+
+
+# A fit that takes no time to choose its kernel, for tests of everything else.
+QUICK = {"kernel": "quintic"}
+
+
+class Values(unittest.TestCase):
+    def test_samples_of_a_smooth_function_come_back(self):
+        x, v = samples(1500)
+        f = csrbf.fit(x, v)
+        at, expected = samples(200, seed=2)
+        inside = ((at > 0.05) & (at < 0.95)).all(axis=1)
+        self.assertEqual(f(at).shape, (200,))
+        # Far below the variation of the values, 2, and far above what smooth kernels reach.
+        np.testing.assert_allclose(f(at)[inside], expected[inside], atol=1e-3)
+
+    def test_derivatives_are_those_of_the_values(self):
+        x, v = samples(600)
+        f = csrbf.fit(x, v, **QUICK)
+        at = 0.2 + 0.6 * samples(30, seed=3)[0]
+        h = 1e-4
+        steps = h * np.eye(2)
+        gradient = np.stack([(f(at + s) - f(at - s)) / (2 * h) for s in steps], axis=-1)
+        hessian = np.stack([(f.gradient(at + s) - f.gradient(at - s)) / (2 * h) for s in steps], axis=-1)
+        # Central differences err by h^2 times the third derivatives, and by roundings over h.
+        np.testing.assert_allclose(f.gradient(at), gradient, atol=1e-6 * np.abs(gradient).max())
+        np.testing.assert_allclose(f.hessian(at), hessian, atol=1e-4 * np.abs(hessian).max())
+        np.testing.assert_array_equal(f.hessian(at), np.swapaxes(f.hessian(at), -1, -2))
+
+    def test_works_in_one_to_six_dimensions(self):
+        for d in range(1, 7):
+            x, v = samples(200, d)
+            f = csrbf.fit(x, v, smoothing="none")
+            self.assertEqual(f.dimension, d)
+            self.assertEqual(f.gradient(x).shape, (200, d))
+            self.assertEqual(f.hessian(x[:5]).shape, (5, d, d))
+            np.testing.assert_allclose(f(x), v, atol=1e-4)
+
+    def test_vector_valued_samples_are_fitted_together(self):
+        x, v = samples(500)
+        f = csrbf.fit(x, np.column_stack([v, 2 * v, -v]), **QUICK)
+        at = samples(40, seed=4)[0]
+        self.assertEqual(f(at).shape, (40, 3))
+        self.assertEqual(f.gradient(at).shape, (40, 3, 2))
+        self.assertEqual(f.hessian(at).shape, (40, 3, 2, 2))
+        np.testing.assert_allclose(f(at)[:, 1], 2 * f(at)[:, 0], rtol=1e-6)
+        np.testing.assert_allclose(f.gradient(at)[:, 2], -f.gradient(at)[:, 0], rtol=1e-6, atol=1e-9)
+        self.assertEqual(csrbf.fit(x, v[:, None], **QUICK)(at).shape, (40, 1))
+
+    def test_queries_keep_the_shape_of_their_array(self):
+        x, v = samples(300)
+        f = csrbf.fit(x, v, **QUICK)
+        grid = np.stack(np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 1, 7)), axis=-1)
+        self.assertEqual(f(grid).shape, (7, 5))
+        self.assertEqual(f.gradient(grid).shape, (7, 5, 2))
+        np.testing.assert_array_equal(f(grid).ravel(), f(grid.reshape(-1, 2)))
+        self.assertEqual(f(grid[0, 0]).shape, ())
+        self.assertEqual(f(np.empty((0, 2))).shape, (0,))
+
+    def test_other_layouts_and_types_give_the_same_function(self):
+        x, v = samples(300)
+        x = x.astype(np.float32).astype(float)
+        expected = csrbf.fit(x, v, **QUICK)(x)
+        np.testing.assert_array_equal(csrbf.fit(np.asfortranarray(x), v, **QUICK)(x), expected)
+        single = csrbf.fit(x.astype(np.float32), v, **QUICK)
+        np.testing.assert_array_equal(single(np.repeat(x, 2, axis=0)[::2]), expected)
+        np.testing.assert_array_equal(csrbf.fit(x.tolist(), v.tolist(), **QUICK)(x.tolist()), expected)
+
+
+class Options(unittest.TestCase):
+    def test_a_tolerance_holds_at_every_sample(self):
+        x, v = samples(800)
+        f = csrbf.fit(x, v, tolerance=0.01)
+        self.assertLessEqual(np.abs(f(x) - v).max(), 0.01)
+
+    def test_a_budget_of_centers_is_kept(self):
+        x, v = samples(800)
+        self.assertLessEqual(csrbf.fit(x, v, centers=50).report["centers"], 50)
+
+    def test_weights_of_zero_leave_samples_out(self):
+        x, v = samples(200)
+        bad = v.copy()
+        bad[::10] += 5
+        weights = np.ones(200)
+        weights[::10] = 0
+        f = csrbf.fit(x, bad, weights=weights)
+        self.assertLess(np.abs(f(x) - v).max(), 0.1)
+
+    def test_periodic_axes_repeat(self):
+        angle = np.random.default_rng(1).random(200) * 360
+        f = csrbf.fit(angle[:, None], np.cos(np.radians(angle)), periods=[360])
+        at = np.linspace(0, 360, 50)[:, None]
+        np.testing.assert_allclose(f(at + 360), f(at), atol=1e-9)
+
+    def test_outside_the_data_values_are_constant_or_nan(self):
+        x, v = samples(300)
+        f = csrbf.fit(x, v, **QUICK)
+        box = f.bounds
+        np.testing.assert_allclose(box, [x.min(axis=0), x.max(axis=0)])
+        np.testing.assert_array_equal(f([[9.0, 9.0]]), f(box[1:]))
+        self.assertTrue(np.isnan(csrbf.fit(x, v, extrapolation="nan", **QUICK)([[9.0, 9.0]])[0]))
+
+    def test_the_report_says_what_was_done(self):
+        x, v = samples(300)
+        report = csrbf.fit(np.repeat(x, 2, axis=0), np.repeat(v, 2)).report
+        self.assertEqual(report["merged_duplicates"], 300)
+        self.assertNotEqual(report["method"], "auto")
+        for key in ("samples", "centers", "levels", "rmse", "max_error", "smoothing", "cross_validation_rmse"):
+            self.assertTrue(math.isfinite(report[key]) or key == "cross_validation_rmse", key)
+
+
+class Files(unittest.TestCase):
+    def test_loaded_and_unpickled_functions_give_the_same_values(self):
+        x, v = samples(400)
+        at = samples(50, seed=5)[0]
+        for values in (v, v[:, None], np.column_stack([v, -v])):
+            f = csrbf.fit(x, values, **QUICK)
+            copy = pickle.loads(pickle.dumps(f))
+            np.testing.assert_array_equal(copy(at), f(at))
+            np.testing.assert_equal(copy.report, f.report)
+            with tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, "f.csrbf")
+                f.save(path)
+                np.testing.assert_array_equal(csrbf.load(path)(at).ravel(), f(at).ravel())
+
+    def test_files_that_cannot_be_read_or_written_raise_io_errors(self):
+        x, v = samples(50)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "f.csrbf")
+            with self.assertRaisesRegex(csrbf.IoError, "f.csrbf"):
+                csrbf.load(path)
+            with open(path, "wb") as file:
+                file.write(b"no model")
+            with self.assertRaisesRegex(csrbf.IoError, "f.csrbf"):
+                csrbf.load(path)
+            with self.assertRaises(OSError):
+                csrbf.fit(x, v, **QUICK).save(os.path.join(folder, "missing", "f.csrbf"))
+
+
+class Running(unittest.TestCase):
+    def test_other_threads_run_during_a_fit(self):
+        x, v = samples(100000)
+        ticks, done = [], threading.Event()
+
+        def tick():
+            while not done.is_set():
+                ticks.append(time.perf_counter())
+                time.sleep(0.001)
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        begin = time.perf_counter()
+        csrbf.fit(x, v)(x)
+        end = time.perf_counter()
+        done.set()
+        thread.join()
+        during = [t for t in ticks if begin < t < end]
+        self.assertGreater(len(during), 3)
+
+    def test_ctrl_c_stops_a_fit_and_an_evaluation(self):
+        x, v = samples(3000)
+        slow = np.random.default_rng(2).random((300000, 2))
+        interpolant = csrbf.RBFInterpolator(x, v)
+        big = samples(400000)
+        cases = {
+            "evaluation": lambda: [interpolant(slow) for _ in range(20)],
+            "fit": lambda: [csrbf.fit(*big) for _ in range(20)],
+        }
+        for name, work in cases.items():
+            with self.subTest(work=name):
+                timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+                begin = time.perf_counter()
+                timer.start()
+                with self.assertRaises(KeyboardInterrupt):
+                    work()
+                self.assertLess(time.perf_counter() - begin, 15)
+
+
+class Failures(unittest.TestCase):
+    def test_wrong_arguments_raise_value_errors_that_say_what_to_do(self):
+        x, v = samples(50)
+        nan = v.copy()
+        nan[7] = np.nan
+        cases = [
+            ("one point a row", (x[:, 0], v), {}),
+            ("must be \\(50,\\)", (x, v[1:]), {}),
+            ("finite", (x, nan), {}),
+            ("finite", (x * np.inf, v), {}),
+            ("partition-of-unity", (x, v), {"method": "magic"}),
+            ("wendland", (x, v), {"kernel": "magic"}),
+            ("weights", (x, v), {"weights": -np.ones(50)}),
+            ("weights", (x, v), {"weights": np.ones(49)}),
+            ("neither", (x, v), {"extrapolation": "linear"}),
+            ("neither", (x, v), {"smoothing": "much"}),
+            ("real", (x, v + 1j), {}),
+            ("", (np.zeros((50, 7)), v), {}),
+            ("", (x[:0], v[:0]), {}),
+            ("could not convert", (np.array([["a", "b"]]), v[:1]), {}),
+        ]
+        for message, arguments, keywords in cases:
+            with self.subTest(message=message, keywords=keywords):
+                with self.assertRaisesRegex(ValueError, message):
+                    csrbf.fit(*arguments, **keywords)
+        with self.assertRaisesRegex(ValueError, "2 coordinates"):
+            csrbf.fit(x, v)(np.zeros((3, 3)))
+
+
+if __name__ == "__main__":
+    unittest.main()
