@@ -1,0 +1,57 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <string>
+#include <vector>
+
+namespace csrbf::thesis {
+
+/// Numbers of one curve, table or picture: columns of equal length.
+struct Table {
+  std::string name;
+  std::vector<std::string> columns;
+  std::vector<std::vector<double>> rows = {};
+};
+
+/// A picture of numbers, x fastest.
+struct Picture {
+  std::string name;
+  Index width = 0;
+  Index height = 0;
+  Eigen::VectorXd values = {};
+};
+
+/// What the thesis says, what we measure, and how the two compare: "holds", "fails", "not comparable".
+struct Claim {
+  std::string what;
+  std::string published;
+  std::string ours;
+  std::string verdict;
+};
+
+/// The numbers of one figure or table of the thesis, or of an example that it leaves open.
+struct Figure {
+  std::string name;   ///< of the file, as in "figure-2.4"
+  std::string title;  ///< of the page
+  std::string text;   ///< how the numbers were made
+  std::vector<Table> tables = {};
+  std::vector<Picture> pictures = {};
+  std::vector<Claim> claims = {};
+};
+
+/// Writes DIR/NAME.json. Throws IoError.
+void write_figure(const Figure& figure, const std::string& folder);
+
+/// "holds" or "fails".
+inline std::string verdict(bool holds) {
+  return holds ? "holds" : "fails";
+}
+
+/// A number with `digits` significant digits.
+std::string number(double value, int digits = 3);
+
+/// The least squares slope of log y over log x: the order of growth or of convergence.
+double slope(const std::vector<double>& x, const std::vector<double>& y);
+
+}  // namespace csrbf::thesis

@@ -1,0 +1,83 @@
+#include "comparators.hpp"
+#include "csrbf/core/error.hpp"
+#include "dimensions.hpp"
+#include "figure_2_4.hpp"
+#include "figure_3_14.hpp"
+#include "figure_3_16.hpp"
+#include "figure_3_4.hpp"
+#include "figure_3_9.hpp"
+#include "k_space.hpp"
+#include "table_2_4.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace {
+
+using csrbf::thesis::Figure;
+
+constexpr const char* usage =
+    "usage: csrbf-thesis --out DIR [--only NAME]\n\n"
+    "Computes the numbers of the figures and tables of the thesis (chapters 1 to 3) and writes one JSON file each\n"
+    "into DIR; scripts/thesis_page.py draws them. --only NAME: one of\n";
+
+struct Work {
+  std::string name;
+  std::function<Figure()> run;
+};
+
+std::vector<Work> all_work() {
+  using namespace csrbf::thesis;
+  return {{"chapter-1", comparators},   {"figure-2.4", figure_2_4}, {"table-2.4", table_2_4},
+          {"figure-3.4", figure_3_4},   {"figure-3.9", figure_3_9}, {"figure-3.14", figure_3_14},
+          {"figure-3.16", figure_3_16}, {"k-space", k_space},       {"dimensions", dimensions}};
+}
+
+int print_usage(int status) {
+  std::FILE* out = status == 0 ? stdout : stderr;
+  std::fputs(usage, out);
+  for (const Work& work : all_work()) std::fprintf(out, "  %s\n", work.name.c_str());
+  return status;
+}
+
+int run(const std::string& folder, const std::string& only) {
+  std::filesystem::create_directories(folder);
+  bool found = false;
+  for (const Work& work : all_work()) {
+    if (!only.empty() && only != work.name) continue;
+    found = true;
+    const Figure figure = work.run();
+    csrbf::thesis::write_figure(figure, folder);
+    std::printf("%s\n", figure.title.c_str());
+    for (const csrbf::thesis::Claim& claim : figure.claims)
+      std::printf("  %s: published %s; ours %s: %s\n", claim.what.c_str(), claim.published.c_str(), claim.ours.c_str(),
+                  claim.verdict.c_str());
+    std::fflush(stdout);
+  }
+  return found ? 0 : print_usage(2);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string folder, only;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--help" || argument == "-h") return print_usage(0);
+    if (argument == "--out" && i + 1 < argc)
+      folder = argv[++i];
+    else if (argument == "--only" && i + 1 < argc)
+      only = argv[++i];
+    else
+      return print_usage(2);
+  }
+  if (folder.empty()) return print_usage(2);
+  try {
+    return run(folder, only);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "csrbf-thesis: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,33 @@
+#include "thesis/figure_2_4.hpp"
+
+#include <gtest/gtest.h>
+
+namespace csrbf::thesis {
+namespace {
+
+TEST(Figure_2_4, BelowHalfASampleDistanceNothingIsLeftBetweenTheSamples) {
+  const SupportSize size = support_sizes({0.5})[0];
+  EXPECT_EQ(size.midpoint, 0);
+  EXPECT_NEAR(size.condition, 1, 1e-12);  // the identity
+  EXPECT_NEAR(size.density, 1.0 / 41, 1e-12);
+}
+
+TEST(Figure_2_4, WiderSupportsFitBetterAndMakeTheMatrixDense) {
+  const auto sizes = support_sizes({1, 2, 4, 8, 40});
+  for (std::size_t i = 1; i < sizes.size(); ++i) {
+    EXPECT_LT(sizes[i].rmse, sizes[i - 1].rmse);
+    EXPECT_GT(sizes[i].density, sizes[i - 1].density);
+    EXPECT_GT(sizes[i].condition, sizes[i - 1].condition);
+  }
+  EXPECT_GT(sizes.back().density, 0.99);
+  EXPECT_LT(sizes.back().rmse, sizes.front().rmse / 10);
+}
+
+// Rows of a matrix of n samples have 2 s - 1 entries for a support of s sample distances, less near the ends.
+TEST(Figure_2_4, TheShareOfNonzerosIsThatOfTheSupport) {
+  constexpr double n = 41;
+  EXPECT_NEAR(support_sizes({4})[0].density, (7 * n - 2 * (1 + 2 + 3)) / (n * n), 1e-12);
+}
+
+}  // namespace
+}  // namespace csrbf::thesis
