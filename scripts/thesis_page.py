@@ -105,7 +105,7 @@ def draw_figure_2_4(_, tables):
         axis.plot(t["x"], t["signal"], color="#9aa3ad", lw=2.5, label="signal (3.5)")
         axis.plot(t["x"], t[name], color=COLORS[0], lw=1.1, label="interpolant")
         style(axis, "x", "f" if axis is axes[0] else "", f"support {name}")
-    axes[0].legend(loc="lower right", fontsize=8)
+    axes[0].legend(loc="upper right", fontsize=8)
     first = ("-curves", drawing)
     t = tables["supports"]
     drawing, axes = plt.subplots(1, 3, figsize=(11, 3))
@@ -121,12 +121,12 @@ def draw_table_2_4(_, tables):
     compact, dense = tables["compact"], tables["global"]
     drawing, axes = plt.subplots(1, 3, figsize=(11, 3.3))
     for axis, column, label in [(axes[0], "assembly [s]", "build the matrix [s]"), (axes[1], "solve [s]", "solve [s]"),
-                                (axes[2], "evaluation [s / point]", "evaluate at one point [s]")]:
+                                (axes[2], "evaluation [us / point]", "evaluate at one point [µs]")]:
         for i, (t, name) in enumerate([(compact, "compact support"), (dense, "global support")]):
             axis.plot(t["samples"], t[column], ls=DASHES[i], marker=MARKERS[i], color=COLORS[i], ms=4,
                       label=f"{name}, $N^{{{order(t['samples'], t[column]):.1f}}}$")
         style(axis, "samples N", label, "", x_log=True, y_log=True)
-        axis.legend(fontsize=8)
+        axis.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1))
     return [("", drawing)]
 
 
@@ -141,7 +141,7 @@ def draw_figure_3_4(_, tables):
         axis.plot(t["x"], t[levels[level]], color=COLORS[1], lw=1.2, label="approximation")
         style(axis, "x" if level in shown[-2:] else "", "", f"{levels[level]}: {int(errors['centers'][: level + 1].sum())}"
               f" functions, RMSE {errors['RMSE'][level]:.2g}")
-    axes.flat[0].legend(loc="lower right", fontsize=8)
+    axes.flat[0].legend(loc="upper right", fontsize=8)
     first = ("", drawing)
     t, noisy = tables["noisy curves"], tables["noisy samples"]
     drawing, axes = plt.subplots(1, 3, figsize=(11, 3), sharey=True)
@@ -150,7 +150,7 @@ def draw_figure_3_4(_, tables):
         axis.plot(noisy["x"], noisy["s"], ".", color="#000000", ms=4, label="samples, 21 dB")
         axis.plot(t["x"], t[name], color=COLORS[1], lw=1.1, label="approximation")
         style(axis, "x", "", name)
-    axes[0].legend(loc="lower right", fontsize=8)
+    axes[0].legend(loc="upper right", fontsize=8)
     second = ("-noise", drawing)
     t = tables["thresholds"]
     drawing, axis = plt.subplots(figsize=(6.5, 4))
@@ -159,7 +159,8 @@ def draw_figure_3_4(_, tables):
         best = np.argmin(t[name])
         axis.plot(t["threshold"][best], t[name][best], MARKERS[i], color=COLORS[i], ms=7)
     style(axis, "threshold", "root mean square error", "Best threshold (markers) for each signal-to-noise ratio",
-          x_log=True, y_log=True)
+          x_log=True)
+    axis.set_ylim(bottom=0)
     axis.legend()
     return [first, second, ("-thresholds", drawing)]
 
@@ -188,8 +189,9 @@ def draw_figure_3_14(figure, tables):
 def draw_figure_3_16(figure, tables):
     t = tables["levels"]
     drawing, axes = plt.subplots(1, 2, figsize=(9, 3.3))
-    lines(axes[0], t["level"], [100 * t["largest error / range"], 100 * t["samples above 2 %"]],
-          ["largest error [% of the range]", "samples above the bound [%]"])
+    lines(axes[0], t["level"], [100 * t["largest error / range"], 100 * t["samples above 2 %"], 100 * t["RMSE / range"]],
+          ["largest error at the samples [% of the range]", "samples above the bound [%]",
+           "RMSE of all pixels [% of the range]"])
     axes[0].set_yscale("symlog", linthresh=0.01)
     axes[0].set_ylim(bottom=0)
     axes[0].axhline(2, color="#5b6675", lw=1, ls=":")
@@ -197,12 +199,15 @@ def draw_figure_3_16(figure, tables):
     style(axes[0], "level", "%", "")
     axes[1].bar(t["level"], t["functions"], color=COLORS[0])
     style(axes[1], "level", "functions added", "")
+    axes[1].grid(axis="x", visible=False)
     for axis in axes:
         axis.xaxis.get_major_locator().set_params(integer=True)
     return [("", pairs(figure, cmap="gray", vertical=True)), ("-levels", drawing)]
 
 
-def draw_k_space(figure, _):
+def draw_k_space(figure, tables):
+    t = tables["errors"]
+    errors = np.column_stack([t["fit"], t["nearest sample"]]).ravel()
     pictures = {name: image(picture) for name, picture in figure["pictures"].items()}
     reference = pictures["exact grid"]
     drawing, axes = plt.subplots(2, 5, figsize=(11.5, 4.9))
@@ -211,7 +216,8 @@ def draw_k_space(figure, _):
     for column, (name, values) in enumerate(pictures.items()):
         show(axes[0, column], values, name, cmap="gray", vmin=0, vmax=0.5)
         if column:
-            shown = show(axes[1, column], np.abs(values - reference), "|error|", cmap="magma", vmin=0, vmax=0.2)
+            shown = show(axes[1, column], np.abs(values - reference),
+                         f"|error|: {100 * errors[column - 1]:.2g} %", cmap="magma", vmin=0, vmax=0.05)
     drawing.colorbar(shown, ax=axes[1, :], shrink=0.8)
     return [("", drawing)]
 
@@ -222,6 +228,8 @@ def draw_dimensions(_, tables):
         for i, method in enumerate(t.names[1:]):
             axis.plot(t["samples"], t[method], ls=DASHES[i], marker=MARKERS[i], color=COLORS[i], ms=4, label=method)
         style(axis, "samples", "relative RMSE" if axis is axes[0] else "", name, x_log=True, y_log=True)
+        axis.set_xticks(t["samples"], [f"{n:.0f}" for n in t["samples"]])
+        axis.minorticks_off()
     drawing.legend(*axes[0].get_legend_handles_labels(), loc="upper center",
                    bbox_to_anchor=(0.5, 0), ncol=5)
     return [("", drawing)]

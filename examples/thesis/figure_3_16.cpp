@@ -17,11 +17,11 @@ BoundedLevels bounded_levels(const SampledSlice& sampled, double tolerance, Inde
     const Eigen::ArrayXd errors = (at_samples - sampled.samples.values.col(0)).cwiseAbs();
     result.max_errors[level] = errors.maxCoeff();
     result.above[level] = static_cast<double>((errors > result.tolerance).count()) / static_cast<double>(errors.size());
+    result.rmse.push_back(rms(result.levels.col(level), sampled.slice.values));
     result.centers.push_back(static_cast<double>(fit.levels[static_cast<std::size_t>(level)].centers));
   }
   const Eigen::VectorXd at_samples = fit.fields[0]->evaluate(sampled.samples.points).value;
   result.largest_error = (at_samples - sampled.samples.values.col(0)).cwiseAbs().maxCoeff();
-  result.rmse = rms(result.levels.col(count - 1), sampled.slice.values);
   return result;
 }
 
@@ -36,15 +36,18 @@ Figure figure_3_16() {
   if (!slice) return without_brain(figure);
   const SampledSlice sampled = sample_slice(*slice, 0.3, 1);
   const BoundedLevels b = bounded_levels(sampled, 0.02, 1172);
-  Table table{.name = "levels", .columns = {"level", "functions", "largest error / range", "samples above 2 %"}};
+  Table table{.name = "levels",
+              .columns = {"level", "functions", "largest error / range", "samples above 2 %", "RMSE / range"}};
   const auto count = b.levels.cols();
   double functions = 0;
   for (Index level = 0; level < count; ++level) {
     functions += b.centers[static_cast<std::size_t>(level)];
     table.rows.push_back({static_cast<double>(level), b.centers[static_cast<std::size_t>(level)],
-                          b.max_errors[level] / sampled.range(), b.above[level]});
+                          b.max_errors[level] / sampled.range(), b.above[level],
+                          b.rmse[static_cast<std::size_t>(level)] / sampled.range()});
   }
   figure.tables.push_back(table);
+  figure.pictures.push_back({"original", slice->width, slice->height, slice->values});
   for (const Index level : {Index{0}, count / 2, count - 1}) {
     const std::string name = "level " + std::to_string(level);
     figure.pictures.push_back({name, slice->width, slice->height, b.levels.col(level)});
@@ -58,7 +61,7 @@ Figure figure_3_16() {
       {"level that reaches it", "6 (the first is 0)", std::to_string(count - 1), verdict(count - 1 <= 6)},
       {"functions in all levels", "not printed",
        number(functions, 6) + " of " + std::to_string(sampled.samples.size()) + " samples", "not comparable"},
-      {"RMSE over all pixels", "not printed", number(100 * b.rmse / sampled.range()) + " % of the range",
+      {"RMSE over all pixels", "not printed", number(100 * b.rmse.back() / sampled.range()) + " % of the range",
        "not comparable"}};
   return figure;
 }

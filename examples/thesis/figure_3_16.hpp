@@ -15,7 +15,7 @@ struct BoundedLevels {
   Eigen::VectorXd max_errors = {};   ///< at the samples, by level
   Eigen::VectorXd above = {};        ///< share of the samples above the tolerance, by level
   double largest_error = 0;          ///< of the model at any sample
-  double rmse = 0;                   ///< over all pixels
+  std::vector<double> rmse = {};     ///< over all pixels, by level
 };
 
 /// `tolerance`: in ranges of the values; `centers`: of the first level.

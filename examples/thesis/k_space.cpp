@@ -168,14 +168,16 @@ KSpaceResult reconstruct_k_space(Trajectory kind, Index side) {
 
 Figure k_space() {
   constexpr Index side = 128;
-  Figure figure{.name = "k-space",
-                .title = "Irregular k-space: an open perspective of the thesis",
-                .text =
-                    "The exact Fourier transform of a phantom of ten ellipses that fills half of the field of view, "
-                    "sampled on spokes and on interleaved spirals; real and imaginary part are fitted as one sample "
-                    "of two values by the default fit, evaluated on the grid of 128 x 128 and transformed back. "
-                    "Errors are relative to the image of the exact transform on the same grid, inside the sampled "
-                    "disk."};
+  Figure figure{
+      .name = "k-space",
+      .title = "Irregular k-space: an open perspective of the thesis",
+      .text =
+          "The exact Fourier transform of a phantom of ten ellipses that fills half of the field of view, "
+          "sampled on spokes and on interleaved spirals; real and imaginary part are fitted as one sample "
+          "of two values by the default fit, evaluated on the grid of 128 x 128 and transformed back. "
+          "Errors are relative to the image of the exact transform on the same grid, inside the sampled "
+          "disk. Nearest-neighbour gridding is the simplest method; convolution gridding with density weights "
+          "is not compared."};
   Table table{.name = "errors",
               .columns = {"trajectory", "samples", "fit", "nearest sample", "nearest grid place", "fit seconds"}};
   for (const Trajectory kind : {Trajectory::radial, Trajectory::spiral}) {

@@ -80,8 +80,9 @@ namespace {
 Table table_of(const std::string& name, const std::vector<Costs>& all) {
   Table table{
       .name = name,
-      .columns = {"samples", "assembly [s]", "solve [s]", "evaluation [s / point]", "nonzeros / row", "factor / row"}};
-  for (const Costs& c : all) table.rows.push_back({c.samples, c.assembly, c.solve, c.evaluation, c.nonzeros, c.factor});
+      .columns = {"samples", "assembly [s]", "solve [s]", "evaluation [us / point]", "nonzeros / row", "factor / row"}};
+  for (const Costs& c : all)
+    table.rows.push_back({c.samples, c.assembly, c.solve, 1e6 * c.evaluation, c.nonzeros, c.factor});
   return table;
 }
 

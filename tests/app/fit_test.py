@@ -10,6 +10,7 @@ import random
 import struct
 import sys
 import unittest
+import zlib
 
 sys.dont_write_bytecode = True  # leave no files in the folder of the sources
 import command_line_test
@@ -363,7 +364,7 @@ class Models(Functions):
     def test_a_function_of_three_variables_can_be_polygonized_at_a_level(self):
         source = random.Random(6)
         points = [[2 * source.random() - 1 for _ in range(3)] for _ in range(3000)]
-        model = self.fitted([(*p, sum(c * c for c in p)) for p in points], "--method", "partition-of-unity")
+        model = self.fitted([(*p, 1 - sum(c * c for c in p)) for p in points], "--method", "partition-of-unity")
         self.succeed("polygonize", model, "-o", self.path("mesh.ply"), "--level", "0.5", "--resolution", "40")
         vertices, faces = command_line_test.read_ply(self.path("mesh.ply"))
         self.assertGreater(faces, 1000)
@@ -430,6 +431,8 @@ class Inpaint(Functions):
         self.assertIn(fields["type"], ("short", "int16", "int16_t"))
         numbers = [float(c) for c in fields["space directions"].replace("(", " ").replace(")", " ").replace(",", " ").split()]
         self.assertEqual(numbers, [0, 0.5, 0, -0.5, 0, 0, 0, 0, 3])
+        if fields["encoding"] == "gzip":
+            body = zlib.decompress(body, wbits=31)
         filled = struct.unpack("<%dh" % len(holes), body)
         for found, wanted, marked in zip(filled, values, holes):
             self.assertLessEqual(abs(found - wanted), 30 if marked == -1 else 0)

@@ -136,7 +136,9 @@ TEST(Fit, FitsComponentsTogether) {
     ASSERT_EQ(result.components.size(), 3U);
     EXPECT_LE(inner_error<2>(*result.components[0], franke), .2) << method;
     EXPECT_LE(inner_error<2>(*result.components[2], waves<2>), .3) << method;
-    if (method != "auto") EXPECT_EQ(result.report.kernel, "wendland-c2");
+    if (method != "auto") {
+      EXPECT_EQ(result.report.kernel, "wendland-c2");
+    }
   }
 }
 

@@ -58,8 +58,12 @@ void expect_jets(const Jet<2>& jet, const Points<2>& x, Derivatives derivatives)
   for (Index i = 0; i < x.cols(); ++i) {
     const double u = x(0, i), v = x(1, i);
     EXPECT_EQ(jet.value[i], u * u * v);
-    if (derivatives >= Derivatives::gradient) EXPECT_EQ(jet.gradient.col(i), Point<2>(2 * u * v, u * u));
-    if (derivatives >= Derivatives::hessian) EXPECT_EQ(jet.hessian.col(i), Eigen::Vector3d(2 * v, 2 * u, 0));
+    if (derivatives >= Derivatives::gradient) {
+      EXPECT_EQ(jet.gradient.col(i), Point<2>(2 * u * v, u * u));
+    }
+    if (derivatives >= Derivatives::hessian) {
+      EXPECT_EQ(jet.hessian.col(i), Eigen::Vector3d(2 * v, 2 * u, 0));
+    }
   }
 }
 

@@ -60,8 +60,8 @@ TEST(FunctionArchive, KeepsEveryMethodBitForBit) {
     SCOPED_TRACE(method);
     FitOptions options{.method = method};
     if (method == "error-bounded" || method == "pca-multiresolution") options.tolerance = .02;
-    if (method == "fixed-budget") options.centers = 60;
-    const Function function(fit(wavy_samples<2>(300, 2), options));
+    if (method == "fixed-budget") options.centers = 40;
+    const Function function(fit(wavy_samples<2>(120, 2), options));
     expect_same_function(round_trip(function), function, probes<2>());
   }
 }
@@ -154,13 +154,13 @@ TEST(FunctionArchive, KeepsTheReportAndTheNames) {
 
 TEST(FunctionArchive, OfThreeVariablesCountsAsASurface) {
   const TemporaryFolder folder;
-  const Fit<3> solid = fit(wavy_samples<3>(300));
+  const Fit<3> solid = fit(wavy_samples<3>(300), {.method = "multilevel"});
   write_model(folder.file("solid.csrbf"), {Function(solid)});
   const auto field = read_model(folder.file("solid.csrbf"));
   const Points<3> x = probes<3>();
   EXPECT_TRUE(same(field->evaluate(x).value, solid.components[0]->evaluate(x).value));
 
-  write_model(folder.file("plane.csrbf"), {Function(fit(wavy_samples<2>(300)))});
+  write_model(folder.file("plane.csrbf"), {Function(fit(wavy_samples<2>(60)))});
   EXPECT_NE(io_error([&] {
               (void)read_model(folder.file("plane.csrbf"));
             }).find("plane.csrbf: this is a function of 2 variables with 1 components, not a surface"),
@@ -194,8 +194,9 @@ class DamagedFunction : public ::testing::TestWithParam<std::string> {
  protected:
   DamagedFunction() {
     FitOptions options{.method = GetParam()};
+    if (GetParam() == "interpolate") options.kernel = "thin-plate";
     if (GetParam() == "error-bounded") options.tolerance = .05;
-    archive_ = to_archive({Function(fit(wavy_samples<2>(150), options))});
+    archive_ = to_archive({Function(fit(wavy_samples<2>(80), options))});
     archive_.source = "bad.csrbf";
   }
 

@@ -17,7 +17,9 @@ TEST(Figure_3_14, SamplesAreDistinctPixelsWithTheirValues) {
   ASSERT_EQ(sampled.samples.size(), 360);
   for (Index i = 0; i < 360; ++i) {
     const Index id = sampled.ids[static_cast<std::size_t>(i)];
-    if (i > 0) EXPECT_GT(id, sampled.ids[static_cast<std::size_t>(i - 1)]);
+    if (i > 0) {
+      EXPECT_GT(id, sampled.ids[static_cast<std::size_t>(i - 1)]);
+    }
     EXPECT_EQ(sampled.samples.points(0, i), static_cast<double>(id % 40));
     EXPECT_EQ(sampled.samples.points(1, i), static_cast<double>(id / 40));
     EXPECT_EQ(sampled.samples.values(i, 0), sampled.slice.values[id]);
