@@ -139,7 +139,8 @@ def draw_figure_3_4(_, tables):
         axis.plot(t["x"], t["signal"], color="#9aa3ad", lw=2.5, label="signal (3.5)")
         axis.plot(samples["x"], samples["s"], ".", color="#000000", ms=4, label="samples")
         axis.plot(t["x"], t[levels[level]], color=COLORS[1], lw=1.2, label="approximation")
-        style(axis, "x" if level in shown[-2:] else "", "", f"{levels[level]}: {int(errors['centers'][: level + 1].sum())}"
+        style(axis, "x" if level in shown[-2:] else "", "",
+              f"{levels[level]}: {int(errors['centers'][: level + 1].sum())}"
               f" functions, RMSE {errors['RMSE'][level]:.2g}")
     axes.flat[0].legend(loc="upper right", fontsize=8)
     first = ("", drawing)
@@ -174,7 +175,8 @@ def draw_figure_3_9(figure, tables):
     axis.text(t["level"][0], 0.1, "bound", va="bottom", color="#5b6675", fontsize=8)
     style(axis, "level", "error", "", y_log=True)
     axis.xaxis.get_major_locator().set_params(integer=True)
-    return [("-errors", drawing), ("", pairs(figure, extent=(-3, 3, -3, 3), cmap="cividis", origin="lower", signed=True))]
+    pictures = pairs(figure, extent=(-3, 3, -3, 3), cmap="cividis", origin="lower", signed=True)
+    return [("-errors", drawing), ("", pictures)]
 
 
 def draw_figure_3_14(figure, tables):
@@ -189,7 +191,8 @@ def draw_figure_3_14(figure, tables):
 def draw_figure_3_16(figure, tables):
     t = tables["levels"]
     drawing, axes = plt.subplots(1, 2, figsize=(9, 3.3))
-    lines(axes[0], t["level"], [100 * t["largest error / range"], 100 * t["samples above 2 %"], 100 * t["RMSE / range"]],
+    lines(axes[0], t["level"],
+          [100 * t["largest error / range"], 100 * t["samples above 2 %"], 100 * t["RMSE / range"]],
           ["largest error at the samples [% of the range]", "samples above the bound [%]",
            "RMSE of all pixels [% of the range]"])
     axes[0].set_yscale("symlog", linthresh=0.01)
@@ -291,7 +294,8 @@ def pairs(figure, cmap, extent=None, origin="upper", signed=False, vertical=Fals
             bottom = show(axes[1, column], pictures[errors[name]], "error", cmap="RdBu", vmin=-largest, vmax=largest,
                           **options)
         else:
-            bottom = show(axes[1, column], pictures[errors[name]], "|error|", cmap="magma", vmin=0, vmax=largest, **options)
+            bottom = show(axes[1, column], pictures[errors[name]], "|error|", cmap="magma", vmin=0, vmax=largest,
+                          **options)
     drawing.colorbar(top, ax=axes[0, :], shrink=0.85)
     drawing.colorbar(bottom, ax=axes[1, :], shrink=0.85)
     return drawing
@@ -308,14 +312,14 @@ def section(figure, images):
     pictures = "".join(
         f'<img alt="{html.escape(figure["title"])}" src="data:image/png;base64,'
         f'{base64.b64encode(path.read_bytes()).decode()}">' for path in images)
-    return (f'<h2 id="{figure["name"]}">{html.escape(figure["title"])}</h2>\n<p class="note">{html.escape(figure["text"])}'
-            f"</p>\n{pictures}\n")
+    return (f'<h2 id="{figure["name"]}">{html.escape(figure["title"])}</h2>\n'
+            f'<p class="note">{html.escape(figure["text"])}</p>\n{pictures}\n')
 
 
 def page(figures, parts):
     rows = "".join(
-        f'<tr><td><a href="#{figure["name"]}">{html.escape(figure["name"])}</a></td><td>{html.escape(claim["what"])}</td>'
-        f'<td>{html.escape(claim["published"])}</td><td>{html.escape(claim["ours"])}</td>'
+        f'<tr><td><a href="#{figure["name"]}">{html.escape(figure["name"])}</a></td>'
+        f'<td>{html.escape(claim["what"])}</td><td>{html.escape(claim["published"])}</td><td>{html.escape(claim["ours"])}</td>'
         f'<td class="{"fails" if claim["verdict"] == "fails" else ""}">{html.escape(claim["verdict"])}</td></tr>\n'
         for figure in figures for claim in figure["claims"])
     return f"""<!DOCTYPE html>

@@ -62,20 +62,26 @@ namespace {
 template <int Dim>
 void add_dimension(Figure& figure) {
   const std::vector<std::string> methods{"auto", "partition-of-unity", "multilevel", "fixed-budget", "nearest"};
-  Table table{.name = "d = " + std::to_string(Dim), .columns = {"samples"}};
+  const std::string dimension = "d = " + std::to_string(Dim);
+  Table table{.name = dimension, .columns = {"samples"}};
   for (const std::string& method : methods) table.columns.push_back(method);
-  std::string ours;
-  bool better = true;
   for (const Index samples : {500, 2000, 8000}) {
-    std::vector<double> row{static_cast<double>(samples)};
-    for (const std::string& method : methods) row.push_back(fit_dimension<Dim>(method, samples).rmse);
-    better = better && row[1] < row.back() / 2;
-    ours += (ours.empty() ? "" : ", ") + number(row[1], 2);
-    table.rows.push_back(row);
+    table.rows.push_back({static_cast<double>(samples)});
+    for (const std::string& method : methods) table.rows.back().push_back(fit_dimension<Dim>(method, samples).rmse);
   }
   figure.tables.push_back(table);
-  figure.claims.push_back({"d = " + std::to_string(Dim) + ": relative RMSE with 500, 2,000, 8,000 samples",
-                           "any dimension (no numbers)", ours, verdict(better)});
+
+  for (const std::size_t column : {1, 3, 4}) {
+    std::string ours;
+    bool good = true;
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      const double error = table.rows[i][column];
+      good = good && error < table.rows[i].back() && (i == 0 || error < table.rows[i - 1][column]);
+      ours += (i == 0 ? "" : ", ") + number(error, 2);
+    }
+    figure.claims.push_back({dimension + ", " + methods[column - 1] + ": better than the nearest sample, and falls",
+                             "a perspective, no numbers", ours, verdict(good)});
+  }
 }
 
 }  // namespace
@@ -85,7 +91,8 @@ Figure dimensions() {
                 .title = "Three to six dimensions",
                 .text =
                     "A smooth function on the unit cube from random samples. RMSE at 2,000 other random points over "
-                    "the standard deviation of the function, so 1 is no better than the mean."};
+                    "the standard deviation of the function, so 1 is no better than the mean; three numbers are those "
+                    "for 500, 2,000 and 8,000 samples."};
   add_dimension<3>(figure);
   add_dimension<4>(figure);
   add_dimension<5>(figure);

@@ -136,20 +136,19 @@ TEST(Cover, KnowsTheSupportsOverACell) {
 }
 
 template <int Dim>
-void expect_nearest(const Points<Dim>& points, const Point<Dim>& x, Index n, double reach) {
-  const Cover<Dim> cover(points, 6, 1.5);
+void expect_nearest(const Cover<Dim>& cover, const Point<Dim>& x, Index n, double reach) {
+  const Points<Dim>& points = cover.points();
   typename Cover<Dim>::Search search;
   cover.nearest(x, n, reach, search);
   std::vector<double> expected(static_cast<std::size_t>(points.cols()));
-  for (Index i = 0; i < points.cols(); ++i)
-    expected[static_cast<std::size_t>(i)] = (cover.points().col(i) - x).squaredNorm();
+  for (Index i = 0; i < points.cols(); ++i) expected[static_cast<std::size_t>(i)] = (points.col(i) - x).squaredNorm();
   std::sort(expected.begin(), expected.end());
   expected.resize(static_cast<std::size_t>(std::min(n, points.cols())));
   ASSERT_EQ(search.found.size(), expected.size());
   std::vector<std::uint32_t> ids;
   for (std::size_t k = 0; k < expected.size(); ++k) {
     EXPECT_EQ(search.found[k].first, expected[k]);
-    EXPECT_EQ(search.found[k].first, (cover.points().col(search.found[k].second) - x).squaredNorm());
+    EXPECT_EQ(search.found[k].first, (points.col(search.found[k].second) - x).squaredNorm());
     ids.push_back(search.found[k].second);
   }
   std::sort(ids.begin(), ids.end());
@@ -161,11 +160,12 @@ void expect_nearest(const Points<Dim>& points) {
   const Box<Dim> box = bounding_box<Dim>(points);
   const double size = box.diagonal();
   const Points<Dim> unit = random_points<Dim>(6, 3);
+  const Cover<Dim> cover(points, 6, 1.5);
   for (const double reach : {0.0, 1e-3 * size, size, 1e9 * size})
     for (const Index n : {Index{1}, Index{17}, points.cols() + 3}) {
       for (Index i = 0; i < unit.cols(); ++i)
-        expect_nearest<Dim>(points, box.lo + unit.col(i).cwiseProduct(box.extent()), n, reach);
-      expect_nearest<Dim>(points, points.col(3), n, reach);
+        expect_nearest<Dim>(cover, box.lo + unit.col(i).cwiseProduct(box.extent()), n, reach);
+      expect_nearest<Dim>(cover, points.col(3), n, reach);
     }
 }
 
@@ -185,9 +185,9 @@ TEST(Cover, FindsTheNearestPoints) {
 }
 
 TEST(Cover, FindsTheNearestPointsFromFarAway) {
-  const Points<3> points = random_points<3>(300, 1);
+  const Cover<3> cover(random_points<3>(300, 1), 6, 1.5);
   for (const double distance : {10.0, 1e3, 1e8, 1e16, 1e20, 1e100})
-    for (const Index n : {1, 5, 400}) expect_nearest<3>(points, Point<3>(distance, -2 * distance, .3), n, .1);
+    for (const Index n : {1, 5, 400}) expect_nearest<3>(cover, Point<3>(distance, -2 * distance, .3), n, .1);
 }
 
 TEST(Cover, FindsACellForPointsOutsideTheBox) {

@@ -257,7 +257,8 @@ TEST_P(DamagedFunction, WithWildNumbersIsRefusedOrRead) {
         const std::string error = error_after(name, changed);
         EXPECT_TRUE(is_refusal(error) || error == "no exception") << name << " = " << wild << ": " << error;
       }
-      const bool is_free = name.ends_with("_scales");  // of the report: information
+      // Information of the report, or supports: one for all centres will do as well.
+      const bool is_free = name.ends_with("_scales") || name.ends_with("/supports");
       if (!is_free) {
         EXPECT_TRUE(is_refusal(error_after(name, ArchiveArray<double>(array->topRows(array->rows() - 1))))) << name;
       }

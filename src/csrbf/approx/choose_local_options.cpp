@@ -245,7 +245,8 @@ class Chooser {
     for (const double factor : {0.5, 1.6, 2.5, 4.0}) {
       if (factor < 1 && uneven_) continue;
       LocalOptions options = first;
-      options.samples = options.centers = static_cast<Index>(factor * static_cast<double>(first.samples));
+      options.samples = options.centers =
+          std::max(std::min(size_, fewest_samples), static_cast<Index>(factor * static_cast<double>(first.samples)));
       if (options.samples > std::min(largest_interpolant, size_)) break;
       if (!attempt(options) && factor > 1) break;
     }
@@ -280,6 +281,8 @@ class Chooser {
     }
     if (best_.options.centers == many_centers && !given_.smoothing) try_smoothings(strong_smoothings);
   }
+
+  static constexpr Index fewest_samples = 2 * Dim + 2;  // of an interpolant
 
   // An evaluation takes a few microseconds at most.
   static constexpr Index largest_interpolant = std::array<Index, 6>{100, 200, 250, 250, 400, 550}[std::min(Dim, 6) - 1];

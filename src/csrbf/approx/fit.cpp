@@ -20,7 +20,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index few = 1000;                 // samples up to which one system for all of them is solved
+constexpr Index few = 500;                  // samples up to which one system for all of them is solved
 constexpr double different_units = 10;      // ratio of the extents of axes that are scaled to equal extent in any case
 constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
 constexpr double ghost_share = 0.15;        // of a period, on which samples are repeated

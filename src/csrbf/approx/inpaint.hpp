@@ -25,6 +25,10 @@ struct InpaintReport {
 /// or of twice the depth of the deepest hole where that is more, are samples of the fit, provided that these are less
 /// than half of the known voxels; otherwise all of them are. O(n) time and memory besides the fit.
 ///
+/// The method auto is a partition of unity, except for a tolerance, a budget of centres, a given kernel or up to 100
+/// samples (see FitOptions). For holes deeper than about ten voxels in images with texture, multilevel is an
+/// alternative.
+///
 /// Throws InvalidInput when `missing` has another size, or nothing is known in a frame, and what fit() throws.
 template <class Scalar>
 InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const FitOptions& options = {});

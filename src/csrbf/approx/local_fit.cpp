@@ -1,6 +1,7 @@
 #include "csrbf/approx/local_fit.hpp"
 
 #include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/error.hpp"
 #include "csrbf/core/simd.hpp"
 
 #include <Eigen/Cholesky>
@@ -145,6 +146,7 @@ LocalFitter<Dim>::LocalFitter(const Cover<Dim>& cover, const Eigen::MatrixXd& va
       Q_(basis_.size()),
       C_(values.cols()),
       inverse_support2_(1 / (options.support * options.support)) {
+  require(options.samples >= 1, "LocalFitter", "samples", options.samples, "must be at least 1");
   for (Index j = 0; j < M_; ++j) center_rows_.push_back(j * n_ / M_);
   const auto n = static_cast<std::size_t>(n_), M = static_cast<std::size_t>(M_), Q = static_cast<std::size_t>(Q_),
              C = static_cast<std::size_t>(C_);
