@@ -159,9 +159,8 @@ def draw_figure_3_4(_, tables):
         axis.plot(t["threshold"], t[name], ls=DASHES[i], color=COLORS[i], label=name)
         best = np.argmin(t[name])
         axis.plot(t["threshold"][best], t[name][best], MARKERS[i], color=COLORS[i], ms=7)
-    style(axis, "threshold", "root mean square error", "Best threshold (markers) for each signal-to-noise ratio",
-          x_log=True)
-    axis.set_ylim(bottom=0)
+    style(axis, "threshold", "root mean square error", "Fig. 3.6: error at the samples; markers: best threshold",
+          x_log=True, y_log=True)
     axis.legend()
     return [first, second, ("-thresholds", drawing)]
 
@@ -319,7 +318,8 @@ def section(figure, images):
 def page(figures, parts):
     rows = "".join(
         f'<tr><td><a href="#{figure["name"]}">{html.escape(figure["name"])}</a></td>'
-        f'<td>{html.escape(claim["what"])}</td><td>{html.escape(claim["published"])}</td><td>{html.escape(claim["ours"])}</td>'
+        f'<td>{html.escape(claim["what"])}</td><td>{html.escape(claim["published"])}</td>'
+        f'<td>{html.escape(claim["ours"])}</td>'
         f'<td class="{"fails" if claim["verdict"] == "fails" else ""}">{html.escape(claim["verdict"])}</td></tr>\n'
         for figure in figures for claim in figure["claims"])
     return f"""<!DOCTYPE html>

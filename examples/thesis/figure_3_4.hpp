@@ -21,13 +21,12 @@ struct SignalLevels {
 /// Fig. 3.4: tolerance 0.1, no noise.
 SignalLevels signal_levels(double tolerance);
 
-/// Fig. 3.6: error of the approximation against the tolerance, median over `draws` draws of places and noise (the
-/// mean would be that of the draw with the largest gap).
+/// Fig. 3.6: error of the approximation against the tolerance, median over `draws` draws of places and noise.
 struct ThresholdCurve {
   double snr = 0;    ///< dB
   double noise = 0;  ///< standard deviation, mean over the draws
   std::vector<double> thresholds = {};
-  std::vector<double> errors = {};  ///< root mean square on [0, 1]
+  std::vector<double> errors = {};  ///< root mean square at the samples, against the signal without noise
   [[nodiscard]] std::size_t best() const;
 };
 

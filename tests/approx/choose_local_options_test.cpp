@@ -8,7 +8,7 @@ namespace {
 Samples<2> noisy(Index count, double sigma) {
   Samples<2> data = sample<2>(random_points<2>(count, 1), franke);
   std::mt19937_64 random(5);
-  std::normal_distribution<double> error(0, sigma);
+  std::normal_distribution<double> error(0, std::max(sigma, 1e-300));
   for (Index i = 0; i < count; ++i) data.values(i) += error(random);
   return data;
 }

@@ -35,16 +35,24 @@ TEST(Figure_3_5, NoiseHasTheSignalToNoiseRatioAskedFor) {
 }
 
 TEST(Figure_3_6, BetweenTooLowAndTooHighThereIsABestThreshold) {
-  const std::vector<double> thresholds{0.01, 0.04, 0.08, 0.16, 0.8};
-  for (const double snr : {21.0, 27.0}) {
+  const std::vector<double> thresholds{0.005, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64};
+  for (const double snr : {21.0, 27.0, 30.0}) {
     const ThresholdCurve curve = threshold_curve(snr, thresholds, 5);
-    EXPECT_LT(curve.best(), thresholds.size() - 1);
+    const double best = curve.errors[curve.best()];
+    EXPECT_LT(1.05 * best, curve.errors.front()) << snr;
+    EXPECT_LT(5 * best, curve.errors.back()) << snr;
+    // About twice the noise; the thresholds are a factor of 2 apart.
+    EXPECT_GT(thresholds[curve.best()], 0.9 * curve.noise) << snr;
+    EXPECT_LT(thresholds[curve.best()], 4 * curve.noise) << snr;
   }
 }
 
-TEST(Figure_3_6, TheBestThresholdGrowsWithTheNoise) {
+TEST(Figure_3_6, WithTheBestThresholdTheErrorIsBelowTheNoise) {
   const std::vector<double> thresholds{0.01, 0.02, 0.04, 0.08, 0.16, 0.32};
-  EXPECT_GE(threshold_curve(15, thresholds, 5).best(), threshold_curve(33, thresholds, 5).best() + 1);
+  for (const double snr : {15.0, 21.0, 27.0}) {
+    const ThresholdCurve curve = threshold_curve(snr, thresholds, 5);
+    EXPECT_LT(curve.errors[curve.best()], 0.95 * curve.noise) << snr;
+  }
 }
 
 }  // namespace

@@ -55,11 +55,12 @@ void check(const FitOptions& options) {
   if (options.kernel != "auto") (void)Kernel(options.kernel, Dim, options.kernel_parameter);
 }
 
-std::string choose_method(const FitOptions& options, Index samples) {
+std::string choose_method(const FitOptions& options, Index samples, int dimension) {
   if (options.method != "auto") return options.method;
   if (options.tolerance > 0) return "error-bounded";
   if (options.centers > 0) return "fixed-budget";
-  return samples <= few ? "interpolate" : "partition-of-unity";
+  const bool needs_polynomials = options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0;
+  return samples <= few || needs_polynomials ? "interpolate" : "partition-of-unity";
 }
 
 PartitionOfUnityOptions local_options(const FitOptions& options) {
@@ -290,7 +291,7 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
   if (!keep_duplicates) scaled = std::move(merged.samples);
   report.samples = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
-  report.method = choose_method(options, report.samples);
+  report.method = choose_method(options, report.samples, Dim);
   require(std::isnan(options.kernel_parameter) || report.method == "interpolate", "fit", "kernel_parameter",
           options.kernel_parameter,
           "is for the method interpolate; " + report.method + " uses the default of the kernel");
