@@ -151,16 +151,16 @@ class SameAsSciPy(unittest.TestCase):
 
     def test_for_degrees_below_the_smallest_and_with_a_warning(self):
         y, x = halton(50, 2), halton(30, 2)
-        for kernel, degree in (("linear", -1), ("multiquadric", -1), ("thin_plate_spline", 0), ("cubic", -1), ("quintic", 1)):
+        too_low = {"linear": -1, "multiquadric": -1, "thin_plate_spline": 0, "cubic": -1, "quintic": 1}
+        for kernel, degree in too_low.items():
             for neighbors in (None, 12):
                 with self.subTest(kernel=kernel, neighbors=neighbors):
+                    arguments = {"neighbors": neighbors, "kernel": kernel, "epsilon": 3.0, "degree": degree}
                     with self.assertWarnsRegex(UserWarning, "degree"):
-                        csrbf.RBFInterpolator(y, smooth(y), neighbors, kernel=kernel, epsilon=3.0, degree=degree)
+                        csrbf.RBFInterpolator(y, smooth(y), **arguments)
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")
-                        self.compare(
-                            y, smooth(y), x, neighbors=neighbors, kernel=kernel, epsilon=3.0, degree=degree, tolerance=NEARLY_SAME
-                        )
+                        self.compare(y, smooth(y), x, NEARLY_SAME, **arguments)
 
     def test_with_smoothing(self):
         y, x = halton(70, 2), halton(40, 2)

@@ -31,7 +31,8 @@ class Reconstruction(unittest.TestCase):
             # The distance between the samples is 0.06, and the sphere has curvature 1: fits err by far less than the
             # sagitta of that, 5e-4.
             self.assertLess(np.abs(s(self.points)).max(), 5e-4)
-            self.assertEqual(s.contains([[0, 0, 0], [0.9, 0, 0], [1.1, 0, 0], [9, 9, 9]]).tolist(), [True, True, False, False])
+            inside = s.contains([[0, 0, 0], [0.9, 0, 0], [1.1, 0, 0], [9, 9, 9]])
+            self.assertEqual(inside.tolist(), [True, True, False, False])
             self.assertEqual(s.contains(np.zeros(3)).shape, ())
 
     def test_normals_point_outwards(self):

@@ -6,16 +6,26 @@ namespace csrbf::thesis {
 namespace {
 
 template <int Dim>
-void expect_much_better_than_the_nearest_sample(double factor) {
-  const double nearest = fit_dimension<Dim>("nearest", 400).rmse;
-  EXPECT_LT(factor * fit_dimension<Dim>("auto", 400).rmse, nearest) << "d = " << Dim;
+void expect_much_better_than_the_nearest_sample(const char* method, Index samples, double factor) {
+  const double nearest = fit_dimension<Dim>("nearest", samples).rmse;
+  EXPECT_LT(factor * fit_dimension<Dim>(method, samples).rmse, nearest) << method << ", d = " << Dim;
 }
 
-TEST(Dimensions, TheDefaultFitIsMuchBetterThanTheNearestSample) {
-  expect_much_better_than_the_nearest_sample<3>(100);
-  expect_much_better_than_the_nearest_sample<4>(100);
-  expect_much_better_than_the_nearest_sample<5>(20);
-  expect_much_better_than_the_nearest_sample<6>(10);
+TEST(Dimensions, ThePartitionOfUnityIsMuchBetterThanTheNearestSample) {
+  expect_much_better_than_the_nearest_sample<3>("partition-of-unity", 2000, 100);
+  expect_much_better_than_the_nearest_sample<4>("partition-of-unity", 2000, 50);
+  expect_much_better_than_the_nearest_sample<5>("partition-of-unity", 2000, 20);
+  expect_much_better_than_the_nearest_sample<6>("partition-of-unity", 2000, 10);
+}
+
+TEST(Dimensions, TheDefaultFitOfFewSamplesIsMuchBetterThanTheNearestSample) {
+  expect_much_better_than_the_nearest_sample<4>("auto", 200, 20);
+}
+
+// The method of the thesis with a tenth of the samples as centres.
+TEST(Dimensions, TheFixedBudgetIsBetterThanTheNearestSample) {
+  expect_much_better_than_the_nearest_sample<3>("fixed-budget", 2000, 3);
+  expect_much_better_than_the_nearest_sample<6>("fixed-budget", 2000, 2);
 }
 
 TEST(Dimensions, EveryMethodLearnsFromMoreSamplesInThreeDimensions) {
