@@ -34,10 +34,26 @@ std::vector<std::string> column_names(const NamedFunction& model, const Wanted& 
   return names;
 }
 
+constexpr Index slice = Index{1} << 20;
+
+// Values at the nodes of a grid, some layers of its last axis at a time.
+Eigen::MatrixXd evaluate_grid(const NamedFunction& model, const Places& places, const Progress& progress) {
+  std::vector<Eigen::VectorXd> axes = places.axes;
+  const Eigen::VectorXd last = axes.back();
+  const Index layer = places.count / last.size(), layers = std::max<Index>(1, slice / layer);
+  Eigen::MatrixXd answers(model.function.components(), places.count);
+  for (Index begin = 0; begin < last.size(); begin += layers) {
+    report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(last.size()));
+    axes.back() = last.segment(begin, std::min(layers, last.size() - begin));
+    answers.middleCols(layer * begin, layer * axes.back().size()) = model.function.evaluate_grid(axes).transpose();
+  }
+  return answers;
+}
+
 // columns x places: the memory of an image with the columns as components.
 Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
                              const Progress& progress) {
-  constexpr Index slice = Index{1} << 20;
+  if (!places.axes.empty() && wanted.derivatives() == Derivatives::none) return evaluate_grid(model, places, progress);
   Eigen::MatrixXd answers(columns, places.count);
   for (Index begin = 0; begin < places.count; begin += slice) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(places.count));

@@ -41,7 +41,15 @@ Places at_nodes(const VolumeLayout& layout, Index dimension) {
     }
     return points;
   };
-  return {.count = layout.grid.voxels(), .points = nodes, .layout = layout};
+  Places places{.count = layout.grid.voxels(), .points = nodes, .layout = layout};
+  const Grid& grid = layout.grid;
+  if (grid.direction.isIdentity(0) && grid.dimension() <= dimension)
+    for (Index a = 0; a < dimension; ++a) {
+      const Index n = grid.size[static_cast<std::size_t>(a)];
+      places.axes.push_back(grid.origin[a] +
+                            grid.spacing[a] * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)));
+    }
+  return places;
 }
 
 std::array<Index, 3> parse_size(const std::string& text, Index dimension) {

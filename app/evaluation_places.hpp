@@ -13,7 +13,9 @@ namespace csrbf::app {
 struct Places {
   Index count = 0;
   std::function<Eigen::MatrixXd(Index begin, Index n)> points;  ///< d x n
-  bool is_image = false;                                        ///< the result is an image with this layout
+  std::vector<Eigen::VectorXd> axes =
+      {};                 ///< coordinates along each, where they are the nodes of a grid along the axes
+  bool is_image = false;  ///< the result is an image with this layout
   VolumeLayout layout = {};
   Json options = Json::object();  ///< of the report
 };

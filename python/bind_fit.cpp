@@ -97,6 +97,12 @@ py::tuple evaluate(const NamedFunction& f, const Array& at, int order) {
   return py::make_tuple(value, gradient, hessian);
 }
 
+py::array_t<double> evaluate_grid(const NamedFunction& f, const std::vector<Array>& given) {
+  std::vector<Eigen::VectorXd> axes;
+  for (const Array& axis : given) axes.emplace_back(vector(axis, "axes"));
+  return to_array(run([&](const Progress& /*progress*/) { return f.function.evaluate_grid(axes); }));
+}
+
 py::bytes to_bytes(const NamedFunction& f) {
   return py::bytes(run([&](const Progress& /*progress*/) { return format_archive(to_archive(f)); }));
 }
@@ -117,6 +123,7 @@ void bind_fit(py::module_& m) {
       .def_property_readonly("bounds",
                              [](const NamedFunction& f) { return to_array(Eigen::MatrixXd(f.function.bounds())); })
       .def("evaluate", &evaluate)
+      .def("evaluate_grid", &evaluate_grid)
       .def("save", [](const NamedFunction& f,
                       const std::string& path) { run([&](const Progress& /*progress*/) { write_model(path, f); }); })
       .def("to_bytes", &to_bytes)

@@ -42,6 +42,21 @@ class Function:
         """Matrices of second derivatives at points (m, d): (m, d, d), or (m, k, d, d)."""
         return self._evaluate(x, 2)
 
+    def evaluate_grid(self, *axes):
+        """Values at all nodes of a grid, given the coordinates along its d axes.
+
+        evaluate_grid(x, y)[i, j] is the value at (x[i], y[j]), as with numpy's meshgrid(x, y, indexing="ij"): shape
+        (nx, ny), or (nx, ny, k). Several times faster than calling the function at the nodes.
+        """
+        if len(axes) != self.dimension:
+            raise ValueError(f"evaluate_grid: {len(axes)} axes were given; the function has {self.dimension} variables")
+        axes = [floats(np.ravel(axis), "axes") for axis in axes]
+        shape = tuple(len(axis) for axis in axes)
+        values = self._function.evaluate_grid(axes)  # (k, nodes), the first axis the fastest
+        grid = np.moveaxis(values.reshape((-1,) + shape[::-1]), 0, -1)
+        grid = np.transpose(grid, tuple(range(len(shape)))[::-1] + (len(shape),))
+        return grid[..., 0] if self._scalar else grid
+
     def save(self, path):
         """Writes a .csrbf file for `load` and the program csrbf."""
         self._function.save(os.fspath(path))

@@ -76,6 +76,19 @@ class Values(unittest.TestCase):
         self.assertEqual(f(grid[0, 0]).shape, ())
         self.assertEqual(f(np.empty((0, 2))).shape, (0,))
 
+    def test_grids_have_the_values_at_their_nodes(self):
+        points, _ = samples(900, 3)
+        values = np.stack([points.sum(axis=1), points[:, 0]], axis=1)
+        x, y, z = np.linspace(0, 1, 7), np.linspace(0.1, 0.9, 5), [0.5, 0.2]
+        nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
+        for v in (values, values[:, 0]):
+            f = csrbf.fit(points, v, method="partition-of-unity")
+            grid = f.evaluate_grid(x, y, z)
+            self.assertEqual(grid.shape, (7, 5, 2) + v.shape[1:])
+            np.testing.assert_allclose(grid, f(nodes), rtol=0, atol=1e-12)
+        with self.assertRaisesRegex(ValueError, "2 axes were given; the function has 3 variables"):
+            f.evaluate_grid(x, y)
+
     def test_other_layouts_and_types_give_the_same_function(self):
         x, v = samples(300)
         x = x.astype(np.float32).astype(float)

@@ -172,28 +172,45 @@ void Cover<Dim>::make_cells() {
   }
 }
 
+// The cells that points of the box fall into.
+template <int Dim>
+template <class Visit>
+void Cover<Dim>::for_each_cell(const Box<Dim>& box, const Visit& visit) const {
+  std::array<std::uint32_t, 512> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t node = stack[--depth];
+    const int axis = tree_.axis[node];
+    if (axis < 0) {
+      visit(tree_.right[node]);
+      continue;
+    }
+    if (box.hi[axis] >= tree_.split[node]) stack[depth++] = tree_.right[node];
+    if (box.lo[axis] < tree_.split[node]) stack[depth++] = node + 1;
+  }
+}
+
+template <int Dim>
+void Cover<Dim>::supports_over(const Box<Dim>& box, std::vector<std::uint32_t>& supports) const {
+  supports.clear();
+  for_each_cell(box, [&](std::uint32_t cell) {
+    const auto over = supports_over(static_cast<Index>(cell));
+    supports.insert(supports.end(), over.begin(), over.end());
+  });
+  std::sort(supports.begin(), supports.end());
+  supports.erase(std::unique(supports.begin(), supports.end()), supports.end());
+}
+
 // For every support the cells it reaches into; then, for every cell, the supports.
 template <int Dim>
 void Cover<Dim>::find_supports() {
   std::vector<std::vector<std::uint32_t>> reached(cells_.size());
   parallel_for(size(), 256, [&](Index begin, Index end) {
-    std::vector<std::uint32_t> stack;
     for (Index i = begin; i < end; ++i) {
       const Point<Dim> center = cell(i).center(), half = 0.5 * growth() * cell(i).extent();
-      const Point<Dim> lo = center - half, hi = center + half;
-      std::vector<std::uint32_t>& list = reached[static_cast<std::size_t>(i)];
-      stack.assign(1, 0);
-      while (!stack.empty()) {
-        const std::uint32_t node = stack.back();
-        stack.pop_back();
-        const int axis = tree_.axis[node];
-        if (axis < 0) {
-          list.push_back(tree_.right[node]);
-          continue;
-        }
-        if (hi[axis] > tree_.split[node]) stack.push_back(tree_.right[node]);
-        if (lo[axis] < tree_.split[node]) stack.push_back(node + 1);
-      }
+      for_each_cell({center - half, center + half},
+                    [&](std::uint32_t c) { reached[static_cast<std::size_t>(i)].push_back(c); });
     }
   });
   over_begin_.assign(cells_.size() + 1, 0);

@@ -48,6 +48,9 @@ class Cover {
     return {over_.data() + over_begin_[i], over_begin_[i + 1] - over_begin_[i]};
   }
 
+  /// The supports that reach into some cell that meets a box, in ascending order.
+  void supports_over(const Box<Dim>& box, std::vector<std::uint32_t>& supports) const;
+
   /// The points, cell by cell.
   [[nodiscard]] const Points<Dim>& points() const { return points_; }
   /// Their numbers in the input.
@@ -66,6 +69,8 @@ class Cover {
   void nearest(const Point<Dim>& x, Index n, double reach, Search& search) const;
 
  private:
+  template <class Visit>
+  void for_each_cell(const Box<Dim>& box, const Visit& visit) const;
   void collect(const Point<Dim>& x, double reach, Search& search) const;
   void make_cells();
   void make_grid();

@@ -57,6 +57,20 @@ void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& o
   }
 }
 
+// The coordinates of the inner field along an axis depend on those along that axis only.
+template <int Dim>
+Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const {
+  if (frame_.extrapolation == Extrapolation::nan) return Field<Dim>::evaluate_grid(axes);
+  GridAxes<Dim> mapped = axes;
+  for (std::size_t a = 0; a < Dim; ++a)
+    for (double& coordinate : mapped[a]) {
+      if (!std::isfinite(coordinate)) return Field<Dim>::evaluate_grid(axes);
+      std::array<bool, Dim> outside;
+      coordinate = map(Point<Dim>::Constant(coordinate), outside)[static_cast<Index>(a)];
+    }
+  return inner_->evaluate_grid(mapped);
+}
+
 #define CSRBF_INSTANTIATE(Dim) template class FittedField<Dim>;
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

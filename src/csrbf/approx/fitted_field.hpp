@@ -23,6 +23,7 @@ class FittedField : public Field<Dim> {
 
   void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<Dim>& x) const override;
+  [[nodiscard]] Eigen::VectorXd evaluate_grid(const GridAxes<Dim>& axes) const override;
   [[nodiscard]] Box<Dim> bounds() const override { return frame_.box; }
   [[nodiscard]] double detail() const override { return inner_->detail() * frame_.scales.minCoeff(); }
 

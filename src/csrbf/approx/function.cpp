@@ -49,6 +49,21 @@ Function::Values evaluate_all(const Fit<Dim>& fit, const Eigen::Ref<const Eigen:
 }
 
 template <int Dim>
+Eigen::MatrixXd evaluate_on_grid(const Fit<Dim>& fit, const std::vector<Eigen::VectorXd>& axes) {
+  require(axes.size() == Dim, "evaluate_grid", "number of axes", axes.size(),
+          "must be " + std::to_string(Dim) + ", the dimension of the function");
+  GridAxes<Dim> grid;
+  std::copy(axes.begin(), axes.end(), grid.begin());
+  Eigen::MatrixXd values;
+  for (std::size_t c = 0; c < fit.components.size(); ++c) {
+    const Eigen::VectorXd column = fit.components[c]->evaluate_grid(grid);
+    if (c == 0) values.resize(column.size(), static_cast<Index>(fit.components.size()));
+    values.col(static_cast<Index>(c)) = column;
+  }
+  return values;
+}
+
+template <int Dim>
 Function fit_in(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
                 const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options) {
   return Function(fit<Dim>(Samples<Dim>{points, values, weights}, options));
@@ -66,6 +81,10 @@ const FitReport& Function::report() const {
 
 Function::Values Function::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x, Derivatives derivatives) const {
   return visit_fit(fit_, [&](const auto& fit) { return evaluate_all(fit, x, derivatives); });
+}
+
+Eigen::MatrixXd Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes) const {
+  return visit_fit(fit_, [&](const auto& fit) { return evaluate_on_grid(fit, axes); });
 }
 
 Eigen::MatrixXd Function::bounds() const {

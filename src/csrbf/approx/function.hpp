@@ -36,6 +36,10 @@ class Function {
   [[nodiscard]] Values evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x,
                                 Derivatives derivatives = Derivatives::none) const;
 
+  /// Values at the nodes of a rectilinear grid with these coordinates along the d axes, the first one fastest: nodes x
+  /// k. Several times faster than evaluate() at the same nodes. Throws InvalidInput for another number of axes.
+  [[nodiscard]] Eigen::MatrixXd evaluate_grid(const std::vector<Eigen::VectorXd>& axes) const;
+
   /// The box of the samples: d x 2, lower and upper corner.
   [[nodiscard]] Eigen::MatrixXd bounds() const;
 

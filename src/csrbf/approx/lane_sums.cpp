@@ -32,15 +32,31 @@ CSRBF_SIMD_CLONES void polynomial(const double* x, int dim, const std::int16_t* 
   for (Index j = 1; j < n; ++j) {
     const double* from = jets + lanes * terms * parent[j];
     double* to = jets + lanes * terms * j;
-    for (int l = 0; l < lanes; ++l) {
-      to[l] = x[lanes * axis[j] + l] * from[l];
-      sum[l] += c[j] * to[l];
-    }
+    double product[lanes];
+    for (int l = 0; l < lanes; ++l) product[l] = x[lanes * axis[j] + l] * from[l];
+    for (int l = 0; l < lanes; ++l) sum[l] += c[j] * product[l];
+    for (int l = 0; l < lanes; ++l) to[l] = product[l];
     if (terms == 1) continue;
     derive(x, dim, axis[j], terms, from, to);
     for (int i = lanes; i < lanes * terms; ++i) f[i] += c[j] * to[i];
   }
   for (int l = 0; l < lanes; ++l) f[l] = sum[l];
+}
+
+CSRBF_SIMD_CLONES void add_row(const double* q, const double* weight, Index n, const double* c, int degree, double w,
+                               double* W, double* S) {
+  for (Index i = 0; i < n; i += lanes) {
+    double p[lanes], x[lanes], share[lanes];
+    for (int l = 0; l < lanes; ++l) {
+      p[l] = degree < 0 ? 0 : c[degree];
+      x[l] = q[i + l];
+    }
+    for (int d = degree - 1; d >= 0; --d)
+      for (int l = 0; l < lanes; ++l) p[l] = p[l] * x[l] + c[d];
+    for (int l = 0; l < lanes; ++l) share[l] = w * weight[i + l];
+    for (int l = 0; l < lanes; ++l) W[i + l] += share[l];
+    for (int l = 0; l < lanes; ++l) S[i + l] += share[l] * p[l];
+  }
 }
 
 CSRBF_SIMD_CLONES void distances(const double* x, int dim, const double* centers, Index n, double scale, double* r2) {

@@ -21,6 +21,11 @@ void distances(const double* x, int dim, const double* centers, Index n, double 
 void polynomial(const double* x, int dim, const std::int16_t* parent, const std::int16_t* axis, Index n,
                 const double* c, int terms, double* jets, double* f);
 
+/// W[i] += w weight[i] and S[i] += w weight[i] p(q[i]) for n values, a multiple of 8, of the polynomial p with the
+/// coefficients c[0 .. degree], that of the constant first; S and W are apart.
+void add_row(const double* q, const double* weight, Index n, const double* c, int degree, double w, double* W,
+             double* S);
+
 /// f[l] += sum_j alpha_j phi[8 j + l].
 void add_values(const double* phi, const double* alpha, Index n, double* f);
 

@@ -4,6 +4,7 @@
 #include "csrbf/approx/lane_sums.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/morton_order.hpp"
 
 #include <array>
 #include <cmath>
@@ -14,128 +15,150 @@ namespace {
 
 constexpr int lanes = batch_lanes;
 
-// Sums over the supports at eight points of one cell.
+// Values, or values and derivatives, of products and quotients: the terms of a jet are value, gradient, upper triangle
+// of the Hessian.
 template <int Dim>
-struct Sums {
-  static constexpr int terms = LocalEvaluator<Dim>::terms;
-  double W[terms][lanes], S[terms][lanes];
+constexpr int terms = LocalEvaluator<Dim>::terms;
 
-  void clear(int wanted) {
-    for (int t = 0; t < wanted; ++t)
-      for (int l = 0; l < lanes; ++l) W[t][l] = S[t][l] = 0;
+// W += w, S += w f for the jets of one point; those of w and f are `lanes` apart.
+template <int Dim>
+void add_product(const double* w, const double* f, Derivatives derivatives, double* W, double* S) {
+  const auto at = [](const double* jet, int term) { return jet[lanes * term]; };
+  W[0] += at(w, 0);
+  S[0] += at(w, 0) * at(f, 0);
+  if (derivatives == Derivatives::none) return;
+  for (int a = 1; a <= Dim; ++a) {
+    W[a] += at(w, a);
+    S[a] += at(w, a) * at(f, 0) + at(w, 0) * at(f, a);
   }
-
-  // W += w, S += w f, with the derivatives of the product.
-  void add(const double (*w)[lanes], const double (*f)[lanes], Derivatives derivatives) {
-    for (int l = 0; l < lanes; ++l) {
-      W[0][l] += w[0][l];
-      S[0][l] += w[0][l] * f[0][l];
+  if (derivatives == Derivatives::gradient) return;
+  for (int a = 1, t = 1 + Dim; a <= Dim; ++a)
+    for (int b = a; b <= Dim; ++b, ++t) {
+      W[t] += at(w, t);
+      S[t] += at(w, t) * at(f, 0) + at(w, a) * at(f, b) + at(w, b) * at(f, a) + at(w, 0) * at(f, t);
     }
-    if (derivatives == Derivatives::none) return;
-    for (int a = 1; a <= Dim; ++a)
-      for (int l = 0; l < lanes; ++l) {
-        W[a][l] += w[a][l];
-        S[a][l] += w[a][l] * f[0][l] + w[0][l] * f[a][l];
-      }
-    if (derivatives == Derivatives::gradient) return;
-    for (int a = 1, t = 1 + Dim; a <= Dim; ++a)
-      for (int b = a; b <= Dim; ++b, ++t)
-        for (int l = 0; l < lanes; ++l) {
-          W[t][l] += w[t][l];
-          S[t][l] += w[t][l] * f[0][l] + w[a][l] * f[b][l] + w[b][l] * f[a][l] + w[0][l] * f[t][l];
-        }
-  }
+}
 
-  // f = S / W of one lane (thesis appendix C, corrected: the Hessian is symmetric).
-  void store(int lane, Index i, const JetBlock& out) const {
-    const double inverse = 1 / W[0][lane], f = S[0][lane] * inverse;
-    out.value[i] = f;
-    if (out.gradient == nullptr) return;
-    std::array<double, Dim> g;
-    for (int a = 0; a < Dim; ++a)
-      out.gradient[Dim * i + a] = g[static_cast<std::size_t>(a)] = (S[1 + a][lane] - f * W[1 + a][lane]) * inverse;
-    if (out.hessian == nullptr) return;
-    for (int a = 0, t = 1 + Dim; a < Dim; ++a)
-      for (int b = a; b < Dim; ++b, ++t)
-        out.hessian[symmetric_size<Dim> * i + t - 1 - Dim] =
-            (S[t][lane] - f * W[t][lane] - g[static_cast<std::size_t>(a)] * W[1 + b][lane] -
-             g[static_cast<std::size_t>(b)] * W[1 + a][lane]) *
-            inverse;
+// f = S / W (thesis appendix C, corrected: the Hessian is symmetric). Beyond the box, f is constant along the axes that
+// are `outside`.
+template <int Dim>
+void store_quotient(const double* W, const double* S, const std::array<bool, Dim>& outside, Index i,
+                    const JetBlock& out) {
+  const double inverse = 1 / W[0], f = S[0] * inverse;
+  out.value[i] = f;
+  if (out.gradient == nullptr) return;
+  std::array<double, Dim> g;
+  for (std::size_t a = 0; a < Dim; ++a) {
+    g[a] = (S[1 + a] - f * W[1 + a]) * inverse;
+    out.gradient[Dim * i + static_cast<Index>(a)] = outside[a] ? 0 : g[a];
   }
-};
+  if (out.hessian == nullptr) return;
+  double* h = out.hessian + symmetric_size<Dim> * i;
+  for (std::size_t a = 0, t = 1 + Dim; a < Dim; ++a)
+    for (std::size_t b = a; b < Dim; ++b, ++t)
+      *h++ = outside[a] || outside[b] ? 0 : (S[t] - f * W[t] - g[a] * W[1 + b] - g[b] * W[1 + a]) * inverse;
+}
 
-// Evaluates groups of points of one cell.
+// Evaluates a block of points support by support, so that all lanes are in use.
 template <int Dim>
 class Evaluation {
  public:
   Evaluation(const typename PartitionOfUnity<Dim>::Data& data, Index component, const JetBlock& out)
       : data_(data), component_(component), out_(out), evaluator_(data.models) {}
 
-  // Points [begin, end) of `order`, all in `cell`.
-  void evaluate(Index cell, const PointsRef<Dim>& x, const std::pair<Index, Index>* order, Index count) {
-    const Derivatives derivatives = out_.derivatives();
-    const int wanted = derivatives == Derivatives::none       ? 1
-                       : derivatives == Derivatives::gradient ? 1 + Dim
-                                                              : Sums<Dim>::terms;
-    const Box<Dim>& box = data_.cover.box();
-    for (Index first = 0; first < count; first += lanes) {
-      const Index used = std::min<Index>(lanes, count - first);
-      for (int l = 0; l < lanes; ++l) {
-        const Index column = order[first + std::min<Index>(l, used - 1)].second;
-        for (int a = 0; a < Dim; ++a) x_[lanes * a + l] = std::clamp(x(a, column), box.lo[a], box.hi[a]);
-      }
-      sums_.clear(wanted);
-      for (const std::uint32_t i : data_.cover.supports_over(cell)) {
-        const Point<Dim> center = data_.cover.cell(i).center(),
-                         half = 0.5 * data_.cover.growth() * data_.cover.cell(i).extent();
-        if (!lane_sums::box_weights(x_, Dim, center.data(), half.data(), wanted, w_[0])) continue;
-        evaluator_.evaluate(i, component_, x_, derivatives, f_);
-        sums_.add(w_, f_, derivatives);
-      }
-      for (int l = 0; l < used; ++l) store(l, x, order[first + l].second);
+  void evaluate(const PointsRef<Dim>& x) {
+    sort_by_cell(x);
+    const auto n = static_cast<std::size_t>(x.cols()), size = static_cast<std::size_t>(wanted_);
+    W_.assign(n * size, 0.0);
+    S_.assign(n * size, 0.0);
+    inside_.resize(n);
+    for (std::size_t begin = 0, end = 0; begin < visits_.size(); begin = end) {
+      while (end < visits_.size() && visits_[end].support == visits_[begin].support) ++end;
+      add_support(begin, end);
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      const Index i = order_[k].second;
+      std::array<bool, Dim> outside;
+      for (std::size_t a = 0; a < Dim; ++a) outside[a] = x_[n * a + k] != x(static_cast<Index>(a), i);
+      store_quotient<Dim>(W_.data() + size * k, S_.data() + size * k, outside, i, out_);
     }
   }
 
  private:
-  void store(int lane, const PointsRef<Dim>& x, Index column) {
-    sums_.store(lane, column, out_);
-    if (out_.gradient == nullptr) return;
-    const Box<Dim>& box = data_.cover.box();
-    for (int a = 0; a < Dim; ++a) {  // constant beyond the box
-      if (x(a, column) >= box.lo[a] && x(a, column) <= box.hi[a]) continue;
-      out_.gradient[Dim * column + a] = 0;
-      if (out_.hessian == nullptr) continue;
-      for (int b = 0, t = 0; b < Dim; ++b)
-        for (int c = b; c < Dim; ++c, ++t)
-          if (b == a || c == a) out_.hessian[symmetric_size<Dim> * column + t] = 0;
+  // Points [begin, end) of the order, which are in one cell that the support reaches into.
+  struct Visit {
+    std::uint32_t support, begin, end;
+  };
+
+  void sort_by_cell(const PointsRef<Dim>& x) {
+    const Cover<Dim>& cover = data_.cover;
+    const auto n = static_cast<std::size_t>(x.cols());
+    order_.resize(n);
+    std::uint32_t cell = 0;
+    for (Index i = 0; i < x.cols(); ++i) {
+      if (i == 0 || !cover.cell(cell).contains(x.col(i))) cell = static_cast<std::uint32_t>(cover.find(x.col(i)));
+      order_[static_cast<std::size_t>(i)] = {cell, static_cast<std::uint32_t>(i)};
+    }
+    std::sort(order_.begin(), order_.end());
+    x_.resize(Dim * n);
+    for (std::size_t k = 0; k < n; ++k)
+      for (int a = 0; a < Dim; ++a)
+        x_[n * static_cast<std::size_t>(a) + k] =
+            std::clamp(x(a, order_[k].second), cover.box().lo[a], cover.box().hi[a]);
+    visits_.clear();
+    for (std::uint32_t begin = 0, end = 0; begin < n; begin = end) {
+      while (end < n && order_[end].first == order_[begin].first) ++end;
+      for (const std::uint32_t support : cover.supports_over(order_[begin].first))
+        visits_.push_back({support, begin, end});
+    }
+    std::sort(visits_.begin(), visits_.end(), [](const Visit& a, const Visit& b) {
+      return a.support != b.support ? a.support < b.support : a.begin < b.begin;
+    });
+  }
+
+  // All visits to one support.
+  void add_support(std::size_t first, std::size_t last) {
+    const std::uint32_t support = visits_[first].support;
+    const Box<Dim>& cell = data_.cover.cell(support);
+    const Point<Dim> center = cell.center(), half = 0.5 * data_.cover.growth() * cell.extent();
+    const std::size_t n = order_.size();
+    std::size_t count = 0;
+    for (std::size_t v = first; v < last; ++v)
+      for (std::uint32_t k = visits_[v].begin; k < visits_[v].end; ++k) {
+        bool is_inside = true;
+        for (int a = 0; a < Dim; ++a)
+          is_inside &= std::abs(x_[n * static_cast<std::size_t>(a) + k] - center[a]) < half[a];
+        inside_[count] = k;
+        count += is_inside ? 1 : 0;
+      }
+    for (std::size_t begin = 0; begin < count; begin += lanes) {
+      const std::size_t used = std::min<std::size_t>(lanes, count - begin);
+      for (std::size_t l = 0; l < lanes; ++l)
+        for (std::size_t a = 0; a < Dim; ++a)
+          lane_x_[lanes * a + l] = x_[n * a + inside_[begin + std::min(l, used - 1)]];
+      lane_sums::box_weights(lane_x_, Dim, center.data(), half.data(), wanted_, w_[0]);
+      evaluator_.evaluate(support, component_, lane_x_, derivatives_, f_);
+      for (std::size_t l = 0; l < used; ++l) {
+        const std::size_t at = static_cast<std::size_t>(wanted_) * inside_[begin + l];
+        add_product<Dim>(w_[0] + l, f_[0] + l, derivatives_, W_.data() + at, S_.data() + at);
+      }
     }
   }
 
   const typename PartitionOfUnity<Dim>::Data& data_;
   Index component_;
   JetBlock out_;
+  Derivatives derivatives_ = out_.derivatives();
+  int wanted_ = derivatives_ == Derivatives::none ? 1 : derivatives_ == Derivatives::gradient ? 1 + Dim : terms<Dim>;
   LocalEvaluator<Dim> evaluator_;
-  alignas(64) double x_[Dim * lanes];
-  alignas(64) double w_[Sums<Dim>::terms][lanes];
-  alignas(64) double f_[Sums<Dim>::terms][lanes];
-  Sums<Dim> sums_;
-};
-
-// Numbers parts of a cell along a Morton curve, so that points near each other get the same number or the next.
-template <int Dim>
-struct Parts {
-  static constexpr int bits = Dim <= 2 ? 2 : 1;  // per axis
-  static constexpr std::uint32_t count = 1U << (bits * Dim);
-
-  static std::uint32_t number(const Box<Dim>& cell, const Point<Dim>& x) {
-    std::uint32_t code = 0;
-    for (int a = 0; a < Dim; ++a) {
-      const double t = (x[a] - cell.lo[a]) / (cell.hi[a] - cell.lo[a]) * (1 << bits);
-      const auto part = t > 0 ? static_cast<std::uint32_t>(std::min(t, (1 << bits) - 0.5)) : 0U;  // 0 also for NaN
-      for (int bit = 0; bit < bits; ++bit) code |= (part >> bit & 1U) << (Dim * bit + a);
-    }
-    return code;
-  }
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order_;  // cell, point
+  std::vector<Visit> visits_;
+  std::vector<double> x_;              // by coordinate, in order, moved into the box
+  std::vector<double> W_, S_;          // sums of the weights and of the weighted functions, point by point
+  std::vector<std::uint32_t> inside_;  // points of a support
+  alignas(64) double lane_x_[Dim * lanes];
+  alignas(64) double w_[terms<Dim>][lanes];
+  alignas(64) double f_[terms<Dim>][lanes];
 };
 
 template <int Dim>
@@ -157,41 +180,14 @@ void check(const PartitionOfUnityOptions& options) {
 
 template <int Dim>
 void PartitionOfUnity<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
-  const Cover<Dim>& cover = data_->cover;
-  std::vector<std::pair<Index, Index>> order(static_cast<std::size_t>(x.cols()));  // cell, point
-  Index cell = -1;
-  for (Index i = 0; i < x.cols(); ++i) {
-    if (cell < 0 || !cover.cell(cell).contains(x.col(i))) cell = cover.find(x.col(i));
-    order[static_cast<std::size_t>(i)] = {cell, i};
-  }
-  std::sort(order.begin(), order.end());
-  Evaluation<Dim> evaluation(*data_, component_, out);
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    while (end < order.size() && order[end].first == order[begin].first) ++end;
-    evaluation.evaluate(order[begin].first, x, order.data() + begin, static_cast<Index>(end - begin));
-  }
+  Evaluation<Dim>(*data_, component_, out).evaluate(x);
   for (Index i = 0; i < x.cols(); ++i)
     if (!x.col(i).allFinite()) out.value[i] = std::numeric_limits<double>::quiet_NaN();
 }
 
 template <int Dim>
 std::vector<Index> PartitionOfUnity<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
-  const Cover<Dim>& cover = data_->cover;
-  std::vector<std::uint32_t> part(static_cast<std::size_t>(x.cols()));  // of a cell
-  parallel_for(x.cols(), 4096, [&](Index begin, Index end) {
-    Index current = -1;
-    for (Index i = begin; i < end; ++i) {
-      if (current < 0 || !cover.cell(current).contains(x.col(i))) current = cover.find(x.col(i));
-      part[static_cast<std::size_t>(i)] =
-          Parts<Dim>::count * static_cast<std::uint32_t>(current) + Parts<Dim>::number(cover.cell(current), x.col(i));
-    }
-  });
-  std::vector<std::uint32_t> begin(static_cast<std::size_t>(cover.size()) * Parts<Dim>::count + 1, 0);
-  for (const std::uint32_t p : part) ++begin[p + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Index> order(part.size());
-  for (std::size_t i = 0; i < part.size(); ++i) order[begin[part[i]]++] = static_cast<Index>(i);
-  return order;
+  return morton_order<Dim>(x);
 }
 
 template <int Dim>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/grid_tiles.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/types.hpp"
 
@@ -94,6 +95,33 @@ class Field {
       evaluate_block(x.middleCols(begin, end - begin), out);
     });
     return jet;
+  }
+
+  /// Values at the nodes of a rectilinear grid, on all threads; they equal those of evaluate() up to rounding. Fastest
+  /// when the coordinates ascend.
+  [[nodiscard]] virtual Eigen::VectorXd evaluate_grid(const GridAxes<Dim>& axes) const {
+    const GridTiles<Dim> tiles(axes, block_size);
+    Eigen::VectorXd value(tiles.nodes());
+    if (value.size() == 0) return value;
+    parallel_for(tiles.size(), 1, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) {
+        const GridTile<Dim> tile = tiles[i];
+        Points<Dim> block(Dim, tile.nodes());
+        Eigen::VectorXd part(tile.nodes());
+        Index k = 0;
+        tiles.for_each_row(tile, [&](std::array<Index, Dim> node, Index /*first*/) {
+          for (; node[0] < tile.end[0]; ++node[0], ++k)
+            for (std::size_t a = 0; a < Dim; ++a) block(static_cast<Index>(a), k) = axes[a][node[a]];
+        });
+        evaluate_block(block, {part.data(), nullptr, nullptr});
+        const double* from = part.data();
+        tiles.for_each_row(tile, [&](const std::array<Index, Dim>& /*node*/, Index first) {
+          std::copy_n(from, tile.size(0), value.data() + first);
+          from += tile.size(0);
+        });
+      }
+    });
+    return value;
   }
 
   /// Value at one point.

@@ -1,36 +1,89 @@
 #include "csrbf/spatial/morton_order.hpp"
 
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace csrbf {
 namespace {
 
-// Spreads the bits of every coordinate over 63 bits, the first coordinate in the lowest place.
+template <int Dim>
+constexpr int bits = std::min(32, 63 / Dim);  // per coordinate
+
+// Bytes with Dim - 1 zeros between their bits.
+template <int Dim>
+constexpr std::array<std::uint64_t, 256> spread_bytes = [] {
+  std::array<std::uint64_t, 256> table{};
+  for (std::size_t byte = 0; byte < table.size(); ++byte)
+    for (int bit = 0; bit < 8; ++bit) table[byte] |= std::uint64_t{byte >> bit & 1U} << (bit * Dim);
+  return table;
+}();
+
+// Interleaves the bits of all coordinates, those of the first one in the lowest places.
 template <int Dim>
 std::uint64_t morton_code(const Point<Dim>& unit) {
-  constexpr int bits = 63 / Dim < 32 ? 63 / Dim : 32;
+  constexpr double cells = static_cast<double>(std::uint64_t{1} << bits<Dim>);
   std::uint64_t code = 0;
   for (int axis = 0; axis < Dim; ++axis) {
-    const double scaled = std::ldexp(std::clamp(unit[axis], 0.0, 1.0), bits);
-    const auto cell = std::min(static_cast<std::uint64_t>(scaled), (std::uint64_t{1} << bits) - 1);
-    for (int bit = 0; bit < bits; ++bit) code |= ((cell >> bit) & 1U) << (bit * Dim + axis);
+    const double scaled = unit[axis] * cells;
+    const auto cell = scaled > 0 ? static_cast<std::uint64_t>(std::min(scaled, cells - 1)) : 0;  // 0 also for NaN
+    for (int byte = 0; 8 * byte < bits<Dim>; ++byte)
+      code |= spread_bytes<Dim>[cell >> (8 * byte) & 255U] << (8 * byte * Dim + axis);
   }
   return code;
+}
+
+struct Keyed {
+  std::uint32_t key, index;
+};
+
+// Stable, by the least significant digit first.
+void radix_sort(std::vector<Keyed>& items) {
+  constexpr int digit_bits = 11;
+  constexpr std::uint32_t mask = (1U << digit_bits) - 1;
+  std::vector<Keyed> sorted(items.size());
+  for (int shift = 0; shift < 32; shift += digit_bits) {
+    std::array<std::uint32_t, mask + 2> next{};
+    for (const Keyed& item : items) ++next[(item.key >> shift & mask) + 1];
+    for (std::size_t d = 1; d < next.size(); ++d) next[d] += next[d - 1];
+    for (const Keyed& item : items) sorted[next[item.key >> shift & mask]++] = item;
+    items.swap(sorted);
+  }
 }
 
 }  // namespace
 
 template <int Dim>
 std::vector<Index> morton_order(const PointsRef<Dim>& points) {
+  const auto n = static_cast<std::size_t>(points.cols());
+  require(n <= std::numeric_limits<std::uint32_t>::max(), "morton_order", "points", n, "must be fewer than 2^32");
   const Box<Dim> box = bounding_box<Dim>(points);
   const double extent = box.extent().maxCoeff();
-  std::vector<std::pair<std::uint64_t, Index>> keyed(static_cast<std::size_t>(points.cols()));
-  for (Index i = 0; i < points.cols(); ++i)
-    keyed[static_cast<std::size_t>(i)] = {
-        morton_code<Dim>(extent > 0 ? Point<Dim>((points.col(i) - box.lo) / extent) : Point<Dim>::Zero()), i};
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<Index> order(keyed.size());
-  for (std::size_t i = 0; i < keyed.size(); ++i) order[i] = keyed[i].second;
+  constexpr int low_bits = std::max(0, bits<Dim> * Dim - 32);
+  std::vector<std::uint64_t> code(n);
+  std::vector<Keyed> items(n);
+  constexpr Index grain = 8192;
+  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      code[at] = morton_code<Dim>((points.col(i) - box.lo) / extent);
+      items[at] = {static_cast<std::uint32_t>(code[at] >> low_bits), static_cast<std::uint32_t>(i)};
+    }
+  });
+  radix_sort(items);
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {  // the few with equal keys by their whole codes
+    for (end = begin + 1; end < n && items[end].key == items[begin].key;) ++end;
+    if (end - begin > 1)
+      std::sort(items.data() + begin, items.data() + end, [&](const Keyed& a, const Keyed& b) {
+        return std::pair(code[a.index], a.index) < std::pair(code[b.index], b.index);
+      });
+  }
+  std::vector<Index> order(n);
+  for (std::size_t i = 0; i < n; ++i) order[i] = items[i].index;
   return order;
 }
 
