@@ -32,6 +32,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
        {"degree", or_null(r.degree >= 0, r.degree)},
        {"extrapolation", flags.extrapolation}});
   session.result.update({{"samples", r.samples},
+                         {"samples_fitted", r.samples_fitted},
                          {"merged_duplicates", r.merged_duplicates},
                          {"method", r.method},
                          {"kernel", or_null(!r.kernel.empty(), r.kernel)},

@@ -10,20 +10,25 @@
 namespace csrbf {
 namespace {
 
-constexpr Index patches = 64;  // half of them spread over the volume, half over the samples
+constexpr Index patches = 256;  // half of them spread over the volume, half over the samples
 constexpr Index fewest_targets =
     12;  // samples predicted in each, at most; more where a patch is large, because noise ...
-constexpr Index most_targets = 160;    // ... hides small differences
+constexpr Index most_targets = 1200;   // ... hides small differences
 constexpr Index few = 16;              // samples per cell of the cover that places the patches
 constexpr double exact = 1e-10;        // error, as a share of the range of the values, below which less is no gain
-constexpr double exact_uneven = 1e-9;  // the same for unevenly spread samples, far from which errors are larger
+constexpr double exact_uneven = 5e-9;  // the same for unevenly spread samples, far from which errors are larger
 constexpr double noticeable = 1e-6;    // error, likewise, that may be due to noise
-constexpr double point_cost = 30;      // of an evaluation besides the local functions, in radial functions
+// Time of one sample and one evaluation, in that of one more radial function in every evaluation (about 7 ns).
+constexpr double point_cost = 250;  // of what is the same for all local functions
 constexpr double monomial_cost = 0.4;
-constexpr double most_work = 2e9;    // flops of a trial on all patches
-constexpr double kernel_work = 25;   // flops of a radial function
+constexpr double flop_cost = 0.01;
+constexpr double little_work = 4e8;  // flops of a trial on all patches
+constexpr double most_work = 2e9;    // of one on every fourth patch; on fewer if it is more
+constexpr Index usual_stride = 4, largest_stride = 16;
+constexpr double kernel_work = 25;  // flops of a radial function
+constexpr double most_haste = 4;
 constexpr double leisurely = 1e4;    // samples up to which time does not matter
-constexpr double most_cost = 1e8;    // so that cost counts only for small errors
+constexpr double most_cost = 1e5;    // where the error is not small, so that it counts before the cost
 constexpr double even_share = 0.05;  // of lopsided patches among evenly spread samples
 constexpr std::array<double, 5> smoothings = {1e-6, 1e-4, 1e-2, 1e-1, 1};
 constexpr std::array<double, 5> strong_smoothings = {1e-2, 1e-1, 1, 10, 100};
@@ -60,24 +65,24 @@ class CrossValidation {
     return static_cast<double>(lopsided_patches) / static_cast<double>(volume_cells_);
   }
 
-  // A mean of the errors of each patch; NaN for those left out because patches of this size take long.
+  // A mean over the components of the error at each target of each patch, nearest to its center first: targets x
+  // patches. NaN for patches left out because those of this size take long.
   template <class Mean>
-  [[nodiscard]] Eigen::ArrayXd errors(const LocalOptions& options, double work, const Mean& mean) const {
-    const auto all = static_cast<Index>(cells_.size());
-    Eigen::ArrayXd error = Eigen::ArrayXd::Constant(all, std::numeric_limits<double>::quiet_NaN());
-    const Index stride = work * static_cast<double>(patches) <= most_work       ? 1
-                         : work * static_cast<double>(patches) <= 2 * most_work ? 2
-                                                                                : 4;
+  [[nodiscard]] Eigen::ArrayXXd errors(const LocalOptions& options, double work, const Mean& mean) const {
+    const auto all = static_cast<Index>(cells_.size()), components = values_.cols();
+    Index stride = work * static_cast<double>(patches) <= little_work ? 1 : usual_stride;
+    while (stride < largest_stride && work * static_cast<double>(patches / stride) > most_work) stride *= 2;
     std::vector<Index> chosen;
     for (Index i = 0; i < all; i += stride) chosen.push_back(i);
     const auto count = static_cast<Index>(chosen.size());
     const Index most = options.centers < options.samples ? most_targets : fewest_targets;
     const Index targets = std::clamp<Index>(options.samples / 5, 1, std::min(most, cover_.points().cols()));
+    Eigen::ArrayXXd error = Eigen::ArrayXXd::Constant(targets, all, std::numeric_limits<double>::quiet_NaN());
     parallel_for((count + batch_lanes - 1) / batch_lanes, 1, [&](Index begin, Index end) {
       LocalFitter<Dim> fitter(cover_, values_, weights_, options);
       LocalModels<Dim> models = fitter.models();
       models.resize(batch_lanes);
-      std::vector<double> left_out(static_cast<std::size_t>(batch_lanes * values_.cols() * targets));
+      std::vector<double> left_out(static_cast<std::size_t>(batch_lanes * components * targets));
       for (Index b = begin; b < end; ++b) {
         const int used = static_cast<int>(std::min<Index>(batch_lanes, count - batch_lanes * b));
         std::array<Index, batch_lanes> cells{};
@@ -87,9 +92,9 @@ class CrossValidation {
         fitter.fit(cells.data(), used, models, 0);
         fitter.left_out_errors(targets, left_out.data());
         for (int l = 0; l < used; ++l) {
-          const Eigen::Map<const Eigen::ArrayXd> lane(left_out.data() + values_.cols() * targets * l,
-                                                      values_.cols() * targets);
-          error[chosen[static_cast<std::size_t>(batch_lanes * b + l)]] = mean(lane);
+          const Eigen::Map<const Eigen::ArrayXXd> lane(left_out.data() + components * targets * l, targets, components);
+          const Index patch = chosen[static_cast<std::size_t>(batch_lanes * b + l)];
+          for (Index t = 0; t < targets; ++t) error(t, patch) = mean(lane.row(t));
         }
       }
     });
@@ -134,8 +139,11 @@ class Chooser {
         validation_(samples),
         size_(samples.size()),
         range_((samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff()),
-        haste_(std::clamp(1.25 * std::log10(static_cast<double>(samples.size()) / leisurely), 0.0, 2.5)),
-        uneven_(validation_.lopsided_share(base_samples) > even_share) {}
+        haste_(given.accuracy > 0
+                   ? most_haste
+                   : std::clamp(2 * std::log10(static_cast<double>(samples.size()) / leisurely), 0.0, most_haste)),
+        uneven_(validation_.lopsided_share(base_samples) > even_share),
+        accuracy_(given.accuracy > 0 ? given.accuracy : (uneven_ ? exact_uneven : exact) * range_) {}
 
   ChosenLocalOptions choose() {
     try_interpolants();
@@ -145,7 +153,7 @@ class Chooser {
       try_least_squares();
     }
     const double range = range_ > 0 ? range_ : 1;  // squares neither overflow nor vanish
-    const Eigen::ArrayXd squares =
+    const Eigen::ArrayXXd squares =
         validation_.errors(best_.options, best_.work, [&](const auto& e) { return (e / range).square().mean(); });
     return {best_.options, mean(best_.errors, best_.errors), range * std::sqrt(mean(squares, squares))};
   }
@@ -153,7 +161,7 @@ class Chooser {
  private:
   struct Trial {
     LocalOptions options;
-    Eigen::ArrayXd errors = {};
+    Eigen::ArrayXXd errors = {};
     double work = 0;
     double cost = 0;
   };
@@ -180,8 +188,8 @@ class Chooser {
     const double work = options.centers == options.samples ? n * n * n / 3 + n * Q * Q + 10 * n * n
                                                            : n * (Q + M) * (Q + M) + kernel_work * n * M;
     // Of an evaluation, and of the share of one sample in the fit.
-    const double cost = point_cost + M + monomial_cost * Q + work * share_of_sample<Dim> / n / kernel_work;
-    const Eigen::ArrayXd errors = validation_.errors(options, work, [](const auto& e) { return e.abs().mean(); });
+    const double cost = point_cost + M + monomial_cost * Q + work * share_of_sample<Dim> / n * flop_cost;
+    const Eigen::ArrayXXd errors = validation_.errors(options, work, [](const auto& e) { return e.abs().mean(); });
     if (best_.errors.size() == 0) {
       best_ = {options, errors, work, cost};
       return true;
@@ -192,18 +200,21 @@ class Chooser {
     return true;
   }
 
-  // Mean error on the patches that both trials have; its product with the cost where it is small.
-  double score(const Eigen::ArrayXd& errors, const Eigen::ArrayXd& others, double cost) const {
+  // Mean error at the targets that both trials have; its product with the cost where it is small.
+  double score(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others, double cost) const {
     const double error = mean(errors, others);
-    return error <= noticeable * range_
-               ? std::max(error, (uneven_ ? exact_uneven : exact) * range_) * std::pow(cost, haste_)
-               : error * most_cost;
+    return error <= std::max(noticeable * range_, accuracy_) ? std::max(error, accuracy_) * std::pow(cost, haste_)
+                                                             : error * std::pow(most_cost, haste_);
   }
 
-  static double mean(const Eigen::ArrayXd& errors, const Eigen::ArrayXd& others) {
+  static double mean(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others) {
+    const Index targets = std::min(errors.rows(), others.rows());
     double sum = 0, count = 0;
-    for (Index i = 0; i < errors.size(); ++i)
-      if (!std::isnan(errors[i]) && !std::isnan(others[i])) sum += errors[i], ++count;
+    for (Index patch = 0; patch < errors.cols(); ++patch) {
+      if (std::isnan(errors(0, patch)) || std::isnan(others(0, patch))) continue;
+      sum += errors.col(patch).head(targets).sum();
+      count += static_cast<double>(targets);
+    }
     return sum / count;
   }
 
@@ -293,6 +304,7 @@ class Chooser {
   double range_;
   double haste_;  // exponent of the cost
   bool uneven_;
+  double accuracy_;  // error below which less is no gain
   Trial best_;
 };
 

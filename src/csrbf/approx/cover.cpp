@@ -12,8 +12,9 @@
 namespace csrbf {
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nearest_end = 0.3;     // of a split to the ends of the side, as a share of it
-constexpr Index median_sample = 255;    // points that tell the median
+constexpr Index median_sample = 63;     // points that tell the median
 constexpr double margin = 1e-9;         // of the extent, around the points
 constexpr double smallest_cell = 1e-9;  // side, as a share of the extent
 constexpr double smallest_side = 64 * std::numeric_limits<double>::epsilon();  // as a share of the coordinates
@@ -209,8 +210,9 @@ void Cover<Dim>::find_supports() {
   parallel_for(size(), 256, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Point<Dim> center = cell(i).center(), half = 0.5 * growth() * cell(i).extent();
-      for_each_cell({center - half, center + half},
-                    [&](std::uint32_t c) { reached[static_cast<std::size_t>(i)].push_back(c); });
+      // The weights are 0 on the border of a support.
+      const Point<Dim> last = (center + half).unaryExpr([](double x) { return std::nextafter(x, -infinity); });
+      for_each_cell({center - half, last}, [&](std::uint32_t c) { reached[static_cast<std::size_t>(i)].push_back(c); });
     }
   });
   over_begin_.assign(cells_.size() + 1, 0);

@@ -12,8 +12,10 @@
 #include "csrbf/approx/partition_of_unity.hpp"
 #include "csrbf/approx/pca_multiresolution.hpp"
 #include "csrbf/core/dimensions.hpp"
+#include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -114,9 +116,13 @@ class Fitter {
       : samples_(samples), options_(options), report_(report) {}
 
   Fields fit() {
+    if (options_.method == "auto" && options_.tolerance > 0 && options_.centers == 0 && samples_.size() > few) {
+      Fields fields = thinned_partition();
+      if (!fields.empty()) return fields;
+    }
     const std::string& method = report_.method;
     if (method == "interpolate") return interpolant();
-    if (method == "partition-of-unity") return partition();
+    if (method == "partition-of-unity") return partition(samples_, local_options(options_));
     if (method == "moving-least-squares") return moving();
     if (method == "least-squares") return level_sum(least_squares(samples_, level_options<LeastSquaresOptions>()));
     if (method == "multilevel") {
@@ -165,11 +171,62 @@ class Fitter {
     return fit.model();
   }
 
-  Fields partition() {
+  // A partition of unity of a share of the samples that is within the tolerance at all of them; none if there is none.
+  Fields thinned_partition() {
+    if (options_.kernel != "auto" && Kernel(options_.kernel, Dim).order() > 0) return {};
+    struct Attempt {
+      Index stride;
+      double mean_error;  // as a share of the tolerance, which is for the largest one
+    };
+    constexpr std::array<Attempt, 4> attempts = {{{64, 1e-2}, {8, 1e-2}, {1, 1e-2}, {1, 1e-5}}};
+    const FitReport before = report_;
+    const std::vector<Index> order = morton_order<Dim>(samples_.points);
+    for (const auto& [stride, mean_error] : attempts) {
+      if (samples_.size() / stride < few) continue;
+      const Samples<Dim> share = merge_duplicates(subset(order, 0, stride)).samples;
+      PartitionOfUnityOptions local = local_options(options_);
+      local.accuracy = mean_error * options_.tolerance;
+      Fields fields = partition(share, local);
+      const Index stride_of_test = std::max<Index>(1, samples_.size() / tested_first);
+      if (holds(fields, subset(order, stride / 2, stride_of_test)) && holds(fields, samples_)) {
+        report_.method = "partition-of-unity";
+        report_.samples_fitted = share.size();
+        return fields;
+      }
+    }
+    report_ = before;
+    return {};
+  }
+
+  // Every stride-th sample from `first` on, and those that span the box of all.
+  Samples<Dim> subset(const std::vector<Index>& order, Index first, Index stride) const {
+    std::vector<Index> chosen(2 * Dim);
+    for (Index a = 0; a < Dim; ++a) {
+      samples_.points.row(a).minCoeff(&chosen[static_cast<std::size_t>(2 * a)]);
+      samples_.points.row(a).maxCoeff(&chosen[static_cast<std::size_t>(2 * a + 1)]);
+    }
+    for (Index i = std::min(first, samples_.size() - 1); i < samples_.size(); i += stride)
+      chosen.push_back(order[static_cast<std::size_t>(i)]);
+    Samples<Dim> share{samples_.points(Eigen::all, chosen), samples_.values(chosen, Eigen::all), {}};
+    if (samples_.weights.size() > 0) share.weights = samples_.weights(chosen);
+    return share;
+  }
+
+  // Whether every sample is within the tolerance.
+  bool holds(const Fields& fields, const Samples<Dim>& samples) const {
+    for (std::size_t c = 0; c < fields.size(); ++c) {
+      const Eigen::VectorXd value = fields[c]->evaluate(samples.points).value;
+      const auto error = (value - samples.values.col(static_cast<Index>(c))).cwiseAbs();
+      if (!(error.maxCoeff() <= options_.tolerance)) return false;
+    }
+    return true;
+  }
+
+  Fields partition(const Samples<Dim>& samples, const PartitionOfUnityOptions& options) {
     if (options_.kernel != "auto")
       require(Kernel(options_.kernel, Dim).order() == 0, "fit", "kernel", options_.kernel,
               "is only conditionally positive definite; a partition of unity needs another one, such as wendland-c4");
-    const PartitionOfUnityFit<Dim> fit = partition_of_unity(samples_, local_options(options_));
+    const PartitionOfUnityFit<Dim> fit = partition_of_unity(samples, options);
     const LocalOptions& local = fit.report.local;
     report_.kernel = local.kernel;
     report_.degree = local.degree;
@@ -214,6 +271,7 @@ class Fitter {
     return {best.components.begin(), best.components.end()};
   }
 
+  static constexpr Index tested_first = 10'000;
   static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
 
   const Samples<Dim>& samples_;
@@ -290,7 +348,7 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   const auto place = merged.place.begin();  // the samples come before their repetitions
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
   if (!keep_duplicates) scaled = std::move(merged.samples);
-  report.samples = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
+  report.samples = report.samples_fitted = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
   report.method = choose_method(options, report.samples, Dim);
   require(std::isnan(options.kernel_parameter) || report.method == "interpolate", "fit", "kernel_parameter",
           options.kernel_parameter,

@@ -20,8 +20,9 @@ enum class Extrapolation {
 
 struct FitOptions {
   /// auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget, error-bounded
-  /// or moving-least-squares. auto: error-bounded for a tolerance, fixed-budget for a budget of centres, interpolate
-  /// with a kernel chosen by leave-one-out for few samples without noise, else partition-of-unity.
+  /// or moving-least-squares. auto: for a tolerance partition-of-unity, of as many samples as it takes, and
+  /// error-bounded where that does not meet it; fixed-budget for a budget of centres, interpolate with a kernel chosen
+  /// by leave-one-out for few samples without noise, else partition-of-unity.
   std::string method = "auto";
   /// A name of kernels/kernel.hpp, or auto.
   std::string kernel = "auto";
@@ -29,7 +30,8 @@ struct FitOptions {
   double kernel_parameter = std::numeric_limits<double>::quiet_NaN();
   /// Budget of centres; 0: the method decides.
   Index centers = 0;
-  /// Largest error allowed at any sample, in the unit of the values; 0: none asked for.
+  /// Largest error allowed at any sample, in the unit of the values; 0: none asked for. A loose one saves time
+  /// and memory.
   double tolerance = 0;
   /// 0: interpolate; larger: smoother; unset: chosen by cross-validation.
   std::optional<double> smoothing = {};
@@ -47,6 +49,7 @@ struct FitOptions {
 struct FitReport {
   std::string method, kernel;
   Index samples = 0;            ///< used
+  Index samples_fitted = 0;     ///< of them; the others, if any, are within the tolerance all the same
   Index merged_duplicates = 0;  ///< samples that were merged with others at the same place
   Index centers = 0;            ///< radial functions
   Index levels = 1;

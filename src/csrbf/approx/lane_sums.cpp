@@ -1,23 +1,42 @@
 #include "csrbf/approx/lane_sums.hpp"
 
-#include "csrbf/core/simd.hpp"
+#include "csrbf/core/lanes.hpp"
 
 namespace csrbf::lane_sums {
 namespace {
 
 // Gradient and Hessian of x[axis] times a function by the product rule.
 CSRBF_ALWAYS_INLINE void derive(const double* x, int dim, int axis, int terms, const double* from, double* to) {
-  for (int a = 0; a < dim; ++a)
-    for (int l = 0; l < lanes; ++l) to[lanes * (1 + a) + l] = x[lanes * axis + l] * from[lanes * (1 + a) + l];
-  for (int l = 0; l < lanes; ++l) to[lanes * (1 + axis) + l] += from[l];
+  const Lanes factor(x + lanes * axis);
+  const auto at = [](int term) { return lanes * term; };
+  for (int a = 0; a < dim; ++a) {
+    Lanes g(from + at(1 + a));
+    g *= factor;
+    if (a == axis) g += Lanes(from);
+    g.store(to + at(1 + a));
+  }
   for (int a = 0, t = 1 + dim; a < dim && t < terms; ++a)
     for (int b = a; b < dim; ++b, ++t) {
-      for (int l = 0; l < lanes; ++l) to[lanes * t + l] = x[lanes * axis + l] * from[lanes * t + l];
-      if (a == axis)
-        for (int l = 0; l < lanes; ++l) to[lanes * t + l] += from[lanes * (1 + b) + l];
-      if (b == axis)
-        for (int l = 0; l < lanes; ++l) to[lanes * t + l] += from[lanes * (1 + a) + l];
+      Lanes h(from + at(t));
+      h *= factor;
+      if (a == axis) h += Lanes(from + at(1 + b));
+      if (b == axis) h += Lanes(from + at(1 + a));
+      h.store(to + at(t));
     }
+}
+
+template <int Dim>
+CSRBF_ALWAYS_INLINE void distances_in(const double* x, const double* centers, Index n, double scale, double* r2) {
+  for (Index j = 0; j < n; ++j) {
+    Lanes sum(0.0);
+    for (int a = 0; a < Dim; ++a) {
+      Lanes d(x + lanes * a);
+      d -= centers[Dim * j + a];
+      sum.add_product(d, d);
+    }
+    sum *= scale;
+    sum.store(r2 + lanes * j);
+  }
 }
 
 }  // namespace
@@ -27,68 +46,84 @@ CSRBF_SIMD_CLONES void polynomial(const double* x, int dim, const std::int16_t* 
   for (int i = 0; i < lanes * terms; ++i) f[i] = 0;
   if (n == 0) return;
   for (int i = 0; i < lanes * terms; ++i) jets[i] = i < lanes ? 1 : 0;
-  double sum[lanes];
-  for (int l = 0; l < lanes; ++l) sum[l] = c[0];
+  Lanes sum(c[0]);
   for (Index j = 1; j < n; ++j) {
     const double* from = jets + lanes * terms * parent[j];
     double* to = jets + lanes * terms * j;
-    double product[lanes];
-    for (int l = 0; l < lanes; ++l) product[l] = x[lanes * axis[j] + l] * from[l];
-    for (int l = 0; l < lanes; ++l) sum[l] += c[j] * product[l];
-    for (int l = 0; l < lanes; ++l) to[l] = product[l];
+    Lanes product(from);
+    product *= Lanes(x + lanes * axis[j]);
+    product.store(to);
+    sum.add_product(c[j], product);
     if (terms == 1) continue;
     derive(x, dim, axis[j], terms, from, to);
-    for (int i = lanes; i < lanes * terms; ++i) f[i] += c[j] * to[i];
+    for (int i = lanes; i < lanes * terms; i += lanes) {
+      Lanes derivative(f + i);
+      derivative.add_product(c[j], Lanes(to + i));
+      derivative.store(f + i);
+    }
   }
-  for (int l = 0; l < lanes; ++l) f[l] = sum[l];
+  sum.store(f);
 }
 
 CSRBF_SIMD_CLONES void add_row(const double* q, const double* weight, Index n, const double* c, int degree, double w,
                                double* W, double* S) {
   for (Index i = 0; i < n; i += lanes) {
-    double p[lanes], x[lanes], share[lanes];
-    for (int l = 0; l < lanes; ++l) {
-      p[l] = degree < 0 ? 0 : c[degree];
-      x[l] = q[i + l];
+    const Lanes x(q + i);
+    Lanes p(degree < 0 ? 0 : c[degree]);
+    for (int d = degree - 1; d >= 0; --d) {
+      p *= x;
+      p += c[d];
     }
-    for (int d = degree - 1; d >= 0; --d)
-      for (int l = 0; l < lanes; ++l) p[l] = p[l] * x[l] + c[d];
-    for (int l = 0; l < lanes; ++l) share[l] = w * weight[i + l];
-    for (int l = 0; l < lanes; ++l) W[i + l] += share[l];
-    for (int l = 0; l < lanes; ++l) S[i + l] += share[l] * p[l];
+    Lanes share(weight + i), weights(W + i), sum(S + i);
+    share *= w;
+    weights += share;
+    sum.add_product(share, p);
+    weights.store(W + i);
+    sum.store(S + i);
   }
 }
 
 CSRBF_SIMD_CLONES void distances(const double* x, int dim, const double* centers, Index n, double scale, double* r2) {
+  switch (dim) {
+    case 1:
+      return distances_in<1>(x, centers, n, scale, r2);
+    case 2:
+      return distances_in<2>(x, centers, n, scale, r2);
+    case 3:
+      return distances_in<3>(x, centers, n, scale, r2);
+    default:
+      break;
+  }
   for (Index j = 0; j < n; ++j) {
-    double sum[lanes] = {};
+    Lanes sum(0.0);
     for (int a = 0; a < dim; ++a) {
-      const double c = centers[dim * j + a];
-      for (int l = 0; l < lanes; ++l) {
-        const double d = x[lanes * a + l] - c;
-        sum[l] += d * d;
-      }
+      Lanes d(x + lanes * a);
+      d -= centers[dim * j + a];
+      sum.add_product(d, d);
     }
-    for (int l = 0; l < lanes; ++l) r2[lanes * j + l] = scale * sum[l];
+    sum *= scale;
+    sum.store(r2 + lanes * j);
   }
 }
 
 CSRBF_SIMD_CLONES void add_values(const double* phi, const double* alpha, Index n, double* f) {
-  double sum[lanes] = {};
-  for (Index j = 0; j < n; ++j)
-    for (int l = 0; l < lanes; ++l) sum[l] += alpha[j] * phi[lanes * j + l];
-  for (int l = 0; l < lanes; ++l) f[l] += sum[l];
+  Lanes sum(f);
+  for (Index j = 0; j < n; ++j) sum.add_product(alpha[j], Lanes(phi + lanes * j));
+  sum.store(f);
 }
 
 CSRBF_SIMD_CLONES void add_gradients(const double* g, const double* alpha, Index n, const double* x, int dim,
                                      const double* centers, double scale, double* f) {
   for (int a = 0; a < dim; ++a) {
-    double sum[lanes] = {};
+    const Lanes coordinate(x + lanes * a);
+    Lanes sum(f + lanes * (1 + a));
     for (Index j = 0; j < n; ++j) {
-      const double c = centers[dim * j + a], weight = scale * alpha[j];
-      for (int l = 0; l < lanes; ++l) sum[l] += weight * g[lanes * j + l] * (x[lanes * a + l] - c);
+      Lanes d = coordinate;
+      d -= centers[dim * j + a];
+      d *= Lanes(g + lanes * j);
+      sum.add_product(scale * alpha[j], d);
     }
-    for (int l = 0; l < lanes; ++l) f[lanes * (1 + a) + l] += sum[l];
+    sum.store(f + lanes * (1 + a));
   }
 }
 
@@ -97,15 +132,19 @@ CSRBF_SIMD_CLONES void add_hessians(const double* g, const double* h, const doub
   double* entry = f + lanes * (1 + dim);
   for (int a = 0; a < dim; ++a)
     for (int b = a; b < dim; ++b, entry += lanes) {
-      double sum[lanes] = {};
+      const Lanes xa(x + lanes * a), xb(x + lanes * b);
+      Lanes sum(entry);
       for (Index j = 0; j < n; ++j) {
-        const double ca = centers[dim * j + a], cb = centers[dim * j + b], weight = scale * alpha[j];
-        for (int l = 0; l < lanes; ++l) {
-          const double outer = scale * h[lanes * j + l] * (x[lanes * a + l] - ca) * (x[lanes * b + l] - cb);
-          sum[l] += weight * (a == b ? g[lanes * j + l] + outer : outer);
-        }
+        Lanes outer(h + lanes * j), da = xa, db = xb;
+        da -= centers[dim * j + a];
+        db -= centers[dim * j + b];
+        outer *= da;
+        outer *= db;
+        outer *= scale;
+        if (a == b) outer += Lanes(g + lanes * j);
+        sum.add_product(scale * alpha[j], outer);
       }
-      for (int l = 0; l < lanes; ++l) entry[l] += sum[l];
+      sum.store(entry);
     }
 }
 

@@ -2,7 +2,7 @@
 
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
-#include "csrbf/core/simd.hpp"
+#include "csrbf/core/lanes.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -20,58 +20,53 @@ constexpr double flat = 1e-10;        // the same for samples on a line or plane
 constexpr Index most_spread = 400;    // larger patches reach far enough as they are
 constexpr Index widened = 4, widest = 16;  // times as many samples are looked at where they are not
 
+CSRBF_ALWAYS_INLINE void store_distance(const double* p, const double* q, int dim, double scale, double* r2) {
+  Lanes sum(0.0);
+  for (int a = 0; a < dim; ++a) {
+    Lanes d(p + L * a);
+    d -= Lanes(q + L * a);
+    sum.add_product(d, d);
+  }
+  sum *= scale;
+  sum.store(r2);
+}
+
 // Squared distances of all pairs of n points, lower triangle by rows.
 CSRBF_SIMD_CLONES void pair_distances(const double* q, int dim, Index n, double scale, double* r2) {
   for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j <= i; ++j, r2 += L) {
-      double sum[L] = {};
-      for (int a = 0; a < dim; ++a)
-        for (int l = 0; l < L; ++l) {
-          const double d = q[L * (dim * i + a) + l] - q[L * (dim * j + a) + l];
-          sum[l] += d * d;
-        }
-      for (int l = 0; l < L; ++l) r2[l] = scale * sum[l];
-    }
+    for (Index j = 0; j <= i; ++j, r2 += L) store_distance(q + L * dim * i, q + L * dim * j, dim, scale, r2);
 }
 
 // r2[n j + i] of all points to the chosen ones.
 CSRBF_SIMD_CLONES void distances_to(const double* q, int dim, Index n, const Index* chosen, Index m, double scale,
                                     double* r2) {
   for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j < m; ++j, r2 += L) {
-      const double* c = q + L * dim * chosen[j];
-      double sum[L] = {};
-      for (int a = 0; a < dim; ++a)
-        for (int l = 0; l < L; ++l) {
-          const double d = q[L * (dim * i + a) + l] - c[L * a + l];
-          sum[l] += d * d;
-        }
-      for (int l = 0; l < L; ++l) r2[l] = scale * sum[l];
-    }
+    for (Index j = 0; j < m; ++j, r2 += L) store_distance(q + L * dim * i, q + L * dim * chosen[j], dim, scale, r2);
 }
 
 // out = a b, lane by lane.
 CSRBF_SIMD_CLONES void multiply(const double* a, const double* b, double* out) {
-  for (int l = 0; l < L; ++l) out[l] = a[l] * b[l];
+  Lanes product(a);
+  product *= Lanes(b);
+  product.store(out);
 }
 
 // y -= F b for the first `columns` entries of each of n rows of `width` entries.
 CSRBF_SIMD_CLONES void subtract_product(const double* F, Index n, Index width, Index columns, const double* b,
                                         double* y) {
   for (Index k = 0; k < n; ++k) {
-    double sum[L] = {};
-    for (Index j = 0; j < columns; ++j)
-      for (int l = 0; l < L; ++l) sum[l] += F[L * (width * k + j) + l] * b[L * j + l];
-    for (int l = 0; l < L; ++l) y[L * k + l] -= sum[l];
+    Lanes sum(0.0), rest(y + L * k);
+    for (Index j = 0; j < columns; ++j) sum.add_product(Lanes(F + L * (width * k + j)), Lanes(b + L * j));
+    rest -= sum;
+    rest.store(y + L * k);
   }
 }
 
 // sum_k a_k b_k, lane by lane.
 CSRBF_SIMD_CLONES void dot(const double* a, const double* b, Index n, double* sum) {
-  double s[L] = {};
-  for (Index k = 0; k < n; ++k)
-    for (int l = 0; l < L; ++l) s[l] += a[L * k + l] * b[L * k + l];
-  for (int l = 0; l < L; ++l) sum[l] = s[l];
+  Lanes s(0.0);
+  for (Index k = 0; k < n; ++k) s.add_product(Lanes(a + L * k), Lanes(b + L * k));
+  s.store(sum);
 }
 
 // Keeps the n / 2 nearest samples, and of the others those that are farthest from all kept before.

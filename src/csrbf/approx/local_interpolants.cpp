@@ -1,6 +1,6 @@
 #include "csrbf/approx/local_interpolants.hpp"
 
-#include "csrbf/core/simd.hpp"
+#include "csrbf/core/lanes.hpp"
 #include "csrbf/linalg/batched_saddle.hpp"
 
 #include <numeric>
@@ -97,19 +97,23 @@ CSRBF_SIMD_CLONES void monomials(const double* u, Index d, Index n, const std::i
   for (Index q = 1; q < Q; ++q) {
     const double* from = G + lanes * n * parent[q];
     double* to = G + lanes * n * q;
-    for (Index i = 0; i < n; ++i)
-      for (int l = 0; l < lanes; ++l) to[lanes * i + l] = from[lanes * i + l] * u[lanes * (d * i + axis[q]) + l];
+    for (Index i = 0; i < n; ++i) {
+      Lanes product(from + lanes * i);
+      product *= Lanes(u + lanes * (d * i + axis[q]));
+      product.store(to + lanes * i);
+    }
   }
 }
 
 CSRBF_ALWAYS_INLINE void distance(const double* x, const double* y, Index d, double epsilon2, double* r2) {
-  double sum[lanes] = {};
-  for (Index a = 0; a < lanes * d; a += lanes)
-    for (int l = 0; l < lanes; ++l) {
-      const double difference = x[a + l] - y[a + l];
-      sum[l] += difference * difference;
-    }
-  for (int l = 0; l < lanes; ++l) r2[l] = epsilon2 * sum[l];
+  Lanes sum(0.0);
+  for (Index a = 0; a < lanes * d; a += lanes) {
+    Lanes difference(x + a);
+    difference -= Lanes(y + a);
+    sum.add_product(difference, difference);
+  }
+  sum *= epsilon2;
+  sum.store(r2);
 }
 
 CSRBF_SIMD_CLONES void pair_distances(const double* y, Index d, Index n, double epsilon2, double* r2) {
@@ -123,10 +127,9 @@ CSRBF_SIMD_CLONES void query_distances(const double* x, const double* y, Index d
 }
 
 CSRBF_SIMD_CLONES void add_products(const double* a, const double* b, Index n, double* sum) {
-  double part[lanes] = {};
-  for (Index i = 0; i < lanes * n; i += lanes)
-    for (int l = 0; l < lanes; ++l) part[l] += a[i + l] * b[i + l];
-  for (int l = 0; l < lanes; ++l) sum[l] += part[l];
+  Lanes part(sum);
+  for (Index i = 0; i < lanes * n; i += lanes) part.add_product(Lanes(a + i), Lanes(b + i));
+  part.store(sum);
 }
 
 // Eight local systems at a time.

@@ -52,6 +52,8 @@ struct PartitionOfUnityOptions {
   std::optional<Index> samples_per_patch = {};
   std::optional<Index> centers_per_patch = {};
   std::optional<double> smoothing = {};
+  /// Mean error, in the unit of the values, below which less is not worth its time; 0: 1e-10 of their range.
+  double accuracy = 0;
   Progress progress = {};
 };
 

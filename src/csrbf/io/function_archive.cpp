@@ -30,6 +30,7 @@ void for_each_member(Report& report, const Visit& visit) {
   visit("method", report.method);
   visit("kernel", report.kernel);
   visit("samples", report.samples);
+  visit("samples_fitted", report.samples_fitted);
   visit("merged_duplicates", report.merged_duplicates);
   visit("centers", report.centers);
   visit("levels", report.levels);

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "csrbf/core/simd.hpp"
+
+#include <cstring>
+
+namespace csrbf {
+
+/// Eight doubles with arithmetic lane by lane, for functions marked CSRBF_SIMD_CLONES: compilers do not reliably turn
+/// loops over lanes that are inside other loops into vector code. Operators work in place, because vectors passed by
+/// value need a calling convention of their own.
+class Lanes {
+ public:
+  static constexpr int size = 8;
+
+  CSRBF_ALWAYS_INLINE Lanes() = default;  // no value
+  CSRBF_ALWAYS_INLINE explicit Lanes(double value) : low_(Half{} + value), high_(low_) {}
+  CSRBF_ALWAYS_INLINE explicit Lanes(const double* from) {
+    std::memcpy(&low_, from, sizeof low_);
+    std::memcpy(&high_, from + size / 2, sizeof high_);
+  }
+  CSRBF_ALWAYS_INLINE void store(double* to) const {
+    std::memcpy(to, &low_, sizeof low_);
+    std::memcpy(to + size / 2, &high_, sizeof high_);
+  }
+
+  CSRBF_ALWAYS_INLINE Lanes& operator+=(const Lanes& b) {
+    low_ += b.low_;
+    high_ += b.high_;
+    return *this;
+  }
+  CSRBF_ALWAYS_INLINE Lanes& operator-=(const Lanes& b) {
+    low_ -= b.low_;
+    high_ -= b.high_;
+    return *this;
+  }
+  CSRBF_ALWAYS_INLINE Lanes& operator*=(const Lanes& b) {
+    low_ *= b.low_;
+    high_ *= b.high_;
+    return *this;
+  }
+  CSRBF_ALWAYS_INLINE Lanes& operator+=(double b) {
+    low_ += b;
+    high_ += b;
+    return *this;
+  }
+  CSRBF_ALWAYS_INLINE Lanes& operator-=(double b) { return *this += -b; }
+  CSRBF_ALWAYS_INLINE Lanes& operator*=(double b) {
+    low_ *= b;
+    high_ *= b;
+    return *this;
+  }
+  /// *this += a b
+  CSRBF_ALWAYS_INLINE void add_product(const Lanes& a, const Lanes& b) {
+    low_ += a.low_ * b.low_;
+    high_ += a.high_ * b.high_;
+  }
+  CSRBF_ALWAYS_INLINE void add_product(double a, const Lanes& b) {
+    low_ += a * b.low_;
+    high_ += a * b.high_;
+  }
+
+ private:
+  using Half = double __attribute__((vector_size(size / 2 * sizeof(double))));
+  Half low_, high_;
+};
+
+}  // namespace csrbf
