@@ -178,7 +178,7 @@ TEST(Patches, OfAConstantAreThatConstantEverywhere) {
     const PatchSums sums = sums_at(patches, x, Derivatives::hessian);
     if (sums.W[0][0] < 0.1) continue;
     // Derivatives of W are of order 1e3; they cancel.
-    expect_near(blend(lane_of(sums, sums.S, 0), lane_of(sums, sums.W, 0)), {0.7, {}, {}}, 1e-8);
+    expect_near(blend(lane_of(sums, sums.S, 0), lane_of(sums, sums.W, 0)), {.value = 0.7}, 1e-8);
   }
 }
 

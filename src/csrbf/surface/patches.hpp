@@ -25,7 +25,7 @@ struct Patch {
 /// with derivatives. F = S / W is the blended model; V = Q / W - (A / W)^2, the variance of the local models in units
 /// of their radii, tells how far they agree. Arrays hold `lanes` points each.
 struct PatchSums {
-  static constexpr int lanes = 16;
+  static constexpr int lanes = 64;
   static constexpr int max_terms = 10;  ///< value, 3 first, 6 second derivatives
 
   Derivatives derivatives = Derivatives::none;  ///< what was summed; further terms hold nothing
