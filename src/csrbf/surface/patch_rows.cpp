@@ -51,14 +51,15 @@ CSRBF_SIMD_CLONES void quadric_columns(const double* q, Index K, const double* r
   }
 }
 
-CSRBF_SIMD_CLONES void kernel_columns(const double* q, Index K, const double* root_w, const double* root_g,
-                                      const double* centers, Index M, double* columns) {
+CSRBF_SIMD_CLONES void kernel_columns(const double* __restrict q, Index K, const double* __restrict root_w,
+                                      const double* __restrict root_g, const double* __restrict centers, Index M,
+                                      double* __restrict columns) {
   for (Index j = 0; j < M; ++j) {
     const double cx = centers[3 * j], cy = centers[3 * j + 1], cz = centers[3 * j + 2];
-    double* value = columns + 4 * K * j;
-    double* gx = value + K;
-    double* gy = gx + K;
-    double* gz = gy + K;
+    double* __restrict value = columns + 4 * K * j;
+    double* __restrict gx = value + K;
+    double* __restrict gy = gx + K;
+    double* __restrict gz = gy + K;
     for (Index k = 0; k < K; ++k) {
       const double dx = q[k] - cx, dy = q[K + k] - cy, dz = q[2 * K + k] - cz;
       const double d2 = dx * dx + dy * dy + dz * dz, slope = root_g[k] * patch_kernel::slope(d2);
