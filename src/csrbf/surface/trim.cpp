@@ -21,6 +21,7 @@ constexpr Index facing_neighbors = 8;
 constexpr double facing = 0.7;           // cosine of the angle between normals that face the same way
 constexpr double expected_share = 0.05;  // a component with fewer samples than this share of the usual density is empty
 constexpr double fewest_samples = 8;     // ... or with fewer than these
+constexpr double near_component = 4;     // spacings: points further from a component do not count for it
 
 Points<3> in_morton_order(const PointsRef<3>& points) {
   return points(Eigen::all, morton_order<3>(points));
@@ -157,6 +158,53 @@ std::vector<Index> components(const Mesh& mesh, Index& count) {
   return label;
 }
 
+std::vector<double> areas(const Mesh& mesh, const std::vector<Index>& label, Index count) {
+  std::vector<double> area(static_cast<std::size_t>(count), 0);
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Point<3> a = mesh.vertices.col(mesh.triangles(0, t)), b = mesh.vertices.col(mesh.triangles(1, t)),
+                   c = mesh.vertices.col(mesh.triangles(2, t));
+    area[static_cast<std::size_t>(label[static_cast<std::size_t>(mesh.triangles(0, t))])] +=
+        0.5 * (b - a).cross(c - a).norm();
+  }
+  return area;
+}
+
+// Indices of the columns of x that are nearer than `distance` to a point of the tree.
+std::vector<Index> ids_within(const KdTree<3>& tree, const PointsRef<3>& x, double distance) {
+  std::vector<char> is_near(static_cast<std::size_t>(x.cols()));
+  parallel_for(x.cols(), 1024, [&](Index begin, Index end) {
+    std::vector<Index> near;
+    for (Index i = begin; i < end; ++i) {
+      tree.within(x.col(i), distance, near);
+      is_near[static_cast<std::size_t>(i)] = near.empty() ? 0 : 1;
+    }
+  });
+  std::vector<Index> ids;
+  for (std::size_t i = 0; i < is_near.size(); ++i)
+    if (is_near[i] != 0) ids.push_back(static_cast<Index>(i));
+  return ids;
+}
+
+// Number of points nearest to each component. Those further than `distance` from all others count for the largest one,
+// so that most points need no search.
+std::vector<double> samples_of_components(const Mesh& mesh, const std::vector<Index>& label, Index count, Index largest,
+                                          const PointsRef<3>& points, double distance) {
+  std::vector<Index> others;
+  for (std::size_t v = 0; v < label.size(); ++v)
+    if (label[v] != largest) others.push_back(static_cast<Index>(v));
+  const Points<3> other_vertices = mesh.vertices(Eigen::all, others);
+  const KdTree<3> other_tree(other_vertices);
+  const std::vector<Index> open = ids_within(other_tree, points, distance);
+  const std::vector<Index> rivals = ids_within(other_tree, mesh.vertices, 2 * distance);
+  const Points<3> rival_vertices = mesh.vertices(Eigen::all, rivals);
+  const KdTree<3> rival_tree(rival_vertices);
+  std::vector<double> samples(static_cast<std::size_t>(count), 0);
+  samples[static_cast<std::size_t>(largest)] = static_cast<double>(points.cols()) - static_cast<double>(open.size());
+  for (const Index v : nearest_points(rival_tree, in_morton_order(points(Eigen::all, open))))
+    samples[static_cast<std::size_t>(label[static_cast<std::size_t>(rivals[static_cast<std::size_t>(v)])])] += 1;
+  return samples;
+}
+
 }  // namespace
 
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals) {
@@ -179,17 +227,11 @@ DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) 
   Index count = 0;
   const std::vector<Index> label = components(mesh, count);
   if (count <= 1 || points.cols() == 0) return {std::move(mesh), 0};
-  const KdTree<3> tree(mesh.vertices);
-  const std::vector<Index> nearest = nearest_points(tree, in_morton_order(points));
-  std::vector<double> samples(static_cast<std::size_t>(count), 0), area(samples.size(), 0);
-  for (const Index v : nearest) samples[static_cast<std::size_t>(label[static_cast<std::size_t>(v)])] += 1;
-  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const Point<3> a = mesh.vertices.col(mesh.triangles(0, t)), b = mesh.vertices.col(mesh.triangles(1, t)),
-                   c = mesh.vertices.col(mesh.triangles(2, t));
-    area[static_cast<std::size_t>(label[static_cast<std::size_t>(mesh.triangles(0, t))])] +=
-        0.5 * (b - a).cross(c - a).norm();
-  }
+  const std::vector<double> area = areas(mesh, label, count);
   const double density = static_cast<double>(points.cols()) / std::accumulate(area.begin(), area.end(), 0.0);
+  const auto largest = std::max_element(area.begin(), area.end()) - area.begin();
+  const std::vector<double> samples =
+      samples_of_components(mesh, label, count, largest, points, near_component / std::sqrt(density));
   std::vector<char> keep(samples.size());
   for (std::size_t c = 0; c < keep.size(); ++c)
     keep[c] = samples[c] >= fewest_samples && samples[c] >= expected_share * density * area[c] ? 1 : 0;
