@@ -4,13 +4,16 @@
 
 namespace csrbf {
 
-/// Value, gradient and Hessian of a function at one point, with the arithmetic that carries all three through an
-/// expression (second-order forward differentiation).
-template <int Dim>
+/// Value, gradient and, when Order is 2, Hessian of a function at one point, with the arithmetic that carries them
+/// through an expression (forward differentiation). The Hessian is empty when Order is 1.
+template <int Dim, int Order = 2>
 struct Taylor {
+  static_assert(Order == 1 || Order == 2);
+  using Hessian = Eigen::Matrix<double, Order == 2 ? Dim : 0, Order == 2 ? Dim : 0>;
+
   double value = 0;
   Point<Dim> gradient = Point<Dim>::Zero();
-  Eigen::Matrix<double, Dim, Dim> hessian = Eigen::Matrix<double, Dim, Dim>::Zero();
+  Hessian hessian = Hessian::Zero();
 
   Taylor() = default;
   Taylor(double constant) : value(constant) {}  // NOLINT(google-explicit-constructor): constants mix with variables
@@ -32,8 +35,9 @@ struct Taylor {
     Taylor product;
     product.value = a.value * b.value;
     product.gradient = a.value * b.gradient + b.value * a.gradient;
-    product.hessian = a.value * b.hessian + b.value * a.hessian + a.gradient * b.gradient.transpose() +
-                      b.gradient * a.gradient.transpose();
+    if constexpr (Order == 2)
+      product.hessian = a.value * b.hessian + b.value * a.hessian + a.gradient * b.gradient.transpose() +
+                        b.gradient * a.gradient.transpose();
     return product;
   }
   friend Taylor operator/(const Taylor& a, const Taylor& b) {
@@ -45,7 +49,7 @@ struct Taylor {
     Taylor result;
     result.value = f;
     result.gradient = f1 * a.gradient;
-    result.hessian = f1 * a.hessian + f2 * a.gradient * a.gradient.transpose();
+    if constexpr (Order == 2) result.hessian = f1 * a.hessian + f2 * a.gradient * a.gradient.transpose();
     return result;
   }
 };
@@ -55,8 +59,8 @@ inline double smooth_step(double t) {
   t = std::clamp(t, 0.0, 1.0);
   return t * t * t * (10 + t * (-15 + 6 * t));
 }
-template <int Dim>
-Taylor<Dim> smooth_step(const Taylor<Dim>& x) {
+template <int Dim, int Order>
+Taylor<Dim, Order> smooth_step(const Taylor<Dim, Order>& x) {
   const double t = std::clamp(x.value, 0.0, 1.0), u = t * (1 - t);
   return apply(x, smooth_step(t), 30 * u * u, 60 * u * (1 - 2 * t));
 }

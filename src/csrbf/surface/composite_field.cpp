@@ -23,36 +23,47 @@ constexpr double undecided = 0.2;
 constexpr double decided = 0.45;
 constexpr double chunk_reach = 4;  // widest chunk, in units of the far value
 
-// One lane of one of the sums; second derivatives only if they were summed.
+// A value with as many derivatives as are wanted.
+template <Derivatives derivatives>
+struct ScalarWith {
+  using Type = Taylor<3, static_cast<int>(derivatives)>;
+};
+template <>
+struct ScalarWith<Derivatives::none> {
+  using Type = double;
+};
+
 template <class Scalar>
-Scalar load(const PatchSums& sums, const double (*terms)[lanes], int lane) {
-  if constexpr (std::is_same_v<Scalar, double>) {
-    return terms[0][lane];
-  } else {
-    Scalar t(terms[0][lane]);
+constexpr bool has_gradient = !std::is_same_v<Scalar, double>;
+template <class Scalar>
+constexpr bool has_hessian = std::is_same_v<Scalar, Taylor<3, 2>>;
+
+// One lane of one of the sums.
+template <class Scalar>
+Scalar load(const double (*terms)[lanes], int lane) {
+  Scalar t(terms[0][lane]);
+  if constexpr (has_gradient<Scalar>)
     for (int c = 0; c < 3; ++c) t.gradient[c] = terms[1 + c][lane];
-    if (sums.derivatives < Derivatives::hessian) return t;
+  if constexpr (has_hessian<Scalar>)
     for (int c = 0, term = 4; c < 3; ++c)
       for (int d = c; d < 3; ++d, ++term) t.hessian(c, d) = t.hessian(d, c) = terms[term][lane];
-    return t;
-  }
+  return t;
 }
 
-double value_of(double x) {
-  return x;
-}
-double value_of(const Taylor<3>& x) {
-  return x.value;
+template <class Scalar>
+double value_of(const Scalar& x) {
+  if constexpr (has_gradient<Scalar>)
+    return x.value;
+  else
+    return x;
 }
 
-void store(double f, Index i, double scale, const JetBlock& out) {
-  out.value[i] = scale * f;
-}
-void store(const Taylor<3>& f, Index i, double scale, const JetBlock& out) {
-  out.value[i] = scale * f.value;
-  if (out.gradient != nullptr)
+template <class Scalar>
+void store(const Scalar& f, int i, double scale, const JetBlock& out) {
+  out.value[i] = scale * value_of(f);
+  if constexpr (has_gradient<Scalar>)
     for (int c = 0; c < 3; ++c) out.gradient[3 * i + c] = f.gradient[c];
-  if (out.hessian != nullptr)
+  if constexpr (has_hessian<Scalar>)
     for (int c = 0, term = 0; c < 3; ++c)
       for (int d = c; d < 3; ++d, ++term) out.hessian[6 * i + term] = f.hessian(c, d) / scale;
 }
@@ -65,23 +76,25 @@ struct Cascade {
 };
 
 // Points of a chunk that the finest patches alone do not decide.
-template <class Scalar>
 struct Pending {
   Index count = 0;
-  std::array<Index, lanes> lane;  // column of the chunk
-  std::array<Cascade<Scalar>, lanes> sure;
-  std::array<Cascade<Scalar>, lanes> cascade;
-  Points<3> points{3, lanes};
+  std::array<int, lanes> lane;
+  Eigen::Matrix<double, 3, lanes> points;
+
+  void add(int l, const Point<3>& x) {
+    lane[static_cast<std::size_t>(count)] = l;
+    points.col(count++) = x;
+  }
 };
 
 // How far one level is trusted at a point, in [0, 1].
 template <class Scalar>
 Scalar trust(const PatchSums& sums, int lane) {
-  const Scalar W = load<Scalar>(sums, sums.W, lane);
+  const Scalar W = load<Scalar>(sums.W, lane);
   if (value_of(W) <= 0) return Scalar(0.0);
-  const Scalar mean = load<Scalar>(sums, sums.A, lane) / W;
+  const Scalar mean = load<Scalar>(sums.A, lane) / W;
   const Scalar covered = smooth_step((1 / enough) * W * (1.0 + certain * (mean * mean)));
-  const Scalar variance = load<Scalar>(sums, sums.Q, lane) / W - mean * mean;
+  const Scalar variance = load<Scalar>(sums.Q, lane) / W - mean * mean;
   if (value_of(variance) >= contradict) return Scalar(0.0);
   if (value_of(variance) <= agree) return covered;
   return covered * (1.0 - smooth_step((1 / (contradict - agree)) * (variance - agree)));
@@ -96,44 +109,41 @@ bool sure(const PatchSums& sums, int lane) {
 }
 
 // The blended model F = S / W of a level.
-void store_blend(const PatchSums& sums, int lane, Index i, double scale, const JetBlock& out) {
-  const double inverse = 1 / sums.W[0][lane], F = sums.S[0][lane] * inverse;
+void store_blend(const PatchSums& sums, int i, double scale, const JetBlock& out) {
+  const double inverse = 1 / sums.W[0][i], F = sums.S[0][i] * inverse;
   out.value[i] = scale * F;
   if (out.gradient == nullptr) return;
   std::array<double, 4> W, D;  // derivatives of W and F
   for (std::size_t c = 1; c < 4; ++c) {
-    W[c] = sums.W[c][lane];
-    D[c] = (sums.S[c][lane] - F * W[c]) * inverse;
-    out.gradient[3 * i + static_cast<Index>(c) - 1] = D[c];
+    W[c] = sums.W[c][i];
+    D[c] = (sums.S[c][i] - F * W[c]) * inverse;
+    out.gradient[3 * i + static_cast<int>(c) - 1] = D[c];
   }
   if (out.hessian == nullptr) return;
   for (std::size_t c = 1, term = 4; c < 4; ++c)
     for (std::size_t d = c; d < 4; ++d, ++term)
-      out.hessian[6 * i + static_cast<Index>(term) - 4] =
-          (sums.S[term][lane] - F * sums.W[term][lane] - D[c] * W[d] - D[d] * W[c]) * inverse / scale;
+      out.hessian[6 * i + static_cast<int>(term) - 4] =
+          (sums.S[term][i] - F * sums.W[term][i] - D[c] * W[d] - D[d] * W[c]) * inverse / scale;
 }
 
 template <class Scalar>
-std::array<Scalar, lanes> winding(const WindingNumber& winding, const Pending<Scalar>& pending,
-                                  Derivatives derivatives) {
+std::array<Scalar, lanes> winding(const WindingNumber& winding, const Pending& pending) {
   std::array<Scalar, lanes> u;
   std::array<double, lanes> value{};
   std::array<double, 3 * lanes> gradient{};
   std::array<double, 6 * lanes> hessian{};
-  constexpr bool with_derivatives = !std::is_same_v<Scalar, double>;
-  winding.evaluate_block(pending.points.leftCols(pending.count),
-                         {value.data(), with_derivatives ? gradient.data() : nullptr,
-                          derivatives == Derivatives::hessian ? hessian.data() : nullptr});
+  winding.evaluate_block(
+      pending.points.leftCols(pending.count),
+      {value.data(), has_gradient<Scalar> ? gradient.data() : nullptr, has_hessian<Scalar> ? hessian.data() : nullptr});
   for (Index i = 0; i < pending.count; ++i) {
     const auto p = static_cast<std::size_t>(i);
     u[p] = Scalar(value[p]);
-    if constexpr (with_derivatives) {
-      for (int c = 0, term = 0; c < 3; ++c) {
-        u[p].gradient[c] = gradient[3 * p + static_cast<std::size_t>(c)];
+    if constexpr (has_gradient<Scalar>)
+      for (int c = 0; c < 3; ++c) u[p].gradient[c] = gradient[3 * p + static_cast<std::size_t>(c)];
+    if constexpr (has_hessian<Scalar>)
+      for (int c = 0, term = 0; c < 3; ++c)
         for (int d = c; d < 3; ++d, ++term)
           u[p].hessian(c, d) = u[p].hessian(d, c) = hessian[6 * p + static_cast<std::size_t>(term)];
-      }
-    }
   }
   return u;
 }
@@ -150,59 +160,57 @@ Scalar consent(const Scalar& u) {
 
 // Adds one level to the sum t_0 f_0 + (1 - t_0) ( t_1 f_1 + (1 - t_1) ( ... ) ), finest first.
 template <class Scalar>
-void add_level(Cascade<Scalar>& cascade, const Scalar& trusted, const PatchSums& sums, int lane) {
+void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane) {
+  const Scalar trusted = trust<Scalar>(sums, lane);
   if (value_of(trusted) <= 0) return;
-  const Scalar f = load<Scalar>(sums, sums.S, lane) / load<Scalar>(sums, sums.W, lane);
+  const Scalar f = load<Scalar>(sums.S, lane) / load<Scalar>(sums.W, lane);
   cascade.sum = cascade.sum + cascade.open * trusted * f;
   cascade.open = cascade.open * (1.0 - trusted);
 }
 
 // F = t f_0 + (1 - t) ( c C + (1 - c) far_value u ): the finest patches where they are sure (t), else the cascade C of
 // the coarser levels as far as the winding number consents (c), else the winding number.
-template <class Scalar>
-void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const JetBlock& out) {
-  const Derivatives derivatives = out.derivatives();
-  PatchSums finest;
-  data.levels.front().accumulate(y, derivatives, finest);
-  Pending<Scalar> pending;
-  for (Index i = 0; i < y.cols(); ++i) {
-    const int lane = static_cast<int>(i);
-    if (sure(finest, lane)) {
-      store_blend(finest, lane, i, data.scale, out);
-      continue;
-    }
-    const Scalar t = trust<Scalar>(finest, lane);
-    const auto p = static_cast<std::size_t>(pending.count);
-    pending.lane[p] = i;
-    pending.sure[p] = Cascade<Scalar>{};
-    add_level(pending.sure[p], t, finest, lane);
-    pending.cascade[p] = Cascade<Scalar>{};
-    pending.points.col(pending.count++) = y.col(i);
-  }
-  if (pending.count == 0) return;
-
-  const std::array<Scalar, lanes> u = winding(data.winding, pending, derivatives);
+template <Derivatives derivatives>
+void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending, const JetBlock& out) {
+  using Scalar = typename ScalarWith<derivatives>::Type;
+  const std::array<Scalar, lanes> u = winding<Scalar>(data.winding, pending);
   std::array<Scalar, lanes> agreed;
-  bool any = false;
-  for (std::size_t p = 0; p < static_cast<std::size_t>(pending.count); ++p) {
-    agreed[p] = consent(u[p]);
-    any = any || value_of(agreed[p]) > 0;
-  }
-  for (std::size_t level = 1; any && level < data.levels.size(); ++level) {
+  std::array<Cascade<Scalar>, lanes> cascade;
+  const auto count = static_cast<std::size_t>(pending.count);
+  for (std::size_t p = 0; p < count; ++p) agreed[p] = consent(u[p]);
+  for (std::size_t level = 1; level < data.levels.size(); ++level) {
+    Pending asking;
+    for (std::size_t p = 0; p < count; ++p)
+      if (value_of(agreed[p]) * value_of(cascade[p].open) > 0)
+        asking.add(static_cast<int>(p), pending.points.col(static_cast<Index>(p)));
+    if (asking.count == 0) break;
     PatchSums sums;
-    data.levels[level].accumulate(pending.points.leftCols(pending.count), derivatives, sums);
-    for (Index i = 0; i < pending.count; ++i) {
-      const int lane = static_cast<int>(i);
-      add_level(pending.cascade[static_cast<std::size_t>(i)], trust<Scalar>(sums, lane), sums, lane);
-    }
+    data.levels[level].accumulate(asking.points.leftCols(asking.count), derivatives, sums);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(asking.count); ++i)
+      add_level(cascade[static_cast<std::size_t>(asking.lane[i])], sums, static_cast<int>(i));
   }
-  for (std::size_t p = 0; p < static_cast<std::size_t>(pending.count); ++p) {
-    const Cascade<Scalar>& sure = pending.sure[p];
-    const Cascade<Scalar>& cascade = pending.cascade[p];
+  for (std::size_t p = 0; p < count; ++p) {
+    Cascade<Scalar> sure;
+    add_level(sure, finest, pending.lane[p]);
     const Scalar far = data.far_value * u[p];
-    const Scalar rest = agreed[p] * (cascade.sum + cascade.open * far) + (1.0 - agreed[p]) * far;
+    const Scalar rest = agreed[p] * (cascade[p].sum + cascade[p].open * far) + (1.0 - agreed[p]) * far;
     store(Scalar(sure.sum + sure.open * rest), pending.lane[p], data.scale, out);
   }
+}
+
+template <Derivatives derivatives>
+void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const JetBlock& out) {
+  PatchSums finest;
+  data.levels.front().accumulate(y, derivatives, finest);
+  Pending pending;
+  for (int lane = 0; lane < static_cast<int>(y.cols()); ++lane) {
+    if (sure(finest, lane)) {
+      store_blend(finest, lane, data.scale, out);
+    } else {
+      pending.add(lane, y.col(lane));
+    }
+  }
+  if (pending.count > 0) complete<derivatives>(data, finest, pending, out);
 }
 
 }  // namespace
@@ -236,10 +244,13 @@ void CompositeField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) 
 }
 
 void CompositeField::evaluate_chunk(const PointsRef<3>& y, const JetBlock& out) const {
-  if (out.derivatives() == Derivatives::none) {
-    blend_levels<double>(data_, y, out);
-  } else {
-    blend_levels<Taylor<3>>(data_, y, out);
+  switch (out.derivatives()) {
+    case Derivatives::none:
+      return blend_levels<Derivatives::none>(data_, y, out);
+    case Derivatives::gradient:
+      return blend_levels<Derivatives::gradient>(data_, y, out);
+    case Derivatives::hessian:
+      return blend_levels<Derivatives::hessian>(data_, y, out);
   }
 }
 
