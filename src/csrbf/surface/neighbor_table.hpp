@@ -29,4 +29,9 @@ struct NeighborTable {
 /// Neighbours of points in Morton order; `k` is lowered to the number of other points. O(n log n), on all threads.
 NeighborTable make_neighbor_table(const PointsRef<3>& points, const KdTree<3>& tree, Index k);
 
+/// The same table for what is left of a cloud: `points` are the points `kept` (ascending) of the one that the table
+/// `before` is of. Only rows that lost a neighbour are searched for anew.
+NeighborTable make_neighbor_table(const PointsRef<3>& points, const KdTree<3>& tree, const NeighborTable& before,
+                                  const std::vector<Index>& kept);
+
 }  // namespace csrbf

@@ -297,7 +297,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
     for (const Index i : used) remaining.push_back(source_index[static_cast<std::size_t>(i)]);
     source_index = std::move(remaining);
     tree = std::make_unique<const KdTree<3>>(points);
-    near = make_neighbor_table(points, *tree, neighbors);
+    near = make_neighbor_table(points, *tree, near, used);
   }
   result.cloud.points = std::move(points);  // stays in its place in memory, where the tree looks for it
   result.tree = std::move(tree);
