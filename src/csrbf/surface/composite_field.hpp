@@ -23,7 +23,7 @@ class CompositeField final : public Field<3> {
     std::vector<Patches> levels;  ///< finest first
     WindingNumber winding;
     double far_value = 0;  ///< |f| far from the data, unit coordinates
-    double detail = 0;     ///< distance between samples, unit coordinates
+    double detail = 0;     ///< length of the smallest, unit coordinates
     Box<3> bounds;         ///< of the data, in the user's coordinates
   };
 

@@ -28,6 +28,8 @@ constexpr double outlier_share = 0.001;    // of the samples that may miss the t
 constexpr double smallest_slope = 0.1;     // of f near the surface, where it is about 1
 constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between samples
 constexpr double far_spacings = 3;         // |f| far from data: about where the patches end
+constexpr Index quadric_coefficients = 10;
+constexpr double coarsest_detail = 1.25;  // spacings: chords of longer cells add to the errors that noise leaves
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -80,6 +82,14 @@ OrientedPoints decimate(const OrientedPoints& cloud) {
   return coarse;
 }
 
+// Patches with fewer coefficients than samples smooth: they hold no detail as small as the spacing of the samples.
+double detail(double spacing, const CompositeOptions& options) {
+  if (options.tolerance.size() > 0) return spacing;
+  const auto samples = options.overlap * static_cast<double>(options.leaf_size);
+  const auto coefficients = static_cast<double>(quadric_coefficients + options.centers_per_patch);
+  return spacing * std::clamp(std::sqrt(samples / coefficients), 1.0, coarsest_detail);
+}
+
 CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeOptions& options,
                                  const Progress& progress) {
   CompositeField::Data data;
@@ -88,8 +98,9 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   data.bounds = prepared.bounds;
   const OrientedPoints& cloud = prepared.cloud;
   CompositeFit finest = fit_composite(cloud, *prepared.tree, options, progress);
-  data.detail = std::sqrt(finest.areas.mean());
-  data.far_value = far_spacings * data.detail;
+  const double spacing = std::sqrt(finest.areas.mean());
+  data.detail = detail(spacing, options);
+  data.far_value = far_spacings * spacing;
   data.levels.push_back(std::move(finest.patches));
   CompositeOptions coarse_options = options;
   coarse_options.centers_per_patch = std::min(options.centers_per_patch, most_coarse_centers);
