@@ -50,7 +50,11 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
 }
 
 void say_fit(const FitReport& r, Session& session) {
-  std::string method = r.method + (r.kernel.empty() ? "" : ", " + r.kernel) + ": " + counted(r.centers, "center");
+  std::string method = r.method + ": ";
+  if (r.centers > 0)
+    method += counted(r.centers, "center") + (r.kernel.empty() ? "" : " of " + r.kernel);
+  else
+    method += "polynomials of degree " + std::to_string(r.degree);
   if (r.patches > 0) method += " in " + counted(r.patches, "patch");
   if (r.levels > 1) method += " on " + counted(r.levels, "level");
   session.say("method: " + method + ", smoothing " + rounded(r.smoothing, 3));

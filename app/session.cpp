@@ -129,8 +129,8 @@ std::string counted(Index count, const std::string& noun) {
   for (auto position = static_cast<std::ptrdiff_t>(digits.size()) - group; position > 0; position -= group)
     digits.insert(static_cast<std::size_t>(position), 1, ',');
   if (count == 1) return digits + " " + noun;
-  const bool ends_in_x = !noun.empty() && noun.back() == 'x';
-  return digits + " " + (ends_in_x ? noun.substr(0, noun.size() - 2) + "ices" : noun + "s");
+  if (noun.ends_with("x")) return digits + " " + noun.substr(0, noun.size() - 2) + "ices";
+  return digits + " " + noun + (noun.ends_with("ch") ? "es" : "s");
 }
 
 }  // namespace csrbf::app
