@@ -11,6 +11,7 @@
 #include "csrbf/approx/multilevel.hpp"
 #include "csrbf/approx/partition_of_unity.hpp"
 #include "csrbf/approx/pca_multiresolution.hpp"
+#include "csrbf/approx/periodic_field.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -25,7 +26,6 @@ namespace {
 constexpr Index few = 500;                  // samples up to which one system for all of them is solved
 constexpr double different_units = 10;      // ratio of the extents of axes that are scaled to equal extent in any case
 constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
-constexpr double ghost_share = 0.15;        // of a period, on which samples are repeated
 constexpr Index checked_samples = 100'000;  // for the error at the samples
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -72,38 +72,6 @@ PartitionOfUnityOptions local_options(const FitOptions& options) {
   local.smoothing = options.smoothing;
   local.progress = options.progress;
   return local;
-}
-
-// Wraps samples into the first period and repeats those near its ends beyond them.
-template <int Dim>
-Samples<Dim> repeat(const Samples<Dim>& samples, const Point<Dim>& periods, const Point<Dim>& lo) {
-  Samples<Dim> result = samples;
-  for (int a = 0; a < Dim; ++a) {
-    if (!(periods[a] > 0)) continue;
-    std::vector<Index> source;
-    std::vector<double> coordinate;
-    for (Index i = 0; i < result.size(); ++i) {
-      const double c = result.points(a, i) - periods[a] * std::floor((result.points(a, i) - lo[a]) / periods[a]);
-      result.points(a, i) = c;
-      for (const double copy : {c - periods[a], c + periods[a]})
-        if (copy > lo[a] - ghost_share * periods[a] && copy < lo[a] + (1 + ghost_share) * periods[a]) {
-          source.push_back(i);
-          coordinate.push_back(copy);
-        }
-    }
-    const Index n = result.size(), more = static_cast<Index>(source.size());
-    result.points.conservativeResize(Eigen::NoChange, n + more);
-    result.values.conservativeResize(n + more, Eigen::NoChange);
-    if (result.weights.size() > 0) result.weights.conservativeResize(n + more);
-    for (Index i = 0; i < more; ++i) {
-      const Index from = source[static_cast<std::size_t>(i)];
-      result.points.col(n + i) = result.points.col(from);
-      result.points(a, n + i) = coordinate[static_cast<std::size_t>(i)];
-      result.values.row(n + i) = result.values.row(from);
-      if (result.weights.size() > 0) result.weights[n + i] = result.weights[from];
-    }
-  }
-  return result;
 }
 
 // One fit in scaled coordinates; fills the report.
@@ -343,7 +311,7 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   const bool keep_duplicates = options.method == "error-bounded" || options.method == "pca-multiresolution" ||
                                (options.method == "auto" && options.tolerance > 0);
   const bool periodic = frame.periods.maxCoeff() > 0;
-  Samples<Dim> scaled = periodic ? repeat(samples, frame.periods, frame.box.lo) : samples;
+  Samples<Dim> scaled = periodic ? repeat_periodically<Dim>(samples, frame.periods, frame.box.lo) : samples;
   MergedSamples<Dim> merged = merge_duplicates(scaled);
   const auto place = merged.place.begin();  // the samples come before their repetitions
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());

@@ -1,5 +1,6 @@
 #include "csrbf/approx/fitted_field.hpp"
 
+#include "csrbf/approx/periodic_field.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
 
@@ -7,18 +8,25 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace csrbf {
+
+template <int Dim>
+FittedField<Dim>::FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame)
+    : inner_(std::move(inner)), repeated_(inner_), frame_(frame) {
+  for (int a = 0; a < Dim; ++a)
+    if (frame.periods[a] > 0)
+      repeated_ = std::make_shared<const PeriodicField<Dim>>(repeated_, a, frame.box.lo[a] / frame.scales[a],
+                                                             frame.periods[a] / frame.scales[a]);
+}
 
 template <int Dim>
 Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& outside) const {
   Point<Dim> y;
   for (int a = 0; a < Dim; ++a) {
-    double c = x[a];
-    const double period = frame_.periods[a];
-    if (period > 0) c -= period * std::floor((c - frame_.box.lo[a]) / period);
-    const double inside = period > 0 ? c : std::clamp(c, frame_.box.lo[a], frame_.box.hi[a]);
-    outside[static_cast<std::size_t>(a)] = inside != c;
+    const double inside = frame_.periods[a] > 0 ? x[a] : std::clamp(x[a], frame_.box.lo[a], frame_.box.hi[a]);
+    outside[static_cast<std::size_t>(a)] = inside != x[a];
     y[a] = inside / frame_.scales[a];
   }
   return y;
@@ -31,7 +39,7 @@ std::vector<Index> FittedField<Dim>::evaluation_order(const PointsRef<Dim>& x) c
     std::array<bool, Dim> outside;
     for (Index i = begin; i < end; ++i) y.col(i) = map(x.col(i), outside);
   });
-  return inner_->evaluation_order(y);
+  return repeated_->evaluation_order(y);
 }
 
 template <int Dim>
@@ -39,7 +47,7 @@ void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& o
   Points<Dim> y(Dim, x.cols());
   std::vector<std::array<bool, Dim>> outside(static_cast<std::size_t>(x.cols()));
   for (Index i = 0; i < x.cols(); ++i) y.col(i) = map(x.col(i), outside[static_cast<std::size_t>(i)]);
-  inner_->evaluate_block(y, out);
+  repeated_->evaluate_block(y, out);
   for (Index i = 0; i < x.cols(); ++i) {
     const std::array<bool, Dim>& moved = outside[static_cast<std::size_t>(i)];
     const bool any = std::find(moved.begin(), moved.end(), true) != moved.end();
@@ -68,7 +76,7 @@ Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const
       std::array<bool, Dim> outside;
       coordinate = map(Point<Dim>::Constant(coordinate), outside)[static_cast<Index>(a)];
     }
-  return inner_->evaluate_grid(mapped);
+  return repeated_->evaluate_grid(mapped);
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class FittedField<Dim>;

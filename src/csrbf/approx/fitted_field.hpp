@@ -2,13 +2,13 @@
 
 #include "csrbf/approx/fit.hpp"
 
+#include <array>
 #include <memory>
-#include <utility>
 
 namespace csrbf {
 
-/// A field in the coordinates of the user: f(x) = inner(y), y_a = wrapped x_a / scale_a, and what it is outside the box
-/// of the samples.
+/// A field in the coordinates of the user: f(x) = inner(y), y_a = x_a / scale_a, repeated along periodic axes (see
+/// PeriodicField), and what it is outside the box of the samples.
 template <int Dim>
 class FittedField : public Field<Dim> {
  public:
@@ -19,7 +19,7 @@ class FittedField : public Field<Dim> {
     Extrapolation extrapolation = Extrapolation::constant;
   };
 
-  FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame) : inner_(std::move(inner)), frame_(frame) {}
+  FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame);
 
   void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<Dim>& x) const override;
@@ -35,6 +35,7 @@ class FittedField : public Field<Dim> {
   Point<Dim> map(const Point<Dim>& x, std::array<bool, Dim>& outside) const;
 
   std::shared_ptr<const Field<Dim>> inner_;
+  std::shared_ptr<const Field<Dim>> repeated_;  // inner_ along the periodic axes
   Frame frame_;
 };
 
