@@ -98,14 +98,22 @@ void expect_lines() {
   Points<Dim> line = direction * random_points<1>(500, 1);
   const auto along = [&](const Point<Dim>& p) { return std::sin(4 * p.dot(direction)); };
   const auto f = partition_field<Dim>(sample<Dim>(line, along));
-  const Points<Dim> between = direction * random_points<1>(500, 2);
-  EXPECT_LE(largest_error<Dim>(*f, sample<Dim>(between, along)), 0.05) << Dim;  // far fewer places than cells across it
+  const Points<Dim> between = direction * (.02 + .96 * random_points<1>(500, 2).array()).matrix();
+  EXPECT_LE(largest_error<Dim>(*f, sample<Dim>(between, along)), 1e-5) << Dim;
   EXPECT_TRUE(f->evaluate(random_points<Dim>(500, 3)).value.allFinite());
 }
 
 TEST(PartitionOfUnity, TakesSamplesOnALine) {
   expect_lines<2>();
   expect_lines<3>();
+}
+
+TEST(PartitionOfUnity, TakesSamplesOnAPlane) {
+  Eigen::Matrix<double, 3, 2> plane;
+  plane << 1, .2, -.3, 1, .5, .7;
+  const auto f = partition_field<3>(sample<3>(plane * random_points<2>(2000, 1), waves<3>));
+  const Points<3> between = plane * (.05 + .9 * random_points<2>(500, 2).array()).matrix();
+  EXPECT_LE(largest_error<3>(*f, sample<3>(between, waves<3>)), 1e-4);
 }
 
 template <int Dim>

@@ -16,7 +16,7 @@ constexpr double dependent = 1e-11;  // pivots smaller than this share of their 
 constexpr double round_off = 1e-14;  // relative ridge that keeps the systems positive definite
 constexpr double smallest_freedom = 1e-6;
 constexpr double even_spread = 0.35;  // smallest variance against that of a ball, for samples to count as evenly spread
-constexpr double flat = 1e-10;        // the same for samples on a line or plane, about which others tell nothing new
+constexpr double flat = 1e-10;        // the same for samples on a line or plane
 constexpr Index most_spread = 400;    // larger patches reach far enough as they are
 constexpr Index widened = 4, widest = 16;  // times as many samples are looked at where they are not
 
@@ -111,13 +111,9 @@ bool narrower(double share, const Points<Dim>& points, const std::vector<std::pa
   }
   Eigen::Matrix<double, Dim, Dim> covariance = Eigen::Matrix<double, Dim, Dim>::Zero();
   for (const auto& [d2, id] : chosen) covariance += (points.col(id) - mean) * (points.col(id) - mean).transpose() / n;
-  if constexpr (Dim == 1) {
-    return covariance(0, 0) * (Dim + 2) < share * reach2;
-  } else {
-    // LL^T of covariance - threshold fails when an eigenvalue is below the threshold.
-    covariance.diagonal().array() -= share * reach2 / (Dim + 2);
-    return covariance.llt().info() != Eigen::Success;
-  }
+  // LL^T of covariance - threshold fails when an eigenvalue is below the threshold.
+  covariance.diagonal().array() -= share * reach2 / (Dim + 2);
+  return covariance.llt().info() != Eigen::Success;
 }
 
 }  // namespace
@@ -182,7 +178,12 @@ void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& m
          wide *= widened) {
       cover_.nearest(center, wide * n_, 2 * reach, search_);
       spread<Dim>(cover_.points(), n_, search_.found);
-      if (narrower<Dim>(flat, cover_.points(), search_.found)) cover_.nearest(center, n_, reach, search_);
+      if (!narrower<Dim>(flat, cover_.points(), search_.found)) continue;
+      // All on a line or plane: those nearest to a cell beside it are only a part of those that its support reaches.
+      const double support = 0.5 * cover_.growth() * cell.diagonal();
+      cover_.nearest(center, wide * n_, reach, search_);
+      while (std::ssize(search_.found) > n_ && search_.found.back().first > support * support) search_.found.pop_back();
+      spread<Dim>(cover_.points(), n_, search_.found);
     }
     double radius = std::sqrt(search_.found.back().first);
     if (!(radius > 0)) radius = cell.diagonal();

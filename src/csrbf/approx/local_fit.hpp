@@ -33,8 +33,8 @@ bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std
 ///   smoothing = 0; thesis sections 1.3 and 3.1);
 /// * with fewer centres, polynomial and radial functions together by least squares.
 ///
-/// Where the nearest samples are lopsided, half of them are replaced by others from a wider neighbourhood, unless all
-/// are on a line or plane.
+/// Where the nearest samples are lopsided, half of them are replaced by others from a wider neighbourhood: from the
+/// support of the cell if all are on a line or plane.
 ///
 /// Work arrays are kept: one fitter per thread. O(samples^3 / 3) per patch, or O(samples (Q + centers)^2).
 template <int Dim>
