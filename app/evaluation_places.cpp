@@ -17,11 +17,6 @@ bool is_table_file(const std::string& path) {
   return path == "-" || extension == ".csv" || extension == ".txt" || extension == ".npy";
 }
 
-bool is_picture_file(const std::string& path) {
-  const std::string extension = file_extension(path);
-  return extension == ".png" || extension == ".pgm" || extension == ".ppm";
-}
-
 Places at_points(const std::string& path, const NamedFunction& model) {
   const auto points = std::make_shared<const Eigen::MatrixXd>(read_queries(path, model.coordinate_names));
   return {.count = points->cols(),

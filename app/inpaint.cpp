@@ -76,6 +76,9 @@ void run(const InpaintCommand& command, Session& session) {
   const double value = parse_missing(command.missing);
   check_output(command.output, session);
   Image image = session.timed("read", [&] { return read_volume<double>(command.input); });
+  if (is_floating(image.type) && is_picture_file(command.output))
+    throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.input +
+                     " does not; write .tif, .nii.gz, .nrrd or .npy");
   if (options.extrapolation == Extrapolation::nan && !is_floating(image.type))
     throw UsageError("--extrapolation nan: the image holds whole numbers, which cannot be NaN");
   const std::vector<unsigned char> missing =

@@ -138,6 +138,32 @@ TEST(Inpaint, OfAHoleTakesTheKnownPixelsAroundItOnly) {
   }
 }
 
+// What is in a hole wider than the waves of a texture cannot be known: no guess errs much less than the mean.
+TEST(Inpaint, DoesNotOvershootInHolesOfTextures) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Eigen::Array<double, 40, 3> waves;  // direction times frequency, phase
+  for (auto wave : waves.rowwise()) {
+    const double angle = 6.3 * uniform(random), frequency = .7 + .7 * uniform(random);
+    wave << frequency * std::cos(angle), frequency * std::sin(angle), 6.3 * uniform(random);
+  }
+  const auto texture = [&](const Point<3>& p) {
+    return 100 + 10 * (waves.col(0) * p.x() + waves.col(1) * p.y() + waves.col(2)).sin().sum();
+  };
+  const Volume<double> truth = picture_of(layout(80, 60), texture);
+  Mask scratch(80 * 60, 0);
+  for (std::size_t i = 0; i < scratch.size(); ++i) scratch[i] = i % 80 >= 34 && i % 80 < 46 ? 1 : 0;
+  Volume<double> image = spoiled(truth, scratch);
+  inpaint(image, scratch);
+  double errors = 0, variance = 0;
+  for (std::size_t i = 0; i < scratch.size(); ++i) {
+    if (scratch[i] == 0) continue;
+    errors += std::pow(image.values[i] - truth.values[i], 2);
+    variance += std::pow(truth.values[i] - 100, 2);
+  }
+  EXPECT_LE(errors, 2 * variance);
+}
+
 TEST(Inpaint, TakesNaNForMissing) {
   const Volume<double> truth = picture_of(layout(40, 30), smooth);
   const Mask mask = random_mask(truth.grid, .2, 5);

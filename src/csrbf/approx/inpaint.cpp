@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <string>
 
 namespace csrbf {
 namespace {
@@ -12,7 +14,9 @@ constexpr double rim_voxels = 8;     // holds the samples of the patches around 
 constexpr double rim_depths = 2;     // of the deepest hole
 constexpr double useful_share = .5;  // of the known voxels: with more near ones all are taken
 
-constexpr Index few = 100;  // samples up to which fit() chooses the method
+constexpr Index few = 100;         // samples up to which fit() chooses the method
+constexpr double deep = 1.5;       // mean depth of missing voxels in spacings of the known ones, to be called holes
+constexpr double away_depths = 4;  // how far holes are moved to try kernels on them, in depths of the deepest one
 
 using Mask = std::vector<unsigned char>;  // one entry per voxel
 
@@ -109,19 +113,96 @@ FitOptions with_method(const FitOptions& options, Index samples) {
 }
 
 template <int Dim, class Scalar>
+Samples<Dim> samples_at(const std::vector<Index>& voxels, const Part<Scalar>& part) {
+  return {positions<Dim>(voxels, part.grid),
+          part.frame(Eigen::seqN(part.first, part.count), voxels).transpose().template cast<double>(),
+          {}};
+}
+
+std::vector<Index> marked(const Mask& mask) {
+  std::vector<Index> voxels;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask[i] != 0) voxels.push_back(static_cast<Index>(i));
+  return voxels;
+}
+
+// The missing voxels moved along an axis, as far as known ones are there.
+Mask moved(const Mask& missing, const Grid& grid, int axis, Index by) {
+  Mask result(missing.size(), 0);
+  Index stride = 1;
+  for (int a = 0; a < axis; ++a) stride *= grid.size[static_cast<std::size_t>(a)];
+  const Index size = grid.size[static_cast<std::size_t>(axis)];
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    const Index to = static_cast<Index>(i) / stride % size + by;
+    const std::size_t target = i + static_cast<std::size_t>(by * stride);
+    if (missing[i] != 0 && to >= 0 && to < size && missing[target] == 0) result[target] = 1;
+  }
+  return result;
+}
+
+// Holes of the same shape at known places, for trying; empty when the missing voxels are scattered, not holes.
+Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
+  const std::vector<float> depth = distance_to(false, missing, grid);
+  const double sum = std::accumulate(depth.begin(), depth.end(), 0.0);
+  const auto voxels = static_cast<double>(missing.size());
+  const std::vector<int> axes = long_axes(grid);
+  const double spacing = mean_spacing(grid) * std::pow(voxels / static_cast<double>(known),
+                                                       1 / static_cast<double>(std::max<std::size_t>(1, axes.size())));
+  Mask best;
+  if (!(sum > deep * spacing * (voxels - static_cast<double>(known)))) return best;
+  const double distance = away_depths * *std::max_element(depth.begin(), depth.end());
+  std::ptrdiff_t most = 0;
+  for (const int axis : axes)
+    for (const double sign : {1.0, -1.0}) {
+      Mask trial = moved(missing, grid, axis, static_cast<Index>(std::lround(sign * distance / grid.spacing[axis])));
+      const auto count = std::count(trial.begin(), trial.end(), 1);
+      if (count <= most) continue;
+      most = count;
+      best = std::move(trial);
+    }
+  return best;
+}
+
+// Voxels left out one by one prefer smooth kernels and high degrees, which overshoot in holes of images with texture.
+// So holes of the same shape at known places decide between those and rough kernels about a mean.
+template <int Dim, class Scalar>
+FitOptions for_holes(const Part<Scalar>& part, const FitOptions& options) {
+  const std::vector<Index> hidden =
+      marked(trial_holes(part.missing, part.grid, part.frame.cols() - part.missing_voxels()));
+  Mask missing = part.missing;
+  for (const Index i : hidden) missing[static_cast<std::size_t>(i)] = 1;
+  const Index known = std::count(missing.begin(), missing.end(), 0);
+  if (hidden.empty() || known <= few) return options;
+  const Samples<Dim> truth = samples_at<Dim>(hidden, part);
+  const Samples<Dim> samples = samples_at<Dim>(sample_voxels(missing, part.grid, known), part);
+  FitOptions best = options;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const char* kernel : {"auto", "wendland-c2", "wendland-c0"}) {
+    FitOptions trial = options;
+    trial.kernel = kernel;
+    if (trial.kernel != "auto") trial.degree = options.degree.value_or(0);
+    const Fit<Dim> fitted = fit(samples, trial);
+    double sum = 0;
+    for (Index c = 0; c < part.count; ++c)
+      sum += (fitted.components[static_cast<std::size_t>(c)]->evaluate(truth.points).value - truth.values.col(c))
+                 .squaredNorm();
+    if (!(sum < smallest)) continue;
+    smallest = sum;
+    best = trial;
+  }
+  return best;
+}
+
+template <int Dim, class Scalar>
 FitReport fill(Part<Scalar>& part, const FitOptions& options) {
-  const Index unknown = part.missing_voxels();
-  const std::vector<Index> known = sample_voxels(part.missing, part.grid, part.frame.cols() - unknown);
-  Samples<Dim> samples;
-  samples.points = positions<Dim>(known, part.grid);
-  samples.values = part.frame(Eigen::seqN(part.first, part.count), known).transpose().template cast<double>();
-  const Fit<Dim> fitted = fit(samples, with_method(options, samples.size()));
+  const std::vector<Index> known = sample_voxels(part.missing, part.grid, part.frame.cols() - part.missing_voxels());
+  Samples<Dim> samples = samples_at<Dim>(known, part);
+  FitOptions used = with_method(options, samples.size());
+  if (used.method == "partition-of-unity" && used.kernel == "auto") used = for_holes<Dim>(part, used);
+  const Fit<Dim> fitted = fit(samples, used);
   samples = {};
 
-  std::vector<Index> wanted;
-  wanted.reserve(static_cast<std::size_t>(unknown));
-  for (std::size_t i = 0; i < part.missing.size(); ++i)
-    if (part.missing[i] != 0) wanted.push_back(static_cast<Index>(i));
+  const std::vector<Index> wanted = marked(part.missing);
   const Points<Dim> points = positions<Dim>(wanted, part.grid);
   for (Index c = 0; c < part.count; ++c) {
     const Eigen::VectorXd values = fitted.components[static_cast<std::size_t>(c)]->evaluate(points).value;

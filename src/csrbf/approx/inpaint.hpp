@@ -26,8 +26,9 @@ struct InpaintReport {
 /// than half of the known voxels; otherwise all of them are. O(n) time and memory besides the fit.
 ///
 /// The method auto is a partition of unity, except for a tolerance, a budget of centres, a given kernel or up to 100
-/// samples (see FitOptions). For holes deeper than about ten voxels in images with texture, multilevel is an
-/// alternative.
+/// samples (see FitOptions). Where voxels are missing in holes instead of one by one, its kernel is the one of three
+/// (that of cross-validation, wendland-c2, wendland-c0) that errs least in holes of the same shape at known places:
+/// smooth images want smooth kernels, which in texture overshoot.
 ///
 /// Throws InvalidInput when `missing` has another size, or nothing is known in a frame, and what fit() throws.
 template <class Scalar>

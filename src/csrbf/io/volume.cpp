@@ -144,4 +144,9 @@ bool is_volume_file(const std::string& path) {
   return std::find(extensions.begin(), extensions.end(), volume_extension(path)) != extensions.end();
 }
 
+bool is_picture_file(const std::string& path) {
+  const std::string extension = volume_extension(path);
+  return extension == ".png" || extension == ".pgm" || extension == ".ppm";
+}
+
 }  // namespace csrbf

@@ -27,4 +27,7 @@ void write_volume(const std::string& path, const Volume<Scalar>& volume);
 /// True when the extension is one of an image.
 bool is_volume_file(const std::string& path);
 
+/// True when it is one of a picture, which holds whole numbers only: .png .pgm .ppm.
+bool is_picture_file(const std::string& path);
+
 }  // namespace csrbf
