@@ -93,6 +93,7 @@ struct EvaluateCommand {
   std::string like;
   bool gradient = false;
   bool hessian = false;
+  bool standard_deviation = false;
 };
 
 struct InpaintCommand {

@@ -13,6 +13,7 @@ namespace {
 struct Wanted {
   bool gradient = false;
   bool hessian = false;
+  bool standard_deviation = false;
 
   [[nodiscard]] Derivatives derivatives() const {
     if (hessian) return Derivatives::hessian;
@@ -20,7 +21,8 @@ struct Wanted {
   }
 };
 
-// value, then value_x value_y, then value_xx value_xy value_yy, for all components each.
+// value, then value_x value_y, then value_x_x value_x_y value_y_y, then value_standard_deviation, for all components
+// each.
 std::vector<std::string> column_names(const NamedFunction& model, const Wanted& wanted) {
   std::vector<std::string> names = model.value_names;
   const std::vector<std::string>& axes = model.coordinate_names;
@@ -31,6 +33,8 @@ std::vector<std::string> column_names(const NamedFunction& model, const Wanted& 
     for (const std::string& value : model.value_names)
       for (std::size_t a = 0; a < axes.size(); ++a)
         for (std::size_t b = a; b < axes.size(); ++b) names.push_back(value + "_" + axes[a] + "_" + axes[b]);
+  if (wanted.standard_deviation)
+    for (const std::string& value : model.value_names) names.push_back(value + "_standard_deviation");
   return names;
 }
 
@@ -53,12 +57,14 @@ Eigen::MatrixXd evaluate_grid(const NamedFunction& model, const Places& places, 
 // columns x places: the memory of an image with the columns as components.
 Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
                              const Progress& progress) {
-  if (!places.axes.empty() && wanted.derivatives() == Derivatives::none) return evaluate_grid(model, places, progress);
+  const bool values_only = wanted.derivatives() == Derivatives::none && !wanted.standard_deviation;
+  if (!places.axes.empty() && values_only) return evaluate_grid(model, places, progress);
   Eigen::MatrixXd answers(columns, places.count);
   for (Index begin = 0; begin < places.count; begin += slice) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(places.count));
     const Index n = std::min(slice, places.count - begin);
-    const Function::Values values = model.function.evaluate(places.points(begin, n), wanted.derivatives());
+    const Eigen::MatrixXd points = places.points(begin, n);
+    const Function::Values values = model.function.evaluate(points, wanted.derivatives());
     Index row = 0;
     const auto put = [&](const Eigen::MatrixXd& part) {
       answers.block(row, begin, part.cols(), n) = part.transpose();
@@ -67,6 +73,7 @@ Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, c
     put(values.value);
     if (wanted.gradient) put(values.gradient);
     if (wanted.hessian) put(values.hessian);
+    if (wanted.standard_deviation) put(model.function.standard_deviation(points));
   }
   return answers;
 }
@@ -125,9 +132,10 @@ void run(const EvaluateCommand& command, Session& session) {
                      {"points", command.points.empty() ? Json(nullptr) : Json(command.points)},
                      {"like", command.like.empty() ? Json(nullptr) : Json(command.like)},
                      {"gradient", command.gradient},
-                     {"hessian", command.hessian}};
+                     {"hessian", command.hessian},
+                     {"standard_deviation", command.standard_deviation}};
   session.options.update(places.options);
-  const Wanted wanted{command.gradient, command.hessian};
+  const Wanted wanted{command.gradient, command.hessian, command.standard_deviation};
   const std::vector<std::string> columns = column_names(model, wanted);
   Eigen::MatrixXd answers = session.timed("evaluate", [&] {
     return evaluate_all(model, places, wanted, static_cast<Index>(columns.size()), session.progress());

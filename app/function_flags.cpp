@@ -57,6 +57,8 @@ void declare(Verb v, EvaluateCommand& c) {
          "evaluate at the voxels of this image, in its physical coordinates; the result has its grid");
   v.toggle("--gradient", c.gradient, "write the gradient behind the values");
   v.toggle("--hessian", c.hessian, "write the upper triangle of the Hessian behind them");
+  v.toggle("--standard-deviation", c.standard_deviation,
+           "write last by how much a sample there would differ from the value (interpolate and partition-of-unity)");
   v.add_common();
 }
 

@@ -192,6 +192,16 @@ class Fit(Functions):
         self.assertEqual(self.report()["input"]["dropped"], 3)
         self.assertTrue(any("3 rows" in warning for warning in self.report()["warnings"]))
 
+    def test_options_without_use_are_named_in_warnings(self):
+        model = self.path("model.csrbf")
+        samples = self.write("samples.csv", csv(rows_of(plane)))
+        for flag, value, method in (("tolerance", "0.1", "partition-of-unity"), ("centers", "9", "moving-least-squares"),
+                                    ("degree", "2", "multilevel")):
+            done = self.succeed("fit", samples, "-o", model, "--" + flag, value, "--method", method)
+            self.assertIn("%s: not used by the method %s" % (flag, method), done.stderr)
+        one = self.write("one.csv", "1,2,3\n1,2,4\n")
+        self.assertIn("all samples are at one point", self.succeed("fit", one, "-o", model).stderr)
+
     def test_constant_values_and_a_single_point_are_functions(self):
         for rows in ([(x, y, 4) for x, y, _ in rows_of(plane, 50)], [(1, 2, 4)], [(1, 2, 4)] * 5,
                      [(i / 10, i / 5, 4) for i in range(20)]):
@@ -256,6 +266,24 @@ class Evaluate(Functions):
         self.assertEqual(numbers[:6], values[0][2:8])
         self.succeed("evaluate", model, "-o", self.path("out.npy"), "--points", queries, "--hessian")
         self.assertEqual(read_npy(self.path("out.npy"))[0], (2, 8))
+
+    def test_standard_deviations_come_last(self):
+        rows = [(x, y, plane(x, y), x * y) for x, y, _ in rows_of(plane, 60)]
+        model = self.fitted(rows, "--values", "u,v", "--method", "interpolate", "--kernel", "cubic", head="x,y,u,v")
+        queries = self.write("queries.csv", csv([row[:2] for row in rows[:5]] + [(0.5, 0.5), (7, 7)]))
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries, "--standard-deviation",
+                     "--gradient", "--report", self.path("report.json"))
+        names, values = self.table("out.csv")
+        self.assertEqual(names, ["x", "y", "u", "v", "u_x", "u_y", "v_x", "v_y", "u_standard_deviation",
+                                 "v_standard_deviation"])
+        self.assertTrue(self.report()["options"]["standard_deviation"])
+        for row in values[:5]:
+            self.assertLess(row[9], 1e-6)  # at samples
+        self.assertGreater(values[5][9], 1e-6)
+        self.assertTrue(math.isnan(values[6][9]))  # beyond them
+        model = self.fitted(rows_of(plane), "--method", "multilevel")
+        self.fail_with(2, "method = multilevel: this fit has none", "evaluate", model, "-o", self.path("out.csv"),
+                       "--points", queries, "--standard-deviation")
 
     def test_one_value_and_its_gradient_have_the_promised_shapes(self):
         model = self.fitted(rows_of(plane))
@@ -452,6 +480,8 @@ class Inpaint(Functions):
         self.fail_with(2, "no value to start from", "inpaint", image, "-o", out, "--mask", everything)
         self.fail_with(2, "images are .png", "inpaint", image, "-o", self.path("out.jpg"))
         self.fail_with(2, "missing.png: cannot read the file", "inpaint", "missing.png", "-o", out)
+        floats = self.write_bytes("floats.npy", npy_bytes((2, 2), [1, 2, math.nan, 4], "<f4"))
+        self.fail_with(2, "pictures hold whole numbers", "inpaint", floats, "-o", out)
         self.fail_with(2, "--missing", "inpaint", image, "-o", out, "--missing", "black")
         self.fail_with(2, "cannot be NaN", "inpaint", image, "-o", out, "--extrapolation", "nan", "--missing", "0")
         self.fail_with(2, "partition-of-unity", "inpaint", image, "-o", out, "--missing", "128", "--method", "magic")

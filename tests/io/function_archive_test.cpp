@@ -63,6 +63,10 @@ TEST(FunctionArchive, KeepsEveryMethodBitForBit) {
     if (method == "fixed-budget") options.centers = 40;
     const Function function(fit(wavy_samples<2>(120, 2), options));
     expect_same_function(round_trip(function), function, probes<2>());
+    if (method != "auto" && method != "interpolate" && method != "partition-of-unity") continue;
+    const Eigen::MatrixXd deviation = function.standard_deviation(probes<2>());
+    EXPECT_GT(deviation.array().isFinite().count(), 0);
+    EXPECT_TRUE(same(round_trip(function).standard_deviation(probes<2>()), deviation));
   }
 }
 

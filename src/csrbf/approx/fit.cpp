@@ -6,6 +6,7 @@
 #include "csrbf/approx/fixed_budget.hpp"
 #include "csrbf/approx/interpolate.hpp"
 #include "csrbf/approx/least_squares.hpp"
+#include "csrbf/approx/local_variance.hpp"
 #include "csrbf/approx/merge_duplicates.hpp"
 #include "csrbf/approx/moving_least_squares.hpp"
 #include "csrbf/approx/multilevel.hpp"
@@ -19,6 +20,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <initializer_list>
 
 namespace csrbf {
 namespace {
@@ -74,11 +76,30 @@ PartitionOfUnityOptions local_options(const FitOptions& options) {
   return local;
 }
 
+// Says which options the method leaves unused, and what came of the others.
+void warn(const FitOptions& options, FitReport& report) {
+  const auto unused = [&](bool is_given, const char* option, std::initializer_list<const char*> users) {
+    if (is_given && std::find(users.begin(), users.end(), report.method) == users.end())
+      report.warnings.push_back(std::string(option) + ": not used by the method " + report.method);
+  };
+  unused(options.centers > 0 && options.method != "auto", "centers",
+         {"least-squares", "multilevel", "pca-multiresolution", "fixed-budget", "error-bounded"});
+  unused(options.tolerance > 0 && options.method != "auto", "tolerance",
+         {"multilevel", "pca-multiresolution", "error-bounded"});
+  unused(options.degree.has_value(), "degree", {"interpolate", "partition-of-unity", "moving-least-squares"});
+  if (report.method == "moving-least-squares") unused(options.smoothing.value_or(0) > 0, "smoothing", {});
+  if (report.levels > 1 && options.centers > 0 && report.centers > options.centers)
+    report.warnings.push_back("centers: the levels together have more, " + std::to_string(report.centers));
+  if (report.samples == 1) report.warnings.push_back("all samples are at one point: the function is constant");
+}
+
 // One fit in scaled coordinates; fills the report.
 template <int Dim>
 class Fitter {
  public:
   using Fields = std::vector<std::shared_ptr<const Field<Dim>>>;
+
+  Fields variances = {};  // after fit()
 
   Fitter(const Samples<Dim>& samples, const FitOptions& options, FitReport& report)
       : samples_(samples), options_(options), report_(report) {}
@@ -203,6 +224,7 @@ class Fitter {
     report_.samples_per_patch = local.samples;
     report_.smoothing = local.smoothing;
     report_.cross_validation_rmse = fit.report.cross_validation_rmse;
+    variances = local_variance(samples_, fit);
     return fit.fields();
   }
 
@@ -236,6 +258,7 @@ class Fitter {
     report_.smoothing = best.report.smoothing;
     report_.cross_validation_rmse = best.report.leave_one_out;
     report_.centers = best.components.front()->basis().size();
+    variances = {best.variances.begin(), best.variances.end()};
     return {best.components.begin(), best.components.end()};
   }
 
@@ -327,9 +350,14 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   report.choose_seconds = seconds_since(start);
 
   start = std::chrono::steady_clock::now();
-  for (auto& field : Fitter<Dim>(scaled, options, report).fit())
+  Fitter<Dim> fitter(scaled, options, report);
+  for (auto& field : fitter.fit())
     result.components.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
+  frame.extrapolation = Extrapolation::nan;  // what the function is there is a convention, with no error to tell
+  for (auto& field : fitter.variances)
+    result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
   report.fit_seconds = seconds_since(start);
+  warn(options, report);
   measure_errors(samples, result);
   return result;
 }

@@ -28,7 +28,8 @@ struct FitOptions {
   std::string kernel = "auto";
   /// Of kernels that have one, for the method interpolate; NaN: the default of the kernel.
   double kernel_parameter = std::numeric_limits<double>::quiet_NaN();
-  /// Budget of centres; 0: the method decides.
+  /// Budget of centres, of multilevel that of the last level and of error-bounded that of the first; 0: the method
+  /// decides. Options that a method has no use for are named in the warnings of the report.
   Index centers = 0;
   /// Largest error allowed at any sample, in the unit of the values; 0: none asked for. A loose one saves time
   /// and memory.
@@ -69,7 +70,13 @@ struct FitReport {
 template <int Dim>
 struct Fit {
   std::vector<std::shared_ptr<const Field<Dim>>> components;
-  FitReport report;
+  /// Variance of the difference between a sample of mean weight and the component: the error of the function and the
+  /// noise of the values together. By the method interpolate: that of kriging (see KrigingVariance), 0 at samples
+  /// without noise and growing between them; by partition-of-unity: local leave-one-out errors (see local_variance).
+  /// NaN outside the box of the samples. Empty for the other methods, for interpolation of more than 4000 samples, and
+  /// where there are too few samples to tell.
+  std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
+  FitReport report = {};
 };
 
 /// Fits a smooth function to scattered samples: the front door of this part of the library. Merges duplicates (their

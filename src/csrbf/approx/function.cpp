@@ -8,7 +8,7 @@ namespace csrbf {
 namespace {
 
 constexpr const char* dimensions_text =
-    "must be one of the dimensions the library was built for (core/dimensions.hpp): 1 to 6";
+    "must be one of those the library was built for (core/dimensions.hpp), 1 to 6; choose fewer coordinates";
 
 // Calls use(fit) for the fit there is.
 template <class Use>
@@ -25,19 +25,36 @@ auto visit_fit(const Function::Fits& fits, const Use& use) {
       fits);
 }
 
+// The points x as they are in memory.
+template <int Dim>
+auto points_of(const Eigen::Ref<const Eigen::MatrixXd>& x) {
+  require(x.rows() == Dim, "evaluate", "dimension of the points", x.rows(),
+          "must be " + std::to_string(Dim) + ", that of the function");
+  return Eigen::Map<const Points<Dim>, 0, Eigen::OuterStride<>>(x.data(), Dim, x.cols(),
+                                                                Eigen::OuterStride<>(x.outerStride()));
+}
+
+template <int Dim>
+Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::MatrixXd>& x) {
+  const auto points = points_of<Dim>(x);
+  require(!fit.variances.empty(), "standard_deviation", "method", fit.report.method,
+          "this fit has none; use interpolate with at most 4000 samples, or partition-of-unity");
+  Eigen::MatrixXd result(x.cols(), static_cast<Index>(fit.variances.size()));
+  for (Index c = 0; c < result.cols(); ++c)
+    result.col(c) = fit.variances[static_cast<std::size_t>(c)]->evaluate(points).value.cwiseSqrt();
+  return result;
+}
+
 template <int Dim>
 Function::Values evaluate_all(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::MatrixXd>& x,
                               Derivatives derivatives) {
-  require(x.rows() == Dim, "evaluate", "dimension of the points", x.rows(),
-          "must be " + std::to_string(Dim) + ", that of the function");
+  const auto points = points_of<Dim>(x);
   const auto k = static_cast<Index>(fit.components.size());
   const Index m = x.cols();
   Function::Values result;
   result.value.resize(m, k);
   result.gradient.resize(m, derivatives >= Derivatives::gradient ? k * Dim : 0);
   result.hessian.resize(m, derivatives >= Derivatives::hessian ? k * symmetric_size<Dim> : 0);
-  const Eigen::Map<const Points<Dim>, 0, Eigen::OuterStride<>> points(x.data(), Dim, m,
-                                                                      Eigen::OuterStride<>(x.outerStride()));
   for (Index c = 0; c < k; ++c) {
     const Jet<Dim> jet = fit.components[static_cast<std::size_t>(c)]->evaluate(points, derivatives);
     result.value.col(c) = jet.value;
@@ -85,6 +102,10 @@ Function::Values Function::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x, 
 
 Eigen::MatrixXd Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes) const {
   return visit_fit(fit_, [&](const auto& fit) { return evaluate_on_grid(fit, axes); });
+}
+
+Eigen::MatrixXd Function::standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x) const {
+  return visit_fit(fit_, [&](const auto& fit) { return deviation(fit, x); });
 }
 
 Eigen::MatrixXd Function::bounds() const {

@@ -40,6 +40,11 @@ class Function {
   /// k. Several times faster than evaluate() at the same nodes. Throws InvalidInput for another number of axes.
   [[nodiscard]] Eigen::MatrixXd evaluate_grid(const std::vector<Eigen::VectorXd>& axes) const;
 
+  /// Standard deviations of the differences between samples of mean weight and the function, m x k: the square roots of
+  /// Fit::variances. `x`: d x m. Throws InvalidInput when it has another number of rows and when the method of the fit
+  /// has none.
+  [[nodiscard]] Eigen::MatrixXd standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x) const;
+
   /// The box of the samples: d x 2, lower and upper corner.
   [[nodiscard]] Eigen::MatrixXd bounds() const;
 

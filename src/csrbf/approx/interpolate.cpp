@@ -22,10 +22,11 @@ constexpr Index spectrum_limit = 1500;   // number of samples up to which lambda
 constexpr Index sparse_neighbors = 100;  // per support, where the support of a sparse system is chosen
 constexpr double sparse_enough = .1;     // fraction of entries that are not zero
 
-// The coefficients of the kernel and of the functions of the polynomial block.
+// The coefficients of the kernel and of the functions of the polynomial block, and the scale of the variance.
 struct Coefficients {
   Eigen::MatrixXd alpha;
   Eigen::MatrixXd pi;
+  Eigen::VectorXd sigma2;
 };
 
 // Distinct points of positive weight, of mean 1.
@@ -123,6 +124,22 @@ double weighted_rms(const Eigen::MatrixXd& errors, const Eigen::VectorXd& weight
                    (weights.sum() * static_cast<double>(errors.cols())));
 }
 
+// Mean of alpha_k e_k = alpha_k^2 / C_kk (see SaddleSolution) over the samples that can be left out.
+Eigen::VectorXd variance_scale(const SaddleSolution& solution) {
+  Eigen::VectorXd scale(solution.alpha.cols());
+  for (Index c = 0; c < scale.size(); ++c) {
+    double sum = 0;
+    Index count = 0;
+    for (Index k = 0; k < solution.alpha.rows(); ++k) {
+      if (!std::isfinite(solution.leave_one_out(k, c))) continue;
+      sum += solution.alpha(k, c) * solution.leave_one_out(k, c);
+      ++count;
+    }
+    scale[c] = count > 0 ? sum / static_cast<double>(count) : nan;
+  }
+  return scale;
+}
+
 template <int Dim>
 Coefficients solve_dense(const Samples<Dim>& samples, const RadialBasis<Dim>& basis, const Eigen::MatrixXd& G,
                          const InterpolateOptions& options, InterpolationReport& report) {
@@ -138,7 +155,8 @@ Coefficients solve_dense(const Samples<Dim>& samples, const RadialBasis<Dim>& ba
   report.leave_one_out = weighted_rms(solution.leave_one_out, weights);
   report.condition = solution.condition;
   report.solver = InterpolationSolver::dense;
-  return {std::move(solution.alpha), std::move(solution.pi)};
+  const Eigen::VectorXd sigma2 = variance_scale(solution);
+  return {std::move(solution.alpha), std::move(solution.pi), sigma2};
 }
 
 // By the Schur complement of the polynomial: compactly supported kernels are positive definite.
@@ -166,6 +184,7 @@ Coefficients solve_sparse(const Samples<Dim>& samples, Eigen::SparseMatrix<doubl
   Coefficients c;
   c.pi = G.cols() == 0 ? Eigen::MatrixXd(0, k) : (G.transpose() * K_G).ldlt().solve(G.transpose() * K_s).eval();
   c.alpha = K_s - K_G * c.pi;
+  c.sigma2 = c.alpha.cwiseProduct(samples.values).colwise().sum() / static_cast<double>(samples.size() - G.cols());
   report.smoothing = added;
   report.condition = nan;
   report.solver = solver.direct() ? InterpolationSolver::sparse_direct : InterpolationSolver::sparse_iterative;
@@ -202,6 +221,10 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
         std::make_shared<const Expansion<Dim>>(basis, c.alpha.col(k), block.tail(c.pi.col(k)), box));
   }
   result.report = report;
+  if (n > options.dense_limit || !c.sigma2.allFinite()) return result;
+  const auto power = std::make_shared<const PowerFunction<Dim>>(basis, degree, report.smoothing, samples.weights);
+  for (const double sigma2 : c.sigma2)
+    result.variances.push_back(std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box));
   return result;
 }
 

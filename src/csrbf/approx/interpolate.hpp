@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/approx/expansion.hpp"
+#include "csrbf/approx/kriging_variance.hpp"
 #include "csrbf/approx/samples.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/linalg/ridge.hpp"
@@ -52,6 +53,11 @@ struct InterpolationReport {
 template <int Dim>
 struct Interpolation {
   std::vector<std::shared_ptr<const Expansion<Dim>>> components;  ///< one per column of the values
+  /// Of the difference between samples of mean weight and the components; none beyond `dense_limit` samples and
+  /// where no sample can be left out. Their scale is sigma^2 = mean_k alpha_k e_k, with which the leave-one-out errors
+  /// e_k are as large as predicted (Bachoc 2013); for sparse systems that of the (restricted) likelihood,
+  /// alpha^T s / (n - r) with r coefficients of the polynomial.
+  std::vector<std::shared_ptr<const KrigingVariance<Dim>>> variances = {};
   InterpolationReport report;
 };
 

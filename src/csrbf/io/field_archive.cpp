@@ -1,11 +1,13 @@
 #include "csrbf/io/field_archive.hpp"
 
 #include "csrbf/approx/fitted_field.hpp"
+#include "csrbf/approx/kriging_variance.hpp"
 #include "csrbf/approx/level_sum.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/field_parts.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace csrbf {
@@ -16,6 +18,8 @@ constexpr const char* level_sum_kind = "level sum";
 constexpr const char* partition_kind = "partition of unity";
 constexpr const char* moving_kind = "moving least squares";
 constexpr const char* fitted_kind = "fitted field";
+constexpr const char* variance_kind = "kriging variance";
+constexpr const char* power_kind = "power function";
 constexpr std::int64_t most_levels = 1024;
 
 template <int Dim>
@@ -42,6 +46,27 @@ Archive to_archive(const Expansion<Dim>& field) {
   archive.set("tail_coefficients", field.tail().coefficients);
   set_box(archive, field.bounds());
   return archive;
+}
+
+// The archive of a power function but for its basis.
+template <int Dim>
+Archive to_archive(const PowerFunction<Dim>& power) {
+  Archive archive;
+  archive.kind = power_kind;
+  archive.set("degree", power.degree());
+  archive.set("smoothing", power.smoothing());
+  archive.set("weights", power.weights());
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const PowerFunction<Dim>> power_from(const Archive& archive,
+                                                     std::shared_ptr<const RadialBasis<Dim>> basis) {
+  const double smoothing = archive.number("smoothing");
+  const Eigen::VectorXd weights = archive.numbers("weights", -1, 1);
+  if (!(smoothing >= 0) || !(weights.size() == 0 || weights.minCoeff() > 0)) archive.fail("the smoothing is damaged");
+  const auto degree = static_cast<int>(archive.integer("degree", -1, most_degree));
+  return std::make_shared<const PowerFunction<Dim>>(std::move(basis), degree, smoothing, weights);
 }
 
 // The archive of a fitted field but for the field inside.
@@ -104,6 +129,14 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     archive.kind = moving_kind;
     archive.set("component", moving->component());
     archive.set("data", share(&moving->data(), [&] { return samples_to_archive<Dim>(moving->data()); }));
+  } else if (const auto* variance = dynamic_cast<const KrigingVariance<Dim>*>(&field)) {
+    archive.kind = variance_kind;
+    archive.set("sigma2", variance->sigma2());
+    set_box(archive, variance->bounds());
+    const PowerFunction<Dim>& power = variance->power();
+    const RadialBasis<Dim>& basis = *power.basis();
+    archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
+    archive.set("power", share(&power, [&] { return to_archive(power); }));
   } else {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
@@ -159,6 +192,14 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     const auto data = shared<Moving>(archive, "data", samples_kind, samples_from<Dim>);
     const Index component = archive.integer("component", 0, data->samples.components() - 1);
     return std::make_shared<const MovingLeastSquares<Dim>>(data, component);
+  }
+  if (archive.kind == variance_kind) {
+    const auto basis = shared<RadialBasis<Dim>>(archive, "basis", basis_kind, basis_from<Dim>);
+    const auto power = shared<PowerFunction<Dim>>(archive, "power", power_kind,
+                                                  [&](const Archive& part) { return power_from<Dim>(part, basis); });
+    const double sigma2 = archive.number("sigma2");
+    if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
+    return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive));
   }
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
 }

@@ -167,8 +167,8 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   if (values.empty()) values = picker.take_last();
   if (coordinates.empty()) coordinates = picker.take_rest();
   if (values.empty() || coordinates.empty())
-    throw IoError(name + ": samples need one column of coordinates and one of values at least, the file has " +
-                  std::to_string(table.values.rows()) + " columns");
+    throw IoError(name + ": samples need one column of coordinates and one of values at least, the file has only " +
+                  std::to_string(table.values.rows()));
   std::vector<Index> used = coordinates;
   used.insert(used.end(), values.begin(), values.end());
   used.insert(used.end(), weights.begin(), weights.end());

@@ -1,0 +1,105 @@
+#include "csrbf/approx/local_variance.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+constexpr Index most_patches = 1024;
+constexpr Index fewest_patches = 16;
+constexpr double most_work = 1e9;  // multiplications: some hundredths of a second
+constexpr Index pooled = 3;        // patches whose errors make up a variance
+
+// Samples left out per patch, those nearest to its middle: half of them lie all over its cell.
+Index target_count(Index samples) {
+  return std::clamp<Index>(samples / 2, 1, 64);
+}
+
+Index patch_count(Index cells, const LocalOptions& options, int dimension) {
+  double polynomials = 1;
+  for (int a = 1; a <= dimension; ++a) polynomials *= static_cast<double>(options.degree + a) / a;
+  const auto n = static_cast<double>(options.samples);
+  const double unknowns = options.centers < options.samples ? polynomials + static_cast<double>(options.centers) : n;
+  const double work = unknowns * unknowns * (n + static_cast<double>(target_count(options.samples)));
+  return std::min(cells, std::clamp(static_cast<Index>(most_work / work), fewest_patches, most_patches));
+}
+
+// Some cells of the cover, spread over it, and the mean squared errors there: components x cells.
+template <int Dim>
+struct Errors {
+  std::vector<Index> cells;
+  Eigen::MatrixXd squares;
+};
+
+template <int Dim>
+Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
+                            const LocalOptions& options) {
+  constexpr Index lanes = batch_lanes;
+  Errors<Dim> errors;
+  const Index count = patch_count(cover.size(), options, Dim);
+  for (Index i = 0; i < count; ++i) errors.cells.push_back(i * cover.size() / count);
+  const Index C = values.cols(), targets = target_count(std::min(options.samples, values.rows()));
+  errors.squares.resize(C, count);
+  parallel_for((count + lanes - 1) / lanes, 4, [&](Index begin, Index end) {
+    LocalFitter<Dim> fitter(cover, values, weights, options);
+    LocalModels<Dim> models = fitter.models();
+    models.resize(lanes);
+    std::vector<double> error(static_cast<std::size_t>(lanes * C * targets));
+    for (Index first = lanes * begin; first < std::min(count, lanes * end); first += lanes) {
+      const Index used = std::min(lanes, count - first);
+      fitter.fit(errors.cells.data() + first, static_cast<int>(used), models, 0);
+      fitter.left_out_errors(targets, error.data());
+      for (Index l = 0; l < used; ++l)
+        for (Index c = 0; c < C; ++c) {
+          const Eigen::Map<const Eigen::ArrayXd> e(error.data() + (l * C + c) * targets, targets);
+          errors.squares(c, first + l) = e.square().mean();
+        }
+    }
+  });
+  return errors;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
+                                                              const PartitionOfUnityFit<Dim>& fit) {
+  const Samples<Dim> used = normalize_weights(samples);
+  const Cover<Dim>& cover = fit.data->cover;
+  const Eigen::MatrixXd values = used.values(cover.order(), Eigen::all);
+  const Eigen::VectorXd weights = used.weights.size() == 0 ? Eigen::VectorXd() : used.weights(cover.order()).eval();
+  const Errors<Dim> errors = left_out_errors<Dim>(cover, values, weights, fit.report.local);
+
+  Points<Dim> middles(Dim, static_cast<Index>(errors.cells.size()));
+  for (Index i = 0; i < middles.cols(); ++i)
+    middles.col(i) = cover.cell(errors.cells[static_cast<std::size_t>(i)]).center();
+  auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
+      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(middles, pooled, cover_growth<Dim>), {}});
+  LocalModels<Dim>& models = data->models;  // a constant per cell
+  models.components = values.cols();
+  models.resize(data->cover.size());
+  typename Cover<Dim>::Search search;
+  for (Index i = 0; i < models.size(); ++i) {
+    const Box<Dim>& cell = data->cover.cell(i);
+    models.center.col(i) = cell.center();
+    models.radius[i] = .5 * cell.diagonal();
+    data->cover.nearest(cell.center(), pooled, cell.diagonal(), search);
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(values.cols());
+    for (const auto& [distance2, id] : search.found) mean += errors.squares.col(data->cover.order()[id]);
+    mean /= static_cast<double>(search.found.size());
+    std::copy(mean.begin(), mean.end(), models.polynomial.begin() + i * mean.size());
+  }
+  return PartitionOfUnityFit<Dim>{data, {}}.fields();
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                     \
+  template std::vector<std::shared_ptr<const Field<Dim>>> local_variance<Dim>(const Samples<Dim>&, \
+                                                                              const PartitionOfUnityFit<Dim>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
