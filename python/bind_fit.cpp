@@ -24,6 +24,7 @@ FitOptions make_options(const py::dict& given) {
   read("smoothing", options.smoothing);
   read("degree", options.degree);
   read("periods", options.periods);
+  read("scale_axes", options.scale_axes);
   if (given.contains("nan_outside") && given["nan_outside"].cast<bool>()) options.extrapolation = Extrapolation::nan;
   return options;
 }
@@ -39,15 +40,31 @@ py::dict to_dict(const FitReport& r) {
                   "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
 }
 
+// As `watch`, and calls a Python function of stage and fraction; an exception that it raised comes out of run().
+Progress telling(const py::object& listener, const Progress& watch) {
+  if (listener.is_none()) return watch;
+  return [listener = listener.ptr(), watch](std::string_view stage, double fraction) {
+    if (!watch(stage, fraction)) return false;
+    const py::gil_scoped_acquire hold;
+    try {
+      py::reinterpret_borrow<py::function>(listener)(py::str(stage.data(), stage.size()), fraction);
+      return true;
+    } catch (py::error_already_set& error) {
+      error.restore();
+      return false;
+    }
+  };
+}
+
 std::unique_ptr<NamedFunction> fit_arrays(const Array& points, const Array& values, const std::optional<Array>& weights,
-                                          const py::dict& given) {
+                                          const py::dict& given, const py::object& listener) {
   FitOptions options = make_options(given);
   const auto x = columns(points, "points");
   const auto by_row = columns(values, "values");
   Eigen::VectorXd w;
   if (weights) w = vector(*weights, "weights");
   return run([&](const Progress& progress) {
-    options.progress = progress;
+    options.progress = telling(listener, progress);
     if (by_row.rows() == 1)  // the same memory as a column
       return std::make_unique<NamedFunction>(NamedFunction{
           fit_function(x, Eigen::Map<const Eigen::MatrixXd>(by_row.data(), by_row.cols(), 1), w, options)});
@@ -104,6 +121,19 @@ py::array_t<double> evaluate_grid(const NamedFunction& f, const std::vector<Arra
   return to_array(run([&](const Progress& /*progress*/) { return f.function.evaluate_grid(axes); }));
 }
 
+py::array_t<double> standard_deviation(const NamedFunction& f, const Array& at) {
+  const auto x = columns(at, "x");
+  py::array_t<double> result({x.cols(), f.function.components()});
+  double* const out = result.mutable_data();
+  run([&](const Progress& progress) {
+    in_parts(x.cols(), progress, [&](Index begin, Index count) {
+      const Eigen::MatrixXd part = f.function.standard_deviation(x.middleCols(begin, count)).transpose();
+      std::copy_n(part.data(), part.size(), out + part.rows() * begin);
+    });
+  });
+  return result;
+}
+
 py::bytes to_bytes(const NamedFunction& f) {
   return py::bytes(run([&](const Progress& /*progress*/) { return format_archive(to_archive(f)); }));
 }
@@ -125,6 +155,7 @@ void bind_fit(py::module_& m) {
                              [](const NamedFunction& f) { return to_array(Eigen::MatrixXd(f.function.bounds())); })
       .def("evaluate", &evaluate)
       .def("evaluate_grid", &evaluate_grid)
+      .def("standard_deviation", &standard_deviation)
       .def("save", [](const NamedFunction& f,
                       const std::string& path) { run([&](const Progress& /*progress*/) { write_model(path, f); }); })
       .def("to_bytes", &to_bytes)

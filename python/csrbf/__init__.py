@@ -2,6 +2,7 @@
 
     f = csrbf.fit(points, values)         # points (n, d), values (n,) or (n, k)
     f(x), f.gradient(x), f.hessian(x)     # anywhere
+    f.standard_deviation(x)               # how far f may be from a sample there
     s = csrbf.reconstruct(points)         # an implicit surface from points in space
     s.polygonize().save("mesh.ply")
 

@@ -57,6 +57,18 @@ class Function:
         grid = np.transpose(grid, tuple(range(len(shape)))[::-1] + (len(shape),))
         return grid[..., 0] if self._scalar else grid
 
+    def standard_deviation(self, x):
+        """Standard deviations at points (m, d) of the difference between a sample there and the value: (m,), or (m, k).
+
+        They hold the error of the function and the noise of the values. Of the method "interpolate" they are 0 (or that
+        of the noise) at the samples and grow between them; of "partition-of-unity" they are local errors of
+        cross-validation. NaN outside the box of the samples. ValueError for the other methods.
+        """
+        x, shape = queries(x, self.dimension)
+        result = self._function.standard_deviation(x)
+        result = result[:, 0] if self._scalar else result
+        return result.reshape(shape + result.shape[1:])
+
     def save(self, path):
         """Writes a .csrbf file for `load` and the program csrbf."""
         self._function.save(os.fspath(path))
@@ -93,6 +105,8 @@ def fit(
     weights=None,
     periods=None,
     extrapolation="constant",
+    scale_axes=True,
+    progress=None,
 ):
     """A smooth function through, or under noise near, scattered samples.
 
@@ -107,6 +121,8 @@ def fit(
     periods: period of every axis, None or 0 for axes that are not periodic: [360, None] for longitude and latitude.
     extrapolation: outside the box of the samples "constant" gives the value at the nearest point of the box, "nan"
         gives NaN.
+    scale_axes: whether axes of different units may be scaled; False where all coordinates are lengths of one unit.
+    progress: called as progress(stage, fraction) from time to time; what it raises ends the fit.
     """
     points = rows(points, "points")
     values = floats(values, "values")
@@ -124,9 +140,12 @@ def fit(
         "degree": degree,
         "periods": None if periods is None else [period or 0.0 for period in np.atleast_1d(periods).tolist()],
         "nan_outside": extrapolation == "nan",
+        "scale_axes": bool(scale_axes),
     }
     given = {name: value for name, value in options.items() if value is not None}
     if weights is not None:
         weights = floats(weights, "weights")
     table = values if values.ndim == 2 else values.reshape(-1, 1)
-    return Function(_csrbf.fit(points, table, weights, given), scalar=values.ndim == 1)
+    if progress is not None and not callable(progress):
+        raise ValueError("progress: must be a function of stage and fraction")
+    return Function(_csrbf.fit(points, table, weights, given, progress), scalar=values.ndim == 1)

@@ -99,6 +99,39 @@ class Values(unittest.TestCase):
         np.testing.assert_array_equal(csrbf.fit(x.tolist(), v.tolist(), **QUICK)(x.tolist()), expected)
 
 
+class StandardDeviations(unittest.TestCase):
+    def test_of_interpolation_are_zero_at_the_samples_and_grow_between_them(self):
+        x, v = samples(150)
+        x = x[(np.abs(x - 0.5) > 0.2).any(axis=1)]  # a gap in the middle
+        f = csrbf.fit(x, np.column_stack([v[: len(x)], -v[: len(x)]]), kernel="matern-c2", smoothing="none")
+        at_samples, middle = f.standard_deviation(x), f.standard_deviation([0.5, 0.5])
+        self.assertEqual(at_samples.shape, (len(x), 2))
+        self.assertEqual(middle.shape, (2,))
+        self.assertLess(at_samples.max(), 1e-3 * middle.min())
+        np.testing.assert_allclose(middle[0], middle[1], rtol=1e-9)
+        self.assertTrue(np.isnan(f.standard_deviation([[9.0, 9.0]])).all())
+
+    def test_of_noisy_samples_are_their_noise(self):
+        x, v = samples(3000)
+        f = csrbf.fit(x, v + 0.1 * np.random.default_rng(3).standard_normal(3000))
+        self.assertEqual(f.report["method"], "partition-of-unity")
+        deviation = f.standard_deviation(0.1 + 0.8 * samples(400, seed=2)[0])
+        self.assertEqual(deviation.shape, (400,))
+        self.assertAlmostEqual(np.sqrt((deviation**2).mean()), 0.1, delta=0.015)
+
+    def test_are_saved(self):
+        x, v = samples(200)
+        for method in ("interpolate", "partition-of-unity"):
+            f = csrbf.fit(x, v, method=method, kernel="wendland-c2")
+            copy = pickle.loads(pickle.dumps(f))
+            np.testing.assert_array_equal(copy.standard_deviation(x + 0.01), f.standard_deviation(x + 0.01))
+
+    def test_other_methods_have_none(self):
+        x, v = samples(200)
+        with self.assertRaisesRegex(ValueError, "method = multilevel: this fit has none"):
+            csrbf.fit(x, v, method="multilevel").standard_deviation(x)
+
+
 class Options(unittest.TestCase):
     def test_a_tolerance_holds_at_every_sample(self):
         x, v = samples(800)
@@ -123,6 +156,25 @@ class Options(unittest.TestCase):
         f = csrbf.fit(angle[:, None], np.cos(np.radians(angle)), periods=[360])
         at = np.linspace(0, 360, 50)[:, None]
         np.testing.assert_allclose(f(at + 360), f(at), atol=1e-9)
+
+    def test_axes_are_scaled_unless_told_otherwise(self):
+        x, v = samples(200)
+        x[:, 1] *= 1000
+        self.assertGreater(csrbf.fit(x, v, **QUICK).report["axis_scales"][1], 100)
+        self.assertEqual(csrbf.fit(x, v, scale_axes=False, **QUICK).report["axis_scales"], [1, 1])
+
+    def test_progress_is_told_and_may_end_the_fit(self):
+        x, v = samples(2000)
+        told = []
+        csrbf.fit(x, v, progress=lambda stage, fraction: told.append((stage, fraction)))
+        self.assertGreater(len(told), 3)
+        self.assertTrue(all(isinstance(stage, str) and 0 <= fraction <= 1 for stage, fraction in told))
+
+        def stop(stage, fraction):
+            raise RuntimeError("enough")
+
+        with self.assertRaisesRegex(RuntimeError, "enough"):
+            csrbf.fit(x, v, progress=stop)
 
     def test_outside_the_data_values_are_constant_or_nan(self):
         x, v = samples(300)
@@ -224,6 +276,7 @@ class Failures(unittest.TestCase):
             ("weights", (x, v), {"weights": np.ones(49)}),
             ("neither", (x, v), {"extrapolation": "linear"}),
             ("neither", (x, v), {"smoothing": "much"}),
+            ("progress", (x, v), {"progress": 5}),
             ("real", (x, v + 1j), {}),
             ("", (np.zeros((50, 7)), v), {}),
             ("", (x[:0], v[:0]), {}),
