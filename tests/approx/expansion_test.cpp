@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 
 namespace csrbf {
 namespace {
@@ -179,6 +180,27 @@ TEST(Expansion, ErrsLessWhenItsMetricFollowsTheData) {
   stretched.transforms = {Eigen::Vector2d(std::sqrt(10), 1 / std::sqrt(10)).asDiagonal()};
   // Supports of the same area, in which are as many centres.
   EXPECT_LT(ridge_error(stretched, 1), .4 * ridge_error({}, 1));
+}
+
+// Centres on a grid, each with a metric along the ring that it is on: least squares with fewer centres than samples.
+double ring_error(bool own_metrics) {
+  const auto ring = [](const Point<2>& p) { return std::sin(25 * (p - Point<2>(.5, -.3)).norm()); };
+  const Samples<2> data = sample<2>(random_points<2>(2000, 1), ring);
+  const Points<2> centers = unit_grid(18);
+  RadialMetric<2> metric;
+  for (Index j = 0; own_metrics && j < centers.cols(); ++j) {
+    const Point<2> radial = (centers.col(j) - Point<2>(.5, -.3)).normalized();
+    metric.transforms.push_back(.7 * Matrix<2>::Identity() + .9 * radial * radial.transpose());
+  }
+  const auto basis = std::make_shared<const RadialBasis<2>>(Kernel("wendland-c2", 2), centers,
+                                                            Eigen::VectorXd::Constant(1, .2), metric);
+  const Eigen::MatrixXd B = basis->dense_matrix(data.points);
+  const Eigen::VectorXd alpha = B.colPivHouseholderQr().solve(data.values.col(0));
+  return rms_error<2>(Expansion<2>(basis, alpha), ring);
+}
+
+TEST(Expansion, ErrsLessWhenTheMetricOfEveryCentreFollowsTheData) {
+  EXPECT_LT(ring_error(true), .8 * ring_error(false));
 }
 
 TEST(Expansion, ScalesWithTheData) {

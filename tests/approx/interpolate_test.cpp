@@ -217,6 +217,32 @@ TEST(Interpolate, OnPeriodicAxesIsPeriodic) {
   }
 }
 
+// |T (p - c)| is the distance of T p and T c, and polynomials of x are those of T x.
+TEST(Interpolate, WithAMetricIsThatOfTransformedPoints) {
+  const Samples<2> samples = sample<2>(wave<2>, 120);
+  RadialMetric<2> metric;
+  metric.transforms = {(Eigen::Matrix2d() << 1.5, .4, -.2, .6).finished()};
+  Samples<2> mapped = samples;
+  mapped.points = metric.transforms[0] * samples.points;
+  const Points<2> x = .5 * (Points<2>::Random(2, 50).array() + 1);
+  for (const char* kernel : {"wendland-c4", "thin-plate"}) {
+    const InterpolateOptions options{.kernel = kernel, .support = .8, .degree = 1};
+    const auto with_metric = interpolate(samples, options, metric);
+    const auto transformed = interpolate(mapped, options);
+    const Points<2> there = metric.transforms[0] * x;
+    EXPECT_LE((with_metric.components[0]->evaluate(x).value - transformed.components[0]->evaluate(there).value)
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-8)
+        << kernel;
+    EXPECT_LE((with_metric.variances[0]->evaluate(x).value - transformed.variances[0]->evaluate(there).value)
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-8 * transformed.variances[0]->sigma2())
+        << kernel;
+  }
+}
+
 template <class Action>
 std::string message_of(const Action& action) {
   try {

@@ -103,8 +103,7 @@ TEST(Multilevel, FollowsScalesShiftsAndTheUnitsOfTheValues) {
   EXPECT_LT(((found.array() - 5e6) / 1e6 - value.array()).abs().maxCoeff(), 1e-8);
 }
 
-// The published behaviour (spec 3.7 has the numbers): a support proportional to the spacing stalls, a fixed one and
-// the multilevel scheme converge.
+// A support proportional to the spacing stalls, a fixed one and the multilevel scheme converge.
 TEST(Multilevel, ConvergesWhereASingleNarrowSupportStalls) {
   const auto stationary = single_level_errors("wendland-c2", [](double h) { return 5 * h; });
   const auto fixed = single_level_errors("wendland-c2", [](double) { return 1.0; });
@@ -120,6 +119,8 @@ TEST(Multilevel, ConvergesWhereASingleNarrowSupportStalls) {
   EXPECT_LT(multi.back(), stationary.back() / 20);
 }
 
+// The native space of the C2k kernel of the plane is H^(k + 3/2) (Wendland 1995): the error falls as h^(k + 3/2) at
+// least.
 TEST(Multilevel, ConvergesFasterWithSmootherKernelsOfFixedSupport) {
   const char* kernels[] = {"wendland-c0", "wendland-c2", "wendland-c4", "wendland-c6"};
   for (int k = 0; k < 4; ++k)

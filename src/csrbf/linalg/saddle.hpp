@@ -24,7 +24,7 @@ struct SaddleSolution {
   double lambda = 0;              ///< that of the options, or the one that rescued the system
 };
 
-/// Solves (spec "CPD order m", thesis eq. 2.13; D = diag(1 / weights))
+/// Solves (thesis eq. 2.13; D = diag(1 / weights))
 ///
 ///     [ A + lambda D   G ] [ alpha ]   [ s ]
 ///     [ G^T            0 ] [ pi    ] = [ 0 ]
