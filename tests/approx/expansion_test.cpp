@@ -193,7 +193,7 @@ double ring_error(bool own_metrics) {
     metric.transforms.push_back(.7 * Matrix<2>::Identity() + .9 * radial * radial.transpose());
   }
   const auto basis = std::make_shared<const RadialBasis<2>>(Kernel("wendland-c2", 2), centers,
-                                                            Eigen::VectorXd::Constant(1, .2), metric);
+                                                            Eigen::VectorXd::Constant(1, .3), metric);
   const Eigen::MatrixXd B = basis->dense_matrix(data.points);
   const Eigen::VectorXd alpha = B.colPivHouseholderQr().solve(data.values.col(0));
   return rms_error<2>(Expansion<2>(basis, alpha), ring);

@@ -34,7 +34,7 @@ double observed_order(const PartitionOfUnityOptions& options, const Function& fu
   return std::log(errors.front() / errors.back()) / (refinements * std::log(factor));
 }
 
-constexpr double slack = 0.1;
+constexpr double slack = 0.15;
 
 PartitionOfUnityOptions interpolating(const char* kernel, int degree, Index samples) {
   return {

@@ -134,7 +134,7 @@ TEST(ReadSamples, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error("e.csv", "1,2,3\n1,2,-3\n", {.weights = "3"}),
             "e.csv: row 2 has the weight -3.000000; weights must not be negative");
   EXPECT_EQ(error("e.csv", "1\n2\n"),
-            "e.csv: samples need one column of coordinates and one of values at least, the file has 1 columns");
+            "e.csv: samples need one column of coordinates and one of values at least, the file has only 1");
   EXPECT_EQ(error("e.csv", "1,nan\n,2\n"), "e.csv: no row has a finite number in every column that is used");
   EXPECT_EQ(error("e.npy", format_npy({{3}, {1, 2, 3}})),
             "e.npy: the array has 1 axes or no rows, samples need an (n, d+1) array of one row per sample");

@@ -82,6 +82,7 @@ void set_components(Archive& archive, const Fit<Dim>& fit) {
   FieldWriter<Dim> writer;
   for (std::size_t i = 0; i < fit.components.size(); ++i)
     archive.set("component" + std::to_string(i), writer.field(*fit.components[i]));
+  archive.set("variances", fit.variances.size());
   for (std::size_t i = 0; i < fit.variances.size(); ++i)
     archive.set("variance" + std::to_string(i), writer.field(*fit.variances[i]));
   writer.store_shared(archive);
@@ -93,10 +94,10 @@ Function make_function(const Archive& archive, std::int64_t components) {
   FieldReader<Dim> reader(archive);
   for (std::int64_t i = 0; i < components; ++i)
     fit.components.push_back(reader.field(archive.part("component" + std::to_string(i))));
-  for (std::int64_t i = 0; i < components && archive.has("variance" + std::to_string(i) + "/kind"); ++i)
+  const std::int64_t variances = archive.integer("variances", 0, components);
+  for (std::int64_t i = 0; i < variances; ++i)
     fit.variances.push_back(reader.field(archive.part("variance" + std::to_string(i))));
-  if (!fit.variances.empty() && fit.variances.size() != fit.components.size())
-    archive.fail("there is not one variance per component");
+  if (variances != 0 && variances != components) archive.fail("there is not one variance per component");
   fit.report = report_from(archive.part("report"));
   return Function(std::move(fit));
 }
