@@ -253,7 +253,8 @@ void PatchFitter::off_surface_columns(const FittedPatch& result) {
 void PatchFitter::fit_residual(FittedPatch& result) {
   const auto M = static_cast<Index>(centers_.size());
   if (M == 0) return;
-  result.centers = q_(centers_, Eigen::all).transpose();
+  center_q_ = q_(centers_, Eigen::all);
+  result.centers = center_q_.transpose();
   if (options_.normal_rows == NormalRows::gradient) {
     gradient_columns(result);
   } else {
@@ -264,10 +265,7 @@ void PatchFitter::fit_residual(FittedPatch& result) {
   const Eigen::VectorXd b = gram_.row(M).head(M);
   auto A = gram_.topLeftCorner(M, M);
   const double scale = A.trace() / static_cast<double>(M);
-  for (Index j = 0; j < M; ++j)
-    for (Index i = j; i < M; ++i)
-      A(i, j) += options_.smoothing * scale *
-                 patch_kernel::value((result.centers.col(i) - result.centers.col(j)).squaredNorm());
+  add_kernel_matrix(center_q_.data(), M, options_.smoothing * scale, gram_.data(), M + 1);
   A.diagonal().array() += round_off * scale;
   residual_matrix_.compute(A);
   result.alpha = residual_matrix_.solve(b);

@@ -67,8 +67,8 @@ class PatchFitter {
   std::vector<Index> foreign_;  // in the ball of the support, but of another sheet
   std::vector<Index> centers_;  // positions in support_
   // Samples in local coordinates, padded with samples of weight zero: positions and gradient targets (-n), a column per
-  // component; weights, and square roots of those of values and gradients.
-  Eigen::MatrixX3d q_, target_;
+  // component, and the positions of the centres; weights, and square roots of those of values and gradients.
+  Eigen::MatrixX3d q_, target_, center_q_;
   Eigen::VectorXd weight_, root_w_, root_g_, offset_;
   // Weighted rows of the model, values before gradients; the data are the last column.
   Eigen::MatrixXd quadric_columns_, columns_;

@@ -71,4 +71,16 @@ CSRBF_SIMD_CLONES void kernel_columns(const double* __restrict q, Index K, const
   }
 }
 
+CSRBF_SIMD_CLONES void add_kernel_matrix(const double* __restrict centers, Index M, double factor, double* __restrict A,
+                                         Index stride) {
+  const double* x = centers;
+  const double* y = centers + M;
+  const double* z = centers + 2 * M;
+  for (Index j = 0; j < M; ++j)
+    for (Index i = j; i < M; ++i) {
+      const double dx = x[i] - x[j], dy = y[i] - y[j], dz = z[i] - z[j];
+      A[j * stride + i] += factor * patch_kernel::value(dx * dx + dy * dy + dz * dz);
+    }
+}
+
 }  // namespace csrbf

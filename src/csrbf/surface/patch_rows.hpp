@@ -12,4 +12,8 @@ void quadric_columns(const double* q, Index K, const double* root_w, const doubl
 void kernel_columns(const double* q, Index K, const double* root_w, const double* root_g, const double* centers,
                     Index M, double* columns);
 
+/// Adds `factor` times the kernel matrix of M such functions around `centers` (M x 3, column-major) to the lower
+/// triangle of A (column-major, columns `stride` apart).
+void add_kernel_matrix(const double* centers, Index M, double factor, double* A, Index stride);
+
 }  // namespace csrbf
