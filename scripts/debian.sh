@@ -1,8 +1,8 @@
 # Sourced by check and quickstart: installs Debian or Ubuntu packages that are missing.
 
 # What every build of csrbf needs.
-build_packages=(g++ cmake ninja-build libeigen3-dev libnanoflann-dev libpng-dev libtiff-dev zlib1g-dev libcli11-dev
-  nlohmann-json3-dev)
+build_packages=(g++ cmake ninja-build libeigen3-dev libnanoflann-dev libpng-dev libtiff-dev zlib1g-dev libqhull-dev
+  libcli11-dev nlohmann-json3-dev)
 
 # What the Python module needs besides.
 python_packages=(python3-dev python3-numpy pybind11-dev)

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+namespace csrbf {
+
+/// The poles of the Voronoi cells of points (Amenta and Bern 1998; thesis section 6.2.1.1).
+template <int Dim>
+struct VoronoiPoles {
+  Points<Dim> positive;  ///< Dim x n: the corner of the cell farthest from its point
+  Points<Dim> negative;  ///< Dim x n: the farthest corner on the other side of the point; NaN where there is none
+};
+
+/// Poles by the quickhull algorithm (Barber et al. 1996). Unbounded cells are cut off by sites at the corners of a box
+/// six times as large as that of the points: their positive poles are far away, in the direction in which the cell is
+/// open. For samples of a surface the negative poles are close to its medial axis where the sampling is dense. Points
+/// at the same place share a cell: all but one have no poles; neither has a single point. About 30 us per point of a
+/// surface in space.
+///
+/// Throws InvalidInput for points that are not finite; SolverFailure when rounding defeats the algorithm.
+template <int Dim>
+VoronoiPoles<Dim> voronoi_poles(const PointsRef<Dim>& points);
+
+/// Distance of every point to the nearest of the negative poles of all points: a local feature size (thesis eq. 6.22).
+/// It is at most the distance to its own negative pole and at least the smallest such distance of all, because the
+/// balls about poles hold no point. Infinite when there is no negative pole at all. O(n log n).
+template <int Dim>
+Eigen::VectorXd medial_axis_distances(const PointsRef<Dim>& points, const VoronoiPoles<Dim>& poles);
+
+}  // namespace csrbf
