@@ -47,12 +47,13 @@ void add_report(const ReconstructReport& r, Session& session) {
                     {"normals", r.normals},
                     {"centers", r.centers},
                     {"method", r.method},
-                    {"patches", r.patches},
-                    {"levels", r.levels},
-                    {"cross_validation_error", r.cross_validation_error},
                     {"rms_distance", r.rms_distance},
                     {"p99_distance", r.p99_distance},
                     {"max_distance", r.max_distance}};
+  if (r.patches == 0) return;
+  session.result["patches"] = r.patches;
+  session.result["levels"] = r.levels;
+  session.result["cross_validation_error"] = r.cross_validation_error;
 }
 
 // What was asked for, replaced by what was chosen.
@@ -63,14 +64,15 @@ void add_options(const ReconstructCommand& command, const ReconstructReport& r, 
                      {"normals", r.normals},
                      {"centers", or_null(command.centers > 0, command.centers)},
                      {"tolerance", or_null(command.tolerance > 0, command.tolerance)},
-                     {"smoothing", r.options.smoothing},
+                     {"smoothing", r.smoothing},
                      {"resolution", resolution},
                      {"trim", command.trim},
-                     {"model", or_null(!command.model.empty(), command.model)},
-                     {"leaf_size", r.options.leaf_size},
-                     {"overlap", r.options.overlap},
-                     {"centers_per_patch", r.options.centers_per_patch},
-                     {"normal_weight", r.options.normal_weight}};
+                     {"model", or_null(!command.model.empty(), command.model)}};
+  if (r.patches == 0) return;
+  session.options["leaf_size"] = r.options.leaf_size;
+  session.options["overlap"] = r.options.overlap;
+  session.options["centers_per_patch"] = r.options.centers_per_patch;
+  session.options["normal_weight"] = r.options.normal_weight;
 }
 
 void say_quality(const ReconstructReport& r, Session& session) {

@@ -1,5 +1,7 @@
 #include "verb_flags.hpp"
 
+#include "csrbf/surface/surface_method.hpp"
+
 #include <string>
 
 namespace csrbf::app {
@@ -13,7 +15,9 @@ constexpr const char* mesh_formats = ".ply .obj .off .stl";
 void declare(Verb v, ReconstructCommand& c) {
   v.argument("POINTS", c.input, std::string("points to read: ") + point_formats);
   v.output(c.output, std::string("mesh to write: ") + mesh_formats);
-  v.flag("method", c.method, "NAME", "auto", "auto or composite (partition of unity with an RBF residual)");
+  std::string methods = "auto: composite; composite: partition of unity with an RBF residual";
+  for (const SurfaceMethod& method : surface_methods()) methods += std::string("; ") + method.name + ": " + method.what;
+  v.flag("method", c.method, "NAME", "auto", methods);
   v.flag("normals", c.normals, "auto|file|estimate", "auto",
          "auto: those of the file if it has any, turned outwards where they contradict each other; file: as they are; "
          "estimate: always estimated")
@@ -21,7 +25,7 @@ void declare(Verb v, ReconstructCommand& c) {
   v.flag("centers", c.centers, "N", "from the data", "budget of RBF centres")->check(CLI::PositiveNumber);
   v.flag("tolerance", c.tolerance, "E", "none",
          "largest distance from an input point to the surface, as a fraction of the bounding-box diagonal, outliers "
-         "aside")
+         "aside; for the method composite")
       ->check(CLI::PositiveNumber);
   v.flag("smoothing", c.smoothing, "auto|none|L", "auto", "how much noise to smooth away; larger is smoother");
   v.flag("resolution", c.resolution, "N", "from the sampling", "cells of the mesh along the longest side")

@@ -101,7 +101,7 @@ def reconstruct(points, normals=None, method="auto", centers=None, tolerance=Non
 
     points: (n, 3). normals: (n, 3), outward; they are turned round where they contradict each other, and estimated when
         not given.
-    method: "auto" or "composite".
+    method: "auto", "composite", "medial-axis", ... (`csrbf reconstruct --help` lists them).
     centers: largest number of radial basis functions.
     tolerance: largest distance from a point to the surface, as a fraction of the diagonal of the bounding box.
     smoothing: "auto" chooses by cross-validation, "none" does not smooth, a number is taken as it is.

@@ -397,6 +397,21 @@ class Surfaces(CommandLine):
             self.assertGreater(len(set(pixels)), 50)
         self.succeed("compare", self.path("mesh.ply"), self.path("coarse.obj"))
 
+    def test_medial_axis_keeps_its_budget_and_its_model(self):
+        cloud = self.write("cloud.ply", ply(sphere(2000)))
+        self.succeed("reconstruct", cloud, "-o", self.path("mesh.ply"), "--method", "medial-axis", "--centers", "250",
+                     "--model", self.path("model.csrbf"), "--report", self.path("report.json"), "--resolution", "32")
+        report = self.report()
+        result = report["result"]
+        self.assertEqual((result["method"], result["centers"], result["watertight"], result["components"]),
+                         ("medial-axis", 250, True, 1))
+        self.assertEqual(report["options"]["method"], "medial-axis")
+        self.assertLess(result["rms_distance"], 1e-4)
+        self.assertNotIn("patches", result)
+        self.succeed("polygonize", self.path("model.csrbf"), "-o", self.path("again.ply"), "--resolution", "32")
+        self.assertIn("placed surface", self.succeed("info", self.path("model.csrbf")).stdout)
+        self.assertIn("medial-axis", self.succeed("reconstruct", "--help").stdout)
+
     def test_results_do_not_depend_on_the_number_of_threads(self):
         cloud = self.write("cloud.ply", ply(sphere(1000)))
         for threads in ("1", "2"):

@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/archive.hpp"
 #include "csrbf/io/function_archive.hpp"
+#include "csrbf/io/surface_archive.hpp"
 #include "csrbf/surface/composite_field.hpp"
 
 #include <utility>
@@ -55,27 +56,6 @@ Patches patches_from(const Archive& archive) {
   return patches;
 }
 
-Archive to_archive(const WindingNumber& winding) {
-  Archive archive;
-  archive.kind = "winding number";
-  const WindingNumber::Data data = winding.data();
-  archive.set("points", data.points);
-  archive.set("normals", data.normals);
-  archive.set("areas", data.areas);
-  archive.set("smoothing_length", data.eps);
-  return archive;
-}
-
-WindingNumber winding_from(const Archive& archive) {
-  WindingNumber::Data data;
-  data.points = archive.numbers("points", 3);
-  data.normals = archive.numbers("normals", 3, data.points.cols());
-  data.areas = archive.numbers("areas", data.points.cols(), 1);
-  data.eps = archive.numbers("smoothing_length", data.points.cols(), 1);
-  if (!(data.areas.minCoeff() >= 0 && data.eps.minCoeff() >= 0)) archive.fail("an area is damaged");
-  return WindingNumber(std::move(data));
-}
-
 Archive to_archive(const CompositeField& field) {
   const CompositeField::Data& data = field.data();
   Archive archive;
@@ -114,14 +94,17 @@ std::shared_ptr<const Field<3>> composite_from(const Archive& archive) {
 void write_model(const std::string& path, const Field<3>& field) {
   if (const auto* composite = dynamic_cast<const CompositeField*>(&field)) {
     write_archive(path, to_archive(*composite));
-    return;
+  } else if (const auto* placed = dynamic_cast<const PlacedField*>(&field)) {
+    write_archive(path, to_archive(*placed));
+  } else {
+    throw InvalidInput("write_model: field: this kind of field has no file form");
   }
-  throw InvalidInput("write_model: field: this kind of field has no file form");
 }
 
 std::shared_ptr<const Field<3>> read_model(const std::string& path) {
   const Archive archive = read_archive(path);
   if (archive.kind == composite_kind) return composite_from(archive);
+  if (archive.kind == placed_kind) return placed_from(archive);
   if (archive.kind != function_kind) archive.fail("this is a \"" + archive.kind + "\", not a surface");
   const Function function = function_from(archive).function;
   if (function.dimension() != 3 || function.components() != 1)

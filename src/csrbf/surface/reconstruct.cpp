@@ -4,6 +4,8 @@
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/choose_options.hpp"
 #include "csrbf/surface/composite_field.hpp"
+#include "csrbf/surface/placed_field.hpp"
+#include "csrbf/surface/surface_method.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -35,9 +37,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+bool composite(const ReconstructOptions& options) {
+  return options.method == "auto" || options.method == "composite";
+}
+
 void check(const ReconstructOptions& options) {
-  require(options.method == "auto" || options.method == "composite", "reconstruct", "method", options.method,
-          "unknown; use auto or composite");
+  if (!composite(options)) {
+    std::string names = "unknown; use auto, composite";
+    for (const SurfaceMethod& method : surface_methods()) names += std::string(", ") + method.name;
+    require(find_surface_method(options.method) != nullptr, "reconstruct", "method", options.method, names);
+    require(options.tolerance == 0, "reconstruct", "tolerance", options.tolerance,
+            "only the method composite keeps a tolerance");
+  }
   require(options.centers >= 0, "reconstruct", "centers", options.centers,
           "must be positive, or 0 to let the data decide");
   require(options.tolerance >= 0 && options.tolerance < 1, "reconstruct", "tolerance", options.tolerance,
@@ -192,17 +203,15 @@ ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& op
   return chosen;
 }
 
-}  // namespace
+// A field with the distances of the points used to its surface.
+struct Surface {
+  std::shared_ptr<const Field<3>> field;
+  std::vector<double> distance;
+};
 
-Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& options) {
-  check(options);
-  Reconstruction result;
-  ReconstructReport& out = result.report;
+Surface reconstruct_composite(const PointCloud& input, const PreparedCloud& prepared, const ReconstructOptions& options,
+                              ReconstructReport& out) {
   auto start = std::chrono::steady_clock::now();
-  PreparedCloud prepared = prepare(input, options.normals, options.progress);
-  out.prepare_seconds = seconds_since(start);
-
-  start = std::chrono::steady_clock::now();
   ChosenOptions chosen = choose(prepared, options);
   out.fit_seconds = seconds_since(start);
   std::shared_ptr<const CompositeField> field;
@@ -218,21 +227,54 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
     for (std::size_t i = 0; i < distance.size(); ++i)
       if (distance[i] > options.tolerance) chosen.options.tolerance[static_cast<Index>(i)] /= 2;
   }
-  summarize(distance, out);
-  check_tolerance(distance, options.tolerance, out);
   const Patches& finest = field->data().levels.front();
+  out.method = "composite";
   out.centers = chosen.options.centers.empty() ? finest.centers() : static_cast<Index>(chosen.options.centers.size());
   out.patches = finest.size();
   out.levels = static_cast<Index>(field->data().levels.size());
   out.options = chosen.options;
+  out.smoothing = chosen.options.smoothing;
   out.cross_validation_error = chosen.cross_validation_error;
+  return {field, std::move(distance)};
+}
 
-  out.method = "composite";
+Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, const PreparedCloud& prepared,
+                       const ReconstructOptions& options, ReconstructReport& out) {
+  auto start = std::chrono::steady_clock::now();
+  const MethodFit fit = method.fit(prepared, {options.centers, options.smoothing, options.progress});
+  const auto field = std::make_shared<const PlacedField>(PlacedField::Data{
+      fit.field, prepared.origin, prepared.scale, prepared.scale * prepared.cloud.spacing.mean(), prepared.bounds});
+  out.fit_seconds = seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  std::vector<double> distance = distances(*field, input, prepared.source, prepared.scale);
+  out.evaluate_seconds = seconds_since(start);
+  out.method = method.name;
+  out.centers = fit.centers;
+  out.smoothing = fit.smoothing;
+  return {field, std::move(distance)};
+}
+
+}  // namespace
+
+Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& options) {
+  check(options);
+  Reconstruction result;
+  ReconstructReport& out = result.report;
+  const auto start = std::chrono::steady_clock::now();
+  PreparedCloud prepared = prepare(input, options.normals, options.progress);
+  out.prepare_seconds = seconds_since(start);
+
+  Surface surface = composite(options)
+                        ? reconstruct_composite(input, prepared, options, out)
+                        : reconstruct_by(*find_surface_method(options.method), input, prepared, options, out);
+  summarize(surface.distance, out);
+  check_tolerance(surface.distance, options.tolerance, out);
+
   out.normals = prepared.normals;
   out.points = input.size();
   out.points_used = prepared.cloud.size();
   out.warnings.insert(out.warnings.begin(), prepared.warnings.begin(), prepared.warnings.end());
-  result.field = field;
+  result.field = std::move(surface.field);
   result.source = std::move(prepared.source);
   result.normals = std::move(prepared.cloud.normals);
   return result;

@@ -15,16 +15,18 @@ namespace csrbf {
 /// How reconstruct() turns a cloud into a surface. Lengths are relative to the data; results turn, move and scale with
 /// it.
 struct ReconstructOptions {
-  /// "auto" or "composite" (partition of unity with CSRBF residual, thesis 6.1).
+  /// "auto" or "composite" (partition of unity with CSRBF residual, thesis 6.1), or the name of one of
+  /// surface_methods(): "medial-axis" (a budget of CSRBFs with supports adapted to the medial axis, thesis 6.2), ...
   std::string method = "auto";
   /// Where normals come from.
   Normals normals = Normals::automatic;
-  /// Budget of CSRBF centres; 0 lets the data decide.
+  /// Budget of CSRBF centres; 0 lets the data decide. Methods without centres ignore it.
   Index centers = 0;
   /// Largest distance from an input point to the surface, as a fraction of the bounding-box diagonal; 0 = no bound
-  /// asked.
+  /// asked. For the composite method only.
   double tolerance = 0;
-  /// Ridge of the CSRBF residual: 0 = none, larger is smoother; not set = chosen from the data by cross-validation.
+  /// Weight of the method's penalty (of the composite method: ridge of the CSRBF residual): 0 = none, larger is
+  /// smoother; not set = chosen from the data by cross-validation.
   std::optional<double> smoothing = {};
   /// How the fit is told about the normals.
   NormalRows normal_rows = NormalRows::gradient;
@@ -33,14 +35,15 @@ struct ReconstructOptions {
 
 /// What was found, chosen and measured by reconstruct().
 struct ReconstructReport {
-  std::string method;                 ///< "composite"
+  std::string method;                 ///< the one used
   std::string normals;                ///< "file", "estimated" or "re-oriented"
   Index points = 0;                   ///< given
   Index points_used = 0;              ///< after cleaning
   Index centers = 0;                  ///< CSRBF centres of the finest level
-  Index patches = 0;                  ///< patches of the finest level
-  Index levels = 0;                   ///< levels of patches, finest included
-  CompositeOptions options;           ///< of the finest level, also where chosen automatically
+  double smoothing = 0;               ///< used or chosen
+  Index patches = 0;                  ///< composite: patches of the finest level
+  Index levels = 0;                   ///< composite: levels of patches, finest included
+  CompositeOptions options;           ///< composite: of the finest level, also where chosen automatically
   double cross_validation_error = 0;  ///< mean distance of left-out points to the surface, fraction of the diagonal
   double rms_distance = 0;            ///< of the points used to the surface, fraction of the diagonal
   double p99_distance = 0;            ///< 99th percentile of the same
