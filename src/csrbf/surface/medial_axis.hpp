@@ -46,7 +46,7 @@ struct MedialAxisFit {
 /// support, as under noise, the support grows. Time is that of the solution, which grows with the number of centres in
 /// a support: below 10 s for 10 000 centres and clean samples.
 ///
-/// Throws InvalidInput for a negative budget, weight or smoothing;
+/// Throws InvalidInput for a negative budget, weight or smoothing.
 MedialAxisFit fit_medial_axis(const OrientedPoints& cloud, const KdTree<3>& tree,
                               const MedialAxisOptions& options = {});
 
