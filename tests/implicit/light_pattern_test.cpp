@@ -1,5 +1,7 @@
 #include "csrbf/implicit/light_pattern.hpp"
 
+#include "csrbf/implicit/tangents.hpp"
+
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 

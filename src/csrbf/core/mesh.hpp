@@ -36,6 +36,13 @@ struct Mesh {
   std::vector<Property> properties;  ///< v values each
 };
 
+/// Curves of straight segments over shared vertices, with any properties of the vertices.
+struct Polylines {
+  Points<3> vertices{3, 0};                                    ///< 3 x v
+  Eigen::Matrix<std::int32_t, 2, Eigen::Dynamic> edges{2, 0};  ///< 2 x e, 0-based vertex indices
+  std::vector<Property> properties;                            ///< v values each
+};
+
 /// What the connectivity of a mesh says about the surface.
 struct Topology {
   Index vertices = 0;  ///< vertices used by a triangle

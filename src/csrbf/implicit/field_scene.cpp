@@ -1,5 +1,6 @@
 #include "csrbf/implicit/field_scene.hpp"
 
+#include "csrbf/implicit/curvature.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 
 namespace csrbf {
@@ -9,27 +10,6 @@ RenderOptions mesh_options(RenderOptions options) {
   options.shading = MeshShading::smooth;
   options.color = RenderColor::plain;
   return options;
-}
-
-// Mean and Gaussian curvature of the level set through a point, positive where the inside is convex.
-double mean_curvature(const Point<3>& g, const Eigen::Matrix3d& H) {
-  const double norm = g.norm();
-  const Point<3> n = g / norm;
-  return 0.5 * (n.dot(H * n) - H.trace()) / norm;
-}
-
-double gaussian_curvature(const Point<3>& g, const Eigen::Matrix3d& H) {
-  const double norm = g.norm();
-  const Point<3> n = g / norm;
-  Eigen::Matrix3d adjugate;
-  for (int a = 0; a < 3; ++a) {
-    const int a1 = (a + 1) % 3, a2 = (a + 2) % 3;
-    for (int b = 0; b < 3; ++b) {
-      const int b1 = (b + 1) % 3, b2 = (b + 2) % 3;
-      adjugate(a, b) = (H(a1, b1) * H(a2, b2) - H(a1, b2) * H(a2, b1));
-    }
-  }
-  return n.dot(adjugate * n) / (norm * norm);
 }
 
 }  // namespace
@@ -66,8 +46,9 @@ void FieldScene::trace(std::span<const Ray> rays, std::span<SurfaceHit> hits) co
     if (!(g.norm() > 0) || !g.allFinite()) continue;
     hit.position = x.col(i);
     hit.normal = -g.normalized();
-    if (color_ == RenderColor::mean_curvature) hit.curvature = mean_curvature(g, jet.hessian_matrix(i));
-    if (color_ == RenderColor::gaussian_curvature) hit.curvature = gaussian_curvature(g, jet.hessian_matrix(i));
+    if (!curved) continue;
+    const PrincipalCurvatures at = principal_curvatures(g, jet.hessian_matrix(i));
+    hit.curvature = color_ == RenderColor::mean_curvature ? at.mean() : at.gaussian();
   }
 }
 

@@ -44,11 +44,4 @@ LightPattern::LightPattern(int rays_per_sample) : rays_per_sample_(rays_per_samp
   for (std::size_t i = 0; i < classes; ++i) lamp_[i] = disk_point(sobol_point(static_cast<std::uint32_t>(i)) + shift);
 }
 
-std::array<Point<3>, 2> tangents(const Point<3>& n) {
-  Index smallest = 0;
-  n.cwiseAbs().minCoeff(&smallest);
-  const Point<3> t = n.cross(Point<3>::Unit(smallest)).normalized();
-  return {t, n.cross(t)};
-}
-
 }  // namespace csrbf

@@ -47,7 +47,4 @@ class LightPattern {
   std::array<Point<2>, classes> lamp_;
 };
 
-/// Two unit vectors that complete the unit vector n to a right-handed orthonormal frame.
-std::array<Point<3>, 2> tangents(const Point<3>& n);
-
 }  // namespace csrbf

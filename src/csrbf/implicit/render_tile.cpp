@@ -1,6 +1,6 @@
 #include "csrbf/implicit/render_tile.hpp"
 
-#include <Eigen/Geometry>
+#include "csrbf/implicit/tangents.hpp"
 
 #include <vector>
 

@@ -191,16 +191,38 @@ PlyType checked_type(const Property& property, Index vertices) {
   return *type;
 }
 
-std::string format_header(const Mesh& mesh) {
-  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.cols()) +
+// What every vertex has; `normals` has no columns when there are none.
+struct VertexColumns {
+  const Points<3>& positions;
+  const Points<3>& normals;
+  const std::vector<Property>& properties;
+};
+
+std::string format_header(const VertexColumns& columns) {
+  const Index vertices = columns.positions.cols();
+  require(columns.normals.cols() == 0 || columns.normals.cols() == vertices, "write PLY", "normals",
+          columns.normals.cols(), "none or one per vertex is needed");
+  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) +
                     "\nproperty float x\nproperty float y\nproperty float z\n";
-  if (mesh.normals.cols() > 0) out += "property float nx\nproperty float ny\nproperty float nz\n";
-  for (const Property& p : mesh.properties)
-    out += "property " + std::string(ply_type_name(checked_type(p, mesh.vertices.cols()))) + " " + single_word(p.name) +
-           "\n";
-  if (mesh.triangles.cols() > 0)
-    out += "element face " + std::to_string(mesh.triangles.cols()) + "\nproperty list uchar int vertex_indices\n";
-  return out + "end_header\n";
+  if (columns.normals.cols() > 0) out += "property float nx\nproperty float ny\nproperty float nz\n";
+  for (const Property& p : columns.properties)
+    out += "property " + std::string(ply_type_name(checked_type(p, vertices))) + " " + single_word(p.name) + "\n";
+  return out;
+}
+
+void append_vertices(std::string& out, const VertexColumns& columns) {
+  const auto& [positions, normals, properties] = columns;
+  const Index vertices = positions.cols();
+  if ((positions.array().abs() > std::numeric_limits<float>::max() && positions.array().isFinite()).any())
+    throw IoError("a coordinate is too large for the floats of a PLY file; scale the data or write .obj");
+  std::vector<Append> append;
+  for (const Property& p : properties) append.push_back(appender(checked_type(p, vertices)));
+  out.reserve(out.size() + static_cast<std::size_t>(vertices) * (24 + 8 * append.size()));
+  for (Index i = 0; i < vertices; ++i) {
+    for (int axis = 0; axis < 3; ++axis) append_value<float>(out, positions(axis, i));
+    for (int axis = 0; axis < 3 && normals.cols() > 0; ++axis) append_value<float>(out, normals(axis, i));
+    for (std::size_t p = 0; p < append.size(); ++p) append[p](out, properties[p].values(i));
+  }
 }
 
 }  // namespace
@@ -221,27 +243,29 @@ Mesh parse_ply(std::string_view bytes, const std::string& name) {
 }
 
 std::string format_ply(const Mesh& mesh) {
-  const Index vertices = mesh.vertices.cols();
-  require(mesh.normals.cols() == 0 || mesh.normals.cols() == vertices, "write PLY", "normals", mesh.normals.cols(),
-          "none or one per vertex is needed");
-  if ((mesh.vertices.array().abs() > std::numeric_limits<float>::max() && mesh.vertices.array().isFinite()).any())
-    throw IoError("a coordinate is too large for the floats of a PLY file; scale the data or write .obj");
-
-  std::string out = format_header(mesh);
-  std::vector<Append> append;
-  for (const Property& p : mesh.properties) append.push_back(appender(checked_type(p, vertices)));
+  const VertexColumns columns{mesh.vertices, mesh.normals, mesh.properties};
+  std::string out = format_header(columns);
+  if (mesh.triangles.cols() > 0)
+    out += "element face " + std::to_string(mesh.triangles.cols()) + "\nproperty list uchar int vertex_indices\n";
+  out += "end_header\n";
+  append_vertices(out, columns);
   constexpr std::size_t bytes_per_face = 13;
-  out.reserve(out.size() + static_cast<std::size_t>(vertices) * (24 + 8 * append.size()) +
-              bytes_per_face * static_cast<std::size_t>(mesh.triangles.cols()));
-  for (Index i = 0; i < vertices; ++i) {
-    for (int axis = 0; axis < 3; ++axis) append_value<float>(out, mesh.vertices(axis, i));
-    for (int axis = 0; axis < 3 && mesh.normals.cols() > 0; ++axis) append_value<float>(out, mesh.normals(axis, i));
-    for (std::size_t p = 0; p < append.size(); ++p) append[p](out, mesh.properties[p].values(i));
-  }
+  out.reserve(out.size() + bytes_per_face * static_cast<std::size_t>(mesh.triangles.cols()));
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     append_scalar(out, std::uint8_t{3});
     for (int corner = 0; corner < 3; ++corner) append_scalar(out, mesh.triangles(corner, t));
   }
+  return out;
+}
+
+std::string format_ply(const Polylines& lines) {
+  const Points<3> no_normals(3, 0);
+  const VertexColumns columns{lines.vertices, no_normals, lines.properties};
+  std::string out = format_header(columns);
+  out += "element edge " + std::to_string(lines.edges.cols()) +
+         "\nproperty int vertex1\nproperty int vertex2\nend_header\n";
+  append_vertices(out, columns);
+  for (Index e = 0; e < lines.edges.size(); ++e) append_scalar(out, lines.edges.data()[e]);
   return out;
 }
 

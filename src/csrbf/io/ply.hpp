@@ -18,4 +18,7 @@ Mesh parse_ply(std::string_view bytes, const std::string& name);
 /// normals or properties do not have one entry per vertex.
 std::string format_ply(const Mesh& mesh);
 
+/// The same for curves: an element "edge" with the properties vertex1 and vertex2.
+std::string format_ply(const Polylines& lines);
+
 }  // namespace csrbf

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/core/progress.hpp"
+
+namespace csrbf {
+
+/// Second-order shape of the level set of a field through a point. Everything is NaN where the gradient is zero.
+struct PrincipalCurvatures {
+  Point<3> normal;      ///< outward, -grad f / |grad f|
+  double k1 = 0;        ///< the larger principal curvature; positive where the inside is convex
+  double k2 = 0;        ///< the smaller one
+  Point<3> direction1;  ///< unit tangent along which the curvature is k1; its sign is arbitrary
+  Point<3> direction2;  ///< unit tangent along which it is k2: normal x direction1
+
+  [[nodiscard]] double mean() const { return 0.5 * (k1 + k2); }
+  [[nodiscard]] double gaussian() const { return k1 * k2; }
+};
+
+/// Principal curvatures from gradient and Hessian: the eigenvalues of the shape operator -P H P / |grad f|, P = I - n
+/// n^T (thesis eq. (4.3), whose matrix lacks the second projection). The mean of the two is the mean curvature; eq.
+/// (4.6) lacks its factor 1/2.
+PrincipalCurvatures principal_curvatures(const Point<3>& gradient, const Eigen::Matrix3d& hessian);
+
+/// PrincipalCurvatures of n points.
+struct Curvatures {
+  Points<3> normals;
+  Eigen::VectorXd k1, k2;
+  Points<3> direction1, direction2;
+
+  [[nodiscard]] Eigen::VectorXd mean() const { return 0.5 * (k1 + k2); }
+  [[nodiscard]] Eigen::VectorXd gaussian() const { return k1.cwiseProduct(k2); }
+  /// Number of points where the gradient is zero or something is not finite.
+  [[nodiscard]] Index singular() const { return (!(k1 + k2).array().isFinite()).count(); }
+};
+
+/// Curvatures of the level sets of a C2 field through n points. Progress: stage "curvature". Throws Cancelled.
+Curvatures curvature(const Field<3>& field, const PointsRef<3>& x, const Progress& progress = {});
+
+/// How a principal curvature k changes along its own direction t, unit tangents at n points: dk/dt = (3 k t.Hn -
+/// C(t,t,t)) / |grad f|. It changes its sign with t. The third derivative C(t,t,t) is a central difference of Hessians
+/// at x -+ step t: its error is O(step^2) where the field is C5, and the field needs no third derivatives of its own.
+/// Needs step > 0. Three Hessians for each point.
+Eigen::VectorXd curvature_slopes(const Field<3>& field, const PointsRef<3>& x, const PointsRef<3>& directions,
+                                 double step);
+
+}  // namespace csrbf
