@@ -42,6 +42,36 @@ void Expansion<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out
 }
 
 template <int Dim>
+std::optional<Enclosure> Expansion<Dim>::enclose(const Box<Dim>& box) const {
+  constexpr int highest_degree = 2;  // with constant second derivatives
+  const Kernel& kernel = basis_->kernel();
+  const RadialMetric<Dim>& metric = basis_->metric();
+  const bool bounded = kernel.name().starts_with("wendland-") && kernel.smoothness() >= 2 &&
+                       metric.transforms.empty() && metric.periods.isZero() && tail_.degree <= highest_degree;
+  if (!bounded) return std::nullopt;
+  const double phi2 = std::abs(kernel.g(0));
+  double bend = 0;
+  for (const Index j : basis_->reaching(box)) {
+    const double support = basis_->support(j);
+    const Point<Dim> c = basis_->centers().col(j);
+    if ((c - c.cwiseMax(box.lo).cwiseMin(box.hi)).squaredNorm() < support * support)
+      bend += std::abs(coefficients_[j]) * phi2 / (support * support);
+  }
+  if (tail_.degree == highest_degree) {
+    Jet<Dim> tail(1, Derivatives::hessian);
+    tail.value.setZero();
+    tail.gradient.setZero();
+    tail.hessian.setZero();
+    add_tail(box.center(), {tail.value.data(), tail.gradient.data(), tail.hessian.data()});
+    bend += tail.hessian_matrix(0).norm();
+  }
+  const Jet<Dim> center = this->evaluate(box.center(), Derivatives::gradient);
+  const double r = 0.5 * box.diagonal(), slope = center.gradient.col(0).norm();
+  const double change = r * (slope + 0.5 * bend * r);
+  return Enclosure{center.value[0] - change, center.value[0] + change, slope + bend * r, bend};
+}
+
+template <int Dim>
 void Expansion<Dim>::add_tail(const PointsRef<Dim>& x, const JetBlock& out) const {
   const Index n = x.cols();
   if (tail_.degree == 0) {

@@ -79,6 +79,23 @@ Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const
   return repeated_->evaluate_grid(mapped);
 }
 
+template <int Dim>
+std::optional<Enclosure> FittedField<Dim>::enclose(const Box<Dim>& box) const {
+  if (!frame_.periods.isZero() || frame_.extrapolation != Extrapolation::constant) return std::nullopt;
+  const auto mapped = [&](const Point<Dim>& x) -> Point<Dim> {
+    return x.cwiseMax(frame_.box.lo).cwiseMin(frame_.box.hi).cwiseQuotient(frame_.scales);
+  };
+  std::optional<Enclosure> enclosure = inner_->enclose({mapped(box.lo), mapped(box.hi)});
+  if (!enclosure) return std::nullopt;
+  const double scale = frame_.scales.minCoeff();
+  enclosure->slope /= scale;
+  enclosure->bend /= scale * scale;
+  // The gradient jumps at the faces of the frame.
+  if (!(frame_.box.contains(box.lo) && frame_.box.contains(box.hi)))
+    enclosure->bend = std::numeric_limits<double>::infinity();
+  return enclosure;
+}
+
 #define CSRBF_INSTANTIATE(Dim) template class FittedField<Dim>;
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

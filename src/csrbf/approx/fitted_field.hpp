@@ -27,6 +27,9 @@ class FittedField : public Field<Dim> {
   [[nodiscard]] Box<Dim> bounds() const override { return frame_.box; }
   [[nodiscard]] double detail() const override { return inner_->detail() * frame_.scales.minCoeff(); }
 
+  /// That of the inner field, where there are no periods and values are constant outside.
+  [[nodiscard]] std::optional<Enclosure> enclose(const Box<Dim>& box) const override;
+
   [[nodiscard]] const Field<Dim>& inner() const { return *inner_; }
   [[nodiscard]] const Frame& frame() const { return frame_; }
 

@@ -34,6 +34,17 @@ double LevelSum<Dim>::detail() const {
 }
 
 template <int Dim>
+std::optional<Enclosure> LevelSum<Dim>::enclose(const Box<Dim>& box) const {
+  Enclosure sum;
+  for (const auto& level : levels_) {
+    const std::optional<Enclosure> part = level->enclose(box);
+    if (!part) return std::nullopt;
+    sum = {sum.lo + part->lo, sum.hi + part->hi, sum.slope + part->slope, sum.bend + part->bend};
+  }
+  return sum;
+}
+
+template <int Dim>
 std::vector<Index> LevelSum<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
   return evaluation_order_of<Dim>(x);
 }

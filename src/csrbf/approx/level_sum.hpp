@@ -23,6 +23,9 @@ class LevelSum : public Field<Dim> {
   [[nodiscard]] double detail() const override;
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<Dim>& x) const override;
 
+  /// The sum of those of the levels.
+  [[nodiscard]] std::optional<Enclosure> enclose(const Box<Dim>& box) const override;
+
   [[nodiscard]] const std::vector<std::shared_ptr<const Expansion<Dim>>>& levels() const { return levels_; }
 
  private:

@@ -156,6 +156,17 @@ void RadialBasis<Dim>::for_each_batch(const Point<Dim>& x, bool with_directions,
 }
 
 template <int Dim>
+std::vector<Index> RadialBasis<Dim>::reaching(const Box<Dim>& box) const {
+  Runs runs;
+  tree_.find(box, runs);
+  std::vector<Index> found;
+  for (const auto& [begin, end] : runs)
+    for (Index i = begin; i < end; ++i)
+      if (tree_.ball(i) >= 0) found.push_back(tree_.ball(i));
+  return found;
+}
+
+template <int Dim>
 Eigen::VectorXd RadialBasis<Dim>::to_slots(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const {
   require(coefficients.size() == size(), function, "coefficients", coefficients.size(), "there must be one per centre");
   Eigen::VectorXd slots = Eigen::VectorXd::Zero(tree_.slots());

@@ -49,6 +49,10 @@ class RadialBasis {
   /// B_kj = phi_j(p_k), N x M, for any kernel.
   [[nodiscard]] Eigen::MatrixXd dense_matrix(const PointsRef<Dim>& points) const;
 
+  /// The basis functions whose supports may meet the box: all of those that do, for a Euclidean basis that is not
+  /// periodic. O(log M + their number).
+  [[nodiscard]] std::vector<Index> reaching(const Box<Dim>& box) const;
+
   /// Coefficients (M) in the order in which add_sums wants them.
   [[nodiscard]] Eigen::VectorXd to_slots(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const;
 

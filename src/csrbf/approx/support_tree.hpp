@@ -45,11 +45,14 @@ class SupportTree {
   [[nodiscard]] Index ball(Index i) const { return slots_[static_cast<std::size_t>(i)]; }
 
   /// Replaces `runs` by slots that include every ball holding x strictly inside. Ascending.
-  void find(const Point<Dim>& x, std::vector<Run>& runs) const {
+  void find(const Point<Dim>& x, std::vector<Run>& runs) const { find(Box<Dim>{x, x}, runs); }
+
+  /// The same for every ball whose interior meets the box.
+  void find(const Box<Dim>& box, std::vector<Run>& runs) const {
     runs.clear();
     for (std::size_t i = 0; i < nodes_.size();) {
       const Node& node = nodes_[i];
-      const double squared_distance = (node.box.lo - x).cwiseMax(x - node.box.hi).cwiseMax(0).squaredNorm();
+      const double squared_distance = (node.box.lo - box.hi).cwiseMax(box.lo - node.box.hi).cwiseMax(0).squaredNorm();
       if (!(squared_distance < node.squared_radius)) {
         i = node.skip;
         continue;

@@ -4,6 +4,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/types.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace csrbf {
@@ -53,6 +54,13 @@ struct JetBlock {
   }
 };
 
+/// Bounds that hold at every point of a box.
+struct Enclosure {
+  double lo = 0, hi = 0;  ///< lo <= f <= hi
+  double slope = 0;       ///< |f(p) - f(q)| <= slope |p - q|: bound of the gradient
+  double bend = 0;        ///< |t.H t| <= bend for unit vectors t; infinite where the gradient may jump
+};
+
 /// A smooth scalar function on R^Dim; the only interface between the parts of the library.
 ///
 /// Sign, everywhere in the library: **f > 0 inside, f = 0 on the surface, f < 0 outside**, so the outward unit normal
@@ -80,6 +88,9 @@ class Field {
 
   /// An order in which points are fast to evaluate; empty when the given one will do.
   [[nodiscard]] virtual std::vector<Index> evaluation_order(const PointsRef<Dim>& /*x*/) const { return {}; }
+
+  /// Bounds on a box, with which nothing is missed (ray casting); nothing when the field cannot give any for certain.
+  [[nodiscard]] virtual std::optional<Enclosure> enclose(const Box<Dim>& /*box*/) const { return std::nullopt; }
 
   /// Evaluates any number of points on all threads.
   [[nodiscard]] Jet<Dim> evaluate(const PointsRef<Dim>& x, Derivatives derivatives = Derivatives::none) const {
