@@ -1,0 +1,113 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/core/progress.hpp"
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace csrbf {
+
+/// A solid {f > 0} that others may share.
+using Solid = std::shared_ptr<const Field<3>>;
+
+/// What combine() makes of solids A, B, ...
+enum class Operation {
+  unite,       ///< in any of them
+  intersect,   ///< in all of them
+  subtract,    ///< in A and in none of the others
+  complement,  ///< not in A, the only one
+};
+
+/// How the union U of functions f_i is formed (thesis 4.2). All else is made of it: the intersection of f and g is
+/// -U(-f, -g), the difference -U(-f, g).
+enum class Blending {
+  sharp,           ///< max f_i (the thesis prints min); not smooth where surfaces cross: edges
+  r_function,      ///< f + g + sqrt(f^2 + g^2), pairwise: the same surface with the same edges, smooth elsewhere
+  super_elliptic,  ///< R (sum max(0, 1 + f_i / R)^b)^(1/b) - R: rounds edges; surfaces further apart than the range R
+                   ///< stay as they are. C2 for b > 2; b = 1, the linear blend, cuts edges by chamfers
+  log_sum_exp,  ///< R/b log sum exp(b f_i / R): smooth of all orders; max <= U <= max + R/b log n, also far from edges
+};
+
+/// union, intersection, difference, complement.
+std::string_view name_of(Operation operation);
+/// sharp, r-function, super-elliptic, log-sum-exp.
+std::string_view name_of(Blending blending);
+/// What has that name; nothing when none has.
+std::optional<Operation> operation_named(std::string_view name);
+std::optional<Blending> blending_named(std::string_view name);
+
+/// Does the blending have a range and a sharpness?
+inline bool has_range(Blending blending) {
+  return blending == Blending::super_elliptic || blending == Blending::log_sum_exp;
+}
+
+struct CombineOptions {
+  Blending blending = Blending::sharp;
+  /// Range R of the blend, as a fraction of the diagonal of the box of all solids; of super_elliptic and log_sum_exp,
+  /// > 0.
+  double radius = 0.05;
+  /// Exponent b of the same, >= 1: larger values follow the edge more closely.
+  double sharpness = 3;
+  Progress progress{};  ///< stages of extend_distance()
+};
+
+/// The union, intersection, difference or complement of solids, which is a solid again: with exact derivatives, the box
+/// of the result, and seeds and detail when all solids have them. Its values are those of a distance where those of the
+/// solids are; blends need that within their range, and see to it by extend_distance() for solids that know their
+/// detail.
+///
+/// Throws InvalidInput for fewer than two solids (complement: other than one), null pointers, and options outside the
+/// above; whatever extend_distance() throws.
+Solid combine(Operation operation, const std::vector<Solid>& solids, const CombineOptions& options = {});
+
+/// Sharp union, intersection, difference and complement.
+Solid operator|(const Solid& a, const Solid& b);
+Solid operator&(const Solid& a, const Solid& b);
+Solid operator-(const Solid& a, const Solid& b);
+Solid operator~(const Solid& a);
+
+/// What combine() returns.
+class CombinedField final : public Field<3> {
+ public:
+  struct Term {
+    Solid solid;
+    bool complemented = false;  ///< -f takes part
+  };
+  /// f = U(+- f_i), or -U when the whole is complemented.
+  struct Data {
+    std::vector<Term> terms;  ///< at least one
+    bool complemented = false;
+    Blending blending = Blending::sharp;
+    double range = 0;      ///< R, a length
+    double sharpness = 3;  ///< b
+  };
+
+  explicit CombinedField(Data data) : data_(std::move(data)) {}
+
+  void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
+  [[nodiscard]] Box<3> bounds() const override;
+  /// Those of all solids: some may be far from the surface of the result.
+  [[nodiscard]] Points<3> seeds() const override;
+  /// The smallest of the solids.
+  [[nodiscard]] double detail() const override;
+  [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<3>& x) const override;
+
+  /// From those of the solids, if all have some.
+  [[nodiscard]] std::optional<Enclosure> enclose(const Box<3>& box) const override;
+
+  /// Is everything far away inside?
+  [[nodiscard]] bool holds_infinity() const;
+
+  [[nodiscard]] const Data& data() const { return data_; }
+
+ private:
+  template <class Scalar>
+  void evaluate_as(const PointsRef<3>& x, const JetBlock& out) const;
+
+  Data data_;
+};
+
+}  // namespace csrbf
