@@ -98,6 +98,11 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
 
 }  // namespace
 
+bool is_field_kind(const std::string& kind) {
+  return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
+         kind == fitted_kind;
+}
+
 template <int Dim>
 std::int64_t FieldWriter<Dim>::share(const void* object, const std::function<Archive()>& to_archive) {
   const auto [entry, is_new] = numbers_.try_emplace(object, static_cast<std::int64_t>(shared_.size()));

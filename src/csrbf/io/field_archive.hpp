@@ -10,6 +10,9 @@
 
 namespace csrbf {
 
+/// Is this the kind of the archives that FieldWriter makes?
+bool is_field_kind(const std::string& kind);
+
 /// Turns fitted fields into archives. What several fields share (centres, covers, samples) is stored once.
 template <int Dim>
 class FieldWriter {

@@ -1,89 +1,145 @@
 #include "csrbf/io/surface_archive.hpp"
 
+#include "csrbf/core/error.hpp"
+#include "csrbf/implicit/combine.hpp"
+#include "csrbf/implicit/extend_distance.hpp"
+#include "csrbf/io/composite_archive.hpp"
 #include "csrbf/io/field_archive.hpp"
 #include "csrbf/io/field_parts.hpp"
-#include "csrbf/surface/medial_axis_field.hpp"
+#include "csrbf/io/placed_archive.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace csrbf {
 namespace {
 
-constexpr const char* medial_axis_kind = "medial axis surface";
+constexpr const char* combined_kind = "combined surface";
+constexpr const char* extended_kind = "extended surface";
+constexpr std::int64_t most_terms = 1 << 20;
+constexpr int deepest = 256;  // solids made of solids
+constexpr std::int64_t most_nodes = 4096;
 
-Archive to_archive(const MedialAxisField& field) {
-  const MedialAxisField::Data& data = field.data();
-  Archive archive;
-  archive.kind = medial_axis_kind;
-  archive.set("centers", data.centers);
-  archive.set("supports", data.supports);
-  archive.set("quadrics", data.quadrics);
-  archive.set("far_value", data.far_value);
-  archive.set("winding", to_archive(data.winding));
-  return archive;
+// Archives of trees of solids; what the fitted functions among them share is stored at the root.
+class Writer {
+ public:
+  Archive surface(const Field<3>& field);
+
+  FieldWriter<3> fitted;
+
+ private:
+  Archive combined(const CombinedField& field);
+  Archive extended(const ExtendedField& field);
+};
+
+Archive Writer::surface(const Field<3>& field) {
+  if (const auto* composite = dynamic_cast<const CompositeField*>(&field)) return to_archive(*composite);
+  if (const auto* placed = dynamic_cast<const PlacedField*>(&field)) return to_archive(*placed);
+  if (const auto* combination = dynamic_cast<const CombinedField*>(&field)) return combined(*combination);
+  if (const auto* extension = dynamic_cast<const ExtendedField*>(&field)) return extended(*extension);
+  return fitted.field(field);
 }
 
-std::shared_ptr<const MedialAxisField> medial_axis_from(const Archive& archive) {
-  MedialAxisField::Data data;
-  data.centers = archive.numbers("centers", 3);
-  data.supports = archive.numbers("supports", data.centers.cols(), 1);
-  data.quadrics = archive.numbers("quadrics", 10, data.centers.cols());
-  data.far_value = positive_number(archive, "far_value");
-  data.winding = winding_from(archive.part("winding"));
-  if (!(data.supports.minCoeff() > 0)) archive.fail("a support is damaged");
-  return std::make_shared<const MedialAxisField>(std::move(data));
-}
-
-}  // namespace
-
-Archive to_archive(const PlacedField& field) {
-  const PlacedField::Data& data = field.data();
+Archive Writer::combined(const CombinedField& field) {
+  const CombinedField::Data& data = field.data();
   Archive archive;
-  archive.kind = placed_kind;
-  archive.set("origin", data.origin);
-  archive.set("scale", data.scale);
-  archive.set("detail", data.detail);
-  set_box(archive, data.bounds);
-  if (const auto* medial_axis = dynamic_cast<const MedialAxisField*>(data.inner.get())) {
-    archive.set("inner", to_archive(*medial_axis));
-  } else {
-    FieldWriter<3> writer;
-    archive.set("inner", writer.field(*data.inner));
-    writer.store_shared(archive);
+  archive.kind = combined_kind;
+  archive.set("blending", std::string(name_of(data.blending)));
+  archive.set("range", data.range);
+  archive.set("sharpness", data.sharpness);
+  archive.set("complemented", data.complemented);
+  archive.set("terms", data.terms.size());
+  for (std::size_t i = 0; i < data.terms.size(); ++i) {
+    archive.set("term" + std::to_string(i), surface(*data.terms[i].solid));
+    archive.set("term" + std::to_string(i) + "_complemented", data.terms[i].complemented);
   }
   return archive;
 }
 
-std::shared_ptr<const PlacedField> placed_from(const Archive& archive) {
-  PlacedField::Data data;
-  data.origin = archive.numbers("origin", 3, 1);
-  data.scale = positive_number(archive, "scale");
-  data.detail = positive_number(archive, "detail");
-  data.bounds = {archive.numbers("lower_bounds", 3, 1), archive.numbers("upper_bounds", 3, 1)};
-  const Archive inner = archive.part("inner");
-  data.inner = inner.kind == medial_axis_kind ? medial_axis_from(inner) : FieldReader<3>(archive).field(inner);
-  return std::make_shared<const PlacedField>(std::move(data));
-}
-
-Archive to_archive(const WindingNumber& winding) {
+Archive Writer::extended(const ExtendedField& field) {
+  const ExtendedField::Data& data = field.data();
   Archive archive;
-  archive.kind = "winding number";
-  const WindingNumber::Data data = winding.data();
-  archive.set("points", data.points);
-  archive.set("normals", data.normals);
-  archive.set("areas", data.areas);
-  archive.set("smoothing_length", data.eps);
+  archive.kind = extended_kind;
+  archive.set("near", data.near);
+  archive.set("origin", data.origin);
+  archive.set("spacing", data.spacing);
+  archive.set("size", data.size.cast<std::int64_t>());
+  archive.set("lack", data.lack);
+  archive.set("inner", surface(*data.inner));
   return archive;
 }
 
-WindingNumber winding_from(const Archive& archive) {
-  WindingNumber::Data data;
-  data.points = archive.numbers("points", 3);
-  data.normals = archive.numbers("normals", 3, data.points.cols());
-  data.areas = archive.numbers("areas", data.points.cols(), 1);
-  data.eps = archive.numbers("smoothing_length", data.points.cols(), 1);
-  if (!(data.areas.minCoeff() >= 0 && data.eps.minCoeff() >= 0)) archive.fail("an area is damaged");
-  return WindingNumber(std::move(data));
+class Reader {
+ public:
+  explicit Reader(const Archive& root) : fitted_(root) {}
+
+  std::shared_ptr<const Field<3>> surface(const Archive& archive, int depth = 0);
+
+ private:
+  std::shared_ptr<const Field<3>> combined(const Archive& archive, int depth);
+  std::shared_ptr<const Field<3>> extended(const Archive& archive, int depth);
+
+  FieldReader<3> fitted_;
+};
+
+std::shared_ptr<const Field<3>> Reader::surface(const Archive& archive, int depth) {
+  if (depth > deepest) archive.fail("solids are made of solids more than " + std::to_string(deepest) + " times");
+  if (archive.kind == composite_kind) return composite_from(archive);
+  if (archive.kind == placed_kind) return placed_from(archive);
+  if (archive.kind == combined_kind) return combined(archive, depth);
+  if (archive.kind == extended_kind) return extended(archive, depth);
+  if (!is_field_kind(archive.kind)) archive.fail("this is a \"" + archive.kind + "\", not a surface");
+  return fitted_.field(archive);
+}
+
+std::shared_ptr<const Field<3>> Reader::combined(const Archive& archive, int depth) {
+  CombinedField::Data data;
+  const std::optional<Blending> blending = blending_named(archive.text("blending"));
+  if (!blending) archive.fail("this version knows no blending \"" + archive.text("blending") + "\"");
+  data.blending = *blending;
+  data.range = archive.number("range");
+  data.sharpness = archive.number("sharpness");
+  const bool ranged = has_range(data.blending);
+  if (ranged && !(data.range >= 0 && std::isfinite(data.range) && data.sharpness >= 1 && data.sharpness < 1e9))
+    archive.fail("the range of the blend is damaged");
+  data.complemented = archive.integer("complemented", 0, 1) == 1;
+  for (std::int64_t i = 0, count = archive.integer("terms", 1, most_terms); i < count; ++i) {
+    const std::string term = "term" + std::to_string(i);
+    data.terms.push_back({surface(archive.part(term), depth + 1), archive.integer(term + "_complemented", 0, 1) == 1});
+  }
+  if (ranged && data.range == 0 && data.terms.size() > 1) archive.fail("the range of the blend is damaged");
+  return std::make_shared<const CombinedField>(std::move(data));
+}
+
+std::shared_ptr<const Field<3>> Reader::extended(const Archive& archive, int depth) {
+  ExtendedField::Data data;
+  data.near = positive_number(archive, "near");
+  data.origin = archive.numbers("origin", 3, 1);
+  data.spacing = positive_number(archive, "spacing");
+  const auto& size = archive.array<std::int64_t>("size", 3, 1);
+  if (size.minCoeff() < 4 || size.maxCoeff() > most_nodes) archive.fail("the lattice is damaged");
+  data.size = size.col(0).cast<int>();
+  data.lack = archive.array<float>("lack", size.prod(), 1);
+  if (!(data.lack.minCoeff() >= 0 && data.lack.allFinite())) archive.fail("the lattice is damaged");
+  data.inner = surface(archive.part("inner"), depth + 1);
+  return std::make_shared<const ExtendedField>(std::move(data));
+}
+
+}  // namespace
+
+Archive surface_to_archive(const Field<3>& field) {
+  Writer writer;
+  Archive archive = writer.surface(field);
+  writer.fitted.store_shared(archive);
+  return archive;
+}
+
+std::shared_ptr<const Field<3>> surface_from(const Archive& archive) {
+  try {
+    return Reader(archive).surface(archive);
+  } catch (const InvalidInput& error) {
+    archive.fail(std::string("the model is damaged: ") + error.what());
+  }
 }
 
 }  // namespace csrbf

@@ -1,22 +1,18 @@
 #pragma once
 
+#include "csrbf/core/field.hpp"
 #include "csrbf/io/archive.hpp"
-#include "csrbf/surface/placed_field.hpp"
-#include "csrbf/surface/winding_number.hpp"
 
 #include <memory>
 
 namespace csrbf {
 
-/// The kind of the archive of a PlacedField.
-inline constexpr const char* placed_kind = "placed surface";
+/// The archive of an implicit surface: a composite or placed field, a fitted function, or solids combined from such.
+/// Throws InvalidInput for a kind of field that has no file form.
+Archive surface_to_archive(const Field<3>& field);
 
-/// A placed field with the field in it, and back. Throws InvalidInput for a kind of field that has no file form;
-/// reading throws IoError or InvalidInput for entries that are missing or do not fit together.
-Archive to_archive(const PlacedField& field);
-std::shared_ptr<const PlacedField> placed_from(const Archive& archive);
-
-Archive to_archive(const WindingNumber& winding);
-WindingNumber winding_from(const Archive& archive);
+/// Reads what surface_to_archive() made: the field gives the same values, bit for bit. Throws IoError for entries that
+/// are missing or do not fit together.
+std::shared_ptr<const Field<3>> surface_from(const Archive& archive);
 
 }  // namespace csrbf
