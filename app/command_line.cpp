@@ -34,6 +34,10 @@ class Parser {
                            "csrbf polygonize scan.csrbf -o fine.ply --resolution 512");
     add<RenderCommand>("render", "Draw a picture of a model or mesh",
                        "csrbf render scan.csrbf -o scan.png --view 290,15 --color mean-curvature");
+    add<CurvatureCommand>("curvature", "Measure how a model is curved and find its ridges and valleys",
+                          "csrbf curvature scan.csrbf -o curved.ply --ridges lines.ply");
+    add<CombineCommand>("combine", "Join, intersect, cut or blend models",
+                        "csrbf combine blend body.csrbf head.csrbf -o statue.csrbf --radius 0.03");
     add<FitCommand>("fit", "Fit a smooth function to scattered samples",
                     "csrbf fit soundings.csv -o depth.csrbf --coordinates x,y --values depth --report report.json");
     add<EvaluateCommand>("evaluate", "Evaluate a fitted function at points or on a grid",

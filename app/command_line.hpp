@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace csrbf::app {
 
@@ -59,6 +60,20 @@ struct RenderCommand {
   std::string color = "plain";
 };
 
+struct CurvatureCommand {
+  std::string input, output;
+  int resolution = 0;
+  std::string ridges;
+};
+
+struct CombineCommand {
+  std::string operation;
+  std::vector<std::string> inputs;
+  std::string output;
+  std::string blending;
+  std::optional<double> radius, sharpness;
+};
+
 struct CompareCommand {
   std::string first, second;
 };
@@ -103,8 +118,9 @@ struct InpaintCommand {
   FitFlags fit;
 };
 
-using Command = std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand, FitCommand,
-                             EvaluateCommand, InpaintCommand, CompareCommand, InfoCommand>;
+using Command =
+    std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand, CurvatureCommand,
+                 CombineCommand, FitCommand, EvaluateCommand, InpaintCommand, CompareCommand, InfoCommand>;
 
 struct CommandLine {
   std::string verb;

@@ -65,6 +65,41 @@ void declare(Verb v, RenderCommand& c) {
   v.add_common();
 }
 
+void declare(Verb v, CurvatureCommand& c) {
+  v.argument("MODEL", c.input, "model to read: .csrbf");
+  v.output(
+      c.output,
+      "mesh to write, .ply: vertices with normal (nx ny nz), principal curvatures (k1 >= k2, positive where the solid "
+      "is convex), their directions (d1x d1y d1z d2x d2y d2z), mean_curvature and gaussian_curvature");
+  v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
+  v.flag(
+      "ridges", c.ridges, "FILE", "",
+      "write ridge and valley lines, .ply: vertices with the curvature across the line and kind, 1 ridge, -1 valley; "
+      "edges");
+  v.add_common();
+}
+
+void declare(Verb v, CombineCommand& c) {
+  v.argument(
+       "OP", c.operation,
+       "union; intersection; difference: the first model without the others; complement: what is outside the only "
+       "one; blend: union with rounded edges")
+      ->check(CLI::IsMember({"union", "intersection", "difference", "complement", "blend"}));
+  v.argument("MODELS", c.inputs, "models to read: .csrbf");
+  v.output(c.output, "model to write: .csrbf");
+  v.flag("radius", c.radius, "R", "blend: 0.05, else none",
+         "range of the blend: surfaces further apart keep their shape; as a fraction of the diagonal of the box of all "
+         "models")
+      ->check(CLI::PositiveNumber);
+  v.flag("sharpness", c.sharpness, "B", "3", "how closely the blend follows the edge, from 1 (a chamfer) on")
+      ->check(CLI::Range(1.0, 1e6));
+  v.flag("blending", c.blending, "NAME", "super-elliptic with a radius, else sharp",
+         "sharp: edges; r-function: the same edges, smooth elsewhere; super-elliptic: rounds edges within the radius; "
+         "log-sum-exp: rounds edges, and swells a little everywhere")
+      ->check(CLI::IsMember({"sharp", "r-function", "super-elliptic", "log-sum-exp"}));
+  v.add_common();
+}
+
 void declare(Verb v, CompareCommand& c) {
   v.argument("A", c.first, std::string("mesh: ") + mesh_formats);
   v.argument("B", c.second,

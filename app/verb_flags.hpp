@@ -22,8 +22,8 @@ class Verb {
   }
 
   template <class Value>
-  void argument(const std::string& name, Value& value, const std::string& what) {
-    app_.add_option(name, value, what)->required()->type_name("FILE");
+  CLI::Option* argument(const std::string& name, Value& value, const std::string& what) {
+    return app_.add_option(name, value, what)->required()->type_name("FILE");
   }
   void output(std::string& value, const std::string& what) {
     app_.add_option("-o,--output", value, what)->required()->type_name("FILE")->group(flag_group);
@@ -74,6 +74,8 @@ void declare(Verb v, ReconstructCommand& c);
 void declare(Verb v, EstimateNormalsCommand& c);
 void declare(Verb v, PolygonizeCommand& c);
 void declare(Verb v, RenderCommand& c);
+void declare(Verb v, CurvatureCommand& c);
+void declare(Verb v, CombineCommand& c);
 void declare(Verb v, CompareCommand& c);
 void declare(Verb v, InfoCommand& c);
 void declare(Verb v, FitCommand& c);

@@ -10,6 +10,8 @@ void run(const ReconstructCommand& command, Session& session);
 void run(const EstimateNormalsCommand& command, Session& session);
 void run(const PolygonizeCommand& command, Session& session);
 void run(const RenderCommand& command, Session& session);
+void run(const CurvatureCommand& command, Session& session);
+void run(const CombineCommand& command, Session& session);
 void run(const FitCommand& command, Session& session);
 void run(const EvaluateCommand& command, Session& session);
 void run(const InpaintCommand& command, Session& session);

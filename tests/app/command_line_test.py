@@ -17,7 +17,8 @@ import unittest
 import zlib
 
 PROGRAM = ""
-VERBS = ["reconstruct", "estimate-normals", "polygonize", "render", "fit", "evaluate", "inpaint", "compare", "info"]
+VERBS = ["reconstruct", "estimate-normals", "polygonize", "render", "curvature", "combine", "fit", "evaluate"]
+VERBS += ["inpaint", "compare", "info"]
 REPORT_KEYS = ["csrbf", "command", "input", "options", "result", "time", "peak_memory_mb", "threads", "warnings"]
 
 
@@ -77,7 +78,7 @@ def read_ply(path):
         data = file.read()
     header, body = data.split(b"end_header\n", 1)
     assert b"binary_little_endian" in header
-    sizes = {"float": "f", "uchar": "B", "double": "d", "int": "i"}
+    sizes = {"float": "f", "uchar": "B", "char": "b", "double": "d", "int": "i"}
     names, codes, count, faces, element = [], "<", 0, 0, ""
     for line in header.decode().splitlines():
         words = line.split()
@@ -90,6 +91,18 @@ def read_ply(path):
     size = struct.calcsize(codes)
     rows = [dict(zip(names, struct.unpack_from(codes, body, i * size))) for i in range(count)]
     return rows, faces
+
+
+def off_volume(path):
+    """Volume inside the triangles of an OFF file."""
+    with open(path) as file:
+        rows = [line.split() for line in file.read().splitlines()[1:]]
+    vertices = [tuple(map(float, row[:3])) for row in rows[1:1 + int(rows[0][0])]]
+    volume = 0
+    for row in rows[1 + len(vertices):]:
+        (a, b, c), (d, e, f), (g, h, i) = (vertices[int(v)] for v in row[1:4])
+        volume += (a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)) / 6
+    return volume
 
 
 def read_png(path):
@@ -186,6 +199,14 @@ class Usage(CommandLine):
         self.fail_with(2, "--view up", "render", "a.ply", "-o", "b.png", "--view", "up")
         self.fail_with(2, "--color pink", "render", "a.ply", "-o", "b.png", "--color", "pink")
         self.fail_with(2, "--trim far", "reconstruct", "a.ply", "-o", "b.ply", "--trim", "far")
+        self.fail_with(2, "OP", "combine", "add", "a.csrbf", "b.csrbf", "-o", "c.csrbf")
+        self.fail_with(2, "union takes at least two models", "combine", "union", "a.csrbf", "-o", "c.csrbf")
+        self.fail_with(2, "complement takes one model", "combine", "complement", "a.csrbf", "b.csrbf", "-o", "c.csrbf")
+        self.fail_with(2, "sharp: has no radius", "combine", "blend", "a.csrbf", "b.csrbf", "-o", "c.csrbf", "--blending",
+                       "sharp")
+        self.fail_with(2, "--radius", "combine", "union", "a.csrbf", "b.csrbf", "-o", "c.csrbf", "--radius", "0")
+        self.fail_with(2, "only .ply holds", "curvature", "a.csrbf", "-o", "c.obj")
+        self.fail_with(2, "--ridges r.obj: only .ply", "curvature", "a.csrbf", "-o", "c.ply", "--ridges", "r.obj")
         self.fail_with(2, "--smoothing some", "reconstruct", "a.ply", "-o", "b.ply", "--smoothing", "some")
 
     def test_unknown_output_formats_give_2(self):
@@ -193,6 +214,7 @@ class Usage(CommandLine):
         self.fail_with(2, "mesh files are .ply .obj .off .stl", "reconstruct", cloud, "-o", self.path("mesh.vtk"))
         self.fail_with(2, "models are .csrbf", "reconstruct", cloud, "-o", self.path("mesh.ply"), "--model", "m.bin")
         self.fail_with(2, "pictures are .png", "render", cloud, "-o", self.path("picture.jpg"))
+        self.fail_with(2, "models are .csrbf", "combine", "union", cloud, cloud, "-o", self.path("model.bin"))
         self.fail_with(2, "point files are", "estimate-normals", cloud, "-o", self.path("points.las"))
 
 
@@ -411,6 +433,58 @@ class Surfaces(CommandLine):
         self.succeed("polygonize", self.path("model.csrbf"), "-o", self.path("again.ply"), "--resolution", "32")
         self.assertIn("placed surface", self.succeed("info", self.path("model.csrbf")).stdout)
         self.assertIn("medial-axis", self.succeed("reconstruct", "--help").stdout)
+
+    def test_curvature_measures_an_ellipsoid_and_finds_its_ridge(self):
+        cloud = self.write("cloud.xyz", xyz([(3 * x, 2 * y, z) for x, y, z in sphere(4000)]))
+        self.succeed("reconstruct", cloud, "-o", self.path("mesh.ply"), "--model", self.path("model.csrbf"))
+        self.succeed("curvature", self.path("model.csrbf"), "-o", self.path("curved.ply"), "--ridges",
+                     self.path("ridges.ply"), "--resolution", "60", "--report", self.path("report.json"))
+        result = self.report()["result"]
+        vertices, faces = read_ply(self.path("curved.ply"))
+        self.assertEqual((len(vertices), faces), (result["vertices"], result["triangles"]))
+        self.assertEqual(result["singular"], 0)
+        errors = []
+        for v in vertices:
+            self.assertGreaterEqual(v["k1"], v["k2"])
+            self.assertAlmostEqual(v["mean_curvature"], (v["k1"] + v["k2"]) / 2, delta=1e-5 * (1 + abs(v["k1"])))
+            self.assertAlmostEqual(v["d1x"] * v["nx"] + v["d1y"] * v["ny"] + v["d1z"] * v["nz"], 0, delta=1e-5)
+            # Gaussian curvature h^4 / (a b c)^2, 1 / h^2 = x^2 / a^4 + y^2 / b^4 + z^2 / c^4
+            h2 = 1 / (v["x"] ** 2 / 81 + v["y"] ** 2 / 16 + v["z"] ** 2)
+            errors.append(abs(v["gaussian_curvature"] / (h2 * h2 / 36) - 1))
+        self.assertLess(sorted(errors)[len(errors) // 2], 0.05)
+        points, edges = read_ply(self.path("ridges.ply"))
+        ridge = [p for p in points if p["kind"] == 1]
+        self.assertEqual((len(ridge), len(points)), (result["ridge_points"], result["ridge_points"] + result["valley_points"]))
+        self.assertGreater(edges, 50)
+        # The ridge is the ellipse z = 0.
+        self.assertLess(sorted(abs(p["z"]) for p in ridge)[len(ridge) // 2], 0.05)
+
+    def test_combine_writes_models_that_can_be_meshed_and_drawn(self):
+        for name, shift in (("a", 0), ("b", 1)):
+            cloud = self.write(name + ".xyz", xyz([(x + shift, y, z) for x, y, z in sphere(1000)]))
+            self.succeed("reconstruct", cloud, "-o", self.path("mesh.ply"), "--model", self.path(name + ".csrbf"))
+        a, b = self.path("a.csrbf"), self.path("b.csrbf")
+        volumes = {}
+        for operation in ("union", "intersection", "difference", "blend"):
+            model = self.path(operation + ".csrbf")
+            self.succeed("combine", operation, a, b, "-o", model, "--report", self.path("report.json"))
+            report = self.report()
+            self.assertEqual(report["result"]["models"], 2)
+            self.assertEqual(report["options"]["blending"], "super-elliptic" if operation == "blend" else "sharp")
+            self.assertEqual(report["options"]["radius"], 0.05 if operation == "blend" else None)
+            self.succeed("polygonize", model, "-o", self.path("mesh.off"), "--resolution", "40", "--report",
+                         self.path("report.json"))
+            self.assertTrue(self.report()["result"]["watertight"])
+            volumes[operation] = off_volume(self.path("mesh.off"))
+        # Unit balls whose centres are 1 apart share a lens of 5 pi / 12; sharp edges are cut off by about a cell.
+        self.assertAlmostEqual(volumes["union"], (8 / 3 - 5 / 12) * math.pi, delta=0.1)
+        self.assertAlmostEqual(volumes["intersection"], 5 / 12 * math.pi, delta=0.05)
+        self.assertAlmostEqual(volumes["difference"], (4 / 3 - 5 / 12) * math.pi, delta=0.05)
+        self.assertGreater(volumes["blend"], volumes["union"] + 0.01)
+        self.succeed("combine", "complement", a, "-o", self.path("outside.csrbf"))
+        self.succeed("combine", "intersection", b, self.path("outside.csrbf"), "-o", self.path("rest.csrbf"))
+        self.succeed("render", self.path("rest.csrbf"), "-o", self.path("rest.png"), "--size", "60x40")
+        self.succeed("info", self.path("rest.csrbf"))
 
     def test_results_do_not_depend_on_the_number_of_threads(self):
         cloud = self.write("cloud.ply", ply(sphere(1000)))
