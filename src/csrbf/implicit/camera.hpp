@@ -1,14 +1,9 @@
 #pragma once
 
+#include "csrbf/implicit/ray.hpp"
 #include "csrbf/implicit/render.hpp"
 
 namespace csrbf {
-
-/// Half-line from `origin`; `direction` has length 1.
-struct Ray {
-  Point<3> origin = Point<3>::Zero();
-  Point<3> direction = Point<3>::UnitX();
-};
 
 /// Pinhole or orthographic camera.
 struct Camera {

@@ -6,6 +6,8 @@
 namespace csrbf {
 namespace {
 
+constexpr double clearance_in_cells = 0.1;  // more than polygonizations of smooth surfaces are off
+
 RenderOptions mesh_options(RenderOptions options) {
   options.shading = MeshShading::smooth;
   options.color = RenderColor::plain;
@@ -17,38 +19,38 @@ RenderOptions mesh_options(RenderOptions options) {
 FieldScene::FieldScene(const Field<3>& field, const RenderOptions& options)
     : field_(field),
       color_(options.color),
-      mesh_(polygonize(field, {.resolution = options.field_resolution})),
+      mesh_(polygonize(field, {.resolution = options.field_resolution, .progress = options.progress})),
       triangles_(mesh_, mesh_options(options)),
-      longest_step_(field.bounds().extent().maxCoeff() / options.field_resolution) {}
+      caster_(field, options.field_resolution, mesh_, options.progress),
+      clearance_(clearance_in_cells * field.bounds().extent().maxCoeff() / options.field_resolution) {
+  for (int k = 0; k < 3; ++k) material_[k] = linear_from_srgb(options.material[static_cast<std::size_t>(k)]);
+}
 
 void FieldScene::trace(std::span<const Ray> rays, std::span<SurfaceHit> hits) const {
-  triangles_.trace(rays, hits);
+  std::vector<RayHit> found(rays.size());
+  caster_.cast(rays, std::numeric_limits<double>::infinity(), found);
   std::vector<std::size_t> met;
-  for (std::size_t i = 0; i < hits.size(); ++i)
-    if (hits[i].exists()) met.push_back(i);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    hits[i] = SurfaceHit();
+    if (!found[i].exists() || !found[i].normal.allFinite()) continue;
+    SurfaceHit& hit = hits[i];
+    hit.t = found[i].t;
+    hit.position = rays[i].origin + hit.t * rays[i].direction;
+    hit.normal = found[i].normal;
+    hit.inside = hit.normal.dot(rays[i].direction) > 0;
+    hit.facet = hit.inside ? Point<3>(-hit.normal) : hit.normal;
+    hit.shadow_origin = hit.position + clearance_ * hit.facet;
+    hit.color = material_;
+    met.push_back(i);
+  }
+  if (color_ != RenderColor::mean_curvature && color_ != RenderColor::gaussian_curvature) return;
   Points<3> x(3, static_cast<Index>(met.size()));
   for (std::size_t i = 0; i < met.size(); ++i) x.col(static_cast<Index>(i)) = hits[met[i]].position;
-
-  // The vertices are on the zero set, so the start is off by the square of the cell size: two steps reach rounding.
-  constexpr int steps = 2;
-  for (int step = 0; step < steps; ++step) {
-    const Jet<3> jet = field_.evaluate(x, Derivatives::gradient);
-    for (Index i = 0; i < x.cols(); ++i) {
-      const double length = std::abs(jet.value[i]) / jet.gradient.col(i).norm();
-      if (length <= longest_step_) x.col(i) -= std::copysign(length, jet.value[i]) * jet.gradient.col(i).normalized();
-    }
-  }
-  const bool curved = color_ == RenderColor::mean_curvature || color_ == RenderColor::gaussian_curvature;
-  const Jet<3> jet = field_.evaluate(x, curved ? Derivatives::hessian : Derivatives::gradient);
-  for (Index i = 0; i < x.cols(); ++i) {
-    SurfaceHit& hit = hits[met[i]];
-    const Point<3> g = jet.gradient.col(i);
-    if (!(g.norm() > 0) || !g.allFinite()) continue;
-    hit.position = x.col(i);
-    hit.normal = -g.normalized();
-    if (!curved) continue;
-    const PrincipalCurvatures at = principal_curvatures(g, jet.hessian_matrix(i));
-    hit.curvature = color_ == RenderColor::mean_curvature ? at.mean() : at.gaussian();
+  const Jet<3> jet = field_.evaluate(x, Derivatives::hessian);
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    const PrincipalCurvatures at = principal_curvatures(jet.gradient.col(k), jet.hessian_matrix(k));
+    hits[met[i]].curvature = color_ == RenderColor::mean_curvature ? at.mean() : at.gaussian();
   }
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
 #include "csrbf/implicit/mesh_scene.hpp"
+#include "csrbf/implicit/raycast.hpp"
 
 namespace csrbf {
 
-/// The zero set of a field as a scene. Rays meet a fine polygonization; the point met is then moved along the gradient
-/// onto the zero set, where normal and curvature are those of the field. References the field.
+/// The zero set of a field as a scene. Rays of the camera meet the zero set itself (RayCaster), where position, normal
+/// and curvature are those of the field; rays to the lights meet a polygonization. References the field.
 class FieldScene : public Scene {
  public:
   /// Throws InvalidInput and SolverFailure as `render` and `polygonize` say.
@@ -20,7 +21,9 @@ class FieldScene : public Scene {
   RenderColor color_;
   Mesh mesh_;
   MeshScene triangles_;
-  double longest_step_;
+  RayCaster caster_;
+  double clearance_;  // of rays to the lights from the polygonization
+  LinearRgb material_;
 };
 
 }  // namespace csrbf

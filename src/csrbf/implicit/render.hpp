@@ -69,12 +69,11 @@ struct RenderOptions {
 /// option is out of range. O(t log t + pixels * samples^2 * log t).
 RgbImage render(const Mesh& mesh, const RenderOptions& options = {});
 
-/// Ray-traced picture of the zero set of a field. Rays meet a polygonization with `field_resolution` cells along the
-/// longest side of the field's bounds; the point met is moved along the gradient onto the zero set, so positions,
-/// normals and curvatures are those of the field, and outlines are off by the square of the cell size. Parts thinner
-/// than a cell may be missed. Throws InvalidInput when an option is out of range and whatever `polygonize` throws:
-/// SolverFailure when there is no surface. Cost: that of `polygonize`, and about 3 gradients for every ray that meets
-/// the surface.
+/// Ray-traced picture of the zero set of a field. Rays of the camera meet the zero set itself, exact up to rounding
+/// (RayCaster, with `field_resolution` cells along the longest side of the field's bounds); shadows are those of a
+/// polygonization of that resolution. Parts thinner than a cell may be missed. Throws InvalidInput when an option is out
+/// of range and whatever `polygonize` throws: SolverFailure when there is no surface. Cost: that of `polygonize`, one
+/// Hessian for each of its vertices, and about five gradients for every ray that comes near the surface.
 RgbImage render(const Field<3>& field, const RenderOptions& options = {});
 
 }  // namespace csrbf

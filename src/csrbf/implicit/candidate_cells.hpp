@@ -1,0 +1,68 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/core/mesh.hpp"
+#include "csrbf/core/progress.hpp"
+#include "csrbf/implicit/ray.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace csrbf {
+
+/// Part of a ray in which it may meet a surface, and bounds of the field there.
+struct Stretch {
+  double begin = 0, end = 0;  ///< distances along the ray
+  double slope = 0, bend = 0;
+};
+
+/// The cells of a lattice that a surface f = 0 may cross, each with bounds of f's derivatives in it.
+///
+/// The lattice has four cells around the field's bounds. For a field with enclosures these are all cells that they do
+/// not exclude (at most 64 along the longest side): no zero of f in the lattice is missed. For other fields they are
+/// the cells within one cell of a polygonization of the same cell size, and bounds are estimated: twice the largest
+/// derivatives of second order found at its vertices nearby, among them differences of gradients between neighbours,
+/// which see creases.
+class CandidateCells {
+ public:
+  /// `resolution`: cells along the longest side of the field's bounds. `mesh`: a polygonization of the field with
+  /// `finer` times as many, for fields without enclosures. Progress: stage "cells". Throws InvalidInput when the field
+  /// has no bounds; Cancelled.
+  CandidateCells(const Field<3>& field, int resolution, const Mesh& mesh, const Progress& progress);
+
+  /// With this every point of the surface is within a cell of the cell of a vertex.
+  static constexpr double finer = 1.25;
+
+  /// The first stretch of the ray that begins at t or later and ends before t_max; false when there is none. Stretches
+  /// are at most a few cells long; the next one begins where the last one ended or later.
+  [[nodiscard]] bool next(const Ray& ray, double t, double t_max, Stretch& stretch) const;
+
+  /// Do the bounds hold for certain?
+  [[nodiscard]] bool guaranteed() const { return guaranteed_; }
+  /// Side of a cell.
+  [[nodiscard]] double side() const { return side_; }
+  /// Number of cells that may be crossed.
+  [[nodiscard]] Index size() const;
+
+ private:
+  struct Cell {
+    float slope = -1, bend = 0;  // slope < 0: no surface here
+  };
+  using Corner = Eigen::Array3i;
+
+  [[nodiscard]] Cell* find(const Corner& cell);
+  [[nodiscard]] const Cell* find(const Corner& cell, bool& block_is_empty) const;
+  void mark(const Corner& cell, double slope, double bend);
+  [[nodiscard]] Box<3> box_of(const Corner& corner, int cells) const;
+  void collect_enclosed(const Field<3>& field, const Progress& progress);
+  void collect_polygonized(const Field<3>& field, const Mesh& mesh);
+
+  bool guaranteed_ = false;
+  Point<3> origin_;
+  double side_ = 1;
+  Corner cells_;                     // along each axis, a multiple of the block's side
+  std::vector<std::int32_t> block_;  // of the cells of 8 x 8 x 8, its place in cells, or -1
+  std::vector<Cell> cell_;
+};
+
+}  // namespace csrbf

@@ -1,0 +1,124 @@
+#include "csrbf/implicit/ray_search.hpp"
+
+namespace csrbf {
+namespace {
+
+constexpr int most_newton_steps = 8;
+constexpr int most_steps = 80;
+
+}  // namespace
+
+void RaySearch::next_stretch() {
+  if (!cells_->next(ray_, stretch_.end, t_max_, stretch_)) {
+    step_ = Step::done;
+    return;
+  }
+  begin_ = stretch_.begin;
+  ends_[0] = stretch_.end;
+  left_ = 1;
+  end_ = begin_;
+  next_interval();
+}
+
+void RaySearch::next_interval() {
+  if (left_ == 0) {
+    next_stretch();
+    return;
+  }
+  begin_ = end_;
+  end_ = ends_[static_cast<std::size_t>(--left_)];
+  t_ = 0.5 * (begin_ + end_);
+  step_ = Step::isolate;
+}
+
+void RaySearch::answer(double value, const Point<3>& gradient) {
+  gradient_ = gradient;
+  const double slope = gradient.dot(ray_.direction);
+  switch (step_) {
+    case Step::isolate:
+      isolate(value, slope);
+      break;
+    case Step::refine:
+      refine(value, slope);
+      break;
+    case Step::probe:
+      leave(value);
+      break;
+    case Step::done:
+      break;
+  }
+}
+
+void RaySearch::accept(double t) {
+  t_ = t;
+  hit_ = true;
+  step_ = Step::done;
+}
+
+void RaySearch::isolate(double value, double slope) {
+  const double h = 0.5 * (end_ - begin_);
+  const double change = std::min(stretch_.slope * h, (std::abs(slope) + 0.5 * stretch_.bend * h) * h);
+  if (std::abs(value) > change) {
+    leave(value);
+  } else if (std::abs(slope) > stretch_.bend * h) {
+    lo_ = begin_;
+    hi_ = end_;
+    lo_known_ = hi_known_ = false;
+    rising_ = slope > 0 ? 1 : -1;
+    steps_ = 0;
+    step_ = Step::refine;
+    refine(value, slope);
+  } else if (h <= tolerance_ || left_ == deepest) {
+    step_ = Step::probe;
+    t_ = end_;
+  } else {
+    ends_[static_cast<std::size_t>(left_++)] = end_;
+    end_ = t_;
+    t_ = 0.5 * (begin_ + end_);
+  }
+}
+
+void RaySearch::refine(double value, double slope) {
+  if (value == 0) return accept(t_);
+  if (rising_ * value > 0) {
+    hi_ = t_;
+    hi_known_ = true;
+  } else {
+    lo_ = t_;
+    lo_known_ = true;
+  }
+  if (hi_ <= begin_ || lo_ >= end_) return leave(value);  // the zero is beyond the interval
+  const double newton = t_ - value / slope;
+  const bool usable = rising_ * slope > 0 && steps_ < most_newton_steps;
+  if (usable && std::abs(newton - t_) <= tolerance_) return accept(std::clamp(newton, begin_, end_));
+  if (hi_ - lo_ <= tolerance_ || ++steps_ > most_steps) return accept(0.5 * (lo_ + hi_));
+  if (usable && newton > lo_ && newton < hi_) {
+    t_ = newton;
+  } else if (rising_ * value > 0) {
+    t_ = lo_known_ ? 0.5 * (lo_ + hi_) : begin_;
+  } else {
+    t_ = hi_known_ ? 0.5 * (lo_ + hi_) : end_;
+  }
+}
+
+// No zero was found in the interval, where f has the sign of `value`. When that is not the sign it had before, there is
+// one nevertheless: at the end of an interval, within rounding, or where estimated bounds do not hold.
+void RaySearch::leave(double value) {
+  const int sign = value > 0 ? 1 : -1;
+  if (sign_ == 0 || sign == sign_) {
+    sign_ = sign;
+    sign_t_ = t_;
+    next_interval();
+    return;
+  }
+  lo_ = begin_ = sign_t_;
+  hi_ = end_ = t_;
+  lo_known_ = hi_known_ = true;
+  rising_ = sign;
+  steps_ = most_newton_steps;
+  step_ = Step::refine;
+  t_ = 0.5 * (lo_ + hi_);
+  if (hi_ - lo_ <= tolerance_) accept(t_);
+}
+
+}  // namespace csrbf

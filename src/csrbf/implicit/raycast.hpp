@@ -1,0 +1,68 @@
+#pragma once
+
+#include "csrbf/implicit/candidate_cells.hpp"
+#include "csrbf/implicit/ray.hpp"
+
+#include <limits>
+#include <span>
+
+namespace csrbf {
+
+struct RaycastOptions {
+  /// Cells along the longest side of the field's bounds, 4 ... 1024; 0 = automatic_resolution(field), at most 512.
+  int resolution = 0;
+  /// Only hits nearer than this along the ray count; > 0.
+  double t_max = std::numeric_limits<double>::infinity();
+  Progress progress{};  ///< stages "polygonize", "cells" and "raycast"
+};
+
+/// Where a ray first meets a surface.
+struct RayHit {
+  double t = std::numeric_limits<double>::infinity();  ///< distance; infinite when it meets nothing
+  Point<3> normal = Point<3>::Zero();                  ///< outward
+
+  [[nodiscard]] bool exists() const { return t < std::numeric_limits<double>::infinity(); }
+};
+
+/// The surface f = 0 in the bounds of a field (and four cells around), prepared for rays. References the field.
+class RayCaster {
+ public:
+  /// `resolution`: of the cells, 4 ... 1024. Throws InvalidInput when it is out of range, and what polygonize throws.
+  RayCaster(const Field<3>& field, int resolution, const Progress& progress = {});
+
+  /// With the polygonization of the field of that resolution at hand, which need not outlive this.
+  RayCaster(const Field<3>& field, int resolution, const Mesh& mesh, const Progress& progress = {});
+
+  /// The first hit of each ray with t < t_max, on the calling thread; fast for rays that are close to each other.
+  void cast(std::span<const Ray> rays, double t_max, std::span<RayHit> hits) const;
+
+  /// Whether no hit can be missed: see CandidateCells.
+  [[nodiscard]] bool guaranteed() const { return cells_.guaranteed(); }
+  [[nodiscard]] const CandidateCells& cells() const { return cells_; }
+
+ private:
+  const Field<3>& field_;
+  CandidateCells cells_;
+  double tolerance_;
+};
+
+/// Where n rays first meet the surface.
+struct RayHits {
+  Eigen::VectorXd t;  ///< n, distances; infinite for rays that meet nothing
+  Points<3> normals;  ///< 3 x n, outward; NaN for rays that meet nothing
+  bool guaranteed = false;
+};
+
+/// First zero of f along each ray origin + t direction, 0 <= t < t_max, from either side, in the bounds of the field
+/// (and four cells around). Directions may have any length but 0; t is in units of length. Zeros are exact up to
+/// rounding. None is missed for fields with enclosures (`guaranteed`); for others the surface must not have parts
+/// thinner than a cell, or bends much sharper than at the vertices of a polygonization. Zeros where f touches 0 without
+/// changing its sign do not count. About five gradients for each ray that comes near the surface, after preparations
+/// that cost as much as polygonize().
+///
+/// Throws InvalidInput for origins or directions that are not finite, directions that are zero, numbers of both that
+/// differ, and options out of range; Cancelled.
+RayHits raycast(const Field<3>& field, const PointsRef<3>& origins, const PointsRef<3>& directions,
+                const RaycastOptions& options = {});
+
+}  // namespace csrbf
