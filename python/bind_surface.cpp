@@ -1,6 +1,9 @@
 #include "bindings.hpp"
 
+#include "csrbf/implicit/combine.hpp"
+#include "csrbf/implicit/curvature.hpp"
 #include "csrbf/implicit/polygonize.hpp"
+#include "csrbf/implicit/raycast.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/surface/reconstruct.hpp"
@@ -66,6 +69,24 @@ py::tuple evaluate(const Surface& surface, const Array& at, bool with_gradient) 
   return py::make_tuple(value, gradient);
 }
 
+// k1, k2 and their directions.
+py::tuple curvature_arrays(const Surface& surface, const Array& at) {
+  const auto x = points<3>(at, "x");
+  Curvatures found = run([&](const Progress& progress) { return curvature(*surface.field, x, progress); });
+  return py::make_tuple(py::array_t<double>(found.k1.size(), found.k1.data()),
+                        py::array_t<double>(found.k2.size(), found.k2.data()), to_array(std::move(found.direction1)),
+                        to_array(std::move(found.direction2)));
+}
+
+// Distances and normals.
+py::tuple raycast_arrays(const Surface& surface, const Array& origins, const Array& directions, int resolution) {
+  const auto from = points<3>(origins, "origins"), along = points<3>(directions, "directions");
+  RayHits hits = run([&](const Progress& progress) {
+    return raycast(*surface.field, from, along, {.resolution = resolution, .progress = progress});
+  });
+  return py::make_tuple(py::array_t<double>(hits.t.size(), hits.t.data()), to_array(std::move(hits.normals)));
+}
+
 py::tuple polygonize_arrays(const Surface& surface, int resolution, double level) {
   Mesh mesh = run([&](const Progress& progress) {
     Mesh found = polygonize(*surface.field, {.resolution = resolution, .level = level, .progress = progress});
@@ -74,6 +95,22 @@ py::tuple polygonize_arrays(const Surface& surface, int resolution, double level
   });
   return py::make_tuple(to_array(std::move(mesh.vertices)), to_array(std::move(mesh.triangles)),
                         to_array(std::move(mesh.normals)));
+}
+
+std::unique_ptr<Surface> combine_surfaces(const std::string& operation, const std::vector<const Surface*>& surfaces,
+                                          const std::string& blending, double radius, double sharpness) {
+  const std::optional<Operation> wanted = operation_named(operation);
+  require(wanted.has_value(), "combine", "operation", operation,
+          "must be union, intersection, difference, complement or blend");
+  const std::optional<Blending> form = blending_named(blending);
+  require(form.has_value(), "combine", "blending", blending,
+          "must be sharp, r-function, super-elliptic or log-sum-exp");
+  std::vector<Solid> solids;
+  for (const Surface* surface : surfaces) solids.push_back(surface->field);
+  return run([&](const Progress& progress) {
+    return std::make_unique<Surface>(Surface{
+        combine(*wanted, solids, {.blending = *form, .radius = radius, .sharpness = sharpness, .progress = progress})});
+  });
 }
 
 using Faces = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
@@ -107,11 +144,14 @@ void bind_surface(py::module_& m) {
           "points", [](const Surface& s) { return to_array(Points<3>(s.points)); },
           [](Surface& s, const Array& given) { s.points = points<3>(given, "points"); })
       .def("evaluate", &evaluate)
+      .def("curvature", &curvature_arrays)
       .def("polygonize", &polygonize_arrays)
+      .def("raycast", &raycast_arrays)
       .def("save", [](const Surface& s, const std::string& path) {
         run([&](const Progress& /*progress*/) { write_model(path, *s.field); });
       });
   m.def("reconstruct", &reconstruct_arrays);
+  m.def("combine", &combine_surfaces);
   m.def("read_surface", [](const std::string& path) {
     return run([&](const Progress& /*progress*/) { return std::make_unique<Surface>(Surface{read_model(path)}); });
   });

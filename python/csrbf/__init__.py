@@ -5,6 +5,7 @@
     f.standard_deviation(x)               # how far f may be from a sample there
     s = csrbf.reconstruct(points)         # an implicit surface from points in space
     s.polygonize().save("mesh.ply")
+    (s - t).save("cut.csrbf")             # also s | t, s & t, ~s and csrbf.combine("blend", s, t)
 
 Arrays of points have one point a row; C-contiguous float64 arrays are not copied. Computations use all cores
 (`set_thread_count`), release the interpreter lock and stop on Ctrl-C. Objects can be pickled. Wrong arguments raise
@@ -18,16 +19,18 @@ from csrbf import _csrbf
 from csrbf._csrbf import IoError, SolverFailure, set_thread_count, thread_count
 from csrbf._function import Function, fit
 from csrbf._rbf_interpolator import RBFInterpolator
-from csrbf._surface import Mesh, Surface, reconstruct
+from csrbf._surface import Curvature, Mesh, Surface, combine, reconstruct
 
 __version__ = _csrbf.version
 __all__ = [
+    "Curvature",
     "Function",
     "IoError",
     "Mesh",
     "RBFInterpolator",
     "SolverFailure",
     "Surface",
+    "combine",
     "fit",
     "load",
     "reconstruct",

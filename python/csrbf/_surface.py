@@ -24,6 +24,26 @@ class Mesh:
         )
 
 
+@dataclass
+class Curvature:
+    """How a surface is curved at points (m, 3); NaN where its gradient is zero."""
+
+    k1: np.ndarray  # (m,), the larger principal curvature, positive where the inside is convex
+    k2: np.ndarray  # (m,), the smaller one
+    direction1: np.ndarray  # (m, 3), unit tangent along which the curvature is k1
+    direction2: np.ndarray  # (m, 3), unit tangent along which it is k2
+
+    @property
+    def mean(self):
+        """Mean curvature (k1 + k2) / 2."""
+        return 0.5 * (self.k1 + self.k2)
+
+    @property
+    def gaussian(self):
+        """Gaussian curvature k1 k2."""
+        return self.k1 * self.k2
+
+
 class Surface:
     """A closed surface as the zero set of a function f: f > 0 inside, f < 0 outside, close to the signed distance near
     the data.
@@ -61,6 +81,13 @@ class Surface:
             gradient = gradient / largest
         return -gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
 
+    def curvature(self, x):
+        """Curvatures of the surfaces f = constant through points (m, 3): a Curvature."""
+        x, shape = queries(x, 3)
+        k1, k2, direction1, direction2 = self._surface.curvature(x)
+        vector = shape + (3,)
+        return Curvature(k1.reshape(shape), k2.reshape(shape), direction1.reshape(vector), direction2.reshape(vector))
+
     def contains(self, x):
         """Which of the points (m, 3) are inside: (m,) of bool."""
         return self(x) > 0
@@ -72,9 +99,39 @@ class Surface:
         """
         return Mesh(*self._surface.polygonize(0 if resolution is None else int(resolution), float(level)))
 
+    def raycast(self, origins, directions, *, resolution=None):
+        """Where rays first meet the surface f = 0, from either side: distances (m,), inf for rays that meet nothing, and
+        outward unit normals (m, 3), NaN for those.
+
+        origins, directions: (m, 3); one origin (3,) may serve all rays. Directions may have any length but 0; distances
+        are lengths. Points of the surface are origins + t directions / |directions|.
+        resolution: cells of the search along the longest side of the data; parts thinner than one may be missed.
+        """
+        directions, shape = queries(directions, 3)
+        origins = np.broadcast_to(floats(origins, "origins"), shape + (3,)).reshape(-1, 3)
+        cells = 0 if resolution is None else int(resolution)
+        t, normals = self._surface.raycast(np.ascontiguousarray(origins), directions, cells)
+        return t.reshape(shape), normals.reshape(shape + (3,))
+
     def save(self, path):
         """Writes a .csrbf file for `load` and the program csrbf. The report and the points are not part of it."""
         self._surface.save(os.fspath(path))
+
+    def __or__(self, other):
+        """Union, with edges where the surfaces cross."""
+        return combine("union", self, other) if isinstance(other, Surface) else NotImplemented
+
+    def __and__(self, other):
+        """Intersection."""
+        return combine("intersection", self, other) if isinstance(other, Surface) else NotImplemented
+
+    def __sub__(self, other):
+        """What is inside this surface and outside the other one."""
+        return combine("difference", self, other) if isinstance(other, Surface) else NotImplemented
+
+    def __invert__(self):
+        """The same surface with inside and outside exchanged."""
+        return combine("complement", self)
 
     def __reduce__(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -94,6 +151,33 @@ def _restore(content, points, report):
         surface = _csrbf.read_surface(str(file))
     surface.points = points
     return Surface(surface, report)
+
+
+def combine(operation, *surfaces, radius=None, sharpness=None, blending=None):
+    """Joins, intersects, cuts or blends surfaces.
+
+    operation: "union", "intersection", "difference" (the first without the others), "complement" (of one surface) or
+        "blend" (a union with rounded edges).
+    radius: range of the blend, as a fraction of the diagonal of the box of all surfaces; surfaces further apart keep
+        their shape. Default: 0.05 for "blend", else edges are sharp.
+    sharpness: how closely the blend follows the edge, from 1 (a chamfer) on; default 3.
+    blending: "sharp", "r-function" (the same edges, smooth elsewhere), "super-elliptic" (the default with a radius) or
+        "log-sum-exp" (rounds edges, and swells a little everywhere).
+    """
+    rounded = operation == "blend" or radius is not None or sharpness is not None
+    if blending is None:
+        blending = "super-elliptic" if rounded else "sharp"
+    if rounded and blending in ("sharp", "r-function"):
+        raise ValueError(f'blending: "{blending}" has no radius or sharpness')
+    if operation == "blend":
+        operation = "union"
+    for surface in surfaces:
+        if not isinstance(surface, Surface):
+            raise ValueError(f"surfaces: {surface!r} is not a csrbf.Surface")
+    parts = [surface._surface for surface in surfaces]
+    radius = 0.05 if radius is None else float(radius)
+    sharpness = 3.0 if sharpness is None else float(sharpness)
+    return Surface(_csrbf.combine(operation, parts, blending, radius, sharpness))
 
 
 def reconstruct(points, normals=None, method="auto", centers=None, tolerance=None, smoothing="auto"):

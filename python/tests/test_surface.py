@@ -41,6 +41,33 @@ class Reconstruction(unittest.TestCase):
         np.testing.assert_allclose(n, self.points, atol=0.02)
         np.testing.assert_allclose(np.linalg.norm(n, axis=1), 1, atol=1e-12)
 
+    def test_curvatures_are_those_of_the_sphere(self):
+        c = self.surface.curvature(self.points.reshape(2, 1500, 3))
+        self.assertEqual((c.k1.shape, c.direction1.shape), ((2, 1500), (2, 1500, 3)))
+        # The median is not drawn by the noise of second derivatives.
+        for k, exact in ((c.k1, 1), (c.k2, 1), (c.mean, 1), (c.gaussian, 1)):
+            self.assertAlmostEqual(np.median(k), exact, delta=0.02)
+        self.assertTrue((c.k1 >= c.k2).all())
+        n = self.surface.normal(self.points.reshape(2, 1500, 3))
+        np.testing.assert_allclose(np.cross(c.direction1, c.direction2), n, atol=1e-12)
+
+    def test_rays_meet_the_surface_where_the_function_is_zero(self):
+        directions = 3 * np.random.default_rng(3).normal(size=(40, 50, 3))
+        t, normals = self.surface.raycast(np.zeros(3), directions)
+        self.assertEqual((t.shape, normals.shape), ((40, 50), (40, 50, 3)))
+        unit = directions / np.linalg.norm(directions, axis=2, keepdims=True)
+        np.testing.assert_allclose(t, 1, atol=1e-3)
+        np.testing.assert_allclose(self.surface(t[..., None] * unit), 0, atol=1e-12)
+        np.testing.assert_allclose(normals, unit, atol=0.05)
+        t, normals = self.surface.raycast([[0, 0, 5], [0, 3, 5]], [[0, 0, -1], [0, 0, -1]])
+        self.assertAlmostEqual(t[0], 4, delta=1e-3)
+        self.assertEqual(t[1], np.inf)
+        self.assertTrue(np.isnan(normals[1]).all())
+        with self.assertRaisesRegex(ValueError, "direction"):
+            self.surface.raycast([0, 0, 0], [[0, 0, 0]])
+        with self.assertRaises(ValueError):
+            self.surface.raycast([[0, 0, 0]] * 3, [[0, 0, 1]] * 2)
+
     def test_the_mesh_is_a_closed_sphere(self):
         m = self.surface.polygonize(resolution=40)
         self.assertEqual(m.faces.dtype, np.int32)
@@ -108,6 +135,63 @@ class Reconstruction(unittest.TestCase):
             self.surface(np.zeros((2, 2)))
         with self.assertRaises(ValueError):
             self.surface.polygonize(resolution=-3)
+
+
+class Combination(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.a = csrbf.reconstruct(sphere(2000), sphere(2000))
+        cls.b = csrbf.reconstruct(sphere(2000) + [1, 0, 0], sphere(2000))
+        cls.x = np.random.default_rng(2).uniform(-1.2, 2.2, (500, 3))
+
+    def test_operators_are_set_operations(self):
+        a, b, x = self.a, self.b, self.x
+        inside = a.contains(x), b.contains(x)
+        np.testing.assert_array_equal((a | b).contains(x), inside[0] | inside[1])
+        np.testing.assert_array_equal((a & b).contains(x), inside[0] & inside[1])
+        np.testing.assert_array_equal((a - b).contains(x), inside[0] & ~inside[1])
+        np.testing.assert_array_equal((~a)(x), -a(x))
+        with self.assertRaises(TypeError):
+            a | 3
+
+    def test_combinations_are_meshed_saved_and_pickled(self):
+        cut = self.a - self.b
+        mesh = cut.polygonize(40)
+        a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+        # Unit balls whose centres are 1 apart share a lens of 5 pi / 12; the sharp edge is cut off by about a cell.
+        self.assertAlmostEqual(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, (4 / 3 - 5 / 12) * np.pi, delta=0.05)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(cut))(self.x), cut(self.x))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "cut.csrbf")
+            cut.save(path)
+            np.testing.assert_array_equal(csrbf.load(path)(self.x), cut(self.x))
+
+    def test_blends_hold_their_parts_and_round_the_edge(self):
+        blend = csrbf.combine("blend", self.a, self.b, radius=0.1)
+        union = self.a | self.b
+        self.assertTrue((blend(self.x) >= union(self.x) - 1e-12).all())
+        edge = [[0.5, np.sqrt(0.75), 0]]
+        self.assertLess(abs(union(edge)[0]), 1e-2)
+        self.assertGreater(blend(edge)[0], 0.05)
+        self.assertLess(abs(blend([[-1, 0, 0]])[0]), 1e-3)
+        sharper = csrbf.combine("blend", self.a, self.b, radius=0.1, sharpness=20)
+        self.assertLess(sharper(edge)[0], blend(edge)[0])
+        lens = csrbf.combine("intersection", self.a, self.b, radius=0.1)
+        self.assertTrue((lens(self.x) <= (self.a & self.b)(self.x) + 1e-12).all())
+
+    def test_wrong_arguments_raise_value_errors(self):
+        for message, arguments, keywords in [
+            ("operation", ("merge", self.a, self.b), {}),
+            ("at least two", ("union", self.a), {}),
+            ("complement", ("complement", self.a, self.b), {}),
+            ("radius", ("blend", self.a, self.b), {"radius": -1}),
+            ("no radius", ("union", self.a, self.b), {"radius": 0.1, "blending": "sharp"}),
+            ("blending", ("union", self.a, self.b), {"blending": "soft"}),
+            ("not a csrbf.Surface", ("union", self.a, 3), {}),
+        ]:
+            with self.subTest(message=message):
+                with self.assertRaisesRegex(ValueError, message):
+                    csrbf.combine(*arguments, **keywords)
 
 
 if __name__ == "__main__":
