@@ -224,7 +224,7 @@ class Fitter {
     report_.samples_per_patch = local.samples;
     report_.smoothing = local.smoothing;
     report_.cross_validation_rmse = fit.report.cross_validation_rmse;
-    variances = local_variance(samples_, fit);
+    variances = local_variance(samples, fit);
     return fit.fields();
   }
 

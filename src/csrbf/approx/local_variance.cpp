@@ -12,7 +12,7 @@ namespace {
 constexpr Index most_patches = 1024;
 constexpr Index fewest_patches = 16;
 constexpr double most_work = 1e9;  // multiplications: some hundredths of a second
-constexpr Index pooled = 3;        // patches whose errors make up a variance
+constexpr Index pooled = 48;       // errors that make up a variance: tells a standard deviation to a tenth
 
 // Samples left out per patch, those nearest to its middle: half of them lie all over its cell.
 Index target_count(Index samples) {
@@ -28,36 +28,43 @@ Index patch_count(Index cells, const LocalOptions& options, int dimension) {
   return std::min(cells, std::clamp(static_cast<Index>(most_work / work), fewest_patches, most_patches));
 }
 
-// Some cells of the cover, spread over it, and the mean squared errors there: components x cells.
+// Squared errors of samples that were left out.
 template <int Dim>
 struct Errors {
-  std::vector<Index> cells;
-  Eigen::MatrixXd squares;
+  Points<Dim> points;
+  Eigen::MatrixXd squares;  // components x points
 };
 
+// Of the samples nearest to the middles of some cells, spread over the cover.
 template <int Dim>
 Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
                             const LocalOptions& options) {
   constexpr Index lanes = batch_lanes;
-  Errors<Dim> errors;
   const Index count = patch_count(cover.size(), options, Dim);
-  for (Index i = 0; i < count; ++i) errors.cells.push_back(i * cover.size() / count);
   const Index C = values.cols(), targets = target_count(std::min(options.samples, values.rows()));
-  errors.squares.resize(C, count);
+  std::vector<Index> cells;
+  for (Index i = 0; i < count; ++i) cells.push_back(i * cover.size() / count);
+  Errors<Dim> errors{Points<Dim>(Dim, count * targets), Eigen::MatrixXd(C, count * targets)};
   parallel_for((count + lanes - 1) / lanes, 4, [&](Index begin, Index end) {
     LocalFitter<Dim> fitter(cover, values, weights, options);
     LocalModels<Dim> models = fitter.models();
     models.resize(lanes);
+    typename Cover<Dim>::Search search;
     std::vector<double> error(static_cast<std::size_t>(lanes * C * targets));
     for (Index first = lanes * begin; first < std::min(count, lanes * end); first += lanes) {
       const Index used = std::min(lanes, count - first);
-      fitter.fit(errors.cells.data() + first, static_cast<int>(used), models, 0);
+      fitter.fit(cells.data() + first, static_cast<int>(used), models, 0);
       fitter.left_out_errors(targets, error.data());
-      for (Index l = 0; l < used; ++l)
-        for (Index c = 0; c < C; ++c) {
-          const Eigen::Map<const Eigen::ArrayXd> e(error.data() + (l * C + c) * targets, targets);
-          errors.squares(c, first + l) = e.square().mean();
+      for (Index l = 0; l < used; ++l) {
+        const Box<Dim>& cell = cover.cell(cells[static_cast<std::size_t>(first + l)]);
+        cover.nearest(cell.center(), targets, cell.diagonal(), search);
+        for (Index t = 0; t < targets; ++t) {
+          const Index k = (first + l) * targets + t;
+          errors.points.col(k) = cover.points().col(search.found[static_cast<std::size_t>(t)].second);
+          for (Index c = 0; c < C; ++c)
+            errors.squares(c, k) = std::pow(error[static_cast<std::size_t>((l * C + c) * targets + t)], 2);
         }
+      }
     }
   });
   return errors;
@@ -74,11 +81,8 @@ std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>
   const Eigen::VectorXd weights = used.weights.size() == 0 ? Eigen::VectorXd() : used.weights(cover.order()).eval();
   const Errors<Dim> errors = left_out_errors<Dim>(cover, values, weights, fit.report.local);
 
-  Points<Dim> middles(Dim, static_cast<Index>(errors.cells.size()));
-  for (Index i = 0; i < middles.cols(); ++i)
-    middles.col(i) = cover.cell(errors.cells[static_cast<std::size_t>(i)]).center();
   auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
-      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(middles, pooled, cover_growth<Dim>), {}});
+      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(errors.points, pooled, cover_growth<Dim>), {}});
   LocalModels<Dim>& models = data->models;  // a constant per cell
   models.components = values.cols();
   models.resize(data->cover.size());
