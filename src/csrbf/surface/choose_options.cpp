@@ -40,21 +40,37 @@ class CrossValidation {
 
   [[nodiscard]] Index size() const { return static_cast<Index>(samples_.size()); }
 
-  // Mean error of every `stride`-th block; all infinite when the patches are hardly wider than the errors.
-  [[nodiscard]] Eigen::ArrayXd errors(const CompositeOptions& options, Index stride = 1) const {
-    const Index count = (static_cast<Index>(begin_.size()) - 1 + stride - 1) / stride;
-    Eigen::ArrayXd error(count), radius(count);
-    parallel_for(count, 4, [&](Index first, Index last) {
-      PatchFitter fitter(cloud_, tree_, options);
-      for (Index t = first; t < last; ++t) {
-        const auto block = static_cast<std::size_t>(stride * t);
-        const Sum sum = predict(fitter, options.leaf_size, begin_[block], begin_[block + 1]);
-        error[t] = sum.error / sum.samples;
-        radius[t] = sum.radius / sum.samples;
-      }
-    });
-    if (error.mean() > thickest * radius.mean()) error.setConstant(std::numeric_limits<double>::infinity());
-    return error;
+  // Mean errors and patch radii, by block.
+  struct Prediction {
+    Eigen::ArrayXd error, radius;
+
+    // All infinite when the patches are hardly wider than the errors.
+    [[nodiscard]] Eigen::ArrayXd checked_errors() const {
+      if (error.mean() <= thickest * radius.mean()) return error;
+      return Eigen::ArrayXd::Constant(error.size(), std::numeric_limits<double>::infinity());
+    }
+  };
+
+  // Predicts every `heat_stride`-th block.
+  [[nodiscard]] Prediction heat(const CompositeOptions& options) const {
+    std::vector<Index> chosen;
+    for (Index t = 0; t < count(); t += heat_stride) chosen.push_back(t);
+    return predict(options, chosen);
+  }
+
+  // Predicts all blocks, given those of the heat.
+  [[nodiscard]] Prediction complete(const CompositeOptions& options, const Prediction& heat) const {
+    std::vector<Index> others;
+    for (Index t = 0; t < count(); ++t)
+      if (t % heat_stride != 0) others.push_back(t);
+    const Prediction rest = predict(options, others);
+    Prediction all{Eigen::ArrayXd(count()), Eigen::ArrayXd(count())};
+    const auto first = Eigen::seq(0, count() - 1, Eigen::fix<heat_stride>);
+    all.error(first) = heat.error;
+    all.radius(first) = heat.radius;
+    all.error(others) = rest.error;
+    all.radius(others) = rest.radius;
+    return all;
   }
 
  private:
@@ -76,6 +92,23 @@ class CrossValidation {
     std::sort(along.begin(), along.end());
     along.resize(std::min(along.size(), static_cast<std::size_t>(block_size)));
     for (const auto& [distance, i] : along) samples_.push_back(i);
+  }
+
+  [[nodiscard]] Index count() const { return static_cast<Index>(begin_.size()) - 1; }
+
+  [[nodiscard]] Prediction predict(const CompositeOptions& options, const std::vector<Index>& chosen) const {
+    const auto n = static_cast<Index>(chosen.size());
+    Prediction result{Eigen::ArrayXd(n), Eigen::ArrayXd(n)};
+    parallel_for(n, 4, [&](Index first, Index last) {
+      PatchFitter fitter(cloud_, tree_, options);
+      for (Index i = first; i < last; ++i) {
+        const auto block = static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)]);
+        const Sum sum = predict(fitter, options.leaf_size, begin_[block], begin_[block + 1]);
+        result.error[i] = sum.error / sum.samples;
+        result.radius[i] = sum.radius / sum.samples;
+      }
+    });
+    return result;
   }
 
   struct Sum {
@@ -152,16 +185,18 @@ template <class Value, class Values>
 Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& options, Value CompositeOptions::*member,
                       const Values& values, bool noisy) {
   Eigen::ArrayXd heat(static_cast<Index>(values.size()));
+  std::vector<CrossValidation::Prediction> predictions;
   for (std::size_t i = 0; i < values.size(); ++i) {
     options.*member = values[i];
-    heat[static_cast<Index>(i)] = validation.errors(options, heat_stride).mean();
+    predictions.push_back(validation.heat(options));
+    heat[static_cast<Index>(i)] = predictions.back().checked_errors().mean();
   }
   std::vector<Eigen::ArrayXd> errors(values.size(),
                                      Eigen::ArrayXd::Constant(1, std::numeric_limits<double>::infinity()));
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!(heat[static_cast<Index>(i)] <= hopeless * heat.minCoeff())) continue;
     options.*member = values[i];
-    errors[i] = validation.errors(options);
+    errors[i] = validation.complete(options, predictions[i]).checked_errors();
   }
   const std::size_t chosen = choose(errors, noisy);
   options.*member = values[chosen];
