@@ -1,6 +1,7 @@
 #include "csrbf/implicit/raycast.hpp"
 
 #include "core/error_testing.hpp"
+#include "csrbf/approx/expansion.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/combine.hpp"
 #include "implicit/analytic_fields.hpp"
@@ -121,6 +122,46 @@ TEST(Raycast, AgreesWithDenseSamplingOnATorus) {
   const Rays rays = random_rays(torus.bounds(), 300, 7);
   const RayHits hits = raycast(torus, rays.origins, rays.directions, {.resolution = 48});
   EXPECT_EQ(disagreements(torus, rays, hits.t, 500), 0);
+}
+
+TEST(Raycast, AgreesWithDenseSamplingOnExpansions) {
+  // 1 - |p|^2 and bumps.
+  const Points<3> centers = random_points_in(box_around(Point<3>::Zero(), Point<3>::Ones()), 80, 9);
+  PolynomialTail<3> tail;
+  tail.degree = 2;
+  tail.coefficients = Eigen::VectorXd::Zero(10);
+  for (const Index square : {4, 7, 9}) tail.coefficients[square] = -1;
+  tail.coefficients[0] = 1;
+  const Eigen::VectorXd alpha = 0.5 * random_directions(80, 10).row(0).transpose();
+  const auto field =
+      make_expansion<3>(Kernel("wendland-c2", 3), centers, Eigen::VectorXd::Constant(1, 0.4), alpha, tail);
+  const Rays rays = random_rays(field->bounds(), 300, 11);
+  const RayHits hits = raycast(*field, rays.origins, rays.directions, {.resolution = 24});
+  EXPECT_TRUE(hits.guaranteed);
+  EXPECT_EQ(disagreements(*field, rays, hits.t, 2000), 0);
+}
+
+TEST(Raycast, GetsOnAlongTheWallsOfCells) {
+  const AnalyticField plain = ball(1);
+  const EnclosedBall enclosed(1);
+  // Walls are at multiples of 1/8.
+  std::vector<Point<3>> starts;
+  for (int i = -8; i <= 8; ++i)
+    for (int j = -8; j <= 8; ++j)
+      if (i * i + j * j != 64) starts.emplace_back(i / 8.0, j / 8.0, 2);  // those graze the ball
+  Points<3> origins(3, static_cast<Index>(starts.size()));
+  for (std::size_t i = 0; i < starts.size(); ++i) origins.col(static_cast<Index>(i)) = starts[i];
+  for (const Field<3>* field : {static_cast<const Field<3>*>(&plain), static_cast<const Field<3>*>(&enclosed)})
+    for (const double tiny : {0.0, 1e-300, -1e-300, 1e-17, -1e-17}) {
+      const Point<3> along(tiny, -tiny, -1);
+      const RayHits hits = raycast(*field, origins, along.replicate(1, origins.cols()), {.resolution = 20});
+      for (Index i = 0; i < origins.cols(); ++i) {
+        const double expected = sphere_hit(origins.col(i), along, 1, Point<3>::Zero());
+        EXPECT_EQ(std::isinf(hits.t[i]), std::isinf(expected));
+        if (std::isinf(expected)) continue;
+        EXPECT_NEAR(hits.t[i], expected, 1e-11);
+      }
+    }
 }
 
 TEST(Raycast, EndsAtTheLargestDistance) {

@@ -14,7 +14,6 @@ constexpr int longest_stretch = 4;  // cells
 constexpr double estimate_factor = 2;
 constexpr double least_bend = 0.1;     // of an estimate, in units of the slope over a cell
 constexpr double cell_overlap = 1e-6;  // a zero on a wall, within rounding, belongs to the cells on both sides
-constexpr double step_over = 1e-9;     // of a cell, into the next one
 
 // Distance along the ray to where it leaves a box, and whether it is ahead.
 double exit_distance(const Ray& ray, const Box<3>& box) {
@@ -161,32 +160,54 @@ void CandidateCells::collect_polygonized(const Field<3>& field, const Mesh& mesh
   }
 }
 
-bool CandidateCells::next(const Ray& ray, double t, double t_max, Stretch& stretch) const {
-  const Box<3> lattice{origin_, origin_ + side_ * cells_.cast<double>().matrix()};
-  t = std::max(t, entry_distance(ray, lattice));
-  if (!(t < t_max)) return false;
-  // Into the next cell, also where positions on the ray are rounded to more than that.
-  const double nudge = step_over * side_ + 1e-15 * (t + lattice.diagonal() + ray.origin.lpNorm<Eigen::Infinity>());
-  int length = 0;
-  while (t < t_max) {
-    const Point<3> inside = ray.origin + (t + nudge) * ray.direction;
-    const Corner corner = ((inside - origin_) / side_).array().floor().cast<int>();
-    if ((corner < 0).any() || (corner >= cells_).any()) break;
-    bool skip_block = false;
-    const Cell* cell = find(corner, skip_block);
-    if (cell == nullptr && length > 0) break;
-    const Box<3> box = skip_block ? box_of(corner / block_side * block_side, block_side) : box_of(corner, 1);
-    const double exit = std::max(exit_distance(ray, box), t + nudge);
-    if (cell != nullptr) {
-      if (length == 0) stretch = {t, t, 0, 0};
-      stretch.end = exit;
-      stretch.slope = std::max(stretch.slope, double{cell->slope});
-      stretch.bend = std::max(stretch.bend, double{cell->bend});
-      if (++length == longest_stretch) break;
-    }
-    t = exit;
+// The cell in which the ray enters the lattice.
+bool CandidateCells::enter(const Ray& ray, Walk& walk) const {
+  walk.started = true;
+  walk.t = entry_distance(ray, {origin_, origin_ + side_ * cells_.cast<double>().matrix()});
+  if (!std::isfinite(walk.t)) return false;
+  const Point<3> place = (ray.origin + walk.t * ray.direction - origin_) / side_;
+  walk.cell = place.array().floor().max(0).min(cells_.cast<double>() - 1).cast<int>();
+  return true;
+}
+
+// Leaves the box of `cells` cells along each axis that holds the cell. Counts cells, so that a ray along a wall gets
+// on.
+void CandidateCells::step(const Ray& ray, int cells, Walk& walk) const {
+  const Corner corner = walk.cell / cells * cells;
+  const Box<3> box = box_of(corner, cells);
+  double exit = std::numeric_limits<double>::infinity();
+  Index axis = 0;
+  for (Index k = 0; k < 3; ++k) {
+    if (ray.direction[k] == 0) continue;
+    const double t = ((ray.direction[k] > 0 ? box.hi[k] : box.lo[k]) - ray.origin[k]) / ray.direction[k];
+    if (!(t < exit)) continue;
+    exit = t;
+    axis = k;
   }
-  stretch.end = std::min(stretch.end, t_max);
+  walk.t = std::max(walk.t, exit);
+  if (cells > 1) {
+    const Point<3> place = (ray.origin + walk.t * ray.direction - origin_) / side_;
+    const Eigen::Array3d last = (corner + cells - 1).cast<double>();
+    walk.cell = place.array().floor().max(corner.cast<double>()).min(last).cast<int>();
+  }
+  walk.cell[axis] = ray.direction[axis] > 0 ? corner[axis] + cells : corner[axis] - 1;
+}
+
+bool CandidateCells::next(const Ray& ray, double t_max, Walk& walk, Stretch& stretch) const {
+  if (!walk.started && !enter(ray, walk)) return false;
+  int length = 0;
+  while (walk.t < t_max && (walk.cell >= 0).all() && (walk.cell < cells_).all() && length < longest_stretch) {
+    bool block_is_empty = false;
+    const Cell* cell = find(walk.cell, block_is_empty);
+    if (cell == nullptr && length > 0) break;
+    const double begin = walk.t;
+    step(ray, block_is_empty ? block_side : 1, walk);
+    if (cell == nullptr) continue;
+    if (length++ == 0) stretch = {begin, begin, 0, 0};
+    stretch.end = std::min(walk.t, t_max);
+    stretch.slope = std::max(stretch.slope, double{cell->slope});
+    stretch.bend = std::max(stretch.bend, double{cell->bend});
+  }
   return length > 0;
 }
 

@@ -33,9 +33,16 @@ class CandidateCells {
   /// With this every point of the surface is within a cell of the cell of a vertex.
   static constexpr double finer = 1.25;
 
-  /// The first stretch of the ray that begins at t or later and ends before t_max; false when there is none. Stretches
-  /// are at most a few cells long; the next one begins where the last one ended or later.
-  [[nodiscard]] bool next(const Ray& ray, double t, double t_max, Stretch& stretch) const;
+  /// Where a ray is on its way through the cells.
+  struct Walk {
+    bool started = false;
+    double t = 0;         ///< distance along the ray ...
+    Eigen::Array3i cell;  ///< ... where it enters this cell
+  };
+
+  /// The next stretch of the ray that ends before t_max; false when there is none. Stretches are at most a few cells
+  /// long and follow each other.
+  [[nodiscard]] bool next(const Ray& ray, double t_max, Walk& walk, Stretch& stretch) const;
 
   /// Do the bounds hold for certain?
   [[nodiscard]] bool guaranteed() const { return guaranteed_; }
@@ -50,6 +57,8 @@ class CandidateCells {
   };
   using Corner = Eigen::Array3i;
 
+  [[nodiscard]] bool enter(const Ray& ray, Walk& walk) const;
+  void step(const Ray& ray, int cells, Walk& walk) const;
   [[nodiscard]] Cell* find(const Corner& cell);
   [[nodiscard]] const Cell* find(const Corner& cell, bool& block_is_empty) const;
   void mark(const Corner& cell, double slope, double bend);

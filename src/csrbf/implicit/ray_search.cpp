@@ -9,7 +9,7 @@ constexpr int most_steps = 80;
 }  // namespace
 
 void RaySearch::next_stretch() {
-  if (!cells_->next(ray_, stretch_.end, t_max_, stretch_)) {
+  if (!cells_->next(ray_, t_max_, walk_, stretch_)) {
     step_ = Step::done;
     return;
   }

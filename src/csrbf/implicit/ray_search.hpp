@@ -51,6 +51,7 @@ class RaySearch {
   bool hit_ = false;
   double t_ = 0;  // of the query, or of the hit
   Point<3> gradient_ = Point<3>::Zero();
+  CandidateCells::Walk walk_;
   Stretch stretch_;
   std::array<double, deepest> ends_;  // of the intervals that are left of the stretch, the next one last
   int left_ = 0;

@@ -71,9 +71,9 @@ RgbImage render(const Mesh& mesh, const RenderOptions& options = {});
 
 /// Ray-traced picture of the zero set of a field. Rays of the camera meet the zero set itself, exact up to rounding
 /// (RayCaster, with `field_resolution` cells along the longest side of the field's bounds); shadows are those of a
-/// polygonization of that resolution. Parts thinner than a cell may be missed. Throws InvalidInput when an option is out
-/// of range and whatever `polygonize` throws: SolverFailure when there is no surface. Cost: that of `polygonize`, one
-/// Hessian for each of its vertices, and about five gradients for every ray that comes near the surface.
+/// polygonization of that resolution. Parts thinner than a cell may be missed. Throws InvalidInput when an option is
+/// out of range and whatever `polygonize` throws: SolverFailure when there is no surface. Cost: that of `polygonize`,
+/// one Hessian for each of its vertices, and about five gradients for every ray that comes near the surface.
 RgbImage render(const Field<3>& field, const RenderOptions& options = {});
 
 }  // namespace csrbf
