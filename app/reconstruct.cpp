@@ -8,6 +8,7 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/points.hpp"
 #include "csrbf/io/read_file.hpp"
+#include "csrbf/surface/surface_method.hpp"
 #include "csrbf/surface/transfer_properties.hpp"
 #include "csrbf/surface/trim.hpp"
 
@@ -34,6 +35,9 @@ void expect_outputs(const ReconstructCommand& command, Session& session) {
   expect_mesh_output(command.output, session);
   if (command.model.empty()) return;
   if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
+  const SurfaceMethod* method = find_surface_method(command.method);
+  if (method != nullptr && !method->has_model)
+    throw UsageError("--model " + command.model + ": surfaces of the method " + command.method + " cannot be saved");
   session.expect_output(command.model);
 }
 

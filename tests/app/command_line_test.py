@@ -489,6 +489,12 @@ class Surfaces(CommandLine):
         self.succeed("render", self.path("rest.csrbf"), "-o", self.path("rest.png"), "--size", "60x40")
         self.succeed("info", self.path("rest.csrbf"))
 
+    def test_methods_without_a_file_form_say_so_before_any_work(self):
+        cloud = self.write("cloud.ply", ply(sphere(500)))
+        self.fail_with(2, "cannot be saved", "reconstruct", cloud, "-o", self.path("mesh.ply"), "--method", "hoppe",
+                       "--model", self.path("model.csrbf"))
+        self.assertEqual(self.files(), ["cloud.ply"])
+
     def test_results_do_not_depend_on_the_number_of_threads(self):
         cloud = self.write("cloud.ply", ply(sphere(1000)))
         for threads in ("1", "2"):

@@ -1,5 +1,6 @@
 #include "csrbf/surface/surface_method.hpp"
 
+#include "csrbf/surface/comparators/comparators.hpp"
 #include "csrbf/surface/medial_axis.hpp"
 
 #include <algorithm>
@@ -17,8 +18,24 @@ MethodFit medial_axis(const PreparedCloud& prepared, const MethodOptions& option
 }  // namespace
 
 const std::vector<SurfaceMethod>& surface_methods() {
+  namespace c = comparators;
   static const std::vector<SurfaceMethod> methods = {
-      {"medial-axis", "quadrics and CSRBFs with supports adapted to the medial axis (Gelas 2006)", medial_axis},
+      {"medial-axis", "quadrics and CSRBFs with supports adapted to the medial axis (Gelas 2006)", true, medial_axis},
+      {"multilevel", "levels of quadrics and CSRBFs (Ohtake 2003)", true, c::multilevel},
+      {"adaptive", "quadrics and CSRBFs with adaptive supports (Ohtake 2004)", true, c::adaptive},
+      {"mpu", "partition of unity over an octree of quadrics (Ohtake 2003)", true, c::mpu},
+      {"tobor", "partition of unity of triharmonic splines (Tobor 2004)", false, c::tobor},
+      {"hoppe", "distance to the nearest tangent plane (Hoppe 1992)", false, c::hoppe},
+      {"adamson-alexa", "moving tangent planes (Adamson and Alexa 2003)", false, c::adamson_alexa},
+      {"projection-mls", "distance to moving polynomials (Levin 1998)", false, c::projection_mls},
+      {"morse", "CSRBFs of one support (Morse 2001)", true, c::morse},
+      {"turk-obrien", "triharmonic spline with inner points (Turk and O'Brien 2002)", true, c::turk_obrien},
+      {"savchenko", "triharmonic spline with a carrier (Savchenko 1995)", true, c::savchenko},
+      {"dinh", "radial functions stretched along the surface (Dinh 2001)", true, c::dinh},
+      {"3l", "one polynomial, three levels (Blane 2000)", true, c::three_levels},
+      {"gradient-one", "one polynomial, unit gradients (Tasdizen 2000)", true, c::gradient_one},
+      {"min-max", "one polynomial, least worst error (Helzer 2004)", true, c::min_max},
+      {"min-var", "one polynomial, least mean error (Helzer 2004)", true, c::min_var},
   };
   return methods;
 }

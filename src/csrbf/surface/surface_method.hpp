@@ -29,6 +29,7 @@ struct MethodFit {
 struct SurfaceMethod {
   const char* name;
   const char* what;  ///< in a few words, with its source
+  bool has_model;    ///< whether write_model() knows its fields
   MethodFit (*fit)(const PreparedCloud& cloud, const MethodOptions& options);
 };
 
