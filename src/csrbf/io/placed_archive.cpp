@@ -3,6 +3,7 @@
 #include "csrbf/io/field_archive.hpp"
 #include "csrbf/io/field_parts.hpp"
 #include "csrbf/io/winding_archive.hpp"
+#include "csrbf/surface/comparators/quadric_balls.hpp"
 #include "csrbf/surface/medial_axis_field.hpp"
 
 #include <utility>
