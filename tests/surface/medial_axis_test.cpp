@@ -121,7 +121,7 @@ TEST(MedialSupports, HoldEnoughCellsAndEverySample) {
   const Points<3> centers = plate.points(Eigen::all, every), normals = plate.normals(Eigen::all, every);
   const MedialSupports result = medial_supports(centers, normals, plate.points);
   EXPECT_TRUE((result.scales.array() < result.supports.array()).any());
-  EXPECT_TRUE((pi * result.supports.array().square() >= 5.999 * result.areas.array()).all());
+  EXPECT_TRUE((pi * result.supports.array().square() >= 2.999 * result.areas.array()).all());
   for (Index k = 0; k < plate.size(); ++k) {
     const auto distance = (centers.colwise() - plate.points.col(k).eval()).colwise().norm();
     EXPECT_GE((distance.transpose().array() < result.supports.array()).count(), 4);

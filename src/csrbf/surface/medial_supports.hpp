@@ -7,8 +7,8 @@ namespace csrbf {
 /// How wide the supports of medial_supports() are.
 struct MedialSupportOptions {
   double support = 1;  ///< rho: support over the distance to the medial axis (thesis eq. 6.19)
-  double fewest = 6;   ///< a support is at least as large as the cells of so many centres ...
-  double most = 32;    ///< ... and at most as those of so many
+  double fewest = 3;   ///< a support is at least as large as the cells of so many centres ...
+  double most = 16;    ///< ... and at most as those of so many
   Index coverage = 4;  ///< every sample is inside the supports of so many centres
 };
 
