@@ -204,7 +204,7 @@ void append(const std::vector<Segment>& segments, const Points<3>& x, const Eige
 
 }  // namespace
 
-Polylines ridges(const Field<3>& field, const Mesh& mesh, const RidgeOptions& options) {
+Polylines ridges(const Field<3>& field, const Mesh& mesh, const RidgeLineOptions& options) {
   require(std::isfinite(options.level), "ridges", "level", options.level, "must be finite");
   require(options.least_turning >= 0, "ridges", "least_turning", options.least_turning, "must not be negative");
   require(mesh.triangles.cols() > 0, "ridges", "triangles", mesh.triangles.cols(), "the mesh must have some");

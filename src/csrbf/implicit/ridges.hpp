@@ -6,7 +6,7 @@
 
 namespace csrbf {
 
-struct RidgeOptions {
+struct RidgeLineOptions {
   double level = 0;  ///< the surface f = level, whose mesh is given
 
   /// Shorter and flatter lines are left out: those along which the normal, cut across, turns by less than this angle in
@@ -29,6 +29,6 @@ struct RidgeOptions {
 /// Vertex properties: `kind` (char) is 1 on ridges and -1 on valleys, `curvature` (float) is k1 or k2. No two lines
 /// share a vertex. Throws InvalidInput when the mesh has no edge or an option is out of range; Cancelled. About 8
 /// Hessians for each vertex of the mesh and 40 for each vertex of the lines.
-Polylines ridges(const Field<3>& field, const Mesh& mesh, const RidgeOptions& options = {});
+Polylines ridges(const Field<3>& field, const Mesh& mesh, const RidgeLineOptions& options = {});
 
 }  // namespace csrbf
