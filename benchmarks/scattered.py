@@ -33,8 +33,8 @@ HEADER = ["tool", "rmse", "median", "fit CPU s", "evaluation CPU s", "per 1e6", 
 
 LEGEND = """**rmse**, **median**: of the errors at the queries. **fit**: `csrbf fit SAMPLES.npy -o MODEL`, reading and writing
 included. **evaluation**: `csrbf evaluate MODEL --points QUERIES.npy -o OUT.npy`, the same; **per 1e6**: the stage
-`evaluate` of its report, seconds times threads for a million queries. **peak MB**: largest resident memory of the fit, of which the
-samples are a part. One run each, all threads.
+`evaluate` of its report, seconds times threads for a million queries. **peak MB**: largest resident memory of the fit,
+the samples included, and at least that of this script when it started the fit. One run each, all threads.
 """
 
 
