@@ -96,6 +96,18 @@ TEST(Fit, HoldsTheToleranceAtEverySample) {
   EXPECT_THROW(fit<2>(data, {.tolerance = .1}), SolverFailure);
 }
 
+TEST(Fit, KeepsNothingOfAttemptsThatMissTheTolerance) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> error(0, .05);
+  Samples<2> data = sample<2>(random_points<2>(1500, 1), franke);
+  for (Index i = 0; i < data.size(); ++i) data.values(i) += error(random);
+  const Fit<2> result = fit<2>(data, {.tolerance = .02});
+  EXPECT_EQ(result.report.method, "error-bounded");
+  EXPECT_EQ(result.report.samples_fitted, data.size());
+  EXPECT_EQ(result.report.patches, 0);
+  EXPECT_TRUE(result.variances.empty());
+}
+
 TEST(Fit, TakesAsManySamplesAsAToleranceNeeds) {
   Samples<2> data = sample<2>(random_points<2>(40'000, 1), franke);
   data.points.col(7) = data.points.col(8);

@@ -184,6 +184,7 @@ class Fitter {
       }
     }
     report_ = before;
+    variances.clear();
     return {};
   }
 
@@ -196,6 +197,8 @@ class Fitter {
     }
     for (Index i = std::min(first, samples_.size() - 1); i < samples_.size(); i += stride)
       chosen.push_back(order[static_cast<std::size_t>(i)]);
+    std::sort(chosen.begin(), chosen.end());
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
     Samples<Dim> share{samples_.points(Eigen::all, chosen), samples_.values(chosen, Eigen::all), {}};
     if (samples_.weights.size() > 0) share.weights = samples_.weights(chosen);
     return share;
