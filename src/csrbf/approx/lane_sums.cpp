@@ -25,13 +25,13 @@ CSRBF_ALWAYS_INLINE void derive(const double* x, int dim, int axis, int terms, c
     }
 }
 
-template <int Dim>
-CSRBF_ALWAYS_INLINE void distances_in(const double* x, const double* centers, Index n, double scale, double* r2) {
+CSRBF_ALWAYS_INLINE void distances_in(int dim, const double* x, const double* centers, Index n, double scale,
+                                      double* r2) {
   for (Index j = 0; j < n; ++j) {
     Lanes sum(0.0);
-    for (int a = 0; a < Dim; ++a) {
+    for (int a = 0; a < dim; ++a) {
       Lanes d(x + lanes * a);
-      d -= centers[Dim * j + a];
+      d -= centers[dim * j + a];
       sum.add_product(d, d);
     }
     sum *= scale;
@@ -84,25 +84,15 @@ CSRBF_SIMD_CLONES void add_row(const double* q, const double* weight, Index n, c
 }
 
 CSRBF_SIMD_CLONES void distances(const double* x, int dim, const double* centers, Index n, double scale, double* r2) {
-  switch (dim) {
+  switch (dim) {  // loops of known length are unrolled
     case 1:
-      return distances_in<1>(x, centers, n, scale, r2);
+      return distances_in(1, x, centers, n, scale, r2);
     case 2:
-      return distances_in<2>(x, centers, n, scale, r2);
+      return distances_in(2, x, centers, n, scale, r2);
     case 3:
-      return distances_in<3>(x, centers, n, scale, r2);
+      return distances_in(3, x, centers, n, scale, r2);
     default:
-      break;
-  }
-  for (Index j = 0; j < n; ++j) {
-    Lanes sum(0.0);
-    for (int a = 0; a < dim; ++a) {
-      Lanes d(x + lanes * a);
-      d -= centers[dim * j + a];
-      sum.add_product(d, d);
-    }
-    sum *= scale;
-    sum.store(r2 + lanes * j);
+      return distances_in(dim, x, centers, n, scale, r2);
   }
 }
 

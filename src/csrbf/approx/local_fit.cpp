@@ -20,28 +20,18 @@ constexpr double flat = 1e-10;        // the same for samples on a line or plane
 constexpr Index most_spread = 400;    // larger patches reach far enough as they are
 constexpr Index widened = 4, widest = 16;  // times as many samples are looked at where they are not
 
-CSRBF_ALWAYS_INLINE void store_distance(const double* p, const double* q, int dim, double scale, double* r2) {
-  Lanes sum(0.0);
-  for (int a = 0; a < dim; ++a) {
-    Lanes d(p + L * a);
-    d -= Lanes(q + L * a);
-    sum.add_product(d, d);
-  }
-  sum *= scale;
-  sum.store(r2);
-}
-
 // Squared distances of all pairs of n points, lower triangle by rows.
 CSRBF_SIMD_CLONES void pair_distances(const double* q, int dim, Index n, double scale, double* r2) {
   for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j <= i; ++j, r2 += L) store_distance(q + L * dim * i, q + L * dim * j, dim, scale, r2);
+    for (Index j = 0; j <= i; ++j, r2 += L) store_squared_distance(q + L * dim * i, q + L * dim * j, dim, scale, r2);
 }
 
 // r2[n j + i] of all points to the chosen ones.
 CSRBF_SIMD_CLONES void distances_to(const double* q, int dim, Index n, const Index* chosen, Index m, double scale,
                                     double* r2) {
   for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j < m; ++j, r2 += L) store_distance(q + L * dim * i, q + L * dim * chosen[j], dim, scale, r2);
+    for (Index j = 0; j < m; ++j, r2 += L)
+      store_squared_distance(q + L * dim * i, q + L * dim * chosen[j], dim, scale, r2);
 }
 
 // out = a b, lane by lane.

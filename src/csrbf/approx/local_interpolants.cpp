@@ -105,25 +105,15 @@ CSRBF_SIMD_CLONES void monomials(const double* u, Index d, Index n, const std::i
   }
 }
 
-CSRBF_ALWAYS_INLINE void distance(const double* x, const double* y, Index d, double epsilon2, double* r2) {
-  Lanes sum(0.0);
-  for (Index a = 0; a < lanes * d; a += lanes) {
-    Lanes difference(x + a);
-    difference -= Lanes(y + a);
-    sum.add_product(difference, difference);
-  }
-  sum *= epsilon2;
-  sum.store(r2);
-}
-
 CSRBF_SIMD_CLONES void pair_distances(const double* y, Index d, Index n, double epsilon2, double* r2) {
   for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j <= i; ++j, r2 += lanes) distance(y + lanes * d * i, y + lanes * d * j, d, epsilon2, r2);
+    for (Index j = 0; j <= i; ++j, r2 += lanes)
+      store_squared_distance(y + lanes * d * i, y + lanes * d * j, d, epsilon2, r2);
 }
 
 CSRBF_SIMD_CLONES void query_distances(const double* x, const double* y, Index d, Index n, double epsilon2,
                                        double* r2) {
-  for (Index i = 0; i < n; ++i) distance(x, y + lanes * d * i, d, epsilon2, r2 + lanes * i);
+  for (Index i = 0; i < n; ++i) store_squared_distance(x, y + lanes * d * i, d, epsilon2, r2 + lanes * i);
 }
 
 CSRBF_SIMD_CLONES void add_products(const double* a, const double* b, Index n, double* sum) {

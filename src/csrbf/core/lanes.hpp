@@ -2,6 +2,7 @@
 
 #include "csrbf/core/simd.hpp"
 
+#include <cstddef>
 #include <cstring>
 
 namespace csrbf {
@@ -64,5 +65,18 @@ class Lanes {
   using Half = double __attribute__((vector_size(size / 2 * sizeof(double))));
   Half low_, high_;
 };
+
+/// Stores scale |p - q|^2 for points of `dim` coordinates, eight lanes each.
+CSRBF_ALWAYS_INLINE void store_squared_distance(const double* p, const double* q, std::ptrdiff_t dim, double scale,
+                                                double* to) {
+  Lanes sum(0.0);
+  for (std::ptrdiff_t a = 0; a < Lanes::size * dim; a += Lanes::size) {
+    Lanes d(p + a);
+    d -= Lanes(q + a);
+    sum.add_product(d, d);
+  }
+  sum *= scale;
+  sum.store(to);
+}
 
 }  // namespace csrbf
