@@ -1,6 +1,7 @@
 #include "csrbf/approx/expansion.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "core/error_testing.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -233,45 +234,35 @@ TEST(Expansion, IsItsPolynomialWithoutCentres) {
   EXPECT_DOUBLE_EQ((*f)(Point<2>(3, 5)), 5 + 4 * 1 + 2 * 2);
 }
 
-template <class Action>
-std::string message_of(const Action& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing thrown";
-}
-
 TEST(Expansion, RefusesWhatItCannotRepresent) {
   const Kernel kernel("wendland-c2", 2);
   const Points<2> centers = random_points<2>(3, 1);
   const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
   const Eigen::VectorXd alpha = Eigen::VectorXd::Ones(3);
-  EXPECT_EQ(message_of([&] { make_expansion<2>(kernel, centers, one, one); }),
+  EXPECT_EQ(invalid_input_message([&] { make_expansion<2>(kernel, centers, one, one); }),
             "RadialBasis: coefficients = 1: there must be one per centre");
-  EXPECT_EQ(message_of([&] { make_expansion<2>(kernel, centers, Eigen::VectorXd::Ones(2), alpha); }),
+  EXPECT_EQ(invalid_input_message([&] { make_expansion<2>(kernel, centers, Eigen::VectorXd::Ones(2), alpha); }),
             "RadialBasis: supports = 2: there must be one support or one per centre");
-  EXPECT_EQ(message_of([&] { make_expansion<2>(kernel, centers, 0 * one, alpha); }),
+  EXPECT_EQ(invalid_input_message([&] { make_expansion<2>(kernel, centers, 0 * one, alpha); }),
             "RadialBasis: supports = not positive or not finite: every support must be positive and finite");
-  EXPECT_EQ(message_of([&] { make_expansion<2>(kernel, centers * std::nan(""), one, alpha); }),
+  EXPECT_EQ(invalid_input_message([&] { make_expansion<2>(kernel, centers * std::nan(""), one, alpha); }),
             "RadialBasis: centers = NaN or infinity: every coordinate must be finite");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(invalid_input_message([&] {
               make_expansion<2>(kernel, centers, one, alpha, {}, {{Matrix<2>::Zero()}, {0, 0}});
             }),
             "RadialBasis: transforms = singular or not finite: every transform must be invertible");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(invalid_input_message([&] {
               make_expansion<2>(Kernel("gaussian", 2), centers, one, alpha, {}, {{}, {1, 0}});
             }),
             "RadialBasis: kernel = gaussian: periodic axes need a compactly supported kernel; choose wendland-c2 or "
             "another one");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(invalid_input_message([&] {
               make_expansion<2>(kernel, centers, one, alpha, {0, {0, 0}, 1, {}});
             }),
             "Expansion: tail.coefficients = 0: there must be one per monomial of the degree");
-  EXPECT_EQ(
-      message_of([&] { make_expansion<2>(Kernel("gaussian", 2), centers, one, alpha)->basis().matrix(centers).sum(); }),
-      "RadialBasis: kernel = gaussian: a sparse matrix needs a compactly supported kernel");
+  EXPECT_EQ(invalid_input_message(
+                [&] { make_expansion<2>(Kernel("gaussian", 2), centers, one, alpha)->basis().matrix(centers).sum(); }),
+            "RadialBasis: kernel = gaussian: a sparse matrix needs a compactly supported kernel");
 }
 
 }  // namespace

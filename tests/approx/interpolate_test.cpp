@@ -1,6 +1,7 @@
 #include "csrbf/approx/interpolate.hpp"
 
 #include "approx/interpolate_testing.hpp"
+#include "core/error_testing.hpp"
 #include "csrbf/approx/choose_kernel.hpp"
 
 #include <gtest/gtest.h>
@@ -243,20 +244,10 @@ TEST(Interpolate, WithAMetricIsThatOfTransformedPoints) {
   }
 }
 
-template <class Action>
-std::string message_of(const Action& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing thrown";
-}
-
 TEST(Interpolate, RejectsBadInput) {
   const Samples<2> samples = sample<2>(wave<2>, 20);
   const auto message = [&](const InterpolateOptions& options) {
-    return message_of([&] { (void)interpolate(samples, options); });
+    return invalid_input_message([&] { (void)interpolate(samples, options); });
   };
   EXPECT_EQ(message({.kernel = "thin-plate", .degree = 0}),
             "interpolate: degree = 0: thin-plate needs at least degree 1");
@@ -267,15 +258,17 @@ TEST(Interpolate, RejectsBadInput) {
             "interpolate: number of samples = 20: is above dense_limit; use a compactly supported kernel, such as "
             "wendland-c2, or a partition of unity");
   EXPECT_EQ(message({.kernel = "splines"}).find("Kernel: name = splines: unknown; there are wendland-c0"), 0U);
-  EXPECT_EQ(message_of([] { (void)interpolate(Samples<2>{}); }),
+  EXPECT_EQ(invalid_input_message([] { (void)interpolate(Samples<2>{}); }),
             "interpolate: samples = none: at least one sample is needed");
   Samples<2> line = samples;
   line.points.row(1).setZero();
-  EXPECT_NE(message_of([&] { (void)interpolate(line, {.kernel = "cubic", .degree = 1}); }).find("lower the degree"),
+  EXPECT_NE(invalid_input_message([&] {
+              (void)interpolate(line, {.kernel = "cubic", .degree = 1});
+            }).find("lower the degree"),
             std::string::npos);
   RadialMetric<2> metric;
   metric.periods = Point<2>(1, 0);
-  EXPECT_EQ(message_of([&] { (void)interpolate(samples, {.kernel = "cubic"}, metric); }),
+  EXPECT_EQ(invalid_input_message([&] { (void)interpolate(samples, {.kernel = "cubic"}, metric); }),
             "interpolate: kernel = cubic: periodic axes need a compactly supported kernel");
 }
 

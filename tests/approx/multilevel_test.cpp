@@ -1,6 +1,7 @@
 #include "csrbf/approx/multilevel.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "core/error_testing.hpp"
 #include "csrbf/approx/least_squares.hpp"
 
 namespace csrbf {
@@ -163,29 +164,19 @@ TEST(Multilevel, ReportsProgressAndCanBeCancelled) {
                Cancelled);
 }
 
-template <class Action>
-std::string message_of(const Action& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing thrown";
-}
-
 TEST(Multilevel, RefusesBadSamplesAndOptions) {
   const Samples<2> data = sample<2>(random_points<2>(10, 1), franke);
   Samples<2> bad = data;
   bad.values(3) = std::nan("");
-  EXPECT_EQ(message_of([&] { multilevel<2>(bad); }),
+  EXPECT_EQ(invalid_input_message([&] { multilevel<2>(bad); }),
             "multilevel: values = NaN or infinity: every value must be finite; remove the other samples");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(invalid_input_message([&] {
               multilevel<2>(Samples<2>{Points<2>(2, 0), Eigen::MatrixXd(0, 1), {}});
             }),
             "multilevel: samples = none: at least one sample is needed");
-  EXPECT_EQ(message_of([&] { multilevel<2>(data, {.max_levels = 0}); }),
+  EXPECT_EQ(invalid_input_message([&] { multilevel<2>(data, {.max_levels = 0}); }),
             "multilevel: max_levels = 0: must be at least 1");
-  EXPECT_EQ(message_of([&] { multilevel<2>(data, {.kernel = "gaussian"}); }),
+  EXPECT_EQ(invalid_input_message([&] { multilevel<2>(data, {.kernel = "gaussian"}); }),
             "LevelBuilder: kernel = gaussian: fits by levels need a compactly supported kernel; choose wendland-c2 or "
             "another one");
 }
