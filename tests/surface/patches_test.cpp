@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include <array>
 #include <random>
 
 namespace csrbf {
@@ -259,6 +260,17 @@ TEST(Patches, GiveTheSameSumsWithFewerDerivatives) {
         EXPECT_NEAR((gradients.*sum)[t][0], (jets.*sum)[t][0], rounding * (1 + std::abs((jets.*sum)[t][0])));
     }
   }
+}
+
+TEST(Patches, GiveTheSameWeightsAlone) {
+  const Patches patches = patches_of(random_models(60, 9));
+  mt19937_64 random(10);
+  const Points<3> x = Points<3>::NullaryExpr(3, 13, [&] { return uniform(random); });
+  PatchSums sums;
+  patches.accumulate(x, Derivatives::none, sums);
+  std::array<double, 13> W;
+  patches.weights(x, W.data());
+  for (std::size_t i = 0; i < W.size(); ++i) EXPECT_NEAR(W[i], sums.W[0][i], rounding);
 }
 
 TEST(Patches, BlendWithDerivativesOfSecondOrderAccurateDifferences) {

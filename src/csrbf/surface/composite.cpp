@@ -2,8 +2,10 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/partition.hpp"
+#include "csrbf/surface/bare_spots.hpp"
 #include "csrbf/surface/patch_fitter.hpp"
 
+#include <optional>
 #include <utility>
 
 namespace csrbf {
@@ -27,12 +29,15 @@ class LeafFitter {
   LeafFitter(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
              std::vector<Index>& order, Eigen::VectorXd& areas)
       : cloud_(cloud),
+        tree_(tree),
         options_(options),
         tight_options_(tight(options)),
+        covering_options_(covering(options)),
         order_(order),
         areas_(areas),
         fitter_(cloud, tree, options_),
-        tight_fitter_(cloud, tree, tight_options_) {}
+        tight_fitter_(cloud, tree, tight_options_),
+        covering_fitter_(cloud, tree, covering_options_) {}
 
   void fit(Index begin, Index end, std::vector<Leaf>& leaves) {
     Index* ids = order_.data() + begin;
@@ -50,20 +55,40 @@ class LeafFitter {
     leaves.push_back({begin, end, std::move(patch)});
   }
 
+  // The patch over a bare spot: none where it misses a tolerance.
+  std::optional<FittedPatch> cover(const BareSpot& spot) {
+    samples_around(cloud_, tree_, spot, around_);
+    if (around_.empty()) return std::nullopt;
+    FittedPatch patch = covering_fitter_.fit(around_.data(), static_cast<Index>(around_.size()));
+    if (options_.tolerance.size() > 0 && !covering_fitter_.within_tolerance(patch)) return std::nullopt;
+    return patch;
+  }
+
  private:
   static CompositeOptions tight(CompositeOptions options) {
     options.normal_weight *= 1e-4;
     options.smoothing *= 1e-4;
     return options;
   }
+  // A patch over a bare spot need not reach farther than its samples.
+  static CompositeOptions covering(CompositeOptions options) {
+    options.overlap = 1;
+    return options;
+  }
 
   const OrientedPoints& cloud_;
+  const KdTree<3>& tree_;
   const CompositeOptions& options_;
-  const CompositeOptions tight_options_;
+  const CompositeOptions tight_options_, covering_options_;
   std::vector<Index>& order_;
   Eigen::VectorXd& areas_;
-  PatchFitter fitter_, tight_fitter_;
+  PatchFitter fitter_, tight_fitter_, covering_fitter_;
+  std::vector<Index> around_;
 };
+
+void add(const FittedPatch& fitted, Patches& patches) {
+  patches.add(fitted.patch, fitted.centers, fitted.alpha);
+}
 
 // Cuts at gaps leave scraps: stray samples beside a noisy sheet, or the tip of a thin feature. Only the latter, which
 // no other patch covers, get a patch of their own.
@@ -71,17 +96,30 @@ void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, co
                 Patches& patches) {
   std::vector<char> needed(scraps.size());
   parallel_for(static_cast<Index>(scraps.size()), patches_per_task, [&](Index begin, Index end) {
-    PatchSums sums;
+    double W = 0;
     for (Index i = begin; i < end; ++i) {
       const Leaf& leaf = scraps[static_cast<std::size_t>(i)];
       for (Index k = leaf.begin; k < leaf.end; ++k) {
-        patches.accumulate(cloud.points.col(order[static_cast<std::size_t>(k)]), Derivatives::none, sums);
-        if (sums.W[0][0] < covered) needed[static_cast<std::size_t>(i)] = 1;
+        patches.weights(cloud.points.col(order[static_cast<std::size_t>(k)]), &W);
+        if (W < covered) needed[static_cast<std::size_t>(i)] = 1;
       }
     }
   });
   for (std::size_t i = 0; i < scraps.size(); ++i)
-    if (needed[i] != 0) patches.add(scraps[i].patch.patch, scraps[i].patch.centers, scraps[i].patch.alpha);
+    if (needed[i] != 0) add(scraps[i].patch, patches);
+}
+
+// Adds patches over bare spots.
+template <class MakeFitter>
+void cover(const std::vector<BareSpot>& bare, const MakeFitter& make_fitter, Patches& patches) {
+  std::vector<std::optional<FittedPatch>> fitted(bare.size());
+  parallel_for(static_cast<Index>(bare.size()), patches_per_task, [&](Index begin, Index end) {
+    LeafFitter fitter = make_fitter();
+    for (Index i = begin; i < end; ++i)
+      fitted[static_cast<std::size_t>(i)] = fitter.cover(bare[static_cast<std::size_t>(i)]);
+  });
+  for (const std::optional<FittedPatch>& patch : fitted)
+    if (patch) add(*patch, patches);
 }
 
 }  // namespace
@@ -113,7 +151,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
     for (std::vector<Leaf>& part : fitted) {
       for (Leaf& leaf : part) {
         if (scrap * (leaf.end - leaf.begin) >= usual_leaf) {
-          result.patches.add(leaf.patch.patch, leaf.patch.centers, leaf.patch.alpha);
+          add(leaf.patch, result.patches);
         } else {
           scraps.push_back(std::move(leaf));
         }
@@ -125,6 +163,12 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   result.patches.build();
   if (!scraps.empty()) {
     add_needed(cloud, parts.order, scraps, result.patches);
+    result.patches.build();
+  }
+  const std::vector<BareSpot> bare = bare_spots(result.patches);
+  if (!bare.empty()) {
+    cover(
+        bare, [&] { return LeafFitter(cloud, tree, options, parts.order, result.areas); }, result.patches);
     result.patches.build();
   }
   return result;

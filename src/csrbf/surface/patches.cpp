@@ -223,6 +223,24 @@ CSRBF_SIMD_CLONES void add_jets(const PatchView& view, const Block& block, Patch
   add<PatchSums::max_terms>(view, block, sums);
 }
 
+CSRBF_SIMD_CLONES void add_weights(const Patch& patch, const Block& block, double* W) {
+  Inside inside;
+  locate(patch, block, inside);
+  for (int i = 0; i < inside.count; ++i) {
+    const double square = inside.s[i] * inside.s[i];
+    W[inside.point[i]] += square * square;
+  }
+}
+
+// The last point is repeated in unused lanes.
+Block block_of(const PointsRef<3>& x) {
+  Block block;
+  block.count = static_cast<int>(x.cols());
+  for (int l = 0; l < padded(block.count); ++l)
+    for (int c = 0; c < 3; ++c) block.x[c][l] = x(c, std::min<Index>(l, x.cols() - 1));
+  return block;
+}
+
 // Whether the ball around a patch meets the box.
 bool reaches(const Patch& p, const Box<3>& box) {
   const Point<3> nearest = p.center.cwiseMax(box.lo).cwiseMin(box.hi);
@@ -279,20 +297,10 @@ Index Patches::build_node(const std::vector<Box<3>>& boxes, Index begin, Index e
   return static_cast<Index>(index);
 }
 
-void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSums& sums) const {
-  constexpr std::array<int, 3> number_of_terms = {1, 4, PatchSums::max_terms};
-  const int terms = number_of_terms[static_cast<std::size_t>(derivatives)];
-  sums.derivatives = derivatives;
-  for (int t = 0; t < terms; ++t)
-    for (int l = 0; l < lanes; ++l) sums.W[t][l] = sums.S[t][l] = sums.A[t][l] = sums.Q[t][l] = 0;
-  if (nodes_.empty() || x.cols() == 0) return;
-
-  // The last point is repeated in unused lanes.
-  Block block;
-  block.count = static_cast<int>(x.cols());
-  for (int l = 0; l < padded(block.count); ++l)
-    for (int c = 0; c < 3; ++c) block.x[c][l] = x(c, std::min<Index>(l, x.cols() - 1));
-  const Box<3> box = bounding_box<3>(x);
+// Calls visit(i) for the patches whose ball meets the box.
+template <class Visit>
+void Patches::visit(const Box<3>& box, const Visit& visit) const {
+  if (nodes_.empty()) return;
   std::array<Index, 64> stack;
   int depth = 0;
   stack[static_cast<std::size_t>(depth++)] = 0;
@@ -305,21 +313,38 @@ void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSu
       stack[static_cast<std::size_t>(depth++)] = index + 1;
       continue;
     }
-    for (Index i = node.begin; i < node.end; ++i) {
-      const auto p = static_cast<std::size_t>(i);
-      if (!reaches(patches_[p], box)) continue;
-      const Index first = center_begin_[p];
-      const PatchView view{&patches_[p], centers_.data() + 3 * first, alpha_.data() + first,
-                           center_begin_[p + 1] - first};
-      if (derivatives == Derivatives::none) {
-        add_values(view, block, sums);
-      } else if (derivatives == Derivatives::gradient) {
-        add_gradients(view, block, sums);
-      } else {
-        add_jets(view, block, sums);
-      }
-    }
+    for (Index i = node.begin; i < node.end; ++i)
+      if (const auto p = static_cast<std::size_t>(i); reaches(patches_[p], box)) visit(p);
   }
+}
+
+void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSums& sums) const {
+  constexpr std::array<int, 3> number_of_terms = {1, 4, PatchSums::max_terms};
+  const int terms = number_of_terms[static_cast<std::size_t>(derivatives)];
+  sums.derivatives = derivatives;
+  for (int t = 0; t < terms; ++t)
+    for (int l = 0; l < lanes; ++l) sums.W[t][l] = sums.S[t][l] = sums.A[t][l] = sums.Q[t][l] = 0;
+  if (x.cols() == 0) return;
+  const Block block = block_of(x);
+  visit(bounding_box<3>(x), [&](std::size_t p) {
+    const Index first = center_begin_[p];
+    const PatchView view{&patches_[p], centers_.data() + 3 * first, alpha_.data() + first,
+                         center_begin_[p + 1] - first};
+    if (derivatives == Derivatives::none) {
+      add_values(view, block, sums);
+    } else if (derivatives == Derivatives::gradient) {
+      add_gradients(view, block, sums);
+    } else {
+      add_jets(view, block, sums);
+    }
+  });
+}
+
+void Patches::weights(const PointsRef<3>& x, double* W) const {
+  std::fill_n(W, x.cols(), 0);
+  if (x.cols() == 0) return;
+  const Block block = block_of(x);
+  visit(bounding_box<3>(x), [&](std::size_t p) { add_weights(patches_[p], block, W); });
 }
 
 }  // namespace csrbf

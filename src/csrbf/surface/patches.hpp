@@ -65,12 +65,17 @@ class Patches {
   /// Sums over all patches at up to PatchSums::lanes points (3 x count, close together).
   void accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSums& sums) const;
 
+  /// The sums of weights W alone, which cost far less.
+  void weights(const PointsRef<3>& x, double* W) const;
+
  private:
   struct Node {
     Box<3> box;
     Index begin, end;  // patches below
     Index right;       // index of the right child; the left one follows the node; 0 for a leaf
   };
+  template <class Visit>
+  void visit(const Box<3>& box, const Visit& visit) const;
   Index build_node(const std::vector<Box<3>>& boxes, Index begin, Index end);
 
   std::vector<Patch> patches_;

@@ -1,0 +1,62 @@
+#include "csrbf/surface/bare_spots.hpp"
+
+#include "csrbf/core/parallel.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace csrbf {
+namespace {
+
+constexpr double rim = 0.8;         // where neighbouring patches must reach a patch, in units of its radius
+constexpr double around = 0.6;      // reach of a spot, in the same units
+constexpr double same_sheet = 0.5;  // cosine between normals
+constexpr double covered = 0.05;    // sum of weights; coarser patches interfere below 0.04 (composite_field.cpp)
+constexpr Index patches_per_task = 64;
+
+constexpr double diagonal = 0.7071067811865476;
+constexpr std::array<std::array<double, 2>, 8> directions = {{{1, 0},
+                                                              {diagonal, diagonal},
+                                                              {0, 1},
+                                                              {-diagonal, diagonal},
+                                                              {-1, 0},
+                                                              {-diagonal, -diagonal},
+                                                              {0, -1},
+                                                              {diagonal, -diagonal}}};
+
+}  // namespace
+
+std::vector<BareSpot> bare_spots(const Patches& patches) {
+  const Index tasks = (patches.size() + patches_per_task - 1) / patches_per_task;
+  std::vector<std::vector<BareSpot>> found(static_cast<std::size_t>(tasks));
+  parallel_for(patches.size(), patches_per_task, [&](Index begin, Index end) {
+    std::vector<BareSpot>& spots = found[static_cast<std::size_t>(begin / patches_per_task)];
+    std::array<double, directions.size()> W;
+    Points<3> probes(3, directions.size());
+    for (Index i = begin; i < end; ++i) {
+      const Patch& patch = patches.patch(i);
+      const Eigen::Matrix3d axes = patch.radius * patch.T.transpose();
+      const auto onward = [&](std::size_t d) -> Point<3> {
+        return directions[d][0] * axes.col(0) + directions[d][1] * axes.col(1);
+      };
+      for (std::size_t d = 0; d < directions.size(); ++d)
+        probes.col(static_cast<Index>(d)) = patch.center + rim * patch.radius * onward(d);
+      patches.weights(probes, W.data());
+      for (std::size_t d = 0; d < directions.size(); ++d)
+        if (W[d] < covered)
+          spots.push_back({probes.col(static_cast<Index>(d)), axes.col(2), onward(d), around * patch.radius});
+    }
+  });
+  std::vector<BareSpot> all;
+  for (const std::vector<BareSpot>& spots : found) all.insert(all.end(), spots.begin(), spots.end());
+  return all;
+}
+
+void samples_around(const OrientedPoints& cloud, const KdTree<3>& tree, const BareSpot& spot, std::vector<Index>& ids) {
+  tree.within(spot.middle, spot.reach, ids);
+  std::erase_if(ids, [&](Index i) { return cloud.normals.col(i).dot(spot.normal) < same_sheet; });
+  const auto beyond = [&](Index i) { return (cloud.points.col(i) - spot.middle).dot(spot.onward) > 0; };
+  if (std::none_of(ids.begin(), ids.end(), beyond)) ids.clear();
+}
+
+}  // namespace csrbf

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+#include "csrbf/surface/composite.hpp"
+#include "csrbf/surface/patches.hpp"
+
+#include <vector>
+
+namespace csrbf {
+
+/// A place beside a patch that no other patch covers well.
+struct BareSpot {
+  Point<3> middle, normal;
+  Point<3> onward;  ///< direction in which samples must go on: else the cloud ends there
+  double reach;     ///< how far the samples around it are looked for
+};
+
+/// Probes the patches at eight places near the rim of each: those where the sum of weights is small. O(patches).
+std::vector<BareSpot> bare_spots(const Patches& patches);
+
+/// The samples around a spot on its sheet, for a patch over it; none where the cloud ends.
+void samples_around(const OrientedPoints& cloud, const KdTree<3>& tree, const BareSpot& spot, std::vector<Index>& ids);
+
+}  // namespace csrbf
