@@ -97,8 +97,8 @@ TEST(MeshFiles, SayWhatIsWrong) {
   EXPECT_EQ(error("p.obj", "v 1 2 3\n"), "p.obj: the file holds 1 points but no faces");
   EXPECT_EQ(error("f.obj", "v 1 2 3\nf 1 2 3\n"), "f.obj:2: face 1: vertex index 2 is not one of the 1 before it");
   EXPECT_EQ(error("f.obj", "v 1 2 3\nf 1 1\n"), "f.obj:2: face 1 has 2 corners");
-  EXPECT_EQ(error("f.obj", "v 1 2 3\nf 0 1 1\n"), "f.obj:2: face 1: \"0\" is not a corner of a face");
-  EXPECT_EQ(error("f.obj", "v 1 2 3\nf 1/a/b 1 1\n"), "f.obj:2: face 1: \"1/a/b\" is not a corner of a face");
+  EXPECT_EQ(error("f.obj", "v 1 2 3\nf 0 1 1\n"), "f.obj:2: face 1: \"0\" is not a vertex index");
+  EXPECT_EQ(error("f.obj", "v 1 2 3\nf 1/a/b 1 1\n"), "f.obj:2: face 1: \"1/a/b\" is not a vertex index");
   EXPECT_EQ(error("f.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
             "f.off:6: face 0: vertex index 3 is not one of the 3 vertices");
   EXPECT_EQ(error("f.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n"), "f.off:6: face 0: \"\" is not a vertex index");

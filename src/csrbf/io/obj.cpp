@@ -25,6 +25,23 @@ class ObjParser {
   ObjParser(std::string_view text, const std::string& name) : reader_(text, name, '#') {}
 
   Mesh parse() {
+    read();
+    return finish();
+  }
+
+  Polylines parse_polylines() {
+    read();
+    Mesh mesh = finish();
+    Polylines lines;
+    lines.vertices = std::move(mesh.vertices);
+    lines.properties = std::move(mesh.properties);
+    lines.edges = Eigen::Map<const Eigen::Matrix<std::int32_t, 2, Eigen::Dynamic>>(
+        ends_.data(), 2, static_cast<Index>(ends_.size() / 2));
+    return lines;
+  }
+
+ private:
+  void read() {
     while (reader_.next()) {
       std::string_view rest = reader_.line();
       const std::string_view keyword = take_word(rest);
@@ -34,11 +51,11 @@ class ObjParser {
         read_normal(rest);
       else if (keyword == "f")
         read_face(rest);
+      else if (keyword == "l")
+        read_line(rest);
     }
-    return finish();
   }
 
- private:
   void read_vertex(std::string_view rest) {
     std::array<double, 7> numbers{};
     const int found = read_numbers(reader_, rest, numbers.data(), 7);
@@ -56,7 +73,7 @@ class ObjParser {
   }
 
   void read_face(std::string_view rest) {
-    ++faces_;
+    element_ = "face " + std::to_string(++faces_);
     std::int32_t first = 0;
     std::int32_t previous = 0;
     int corner = 0;
@@ -66,7 +83,19 @@ class ObjParser {
       if (corner >= 2) corners_.insert(corners_.end(), {first, previous, index});
       previous = index;
     }
-    if (corner < 3) reader_.fail("face " + std::to_string(faces_) + " has " + std::to_string(corner) + " corners");
+    if (corner < 3) reader_.fail(element_ + " has " + std::to_string(corner) + " corners");
+  }
+
+  void read_line(std::string_view rest) {
+    element_ = "line " + std::to_string(++lines_);
+    std::int32_t previous = 0;
+    int count = 0;
+    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest), ++count) {
+      const std::int32_t index = read_corner(word);
+      if (count > 0) ends_.insert(ends_.end(), {previous, index});
+      previous = index;
+    }
+    if (count < 2) reader_.fail(element_ + " has " + std::to_string(count) + " vertices");
   }
 
   // v, v/t, v//n or v/t/n.
@@ -84,13 +113,12 @@ class ObjParser {
   // Zero-based index of something that was declared before this line.
   std::int32_t resolve(std::string_view text, std::string_view word, std::size_t count, const char* what) const {
     const auto index = parse_integer(text);
-    if (!index || *index == 0)
-      reader_.fail("face " + std::to_string(faces_) + ": " + in_quotes(word) + " is not a corner of a face");
+    if (!index || *index == 0) reader_.fail(element_ + ": " + in_quotes(word) + " is not a vertex index");
     const auto available = static_cast<std::int64_t>(count);
     const std::int64_t position = *index > 0 ? *index - 1 : available + *index;
     if (position < 0 || position >= available)
-      reader_.fail("face " + std::to_string(faces_) + ": " + what + " index " + std::to_string(*index) +
-                   " is not one of the " + std::to_string(count) + " before it");
+      reader_.fail(element_ + ": " + what + " index " + std::to_string(*index) + " is not one of the " +
+                   std::to_string(count) + " before it");
     return static_cast<std::int32_t>(position);
   }
 
@@ -110,8 +138,9 @@ class ObjParser {
 
   LineReader reader_;
   std::vector<double> positions_, normals_, colors_;
-  std::vector<std::int32_t> corners_;
-  Index faces_ = 0;
+  std::vector<std::int32_t> corners_, ends_;
+  Index faces_ = 0, lines_ = 0;
+  std::string element_;  // what is being read
   bool normals_follow_vertices_ = true;
 };
 
@@ -127,6 +156,21 @@ void append_row(std::string& out, std::string_view keyword, const Point<3>& p) {
 
 Mesh parse_obj(std::string_view text, const std::string& name) {
   return ObjParser(text, name).parse();
+}
+
+Polylines parse_obj_polylines(std::string_view text, const std::string& name) {
+  return ObjParser(text, name).parse_polylines();
+}
+
+bool is_obj_of_polylines(std::string_view text) {
+  bool lines = false;
+  for (LineReader reader(text, "", '#'); reader.next();) {
+    std::string_view rest = reader.line();
+    const std::string_view keyword = take_word(rest);
+    if (keyword == "f") return false;
+    lines = lines || keyword == "l";
+  }
+  return lines;
 }
 
 std::string format_obj(const Mesh& mesh) {

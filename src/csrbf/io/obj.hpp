@@ -12,6 +12,12 @@ namespace csrbf {
 /// negative indices count from the end). Other lines are ignored. Throws IoError "name:line: ...".
 Mesh parse_obj(std::string_view text, const std::string& name);
 
+/// The same for curves: l (lines over two or more vertices); faces are skipped.
+Polylines parse_obj_polylines(std::string_view text, const std::string& name);
+
+/// Has the text lines but no faces?
+bool is_obj_of_polylines(std::string_view text);
+
 /// Vertices, colours, normals and triangles as OBJ text; other properties have no place in the format.
 std::string format_obj(const Mesh& mesh);
 

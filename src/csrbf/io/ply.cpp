@@ -22,6 +22,11 @@ const PlyProperty* find_scalar(const PlyElement& element, std::string_view name)
   return nullptr;
 }
 
+bool is_edges(const PlyElement& element) {
+  return element.name == "edge" && find_scalar(element, "vertex1") != nullptr &&
+         find_scalar(element, "vertex2") != nullptr;
+}
+
 // One slot per property; those of lists stay empty.
 std::vector<Slot> make_vertex_slots(const PlyElement& element, const std::string& name, Mesh& mesh) {
   constexpr std::string_view positions[] = {"x", "y", "z"};
@@ -88,15 +93,19 @@ template <class Body>
 }
 
 template <class Body>
+std::int32_t checked_index(const Body& body, double value, Index vertices) {
+  if (!(value >= 0 && value < static_cast<double>(vertices)) || value != std::floor(value))
+    fail_index(body, value, vertices);
+  return static_cast<std::int32_t>(value);
+}
+
+template <class Body>
 void read_polygon(Body& body, const PlyProperty& property, Index vertices, std::vector<std::int32_t>& corners) {
   const Index size = read_list_size(body, property);
   std::int32_t first = 0;
   std::int32_t previous = 0;
   for (Index i = 0; i < size; ++i) {
-    const double value = body.scalar(property.type);
-    if (!(value >= 0 && value < static_cast<double>(vertices)) || value != std::floor(value))
-      fail_index(body, value, vertices);
-    const auto index = static_cast<std::int32_t>(value);
+    const std::int32_t index = checked_index(body, body.scalar(property.type), vertices);
     if (i == 0) first = index;
     if (i >= 2) corners.insert(corners.end(), {first, previous, index});
     previous = index;
@@ -119,6 +128,23 @@ void read_faces(Body& body, const PlyElement& element, Index vertices, std::vect
 }
 
 template <class Body>
+void read_edges(Body& body, const PlyElement& element, Index vertices, std::vector<std::int32_t>& ends) {
+  ends.assign(static_cast<std::size_t>(2 * element.count), 0);
+  for (Index i = 0; i < element.count; ++i) {
+    body.begin(element, i);
+    for (const PlyProperty& p : element.properties) {
+      const bool first = p.name == "vertex1";
+      if (p.count_type || (!first && p.name != "vertex2")) {
+        skip_property(body, p);
+        continue;
+      }
+      ends[static_cast<std::size_t>(2 * i + (first ? 0 : 1))] = checked_index(body, body.scalar(p.type), vertices);
+    }
+    body.end();
+  }
+}
+
+template <class Body>
 void skip_element(Body& body, const PlyElement& element) {
   for (Index i = 0; i < element.count; ++i) {
     body.begin(element, i);
@@ -127,9 +153,15 @@ void skip_element(Body& body, const PlyElement& element) {
   }
 }
 
-template <class Body>
-Mesh read_body(Body&& body, const PlyHeader& header, const PlyElement& vertex, const std::string& name) {
+struct PlyContent {
   Mesh mesh;
+  std::vector<std::int32_t> edges;
+};
+
+template <class Body>
+PlyContent read_body(Body&& body, const PlyHeader& header, const PlyElement& vertex, const std::string& name) {
+  PlyContent content;
+  Mesh& mesh = content.mesh;
   std::vector<std::int32_t> corners;
   for (const PlyElement& element : header.elements) {
     body.expect(element);
@@ -137,11 +169,13 @@ Mesh read_body(Body&& body, const PlyHeader& header, const PlyElement& vertex, c
       read_vertices(body, element, make_vertex_slots(element, name, mesh));
     else if (element.name == "face")
       read_faces(body, element, vertex.count, corners);
+    else if (is_edges(element))
+      read_edges(body, element, vertex.count, content.edges);
     else
       skip_element(body, element);
   }
   mesh.triangles = Eigen::Map<const Triangles>(corners.data(), 3, static_cast<Index>(corners.size() / 3));
-  return mesh;
+  return content;
 }
 
 const PlyElement& find_vertices(const PlyHeader& header, const std::string& name) {
@@ -225,9 +259,7 @@ void append_vertices(std::string& out, const VertexColumns& columns) {
   }
 }
 
-}  // namespace
-
-Mesh parse_ply(std::string_view bytes, const std::string& name) {
+PlyContent parse(std::string_view bytes, const std::string& name) {
   LineReader reader(bytes, name);
   const PlyHeader header = parse_ply_header(reader);
   const PlyElement& vertex = find_vertices(header, name);
@@ -240,6 +272,36 @@ Mesh parse_ply(std::string_view bytes, const std::string& name) {
       break;
   }
   return read_body(PlyBinaryBody<std::endian::big>(reader.rest(), name), header, vertex, name);
+}
+
+}  // namespace
+
+Mesh parse_ply(std::string_view bytes, const std::string& name) {
+  return parse(bytes, name).mesh;
+}
+
+Polylines parse_ply_polylines(std::string_view bytes, const std::string& name) {
+  PlyContent content = parse(bytes, name);
+  Polylines lines;
+  lines.vertices = std::move(content.mesh.vertices);
+  lines.properties = std::move(content.mesh.properties);
+  lines.edges = Eigen::Map<const Eigen::Matrix<std::int32_t, 2, Eigen::Dynamic>>(
+      content.edges.data(), 2, static_cast<Index>(content.edges.size() / 2));
+  return lines;
+}
+
+bool is_ply_of_polylines(std::string_view bytes) {
+  try {
+    LineReader reader(bytes, "");
+    const PlyHeader header = parse_ply_header(reader);
+    const auto has = [&](const auto& wanted) {
+      return std::any_of(header.elements.begin(), header.elements.end(),
+                         [&](const PlyElement& e) { return e.count > 0 && wanted(e); });
+    };
+    return has(is_edges) && !has([](const PlyElement& e) { return e.name == "face"; });
+  } catch (const IoError&) {
+    return false;
+  }
 }
 
 std::string format_ply(const Mesh& mesh) {

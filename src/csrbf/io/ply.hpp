@@ -13,6 +13,12 @@ namespace csrbf {
 /// other elements are skipped. Throws IoError "name:line: ..." (text) or "name: vertex 17: ..." (binary).
 Mesh parse_ply(std::string_view bytes, const std::string& name);
 
+/// The same for curves: edges are elements "edge" with the properties vertex1 and vertex2; faces are skipped.
+Polylines parse_ply_polylines(std::string_view bytes, const std::string& name);
+
+/// Has the file edges but no faces? False for bytes that are no PLY file.
+bool is_ply_of_polylines(std::string_view bytes);
+
 /// The bytes of a binary little-endian PLY file: float coordinates and normals, properties of their own type, and
 /// faces unless `mesh` has no triangles. Throws IoError when a coordinate is too large for a float, InvalidInput when
 /// normals or properties do not have one entry per vertex.

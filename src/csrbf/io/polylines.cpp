@@ -2,11 +2,102 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/atomic_file.hpp"
+#include "csrbf/io/obj.hpp"
 #include "csrbf/io/ply.hpp"
+#include "csrbf/io/point_table.hpp"
 #include "csrbf/io/read_file.hpp"
 #include "csrbf/io/text.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <vector>
+
 namespace csrbf {
+namespace {
+
+constexpr std::array<std::string_view, 4> table_extensions{".csv", ".txt", ".xyz", ".pts"};
+
+bool is_table(const std::string& extension) {
+  return std::find(table_extensions.begin(), table_extensions.end(), extension) != table_extensions.end();
+}
+
+bool same_name(std::string_view name, std::string_view wanted) {
+  return std::equal(name.begin(), name.end(), wanted.begin(), wanted.end(),
+                    [](char a, char b) { return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b; });
+}
+
+// Is there a column `contour` in the lines before the first number?
+bool names_contours(std::string_view text) {
+  constexpr std::string_view number = "+-.0123456789", separators = " \t,;#/\"";
+  for (LineReader reader(text, ""); reader.next();) {
+    const std::string_view line = reader.line();
+    if (number.find(line.front()) != std::string_view::npos) return false;
+    for (std::size_t begin = 0; begin < line.size();) {
+      const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
+      if (same_name(line.substr(begin, end - begin), "contour")) return true;
+      begin = end + 1;
+    }
+  }
+  return false;
+}
+
+Polylines parse_table_of_contours(std::string_view text, const std::string& name) {
+  PointCloud cloud = parse_point_table(text, name);
+  auto column = cloud.properties.end();
+  for (const std::string_view wanted : {"contour", "slice"})
+    if (column == cloud.properties.end())
+      column = std::find_if(cloud.properties.begin(), cloud.properties.end(),
+                            [&](const Property& p) { return same_name(p.name, wanted); });
+  if (column == cloud.properties.end())
+    throw IoError(name + ": no column is named \"contour\"; name the columns in the first line: x,y,z,contour");
+  std::map<double, std::vector<std::int32_t>> curves;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const double id = column->values[i];
+    if (!std::isfinite(id)) throw IoError(name + ": point " + std::to_string(i + 1) + " has no contour");
+    curves[id].push_back(static_cast<std::int32_t>(i));
+  }
+  Polylines lines;
+  lines.edges.resize(2, cloud.size());
+  Index e = 0;
+  for (const auto& [id, curve] : curves)
+    for (std::size_t i = 0; i < curve.size(); ++i) lines.edges.col(e++) << curve[i], curve[(i + 1) % curve.size()];
+  lines.vertices = std::move(cloud.points);
+  lines.properties = std::move(cloud.properties);
+  return lines;
+}
+
+Polylines parse_polylines(const std::string& extension, const std::string& bytes, const std::string& name) {
+  if (extension == ".ply") return parse_ply_polylines(bytes, name);
+  if (extension == ".obj") return parse_obj_polylines(bytes, name);
+  return parse_table_of_contours(bytes, name);
+}
+
+}  // namespace
+
+Polylines read_polylines(const std::string& path) {
+  const std::string extension = path == "-" ? ".csv" : file_extension(path), name = display_name(path);
+  if (extension != ".ply" && extension != ".obj" && !is_table(extension))
+    throw IoError(name + ": unknown extension " + in_quotes(extension) +
+                  "; files of curves are .csv .txt .xyz .pts .obj .ply");
+  Polylines lines = parse_polylines(extension, read_file(path), name);
+  if (lines.edges.cols() == 0)
+    throw IoError(name + ": the file holds " + std::to_string(lines.vertices.cols()) + " points but no curves");
+  return lines;
+}
+
+bool holds_polylines(const std::string& path) {
+  const std::string extension = file_extension(path);
+  if (path == "-" || (extension != ".ply" && extension != ".obj" && !is_table(extension))) return false;
+  try {
+    const std::string bytes = read_file(path);
+    if (extension == ".ply") return is_ply_of_polylines(bytes);
+    return extension == ".obj" ? is_obj_of_polylines(bytes) : names_contours(bytes);
+  } catch (const IoError&) {
+    return false;
+  }
+}
 
 bool is_polylines_file(const std::string& path) {
   return file_extension(path) == ".ply";

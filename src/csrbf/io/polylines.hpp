@@ -6,11 +6,24 @@
 
 namespace csrbf {
 
+/// Reads curves from a file; its extension says the format:
+/// - .csv .txt .xyz .pts, and "-" for standard input: rows of numbers as read_points() reads them, under names of
+///   columns: x y z, and `contour` (or, without it, `slice`), a number that the points of one closed curve share. Their
+///   order in the file is that along the curve, whose last point is joined to its first.
+/// - .obj: lines (l); a line that ends where it began is closed.
+/// - .ply: an element edge with vertex1 and vertex2, as write_polylines() writes it.
+/// Throws IoError naming the file and the place; also for files without a curve.
+Polylines read_polylines(const std::string& path);
+
+/// Does a file hold curves rather than points or a surface: a column `contour`, or lines (edges) and no faces? False
+/// for files that cannot be read, standard input, and files of other kinds.
+bool holds_polylines(const std::string& path);
+
 /// Writes curves to a binary .ply file, complete or not at all (AtomicFile): vertices with their properties, and edges.
 /// Throws IoError, also for other extensions.
 void write_polylines(const std::string& path, const Polylines& lines);
 
-/// True when the extension is one of a file of curves.
+/// True when the extension is one of a file that write_polylines() writes.
 bool is_polylines_file(const std::string& path);
 
 }  // namespace csrbf
