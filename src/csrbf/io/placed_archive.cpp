@@ -78,6 +78,7 @@ Archive to_archive(const PlacedField& field) {
   archive.set("scale", data.scale);
   archive.set("detail", data.detail);
   set_box(archive, data.bounds);
+  if (data.seeds.cols() > 0) archive.set("seeds", data.seeds);
   if (const auto* medial_axis = dynamic_cast<const MedialAxisField*>(data.inner.get())) {
     archive.set("inner", to_archive(*medial_axis));
   } else if (const auto* balls = dynamic_cast<const QuadricBalls*>(data.inner.get())) {
@@ -96,6 +97,7 @@ std::shared_ptr<const PlacedField> placed_from(const Archive& archive) {
   data.scale = positive_number(archive, "scale");
   data.detail = positive_number(archive, "detail");
   data.bounds = {archive.numbers("lower_bounds", 3, 1), archive.numbers("upper_bounds", 3, 1)};
+  if (archive.has("seeds")) data.seeds = archive.numbers("seeds", 3);
   const Archive inner = archive.part("inner");
   if (inner.kind == medial_axis_kind) {
     data.inner = medial_axis_from(inner);

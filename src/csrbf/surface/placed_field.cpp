@@ -9,6 +9,7 @@ void PlacedField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) con
 }
 
 Points<3> PlacedField::seeds() const {
+  if (data_.seeds.cols() > 0) return data_.seeds;
   return (data_.scale * data_.inner->seeds()).colwise() + data_.origin;
 }
 

@@ -15,8 +15,9 @@ class PlacedField final : public Field<3> {
     std::shared_ptr<const Field<3>> inner;
     Point<3> origin = Point<3>::Zero();
     double scale = 1;
-    double detail = 0;  ///< as Field::detail()
-    Box<3> bounds;      ///< as Field::bounds()
+    double detail = 0;      ///< as Field::detail()
+    Box<3> bounds;          ///< as Field::bounds()
+    Points<3> seeds{3, 0};  ///< as Field::seeds(); none: those of the inner field
   };
 
   explicit PlacedField(Data data) : data_(std::move(data)) {}
