@@ -46,6 +46,7 @@
 #include "csrbf/surface/estimate_normals.hpp"
 #include "csrbf/surface/orient_normals.hpp"
 #include "csrbf/surface/reconstruct.hpp"
+#include "csrbf/surface/reconstruct_contours.hpp"
 #include "csrbf/surface/surface_method.hpp"
 #include "csrbf/surface/transfer_properties.hpp"
 #include "csrbf/surface/trim.hpp"

@@ -5,6 +5,7 @@
 #include "csrbf/surface/choose_options.hpp"
 #include "csrbf/surface/composite_field.hpp"
 #include "csrbf/surface/placed_field.hpp"
+#include "csrbf/surface/surface_distances.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
 #include <chrono>
@@ -27,7 +28,6 @@ constexpr Index centers_per_leaf = 2;                  // of a budget; a support
 constexpr Index most_centers = 64;                     // in a support, for a budget or a tolerance
 constexpr int tolerance_attempts = 6;      // each asks half the error where the one before missed the tolerance
 constexpr double outlier_share = 0.001;    // of the samples that may miss the tolerance
-constexpr double smallest_slope = 0.1;     // of f near the surface, where it is about 1
 constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between samples
 constexpr double far_spacings = 3;         // |f| far from data: about where the patches end
 constexpr Index quadric_coefficients = 10;
@@ -130,29 +130,6 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   return data;
 }
 
-// First-order distances |f| / |grad f| of the points used, fractions of the diagonal.
-std::vector<double> distances(const Field<3>& field, const PointCloud& input, const std::vector<Index>& source,
-                              double scale) {
-  const Points<3> points = input.points(Eigen::all, source);
-  const Jet<3> jet = field.evaluate(points, Derivatives::gradient);
-  std::vector<double> distance(source.size());
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    const auto column = static_cast<Index>(i);
-    distance[i] = std::abs(jet.value[column]) / std::max(jet.gradient.col(column).norm(), smallest_slope) / scale;
-  }
-  return distance;
-}
-
-void summarize(std::vector<double> distance, ReconstructReport& out) {
-  double sum = 0;
-  for (const double d : distance) sum += d * d;
-  out.rms_distance = std::sqrt(sum / static_cast<double>(distance.size()));
-  out.max_distance = *std::max_element(distance.begin(), distance.end());
-  const auto p99 = distance.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1));
-  std::nth_element(distance.begin(), p99, distance.end());
-  out.p99_distance = *p99;
-}
-
 // Samples further from the surface than the tolerance.
 Index outside(const std::vector<double>& distance, double tolerance) {
   return std::count_if(distance.begin(), distance.end(), [&](double d) { return d > tolerance; });
@@ -221,7 +198,7 @@ Surface reconstruct_composite(const PointCloud& input, const PreparedCloud& prep
     field = std::make_shared<const CompositeField>(build_field(prepared, chosen.options, options.progress));
     out.fit_seconds += seconds_since(start);
     start = std::chrono::steady_clock::now();
-    distance = distances(*field, input, prepared.source, prepared.scale);
+    distance = surface_distances(*field, input.points(Eigen::all, prepared.source), prepared.scale);
     out.evaluate_seconds += seconds_since(start);
     if (within_tolerance(distance, options.tolerance)) break;
     for (std::size_t i = 0; i < distance.size(); ++i)
@@ -246,7 +223,7 @@ Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, con
       fit.field, prepared.origin, prepared.scale, prepared.scale * prepared.cloud.spacing.mean(), prepared.bounds});
   out.fit_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  std::vector<double> distance = distances(*field, input, prepared.source, prepared.scale);
+  std::vector<double> distance = surface_distances(*field, input.points(Eigen::all, prepared.source), prepared.scale);
   out.evaluate_seconds = seconds_since(start);
   out.method = method.name;
   out.centers = fit.centers;
@@ -267,7 +244,7 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   Surface surface = composite(options)
                         ? reconstruct_composite(input, prepared, options, out)
                         : reconstruct_by(*find_surface_method(options.method), input, prepared, options, out);
-  summarize(surface.distance, out);
+  summarize_distances(surface.distance, out);
   check_tolerance(surface.distance, options.tolerance, out);
 
   out.normals = prepared.normals;

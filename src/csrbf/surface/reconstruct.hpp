@@ -43,6 +43,9 @@ struct ReconstructReport {
   double smoothing = 0;               ///< used or chosen
   Index patches = 0;                  ///< composite: patches of the finest level
   Index levels = 0;                   ///< composite: levels of patches, finest included
+  Index contours = 0;                 ///< contours: closed curves used
+  Index slices = 0;                   ///< contours: planes that they lie in
+  Index lids = 0;                     ///< contours: ends of stacks that had to be closed
   CompositeOptions options;           ///< composite: of the finest level, also where chosen automatically
   double cross_validation_error = 0;  ///< mean distance of left-out points to the surface, fraction of the diagonal
   double rms_distance = 0;            ///< of the points used to the surface, fraction of the diagonal

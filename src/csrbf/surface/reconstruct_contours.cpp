@@ -1,0 +1,126 @@
+#include "csrbf/surface/reconstruct_contours.hpp"
+
+#include "csrbf/approx/expansion.hpp"
+#include "csrbf/implicit/combine.hpp"
+#include "csrbf/surface/contour_fit.hpp"
+#include "csrbf/surface/placed_field.hpp"
+#include "csrbf/surface/surface_distances.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr double margin = 0.05;  // of the diagonal: surfaces bulge between slices
+constexpr double detail = 0.5;   // spacings of the contour points used
+constexpr double rim = 1;        // range of the blend at a lid, in heights of the lid above the last slice
+constexpr double sharpness = 3;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void check(const ContourOptions& options) {
+  require(options.centers >= 16, "reconstruct_contours", "centers", options.centers, "must be at least 16");
+  require(options.smoothing >= 0 && std::isfinite(options.smoothing), "reconstruct_contours", "smoothing",
+          options.smoothing, "must be finite and not negative");
+}
+
+// The contours in unit coordinates, by slices.
+struct PreparedContours {
+  std::vector<ContourLoop> loops;
+  std::vector<Index> source;
+  Box<3> box;
+  Points<3> points{3, 0};
+  Slices slices;
+};
+
+PreparedContours prepare(const Polylines& contours, std::vector<std::string>& warnings) {
+  PreparedContours result;
+  result.loops = contour_loops(contours, warnings);
+  for (const ContourLoop& loop : result.loops) result.source.insert(result.source.end(), loop.begin(), loop.end());
+  require(!result.loops.empty(), "reconstruct_contours", "contours", "none",
+          "at least two closed curves of three points or more are needed");
+  result.box = bounding_box<3>(contours.vertices(Eigen::all, result.source));
+  require(result.box.diagonal() > 0, "reconstruct_contours", "contours", "one point", "contours must enclose an area");
+  result.points = (contours.vertices.colwise() - result.box.center()) / result.box.diagonal();
+  result.slices = gather_slices(result.points, result.loops);
+  require(result.slices.slices.size() > 1, "reconstruct_contours", "slices", result.slices.slices.size(),
+          "contours of at least two planes are needed");
+  return result;
+}
+
+// height of the lid - height above the last slice: a field that is linear everywhere.
+std::shared_ptr<const Field<3>> below(const Lid& lid, const Box<3>& bounds) {
+  const PolynomialTail<3> plane{1, lid.position, 1,
+                                Eigen::Vector4d(0, -lid.outward.x(), -lid.outward.y(), -lid.outward.z())};
+  const auto nothing = std::make_shared<const RadialBasis<3>>(Kernel("wendland-c2", 3), lid.position,
+                                                              Eigen::VectorXd::Constant(1, lid.height));
+  return std::make_shared<const Expansion<3>>(nothing, Eigen::VectorXd::Zero(1), plane, bounds);
+}
+
+std::shared_ptr<const Field<3>> closed(const ContourFit& fit, const PreparedContours& prepared) {
+  const double scale = prepared.box.diagonal();
+  Box<3> bounds = fit.field->bounds().inflated(margin);
+  for (const Lid& lid : fit.lids) bounds.add(lid.position);
+  const auto place = [&](std::shared_ptr<const Field<3>> field, const Points<3>& seeds) {
+    const Point<3> origin = prepared.box.center();
+    Box<3> box;
+    box.add(scale * bounds.lo + origin);
+    box.add(scale * bounds.hi + origin);
+    return std::make_shared<const PlacedField>(PlacedField::Data{
+        std::move(field), origin, scale, scale * detail * fit.spacing, box, (scale * seeds).colwise() + origin});
+  };
+  const auto surface = place(fit.field, fit.seeds);
+  if (fit.lids.empty()) return surface;
+  // The intersection with what is below the lids: the complement of the union of the complements.
+  CombinedField::Data data{{{surface, true}}, true, Blending::super_elliptic, 0, sharpness};
+  double lowest = fit.lids.front().height;
+  for (const Lid& lid : fit.lids) {
+    data.terms.push_back({place(below(lid, bounds), lid.position), true});
+    lowest = std::min(lowest, lid.height);
+  }
+  data.range = scale * rim * lowest;
+  return std::make_shared<const CombinedField>(std::move(data));
+}
+
+Points<3> outward_normals(const Field<3>& field, const PointsRef<3>& at) {
+  return -field.evaluate(at, Derivatives::gradient).gradient.colwise().normalized();
+}
+
+}  // namespace
+
+Reconstruction reconstruct_contours(const Polylines& contours, const ContourOptions& options) {
+  check(options);
+  Reconstruction result;
+  ReconstructReport& out = result.report;
+  auto start = std::chrono::steady_clock::now();
+  PreparedContours prepared = prepare(contours, out.warnings);
+  out.prepare_seconds = seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  const ContourFit fit = fit_contours(prepared.points, prepared.loops, prepared.slices,
+                                      {options.centers, options.smoothing, options.progress});
+  result.field = closed(fit, prepared);
+  out.fit_seconds = seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  const Points<3> used = contours.vertices(Eigen::all, prepared.source);
+  result.normals = outward_normals(*result.field, used);
+  summarize_distances(surface_distances(*result.field, used, prepared.box.diagonal()), out);
+  out.evaluate_seconds = seconds_since(start);
+
+  out.method = "contours";
+  out.normals = "within the slices";
+  out.points = contours.vertices.cols();
+  out.points_used = used.cols();
+  out.centers = fit.centers;
+  out.smoothing = options.smoothing;
+  out.contours = static_cast<Index>(prepared.loops.size());
+  out.slices = static_cast<Index>(prepared.slices.slices.size());
+  out.lids = static_cast<Index>(fit.lids.size());
+  result.source = std::move(prepared.source);
+  return result;
+}
+
+}  // namespace csrbf
