@@ -7,7 +7,9 @@
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/points.hpp"
+#include "csrbf/io/polylines.hpp"
 #include "csrbf/io/read_file.hpp"
+#include "csrbf/surface/reconstruct_contours.hpp"
 #include "csrbf/surface/surface_method.hpp"
 #include "csrbf/surface/transfer_properties.hpp"
 #include "csrbf/surface/trim.hpp"
@@ -29,6 +31,21 @@ ReconstructOptions make_options(const ReconstructCommand& command, Session& sess
           .tolerance = command.tolerance,
           .smoothing = parse_smoothing(command.smoothing),
           .progress = session.progress()};
+}
+
+bool wants_contours(const ReconstructCommand& command) {
+  if (command.method == "contours") return true;
+  return command.method == "auto" && holds_polylines(command.input);
+}
+
+// Contours have no use for what says how to treat points.
+void expect_no_point_flags(const ReconstructCommand& command) {
+  const auto refuse = [&](const char* flag) {
+    throw UsageError(std::string(flag) + " is for points, not for contours; leave it out, or give --method composite");
+  };
+  if (command.normals != "auto") refuse("--normals");
+  if (command.tolerance > 0) refuse("--tolerance");
+  if (command.trim != "none") refuse("--trim");
 }
 
 void expect_outputs(const ReconstructCommand& command, Session& session) {
@@ -54,6 +71,11 @@ void add_report(const ReconstructReport& r, Session& session) {
                     {"rms_distance", r.rms_distance},
                     {"p99_distance", r.p99_distance},
                     {"max_distance", r.max_distance}};
+  if (r.contours > 0) {
+    session.result["contours"] = r.contours;
+    session.result["slices"] = r.slices;
+    session.result["lids"] = r.lids;
+  }
   if (r.patches == 0) return;
   session.result["patches"] = r.patches;
   session.result["levels"] = r.levels;
@@ -80,8 +102,11 @@ void add_options(const ReconstructCommand& command, const ReconstructReport& r, 
 }
 
 void say_quality(const ReconstructReport& r, Session& session) {
-  session.say(counted(r.points, "point") + " given, " + counted(r.points_used, "point") +
-              " used; normals: " + r.normals + "; method: " + r.method + " with " + counted(r.centers, "center"));
+  const std::string used = r.contours > 0 ? counted(r.contours, "contour") + " on " + counted(r.slices, "slice") +
+                                                " used; ends closed by a lid: " + std::to_string(r.lids)
+                                          : counted(r.points_used, "point") + " used; normals: " + r.normals;
+  session.say(counted(r.points, "point") + " given, " + used + "; method: " + r.method + " with " +
+              counted(r.centers, "center"));
   session.say("distance of the points to the surface, fractions of the diagonal: rms " + rounded(r.rms_distance) +
               ", 99 % " + rounded(r.p99_distance) + ", largest " + rounded(r.max_distance));
 }
@@ -93,6 +118,34 @@ PointCloud used_points(const PointCloud& cloud, Reconstruction& surface) {
   used.normals = std::move(surface.normals);
   for (const Property& p : cloud.properties) used.properties.push_back({p.name, p.type, p.values(surface.source)});
   return used;
+}
+
+// What the surface is made from, and the surface.
+struct Made {
+  PointCloud used;
+  Reconstruction surface;
+};
+
+Made from_points(const ReconstructCommand& command, Session& session) {
+  const ReconstructOptions options = make_options(command, session);
+  PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
+  session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
+  Made made;
+  made.surface = reconstruct(cloud, options);
+  made.used = used_points(cloud, made.surface);
+  return made;
+}
+
+Made from_contours(const ReconstructCommand& command, Session& session) {
+  ContourOptions options{.smoothing = parse_smoothing(command.smoothing).value_or(0), .progress = session.progress()};
+  if (command.centers > 0) options.centers = command.centers;
+  Polylines contours = session.timed("read", [&] { return read_polylines(command.input); });
+  session.input = {{"file", command.input}, {"points", contours.vertices.cols()}, {"edges", contours.edges.cols()}};
+  Made made;
+  made.surface = reconstruct_contours(contours, options);
+  made.used.points = contours.vertices(Eigen::all, made.surface.source);
+  made.used.normals = std::move(made.surface.normals);
+  return made;
 }
 
 Mesh make_mesh(const Field<3>& field, const PointCloud& used, int resolution, std::optional<double> trim_distance,
@@ -112,18 +165,15 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, int resolution, st
 }  // namespace
 
 void run(const ReconstructCommand& command, Session& session) {
-  const ReconstructOptions options = make_options(command, session);
   const std::optional<double> trim_distance = parse_word_or_number(command.trim, "none", "--trim");
   if (trim_distance && !(*trim_distance > 0)) throw UsageError("--trim " + command.trim + ": must be positive");
   expect_outputs(command, session);
-  PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
-  session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
-
-  Reconstruction surface = reconstruct(cloud, options);
+  const bool contours = wants_contours(command);
+  if (contours) expect_no_point_flags(command);
+  auto [used, surface] = contours ? from_contours(command, session) : from_points(command, session);
   add_report(surface.report, session);
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
   add_options(command, surface.report, resolution, session);
-  const PointCloud used = used_points(std::exchange(cloud, {}), surface);
   const Mesh mesh = make_mesh(*surface.field, used, resolution, trim_distance, session);
   if (command.model.empty()) surface.field.reset();  // its memory is needed
   add_mesh_summary(command.output, mesh, session);

@@ -13,9 +13,14 @@ constexpr const char* mesh_formats = ".ply .obj .off .stl";
 }  // namespace
 
 void declare(Verb v, ReconstructCommand& c) {
-  v.argument("POINTS", c.input, std::string("points to read: ") + point_formats);
+  v.argument("POINTS", c.input,
+             std::string("points to read: ") + point_formats +
+                 "; or contours drawn on slices: text with columns x, y, z and contour (a number for each closed "
+                 "curve), or .obj or .ply with lines and no faces");
   v.output(c.output, std::string("mesh to write: ") + mesh_formats);
-  std::string methods = "auto: composite; composite: partition of unity with an RBF residual";
+  std::string methods =
+      "auto: contours for files that hold contours, else composite; composite: partition of unity with an RBF "
+      "residual; contours: triharmonic spline through closed curves on two or more planes";
   for (const SurfaceMethod& method : surface_methods()) methods += std::string("; ") + method.name + ": " + method.what;
   v.flag("method", c.method, "NAME", "auto", methods);
   v.flag("normals", c.normals, "auto|file|estimate", "auto",
