@@ -7,6 +7,7 @@
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/surface/reconstruct.hpp"
+#include "csrbf/surface/reconstruct_contours.hpp"
 #include "csrbf/surface/trim.hpp"
 
 #include <memory>
@@ -25,7 +26,8 @@ py::dict to_dict(const ReconstructReport& r) {
   using namespace py::literals;
   return py::dict(
       "method"_a = r.method, "normals"_a = r.normals, "points"_a = r.points, "points_used"_a = r.points_used,
-      "centers"_a = r.centers, "patches"_a = r.patches, "levels"_a = r.levels, "smoothing"_a = r.options.smoothing,
+      "centers"_a = r.centers, "patches"_a = r.patches, "levels"_a = r.levels, "smoothing"_a = r.smoothing,
+      "contours"_a = r.contours, "slices"_a = r.slices, "lids"_a = r.lids,
       "cross_validation_error"_a = r.cross_validation_error, "rms_distance"_a = r.rms_distance,
       "p99_distance"_a = r.p99_distance, "max_distance"_a = r.max_distance, "prepare_seconds"_a = r.prepare_seconds,
       "fit_seconds"_a = r.fit_seconds, "evaluate_seconds"_a = r.evaluate_seconds, "warnings"_a = r.warnings);
@@ -46,6 +48,29 @@ py::tuple reconstruct_arrays(const Array& given, const std::optional<Array>& nor
         {.method = method, .centers = centers, .tolerance = tolerance, .smoothing = smoothing, .progress = progress});
     report = std::move(found.report);
     return std::make_unique<Surface>(Surface{found.field, cloud.points(Eigen::all, found.source)});
+  });
+  return py::make_tuple(std::move(surface), to_dict(report));
+}
+
+// `sizes`: the numbers of points of the closed curves.
+py::tuple reconstruct_contours_arrays(const Array& given, const std::vector<Index>& sizes, Index centers,
+                                      double smoothing) {
+  Polylines contours;
+  contours.vertices = points<3>(given, "contours");
+  contours.edges.resize(2, contours.vertices.cols());
+  Index first = 0;
+  for (const Index size : sizes) {
+    for (Index i = 0; i < size; ++i)
+      contours.edges.col(first + i) << static_cast<std::int32_t>(first + i),
+          static_cast<std::int32_t>(first + (i + 1) % size);
+    first += size;
+  }
+  ReconstructReport report;
+  auto surface = run([&](const Progress& progress) {
+    Reconstruction found =
+        reconstruct_contours(contours, {.centers = centers, .smoothing = smoothing, .progress = progress});
+    report = std::move(found.report);
+    return std::make_unique<Surface>(Surface{found.field, contours.vertices(Eigen::all, found.source)});
   });
   return py::make_tuple(std::move(surface), to_dict(report));
 }
@@ -151,6 +176,7 @@ void bind_surface(py::module_& m) {
         run([&](const Progress& /*progress*/) { write_model(path, *s.field); });
       });
   m.def("reconstruct", &reconstruct_arrays);
+  m.def("reconstruct_contours", &reconstruct_contours_arrays);
   m.def("combine", &combine_surfaces);
   m.def("read_surface", [](const std::string& path) {
     return run([&](const Progress& /*progress*/) { return std::make_unique<Surface>(Surface{read_model(path)}); });

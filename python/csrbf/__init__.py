@@ -19,7 +19,7 @@ from csrbf import _csrbf
 from csrbf._csrbf import IoError, SolverFailure, set_thread_count, thread_count
 from csrbf._function import Function, fit
 from csrbf._rbf_interpolator import RBFInterpolator
-from csrbf._surface import Curvature, Mesh, Surface, combine, reconstruct
+from csrbf._surface import Curvature, Mesh, Surface, combine, reconstruct, reconstruct_contours
 
 __version__ = _csrbf.version
 __all__ = [
@@ -34,6 +34,7 @@ __all__ = [
     "fit",
     "load",
     "reconstruct",
+    "reconstruct_contours",
     "set_thread_count",
     "thread_count",
 ]

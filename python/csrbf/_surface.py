@@ -153,6 +153,21 @@ def _restore(content, points, report):
     return Surface(surface, report)
 
 
+def reconstruct_contours(contours, *, centers=2000, smoothing=0.0):
+    """A smooth closed implicit surface through contours that were drawn on slices.
+
+    contours: closed curves, each an array (n, 3) of its points in order, in a plane of its own or with others; at least
+        two planes, which need not be parallel. Inside is where an odd number of curves of a plane is around a place.
+    centers: largest number of basis functions, two for each point used.
+    smoothing: 0 meets all contours; 1e-4 to 1e-2 smooth contours that do not fit together.
+    """
+    curves = [rows(curve, "contours") for curve in contours]
+    sizes = [len(curve) for curve in curves]
+    points = np.concatenate(curves) if curves else np.empty((0, 3))
+    surface, report = _csrbf.reconstruct_contours(points, sizes, int(centers), float(smoothing))
+    return Surface(surface, report)
+
+
 def combine(operation, *surfaces, radius=None, sharpness=None, blending=None):
     """Joins, intersects, cuts or blends surfaces.
 

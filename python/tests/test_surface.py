@@ -19,6 +19,26 @@ def sphere(n):
     return np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
 
 
+class Contours(unittest.TestCase):
+    def test_circles_on_slices_make_a_sphere(self):
+        angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+        heights = np.array([-0.85, -0.5, -0.2, 0.1, 0.5, 0.8])
+        contours = [
+            np.column_stack([r * np.cos(angle), r * np.sin(angle), np.full(24, z)])
+            for r, z in zip(np.sqrt(1 - heights**2), heights)
+        ]
+        s = csrbf.reconstruct_contours(contours, centers=200)
+        self.assertEqual((s.report["contours"], s.report["slices"], s.report["points"]), (6, 6, 144))
+        x = sphere(500)
+        # Most of the error is at the poles, beyond the last slices.
+        self.assertLess(np.sqrt(np.mean(s(x) ** 2)), 0.02)
+        self.assertEqual(s.contains([[0, 0, 0], [0, 0, 1.2]]).tolist(), [True, False])
+        with self.assertRaisesRegex(ValueError, "at least two planes"):
+            csrbf.reconstruct_contours(contours[:1])
+        with self.assertRaisesRegex(ValueError, "at least two closed curves"):
+            csrbf.reconstruct_contours([])
+
+
 class Reconstruction(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
