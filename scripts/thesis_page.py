@@ -23,7 +23,8 @@ MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
 DASHES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), "-"]
 
 ORDER = ["chapter-1", "figure-2.4", "table-2.4", "figure-3.4", "figure-3.9", "figure-3.14", "figure-3.16", "k-space",
-         "dimensions"]
+         "dimensions", "figure-6.4", "figure-6.5", "figure-6.6", "figure-6.8", "figure-6.10", "figure-6.17",
+         "figure-6.18", "figure-6.21"]
 
 STYLE = """
 :root { color-scheme: light; }
@@ -34,6 +35,9 @@ h2 { font-size: 1.25rem; margin: 3rem 0 .2rem; }
 p { margin: .3rem 0 1rem; max-width: 50rem; }
 img { max-width: 100%; display: block; margin: .6rem 0; }
 .note { color: #5b6675; }
+.renders { display: grid; grid-template-columns: repeat(auto-fill, minmax(230px, 1fr)); gap: .6rem; }
+.renders figure { margin: 0; }
+.renders figcaption { color: #5b6675; font-size: .85rem; text-align: center; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .6rem 0 1rem; }
 th, td { padding: .4rem 1.2rem .4rem 0; border-bottom: 1px solid #e2e6eb; text-align: left; vertical-align: top; }
@@ -69,7 +73,7 @@ def main(folder):
         tables = {name: Columns(table) for name, table in figure["tables"].items()}
         images = [save(folder, f"{figure['name']}{suffix}.png", drawing)
                   for suffix, drawing in DRAW[figure["name"]](figure, tables)] if tables else []
-        parts.append(section(figure, images))
+        parts.append(section(figure, images, folder))
     (folder / "index.html").write_text(page(figures, parts))
 
 
@@ -237,7 +241,59 @@ def draw_dimensions(_, tables):
     return [("", drawing)]
 
 
-DRAW = {"chapter-1": draw_chapter_1, "figure-2.4": draw_figure_2_4, "table-2.4": draw_table_2_4,
+def draw_figure_6_6(_, tables):
+    drawing, axes = plt.subplots(1, len(tables), figsize=(14, 3.2))
+    for axis, (name, t) in zip(axes, tables.items()):
+        lines(axis, t["centers"], [t[choice] for choice in t.names[1:]], t.names[1:])
+        style(axis, "centres", "diagonals", name, x_log=True, y_log=True)
+        plain_ticks(axis, t["centers"])
+    return [("", drawing)]
+
+
+def draw_figure_6_8(_, tables):
+    drawing, axis = plt.subplots(figsize=(6.5, 3.6))
+    t = tables["errors"]
+    lines(axis, t["weight"], [t["rms Taubin"]], [None])
+    chosen = tables["chosen"]["rms Taubin"][0]
+    axis.axhline(chosen, color="#5b6675", lw=1, ls=":")
+    axis.text(t["weight"][0], chosen, "chosen by cross-validation", va="bottom", color="#5b6675", fontsize=8)
+    style(axis, "weight of the penalty", "rms Taubin distance [diagonals]", "", x_log=True, y_log=True)
+    return [("", drawing)]
+
+
+def draw_figure_6_10(_, tables):
+    t = tables["bunny"]
+    drawing, axis = plt.subplots(figsize=(6.5, 3.6))
+    lines(axis, t["centers"], [t[name] for name in t.names[1:]], t.names[1:])
+    style(axis, "centres", "support [diagonals]", "bunny", x_log=True, y_log=True)
+    plain_ticks(axis, t["centers"])
+    return [("", drawing)]
+
+
+def draw_figure_6_17(_, tables):
+    t = tables["rms Taubin"]
+    drawing, axis = plt.subplots(figsize=(6.5, 3.8))
+    lines(axis, t["centers"], [t[name] for name in t.names[1:]], t.names[1:])
+    style(axis, "centres", "rms Taubin distance [diagonals]", "", x_log=True, y_log=True)
+    plain_ticks(axis, t["centers"])
+    return [("", drawing)]
+
+
+def draw_figure_6_21(_, tables):
+    t = tables["condition"]
+    drawing, axis = plt.subplots(figsize=(6.5, 3.6))
+    lines(axis, t["weight"], [t[name] for name in t.names[1:]], t.names[1:])
+    style(axis, r"$(\epsilon / t)^2$", "condition number", "Fig. 6.23", x_log=True, y_log=True)
+    return [("", drawing)]
+
+
+def draw_nothing(_figure, _tables):
+    return []
+
+
+DRAW = {"figure-6.4": draw_nothing, "figure-6.5": draw_nothing, "figure-6.6": draw_figure_6_6,
+        "figure-6.8": draw_figure_6_8, "figure-6.10": draw_figure_6_10, "figure-6.17": draw_figure_6_17,
+        "figure-6.18": draw_nothing, "figure-6.21": draw_figure_6_21, "chapter-1": draw_chapter_1, "figure-2.4": draw_figure_2_4, "table-2.4": draw_table_2_4,
         "figure-3.4": draw_figure_3_4, "figure-3.9": draw_figure_3_9, "figure-3.14": draw_figure_3_14,
         "figure-3.16": draw_figure_3_16, "k-space": draw_k_space, "dimensions": draw_dimensions}
 
@@ -259,6 +315,11 @@ def style(axis, x_label, y_label, title, x_log=False, y_log=False):
         axis.set_xscale("log")
     if y_log:
         axis.set_yscale("log")
+
+
+def plain_ticks(axis, values):
+    axis.set_xticks(values, [f"{value:.0f}" for value in values], fontsize=7)
+    axis.minorticks_off()
 
 
 def image(picture):
@@ -307,10 +368,18 @@ def order(x, y):
 # The page.
 
 
-def section(figure, images):
-    pictures = "".join(
-        f'<img alt="{html.escape(figure["title"])}" src="data:image/png;base64,'
-        f'{base64.b64encode(path.read_bytes()).decode()}">' for path in images)
+def embedded(path, text):
+    content = base64.b64encode(path.read_bytes()).decode()
+    return f'<img alt="{html.escape(text)}" src="data:image/png;base64,{content}">'
+
+
+def section(figure, images, folder):
+    pictures = "".join(embedded(path, figure["title"]) for path in images)
+    renders = "".join(
+        f'<figure>{embedded(folder / render["file"], render["caption"])}'
+        f'<figcaption>{html.escape(render["caption"])}</figcaption></figure>' for render in figure.get("renders", []))
+    if renders:
+        pictures += f'<div class="renders">{renders}</div>'
     return (f'<h2 id="{figure["name"]}">{html.escape(figure["title"])}</h2>\n'
             f'<p class="note">{html.escape(figure["text"])}</p>\n{pictures}\n')
 
@@ -332,7 +401,7 @@ def page(figures, parts):
 </head>
 <body>
 <h1>The thesis, computed again</h1>
-<p class="note">Chapters 1 to 3 of A. Gelas, 2006: what they say and show, and what csrbf gives on this machine. Most of
+<p class="note">Chapters 1 to 3 and 6 of A. Gelas, 2006: what they say and show, and what csrbf gives on this machine. Most of
 the published curves are pictures without numbers; where a number cannot be read it says so.</p>
 <div class="scroll"><table>
 <thead><tr><th></th><th>what</th><th>published</th><th>ours</th><th>verdict</th></tr></thead>

@@ -1,6 +1,7 @@
 #include "figure.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/image.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -26,6 +27,12 @@ void write_figure(const Figure& figure, const std::string& folder) {
         {"width", picture.width},
         {"height", picture.height},
         {"values", std::vector<double>(picture.values.data(), picture.values.data() + picture.values.size())}};
+  json["renders"] = Json::array();
+  for (std::size_t i = 0; i < figure.renders.size(); ++i) {
+    const std::string file = figure.name + "-render-" + std::to_string(i + 1) + ".png";
+    write_png(folder + "/" + file, figure.renders[i].image);
+    json["renders"].push_back({{"caption", figure.renders[i].caption}, {"file", file}});
+  }
 
   const std::string path = folder + "/" + figure.name + ".json";
   std::ofstream file(path);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/image.hpp"
 #include "csrbf/core/types.hpp"
 
 #include <string>
@@ -22,6 +23,12 @@ struct Picture {
   Eigen::VectorXd values = {};
 };
 
+/// A picture to look at.
+struct Render {
+  std::string caption;
+  RgbImage image = {};
+};
+
 /// What the thesis says, what we measure, and how the two compare: "holds", "fails", "not comparable".
 struct Claim {
   std::string what;
@@ -37,10 +44,11 @@ struct Figure {
   std::string text;   ///< how the numbers were made
   std::vector<Table> tables = {};
   std::vector<Picture> pictures = {};
+  std::vector<Render> renders = {};
   std::vector<Claim> claims = {};
 };
 
-/// Writes DIR/NAME.json. Throws IoError.
+/// Writes DIR/NAME.json, and the renders as DIR/NAME-render-N.png. Throws IoError.
 void write_figure(const Figure& figure, const std::string& folder);
 
 /// "holds" or "fails".

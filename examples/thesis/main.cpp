@@ -6,6 +6,12 @@
 #include "figure_3_16.hpp"
 #include "figure_3_4.hpp"
 #include "figure_3_9.hpp"
+#include "figure_6_10.hpp"
+#include "figure_6_17.hpp"
+#include "figure_6_21.hpp"
+#include "figure_6_4.hpp"
+#include "figure_6_6.hpp"
+#include "figure_6_8.hpp"
 #include "k_space.hpp"
 #include "table_2_4.hpp"
 
@@ -20,8 +26,8 @@ using csrbf::thesis::Figure;
 
 constexpr const char* usage =
     "usage: csrbf-thesis --out DIR [--only NAME]\n\n"
-    "Computes the numbers of the figures and tables of the thesis (chapters 1 to 3) and writes one JSON file each\n"
-    "into DIR; scripts/thesis_page.py draws them. --only NAME: one of\n";
+    "Computes the numbers of the figures and tables of the thesis (chapters 1 to 3, and 6) and writes one JSON file\n"
+    "each into DIR, with pictures; scripts/thesis_page.py draws them. --only NAME: one of\n";
 
 struct Work {
   std::string name;
@@ -30,9 +36,12 @@ struct Work {
 
 std::vector<Work> all_work() {
   using namespace csrbf::thesis;
-  return {{"chapter-1", comparators},   {"figure-2.4", figure_2_4}, {"table-2.4", table_2_4},
-          {"figure-3.4", figure_3_4},   {"figure-3.9", figure_3_9}, {"figure-3.14", figure_3_14},
-          {"figure-3.16", figure_3_16}, {"k-space", k_space},       {"dimensions", dimensions}};
+  return {{"chapter-1", comparators},   {"figure-2.4", figure_2_4},   {"table-2.4", table_2_4},
+          {"figure-3.4", figure_3_4},   {"figure-3.9", figure_3_9},   {"figure-3.14", figure_3_14},
+          {"figure-3.16", figure_3_16}, {"k-space", k_space},         {"dimensions", dimensions},
+          {"figure-6.4", figure_6_4},   {"figure-6.5", figure_6_5},   {"figure-6.6", figure_6_6},
+          {"figure-6.8", figure_6_8},   {"figure-6.10", figure_6_10}, {"figure-6.17", figure_6_17},
+          {"figure-6.18", figure_6_18}, {"figure-6.21", figure_6_21}};
 }
 
 int print_usage(int status) {
