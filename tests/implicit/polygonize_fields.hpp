@@ -77,6 +77,65 @@ inline Implicit torus(double major, double minor) {
           columns({off_center + Point<3>(major + minor, 0, 0)})};
 }
 
+// Lemniscate (x (x - 1)^2 (x - 2) + y^2)^2 + z^2 = 1/100: genus 2.
+inline Implicit double_torus() {
+  return {[](const Point<3>& p, Point<3>& g) {
+            const double x = p[0];
+            const double a = x * (x - 1) * (x - 1) * (x - 2) + p[1] * p[1];
+            const double da = (x - 1) * (x - 1) * (x - 2) + 2 * x * (x - 1) * (x - 2) + x * (x - 1) * (x - 1);
+            g = Point<3>(-2 * a * da, -4 * a * p[1], -2 * p[2]);
+            return 0.01 - a * a - p[2] * p[2];
+          },
+          {{-0.1, -0.7, -0.15}, {2.1, 0.7, 0.15}}};
+}
+
+// Three unit spheres, each touching the others: level set of a product, whose gradient vanishes where they touch.
+inline Implicit touching_spheres() {
+  const std::array<Point<3>, 3> centers{Point<3>(-1, 0, 0), Point<3>(1, 0, 0), Point<3>(0, std::sqrt(3.0), 0)};
+  return {[centers](const Point<3>& p, Point<3>& g) {
+            std::array<double, 3> f;
+            std::array<Point<3>, 3> df;
+            for (int i = 0; i < 3; ++i) f[i] = -ball(p, centers[i], 1, df[i]);
+            g = df[0] * f[1] * f[2] + f[0] * df[1] * f[2] + f[0] * f[1] * df[2];
+            return -f[0] * f[1] * f[2];
+          },
+          {{-2, -1, -1}, {2, 1 + std::sqrt(3.0), 1}}};
+}
+
+// Between the spheres of radius 1 and 1 - thickness.
+inline Implicit thin_shell(double thickness) {
+  return {[=](const Point<3>& p, Point<3>& g) {
+            const double r = p.norm();
+            const bool outer = 1 - r < r - (1 - thickness);
+            g = (outer ? -1 : 1) * p / r;
+            return outer ? 1 - r : r - (1 - thickness);
+          },
+          cube(1), columns({{1, 0, 0}, {0, 0, -1 + thickness}})};
+}
+
+inline Implicit gyroid() {
+  return {[](const Point<3>& p, Point<3>& g) {
+            const Eigen::Array3d s = p.array().sin();
+            const Eigen::Array3d c = p.array().cos();
+            g = Point<3>(c[0] * c[1] - s[2] * s[0], c[1] * c[2] - s[0] * s[1], c[2] * c[0] - s[1] * s[2]);
+            return s[0] * c[1] + s[1] * c[2] + s[2] * c[0];
+          },
+          {Point<3>::Zero(), Point<3>::Constant(2 * pi)}};
+}
+
+// Distance to the nearest of the planes that bound a turned box with these half sides around off_center: sharp edges.
+inline Implicit turned_box(const Point<3>& half) {
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Point<3>(1, 2, 3).normalized()).toRotationMatrix();
+  return {[=](const Point<3>& p, Point<3>& g) {
+            const Point<3> q = turn.transpose() * (p - off_center);
+            Index axis = 0;
+            const double f = (half - q.cwiseAbs()).minCoeff(&axis);
+            g = -std::copysign(1, q[axis]) * turn.col(axis);
+            return f;
+          },
+          cube(half.norm()), columns({off_center + half[0] * turn.col(0)})};
+}
+
 // Trilinear interpolation of random values on an n^3 lattice with unit spacing.
 inline Implicit noise(int n, std::uint64_t seed, bool small_integers = false) {
   std::mt19937_64 random(seed);

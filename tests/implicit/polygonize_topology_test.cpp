@@ -70,34 +70,14 @@ TEST(PolygonizeTopology, EulerNumberAndOrientationAreThoseOfTheSolid) {
 }
 
 TEST(PolygonizeTopology, DoubleTorusHasGenusTwo) {
-  // Lemniscate (x (x - 1)^2 (x - 2) + y^2)^2 + z^2 = 1/100.
-  const Implicit field(
-      [](const Point<3>& p, Point<3>& g) {
-        const double x = p[0];
-        const double a = x * (x - 1) * (x - 1) * (x - 2) + p[1] * p[1];
-        const double da = (x - 1) * (x - 1) * (x - 2) + 2 * x * (x - 1) * (x - 2) + x * (x - 1) * (x - 1);
-        g = Point<3>(-2 * a * da, -4 * a * p[1], -2 * p[2]);
-        return 0.01 - a * a - p[2] * p[2];
-      },
-      {{-0.1, -0.7, -0.15}, {2.1, 0.7, 0.15}});
-  const Mesh mesh = polygonize(field, {.resolution = 100});
+  const Mesh mesh = polygonize(double_torus(), {.resolution = 100});
   expect_closed_manifold(mesh);
   EXPECT_EQ(topology(mesh).components, 1);
   EXPECT_EQ(topology(mesh).euler, -2);
 }
 
 TEST(PolygonizeTopology, TouchingSpheresStayManifold) {
-  // Level sets of a product: the gradient vanishes where two spheres touch.
-  const std::array<Point<3>, 3> centers{Point<3>(-1, 0, 0), Point<3>(1, 0, 0), Point<3>(0, std::sqrt(3.0), 0)};
-  const Implicit field(
-      [&](const Point<3>& p, Point<3>& g) {
-        std::array<double, 3> f;
-        std::array<Point<3>, 3> df;
-        for (int i = 0; i < 3; ++i) f[i] = -ball(p, centers[i], 1, df[i]);
-        g = df[0] * f[1] * f[2] + f[0] * df[1] * f[2] + f[0] * f[1] * df[2];
-        return -f[0] * f[1] * f[2];
-      },
-      {{-2, -1, -1}, {2, 1 + std::sqrt(3.0), 1}});
+  const Implicit field = touching_spheres();
   for (const int resolution : {31, 40, 64}) {
     const Mesh mesh = polygonize(field, {.resolution = resolution});
     expect_closed_manifold(mesh);
@@ -107,15 +87,7 @@ TEST(PolygonizeTopology, TouchingSpheresStayManifold) {
 
 TEST(PolygonizeTopology, ThinShellHasTwoComponents) {
   const double thickness = 0.04;  // above the cell of 2 / 64
-  const Implicit shell(
-      [=](const Point<3>& p, Point<3>& g) {
-        const double r = p.norm();
-        const bool outer = 1 - r < r - (1 - thickness);
-        g = (outer ? -1 : 1) * p / r;
-        return outer ? 1 - r : r - (1 - thickness);
-      },
-      cube(1), columns({{1, 0, 0}, {0, 0, -1 + thickness}}));
-  const Mesh mesh = polygonize(shell, {.resolution = 64});
+  const Mesh mesh = polygonize(thin_shell(thickness), {.resolution = 64});
   expect_closed_manifold(mesh);
   EXPECT_EQ(topology(mesh).components, 2);
   EXPECT_EQ(topology(mesh).euler, 4);
@@ -123,16 +95,9 @@ TEST(PolygonizeTopology, ThinShellHasTwoComponents) {
 }
 
 TEST(PolygonizeTopology, GyroidThatLeavesTheBoxIsClosed) {
-  const Implicit gyroid(
-      [](const Point<3>& p, Point<3>& g) {
-        const Eigen::Array3d s = p.array().sin();
-        const Eigen::Array3d c = p.array().cos();
-        g = Point<3>(c[0] * c[1] - s[2] * s[0], c[1] * c[2] - s[0] * s[1], c[2] * c[0] - s[1] * s[2]);
-        return s[0] * c[1] + s[1] * c[2] + s[2] * c[0];
-      },
-      {Point<3>::Zero(), Point<3>::Constant(2 * pi)});
-  const Box<3> bounds = gyroid.bounds();
-  const Mesh mesh = polygonize(gyroid, {.resolution = 40, .bounds = bounds});
+  const Implicit surface = gyroid();
+  const Box<3> bounds = surface.bounds();
+  const Mesh mesh = polygonize(surface, {.resolution = 40, .bounds = bounds});
   expect_closed_manifold(mesh);
   const double margin = edge_margin * 2 * pi / 40 + 1e-12;
   EXPECT_TRUE(bounds.inflated(margin).contains(mesh.vertices.rowwise().minCoeff()));

@@ -6,10 +6,6 @@
 namespace csrbf::polygonization {
 namespace {
 
-Cell offset(int k) {
-  return {k & 1, k >> 1 & 1, k >> 2 & 1};
-}
-
 // Two free bits after every one of the lowest 21 bits.
 std::uint64_t spread_bits(std::uint64_t x) {
   x = (x | x << 32) & 0x001F00000000FFFFU;

@@ -11,6 +11,15 @@ namespace csrbf::polygonization {
 /// Integer coordinates of a corner, of a cell (those of its lowest corner) or of a brick.
 using Cell = Eigen::Array3i;
 
+/// Edges run from their lower corner to the one at the offset (d & 1, d >> 1 & 1, d >> 2 & 1); d is their direction.
+inline constexpr std::array<int, 3> axis_directions{1, 2, 4};
+inline constexpr std::array<int, 7> all_directions{1, 2, 3, 4, 5, 6, 7};  ///< also diagonals of faces and cells
+
+/// The offset of direction d.
+inline Cell offset(int d) {
+  return {d & 1, d >> 1 & 1, d >> 2 & 1};
+}
+
 /// A regular lattice of box-shaped cells. The outermost corners count as outside whatever the field says there, so that
 /// every surface closes within the lattice.
 struct CellLattice {
@@ -45,12 +54,29 @@ struct alignas(64) Brick {
   std::array<Brick*, 8> upper{};  ///< itself and the upper neighbours as far as they are known
   std::array<Brick*, 3> lower{};  ///< lower face neighbours as far as they are known
   Cell first = Cell::Zero();      ///< its lowest corner
-  std::array<int, 3> vertex{};    ///< number of the first vertex on an edge along each axis
-  std::array<Mask, 3> edges{};    ///< crossed edges of active cells, by axis, at their lower corners
+  std::array<int, 8> vertex{};    ///< number of the first vertex on an edge in each direction
+  Octet edges{};                  ///< crossed edges of active cells, by direction, at their lower corners
   std::array<double, 64> value;   ///< field minus level at the known corners; 0 on the boundary of the lattice
 
   [[nodiscard]] Cell corner(int bit) const { return first + Cell(bit & 3, bit >> 2 & 3, bit >> 4); }
 };
+
+/// A corner as seen by the brick that holds it.
+struct CornerRef {
+  const Brick& brick;
+  int bit;
+
+  [[nodiscard]] double value() const { return brick.value[bit]; }
+};
+
+/// The corner at the offset (d & 1, d >> 1 & 1, d >> 2 & 1) from corner `bit` of a brick whose neighbours there are
+/// known.
+inline CornerRef corner_at(const Brick& brick, int bit, int d) {
+  const int x = (bit & 3) + (d & 1);
+  const int y = (bit >> 2 & 3) + (d >> 1 & 1);
+  const int z = (bit >> 4) + (d >> 2);
+  return {*brick.upper[(x >> 2) | (y >> 2) << 1 | (z >> 2) << 2], (x & 3) | (y & 3) << 2 | (z & 3) << 4};
+}
 
 /// The inside masks of a brick seen from the eight corners of its cells. Right for visited cells.
 Octet inside_corners(const Brick& brick);

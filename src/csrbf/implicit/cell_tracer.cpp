@@ -11,6 +11,16 @@ int bit_of(const Cell& cell) {
   return (cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4;
 }
 
+// Edges of a brick that end in its neighbour at offset k.
+Mask upper_ends(const Brick& brick, int k) {
+  Mask edges = 0;
+  for (const int d : all_directions)
+    if ((d & k) == k) edges |= brick.edges[d];
+  for (int axis = 0; axis < 3; ++axis)
+    if (k >> axis & 1) edges &= last_layer(axis);
+  return edges;
+}
+
 void sort_along_curve(std::vector<Brick*>& bricks) {
   std::sort(bricks.begin(), bricks.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
 }
@@ -113,23 +123,22 @@ void CellTracer::push_across_faces(Brick& brick, const Octet& inside, Mask cells
   }
 }
 
-std::vector<Brick*> CellTracer::finish() {
+std::vector<Brick*> CellTracer::finish(std::span<const int> directions) {
   std::vector<Brick*> bricks = grid_.sorted();
   for (const Brick* brick : bricks) {
-    for (int axis = 0; axis < 3; ++axis) {
+    for (const int d : directions) {
       Octet edges{brick->active};
-      dilate(edges, (axis + 1) % 3);
-      dilate(edges, (axis + 2) % 3);
+      for (int axis = 0; axis < 3; ++axis)
+        if ((d >> axis & 1) == 0) dilate(edges, axis);
       for (int k = 0; k < 8; ++k)
-        if (edges[k] != 0) brick->upper[k]->edges[axis] |= edges[k];
+        if (edges[k] != 0) brick->upper[k]->edges[d] |= edges[k];
     }
   }
   for (Brick* brick : bricks) {
-    for (int axis = 0; axis < 3; ++axis) {
-      Mask ends = moved_down(brick->inside, axis);
-      if (brick->edges[axis] & last_layer(axis)) ends |= carried_down(grid_.upper(*brick, 1 << axis).inside, axis);
-      brick->edges[axis] &= brick->inside ^ ends;
-    }
+    for (int k = 1; k < 8; ++k)
+      if (upper_ends(*brick, k) != 0) grid_.upper(*brick, k);
+    const Octet inside = inside_corners(*brick);
+    for (const int d : directions) brick->edges[d] &= brick->inside ^ inside[d];
   }
   return bricks;
 }

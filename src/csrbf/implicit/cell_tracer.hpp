@@ -24,8 +24,9 @@ class CellTracer {
   /// Whether a cell was visited and is crossed by the surface.
   [[nodiscard]] bool active(const Cell& cell) const;
 
-  /// Marks the crossed edges of the active cells; nothing may be added afterwards. Returns all bricks along the curve.
-  std::vector<Brick*> finish();
+  /// Marks the crossed edges of the active cells in the given directions, and makes known to each brick the neighbours
+  /// that hold the upper ends; nothing may be added afterwards. Returns all bricks along the curve.
+  std::vector<Brick*> finish(std::span<const int> directions);
 
   [[nodiscard]] Index active_cells() const { return active_cells_; }
   [[nodiscard]] Index waves() const { return waves_; }

@@ -1,51 +1,13 @@
 #include "csrbf/implicit/cell_triangles.hpp"
 
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/implicit/cell_loops.hpp"
+#include "csrbf/implicit/brick_loops.hpp"
 #include "csrbf/implicit/edge_vertices.hpp"
-
-#include <bit>
 
 namespace csrbf::polygonization {
 namespace {
 
 constexpr Index bricks_per_range = 64;
-
-// A corner of a cell as a corner of the brick that holds it.
-struct CornerRef {
-  const Brick& brick;
-  int bit;
-};
-
-CornerRef corner_of_cell(const Brick& brick, int cell, int corner) {
-  const int x = (cell & 3) + (corner & 1);
-  const int y = (cell >> 2 & 3) + (corner >> 1 & 1);
-  const int z = (cell >> 4) + (corner >> 2);
-  return {*brick.upper[(x >> 2) | (y >> 2) << 1 | (z >> 2) << 2], (x & 3) | (y & 3) << 2 | (z & 3) << 4};
-}
-
-std::span<const CellLoop> loops_of_cell(const Brick& brick, const Octet& inside_masks, int cell) {
-  unsigned inside = 0;
-  for (int c = 0; c < 8; ++c) inside |= static_cast<unsigned>(inside_masks[c] >> cell & 1) << c;
-  if (ambiguous_faces(inside) == 0) return cell_loops(inside, 0);
-  std::array<double, 8> value;
-  for (int c = 0; c < 8; ++c) {
-    const CornerRef corner = corner_of_cell(brick, cell, c);
-    value[c] = corner.brick.value[corner.bit];
-  }
-  return cell_loops(inside, joined_faces(inside, value));
-}
-
-// Calls visit(cell, loop) for the loops of all active cells of a brick.
-template <class Visit>
-void for_each_loop(const Brick& brick, Visit visit) {
-  if (brick.active == 0) return;
-  const Octet inside = inside_corners(brick);
-  for (Mask left = brick.active; left != 0; left &= left - 1) {
-    const int cell = std::countr_zero(left);
-    for (const CellLoop& loop : loops_of_cell(brick, inside, cell)) visit(cell, loop);
-  }
-}
 
 // Writes the triangles of one brick and the centres of its loops from given columns on.
 class BrickFiller {
@@ -56,8 +18,7 @@ class BrickFiller {
   void operator()(int cell, const CellLoop& loop) {
     for (int i = 0; i < loop.size; ++i) {
       const CellEdge edge = cell_edges[loop.edges[i]];
-      const CornerRef corner = corner_of_cell(brick_, cell, edge.corner);
-      vertex_[i] = edge_vertex(corner.brick, edge.axis, corner.bit);
+      vertex_[i] = edge_vertex(corner_at(brick_, cell, edge.corner), 1 << edge.axis);
       point_[i] = mesh_.vertices.col(vertex_[i]);
     }
     loop.triangulable ? fill_by_chords(loop) : fill_around_center(loop);

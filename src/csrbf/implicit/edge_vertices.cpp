@@ -12,8 +12,8 @@ constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 // The root t of the field along one edge of unit length, with a bracket lo < t < hi.
 struct EdgeRoot {
   int vertex;
-  int axis;
   Point<3> corner;
+  Point<3> edge;  // to the other corner
   double t;
   double lo;
   double hi;
@@ -89,11 +89,7 @@ class EdgeBlock {
  private:
   static constexpr std::size_t capacity = Field<3>::block_size;
 
-  [[nodiscard]] Point<3> position(const EdgeRoot& root) const {
-    Point<3> p = root.corner;
-    p[root.axis] += root.t * lattice_.spacing[root.axis];
-    return p;
-  }
+  [[nodiscard]] Point<3> position(const EdgeRoot& root) const { return root.corner + root.t * root.edge; }
 
   // The field at the current estimates of the open roots.
   void sample(bool gradient) {
@@ -112,7 +108,7 @@ class EdgeBlock {
         if (demand_.normals) {
           const Point<3> gradient = gradient_.col(static_cast<Index>(i));
           mesh_.normals.col(root.vertex) = outward_normal(gradient);
-          slope = gradient[root.axis] * lattice_.spacing[root.axis];
+          slope = gradient.dot(root.edge);
         }
         if (!advance(root, value_[static_cast<Index>(i)], slope, evaluation > 0)) open_[kept++] = &root;
       }
@@ -149,31 +145,31 @@ class EdgeBlock {
 };
 
 // Places a vertex of the cap. Returns false for an edge whose ends were both sampled.
-bool place_on_cap(const CellLattice& lattice, const Cell& corner, int axis, int vertex, bool normals, Mesh& mesh) {
-  const bool at_lower = corner[axis] == 0;
-  if (!at_lower && corner[axis] + 1 != lattice.cells[axis]) return false;
-  Point<3> p = lattice.position(corner);
-  p[axis] += lattice.spacing[axis] * (at_lower ? 1 - edge_margin : edge_margin);
-  mesh.vertices.col(vertex) = p;
-  if (normals) mesh.normals.col(vertex) = (at_lower ? -1 : 1) * Point<3>::Unit(axis);
+bool place_on_cap(const CellLattice& lattice, const Cell& lower, int d, int vertex, bool normals, Mesh& mesh) {
+  const Cell upper = lower + offset(d);
+  const bool at_lower = lattice.on_boundary(lower);
+  if (!at_lower && !lattice.on_boundary(upper)) return false;
+  const Cell out = (upper >= lattice.cells).cast<int>() - (lower <= 0).cast<int>();
+  const Point<3> inner = lattice.position(at_lower ? upper : lower);
+  const Point<3> outer = lattice.position(at_lower ? lower : upper);
+  mesh.vertices.col(vertex) = inner + edge_margin * (outer - inner);
+  if (normals) mesh.normals.col(vertex) = out.matrix().cast<double>().normalized();
   return true;
 }
 
 void place_vertices_of_brick(const CellLattice& lattice, const Brick& brick, bool normals, Mesh& mesh,
                              EdgeBlock& block) {
-  for (int axis = 0; axis < 3; ++axis) {
-    int vertex = brick.vertex[axis];
-    const Brick& next = brick.upper[1 << axis] != nullptr ? *brick.upper[1 << axis] : brick;
-    for (Mask left = brick.edges[axis]; left != 0; left &= left - 1, ++vertex) {
+  for (const int d : all_directions) {
+    int vertex = brick.vertex[d];
+    const Point<3> edge = lattice.spacing.cwiseProduct(offset(d).matrix().cast<double>());
+    for (Mask left = brick.edges[d]; left != 0; left &= left - 1, ++vertex) {
       const int bit = std::countr_zero(left);
       const Cell corner = brick.corner(bit);
-      if (place_on_cap(lattice, corner, axis, vertex, normals, mesh)) continue;
-      const int stride = bit_stride(axis);
-      const bool last = last_layer(axis) >> bit & 1;
+      if (place_on_cap(lattice, corner, d, vertex, normals, mesh)) continue;
       const double f_lo = brick.value[bit];
-      const double f_hi = last ? next.value[bit - 3 * stride] : brick.value[bit + stride];
+      const double f_hi = corner_at(brick, bit, d).value();
       const double secant = std::clamp(f_lo / (f_lo - f_hi), edge_margin, 1 - edge_margin);
-      block.add({vertex, axis, lattice.position(corner), secant, 0, 1, f_lo, f_hi});
+      block.add({vertex, lattice.position(corner), edge, secant, 0, 1, f_lo, f_hi});
     }
   }
 }
@@ -183,9 +179,9 @@ void place_vertices_of_brick(const CellLattice& lattice, const Brick& brick, boo
 Index number_edge_vertices(const std::vector<Brick*>& bricks) {
   Index count = 0;
   for (Brick* brick : bricks) {
-    for (int axis = 0; axis < 3; ++axis) {
-      brick->vertex[axis] = static_cast<int>(count);
-      count += std::popcount(brick->edges[axis]);
+    for (const int d : all_directions) {
+      brick->vertex[d] = static_cast<int>(count);
+      count += std::popcount(brick->edges[d]);
     }
     if (count > std::numeric_limits<int>::max())
       throw SolverFailure("polygonize: more than 2^31 vertices; lower the resolution");

@@ -24,14 +24,14 @@ inline Point<3> outward_normal(const Point<3>& gradient) {
 /// Share of a cell edge that stays between a vertex and the ends of its edge, so that no two vertices coincide.
 inline constexpr double edge_margin = 1e-3;
 
-/// Numbers the crossed edges of all bricks in order: within a brick by axis, then by lower corner. Returns their
+/// Numbers the crossed edges of all bricks in order: within a brick by direction, then by lower corner. Returns their
 /// number. Throws SolverFailure when a mesh cannot hold that many.
 Index number_edge_vertices(const std::vector<Brick*>& bricks);
 
-/// Number of the vertex on the edge of `axis` from corner `bit` of `brick`.
-inline int edge_vertex(const Brick& brick, int axis, int bit) {
-  const Mask before = brick.edges[axis] & ((Mask{1} << bit) - 1);
-  return brick.vertex[axis] + std::popcount(before);
+/// Number of the vertex on the edge in direction d from a corner.
+inline int edge_vertex(const CornerRef& corner, int d) {
+  const Mask before = corner.brick.edges[d] & ((Mask{1} << corner.bit) - 1);
+  return corner.brick.vertex[d] + std::popcount(before);
 }
 
 /// Places every numbered vertex where the surface crosses its edge, and fills its normal when asked.

@@ -1,11 +1,15 @@
 #include "csrbf/implicit/polygonize.hpp"
 
+#include "csrbf/implicit/cell_tetrahedra.hpp"
 #include "csrbf/implicit/cell_tracer.hpp"
 #include "csrbf/implicit/cell_triangles.hpp"
+#include "csrbf/implicit/center_vertices.hpp"
 #include "csrbf/implicit/edge_vertices.hpp"
 #include "csrbf/implicit/start_cells.hpp"
 
 #include <Eigen/Geometry>
+
+#include <algorithm>
 
 namespace csrbf {
 namespace {
@@ -13,10 +17,8 @@ namespace {
 using namespace polygonization;
 
 constexpr int largest_resolution = 4096;
-constexpr int default_margin = 4;      // cells around the field's bounds
-constexpr double rounding = 1e-9;      // of a whole number of cells
-constexpr int center_steps = 3;        // Newton steps of a vertex inside a cell
-constexpr double center_range = 0.25;  // cells it may move
+constexpr int default_margin = 4;  // cells around the field's bounds
+constexpr double rounding = 1e-9;  // of a whole number of cells
 
 bool usable(const Box<3>& box) {
   return !box.empty() && box.extent().allFinite() && box.extent().maxCoeff() > 0;
@@ -97,28 +99,6 @@ void trace(const Field<3>& field, const CellLattice& lattice, LevelSampler& samp
   throw SolverFailure(message.str());
 }
 
-// Moves the vertices inside cells towards the surface and fills their normals.
-void place_center_vertices(const CellLattice& lattice, LevelSampler& sampler, Index first, bool refine, Mesh& mesh) {
-  const Index n = mesh.vertices.cols() - first;
-  if (n == 0) return;
-  const Points<3> start = mesh.vertices.rightCols(n);
-  Points<3> points = start;
-  const double range = center_range * lattice.spacing.minCoeff();
-  Jet<3> jet = sampler.jet(points);
-  for (int step = 0; refine && step < center_steps; ++step) {
-    for (Index i = 0; i < n; ++i) {
-      const Point<3> gradient = jet.gradient.col(i);
-      const double slope = gradient.norm();
-      const Point<3> shift = points.col(i) - jet.value[i] / slope * (gradient / slope) - start.col(i);
-      if (shift.allFinite()) points.col(i) = start.col(i) + std::min(1.0, range / shift.norm()) * shift;
-    }
-    jet = sampler.jet(points);
-  }
-  mesh.vertices.rightCols(n) = points;
-  for (Index i = 0; i < mesh.normals.cols() - first; ++i)
-    mesh.normals.col(first + i) = outward_normal(jet.gradient.col(i));
-}
-
 // Normals where the gradient gave none: the mean of the triangles around.
 void complete_normals(Mesh& mesh) {
   const Eigen::Array<bool, 1, Eigen::Dynamic> missing = (mesh.normals.array() == 0).colwise().all();
@@ -135,7 +115,51 @@ void complete_normals(Mesh& mesh) {
     if (missing[i]) mesh.normals.col(i).stableNormalize();
 }
 
+void resize_vertices(Index n, bool normals, Mesh& mesh) {
+  if (n > std::numeric_limits<std::int32_t>::max())
+    throw SolverFailure("polygonize: more than 2^31 vertices; lower the resolution");
+  mesh.vertices.resize(3, n);
+  if (normals) mesh.normals.resize(3, n);
+}
+
+// The methods return the number of vertices that are not on edges.
+Index marching_cubes(const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
+                     const PolygonizeOptions& options, Mesh& mesh) {
+  const std::vector<Brick*> bricks = tracer.finish(axis_directions);
+  const Index edge_vertices = number_edge_vertices(bricks);
+  const TriangleOffsets offsets = count_triangles(bricks);
+  resize_vertices(edge_vertices + offsets.centers.back(), options.normals, mesh);
+  mesh.triangles.resize(3, offsets.triangles.back());
+  place_edge_vertices(lattice, bricks, sampler, {options.refine, options.normals}, mesh, options.progress);
+  report(options.progress, "polygonize", 0.95);
+  fill_triangles(bricks, offsets, edge_vertices, mesh);
+  place_center_vertices(lattice, sampler, edge_vertices, options.refine, mesh);
+  return offsets.centers.back();
+}
+
+Index marching_tetrahedra(const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
+                          const PolygonizeOptions& options, Mesh& mesh) {
+  const std::vector<Brick*> bricks = tracer.finish(all_directions);
+  resize_vertices(number_edge_vertices(bricks), options.normals, mesh);
+  place_edge_vertices(lattice, bricks, sampler, {options.refine, options.normals}, mesh, options.progress);
+  report(options.progress, "polygonize", 0.95);
+  march_tetrahedra(bricks, mesh);
+  return 0;
+}
+
+constexpr std::array<std::string_view, 2> method_names{"marching-cubes", "marching-tetrahedra"};
+
 }  // namespace
+
+std::string_view name_of(PolygonizeMethod method) {
+  return method_names[static_cast<std::size_t>(method)];
+}
+
+std::optional<PolygonizeMethod> polygonize_method_named(std::string_view name) {
+  const auto found = std::find(method_names.begin(), method_names.end(), name);
+  if (found == method_names.end()) return std::nullopt;
+  return static_cast<PolygonizeMethod>(found - method_names.begin());
+}
 
 int automatic_resolution(const Field<3>& field) {
   constexpr double fewest = 32;
@@ -153,26 +177,15 @@ Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options) {
   LevelSampler sampler(field, options.level);
   CellTracer tracer(lattice, sampler);
   trace(field, lattice, sampler, tracer, options);
-  const std::vector<Brick*> bricks = tracer.finish();
-  const Index edge_vertices = number_edge_vertices(bricks);
-  const TriangleOffsets offsets = count_triangles(bricks);
-  const Index vertices = edge_vertices + offsets.centers.back();
-  if (vertices > std::numeric_limits<std::int32_t>::max())
-    throw SolverFailure("polygonize: more than 2^31 vertices; lower the resolution");
-
   Mesh mesh;
-  mesh.vertices.resize(3, vertices);
-  mesh.triangles.resize(3, offsets.triangles.back());
-  if (options.normals) mesh.normals.resize(3, vertices);
-  place_edge_vertices(lattice, bricks, sampler, {options.refine, options.normals}, mesh, options.progress);
-  report(options.progress, "polygonize", 0.95);
-  fill_triangles(bricks, offsets, edge_vertices, mesh);
-  place_center_vertices(lattice, sampler, edge_vertices, options.refine, mesh);
+  const Index center_vertices = options.method == PolygonizeMethod::marching_tetrahedra
+                                    ? marching_tetrahedra(lattice, sampler, tracer, options, mesh)
+                                    : marching_cubes(lattice, sampler, tracer, options, mesh);
   if (options.normals) complete_normals(mesh);
 
   if (options.statistics != nullptr)
     *options.statistics = {tracer.active_cells(), sampler.value_count(), sampler.gradient_count(), tracer.waves(),
-                           offsets.centers.back()};
+                           center_vertices};
   report(options.progress, "polygonize", 1.0);
   return mesh;
 }

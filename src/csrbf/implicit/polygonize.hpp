@@ -4,7 +4,23 @@
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
 
+#include <optional>
+#include <string_view>
+
 namespace csrbf {
+
+/// How cells become triangles.
+enum class PolygonizeMethod {
+  marching_cubes,  ///< vertices on the edges of cells; each face of a cell is cut by its own four corner values only
+                   ///< (asymptotic decider, Nielson and Hamann 1991)
+  marching_tetrahedra,  ///< vertices on the edges and diagonals of cells, cut into six tetrahedra each: no ambiguous
+                        ///< cases, about three times the triangles and narrower ones (Doi and Koide 1991)
+};
+
+/// marching-cubes, marching-tetrahedra.
+std::string_view name_of(PolygonizeMethod method);
+/// What has that name; nothing when none has.
+std::optional<PolygonizeMethod> polygonize_method_named(std::string_view name);
 
 /// What polygonize did.
 struct PolygonizeStatistics {
@@ -19,6 +35,8 @@ struct PolygonizeOptions {
   /// Cells along the longest side of the field's bounds (of `bounds` where the field has none), 1 ... 4096;
   /// 0 = automatic_resolution(field).
   int resolution = 0;
+
+  PolygonizeMethod method = PolygonizeMethod::marching_cubes;
 
   /// The surface f = level is extracted.
   double level = 0;
@@ -48,10 +66,8 @@ struct PolygonizeOptions {
 /// them; 128 when the field does not know its detail.
 int automatic_resolution(const Field<3>& field);
 
-/// Triangle mesh of the surface f = level by marching cubes, closed, manifold and oriented by construction: each cell
-/// face is cut by its own four corner values only (asymptotic decider, Nielson and Hamann 1991), and no triangle edge
-/// joins two vertices of one cell face unless it is a cut of that face. Surfaces that share a cell stay apart or merge,
-/// but never touch in an edge or a vertex.
+/// Triangle mesh of the surface f = level, by every method closed, manifold and oriented by construction. Surfaces that
+/// share a cell stay apart or merge, but never touch in an edge or a vertex.
 ///
 /// Corners with f >= level are inside. Features thinner than a cell may be lost.
 /// Follows the surface from the seeds: time and memory are proportional to the number of vertices, about two values and

@@ -1,0 +1,184 @@
+#include "polygonize_fields.hpp"
+
+namespace csrbf {
+namespace {
+
+// What holds for every method.
+class EveryMethod : public testing::TestWithParam<PolygonizeMethod> {
+ protected:
+  [[nodiscard]] Mesh polygonized(const Field<3>& field, PolygonizeOptions options) const {
+    options.method = GetParam();
+    return polygonize(field, options);
+  }
+};
+
+TEST_P(EveryMethod, GivesClosedManifoldsOfTheRightGenus) {
+  const Mesh ring = polygonized(torus(1, 0.4), {.resolution = 50});
+  expect_closed_manifold(ring);
+  EXPECT_EQ(topology(ring).euler, 0);
+  EXPECT_EQ(topology(ring).components, 1);
+  EXPECT_GT(volume(ring), 0);
+
+  const Mesh two_holes = polygonized(double_torus(), {.resolution = 100});
+  expect_closed_manifold(two_holes);
+  EXPECT_EQ(topology(two_holes).euler, -2);
+  EXPECT_EQ(topology(two_holes).components, 1);
+
+  const Mesh box = polygonized(turned_box({0.7, 0.5, 0.4}), {.resolution = 31});
+  expect_closed_manifold(box);
+  EXPECT_EQ(topology(box).euler, 2);
+}
+
+TEST_P(EveryMethod, KeepsTouchingSpheresManifold) {
+  for (const int resolution : {31, 40, 64}) {
+    const Mesh mesh = polygonized(touching_spheres(), {.resolution = resolution});
+    expect_closed_manifold(mesh);
+    EXPECT_NEAR(volume(mesh), 3 * 4 * pi / 3, 0.03 * 4 * pi);
+  }
+}
+
+TEST_P(EveryMethod, KeepsTheSidesOfAThinShellApart) {
+  for (const double cells : {0.7, 1.2, 1.8}) {
+    const Mesh mesh = polygonized(thin_shell(cells * 2 / 64), {.resolution = 64});
+    expect_closed_manifold(mesh);
+    if (cells < std::sqrt(3)) continue;  // diagonals may step over it: holes
+    EXPECT_EQ(topology(mesh).components, 2);
+    EXPECT_EQ(topology(mesh).euler, 4);
+  }
+}
+
+TEST_P(EveryMethod, GivesClosedManifoldsForRandomFields) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const int n = seed % 16 == 0 ? 24 : 12;
+    const Mesh mesh = polygonized(noise(n, seed, seed % 3 == 2), lattice_of_noise(n));
+    expect_closed_manifold(mesh);
+    EXPECT_TRUE(mesh.vertices.allFinite());
+    EXPECT_LT((mesh.normals.colwise().norm().array() - 1).abs().maxCoeff(), 1e-12);
+  }
+}
+
+TEST_P(EveryMethod, ClosesTheSolidAtTheBox) {
+  const Box<3> bounds = gyroid().bounds();
+  const Mesh mesh = polygonized(gyroid(), {.resolution = 40, .bounds = bounds});
+  expect_closed_manifold(mesh);
+  const double margin = edge_margin * 2 * pi / 40 + 1e-12;
+  EXPECT_TRUE(bounds.inflated(margin).contains(mesh.vertices.rowwise().minCoeff()));
+  EXPECT_TRUE(bounds.inflated(margin).contains(mesh.vertices.rowwise().maxCoeff()));
+  EXPECT_NEAR(volume(mesh), 0.5 * std::pow(2 * pi, 3), 0.5);  // half of the cube by symmetry
+}
+
+// Mean order over all halvings.
+double observed_order(const std::vector<double>& errors) {
+  return std::log2(errors.front() / errors.back()) / static_cast<double>(errors.size() - 1);
+}
+
+TEST_P(EveryMethod, ConvergesWithOrderTwo) {
+  std::vector<double> area_errors, volume_errors;
+  for (const int resolution : {12, 24, 48, 96, 192}) {
+    const Mesh mesh = polygonized(torus(1, 0.4), {.resolution = resolution});
+    area_errors.push_back(std::abs(areas(mesh).sum() - 4 * pi * pi * 0.4));
+    volume_errors.push_back(std::abs(volume(mesh) - 2 * pi * pi * 0.16));
+  }
+  EXPECT_GT(observed_order(area_errors), 1.9);
+  EXPECT_GT(observed_order(volume_errors), 1.9);
+}
+
+TEST_P(EveryMethod, PutsVerticesOnTheSurfaceWithRefinementAndToOrderTwoWithout) {
+  std::vector<double> errors;
+  for (const int resolution : {8, 16, 32, 64, 128}) {
+    const Mesh rough = polygonized(sphere(1), {.resolution = resolution, .refine = false});
+    errors.push_back(largest_distance_to_sphere(rough, 1, off_center));
+    EXPECT_LT(largest_distance_to_sphere(polygonized(sphere(1), {.resolution = resolution}), 1, off_center), 1e-6);
+  }
+  EXPECT_GT(observed_order(errors), 1.9);
+}
+
+TEST_P(EveryMethod, DoesNotDependOnTheNumberOfThreads) {
+  const Implicit ring = torus(1, 0.35), rough = noise(20, 7);
+  std::vector<Mesh> smooth_meshes, rough_meshes;
+  for (const int threads : {1, 2, 3}) {
+    set_thread_count(threads);
+    smooth_meshes.push_back(polygonized(ring, {.resolution = 60}));
+    rough_meshes.push_back(polygonized(rough, lattice_of_noise(20)));
+  }
+  set_thread_count(0);
+  for (std::size_t i = 1; i < 3; ++i) {
+    EXPECT_TRUE(identical(smooth_meshes[0], smooth_meshes[i]));
+    EXPECT_TRUE(identical(rough_meshes[0], rough_meshes[i]));
+  }
+}
+
+TEST_P(EveryMethod, ScalesWithSpaceAndValues) {
+  const Mesh unit = polygonized(sphere(1), {.resolution = 33});
+  for (const double scale : {0x1p-100, 0x1p100}) {  // powers of two: every operation scales exactly
+    const Implicit scaled(
+        [=](const Point<3>& p, Point<3>& g) {
+          const double f = ball(p / scale, off_center, 1, g) / scale;
+          g /= scale * scale;
+          return f;
+        },
+        {(off_center.array() - 1) * scale, (off_center.array() + 1) * scale},
+        columns({scale * (off_center + Point<3>(1, 0, 0))}));
+    const Mesh mesh = polygonized(scaled, {.resolution = 33});
+    EXPECT_TRUE(mesh.triangles == unit.triangles);
+    EXPECT_LT((mesh.vertices / scale - unit.vertices).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+TEST_P(EveryMethod, GivesOutwardUnitNormalsOrNone) {
+  const Mesh mesh = polygonized(sphere(1), {.resolution = 64});
+  const Points<3> expected = (mesh.vertices.colwise() - off_center).colwise().normalized();
+  const double curvature_times_last_step = 0.05 * 2 / 64;
+  EXPECT_LT((mesh.normals - expected).colwise().norm().maxCoeff(), curvature_times_last_step);
+  const Mesh without = polygonized(sphere(1), {.resolution = 64, .normals = false});
+  EXPECT_EQ(without.normals.cols(), 0);
+  EXPECT_EQ(without.triangles.cols(), mesh.triangles.cols());
+}
+
+TEST_P(EveryMethod, ReportsGrowingProgressAndCanBeCancelled) {
+  double last = 0;
+  int calls = 0;
+  const auto watch = [&](std::string_view stage, double fraction) {
+    EXPECT_EQ(stage, "polygonize");
+    EXPECT_GE(fraction, last);
+    last = fraction;
+    ++calls;
+    return true;
+  };
+  (void)polygonized(sphere(1), {.resolution = 40, .progress = watch});
+  EXPECT_EQ(last, 1);
+  for (int stop_at = 1; stop_at <= calls; ++stop_at) {
+    int count = 0;
+    const auto stop = [&](std::string_view, double) { return ++count < stop_at; };
+    EXPECT_THROW((void)polygonized(sphere(1), {.resolution = 40, .progress = stop}), Cancelled);
+  }
+}
+
+TEST_P(EveryMethod, HasAName) {
+  EXPECT_EQ(polygonize_method_named(name_of(GetParam())), GetParam());
+  EXPECT_FALSE(polygonize_method_named("guesswork").has_value());
+}
+
+std::string test_name(const testing::TestParamInfo<PolygonizeMethod>& method) {
+  std::string name(name_of(method.param));
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Polygonize, EveryMethod,
+                         testing::Values(PolygonizeMethod::marching_cubes, PolygonizeMethod::marching_tetrahedra),
+                         test_name);
+
+TEST(MarchingTetrahedra, CutsAllFourteenEdgesOfALoneCorner) {
+  const double radius = 0.03;  // smaller than a cell, around a corner with 14 edges
+  const Mesh mesh =
+      polygonize(sphere(radius, Point<3>::Zero()),
+                 {.resolution = 1, .method = PolygonizeMethod::marching_tetrahedra, .bounds = cube(4 * radius)});
+  expect_closed_manifold(mesh);
+  EXPECT_EQ(mesh.vertices.cols(), 14);
+  EXPECT_EQ(mesh.triangles.cols(), 24);
+  EXPECT_LT(largest_distance_to_sphere(mesh, radius, Point<3>::Zero()), 1e-9 * radius);
+}
+
+}  // namespace
+}  // namespace csrbf
