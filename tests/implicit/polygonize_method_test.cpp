@@ -83,11 +83,13 @@ TEST_P(EveryMethod, ConvergesWithOrderTwo) {
   EXPECT_GT(observed_order(volume_errors), 1.9);
 }
 
+// Mean order of the root mean square: the largest distance meets worse cells the more there are.
 TEST_P(EveryMethod, PutsVerticesOnTheSurfaceWithRefinementAndToOrderTwoWithout) {
   std::vector<double> errors;
   for (const int resolution : {8, 16, 32, 64, 128}) {
     const Mesh rough = polygonized(sphere(1), {.resolution = resolution, .refine = false});
-    errors.push_back(largest_distance_to_sphere(rough, 1, off_center));
+    const Eigen::ArrayXd radii = (rough.vertices.colwise() - off_center).colwise().norm();
+    errors.push_back(std::sqrt((radii - 1).square().mean()));
     EXPECT_LT(largest_distance_to_sphere(polygonized(sphere(1), {.resolution = resolution}), 1, off_center), 1e-6);
   }
   EXPECT_GT(observed_order(errors), 1.9);
@@ -166,8 +168,105 @@ std::string test_name(const testing::TestParamInfo<PolygonizeMethod>& method) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Polygonize, EveryMethod,
-                         testing::Values(PolygonizeMethod::marching_cubes, PolygonizeMethod::marching_tetrahedra),
+                         testing::Values(PolygonizeMethod::marching_cubes, PolygonizeMethod::marching_tetrahedra,
+                                         PolygonizeMethod::dual_contouring),
                          test_name);
+
+// f at the centroids of the triangles.
+Eigen::ArrayXd at_centroids(const Mesh& mesh, const Field<3>& field) {
+  Points<3> centroids(3, mesh.triangles.cols());
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3i v = mesh.triangles.col(t);
+    centroids.col(t) = (mesh.vertices.col(v[0]) + mesh.vertices.col(v[1]) + mesh.vertices.col(v[2])) / 3;
+  }
+  return field.evaluate(centroids).value;
+}
+
+double largest_value(const Mesh& mesh, const Field<3>& field) {
+  return std::max(field.evaluate(mesh.vertices).value.cwiseAbs().maxCoeff(),
+                  at_centroids(mesh, field).abs().maxCoeff());
+}
+
+double rms_value(const Mesh& mesh, const Field<3>& field) {
+  return std::sqrt(at_centroids(mesh, field).square().mean());
+}
+
+PolygonizeOptions dual(int resolution) {
+  return {.resolution = resolution, .method = PolygonizeMethod::dual_contouring};
+}
+
+// Crossings are known to 1e-4 of an edge and better, normals of planes exactly.
+constexpr double crossing_error = 1e-4;
+
+TEST(DualContouring, KeepsTheEdgesAndCornersOfABox) {
+  const Point<3> half(0.7, 0.5, 0.4);
+  const Implicit box = turned_box(half);
+  for (const int resolution : {16, 33, 64}) {
+    const double cell = 2 * half.norm() / resolution;
+    EXPECT_GT(largest_value(polygonize(box, {.resolution = resolution}), box), 0.3 * cell);
+    const Mesh mesh = polygonize(box, dual(resolution));
+    EXPECT_LT(largest_value(mesh, box), crossing_error * cell);
+    EXPECT_NEAR(volume(mesh), 8 * half.prod(), crossing_error * cell * 8 * half.squaredNorm());
+  }
+}
+
+TEST(DualContouring, KeepsTheTipOfACone) {
+  // Around the axis z, tip at height 1, opening as wide as high, base at 0.
+  const Implicit cone(
+      [](const Point<3>& p, Point<3>& g) {
+        const Point<3> q = p - off_center;
+        const double r = std::hypot(q[0], q[1]);
+        const double side = (1 - q[2] - r) / std::sqrt(2);
+        g = side < q[2] ? Point<3>(Point<3>(-q[0] / r, -q[1] / r, -1) / std::sqrt(2)) : Point<3>::UnitZ();
+        return std::min(side, q[2]);
+      },
+      {{-1, -1, 0}, {1.1, 1.1, 1.1}});
+  for (const int resolution : {13, 26, 52, 104}) {
+    const double cell = 2.1 / resolution, tip = 1 + off_center[2];
+    EXPECT_LT(polygonize(cone, {.resolution = resolution}).vertices.row(2).maxCoeff(), tip - 0.1 * cell);
+    const Mesh mesh = polygonize(cone, dual(resolution));
+    expect_closed_manifold(mesh);
+    EXPECT_NEAR(mesh.vertices.row(2).maxCoeff(), tip, crossing_error * cell);
+  }
+}
+
+// What is in two balls, or in the first and not in the second.
+Implicit two_balls(bool difference) {
+  return {[=](const Point<3>& p, Point<3>& g) {
+            const Point<3> a = p - off_center, b = p - off_center - Point<3>(0.9, 0.3, 0);
+            const double first = 1 - a.norm(), second = difference ? b.norm() - 1 : 1 - b.norm();
+            g = first < second ? Point<3>(-a.normalized()) : Point<3>((difference ? 1 : -1) * b.normalized());
+            return std::min(first, second);
+          },
+          cube(1.05)};
+}
+
+TEST(DualContouring, ConvergesWithOrderTwoUpToTheEdges) {
+  std::vector<double> lens, blade;  // a blade thinner than a cell may lose bits of its edge: no order of the largest
+  for (const int resolution : {8, 16, 32, 64, 128}) {
+    lens.push_back(largest_value(polygonize(two_balls(false), dual(resolution)), two_balls(false)));
+    blade.push_back(rms_value(polygonize(two_balls(true), dual(resolution)), two_balls(true)));
+  }
+  EXPECT_GT(observed_order(lens), 1.9);
+  EXPECT_GT(observed_order(blade), 1.9);
+  EXPECT_GT(largest_value(polygonize(two_balls(false), {.resolution = 128}), two_balls(false)), 10 * lens.back());
+}
+
+TEST(DualContouring, PutsVerticesOnFacesWhereTwoLoopsMeetTwice) {
+  Index added = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    PolygonizeStatistics statistics;
+    PolygonizeOptions options = lattice_of_noise(12);
+    options.method = PolygonizeMethod::dual_contouring;
+    options.statistics = &statistics;
+    const Mesh cubes = polygonize(noise(12, seed), lattice_of_noise(12));
+    const Mesh mesh = polygonize(noise(12, seed), options);
+    EXPECT_EQ(topology(mesh).euler, topology(cubes).euler);
+    EXPECT_EQ(topology(mesh).components, topology(cubes).components);
+    added += statistics.center_vertices;
+  }
+  EXPECT_GT(added, 0);  // the case was met
+}
 
 TEST(MarchingTetrahedra, CutsAllFourteenEdgesOfALoneCorner) {
   const double radius = 0.03;  // smaller than a cell, around a corner with 14 edges

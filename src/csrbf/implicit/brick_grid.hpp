@@ -20,6 +20,9 @@ inline Cell offset(int d) {
   return {d & 1, d >> 1 & 1, d >> 2 & 1};
 }
 
+/// Share of a cell edge that stays between a vertex and the ends of its edge, so that no two vertices coincide.
+inline constexpr double edge_margin = 1e-3;
+
 /// A regular lattice of box-shaped cells. The outermost corners count as outside whatever the field says there, so that
 /// every surface closes within the lattice.
 struct CellLattice {
@@ -29,6 +32,11 @@ struct CellLattice {
 
   [[nodiscard]] Point<3> position(const Cell& corner) const {
     return origin + spacing.cwiseProduct(corner.matrix().cast<double>());
+  }
+  /// The box of the corners that are sampled, and a little more: the outer sides of the caps.
+  [[nodiscard]] Box<3> capped_box() const {
+    const Point<3> beyond = edge_margin * spacing;
+    return {position(Cell::Ones()) - beyond, position(cells - 1) + beyond};
   }
   [[nodiscard]] bool on_boundary(const Cell& corner) const { return (corner <= 0).any() || (corner >= cells).any(); }
   /// The cell that holds p, or the nearest one that does not touch the boundary.

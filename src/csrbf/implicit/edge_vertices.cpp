@@ -83,6 +83,7 @@ class EdgeBlock {
       mesh_.vertices.col(root.vertex) = position(root);
     }
     if (demand_.refine) settle_near_corners();
+    if (demand_.sharp) take_normals();
     roots_.clear();
   }
 
@@ -114,6 +115,14 @@ class EdgeBlock {
       }
       open_.resize(kept);
     }
+  }
+
+  void take_normals() {
+    const auto n = static_cast<Index>(roots_.size());
+    for (Index i = 0; i < n; ++i) points_.col(i) = mesh_.vertices.col(roots_[static_cast<std::size_t>(i)].vertex);
+    sampler_.sample_block(points_.leftCols(n), value_.data(), gradient_.data());
+    for (Index i = 0; i < n; ++i)
+      mesh_.normals.col(roots_[static_cast<std::size_t>(i)].vertex) = outward_normal(gradient_.col(i));
   }
 
   // Vertices held back at the margin of their edge go the rest of the way along the gradient.

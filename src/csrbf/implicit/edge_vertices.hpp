@@ -13,6 +13,7 @@ namespace csrbf::polygonization {
 struct VertexDemand {
   bool refine = true;   ///< on the surface, not only on the chord of the two corner values
   bool normals = true;  ///< outward unit normals
+  bool sharp = false;   ///< normals at the vertices themselves, not at the estimates before: right next to edges
 };
 
 /// -gradient / |gradient|; zero where that is not defined.
@@ -20,9 +21,6 @@ inline Point<3> outward_normal(const Point<3>& gradient) {
   const double slope = gradient.norm();
   return slope > 0 && std::isfinite(slope) ? Point<3>(-gradient / slope) : Point<3>::Zero();
 }
-
-/// Share of a cell edge that stays between a vertex and the ends of its edge, so that no two vertices coincide.
-inline constexpr double edge_margin = 1e-3;
 
 /// Numbers the crossed edges of all bricks in order: within a brick by direction, then by lower corner. Returns their
 /// number. Throws SolverFailure when a mesh cannot hold that many.

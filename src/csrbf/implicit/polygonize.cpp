@@ -4,6 +4,7 @@
 #include "csrbf/implicit/cell_tracer.hpp"
 #include "csrbf/implicit/cell_triangles.hpp"
 #include "csrbf/implicit/center_vertices.hpp"
+#include "csrbf/implicit/dual_triangles.hpp"
 #include "csrbf/implicit/edge_vertices.hpp"
 #include "csrbf/implicit/start_cells.hpp"
 
@@ -133,6 +134,7 @@ Index marching_cubes(const CellLattice& lattice, LevelSampler& sampler, CellTrac
   place_edge_vertices(lattice, bricks, sampler, {options.refine, options.normals}, mesh, options.progress);
   report(options.progress, "polygonize", 0.95);
   fill_triangles(bricks, offsets, edge_vertices, mesh);
+  mesh.normals.rightCols(options.normals ? offsets.centers.back() : 0).setZero();
   place_center_vertices(lattice, sampler, edge_vertices, options.refine, mesh);
   return offsets.centers.back();
 }
@@ -147,7 +149,21 @@ Index marching_tetrahedra(const CellLattice& lattice, LevelSampler& sampler, Cel
   return 0;
 }
 
-constexpr std::array<std::string_view, 2> method_names{"marching-cubes", "marching-tetrahedra"};
+Index dual_contouring(const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
+                      const PolygonizeOptions& options, Mesh& mesh) {
+  const std::vector<Brick*> bricks = tracer.finish(axis_directions);
+  Mesh crossings;
+  resize_vertices(number_edge_vertices(bricks), true, crossings);
+  place_edge_vertices(lattice, bricks, sampler, {.refine = options.refine, .sharp = true}, crossings, options.progress);
+  report(options.progress, "polygonize", 0.95);
+  const DualSurface surface = make_dual_surface(lattice, bricks, crossings, mesh, nullptr);
+  if (!options.normals) mesh.normals.resize(3, 0);
+  place_center_vertices(lattice, sampler, 0, options.refine, mesh);
+  triangulate_quads(surface, crossings, mesh);
+  return mesh.vertices.cols() - surface.loop_vertices;
+}
+
+constexpr std::array<std::string_view, 3> method_names{"marching-cubes", "marching-tetrahedra", "dual-contouring"};
 
 }  // namespace
 
@@ -178,9 +194,9 @@ Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options) {
   CellTracer tracer(lattice, sampler);
   trace(field, lattice, sampler, tracer, options);
   Mesh mesh;
-  const Index center_vertices = options.method == PolygonizeMethod::marching_tetrahedra
-                                    ? marching_tetrahedra(lattice, sampler, tracer, options, mesh)
-                                    : marching_cubes(lattice, sampler, tracer, options, mesh);
+  constexpr std::array extract{marching_cubes, marching_tetrahedra, dual_contouring};
+  const Index center_vertices =
+      extract[static_cast<std::size_t>(options.method)](lattice, sampler, tracer, options, mesh);
   if (options.normals) complete_normals(mesh);
 
   if (options.statistics != nullptr)

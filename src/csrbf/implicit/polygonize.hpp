@@ -15,9 +15,12 @@ enum class PolygonizeMethod {
                    ///< (asymptotic decider, Nielson and Hamann 1991)
   marching_tetrahedra,  ///< vertices on the edges and diagonals of cells, cut into six tetrahedra each: no ambiguous
                         ///< cases, about three times the triangles and narrower ones (Doi and Koide 1991)
+  dual_contouring,      ///< a vertex in every cell, for each surface that crosses it (Nielson 2004), where the tangent
+                        ///< planes at the crossings of its edges meet (Ju, Losasso, Schaefer, Warren 2002): keeps sharp
+                        ///< edges and corners of the field
 };
 
-/// marching-cubes, marching-tetrahedra.
+/// marching-cubes, marching-tetrahedra, dual-contouring.
 std::string_view name_of(PolygonizeMethod method);
 /// What has that name; nothing when none has.
 std::optional<PolygonizeMethod> polygonize_method_named(std::string_view name);
@@ -28,7 +31,8 @@ struct PolygonizeStatistics {
   Index values = 0;           ///< points evaluated without gradient
   Index gradients = 0;        ///< points evaluated with gradient
   Index waves = 0;            ///< batches in which the surface was followed
-  Index center_vertices = 0;  ///< vertices inside cells, where no triangulation of their loop keeps the mesh manifold
+  Index center_vertices = 0;  ///< vertices added inside cells or, by dual contouring, on their faces, without which the
+                              ///< mesh would not be manifold
 };
 
 struct PolygonizeOptions {
