@@ -5,6 +5,7 @@
 #include "csrbf/implicit/cell_triangles.hpp"
 #include "csrbf/implicit/center_vertices.hpp"
 #include "csrbf/implicit/dual_triangles.hpp"
+#include "csrbf/implicit/edge_collapse.hpp"
 #include "csrbf/implicit/edge_vertices.hpp"
 #include "csrbf/implicit/start_cells.hpp"
 
@@ -160,7 +161,9 @@ Index dual_contouring(const CellLattice& lattice, LevelSampler& sampler, CellTra
   if (!options.normals) mesh.normals.resize(3, 0);
   place_center_vertices(lattice, sampler, 0, options.refine, mesh);
   triangulate_quads(surface, crossings, mesh);
-  return mesh.vertices.cols() - surface.loop_vertices;
+  const Index side_vertices = mesh.vertices.cols() - surface.loop_vertices;
+  collapse_short_edges(edge_margin * lattice.spacing.minCoeff(), mesh);
+  return side_vertices;
 }
 
 constexpr std::array<std::string_view, 3> method_names{"marching-cubes", "marching-tetrahedra", "dual-contouring"};
