@@ -1,3 +1,4 @@
+#include "core/error_testing.hpp"
 #include "polygonize_fields.hpp"
 
 namespace csrbf {
@@ -72,10 +73,15 @@ double observed_order(const std::vector<double>& errors) {
   return std::log2(errors.front() / errors.back()) / static_cast<double>(errors.size() - 1);
 }
 
+// For an order the tolerance of the adaptive method must shrink with the errors of the others.
+double small_tolerance(int resolution) {
+  return 4.0 / (resolution * resolution);
+}
+
 TEST_P(EveryMethod, ConvergesWithOrderTwo) {
   std::vector<double> area_errors, volume_errors;
   for (const int resolution : {12, 24, 48, 96, 192}) {
-    const Mesh mesh = polygonized(torus(1, 0.4), {.resolution = resolution});
+    const Mesh mesh = polygonized(torus(1, 0.4), {.resolution = resolution, .tolerance = small_tolerance(resolution)});
     area_errors.push_back(std::abs(areas(mesh).sum() - 4 * pi * pi * 0.4));
     volume_errors.push_back(std::abs(volume(mesh) - 2 * pi * pi * 0.16));
   }
@@ -87,7 +93,8 @@ TEST_P(EveryMethod, ConvergesWithOrderTwo) {
 TEST_P(EveryMethod, PutsVerticesOnTheSurfaceWithRefinementAndToOrderTwoWithout) {
   std::vector<double> errors;
   for (const int resolution : {8, 16, 32, 64, 128}) {
-    const Mesh rough = polygonized(sphere(1), {.resolution = resolution, .refine = false});
+    const Mesh rough =
+        polygonized(sphere(1), {.resolution = resolution, .tolerance = small_tolerance(resolution), .refine = false});
     const Eigen::ArrayXd radii = (rough.vertices.colwise() - off_center).colwise().norm();
     errors.push_back(std::sqrt((radii - 1).square().mean()));
     EXPECT_LT(largest_distance_to_sphere(polygonized(sphere(1), {.resolution = resolution}), 1, off_center), 1e-6);
@@ -169,7 +176,7 @@ std::string test_name(const testing::TestParamInfo<PolygonizeMethod>& method) {
 
 INSTANTIATE_TEST_SUITE_P(Polygonize, EveryMethod,
                          testing::Values(PolygonizeMethod::marching_cubes, PolygonizeMethod::marching_tetrahedra,
-                                         PolygonizeMethod::dual_contouring),
+                                         PolygonizeMethod::dual_contouring, PolygonizeMethod::adaptive),
                          test_name);
 
 // f at the centroids of the triangles.
@@ -238,7 +245,7 @@ Implicit two_balls(bool difference) {
             g = first < second ? Point<3>(-a.normalized()) : Point<3>((difference ? 1 : -1) * b.normalized());
             return std::min(first, second);
           },
-          cube(1.05)};
+          cube(1.05), columns({off_center - (difference ? Point<3>(1, 0, 0) : Point<3>(0.049, 0.016, 0))})};
 }
 
 TEST(DualContouring, ConvergesWithOrderTwoUpToTheEdges) {
@@ -266,6 +273,64 @@ TEST(DualContouring, PutsVerticesOnFacesWhereTwoLoopsMeetTwice) {
     added += statistics.center_vertices;
   }
   EXPECT_GT(added, 0);  // the case was met
+}
+
+PolygonizeOptions adaptive(int resolution, double tolerance = 0) {
+  return {.resolution = resolution, .method = PolygonizeMethod::adaptive, .tolerance = tolerance};
+}
+
+TEST(AdaptivePolygonization, LeavesTwelveTrianglesOfABox) {
+  const Point<3> half(0.7, 0.5, 0.4);
+  const Mesh mesh = polygonize(turned_box(half), adaptive(64));
+  expect_closed_manifold(mesh);
+  EXPECT_EQ(mesh.triangles.cols(), 12);
+  EXPECT_NEAR(volume(mesh), 8 * half.prod(), crossing_error);
+}
+
+TEST(AdaptivePolygonization, KeepsTheToleranceAndTheTopology) {
+  for (const double tolerance : {1e-3, 4e-3, 16e-3}) {
+    const Implicit solid = two_balls(false);
+    const Mesh mesh = polygonize(solid, adaptive(128, tolerance));
+    expect_closed_manifold(mesh);
+    EXPECT_EQ(topology(mesh).euler, 2);
+    EXPECT_LT(largest_value(mesh, solid), 1.2 * tolerance);  // a bound of root mean squares is not strict
+    EXPECT_GT(largest_value(mesh, solid), 0.2 * tolerance);  // and not wasted
+  }
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    PolygonizeOptions options = lattice_of_noise(12);
+    options.method = PolygonizeMethod::adaptive;
+    options.tolerance = 1;
+    const Mesh cubes = polygonize(noise(12, seed), lattice_of_noise(12)), mesh = polygonize(noise(12, seed), options);
+    EXPECT_EQ(topology(mesh).euler, topology(cubes).euler);
+    EXPECT_EQ(topology(mesh).components, topology(cubes).components);
+    EXPECT_LT(mesh.triangles.cols(), cubes.triangles.cols());
+  }
+}
+
+// A torus so thin that its cells are small, joined to a ball that is nearly flat in them.
+Implicit ring_in_ball() {
+  return {[](const Point<3>& p, Point<3>& g) {
+            const double q = std::hypot(p[0], p[1]), tube = std::hypot(q - 1, p[2]);
+            const double ring = 0.06 - tube, ball = 0.97 - p.norm();
+            g = ball > ring ? Point<3>(-p / p.norm())
+                            : Point<3>(-(q - 1) * p[0] / (q * tube), -(q - 1) * p[1] / (q * tube), -p[2] / tube);
+            return std::max(ring, ball);
+          },
+          cube(1.06), columns({{1.06, 0, 0}})};
+}
+
+TEST(AdaptivePolygonization, NeedsFewerTrianglesForTheSameError) {
+  const Mesh cubes = polygonize(ring_in_ball(), {.resolution = 100});
+  const double error = rms_value(cubes, ring_in_ball());
+  const Mesh mesh = polygonize(ring_in_ball(), adaptive(200, 1.5 * error));
+  expect_closed_manifold(mesh);
+  EXPECT_LT(rms_value(mesh, ring_in_ball()), error);
+  EXPECT_LT(mesh.triangles.cols(), cubes.triangles.cols() / 2);
+}
+
+TEST(AdaptivePolygonization, RefusesAToleranceThatIsNoLength) {
+  const std::string message = "polygonize: tolerance = -1: must be a length above 0, or 0 for a tenth of a cell";
+  EXPECT_EQ(invalid_input_message([] { (void)polygonize(sphere(1), adaptive(16, -1)); }), message);
 }
 
 TEST(MarchingTetrahedra, CutsAllFourteenEdgesOfALoneCorner) {

@@ -12,8 +12,8 @@ namespace {
 
 constexpr Index bricks_per_range = 32;
 
-// How far a vertex may leave its cell, in cells. Edges that run almost along a wall between cells are seen from both
-// sides of it; held at the wall, vertices miss them by up to 0.15 cells.
+// In cells. Edges that run almost along a wall between cells are seen from both sides of it; held at the wall, vertices
+// miss them by up to 0.15 cells.
 constexpr double largest_overhang = 0.5;
 
 int edge_number(const Brick& brick, int cell, const CellEdge& edge) {
@@ -61,8 +61,8 @@ bool passes_a_face_twice(const CellLoop& loop) {
 class DualBuilder {
  public:
   DualBuilder(const CellLattice& lattice, const std::vector<Brick*>& bricks, const Mesh& crossings, Mesh& mesh,
-              std::vector<Quadric>* quadrics)
-      : lattice_(lattice), bricks_(bricks), crossings_(crossings), mesh_(mesh), quadrics_(quadrics) {}
+              std::vector<CellPlanes>* planes)
+      : lattice_(lattice), bricks_(bricks), crossings_(crossings), mesh_(mesh), planes_(planes) {}
 
   DualSurface build() {
     count_loops();
@@ -70,7 +70,7 @@ class DualBuilder {
     surface_.quads.resize(4, crossings_.vertices.cols());
     mesh_.vertices.resize(3, first_.back());
     mesh_.normals.resize(3, first_.back());
-    if (quadrics_ != nullptr) quadrics_->assign(static_cast<std::size_t>(first_.back()), {});
+    if (planes_ != nullptr) planes_->assign(static_cast<std::size_t>(first_.back()), {});
     parallel_for(static_cast<Index>(bricks_.size()), bricks_per_range, [&](Index begin, Index end) {
       for (Index b = begin; b < end; ++b) place_vertices(static_cast<std::size_t>(b));
     });
@@ -105,21 +105,18 @@ class DualBuilder {
         quadric.add(crossings_.vertices.col(e) - corner, crossings_.normals.col(e));
         normal += crossings_.normals.col(e);
         surface_.quads(quad_corner(edge, lower_end_is_inside(brick, cell, edge)), e) = static_cast<int>(vertex);
-        if (quadrics_ != nullptr)
-          (*quadrics_)[static_cast<std::size_t>(vertex)].add(crossings_.vertices.col(e) - lattice_.origin,
-                                                             crossings_.normals.col(e));
+        if (planes_ != nullptr) add_plane(e, (*planes_)[static_cast<std::size_t>(vertex)]);
       }
-      mesh_.vertices.col(vertex) = corner + quadric.minimizer(room_around(corner));
+      if (planes_ != nullptr) (*planes_)[static_cast<std::size_t>(vertex)].cell = brick.corner(cell);
+      const Box<3> room = room_for_vertices(lattice_, corner, 1);
+      mesh_.vertices.col(vertex) = corner + quadric.minimizer({room.lo - corner, room.hi - corner});
       mesh_.normals.col(vertex) = normal.stableNormalized();
       ++vertex;
     });
   }
 
-  // Where a vertex of a cell may go, from the lower corner of the cell: not beyond the caps.
-  [[nodiscard]] Box<3> room_around(const Point<3>& corner) const {
-    const Box<3> limits = lattice_.capped_box();
-    const Point<3> overhang = largest_overhang * lattice_.spacing;
-    return {(limits.lo - corner).cwiseMax(-overhang), (limits.hi - corner).cwiseMin(lattice_.spacing + overhang)};
+  void add_plane(int crossing, CellPlanes& to) const {
+    to.planes.add(crossings_.vertices.col(crossing) - lattice_.origin, crossings_.normals.col(crossing));
   }
 
   void add_side_vertices() {
@@ -164,7 +161,11 @@ class DualBuilder {
         neighbour = across;
         continue;
       }
-      for (const SideVertex& side : sides) surface_.side_vertices.push_back(side);
+      if (planes_ != nullptr) planes_->push_back({brick.corner(cell), {}});
+      for (const SideVertex& side : sides) {
+        surface_.side_vertices.push_back(side);
+        if (planes_ != nullptr) add_plane(side.quad, planes_->back());
+      }
       points.emplace_back(0.5 * (crossings_.vertices.col(sides[0].quad) + crossings_.vertices.col(sides[1].quad)));
     }
   }
@@ -173,7 +174,7 @@ class DualBuilder {
   const std::vector<Brick*>& bricks_;
   const Mesh& crossings_;
   Mesh& mesh_;
-  std::vector<Quadric>* quadrics_;
+  std::vector<CellPlanes>* planes_;
   DualSurface surface_;
   std::vector<Index> first_;   // vertex of each brick
   std::vector<char> doubled_;  // bricks in which a loop passes a face twice
@@ -181,9 +182,15 @@ class DualBuilder {
 
 }  // namespace
 
+Box<3> room_for_vertices(const CellLattice& lattice, const Point<3>& corner, int cells) {
+  const Box<3> limits = lattice.capped_box();
+  const Point<3> overhang = largest_overhang * lattice.spacing;
+  return {limits.lo.cwiseMax(corner - overhang), limits.hi.cwiseMin(corner + cells * lattice.spacing + overhang)};
+}
+
 DualSurface make_dual_surface(const CellLattice& lattice, const std::vector<Brick*>& bricks, const Mesh& crossings,
-                              Mesh& mesh, std::vector<Quadric>* quadrics) {
-  return DualBuilder(lattice, bricks, crossings, mesh, quadrics).build();
+                              Mesh& mesh, std::vector<CellPlanes>* planes) {
+  return DualBuilder(lattice, bricks, crossings, mesh, planes).build();
 }
 
 }  // namespace csrbf::polygonization

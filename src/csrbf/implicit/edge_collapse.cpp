@@ -9,7 +9,7 @@ namespace csrbf::polygonization {
 namespace {
 
 constexpr double steepest_turn = 0.17;  // cosine of the angle between a triangle before and after
-constexpr double needle = 0.02;         // twice the area over the square of the longest side
+constexpr double needle = 0.1;          // twice the area over the square of the longest side
 
 // Twice the area over the square of the longest side: sqrt(3) / 2 for equal sides, 0 for triangles without area.
 double roundness(const Point<3>& a, const Point<3>& b, const Point<3>& c) {
@@ -127,9 +127,8 @@ void collapse_short_edges(double length, Mesh& mesh) {
   for (const int u : ends) {
     for (bool changed = true; changed;) {
       const std::vector<int> around = collapser.neighbours(u);
-      changed = std::any_of(around.begin(), around.end(), [&](int v) {
-        return is_short(u, v) && collapser.collapse(u, v, mesh.vertices.col(u));
-      });
+      changed = std::any_of(around.begin(), around.end(),
+                            [&](int v) { return is_short(u, v) && collapser.collapse(u, v, mesh.vertices.col(u)); });
     }
   }
   collapser.finish();

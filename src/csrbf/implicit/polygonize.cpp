@@ -7,6 +7,7 @@
 #include "csrbf/implicit/dual_triangles.hpp"
 #include "csrbf/implicit/edge_collapse.hpp"
 #include "csrbf/implicit/edge_vertices.hpp"
+#include "csrbf/implicit/merge_cells.hpp"
 #include "csrbf/implicit/start_cells.hpp"
 
 #include <Eigen/Geometry>
@@ -22,6 +23,8 @@ constexpr int largest_resolution = 4096;
 constexpr int default_margin = 4;  // cells around the field's bounds
 constexpr double rounding = 1e-9;  // of a whole number of cells
 
+constexpr double default_tolerance = 0.1;  // of a cell
+
 bool usable(const Box<3>& box) {
   return !box.empty() && box.extent().allFinite() && box.extent().maxCoeff() > 0;
 }
@@ -34,6 +37,8 @@ bool is_default(const Box<3>& box) {
 void validate(const PolygonizeOptions& options) {
   require(options.resolution >= 0 && options.resolution <= largest_resolution, "polygonize", "resolution",
           options.resolution, "must be between 1 and 4096 cells along the longest side, or 0 for automatic");
+  require(options.tolerance >= 0 && std::isfinite(options.tolerance), "polygonize", "tolerance", options.tolerance,
+          "must be a length above 0, or 0 for a tenth of a cell");
   require(std::isfinite(options.level), "polygonize", "level", options.level, "must be finite");
   require(options.seeds.allFinite(), "polygonize", "seeds", "(not finite)", "every seed must be a point");
   const bool has_volume = usable(options.bounds) && options.bounds.extent().minCoeff() > 0;
@@ -150,23 +155,35 @@ Index marching_tetrahedra(const CellLattice& lattice, LevelSampler& sampler, Cel
   return 0;
 }
 
+// Also of an octree.
 Index dual_contouring(const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
                       const PolygonizeOptions& options, Mesh& mesh) {
+  const bool adaptive = options.method == PolygonizeMethod::adaptive;
   const std::vector<Brick*> bricks = tracer.finish(axis_directions);
   Mesh crossings;
   resize_vertices(number_edge_vertices(bricks), true, crossings);
   place_edge_vertices(lattice, bricks, sampler, {.refine = options.refine, .sharp = true}, crossings, options.progress);
   report(options.progress, "polygonize", 0.95);
-  const DualSurface surface = make_dual_surface(lattice, bricks, crossings, mesh, nullptr);
-  if (!options.normals) mesh.normals.resize(3, 0);
-  place_center_vertices(lattice, sampler, 0, options.refine, mesh);
-  triangulate_quads(surface, crossings, mesh);
+  std::vector<CellPlanes> planes;
+  const DualSurface surface = make_dual_surface(lattice, bricks, crossings, mesh, adaptive ? &planes : nullptr);
   const Index side_vertices = mesh.vertices.cols() - surface.loop_vertices;
-  collapse_short_edges(edge_margin * lattice.spacing.minCoeff(), mesh);
+  if (!options.normals) mesh.normals.resize(3, 0);
+  const double cell = lattice.spacing.minCoeff();
+  if (adaptive) {
+    triangulate_quads(surface, crossings, mesh);
+    const double tolerance = options.tolerance > 0 ? options.tolerance : default_tolerance * cell;
+    merge_cells(lattice, tolerance, std::move(planes), mesh, options.progress);
+    place_center_vertices(lattice, sampler, 0, options.refine, mesh);
+  } else {
+    place_center_vertices(lattice, sampler, 0, options.refine, mesh);
+    triangulate_quads(surface, crossings, mesh);
+  }
+  collapse_short_edges(edge_margin * cell, mesh);
   return side_vertices;
 }
 
-constexpr std::array<std::string_view, 3> method_names{"marching-cubes", "marching-tetrahedra", "dual-contouring"};
+constexpr std::array<std::string_view, 4> method_names{"marching-cubes", "marching-tetrahedra", "dual-contouring",
+                                                       "adaptive"};
 
 }  // namespace
 
@@ -197,7 +214,7 @@ Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options) {
   CellTracer tracer(lattice, sampler);
   trace(field, lattice, sampler, tracer, options);
   Mesh mesh;
-  constexpr std::array extract{marching_cubes, marching_tetrahedra, dual_contouring};
+  constexpr std::array extract{marching_cubes, marching_tetrahedra, dual_contouring, dual_contouring};
   const Index center_vertices =
       extract[static_cast<std::size_t>(options.method)](lattice, sampler, tracer, options, mesh);
   if (options.normals) complete_normals(mesh);

@@ -18,9 +18,10 @@ enum class PolygonizeMethod {
   dual_contouring,      ///< a vertex in every cell, for each surface that crosses it (Nielson 2004), where the tangent
                         ///< planes at the crossings of its edges meet (Ju, Losasso, Schaefer, Warren 2002): keeps sharp
                         ///< edges and corners of the field
+  adaptive,             ///< the same on an octree: cells are merged where the surface is flat up to `tolerance`
 };
 
-/// marching-cubes, marching-tetrahedra, dual-contouring.
+/// marching-cubes, marching-tetrahedra, dual-contouring, adaptive.
 std::string_view name_of(PolygonizeMethod method);
 /// What has that name; nothing when none has.
 std::optional<PolygonizeMethod> polygonize_method_named(std::string_view name);
@@ -41,6 +42,10 @@ struct PolygonizeOptions {
   int resolution = 0;
 
   PolygonizeMethod method = PolygonizeMethod::marching_cubes;
+
+  /// About how far the mesh of the method `adaptive` may be from the surface where cells are merged: a length. Default:
+  /// a tenth of a cell.
+  double tolerance = 0;
 
   /// The surface f = level is extracted.
   double level = 0;
