@@ -1,5 +1,6 @@
 #include "csrbf/implicit/edge_collapse.hpp"
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/implicit/triangle_geometry.hpp"
 
 #include <algorithm>
@@ -24,6 +25,8 @@ EdgeCollapser::EdgeCollapser(Mesh& mesh)
       first_(static_cast<std::size_t>(mesh.vertices.cols()), -1),
       next_(static_cast<std::size_t>(3 * mesh.triangles.cols()), -1),
       gone_(static_cast<std::size_t>(mesh.triangles.cols())) {
+  if (next_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw SolverFailure("polygonize: more than 2^31 corners of triangles; lower the resolution");
   for (auto corner = static_cast<int>(next_.size()) - 1; corner >= 0; --corner) {
     int& first = first_[mesh.triangles(corner % 3, corner / 3)];
     next_[corner] = first;

@@ -11,7 +11,7 @@ namespace csrbf::polygonization {
 /// condition; Dey, Edelsbrunner, Guha, Nekhayev 1999). O(valence) for each collapse.
 class EdgeCollapser {
  public:
-  /// Holds a reference to the mesh, whose triangles change.
+  /// Holds a reference to the mesh, whose triangles change. Throws SolverFailure beyond 2^31 corners.
   explicit EdgeCollapser(Mesh& mesh);
 
   /// Moves u to p and merges v into it. False, and nothing changes, when the topology would change, a triangle would

@@ -1,0 +1,226 @@
+#include "csrbf/implicit/sample_particles.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/implicit/hash_random.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
+
+#include <vector>
+
+namespace csrbf {
+namespace {
+
+// Constants of Witkin and Heckbert, in units of the desired radius; neighbours come to rest at about two radii.
+constexpr double energy_scale = 6;                     // alpha
+constexpr double desired_energy = 0.8 * energy_scale;  // E^
+constexpr double feedback = 15;                        // phi and rho
+constexpr double stiffness = 10;                       // beta, keeps lone particles from growing too fast
+constexpr double time_step = 0.03;
+constexpr double rest_speed = 4;  // gamma, radii per unit of time: slow enough to split or die
+constexpr double rich = 0.2;      // nu: share of the energy at which a large particle splits
+constexpr double poor = 0.7;      // delta: share of the radius below which a particle may die
+constexpr double largest_radius = 1.5;
+constexpr double least_radius = 0.1, most_radius = 1.8;
+constexpr double reach = 3;           // radii beyond which particles do not feel each other
+constexpr double longest_move = 0.5;  // of a radius in one step
+constexpr double still = 0.02;        // radii per step: at rest
+constexpr int projections = 8;
+constexpr Index grain = 64;
+
+struct Particle {
+  Point<3> p = Point<3>::Zero();  // in units of the desired radius
+  double radius = 1;
+  double energy = 0;
+  double radius_rate = 0;
+  Point<3> velocity = Point<3>::Zero();
+};
+
+class Population {
+ public:
+  Population(const Field<3>& field, double level, const Point<3>& center, double unit, std::uint64_t random)
+      : field_(field), level_(level), center_(center), unit_(unit), random_(random) {}
+
+  void seed(const Points<3>& seeds) {
+    for (Index i = 0; i < seeds.cols(); ++i) {
+      Particle particle;
+      particle.p = (seeds.col(i) - center_) / unit_;
+      particles_.push_back(particle);
+    }
+    project();
+  }
+
+  // Moves all particles by a step, then lets them split and die. Returns whether all are at rest.
+  bool step(int iteration) {
+    push_apart();
+    constrain();
+    double fastest = 0;
+    for (Particle& particle : particles_) {
+      const double share = std::min(1.0, longest_move * particle.radius / (time_step * particle.velocity.norm()));
+      particle.p += share * time_step * particle.velocity;
+      const double radius = std::clamp(particle.radius + time_step * particle.radius_rate, least_radius, most_radius);
+      fastest = std::max({fastest, time_step * particle.velocity.norm(), std::abs(radius - particle.radius)});
+      particle.radius = radius;
+    }
+    return !split_and_die(iteration) && fastest < still;
+  }
+
+  // Newton steps onto the surface; particles that do not get there are dropped.
+  void project() {
+    Jet<3> jet;
+    for (int i = 0; i < projections; ++i) {
+      jet = evaluate();
+      for (std::size_t k = 0; k < particles_.size(); ++k) particles_[k].p += newton(jet, k);
+    }
+    jet = evaluate();
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < particles_.size(); ++k)
+      if (newton(jet, k).norm() < 1e-3) particles_[kept++] = particles_[k];
+    particles_.resize(kept);
+  }
+
+  [[nodiscard]] bool empty() const { return particles_.empty(); }
+
+  [[nodiscard]] Particles result() const {
+    Particles found;
+    found.points = points();
+    const Jet<3> jet = evaluate();
+    found.normals = -jet.gradient.colwise().normalized();
+    return found;
+  }
+
+ private:
+  [[nodiscard]] Points<3> points() const {
+    Points<3> all(3, static_cast<Index>(particles_.size()));
+    for (std::size_t k = 0; k < particles_.size(); ++k)
+      all.col(static_cast<Index>(k)) = center_ + unit_ * particles_[k].p;
+    return all;
+  }
+
+  // f - level and its gradient per desired radius.
+  [[nodiscard]] Jet<3> evaluate() const {
+    Jet<3> jet = field_.evaluate(points(), Derivatives::gradient);
+    jet.value.array() -= level_;
+    jet.gradient *= unit_;
+    return jet;
+  }
+
+  static Point<3> newton(const Jet<3>& jet, std::size_t k) {
+    const auto i = static_cast<Index>(k);
+    const Point<3> gradient = jet.gradient.col(i);
+    const double slope = gradient.norm(), step = -jet.value[i] / slope;
+    if (!std::isfinite(step)) return Point<3>::Constant(std::numeric_limits<double>::infinity());
+    return std::clamp(step, -1.0, 1.0) * gradient / slope;
+  }
+
+  // Energies, velocities without constraint and, with those of the neighbours, the rates of the radii.
+  void push_apart() {
+    const auto n = static_cast<Index>(particles_.size());
+    Points<3> p(3, n);
+    for (Index i = 0; i < n; ++i) p.col(i) = particles_[static_cast<std::size_t>(i)].p;
+    const KdTree<3> tree(p);
+    parallel_for(n, grain, [&](Index begin, Index end) {
+      std::vector<Index> near;
+      for (Index i = begin; i < end; ++i) {
+        Particle& self = particles_[static_cast<std::size_t>(i)];
+        tree.within(p.col(i), reach * largest_radius, near);
+        self.energy = 0;
+        self.velocity.setZero();
+        double growth = 0;  // of the energy with the radius
+        for (const Index j : near) {
+          if (j == i) continue;
+          const Point<3> r = p.col(i) - p.col(j);
+          const double other = particles_[static_cast<std::size_t>(j)].radius, r2 = r.squaredNorm();
+          const double e = energy_scale * std::exp(-r2 / (2 * self.radius * self.radius));
+          const double e_other = energy_scale * std::exp(-r2 / (2 * other * other));
+          self.energy += e;
+          growth += r2 * e / std::pow(self.radius, 3);
+          self.velocity +=
+              self.radius * self.radius * (r * e / (self.radius * self.radius) + r * e_other / (other * other));
+        }
+        self.radius_rate = feedback * (desired_energy - self.energy) / (growth + stiffness);
+      }
+    });
+  }
+
+  // Takes from the velocities what leads off the surface, and adds what leads back to it.
+  void constrain() {
+    const Jet<3> jet = evaluate();
+    for (std::size_t k = 0; k < particles_.size(); ++k) {
+      const auto i = static_cast<Index>(k);
+      const Point<3> gradient = jet.gradient.col(i);
+      const double along = gradient.dot(particles_[k].velocity) + feedback * jet.value[i];
+      const Point<3> correction = gradient * (along / gradient.squaredNorm());
+      if (correction.allFinite()) particles_[k].velocity -= correction;
+    }
+  }
+
+  bool split_and_die(int iteration) {
+    std::vector<Particle> next;
+    bool changed = false;
+    for (std::size_t k = 0; k < particles_.size(); ++k) {
+      Particle particle = particles_[k];
+      const auto draw = [&](std::uint64_t i) {
+        return hash_uniform(random_ + static_cast<std::uint64_t>(iteration), k, i);
+      };
+      const bool slow = particle.velocity.norm() < rest_speed * particle.radius;
+      const bool large =
+          particle.radius > largest_radius || (particle.energy > rich * desired_energy && particle.radius > 1);
+      if (slow && particle.radius < poor && draw(0) > particle.radius / poor) {
+        changed = true;
+        continue;
+      }
+      if (slow && large) {
+        changed = true;
+        const Point<3> direction = Point<3>(draw(1) - 0.5, draw(2) - 0.5, draw(3) - 0.5).stableNormalized();
+        particle.radius /= std::sqrt(2.0);
+        Particle twin = particle;
+        particle.p += 0.5 * particle.radius * direction;
+        twin.p -= 0.5 * particle.radius * direction;
+        next.push_back(twin);
+      }
+      next.push_back(particle);
+    }
+    particles_.swap(next);
+    return changed;
+  }
+
+  const Field<3>& field_;
+  double level_;
+  Point<3> center_;
+  double unit_;
+  std::uint64_t random_;
+  std::vector<Particle> particles_;
+};
+
+}  // namespace
+
+Particles sample_particles(const Field<3>& field, const ParticleOptions& options) {
+  const Box<3> box = field.bounds();
+  const double diagonal = box.diagonal();
+  require(diagonal > 0 && std::isfinite(diagonal), "sample_particles", "diagonal of field.bounds()", diagonal,
+          "must be positive and finite");
+  require(options.spacing >= 1e-3 && options.spacing <= 1, "sample_particles", "spacing", options.spacing,
+          "must be between 0.001 and 1 of the diagonal");
+  require(std::isfinite(options.level), "sample_particles", "level", options.level, "must be finite");
+  require(options.iterations >= 1, "sample_particles", "iterations", options.iterations, "must be at least 1");
+  const Points<3> seeds = options.seeds.cols() > 0 ? options.seeds : field.seeds();
+  require(seeds.cols() > 0 && seeds.allFinite(), "sample_particles", "seeds", seeds.cols(),
+          "must be at least one finite point; the field has none of its own");
+
+  Population population(field, options.level, box.center(), 0.5 * options.spacing * diagonal, options.random);
+  population.seed(seeds);
+  if (population.empty()) throw SolverFailure("sample_particles: no seed reaches the surface; start closer to it");
+  int iterations = 0;
+  bool converged = false;
+  while (iterations < options.iterations && !converged) {
+    report(options.progress, "particles", static_cast<double>(iterations) / options.iterations);
+    converged = population.step(iterations++);
+  }
+  population.project();
+  report(options.progress, "particles", 1);
+  Particles found = population.result();
+  found.iterations = iterations;
+  found.converged = converged;
+  return found;
+}
+
+}  // namespace csrbf
