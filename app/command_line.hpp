@@ -47,8 +47,10 @@ struct EstimateNormalsCommand {
 
 struct PolygonizeCommand {
   std::string input, output;
+  std::string method = "marching-cubes";
   int resolution = 0;
   double level = 0;
+  double tolerance = 0;
   bool refine = true;
 };
 

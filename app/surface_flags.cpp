@@ -54,6 +54,14 @@ void declare(Verb v, PolygonizeCommand& c) {
   v.argument("MODEL", c.input, "model to read: .csrbf");
   v.output(c.output, std::string("mesh to write: ") + mesh_formats);
   v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
+  v.flag("method", c.method, "NAME", c.method,
+         "marching-cubes; marching-tetrahedra; dual-contouring: keeps the sharp edges of models that have some; "
+         "adaptive: "
+         "the same with larger triangles where the surface is flat")
+      ->check(CLI::IsMember({"marching-cubes", "marching-tetrahedra", "dual-contouring", "adaptive"}));
+  v.flag("tolerance", c.tolerance, "E", "a tenth of a cell",
+         "adaptive: about how far the mesh may be from the surface, as a fraction of the diagonal")
+      ->check(CLI::PositiveNumber);
   v.flag("level", c.level, "V", "0", "the surface where the model has this value; positive values are inside");
   v.toggle("--refine,!--no-refine", c.refine, "move the vertices onto the surface (this is the default)");
   v.add_common();

@@ -112,9 +112,15 @@ py::tuple raycast_arrays(const Surface& surface, const Array& origins, const Arr
   return py::make_tuple(py::array_t<double>(hits.t.size(), hits.t.data()), to_array(std::move(hits.normals)));
 }
 
-py::tuple polygonize_arrays(const Surface& surface, int resolution, double level) {
+py::tuple polygonize_arrays(const Surface& surface, int resolution, double level, const std::string& method,
+                            double tolerance) {
+  const std::optional<PolygonizeMethod> wanted = polygonize_method_named(method);
+  require(wanted.has_value(), "polygonize", "method", method,
+          "must be marching-cubes, marching-tetrahedra, dual-contouring or adaptive");
   Mesh mesh = run([&](const Progress& progress) {
-    Mesh found = polygonize(*surface.field, {.resolution = resolution, .level = level, .progress = progress});
+    Mesh found = polygonize(
+        *surface.field,
+        {.resolution = resolution, .method = *wanted, .tolerance = tolerance, .level = level, .progress = progress});
     if (surface.points.cols() == 0) return found;
     return keep_components_with_data(std::move(found), surface.points).mesh;
   });

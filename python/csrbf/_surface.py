@@ -92,12 +92,17 @@ class Surface:
         """Which of the points (m, 3) are inside: (m,) of bool."""
         return self(x) > 0
 
-    def polygonize(self, resolution=None, *, level=0.0):
+    def polygonize(self, resolution=None, *, level=0.0, method="marching-cubes", tolerance=None):
         """Triangle mesh of the surface f = level, watertight and manifold.
 
         resolution: cells along the longest side of the data; chosen from their sampling when not given.
+        method: "marching-cubes", "marching-tetrahedra", "dual-contouring" (keeps the sharp edges of combined surfaces)
+        or "adaptive" (the same with larger triangles where the surface is flat).
+        tolerance: of "adaptive", about how far the mesh may be from the surface, as a fraction of the diagonal; a tenth
+        of a cell when not given.
         """
-        return Mesh(*self._surface.polygonize(0 if resolution is None else int(resolution), float(level)))
+        return Mesh(*self._surface.polygonize(0 if resolution is None else int(resolution), float(level), str(method),
+                                              0.0 if tolerance is None else float(tolerance)))
 
     def raycast(self, origins, directions, *, resolution=None):
         """Where rays first meet the surface f = 0, from either side: distances (m,), inf for rays that meet nothing, and

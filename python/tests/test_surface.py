@@ -102,6 +102,22 @@ class Reconstruction(unittest.TestCase):
         self.assertAlmostEqual(volume, 4 * np.pi / 3, delta=0.05)
         self.assertGreater(len(self.surface.polygonize(resolution=80).faces), 3 * len(m.faces))
 
+    def test_meshes_by_every_method_are_closed(self):
+        triangles = {}
+        for method in ("marching-cubes", "marching-tetrahedra", "dual-contouring", "adaptive"):
+            m = self.surface.polygonize(resolution=40, method=method)
+            edges = np.sort(np.concatenate([m.faces[:, [0, 1]], m.faces[:, [1, 2]], m.faces[:, [2, 0]]]), axis=1)
+            self.assertTrue((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
+            triangles[method] = len(m.faces)
+        self.assertGreater(triangles["marching-tetrahedra"], 2 * triangles["marching-cubes"])
+        self.assertLess(triangles["adaptive"], triangles["dual-contouring"] / 2)
+        coarse = self.surface.polygonize(resolution=40, method="adaptive", tolerance=0.02)
+        self.assertLess(len(coarse.faces), triangles["adaptive"] / 2)
+        with self.assertRaisesRegex(ValueError, "polygonize: method = guesswork: must be marching-cubes"):
+            self.surface.polygonize(method="guesswork")
+        with self.assertRaisesRegex(ValueError, "polygonize: tolerance = -1: must be a fraction"):
+            self.surface.polygonize(method="adaptive", tolerance=-1)
+
     def test_the_report_says_what_was_found(self):
         report = self.surface.report
         self.assertEqual((report["points"], report["points_used"]), (3000, 3000))

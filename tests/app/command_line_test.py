@@ -413,6 +413,23 @@ class Surfaces(CommandLine):
         self.succeed("polygonize", self.path("model.csrbf"), "-o", self.path("coarse.obj"), "--resolution", "16",
                      "--report", self.path("report.json"))
         self.assertTrue(self.report()["result"]["watertight"])
+        self.assertEqual(self.report()["options"]["method"], "marching-cubes")
+        triangles = {}
+        for method in ("marching-tetrahedra", "dual-contouring", "adaptive"):
+            self.succeed("polygonize", self.path("model.csrbf"), "-o", self.path("other.obj"), "--resolution", "24",
+                         "--method", method, "--report", self.path("report.json"))
+            result = self.report()["result"]
+            self.assertEqual((result["watertight"], result["euler"]), (True, 2))
+            triangles[method] = result["triangles"]
+        self.assertLess(triangles["adaptive"], triangles["dual-contouring"])
+        self.succeed("polygonize", self.path("model.csrbf"), "-o", self.path("other.obj"), "--resolution", "24",
+                     "--method", "adaptive", "--tolerance", "0.02", "--report", self.path("report.json"))
+        self.assertLess(self.report()["result"]["triangles"], triangles["adaptive"])
+        self.assertEqual(self.report()["options"]["tolerance"], 0.02)
+        self.fail_with(2, "--tolerance: dual-contouring has none", "polygonize", self.path("model.csrbf"), "-o",
+                       self.path("other.obj"), "--method", "dual-contouring", "--tolerance", "0.02")
+        self.fail_with(2, "--method", "polygonize", self.path("model.csrbf"), "-o", self.path("other.obj"), "--method",
+                       "guesswork")
         for name in ("mesh.ply", "model.csrbf"):
             self.succeed("render", self.path(name), "-o", self.path("a.png"), "--size", "80x60", "--color", "normal")
             width, height, pixels = read_png(self.path("a.png"))

@@ -38,13 +38,19 @@ void validate(const PolygonizeOptions& options) {
   require(options.resolution >= 0 && options.resolution <= largest_resolution, "polygonize", "resolution",
           options.resolution, "must be between 1 and 4096 cells along the longest side, or 0 for automatic");
   require(options.tolerance >= 0 && std::isfinite(options.tolerance), "polygonize", "tolerance", options.tolerance,
-          "must be a length above 0, or 0 for a tenth of a cell");
+          "must be a fraction of the diagonal above 0, or 0 for a tenth of a cell");
   require(std::isfinite(options.level), "polygonize", "level", options.level, "must be finite");
   require(options.seeds.allFinite(), "polygonize", "seeds", "(not finite)", "every seed must be a point");
   const bool has_volume = usable(options.bounds) && options.bounds.extent().minCoeff() > 0;
   require(is_default(options.bounds) || has_volume, "polygonize", "bounds",
           options.bounds.extent().transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, 0, " x ")),
           "must have positive, finite extent along every axis; leave them out for those of the field");
+}
+
+// The box that resolution and tolerance refer to.
+Box<3> measured_box(const Field<3>& field, const PolygonizeOptions& options) {
+  const Box<3> natural = field.bounds();
+  return usable(natural) ? natural : options.bounds;
 }
 
 // Inner cells fill the bounds; one more layer on every side carries the caps.
@@ -54,7 +60,7 @@ CellLattice make_lattice(const Field<3>& field, const PolygonizeOptions& options
   require(usable(natural) || !own_bounds, "polygonize", "field.bounds()", natural.diagonal(),
           "must be finite and not empty; give bounds in the options");
   const int resolution = options.resolution > 0 ? options.resolution : automatic_resolution(field);
-  const double size = (usable(natural) ? natural : options.bounds).extent().maxCoeff() / resolution;
+  const double size = measured_box(field, options).extent().maxCoeff() / resolution;
   const Eigen::Array3d cells = (own_bounds ? natural : options.bounds).extent().array() / size;
   require(cells.maxCoeff() < max_cells - 10, "polygonize", "bounds / cell size", cells.maxCoeff(),
           "must be below 2^20 cells; shrink the bounds or lower the resolution");
@@ -129,56 +135,60 @@ void resize_vertices(Index n, bool normals, Mesh& mesh) {
   if (normals) mesh.normals.resize(3, n);
 }
 
-// The methods return the number of vertices that are not on edges.
-Index marching_cubes(const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
-                     const PolygonizeOptions& options, Mesh& mesh) {
-  const std::vector<Brick*> bricks = tracer.finish(axis_directions);
+// What the methods work on; they return the number of vertices that are not on edges.
+struct Extraction {
+  const CellLattice& lattice;
+  LevelSampler& sampler;
+  CellTracer& tracer;
+  const PolygonizeOptions& options;
+  double tolerance;  // a length
+};
+
+Index marching_cubes(const Extraction& e, Mesh& mesh) {
+  const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
   const Index edge_vertices = number_edge_vertices(bricks);
   const TriangleOffsets offsets = count_triangles(bricks);
-  resize_vertices(edge_vertices + offsets.centers.back(), options.normals, mesh);
+  resize_vertices(edge_vertices + offsets.centers.back(), e.options.normals, mesh);
   mesh.triangles.resize(3, offsets.triangles.back());
-  place_edge_vertices(lattice, bricks, sampler, {options.refine, options.normals}, mesh, options.progress);
-  report(options.progress, "polygonize", 0.95);
+  place_edge_vertices(e.lattice, bricks, e.sampler, {e.options.refine, e.options.normals}, mesh, e.options.progress);
+  report(e.options.progress, "polygonize", 0.95);
   fill_triangles(bricks, offsets, edge_vertices, mesh);
-  mesh.normals.rightCols(options.normals ? offsets.centers.back() : 0).setZero();
-  place_center_vertices(lattice, sampler, edge_vertices, options.refine, mesh);
+  mesh.normals.rightCols(e.options.normals ? offsets.centers.back() : 0).setZero();
+  place_center_vertices(e.lattice, e.sampler, edge_vertices, e.options.refine, mesh);
   return offsets.centers.back();
 }
 
-Index marching_tetrahedra(const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
-                          const PolygonizeOptions& options, Mesh& mesh) {
-  const std::vector<Brick*> bricks = tracer.finish(all_directions);
-  resize_vertices(number_edge_vertices(bricks), options.normals, mesh);
-  place_edge_vertices(lattice, bricks, sampler, {options.refine, options.normals}, mesh, options.progress);
-  report(options.progress, "polygonize", 0.95);
+Index marching_tetrahedra(const Extraction& e, Mesh& mesh) {
+  const std::vector<Brick*> bricks = e.tracer.finish(all_directions);
+  resize_vertices(number_edge_vertices(bricks), e.options.normals, mesh);
+  place_edge_vertices(e.lattice, bricks, e.sampler, {e.options.refine, e.options.normals}, mesh, e.options.progress);
+  report(e.options.progress, "polygonize", 0.95);
   march_tetrahedra(bricks, mesh);
   return 0;
 }
 
 // Also of an octree.
-Index dual_contouring(const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
-                      const PolygonizeOptions& options, Mesh& mesh) {
-  const bool adaptive = options.method == PolygonizeMethod::adaptive;
-  const std::vector<Brick*> bricks = tracer.finish(axis_directions);
+Index dual_contouring(const Extraction& e, Mesh& mesh) {
+  const bool adaptive = e.options.method == PolygonizeMethod::adaptive;
+  const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
   Mesh crossings;
   resize_vertices(number_edge_vertices(bricks), true, crossings);
-  place_edge_vertices(lattice, bricks, sampler, {.refine = options.refine, .sharp = true}, crossings, options.progress);
-  report(options.progress, "polygonize", 0.95);
+  place_edge_vertices(e.lattice, bricks, e.sampler, {.refine = e.options.refine, .sharp = true}, crossings,
+                      e.options.progress);
+  report(e.options.progress, "polygonize", 0.95);
   std::vector<CellPlanes> planes;
-  const DualSurface surface = make_dual_surface(lattice, bricks, crossings, mesh, adaptive ? &planes : nullptr);
+  const DualSurface surface = make_dual_surface(e.lattice, bricks, crossings, mesh, adaptive ? &planes : nullptr);
   const Index side_vertices = mesh.vertices.cols() - surface.loop_vertices;
-  if (!options.normals) mesh.normals.resize(3, 0);
-  const double cell = lattice.spacing.minCoeff();
+  if (!e.options.normals) mesh.normals.resize(3, 0);
   if (adaptive) {
     triangulate_quads(surface, crossings, mesh);
-    const double tolerance = options.tolerance > 0 ? options.tolerance : default_tolerance * cell;
-    merge_cells(lattice, tolerance, std::move(planes), mesh, options.progress);
-    place_center_vertices(lattice, sampler, 0, options.refine, mesh);
+    merge_cells(e.lattice, e.tolerance, std::move(planes), mesh, e.options.progress);
+    place_center_vertices(e.lattice, e.sampler, 0, e.options.refine, mesh);
   } else {
-    place_center_vertices(lattice, sampler, 0, options.refine, mesh);
+    place_center_vertices(e.lattice, e.sampler, 0, e.options.refine, mesh);
     triangulate_quads(surface, crossings, mesh);
   }
-  collapse_short_edges(edge_margin * cell, mesh);
+  collapse_short_edges(edge_margin * e.lattice.spacing.minCoeff(), mesh);
   return side_vertices;
 }
 
@@ -215,8 +225,10 @@ Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options) {
   trace(field, lattice, sampler, tracer, options);
   Mesh mesh;
   constexpr std::array extract{marching_cubes, marching_tetrahedra, dual_contouring, dual_contouring};
+  const double tolerance = options.tolerance > 0 ? options.tolerance * measured_box(field, options).diagonal()
+                                                 : default_tolerance * lattice.spacing.minCoeff();
   const Index center_vertices =
-      extract[static_cast<std::size_t>(options.method)](lattice, sampler, tracer, options, mesh);
+      extract[static_cast<std::size_t>(options.method)]({lattice, sampler, tracer, options, tolerance}, mesh);
   if (options.normals) complete_normals(mesh);
 
   if (options.statistics != nullptr)

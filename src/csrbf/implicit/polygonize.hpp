@@ -43,8 +43,8 @@ struct PolygonizeOptions {
 
   PolygonizeMethod method = PolygonizeMethod::marching_cubes;
 
-  /// About how far the mesh of the method `adaptive` may be from the surface where cells are merged: a length. Default:
-  /// a tenth of a cell.
+  /// About how far the mesh of the method `adaptive` may be from the surface where cells are merged, as a fraction of
+  /// the diagonal of the field's bounds (of `bounds` where the field has none). Default (0): a tenth of a cell.
   double tolerance = 0;
 
   /// The surface f = level is extracted.
