@@ -110,9 +110,10 @@ class Judge {
     double squares = 0;
     double weights = 0;
     double log_smoothing = 0;
+    const int columns = candidate.degree + 1;  // of polynomials, by degree
     try {
       for (const Patch& patch : patches_) {
-        const Eigen::MatrixXd& G = patch.G[static_cast<std::size_t>(candidate.degree + 1)];
+        const Eigen::MatrixXd& G = patch.G[static_cast<std::size_t>(columns)];
         const Eigen::MatrixXd A = matrix(candidate.kernel, patch, support);
         SaddleOptions saddle{.lambda = trial.smoothing, .weights = patch.weights, .largest_rescue = rescue};
         if (!options_.smoothing) {
