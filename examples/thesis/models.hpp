@@ -11,9 +11,9 @@ namespace csrbf::thesis {
 /// The archive of models that comes with Debian's package libcgal-demo.
 extern const std::string models_file;
 
-/// A model of that archive as points with outward normals: the vertices of large meshes, else `samples` random points of
-/// the surface, of the kitten of the surface through its 5,210 points. Of "bunny", "dragon", "kitten" and "knot". Empty when the archive, or the model in it, is not
-/// there.
+/// A model of that archive as points with outward normals: the vertices of large meshes, else `samples` random points
+/// of the surface, of the kitten of the surface through its 5,210 points. Of "bunny", "dragon", "kitten" and "knot".
+/// Empty when the archive, or the model in it, is not there.
 std::optional<PointCloud> model(const std::string& name, Index samples = 30000);
 
 /// The figure with a claim that says that it was skipped.
