@@ -51,6 +51,8 @@ TEST(Kernel, HasTheClosedFormsOfTheGlobalKernels) {
       EXPECT_NEAR(kernel.value(r) / phi, 1, rounding) << kernel.name() << " " << r;
     };
     expect(Kernel("gaussian", 2), std::exp(-r * r));
+    expect(Kernel("powered-exponential", 2, 1), std::exp(-r));
+    expect(Kernel("powered-exponential", 2, 2), std::exp(-r * r));
     expect(Kernel("matern-c0", 2), std::exp(-r));
     expect(Kernel("matern-c2", 2), (1 + r) * std::exp(-r));
     expect(Kernel("matern-c4", 2), (3 + 3 * r + r * r) * std::exp(-r) / 3);
@@ -70,6 +72,16 @@ TEST(Kernel, HasTheClosedFormsOfTheGlobalKernels) {
     expect(Kernel("thin-plate-r4", 2), -std::pow(r, 4) * std::log(r));
     expect(Kernel("polyharmonic", 2, 6), std::pow(r, 6) * std::log(r));
   }
+}
+
+// The rounding of the exponent counts as often as it is large.
+TEST(Kernel, HasTheClosedFormOfThePoweredExponential) {
+  for (const double b : {.3, .7, 1.4, 1.9})
+    for (const double r : {1e-3, .1, .7, 1.0, 3.0, 20.0}) {
+      const double power = std::pow(r, b);
+      EXPECT_NEAR(Kernel("powered-exponential", 2, b).value(r) / std::exp(-power), 1, rounding * (1 + power)) << r;
+    }
+  EXPECT_EQ(Kernel("powered-exponential", 2).parameter(), 1.4);
 }
 
 TEST(Kernel, OfWendlandIsTheClassWendland) {
@@ -230,6 +242,9 @@ TEST(Kernel, RejectsParametersOutOfRange) {
             "Kernel: parameter of gaussian = 3: this kernel has none; leave it out");
   EXPECT_EQ(message_of([] { Kernel("matern", 2, 0); }),
             "Kernel: parameter of matern = 0: must be positive and at most 50");
+  EXPECT_EQ(
+      message_of([] { Kernel("powered-exponential", 2, 2.5); }),
+      "Kernel: parameter of powered-exponential = 2.5: must be at most 2, beyond which it is not positive definite");
   EXPECT_EQ(message_of([] { Kernel("multiquadric", 2, 2); }),
             "Kernel: parameter of multiquadric = 2: must not be an integer, for which it is a polynomial");
   EXPECT_EQ(message_of([] { Kernel("cubic", 0); }),

@@ -13,6 +13,20 @@ struct Gaussian {
   }
 };
 
+// exp(-r^exponent).
+struct PoweredExponential {
+  double exponent;
+
+  CSRBF_ALWAYS_INLINE Radial operator()(double r2) const {
+    const bool center = r2 < center_r2;
+    const double safe = center ? 1 : r2;
+    const double power = center ? 0 : vector_exp(.5 * exponent * vector_log(safe));
+    const double phi = vector_exp(-power);
+    const double g = -exponent * power * phi / safe;
+    return {phi, g, g * (exponent - 2 - exponent * power) / safe};
+  }
+};
+
 // nu = Half / 2.
 template <int Half>
 struct Matern {
@@ -102,6 +116,7 @@ struct ThinPlate {
 
 enum class Formula {
   gaussian,
+  powered_exponential,
   matern_1,
   matern_3,
   matern_5,
@@ -133,6 +148,8 @@ CSRBF_ALWAYS_INLINE void formula_loop(Formula formula, Parameters p, const doubl
   switch (formula) {
     case Formula::gaussian:
       return radial_loop<parts>(Gaussian{}, r2, n, phi, g, h);
+    case Formula::powered_exponential:
+      return radial_loop<parts>(PoweredExponential{b}, r2, n, phi, g, h);
     case Formula::matern_1:
       return radial_loop<parts>(Matern<1>{}, r2, n, phi, g, h);
     case Formula::matern_3:
@@ -209,6 +226,12 @@ double sign_of(double power_of_minus_one) {
 
 std::shared_ptr<const RadialFunction> gaussian_function() {
   return make(Formula::gaussian);
+}
+
+std::shared_ptr<const RadialFunction> powered_exponential_function(double exponent) {
+  if (exponent == 1) return make(Formula::matern_1);
+  if (exponent == 2) return gaussian_function();
+  return make(Formula::powered_exponential, {1, exponent});
 }
 
 std::shared_ptr<const RadialFunction> matern_function(double nu) {

@@ -9,6 +9,9 @@ namespace csrbf {
 /// exp(-r^2).
 std::shared_ptr<const RadialFunction> gaussian_function();
 
+/// exp(-r^exponent), 0 < exponent <= 2.
+std::shared_ptr<const RadialFunction> powered_exponential_function(double exponent);
+
 /// Matern's function of order nu > 0, normalised to 1 at 0.
 std::shared_ptr<const RadialFunction> matern_function(double nu);
 

@@ -19,6 +19,7 @@ enum class Family {
   wu,
   buhmann,
   gaussian,
+  powered_exponential,
   matern,
   inverse_multiquadric,
   multiquadric,
@@ -48,6 +49,7 @@ constexpr Entry entries[] = {
     {"buhmann-c2", Family::buhmann, 2, 4, none},
     {"buhmann-c3", Family::buhmann, 3, 3, none},
     {"gaussian", Family::gaussian, analytic, any_dimension, none},
+    {"powered-exponential", Family::powered_exponential, 0, any_dimension, 1.4, true},
     {"matern-c0", Family::matern, 0, any_dimension, .5},
     {"matern-c2", Family::matern, 2, any_dimension, 1.5},
     {"matern-c4", Family::matern, 4, any_dimension, 2.5},
@@ -96,6 +98,8 @@ double resolve(const Entry& entry, double parameter) {
   constexpr double largest = 50;
   require(parameter > 0 && parameter <= largest, "Kernel", "parameter" + kernel, parameter,
           "must be positive and at most 50");
+  require(entry.family != Family::powered_exponential || parameter <= 2, "Kernel", "parameter" + kernel, parameter,
+          "must be at most 2, beyond which it is not positive definite");
   require(entry.family != Family::multiquadric || !is_integer(parameter), "Kernel", "parameter" + kernel, parameter,
           "must not be an integer, for which it is a polynomial");
   return parameter;
@@ -113,6 +117,8 @@ std::shared_ptr<const RadialFunction> make_function(const Entry& entry, int dime
       return buhmann_function(entry.derivatives);
     case Family::gaussian:
       return gaussian_function();
+    case Family::powered_exponential:
+      return powered_exponential_function(parameter);
     case Family::matern:
       return matern_function(parameter);
     case Family::inverse_multiquadric:
@@ -133,7 +139,9 @@ int order_of(Family family, double parameter) {
 
 int smoothness_of(const Entry& entry, double parameter) {
   if (entry.family == Family::matern) return static_cast<int>(std::ceil(2 * parameter)) - 1;
-  if (entry.family == Family::power) return static_cast<int>(std::ceil(parameter)) - 1;
+  if (entry.family == Family::powered_exponential && parameter == 2) return analytic;
+  if (entry.family == Family::power || entry.family == Family::powered_exponential)
+    return static_cast<int>(std::ceil(parameter)) - 1;
   return entry.derivatives;
 }
 

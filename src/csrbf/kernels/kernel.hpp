@@ -21,6 +21,7 @@ class RadialFunction;
 /// | wu-c0, -c2, -c4, -c6 | Wu (1995), the first member that is positive definite there | 7, 5, 3, 1 | 0, 2, 4, 6 |
 /// | buhmann-c1, -c2, -c3 | Buhmann (1998) | 6, 4, 3 | 1, 2, 3 |
 /// | gaussian | exp(-r^2) | all | all |
+/// | powered-exponential | exp(-r^b), b = parameter up to 2, default 1.4 | all | ceil(b) - 1; for b = 2 all |
 /// | matern-c0, -c2, -c4, -c6 | Matern of nu = 1/2, 3/2, 5/2, 7/2 | all | 0, 2, 4, 6 |
 /// | matern | 2^(1 - nu) / Gamma(nu) r^nu K_nu(r), nu = parameter, default 3/2 | all | ceil(2 nu) - 1 |
 /// | inverse-multiquadric | (1 + r^2)^-b, b = parameter, default 1/2 | all | all |
