@@ -43,6 +43,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                          {"degree", r.degree},
                          {"support", r.support},
                          {"axis_scales", r.axis_scales},
+                         {"anisotropy", r.anisotropy},
                          {"smoothing", r.smoothing},
                          {"rmse", r.rmse},
                          {"max_error", r.max_error},

@@ -321,39 +321,6 @@ TEST(LocalFit, TakesAllSamplesWhereThereAreFewer) {
     EXPECT_NEAR(plain_value<2>(models, 0, 0, problem.cover.points().col(k)), problem.values(k, 0), solved);
 }
 
-template <int Dim>
-bool is_lopsided(const Points<Dim>& points) {
-  std::vector<std::pair<double, std::uint32_t>> chosen;
-  for (Index i = 0; i < points.cols(); ++i)
-    chosen.emplace_back(points.col(i).squaredNorm(), static_cast<std::uint32_t>(i));
-  return lopsided<Dim>(points, chosen);
-}
-
-// Samples in a ball, stretched along the first axis.
-template <int Dim>
-Points<Dim> ball(double length) {
-  Points<Dim> points = (2 * random_points<Dim>(20000, 1).array() - 1).matrix();
-  Index kept = 0;
-  for (Index i = 0; i < points.cols(); ++i)
-    if (points.col(i).norm() < 1) points.col(kept++) = points.col(i);
-  points.conservativeResize(Eigen::NoChange, std::min<Index>(kept, 500));
-  points.row(0) *= length;
-  return points;
-}
-
-TEST(LocalFit, KnowsLopsidedSamples) {
-  EXPECT_FALSE(is_lopsided<1>(ball<1>(1)));
-  EXPECT_FALSE(is_lopsided<2>(ball<2>(1)));
-  EXPECT_FALSE(is_lopsided<3>(ball<3>(1)));
-  EXPECT_FALSE(is_lopsided<6>(ball<6>(1)));
-  EXPECT_TRUE(is_lopsided<2>(ball<2>(3)));
-  EXPECT_TRUE(is_lopsided<3>(ball<3>(1e-3)));
-  EXPECT_TRUE(is_lopsided<2>(ball<2>(0)));
-  EXPECT_FALSE(is_lopsided<3>(1e-30 * ball<3>(1)));
-  EXPECT_TRUE(is_lopsided<3>(1e30 * ball<3>(3)));
-  EXPECT_TRUE(is_lopsided<1>((ball<1>(1).array() * .1 + .9).matrix()));  // all to one side
-}
-
 // Two tracks: the nearest samples of a patch are on one of them.
 TEST(LocalFit, LooksFurtherWhereTheNearestSamplesAreLopsided) {
   Points<2> tracks(2, 400);

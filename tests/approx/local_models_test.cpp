@@ -9,13 +9,15 @@ namespace {
 
 // Random local functions about the middle of the unit cube.
 template <int Dim>
-LocalModels<Dim> random_models(const std::string& kernel, int degree, Index centers, double support) {
+LocalModels<Dim> random_models(const std::string& kernel, int degree, Index centers, double support,
+                               bool anisotropic = false) {
   LocalModels<Dim> models;
   models.degree = degree;
   models.kernel = Kernel(kernel, Dim);
   models.support = support;
   models.centers_each = centers;
   models.components = 2;
+  models.anisotropic = anisotropic;
   models.resize(3);
   EXPECT_EQ(models.size(), 3);
   EXPECT_EQ(models.polynomial_size(), Polynomials<Dim>::size(degree));
@@ -23,7 +25,7 @@ LocalModels<Dim> random_models(const std::string& kernel, int degree, Index cent
   models.radius = (0.5 + random_points<1>(3, 2).transpose().array()).matrix();
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  for (auto* numbers : {&models.position, &models.alpha, &models.polynomial})
+  for (auto* numbers : {&models.position, &models.alpha, &models.polynomial, &models.metric})
     for (double& number : *numbers) number = uniform(random);
   return models;
 }
@@ -45,9 +47,9 @@ std::array<std::array<double, LocalModels<Dim>::lanes>, LocalEvaluator<Dim>::ter
 }
 
 template <int Dim>
-void expect_formula(const std::string& kernel, int degree, Index centers, double support) {
+void expect_formula(const std::string& kernel, int degree, Index centers, double support, bool anisotropic = false) {
   constexpr double rounding = 1e-11;
-  const LocalModels<Dim> models = random_models<Dim>(kernel, degree, centers, support);
+  const LocalModels<Dim> models = random_models<Dim>(kernel, degree, centers, support, anisotropic);
   const Points<Dim> x = random_points<Dim>(8, 5);
   for (Index i = 0; i < 3; ++i)
     for (Index c = 0; c < 2; ++c)
@@ -68,13 +70,16 @@ TEST(LocalModels, AreTheSumsTheyStandFor) {
   expect_formula<4>("matern-c4", 2, 12, 1);
   expect_formula<5>("wendland-c2", 1, 12, 3);
   expect_formula<6>("wendland-c4", 2, 0, 3);
+  expect_formula<2>("powered-exponential", 1, 12, 4, true);
+  expect_formula<3>("wendland-c4", 2, 12, 3, true);
 }
 
 // Central differences with step h: third derivatives up to 1e3 times h^2, and rounding over h.
 template <int Dim>
-void expect_derivatives(const std::string& kernel, int degree, Index centers, double support) {
+void expect_derivatives(const std::string& kernel, int degree, Index centers, double support,
+                        bool anisotropic = false) {
   constexpr double h = 1e-5, tolerance = 1e-6;
-  const LocalModels<Dim> models = random_models<Dim>(kernel, degree, centers, support);
+  const LocalModels<Dim> models = random_models<Dim>(kernel, degree, centers, support, anisotropic);
   const Points<Dim> x = random_points<Dim>(8, 5);
   const auto f = evaluate<Dim>(models, 1, 1, x, Derivatives::hessian);
   const auto first = evaluate<Dim>(models, 1, 1, x, Derivatives::gradient);
@@ -106,6 +111,9 @@ TEST(LocalModels, HaveTrueDerivatives) {
   expect_derivatives<4>("matern-c6", 2, 12, 2);
   expect_derivatives<5>("wendland-c6", 2, 12, 3);
   expect_derivatives<6>("wendland-c6", 2, 12, 3);
+  expect_derivatives<2>("gaussian", 2, 12, 3, true);
+  expect_derivatives<3>("wendland-c6", 2, 12, 4, true);
+  expect_derivatives<6>("gaussian", 1, 12, 4, true);
 }
 
 TEST(LocalModels, AreZeroWithoutTerms) {

@@ -117,49 +117,6 @@ TEST(PartitionOfUnity, TakesSamplesOnAPlane) {
 }
 
 template <int Dim>
-void expect_definition(const PartitionOfUnityOptions& options) {
-  const auto fit = partition_of_unity<Dim>(sample<Dim>(random_points<Dim>(500, 1), waves<Dim>), options);
-  const Points<Dim> x = random_points<Dim>(60, 2);
-  const auto fields = fit.fields();
-  const Eigen::VectorXd value = fields[0]->evaluate(x).value;
-  for (Index i = 0; i < x.cols(); ++i) {
-    const Box<Dim>& box = fit.data->cover.box();
-    const Point<Dim> inside = x.col(i).cwiseMax(box.lo).cwiseMin(box.hi);
-    EXPECT_NEAR(value[i], plain_value<Dim>(*fit.data, 0, inside), 1e-11) << Dim;
-  }
-}
-
-TEST(PartitionOfUnity, IsTheWeightedMeanOfItsLocalFunctions) {
-  expect_definition<1>({.kernel = "wendland-c2", .degree = 2, .samples_per_patch = 12});
-  expect_definition<2>({.kernel = "gaussian", .degree = 3, .samples_per_patch = 30, .smoothing = 1e-3});
-  expect_definition<3>({.kernel = "wendland-c4", .degree = -1, .samples_per_patch = 30});
-  expect_definition<4>({.degree = 1, .samples_per_patch = 30, .centers_per_patch = 10});
-  expect_definition<5>({.degree = 1, .samples_per_patch = 40});
-  expect_definition<6>({.degree = 1, .samples_per_patch = 40, .centers_per_patch = 0});
-}
-
-// Central differences of step h err by h^2 times fourth derivatives, which grow with the second ones, and by rounding.
-template <int Dim>
-void expect_derivatives(const PartitionOfUnityOptions& options) {
-  constexpr double step = 1e-5;
-  const auto fit = partition_of_unity<Dim>(sample<Dim>(random_points<Dim>(800, 1), waves<Dim>), options);
-  const auto f = fit.fields()[0];
-  const Points<Dim> inside = (0.1 + 0.8 * random_points<Dim>(40, 3).array()).matrix();
-  for (const Points<Dim>& x : {inside, points_on_borders<Dim>(fit.data->cover, 40, 4)})
-    expect_true_derivatives<Dim>(*f, x, step,
-                                 1e-6 * (1 + f->evaluate(x, Derivatives::hessian).hessian.cwiseAbs().maxCoeff()));
-}
-
-TEST(PartitionOfUnity, HasTrueDerivatives) {
-  expect_derivatives<1>({.kernel = "wendland-c6", .degree = 3, .samples_per_patch = 20});
-  expect_derivatives<2>({.kernel = "wendland-c6", .degree = 2, .samples_per_patch = 40});
-  expect_derivatives<3>({.kernel = "wendland-c6", .degree = 2, .samples_per_patch = 50});
-  expect_derivatives<4>({.degree = 2, .samples_per_patch = 60, .centers_per_patch = 0});
-  expect_derivatives<5>({.degree = 2, .samples_per_patch = 80, .centers_per_patch = 0});
-  expect_derivatives<6>({.degree = 1, .samples_per_patch = 60, .centers_per_patch = 0});
-}
-
-template <int Dim>
 void expect_continuity() {
   constexpr double gap = 1e-9;
   const auto fit = partition_of_unity<Dim>(sample<Dim>(random_points<Dim>(1000, 1), waves<Dim>), {.degree = 2});
@@ -251,9 +208,12 @@ TEST(PartitionOfUnity, DoesNotDependOnTheUnitsOfPointsAndValues) {
   const auto f = partition_field<3>(data);
   const Points<3> x = random_points<3>(500, 2);
   const Eigen::VectorXd value = f->evaluate(x).value;
+  const PartitionOfUnityOptions stretched{.degree = 1, .samples_per_patch = 20, .anisotropy = .8};
+  const Eigen::VectorXd stretched_value = partition_field<3>(data, stretched)->evaluate(x).value;
   for (const int exponent : {-100, 100}) {
     Samples<3> scaled = data;
     scaled.points *= std::ldexp(1, exponent);
+    EXPECT_EQ(partition_field<3>(scaled, stretched)->evaluate(std::ldexp(1, exponent) * x).value, stretched_value);
     EXPECT_EQ(partition_field<3>(scaled)->evaluate(std::ldexp(1, exponent) * x).value, value) << exponent;
   }
   for (const int exponent : {-664, 664}) {  // about 1e-200 and 1e200
@@ -376,6 +336,8 @@ TEST(PartitionOfUnity, RefusesInvalidOptions) {
   refused({.degree = 9}, "partition_of_unity: degree = 9");
   refused({.samples_per_patch = 0}, "partition_of_unity: samples_per_patch = 0");
   refused({.centers_per_patch = -1}, "partition_of_unity: centers_per_patch = -1");
+  refused({.anisotropy = 1.1}, "partition_of_unity: anisotropy = 1.1");
+  refused({.anisotropy = std::numeric_limits<double>::quiet_NaN()}, "partition_of_unity: anisotropy = nan");
   refused({.smoothing = -1}, "partition_of_unity: smoothing = -1");
   refused({.smoothing = std::numeric_limits<double>::quiet_NaN()}, "partition_of_unity: smoothing = nan");
 }

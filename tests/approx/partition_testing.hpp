@@ -9,7 +9,9 @@ namespace csrbf {
 /// A local function at x, term by term.
 template <int Dim>
 double plain_value(const LocalModels<Dim>& models, Index i, Index component, const Point<Dim>& x) {
-  const Point<Dim> q = (x - models.center.col(i)) / models.radius[i];
+  Point<Dim> q = (x - models.center.col(i)) / models.radius[i];
+  if (models.anisotropic)
+    q = Eigen::Map<const Eigen::Matrix<double, Dim, Dim>>(models.metric.data() + Dim * Dim * i) * q;
   const Polynomials<Dim> monomials(models.degree);
   const Index row = i * models.components + component;
   double sum = 0;

@@ -3,6 +3,7 @@
 #include "csrbf/approx/expansion.hpp"
 #include "csrbf/approx/fit.hpp"
 #include "csrbf/approx/moving_least_squares.hpp"
+#include "csrbf/approx/partition_of_unity.hpp"
 
 #include "io_testing.hpp"
 
@@ -85,6 +86,16 @@ TEST(FunctionArchive, KeepsFunctionsOfEveryDimension) {
   expect_round_trip<4>();
   expect_round_trip<5>();
   expect_round_trip<6>();
+}
+
+TEST(FunctionArchive, KeepsTheMetricsOfPatches) {
+  const auto partition = partition_of_unity<2>(
+      wavy_samples<2>(300), {.kernel = "powered-exponential", .samples_per_patch = 12, .anisotropy = .8});
+  Fit<2> model{partition.fields(), {}, {}};
+  model.report.anisotropy = partition.report.local.anisotropy;
+  const Function function(model);
+  expect_same_function(round_trip(function), function, probes<2>());
+  EXPECT_EQ(round_trip(function).report().anisotropy, .8);
 }
 
 TEST(FunctionArchive, KeepsScaledPeriodicAndUndefinedAxes) {

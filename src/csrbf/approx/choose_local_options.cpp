@@ -1,5 +1,7 @@
 #include "csrbf/approx/choose_local_options.hpp"
 
+#include "csrbf/approx/held_out_error.hpp"
+#include "csrbf/approx/patch_samples.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
 
@@ -34,6 +36,11 @@ constexpr std::array<double, 5> smoothings = {1e-6, 1e-4, 1e-2, 1e-1, 1};
 constexpr std::array<double, 5> strong_smoothings = {1e-2, 1e-1, 1, 10, 100};
 constexpr std::array<Index, 5> large_patches = {250, 700, 1500, 3000, 6000};
 constexpr Index many_centers = 48;
+constexpr const char* fractal_kernel = "powered-exponential";  // close to r^1.4 within a patch
+constexpr double fractal_support = 8;
+constexpr double track_anisotropy = 0.8;
+constexpr double clearly_better = 0.99;    // of the error: between tracks isotropic patches are safer
+constexpr Index fewest_for_tracks = 1000;  // samples
 
 // Samples in patches spread over the data, each predicted by the patch fitted without it.
 template <int Dim>
@@ -136,6 +143,7 @@ class Chooser {
  public:
   Chooser(const Samples<Dim>& samples, const PartitionOfUnityOptions& given)
       : given_(given),
+        samples_(samples),
         validation_(samples),
         size_(samples.size()),
         range_((samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff()),
@@ -151,11 +159,15 @@ class Chooser {
     if (size_ > too_few && mean(best_.errors, best_.errors) > noticeable * range_) {
       if (!given_.smoothing) try_smoothings(smoothings);
       try_least_squares();
+      if (!given_.smoothing) refine_smoothing();
     }
     const double range = range_ > 0 ? range_ : 1;  // squares neither overflow nor vanish
     const Eigen::ArrayXXd squares =
         validation_.errors(best_.options, best_.work, [&](const auto& e) { return (e / range).square().mean(); });
-    return {best_.options, mean(best_.errors, best_.errors), range * std::sqrt(mean(squares, squares))};
+    ChosenLocalOptions chosen{best_.options, mean(best_.errors, best_.errors),
+                              range * std::sqrt(mean(squares, squares))};
+    try_anisotropic(chosen);
+    return chosen;
   }
 
  private:
@@ -180,6 +192,7 @@ class Chooser {
     options.samples = std::min(options.samples, size_);
     options.centers = everywhere ? options.samples : std::min(options.centers, options.samples - 1);
     if (given_.centers_per_patch) options.centers = std::min(*given_.centers_per_patch, options.samples);
+    if (given_.anisotropy) options.anisotropy = *given_.anisotropy;
     if (given_.smoothing) options.smoothing = *given_.smoothing;
     while (!given_.degree && options.degree > 0 && 2 * monomials(options.degree) > options.samples) --options.degree;
     if (best_.errors.size() > 0 && options == best_.options) return false;
@@ -240,6 +253,13 @@ class Chooser {
       options.samples = options.centers = std::max(base_samples, (uneven_ ? 10 : 5) * monomials(model.degree) / 2);
       if (options.samples <= largest_interpolant) attempt(options);
     }
+    if (is_rough() && !given_.kernel) {
+      LocalOptions options = best_.options;
+      options.kernel = fractal_kernel;
+      options.support = fractal_support;
+      options.degree = 0;
+      attempt(options);
+    }
     if (uneven_) return;
     for (int degree = 2; degree <= 6; ++degree) {  // polynomials alone are cheapest, but need samples all around
       LocalOptions options;
@@ -273,6 +293,44 @@ class Chooser {
     }
   }
 
+  // Half a decade is what a smoothing between too weak and too strong is told by; where patches are large, a decade.
+  void refine_smoothing() {
+    if (!(best_.options.smoothing > 0) || best_.options.centers != best_.options.samples) return;
+    for (const double step : {10.0, std::sqrt(10.0)}) {
+      LocalOptions options = best_.options;
+      const double middle = options.smoothing;
+      for (const double smoothing : {middle / step, middle * step}) {
+        options.smoothing = smoothing;
+        if (attempt(options)) break;
+      }
+    }
+  }
+
+  // Rough values along tracks often differ from one track to the next, by more than the function does. Then small
+  // patches whose metric follows the track predict better.
+  void try_anisotropic(ChosenLocalOptions& chosen) {
+    if (Dim == 1 || !uneven_ || size_ < fewest_for_tracks || !is_rough() || given_.kernel || given_.degree ||
+        given_.samples_per_patch || given_.centers_per_patch || given_.anisotropy)
+      return;
+    LocalOptions options = best_.options;
+    options.kernel = fractal_kernel;
+    options.support = fractal_support;
+    options.degree = 0;
+    options.samples = options.centers = 6 * Dim;
+    options.anisotropy = track_anisotropy;
+    const HeldOutSamples<Dim> held_out(samples_);
+    const HeldOutError error = held_out.error(options);
+    if (error.mean < clearly_better * held_out.error(best_.options).mean) {
+      chosen.options = options;
+      chosen.rmse = error.rmse;
+    }
+  }
+
+  [[nodiscard]] bool is_rough() const {
+    const LocalOptions& best = best_.options;
+    return best.centers == best.samples && (best.kernel == "wendland-c0" || best.kernel == fractal_kernel);
+  }
+
   // Under noise many samples per unknown win.
   void try_least_squares() {
     if (given_.centers_per_patch && given_.samples_per_patch) return;
@@ -299,6 +357,7 @@ class Chooser {
   static constexpr Index largest_interpolant = std::array<Index, 6>{100, 200, 250, 250, 400, 550}[std::min(Dim, 6) - 1];
 
   PartitionOfUnityOptions given_;
+  const Samples<Dim>& samples_;
   CrossValidation<Dim> validation_;
   Index size_;
   double range_;

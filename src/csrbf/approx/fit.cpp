@@ -225,6 +225,7 @@ class Fitter {
     report_.centers = fit.report.centers;
     report_.patches = fit.report.patches;
     report_.samples_per_patch = local.samples;
+    report_.anisotropy = local.anisotropy;
     report_.smoothing = local.smoothing;
     report_.cross_validation_rmse = fit.report.cross_validation_rmse;
     variances = local_variance(samples, fit);

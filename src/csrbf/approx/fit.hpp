@@ -57,7 +57,8 @@ struct FitReport {
   Index patches = 0;  ///< of a partition of unity
   Index samples_per_patch = 0;
   int degree = -1;
-  double support = 0;  ///< of the (largest) radial functions, in the unit of the scaled points; 0: see patches
+  double support = 0;     ///< of the (largest) radial functions, in the unit of the scaled points; 0: see patches
+  double anisotropy = 0;  ///< of the metrics of patches, see LocalOptions
   double smoothing = 0;
   double rmse = 0, max_error = 0;  ///< at the samples used
   double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();

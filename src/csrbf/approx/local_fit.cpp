@@ -1,12 +1,9 @@
 #include "csrbf/approx/local_fit.hpp"
 
+#include "csrbf/approx/patch_samples.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/lanes.hpp"
-
-#include <Eigen/Cholesky>
-
-#include <limits>
 
 namespace csrbf {
 namespace {
@@ -15,10 +12,6 @@ constexpr int L = batch_lanes;
 constexpr double dependent = 1e-11;  // pivots smaller than this share of their diagonal: columns that do not help
 constexpr double round_off = 1e-14;  // relative ridge that keeps the systems positive definite
 constexpr double smallest_freedom = 1e-6;
-constexpr double even_spread = 0.35;  // smallest variance against that of a ball, for samples to count as evenly spread
-constexpr double flat = 1e-10;        // the same for samples on a line or plane
-constexpr Index most_spread = 400;    // larger patches reach far enough as they are
-constexpr Index widened = 4, widest = 16;  // times as many samples are looked at where they are not
 
 // Squared distances of all pairs of n points, lower triangle by rows.
 CSRBF_SIMD_CLONES void pair_distances(const double* q, int dim, Index n, double scale, double* r2) {
@@ -59,27 +52,6 @@ CSRBF_SIMD_CLONES void dot(const double* a, const double* b, Index n, double* su
   s.store(sum);
 }
 
-// Keeps the n / 2 nearest samples, and of the others those that are farthest from all kept before.
-template <int Dim>
-void spread(const Points<Dim>& points, Index n, std::vector<std::pair<double, std::uint32_t>>& found) {
-  const auto near = static_cast<std::size_t>(n / 2), wanted = static_cast<std::size_t>(n);
-  std::vector<double> distance(found.size(), std::numeric_limits<double>::infinity());
-  const auto keep = [&](std::size_t k) {
-    for (std::size_t i = k + 1; i < found.size(); ++i)
-      distance[i] = std::min(distance[i], (points.col(found[i].second) - points.col(found[k].second)).squaredNorm());
-  };
-  for (std::size_t k = 0; k < near; ++k) keep(k);
-  for (std::size_t k = near; k < wanted; ++k) {
-    const auto farthest = std::max_element(distance.begin() + static_cast<std::ptrdiff_t>(k), distance.end());
-    const auto at = static_cast<std::size_t>(farthest - distance.begin());
-    std::swap(found[k], found[at]);
-    std::swap(distance[k], distance[at]);
-    keep(k);
-  }
-  found.resize(wanted);
-  std::sort(found.begin(), found.end());
-}
-
 // Adds to every diagonal entry a share of the mean of the first n.
 void add_ridge(double* A, Index n, double share) {
   double trace[L] = {};
@@ -89,29 +61,7 @@ void add_ridge(double* A, Index n, double share) {
     for (int l = 0; l < L; ++l) A[batch_entry(i, i) + l] += share * trace[l] / static_cast<double>(n);
 }
 
-// Whether the smallest variance is below a share of that of a filled ball.
-template <int Dim>
-bool narrower(double share, const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
-  const auto n = static_cast<double>(chosen.size());
-  Point<Dim> mean = Point<Dim>::Zero();
-  double reach2 = 0;
-  for (const auto& [d2, id] : chosen) {
-    mean += points.col(id) / n;
-    reach2 = std::max(reach2, d2);
-  }
-  Eigen::Matrix<double, Dim, Dim> covariance = Eigen::Matrix<double, Dim, Dim>::Zero();
-  for (const auto& [d2, id] : chosen) covariance += (points.col(id) - mean) * (points.col(id) - mean).transpose() / n;
-  // LL^T of covariance - threshold fails when an eigenvalue is below the threshold.
-  covariance.diagonal().array() -= share * reach2 / (Dim + 2);
-  return covariance.llt().info() != Eigen::Success;
-}
-
 }  // namespace
-
-template <int Dim>
-bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
-  return narrower<Dim>(even_spread, points, chosen);
-}
 
 template <int Dim>
 LocalFitter<Dim>::LocalFitter(const Cover<Dim>& cover, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
@@ -126,6 +76,7 @@ LocalFitter<Dim>::LocalFitter(const Cover<Dim>& cover, const Eigen::MatrixXd& va
       M_(std::min(options.centers, n_)),
       Q_(basis_.size()),
       C_(values.cols()),
+      anisotropic_(options.anisotropy > 0 && M_ > 0),
       inverse_support2_(1 / (options.support * options.support)) {
   require(options.samples >= 1, "LocalFitter", "samples", options.samples, "must be at least 1");
   for (Index j = 0; j < M_; ++j) center_rows_.push_back(j * n_ / M_);
@@ -151,32 +102,28 @@ LocalModels<Dim> LocalFitter<Dim>::models() const {
   models.support = options_.support;
   models.centers_each = M_;
   models.components = C_;
+  models.anisotropic = anisotropic_;
   return models;
 }
 
-// The nearest samples in local coordinates; unused lanes repeat the first one.
+// The samples in local coordinates; unused lanes repeat the first one.
 template <int Dim>
 void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& models, Index first) {
   for (int l = 0; l < L; ++l) {
     const int used = l < count ? l : 0;
     const Box<Dim>& cell = cover_.cell(cells[used]);
     const Point<Dim> center = cell.center();
-    const double crowd = static_cast<double>(n_) / static_cast<double>(std::max<Index>(1, cover_.count(cells[used])));
-    const double reach = 0.45 * cell.diagonal() * std::pow(crowd, 1.0 / Dim);
-    cover_.nearest(center, n_, reach, search_);
-    for (Index wide = widened; n_ <= most_spread && wide <= widest && lopsided<Dim>(cover_.points(), search_.found);
-         wide *= widened) {
-      cover_.nearest(center, wide * n_, 2 * reach, search_);
-      spread<Dim>(cover_.points(), n_, search_.found);
-      if (!narrower<Dim>(flat, cover_.points(), search_.found)) continue;
-      // All on a line or plane: those nearest to a cell beside it are only a part of those that its support reaches.
-      const double support = 0.5 * cover_.growth() * cell.diagonal();
-      cover_.nearest(center, wide * n_, reach, search_);
-      while (std::ssize(search_.found) > n_ && search_.found.back().first > support * support) search_.found.pop_back();
-      spread<Dim>(cover_.points(), n_, search_.found);
-    }
+    Eigen::Matrix<double, Dim, Dim> metric =
+        find_patch_samples(cover_, cells[used], n_, anisotropic_ ? options_.anisotropy : 0, search_);
     double radius = std::sqrt(search_.found.back().first);
     if (!(radius > 0)) radius = cell.diagonal();
+    if (anisotropic_) {
+      double farthest2 = 0;
+      for (const auto& [d2, id] : search_.found)
+        farthest2 = std::max(farthest2, (metric * (cover_.points().col(id) - center)).squaredNorm());
+      if (farthest2 > 0) metric *= radius / std::sqrt(farthest2);
+      if (l < count) std::copy_n(metric.data(), Dim * Dim, models.metric.data() + Dim * Dim * (first + l));
+    }
     if (l < count) {
       models.center.col(first + l) = center;
       models.radius[first + l] = radius;
@@ -184,8 +131,9 @@ void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& m
     for (Index k = 0; k < n_; ++k) {
       const std::uint32_t id = search_.found[static_cast<std::size_t>(k)].second;
       ids_[static_cast<std::size_t>(n_ * l + k)] = id;
-      for (int a = 0; a < Dim; ++a)
-        q_[static_cast<std::size_t>(L * (Dim * k + a) + l)] = (cover_.points()(a, id) - center[a]) / radius;
+      Point<Dim> q = (cover_.points().col(id) - center) / radius;
+      if (anisotropic_) q = metric * q;
+      for (int a = 0; a < Dim; ++a) q_[static_cast<std::size_t>(L * (Dim * k + a) + l)] = q[a];
       for (Index c = 0; c < C_; ++c) s_[static_cast<std::size_t>(L * (n_ * c + k) + l)] = values_(id, c);
       weight_[static_cast<std::size_t>(L * k + l)] = weights_.size() == 0 ? 1 : std::sqrt(weights_[id]);
     }
@@ -374,9 +322,7 @@ void LocalFitter<Dim>::least_squares_errors(Index targets, double* error) {
   }
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                           \
-  template bool lopsided<Dim>(const Points<Dim>&, const std::vector<std::pair<double, std::uint32_t>>&); \
-  template class LocalFitter<Dim>;
+#define CSRBF_INSTANTIATE(Dim) template class LocalFitter<Dim>;
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

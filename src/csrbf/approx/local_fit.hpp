@@ -12,29 +12,23 @@ namespace csrbf {
 /// The local functions of a partition of unity: polynomials of a degree plus CSRBF sums.
 struct LocalOptions {
   std::string kernel = "wendland-c4";
-  double support = 4;    ///< of the kernel, in units of the radius of a patch
-  int degree = 2;        ///< -1: no polynomial
-  Index samples = 40;    ///< a patch is fitted to this many samples
-  Index centers = 40;    ///< radial functions per patch, centred at samples spread over it; `samples`: at all of them
+  double support = 4;  ///< of the kernel, in units of the radius of a patch
+  int degree = 2;      ///< -1: no polynomial
+  Index samples = 40;  ///< a patch is fitted to this many samples
+  Index centers = 40;  ///< radial functions per patch, centred at samples spread over it; `samples`: at all of them
+  /// 0: distances are Euclidean. Up to 1: those across the direction in which the samples of a patch lie, as on a track
+  /// of soundings, count for more; for 1 as if they spread evenly. For radial functions only.
+  double anisotropy = 0;
   double smoothing = 0;  ///< lambda: sum_k w_k (f - s)^2 + lambda alpha^T A alpha is minimised
 
   bool operator==(const LocalOptions&) const = default;
 };
 
-/// Whether samples hardly spread in some direction: the smallest variance is well below that of a filled ball. Then
-/// nearest samples alone, such as those of one track of soundings, do not tell how the function varies across it.
-/// `chosen`: squared distances and columns of `points`, as Cover::nearest finds them.
-template <int Dim>
-bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen);
-
-/// Fits local functions to the samples nearest to the middles of cells, eight at a time:
+/// Fits local functions to samples around the middles of cells (see find_patch_samples), eight at a time:
 ///
 /// * with a centre at every sample, a least squares polynomial, whose residual is interpolated by radial functions (for
 ///   smoothing = 0; thesis sections 1.3 and 3.1);
 /// * with fewer centres, polynomial and radial functions together by least squares.
-///
-/// Where the nearest samples are lopsided, half of them are replaced by others from a wider neighbourhood: from the
-/// support of the cell if all are on a line or plane.
 ///
 /// Work arrays are kept: one fitter per thread. O(samples^3 / 3) per patch, or O(samples (Q + centers)^2).
 template <int Dim>
@@ -76,6 +70,7 @@ class LocalFitter {
   Kernel kernel_;
   Polynomials<Dim> basis_;
   Index n_, M_, Q_, C_;
+  bool anisotropic_;
   double inverse_support2_;
   typename Cover<Dim>::Search search_;
   std::vector<Index> center_rows_;  // samples that are centres

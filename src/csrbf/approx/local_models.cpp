@@ -4,11 +4,49 @@
 #include "csrbf/core/dimensions.hpp"
 
 namespace csrbf {
+namespace {
+
+constexpr int lanes = 8;
+
+// q becomes T q for every lane; T by columns.
+template <int Dim>
+void into_metric(const double* T, double* q) {
+  double from[Dim * lanes];
+  std::copy_n(q, Dim * lanes, from);
+  for (int a = 0; a < Dim; ++a)
+    for (int l = 0; l < lanes; ++l) {
+      double sum = 0;
+      for (int b = 0; b < Dim; ++b) sum += T[Dim * b + a] * from[lanes * b + l];
+      q[lanes * a + l] = sum;
+    }
+}
+
+// The derivatives of f(T x) from those of f: T^T g and T^T H T.
+template <int Dim>
+void out_of_metric(const double* T, int terms, double* f) {
+  const Eigen::Map<const Eigen::Matrix<double, Dim, Dim>> transform(T);
+  for (int l = 0; l < lanes; ++l) {
+    Point<Dim> g;
+    for (int a = 0; a < Dim; ++a) g[a] = f[lanes * (1 + a) + l];
+    g = (transform.transpose() * g).eval();
+    for (int a = 0; a < Dim; ++a) f[lanes * (1 + a) + l] = g[a];
+    if (terms == 1 + Dim) continue;
+    Eigen::Matrix<double, Dim, Dim> H;
+    for (int a = 0, t = 1 + Dim; a < Dim; ++a)
+      for (int b = a; b < Dim; ++b, ++t) H(a, b) = H(b, a) = f[lanes * t + l];
+    H = (transform.transpose() * H * transform).eval();
+    for (int a = 0, t = 1 + Dim; a < Dim; ++a)
+      for (int b = a; b < Dim; ++b, ++t) f[lanes * t + l] = H(a, b);
+  }
+}
+
+}  // namespace
 
 template <int Dim>
 void LocalModels<Dim>::resize(Index models) {
   center.resize(Dim, models);
   radius.resize(models);
+  metric.resize(static_cast<std::size_t>(anisotropic ? Dim * Dim * models : 0));
   position.resize(static_cast<std::size_t>(Dim * centers_each * models));
   alpha.resize(static_cast<std::size_t>(components * centers_each * models));
   polynomial.resize(static_cast<std::size_t>(components * polynomial_size() * models));
@@ -38,6 +76,8 @@ void LocalEvaluator<Dim>::evaluate(Index i, Index component, const double* x, De
   for (int a = 0; a < Dim; ++a)
     for (int l = 0; l < lanes; ++l)
       q_[static_cast<std::size_t>(lanes * a + l)] = (x[lanes * a + l] - models_.center(a, i)) * inverse;
+  const double* metric = models_.anisotropic ? models_.metric.data() + Dim * Dim * i : nullptr;
+  if (metric != nullptr) into_metric<Dim>(metric, q_.data());
   const double* q = q_.data();
 
   // The polynomial.
@@ -67,6 +107,7 @@ void LocalEvaluator<Dim>::evaluate(Index i, Index component, const double* x, De
   }
   for (int t = 1; t < wanted; ++t)
     for (int l = 0; l < lanes; ++l) f[t][l] *= t <= Dim ? inverse : inverse * inverse;
+  if (metric != nullptr && wanted > 1) out_of_metric<Dim>(metric, wanted, f[0]);
 }
 
 #define CSRBF_INSTANTIATE(Dim)      \

@@ -9,8 +9,8 @@
 namespace csrbf {
 
 /// The local functions of a partition of unity, one after the other: polynomials plus CSRBF sums in coordinates
-/// q = (x - center) / radius of their own. All have the same degree, kernel and number of centres; `support` is that of
-/// the kernel in units of the radius.
+/// q = metric (x - center) / radius of their own. All have the same degree, kernel and number of centres; `support` is
+/// that of the kernel in units of the radius.
 template <int Dim>
 struct LocalModels {
   static constexpr int lanes = 8;
@@ -20,9 +20,11 @@ struct LocalModels {
   double support = 4;
   Index centers_each = 0;
   Index components = 1;
+  bool anisotropic = false;  ///< then there are radial functions
 
   Points<Dim> center;
   Eigen::VectorXd radius;
+  std::vector<double> metric;      ///< if anisotropic: matrices by columns, Dim x Dim each; else empty, the identity
   std::vector<double> position;    ///< of the centres: Dim each, centers_each per model
   std::vector<double> alpha;       ///< component-major per model: components x centers_each
   std::vector<double> polynomial;  ///< the same: components x Q

@@ -1,14 +1,13 @@
 #include "csrbf/approx/partition_of_unity.hpp"
 
 #include "csrbf/approx/choose_local_options.hpp"
+#include "csrbf/approx/fit_patches.hpp"
 #include "csrbf/approx/lane_sums.hpp"
 #include "csrbf/core/dimensions.hpp"
-#include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace csrbf {
 namespace {
@@ -172,6 +171,8 @@ void check(const PartitionOfUnityOptions& options) {
   const Index samples = options.samples_per_patch.value_or(1), centers = options.centers_per_patch.value_or(0);
   require(samples >= 1, function, "samples_per_patch", samples, "must be at least 1");
   require(centers >= 0, function, "centers_per_patch", centers, "must not be negative");
+  const double anisotropy = options.anisotropy.value_or(0);
+  require(anisotropy >= 0 && anisotropy <= 1, function, "anisotropy", anisotropy, "must be from 0 (none) to 1");
   const double smoothing = options.smoothing.value_or(0);
   require(smoothing >= 0 && std::isfinite(smoothing), function, "smoothing", smoothing, "must not be negative");
 }
@@ -211,42 +212,12 @@ PartitionOfUnityFit<Dim> partition_of_unity(const Samples<Dim>& given, const Par
   const Samples<Dim> normalized = given.weights.size() == 0 ? Samples<Dim>{} : normalize_weights(given);
   const Samples<Dim>& samples = given.weights.size() == 0 ? given : normalized;
   PartitionOfUnityFit<Dim> result;
-  ChosenLocalOptions chosen = choose_local_options(samples, options);
+  const ChosenLocalOptions chosen = choose_local_options(samples, options);
   result.report.local = chosen.options;
   result.report.cross_validation_rmse = chosen.rmse;
-
-  // Cells hold about .72 of their leaf size, supports growth^Dim times that, and the ball of the samples is a little
-  // larger than the support.
-  const double share = 1.25 * std::pow(cover_growth<Dim>, Dim) * 0.72;
-  const auto leaf = std::max<Index>(1, static_cast<Index>(static_cast<double>(chosen.options.samples) / share));
-  auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
-      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(samples.points, leaf, cover_growth<Dim>), {}});
-  const Cover<Dim>& cover = data->cover;
-  Eigen::MatrixXd values(samples.size(), samples.components());
-  Eigen::VectorXd sample_weights(samples.weights.size());
-  for (Index i = 0; i < samples.size(); ++i) {
-    const Index from = cover.order()[static_cast<std::size_t>(i)];
-    values.row(i) = samples.values.row(from);
-    if (sample_weights.size() > 0) sample_weights[i] = samples.weights[from];
-  }
-  data->models = LocalFitter<Dim>(cover, values, sample_weights, chosen.options).models();
-  data->models.resize(cover.size());
-  const Index batches = (cover.size() + lanes - 1) / lanes, slice = std::max<Index>(1, batches / 16);
-  for (Index done = 0; done < batches; done += slice) {
-    report(options.progress, "fit", static_cast<double>(done) / static_cast<double>(batches));
-    parallel_for(std::min(slice, batches - done), 8, [&](Index begin, Index end) {
-      LocalFitter<Dim> fitter(cover, values, sample_weights, chosen.options);
-      for (Index b = done + begin; b < done + end; ++b) {
-        std::array<Index, lanes> cells;
-        const auto count = static_cast<int>(std::min<Index>(lanes, cover.size() - lanes * b));
-        std::iota(cells.begin(), cells.end(), lanes * b);
-        fitter.fit(cells.data(), count, data->models, lanes * b);
-      }
-    });
-  }
-  result.report.patches = cover.size();
-  result.report.centers = cover.size() * data->models.centers_each;
-  result.data = std::move(data);
+  result.data = fit_patches(samples, chosen.options, options.progress);
+  result.report.patches = result.data->cover.size();
+  result.report.centers = result.report.patches * result.data->models.centers_each;
   report(options.progress, "fit", 1);
   return result;
 }

@@ -51,6 +51,7 @@ struct PartitionOfUnityOptions {
   std::optional<int> degree = {};
   std::optional<Index> samples_per_patch = {};
   std::optional<Index> centers_per_patch = {};
+  std::optional<double> anisotropy = {};
   std::optional<double> smoothing = {};
   /// Mean error, in the unit of the values, below which less is not worth its time; 0: 1e-10 of their range.
   double accuracy = 0;

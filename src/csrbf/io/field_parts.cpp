@@ -134,6 +134,7 @@ Archive patches_to_archive(const typename PartitionOfUnity<Dim>::Data& data) {
   archive.set("components", models.components);
   archive.set("center", models.center);
   archive.set("radius", models.radius);
+  if (models.anisotropic) archive.set("metrics", column_of(models.metric));
   archive.set("positions", column_of(models.position));
   archive.set("coefficients", column_of(models.alpha));
   archive.set("polynomials", column_of(models.polynomial));
@@ -157,6 +158,8 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> patches_from(const A
   models.center = archive.numbers("center", Dim, cells);
   models.radius = archive.numbers("radius", cells, 1);
   if (!(models.radius.minCoeff() > 0)) archive.fail("a radius is not positive");
+  models.anisotropic = archive.has("metrics");
+  if (models.anisotropic) models.metric = numbers_of(archive, "metrics", Dim * Dim * cells);
   models.position = numbers_of(archive, "positions", Dim * models.centers_each * cells);
   models.alpha = numbers_of(archive, "coefficients", models.components * models.centers_each * cells);
   models.polynomial = numbers_of(archive, "polynomials", models.components * models.polynomial_size() * cells);

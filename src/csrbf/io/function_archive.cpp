@@ -50,6 +50,7 @@ Archive to_archive(const FitReport& report) {
   Archive archive;
   archive.kind = "report";
   for_each_member(report, [&](const char* name, const auto& member) { archive.set(name, member); });
+  archive.set("anisotropy", report.anisotropy);
   archive.set("axis_scales", Eigen::Map<const Eigen::VectorXd>(report.axis_scales.data(),
                                                                static_cast<Index>(report.axis_scales.size())));
   set_texts(archive, "warning", report.warnings);
@@ -71,6 +72,7 @@ struct MemberReader {
 FitReport report_from(const Archive& archive) {
   FitReport report;
   for_each_member(report, MemberReader{archive});
+  if (archive.has("anisotropy")) report.anisotropy = archive.number("anisotropy");  // older models have none
   const auto& scales = archive.numbers("axis_scales", -1, 1);
   report.axis_scales.assign(scales.data(), scales.data() + scales.size());
   report.warnings = texts_of(archive, "warning");

@@ -1,0 +1,80 @@
+#include "csrbf/approx/fit_patches.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+constexpr Index lanes = batch_lanes;
+
+// Cells hold about .72 of their leaf size, supports growth^Dim times that, and the ball of the samples is a little
+// larger than the support. A metric is that of the middle of a cell: half as many samples keep it close to all of them.
+template <int Dim>
+Index leaf_size(const LocalOptions& options) {
+  const double share = 1.25 * std::pow(cover_growth<Dim>, Dim) * 0.72 * (options.anisotropy > 0 ? 2 : 1);
+  return std::max<Index>(1, static_cast<Index>(static_cast<double>(options.samples) / share));
+}
+
+// Batches of cells to fit.
+template <int Dim>
+std::vector<Index> wanted_batches(const Cover<Dim>& cover, const Points<Dim>* places) {
+  std::vector<Index> batches(static_cast<std::size_t>((cover.size() + lanes - 1) / lanes));
+  std::iota(batches.begin(), batches.end(), Index{0});
+  if (places == nullptr) return batches;
+  std::vector<bool> wanted(batches.size(), false);
+  for (const auto& x : places->colwise())
+    for (const std::uint32_t support : cover.supports_over(cover.find(x))) wanted[support / lanes] = true;
+  std::erase_if(batches, [&](Index b) { return !wanted[static_cast<std::size_t>(b)]; });
+  return batches;
+}
+
+}  // namespace
+
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples,
+                                                                        const LocalOptions& options,
+                                                                        const Progress& progress,
+                                                                        const Points<Dim>* places) {
+  auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
+      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(samples.points, leaf_size<Dim>(options), cover_growth<Dim>), {}});
+  const Cover<Dim>& cover = data->cover;
+  Eigen::MatrixXd values(samples.size(), samples.components());
+  Eigen::VectorXd weights(samples.weights.size());
+  for (Index i = 0; i < samples.size(); ++i) {
+    const Index from = cover.order()[static_cast<std::size_t>(i)];
+    values.row(i) = samples.values.row(from);
+    if (weights.size() > 0) weights[i] = samples.weights[from];
+  }
+  data->models = LocalFitter<Dim>(cover, values, weights, options).models();
+  data->models.resize(cover.size());
+  const std::vector<Index> batches = wanted_batches(cover, places);
+  const auto count = static_cast<Index>(batches.size());
+  const Index slice = std::max<Index>(1, count / 16);
+  for (Index done = 0; done < count; done += slice) {
+    report(progress, "fit", static_cast<double>(done) / static_cast<double>(count));
+    parallel_for(std::min(slice, count - done), 8, [&](Index begin, Index end) {
+      LocalFitter<Dim> fitter(cover, values, weights, options);
+      for (Index k = done + begin; k < done + end; ++k) {
+        const Index first = lanes * batches[static_cast<std::size_t>(k)];
+        std::array<Index, lanes> cells;
+        std::iota(cells.begin(), cells.end(), first);
+        fitter.fit(cells.data(), static_cast<int>(std::min(lanes, cover.size() - first)), data->models, first);
+      }
+    });
+  }
+  return data;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                  \
+  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> fit_patches<Dim>( \
+      const Samples<Dim>&, const LocalOptions&, const Progress&, const Points<Dim>*);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
