@@ -49,6 +49,7 @@ TEST(Fit, ChoosesTheMethodByTheTask) {
   const Samples<2> many = sample<2>(random_points<2>(1500, 1), franke);
   EXPECT_EQ(fit<2>(few).report.method, "interpolate");
   EXPECT_EQ(fit<2>(many).report.method, "partition-of-unity");
+  EXPECT_EQ(fit<4>(sample<4>(random_points<4>(600, 1), waves<4>)).report.method, "interpolate");
   EXPECT_EQ(fit<2>(few, {.tolerance = .01}).report.method, "error-bounded");
   EXPECT_EQ(fit<2>(few, {.centers = 40}).report.method, "fixed-budget");
   EXPECT_EQ(fit<2>(few, {.centers = 40, .tolerance = .01}).report.method, "error-bounded");

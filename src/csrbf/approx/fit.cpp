@@ -25,10 +25,15 @@
 namespace csrbf {
 namespace {
 
-constexpr Index few = 500;                  // samples up to which one system for all of them is solved
 constexpr double different_units = 10;      // ratio of the extents of axes that are scaled to equal extent in any case
 constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
 constexpr Index checked_samples = 100'000;  // for the error at the samples
+
+// Samples up to which one system for all of them is solved. In four and more dimensions a patch needs hundreds of
+// samples, and smooth functions are met better by orders of magnitude if none of them is out of reach.
+Index few(int dimension) {
+  return dimension < 4 ? 500 : 2000;
+}
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -64,7 +69,7 @@ std::string choose_method(const FitOptions& options, Index samples, int dimensio
   if (options.tolerance > 0) return "error-bounded";
   if (options.centers > 0) return "fixed-budget";
   const bool needs_polynomials = options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0;
-  return samples <= few || needs_polynomials ? "interpolate" : "partition-of-unity";
+  return samples <= few(dimension) || needs_polynomials ? "interpolate" : "partition-of-unity";
 }
 
 PartitionOfUnityOptions local_options(const FitOptions& options) {
@@ -105,7 +110,7 @@ class Fitter {
       : samples_(samples), options_(options), report_(report) {}
 
   Fields fit() {
-    if (options_.method == "auto" && options_.tolerance > 0 && options_.centers == 0 && samples_.size() > few) {
+    if (options_.method == "auto" && options_.tolerance > 0 && options_.centers == 0 && samples_.size() > few(Dim)) {
       Fields fields = thinned_partition();
       if (!fields.empty()) return fields;
     }
@@ -171,7 +176,7 @@ class Fitter {
     const FitReport before = report_;
     const std::vector<Index> order = morton_order<Dim>(samples_.points);
     for (const auto& [stride, mean_error] : attempts) {
-      if (samples_.size() / stride < few) continue;
+      if (samples_.size() / stride < few(Dim)) continue;
       const Samples<Dim> share = merge_duplicates(subset(order, 0, stride)).samples;
       PartitionOfUnityOptions local = local_options(options_);
       local.accuracy = mean_error * options_.tolerance;
