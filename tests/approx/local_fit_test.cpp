@@ -1,6 +1,7 @@
 #include "csrbf/approx/local_fit.hpp"
 
 #include "approx/partition_testing.hpp"
+#include "csrbf/approx/patch_samples.hpp"
 
 #include <Eigen/Dense>
 
