@@ -32,7 +32,7 @@ constexpr Index checked_samples = 100'000;  // for the error at the samples
 // Samples up to which one system for all of them is solved. In four and more dimensions a patch needs hundreds of
 // samples, and smooth functions are met better by orders of magnitude if none of them is out of reach.
 Index few(int dimension) {
-  return dimension < 4 ? 500 : 2000;
+  return dimension < 4 ? 500 : 1000;
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
