@@ -55,6 +55,10 @@ ContourLoop chain(const Neighbors& neighbors, Index start, Index next, std::vect
   return loop;
 }
 
+std::string counted(Index count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? " was" : "s were");
+}
+
 // The plane through a contour that is nearest to its points.
 struct Plane {
   Point<3> center, normal;
@@ -101,21 +105,21 @@ std::vector<ContourLoop> contour_loops(const Polylines& contours, std::vector<st
     const auto start = static_cast<Index>(i);
     ContourLoop loop = chain(neighbors, start, neighbors[i][0], seen);
     const auto& last = neighbors[static_cast<std::size_t>(loop.back())];
-    if (last[0] != start && last[1] != start) {
+    if (loop.size() < 3 || (last[0] != start && last[1] != start)) {
       // A chain with ends, entered in its middle or at an end.
       if (neighbors[i][1] >= 0) {
         ContourLoop other = chain(neighbors, start, neighbors[i][1], seen);
         loop.insert(loop.begin(), other.rbegin(), other.rend() - 1);
       }
-      ++opened;
+      if (loop.size() >= 3) ++opened;
     }
     if (loop.size() < 3)
       ++small;
     else
       loops.push_back(std::move(loop));
   }
-  if (opened > 0) warnings.push_back(std::to_string(opened) + " open contours were closed by a straight segment");
-  if (small > 0) warnings.push_back(std::to_string(small) + " contours of fewer than three points were left out");
+  if (opened > 0) warnings.push_back(counted(opened, "open contour") + " closed by a straight segment");
+  if (small > 0) warnings.push_back(counted(small, "contour") + " left out for having fewer than three points");
   return loops;
 }
 
