@@ -1,6 +1,5 @@
 #include "figure_6_10.hpp"
 
-#include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/voronoi_poles.hpp"
@@ -31,7 +30,7 @@ RgbImage sizes_picture(const Mesh& mesh, const Points<3>& centers, const Eigen::
 }
 
 Mesh full_mesh(const PointCloud& cloud) {
-  return polygonize(*reconstruct(cloud, {.normals = Normals::file}).field, {.resolution = 128});
+  return meshed(with_budget(cloud, "medial-axis", 5000), 160).mesh;
 }
 
 }  // namespace

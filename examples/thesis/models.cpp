@@ -9,6 +9,7 @@
 #include "csrbf/surface/reconstruct.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 
 #include <array>
 #include <cstdlib>
@@ -55,6 +56,21 @@ Points<3> vertex_normals(const Mesh& mesh) {
 
 PointCloud sampled(const Mesh& mesh, Index samples) {
   SurfaceSamples drawn = sample_surface(mesh, samples);
+  const Points<3> normals = vertex_normals(mesh);
+  for (Index i = 0; i < samples; ++i) {
+    const auto t = mesh.triangles.col(drawn.triangle[static_cast<std::size_t>(i)]);
+    Eigen::Matrix3d corners, corner_normals;
+    for (int k = 0; k < 3; ++k) {
+      corners.col(k) = mesh.vertices.col(t[k]);
+      corner_normals.col(k) = normals.col(t[k]);
+    }
+    // Barycentric coordinates; the third equation makes them sum to one.
+    Eigen::Matrix<double, 4, 3> equations;
+    equations << corners, Eigen::RowVector3d::Constant(corners.cwiseAbs().maxCoeff());
+    const Eigen::Vector4d right = (Eigen::Vector4d() << drawn.points.col(i), equations(3, 0)).finished();
+    const Point<3> weights = equations.colPivHouseholderQr().solve(right);
+    drawn.normals.col(i) = (corner_normals * weights).normalized();
+  }
   return {std::move(drawn.points), std::move(drawn.normals), {}};
 }
 
