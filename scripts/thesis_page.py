@@ -242,8 +242,9 @@ def draw_dimensions(_, tables):
 
 
 def draw_figure_6_6(_, tables):
-    drawing, axes = plt.subplots(1, len(tables), figsize=(14, 3.2))
-    for axis, (name, t) in zip(axes, tables.items()):
+    drawing, axes = plt.subplots(2, 3, figsize=(11, 6.4))
+    axes[1, 2].axis("off")
+    for axis, (name, t) in zip(axes.flat, tables.items()):
         lines(axis, t["centers"], [t[choice] for choice in t.names[1:]], t.names[1:])
         style(axis, "centres", "diagonals", name, x_log=True, y_log=True)
         plain_ticks(axis, t["centers"])
