@@ -137,7 +137,7 @@ Made from_points(const ReconstructCommand& command, Session& session) {
 }
 
 Made from_contours(const ReconstructCommand& command, Session& session) {
-  ContourOptions options{.smoothing = parse_smoothing(command.smoothing).value_or(0), .progress = session.progress()};
+  ContourOptions options{.smoothing = parse_smoothing(command.smoothing), .progress = session.progress()};
   if (command.centers > 0) options.centers = command.centers;
   Polylines contours = session.timed("read", [&] { return read_polylines(command.input); });
   session.input = {{"file", command.input}, {"points", contours.vertices.cols()}, {"edges", contours.edges.cols()}};

@@ -54,7 +54,7 @@ py::tuple reconstruct_arrays(const Array& given, const std::optional<Array>& nor
 
 // `sizes`: the numbers of points of the closed curves.
 py::tuple reconstruct_contours_arrays(const Array& given, const std::vector<Index>& sizes, Index centers,
-                                      double smoothing) {
+                                      std::optional<double> smoothing) {
   Polylines contours;
   contours.vertices = points<3>(given, "contours");
   contours.edges.resize(2, contours.vertices.cols());

@@ -158,18 +158,19 @@ def _restore(content, points, report):
     return Surface(surface, report)
 
 
-def reconstruct_contours(contours, *, centers=2000, smoothing=0.0):
+def reconstruct_contours(contours, *, centers=2000, smoothing="auto"):
     """A smooth closed implicit surface through contours that were drawn on slices.
 
     contours: closed curves, each an array (n, 3) of its points in order, in a plane of its own or with others; at least
         two planes, which need not be parallel. Inside is where an odd number of curves of a plane is around a place.
     centers: largest number of basis functions, two for each point used.
-    smoothing: 0 meets all contours; 1e-4 to 1e-2 smooth contours that do not fit together.
+    smoothing: "none" meets all contours; 1e-4 to 1e-2 smooth contours that do not fit together; "auto" smooths those in
+        zigzag, as traced from pixels.
     """
     curves = [rows(curve, "contours") for curve in contours]
     sizes = [len(curve) for curve in curves]
     points = np.concatenate(curves) if curves else np.empty((0, 3))
-    surface, report = _csrbf.reconstruct_contours(points, sizes, int(centers), float(smoothing))
+    surface, report = _csrbf.reconstruct_contours(points, sizes, int(centers), smoothing_or_none(smoothing))
     return Surface(surface, report)
 
 

@@ -88,6 +88,7 @@ TEST(ReconstructContours, MeetsTheContoursWithNormalsOutwards) {
   EXPECT_EQ(report.contours, 8);
   EXPECT_EQ(report.slices, 8);
   EXPECT_EQ(report.lids, 0);
+  EXPECT_EQ(report.smoothing, 0);
   EXPECT_EQ(report.points_used, contours.vertices.cols());
   EXPECT_LT(report.max_distance, 2e-5);  // what needs no correction
   expect_closed(built.mesh, 1, 2);
@@ -200,7 +201,7 @@ TEST(ReconstructContours, MeetsContoursWithMorePointsThanItsBudget) {
   expect_closed(built.mesh, 1, 2);
 }
 
-TEST(ReconstructContours, SmoothsContoursThatDoNotAgree) {
+TEST(ReconstructContours, SmoothsContoursThatWereDrawnUnsteadily) {
   Polylines contours = cut(sphere, -1, 1, 16, 1.2);
   std::mt19937_64 random(1);
   std::normal_distribution<double> noise(0, 0.02);
@@ -211,7 +212,24 @@ TEST(ReconstructContours, SmoothsContoursThatDoNotAgree) {
       sum += 1 - built.mesh.normals.col(i).dot(built.mesh.vertices.col(i).normalized());
     return std::sqrt(2 * sum / static_cast<double>(built.mesh.vertices.cols()));  // of the angle
   };
-  EXPECT_LT(roughness(build(contours, {.centers = few_centers, .smoothing = 1e-3})), 0.6 * roughness(build(contours)));
+  const double exact = roughness(build(contours, {.centers = few_centers, .smoothing = 0.0}));
+  EXPECT_GT(exact, 0.1);
+  EXPECT_LT(roughness(build(contours, {.centers = few_centers, .smoothing = 1e-3})), 0.3 * exact);
+}
+
+TEST(ReconstructContours, RecognisesContoursTracedFromPixelsAndSmoothsThem) {
+  const auto pixels = [](const Point<3>& p) {
+    constexpr double size = 0.06;
+    const auto middle = [](double x) { return size * (std::floor(x / size) + 0.5); };
+    return sphere({middle(p.x()), middle(p.y()), p.z()});
+  };
+  const Polylines contours = ContourCutter(pixels, 1.2, 160)(horizontal_cuts(-1, 1, 10));
+  const Built built = build(contours);
+  EXPECT_EQ(built.surface.report.smoothing, 1e-3);
+  ASSERT_EQ(built.surface.report.warnings.size(), 1U);
+  EXPECT_NE(built.surface.report.warnings[0].find("jagged"), std::string::npos);
+  expect_closed(built.mesh, 1, 2);
+  EXPECT_LT(rms(built, sphere), 0.01);  // about a third of a pixel
 }
 
 TEST(ReconstructContours, ClosesOpenCurvesAndSaysSo) {

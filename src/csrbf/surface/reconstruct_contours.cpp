@@ -17,6 +17,7 @@ constexpr double margin = 0.05;  // of the diagonal: surfaces bulge between slic
 constexpr double detail = 0.5;   // spacings of the contour points used
 constexpr double rim = 1;        // range of the blend at a lid, in heights of the lid above the last slice
 constexpr double sharpness = 3;
+constexpr double smoothing_of_pixels = 1e-3;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -24,8 +25,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 void check(const ContourOptions& options) {
   require(options.centers >= 16, "reconstruct_contours", "centers", options.centers, "must be at least 16");
-  require(options.smoothing >= 0 && std::isfinite(options.smoothing), "reconstruct_contours", "smoothing",
-          options.smoothing, "must be finite and not negative");
+  const double smoothing = options.smoothing.value_or(0);
+  require(smoothing >= 0 && std::isfinite(smoothing), "reconstruct_contours", "smoothing", smoothing,
+          "must be finite and not negative");
 }
 
 // The contours in unit coordinates, by slices.
@@ -50,6 +52,12 @@ PreparedContours prepare(const Polylines& contours, std::vector<std::string>& wa
   require(result.slices.slices.size() > 1, "reconstruct_contours", "slices", result.slices.slices.size(),
           "contours of at least two planes are needed");
   return result;
+}
+
+double choose_smoothing(const PreparedContours& prepared, std::vector<std::string>& warnings) {
+  if (!are_jagged(prepared.points, prepared.loops)) return 0;
+  warnings.emplace_back("the contours are jagged and were smoothed");
+  return smoothing_of_pixels;
 }
 
 // height of the lid - height above the last slice: a field that is linear everywhere.
@@ -99,9 +107,10 @@ Reconstruction reconstruct_contours(const Polylines& contours, const ContourOpti
   auto start = std::chrono::steady_clock::now();
   PreparedContours prepared = prepare(contours, out.warnings);
   out.prepare_seconds = seconds_since(start);
+  out.smoothing = options.smoothing ? *options.smoothing : choose_smoothing(prepared, out.warnings);
   start = std::chrono::steady_clock::now();
   const ContourFit fit = fit_contours(prepared.points, prepared.loops, prepared.slices,
-                                      {options.centers, options.smoothing, options.progress});
+                                      {options.centers, out.smoothing, options.progress});
   result.field = closed(fit, prepared);
   out.fit_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
@@ -115,7 +124,6 @@ Reconstruction reconstruct_contours(const Polylines& contours, const ContourOpti
   out.points = contours.vertices.cols();
   out.points_used = used.cols();
   out.centers = fit.centers;
-  out.smoothing = options.smoothing;
   out.contours = static_cast<Index>(prepared.loops.size());
   out.slices = static_cast<Index>(prepared.slices.slices.size());
   out.lids = static_cast<Index>(fit.lids.size());

@@ -4,6 +4,8 @@
 #include "csrbf/core/progress.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 
+#include <optional>
+
 namespace csrbf {
 
 /// How reconstruct_contours() turns contours into a surface. Lengths are relative to the data.
@@ -12,8 +14,9 @@ struct ContourOptions {
   /// points beyond it are met by corrections.
   Index centers = 2000;
   /// lambda of the spline: 0 meets every contour; 1e-4 to 1e-2 smooth contours that do not fit together by about a
-  /// percent of the diagonal, as when a patient breathes between the slices.
-  double smoothing = 0;
+  /// percent of the diagonal, as when a patient breathes between the slices. Not set: 1e-3 for contours in zigzag, as
+  /// those traced from pixels, else 0.
+  std::optional<double> smoothing = {};
   Progress progress = {};  ///< stages "farthest points", "fit"
 };
 
@@ -25,7 +28,7 @@ struct ContourOptions {
 /// Between slices the surface is that of a triharmonic spline (see fit_contours()), smooth across them. Where all
 /// contours of a stack of parallel slices end, it goes on as it came and closes within one more spacing, if it can;
 /// otherwise it is cut off by a flat lid with a rounded rim: half a spacing beyond the last slice where the
-/// cross-section does not get smaller, further beyond where it does. The contours themselves are met.
+/// cross-section does not get smaller, further beyond where it does. Without smoothing the contours themselves are met.
 ///
 /// `contours`: curves by their edges, each vertex with two; open ones are closed by a straight segment. In the result
 /// `source` are the vertices of contours in their order along them and `normals` those of the surface there. The result

@@ -18,6 +18,10 @@ constexpr double flat_enough = 0.02;  // of the contour's own size
 constexpr double wide_enough = 1e-6;  // of the contour's own size: less is a line
 constexpr double own_deviations =
     3;  // rounding of coordinates tilts a plane; as far a contour may be off another one's
+constexpr std::size_t fewest_corners = 16;
+constexpr double straight = 0.02;     // radians: corners that turn less have no side
+constexpr double jagged_angle = 0.2;  // radians: mean turn of jagged contours ...
+constexpr double jagged_share = 0.5;  // ... of whose corners so many turn to the other side than the one before
 constexpr const char* function = "reconstruct_contours";
 
 using Neighbors = std::vector<std::array<Index, 2>>;  // -1: none
@@ -121,6 +125,28 @@ std::vector<ContourLoop> contour_loops(const Polylines& contours, std::vector<st
   if (opened > 0) warnings.push_back(counted(opened, "open contour") + " closed by a straight segment");
   if (small > 0) warnings.push_back(counted(small, "contour") + " left out for having fewer than three points");
   return loops;
+}
+
+bool are_jagged(const Points<3>& points, const std::vector<ContourLoop>& loops) {
+  double angles = 0, corners = 0, turns = 0, changes = 0;
+  for (const ContourLoop& loop : loops) {
+    const auto n = static_cast<Index>(loop.size());
+    if (loop.size() < fewest_corners) continue;
+    const Point<3> normal = fit_plane(points(Eigen::all, loop), 0).normal;
+    double side = 0;
+    for (Index i = 0; i < n; ++i) {
+      const auto at = [&](Index k) { return Point<3>(points.col(loop[static_cast<std::size_t>(k % n)])); };
+      const Point<3> before = at(i + 1) - at(i), after = at(i + 2) - at(i + 1);
+      const double turn = std::atan2(normal.dot(before.cross(after)), before.dot(after));
+      angles += std::abs(turn);
+      ++corners;
+      if (std::abs(turn) < straight) continue;
+      if (side * turn < 0) ++changes;
+      side = turn;
+      ++turns;
+    }
+  }
+  return angles > jagged_angle * corners && changes > jagged_share * turns;
 }
 
 Slice::Slice(const Point<3>& origin, const Point<3>& normal, const Point<3>& aside) : origin_(origin), normal_(normal) {

@@ -16,6 +16,10 @@ using ContourLoop = std::vector<Index>;
 /// are not, and vertices with more than two edges.
 std::vector<ContourLoop> contour_loops(const Polylines& contours, std::vector<std::string>& warnings);
 
+/// Are contours drawn in zigzag, as those traced from pixels: do they turn to the other side at most of their corners,
+/// and by more than a few degrees? Those of fewer than 16 points do not count.
+bool are_jagged(const Points<3>& points, const std::vector<ContourLoop>& loops);
+
 /// The contours of one plane. What they enclose is where an odd number of them is around a place, so that a contour
 /// within another one is a hole.
 class Slice {
