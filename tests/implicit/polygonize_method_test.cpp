@@ -144,6 +144,14 @@ TEST_P(EveryMethod, GivesOutwardUnitNormalsOrNone) {
   EXPECT_EQ(without.triangles.cols(), mesh.triangles.cols());
 }
 
+TEST_P(EveryMethod, TakesNormalsFromTheTrianglesWhereTheGradientVanishes) {
+  const Implicit step([](const Point<3>& p, Point<3>& g) { return g.setZero(), p.norm() < 1 ? 1.0 : -1.0; }, cube(1));
+  const Mesh mesh = polygonized(step, {.resolution = 24});
+  expect_closed_manifold(mesh);
+  EXPECT_NEAR(volume(mesh), 4 * pi / 3, 0.1);  // vertices are on the surface only to a share of a cell
+  EXPECT_LT((mesh.normals.colwise().norm().array() - 1).abs().maxCoeff(), 1e-12);
+}
+
 TEST_P(EveryMethod, ReportsGrowingProgressAndCanBeCancelled) {
   double last = 0;
   int calls = 0;

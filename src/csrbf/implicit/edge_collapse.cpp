@@ -127,13 +127,14 @@ void collapse_short_edges(double length, Mesh& mesh) {
       if (is_short(mesh.triangles(c, t), mesh.triangles((c + 1) % 3, t))) ends.push_back(mesh.triangles(c, t));
   if (ends.empty()) return;
   EdgeCollapser collapser(mesh);
-  for (const int u : ends) {
-    for (bool changed = true; changed;) {
-      const std::vector<int> around = collapser.neighbours(u);
-      changed = std::any_of(around.begin(), around.end(),
-                            [&](int v) { return is_short(u, v) && collapser.collapse(u, v, mesh.vertices.col(u)); });
+  const auto shorten = [&](int u) {
+    const std::vector<int> around = collapser.neighbours(u);
+    return std::any_of(around.begin(), around.end(),
+                       [&](int v) { return is_short(u, v) && collapser.collapse(u, v, mesh.vertices.col(u)); });
+  };
+  for (const int u : ends)
+    while (shorten(u)) {
     }
-  }
   collapser.finish();
 }
 

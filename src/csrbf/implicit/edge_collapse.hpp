@@ -38,7 +38,7 @@ class EdgeCollapser {
   std::vector<int> around_, around_u_, around_v_;
 };
 
-/// Collapses the edges shorter than `length`, as far as the topology allows.
+/// Collapses the edges shorter than `length`, as far as topology and shape allow.
 void collapse_short_edges(double length, Mesh& mesh);
 
 }  // namespace csrbf::polygonization

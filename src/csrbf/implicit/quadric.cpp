@@ -32,7 +32,8 @@ Quadric& Quadric::operator+=(const Quadric& other) {
 }
 
 double Quadric::distance(const Point<3>& x) const {
-  return planes_ > 0 ? std::sqrt(std::max(0.0, x.dot(A_ * x - 2 * b_) + c_) / planes_) : 0.0;
+  if (!(planes_ > 0)) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(0.0, x.dot(A_ * x - 2 * b_) + c_) / planes_);
 }
 
 Point<3> Quadric::minimizer(const Box<3>& box) const {

@@ -12,7 +12,7 @@ class Quadric {
   void add(const Point<3>& point, const Point<3>& normal);
   Quadric& operator+=(const Quadric& other);
 
-  /// Root mean square distance of x from the planes.
+  /// Root mean square distance of x from the planes; infinite when there are none.
   [[nodiscard]] double distance(const Point<3>& x) const;
   /// Mean of the points.
   [[nodiscard]] Point<3> mean() const { return point_sum_ / points_; }
