@@ -49,7 +49,7 @@ TEST_P(EveryMethod, KeepsTheSidesOfAThinShellApart) {
 }
 
 TEST_P(EveryMethod, GivesClosedManifoldsForRandomFields) {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
     const int n = seed % 16 == 0 ? 24 : 12;
     const Mesh mesh = polygonized(noise(n, seed, seed % 3 == 2), lattice_of_noise(n));
     expect_closed_manifold(mesh);

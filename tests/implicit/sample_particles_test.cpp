@@ -57,6 +57,17 @@ TEST(SampleParticles, StaysOnTheComponentOfItsSeeds) {
   EXPECT_GT(outer.points.colwise().norm().minCoeff(), 1 - 1e-9);
 }
 
+TEST(SampleParticles, SeesTheSheetsOfAThinShellApart) {
+  const Particles both = sample_particles(thin_shell(0.05), {.spacing = 0.08});  // 0.28, more than the thickness
+  const Particles outer = sample_particles(thin_shell(0.05), {.spacing = 0.08, .seeds = columns({{1, 0, 0}})});
+  const Eigen::ArrayXd radii = both.points.colwise().norm();
+  const auto on_outer = static_cast<double>((radii > 0.975).count());
+  const auto on_inner = static_cast<double>((radii < 0.975).count());
+  const double ratio_of_areas = 0.95 * 0.95;
+  EXPECT_NEAR(on_outer, static_cast<double>(outer.points.cols()), 0.1 * on_outer);
+  EXPECT_NEAR(on_inner, ratio_of_areas * on_outer, 0.1 * on_outer);
+}
+
 TEST(SampleParticles, DependsOnTheOptionsOnly) {
   const Particles first = sample_particles(sphere(1), {.spacing = 0.1});
   set_thread_count(1);

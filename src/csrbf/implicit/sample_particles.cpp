@@ -50,8 +50,9 @@ class Population {
 
   // Moves all particles by a step, then lets them split and die. Returns whether all are at rest.
   bool step(int iteration) {
-    push_apart();
-    constrain();
+    const Jet<3> jet = evaluate();
+    push_apart(jet.gradient);
+    constrain(jet);
     double fastest = 0;
     for (Particle& particle : particles_) {
       const double share = std::min(1.0, longest_move * particle.radius / (time_step * particle.velocity.norm()));
@@ -60,7 +61,7 @@ class Population {
       fastest = std::max({fastest, time_step * particle.velocity.norm(), std::abs(radius - particle.radius)});
       particle.radius = radius;
     }
-    return !split_and_die(iteration) && fastest < still;
+    return !split_and_die(iteration, jet.gradient) && fastest < still;
   }
 
   // Newton steps onto the surface; particles that do not get there are dropped.
@@ -111,8 +112,9 @@ class Population {
     return std::clamp(step, -1.0, 1.0) * gradient / slope;
   }
 
-  // Energies, velocities without constraint and, with those of the neighbours, the rates of the radii.
-  void push_apart() {
+  // Energies, velocities without constraint and the rates of the radii. Particles whose normals oppose each other are
+  // on two sheets and do not feel each other.
+  void push_apart(const Points<3>& gradient) {
     const auto n = static_cast<Index>(particles_.size());
     Points<3> p(3, n);
     for (Index i = 0; i < n; ++i) p.col(i) = particles_[static_cast<std::size_t>(i)].p;
@@ -126,7 +128,7 @@ class Population {
         self.velocity.setZero();
         double growth = 0;  // of the energy with the radius
         for (const Index j : near) {
-          if (j == i) continue;
+          if (j == i || gradient.col(i).dot(gradient.col(j)) < 0) continue;
           const Point<3> r = p.col(i) - p.col(j);
           const double other = particles_[static_cast<std::size_t>(j)].radius, r2 = r.squaredNorm();
           const double e = energy_scale * std::exp(-r2 / (2 * self.radius * self.radius));
@@ -142,8 +144,7 @@ class Population {
   }
 
   // Takes from the velocities what leads off the surface, and adds what leads back to it.
-  void constrain() {
-    const Jet<3> jet = evaluate();
+  void constrain(const Jet<3>& jet) {
     for (std::size_t k = 0; k < particles_.size(); ++k) {
       const auto i = static_cast<Index>(k);
       const Point<3> gradient = jet.gradient.col(i);
@@ -153,7 +154,7 @@ class Population {
     }
   }
 
-  bool split_and_die(int iteration) {
+  bool split_and_die(int iteration, const Points<3>& gradient) {
     std::vector<Particle> next;
     bool changed = false;
     for (std::size_t k = 0; k < particles_.size(); ++k) {
@@ -170,7 +171,9 @@ class Population {
       }
       if (slow && large) {
         changed = true;
-        const Point<3> direction = Point<3>(draw(1) - 0.5, draw(2) - 0.5, draw(3) - 0.5).stableNormalized();
+        const Point<3> normal = gradient.col(static_cast<Index>(k)).stableNormalized();
+        Point<3> direction(draw(1) - 0.5, draw(2) - 0.5, draw(3) - 0.5);
+        direction = (direction - normal.dot(direction) * normal).stableNormalized();  // stays on its sheet
         particle.radius /= std::sqrt(2.0);
         Particle twin = particle;
         particle.p += 0.5 * particle.radius * direction;
