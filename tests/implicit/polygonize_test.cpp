@@ -213,6 +213,8 @@ TEST(Polygonize, RefusesOptionsOutsideTheirRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   expect_error<InvalidInput>(field, {.resolution = -1}, "polygonize: resolution = -1: ");
   expect_error<InvalidInput>(field, {.resolution = 4097}, "polygonize: resolution = 4097: ");
+  expect_error<InvalidInput>(field, {.method = static_cast<PolygonizeMethod>(9)}, "polygonize: method = 9: ");
+  expect_error<InvalidInput>(field, {.tolerance = nan}, "polygonize: tolerance = nan: ");
   expect_error<InvalidInput>(field, {.level = nan}, "polygonize: level = nan: ");
   expect_error<InvalidInput>(field, {.bounds = {{0, 0, 0}, {1, 1, 0}}}, "polygonize: bounds = 1 x 1 x 0: ");
   expect_error<InvalidInput>(field, {.bounds = {{0, 0, 0}, {-1, 1, 1}}}, "polygonize: bounds");

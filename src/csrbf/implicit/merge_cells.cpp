@@ -12,6 +12,8 @@ namespace {
 // from its tangent planes, by the root mean square.
 constexpr double chord_error = 4;
 
+constexpr int vertices_per_report = 1 << 15;
+
 class CellMerger {
  public:
   CellMerger(const CellLattice& lattice, double tolerance, std::vector<CellPlanes> planes, Mesh& mesh)
@@ -25,10 +27,11 @@ class CellMerger {
   void merge(const Progress& progress) {
     const auto levels = static_cast<int>(std::bit_width(static_cast<unsigned>(lattice_.cells.maxCoeff())));
     for (int level = 1; level <= levels; ++level) {
-      report(progress, "polygonize", 0.95);
-      for (int v = 0; v < static_cast<int>(planes_.size()); ++v)
+      for (int v = 0; v < static_cast<int>(planes_.size()); ++v) {
+        if (v % vertices_per_report == 0) report(progress, "polygonize", 0.95);
         while (merge_one_into(v, level)) {
         }
+      }
     }
     collapser_.finish();
   }

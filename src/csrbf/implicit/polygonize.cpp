@@ -25,6 +25,9 @@ constexpr double rounding = 1e-9;  // of a whole number of cells
 
 constexpr double default_tolerance = 0.1;  // of a cell
 
+constexpr std::array<std::string_view, 4> method_names{"marching-cubes", "marching-tetrahedra", "dual-contouring",
+                                                       "adaptive"};
+
 bool usable(const Box<3>& box) {
   return !box.empty() && box.extent().allFinite() && box.extent().maxCoeff() > 0;
 }
@@ -37,6 +40,8 @@ bool is_default(const Box<3>& box) {
 void validate(const PolygonizeOptions& options) {
   require(options.resolution >= 0 && options.resolution <= largest_resolution, "polygonize", "resolution",
           options.resolution, "must be between 1 and 4096 cells along the longest side, or 0 for automatic");
+  require(static_cast<std::size_t>(options.method) < method_names.size(), "polygonize", "method",
+          static_cast<int>(options.method), "must be one of PolygonizeMethod");
   require(options.tolerance >= 0 && std::isfinite(options.tolerance), "polygonize", "tolerance", options.tolerance,
           "must be a fraction of the diagonal above 0, or 0 for a tenth of a cell");
   require(std::isfinite(options.level), "polygonize", "level", options.level, "must be finite");
@@ -191,9 +196,6 @@ Index dual_contouring(const Extraction& e, Mesh& mesh) {
   collapse_short_edges(edge_margin * e.lattice.spacing.minCoeff(), mesh);
   return side_vertices;
 }
-
-constexpr std::array<std::string_view, 4> method_names{"marching-cubes", "marching-tetrahedra", "dual-contouring",
-                                                       "adaptive"};
 
 }  // namespace
 

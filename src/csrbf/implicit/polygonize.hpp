@@ -55,10 +55,10 @@ struct PolygonizeOptions {
   /// with cells that are exact cubes.
   Box<3> bounds{};
 
-  /// Where to start, 3 x n; default: the field's seeds. A component is found when a seed, moved by at most three Newton
-  /// steps of at most two cells along the gradient, lies within a cell of it. When the field has no seeds, or they
-  /// lead nowhere, the whole box is scanned: every cell at up to 256 cells along its longest side, else steps of 1/266
-  /// of that side, which miss components that are smaller.
+  /// Where to start following the surface (Bloomenthal 1988), 3 x n; default: the field's seeds. A component is found
+  /// when a seed, moved by at most three Newton steps of at most two cells along the gradient, lies within a cell of
+  /// it. When the field has no seeds, or they lead nowhere, the whole box is scanned: every cell at up to 256 cells
+  /// along its longest side, else steps of 1/266 of that side, which miss components that are smaller.
   Points<3> seeds{3, 0};
 
   /// Vertices on the surface to about 1e-6 of a cell instead of O(cell^2) beside it.
@@ -78,14 +78,15 @@ int automatic_resolution(const Field<3>& field);
 /// Triangle mesh of the surface f = level, by every method closed, manifold and oriented by construction. Surfaces that
 /// share a cell stay apart or merge, but never touch in an edge or a vertex.
 ///
-/// Corners with f >= level are inside. Features thinner than a cell may be lost.
-/// Follows the surface from the seeds: time and memory are proportional to the number of vertices, about two values and
-/// one gradient for each, whatever the size of the box. Vertices and triangles are numbered along a Morton curve; the
-/// mesh is the same, bit for bit, for every number of threads.
+/// Corners with f >= level are inside. Features thinner than a cell may be lost; sharp edges are cut off by up to half
+/// a cell, but by dual contouring and `adaptive` only where the solid is thinner than a cell. Follows the surface from
+/// the seeds: time and memory are proportional to the number of crossed edges of cells, about two values and one
+/// gradient for each (dual contouring: up to four), whatever the size of the box. Vertices and triangles are numbered
+/// along a Morton curve; the mesh is the same, bit for bit, for every number of threads.
 ///
-/// Throws InvalidInput for a resolution, level, bounds or seeds outside the above; SolverFailure when there is no zero
-/// crossing near any seed (or in the scan), when the field is not finite where it is evaluated (with the position), and
-/// when there are more vertices than 2^31; Cancelled.
+/// Throws InvalidInput for a resolution, method, tolerance, level, bounds or seeds outside the above; SolverFailure
+/// when there is no zero crossing near any seed (or in the scan), when the field is not finite where it is evaluated
+/// (with the position), and when there are more vertices than 2^31 (to merge: corners of triangles); Cancelled.
 Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options = {});
 
 }  // namespace csrbf
