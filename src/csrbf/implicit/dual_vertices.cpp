@@ -16,6 +16,9 @@ constexpr Index bricks_per_range = 32;
 // miss them by up to 0.15 cells.
 constexpr double largest_overhang = 0.5;
 
+// Planes of an edge or a tip meet up to this, in cells; those of a rough surface do not.
+constexpr double loose_fit = 0.005;
+
 int edge_number(const Brick& brick, int cell, const CellEdge& edge) {
   return edge_vertex(corner_at(brick, cell, edge.corner), 1 << edge.axis);
 }
@@ -67,6 +70,7 @@ class DualBuilder {
   DualSurface build() {
     count_loops();
     surface_.loop_vertices = first_.back();
+    surface_.loose.resize(static_cast<std::size_t>(first_.back()));
     surface_.quads.resize(4, crossings_.vertices.cols());
     mesh_.vertices.resize(3, first_.back());
     mesh_.normals.resize(3, first_.back());
@@ -109,7 +113,9 @@ class DualBuilder {
       }
       if (planes_ != nullptr) (*planes_)[static_cast<std::size_t>(vertex)].cell = brick.corner(cell);
       const Box<3> room = room_for_vertices(lattice_, corner, 1);
-      mesh_.vertices.col(vertex) = corner + quadric.minimizer({room.lo - corner, room.hi - corner});
+      const Point<3> p = quadric.minimizer({room.lo - corner, room.hi - corner});
+      surface_.loose[static_cast<std::size_t>(vertex)] = quadric.distance(p) > loose_fit * lattice_.spacing.minCoeff();
+      mesh_.vertices.col(vertex) = corner + p;
       mesh_.normals.col(vertex) = normal.stableNormalized();
       ++vertex;
     });

@@ -27,6 +27,7 @@ struct CellPlanes {
 struct DualSurface {
   Quads quads;
   std::vector<SideVertex> side_vertices;  ///< by quad and side
+  std::vector<char> loose;                ///< do the planes of a vertex in a cell miss each other?
   Index loop_vertices = 0;                ///< vertices in cells; those on faces follow
 };
 

@@ -184,6 +184,7 @@ Index dual_contouring(const Extraction& e, Mesh& mesh) {
   std::vector<CellPlanes> planes;
   const DualSurface surface = make_dual_surface(e.lattice, bricks, crossings, mesh, adaptive ? &planes : nullptr);
   const Index side_vertices = mesh.vertices.cols() - surface.loop_vertices;
+  unfold_quads(surface, crossings, mesh);
   if (!e.options.normals) mesh.normals.resize(3, 0);
   if (adaptive) {
     triangulate_quads(surface, crossings, mesh);
