@@ -267,6 +267,27 @@ TEST(DualContouring, ConvergesWithOrderTwoUpToTheEdges) {
   EXPECT_GT(largest_value(polygonize(two_balls(false), {.resolution = 128}), two_balls(false)), 10 * lens.back());
 }
 
+TEST(DualContouring, FoldsFewTrianglesOfARoughSurface) {
+  // A sphere with bumps about three cells wide, whose tangent planes meet anywhere.
+  const Implicit rough(
+      [](const Point<3>& p, Point<3>& g) {
+        constexpr double height = 0.06, frequency = 20;
+        const Eigen::Array3d s = (frequency * p).array().sin(), c = (frequency * p).array().cos();
+        g = -p.normalized() + height * frequency * Point<3>(c[0] * s[1] * s[2], s[0] * c[1] * s[2], s[0] * s[1] * c[2]);
+        return 1 - p.norm() + height * s.prod();
+      },
+      cube(1.1));
+  const Mesh mesh = polygonize(rough, dual(40));
+  expect_closed_manifold(mesh);
+  Index folded = 0;
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3i v = mesh.triangles.col(t);
+    const Point<3> a = mesh.vertices.col(v[0]), b = mesh.vertices.col(v[1]), c = mesh.vertices.col(v[2]);
+    folded += (b - a).cross(c - a).dot(mesh.normals(Eigen::all, v).rowwise().sum()) < 0;
+  }
+  EXPECT_LT(folded, mesh.triangles.cols() / 100);  // nearly three times that when none is unfolded
+}
+
 TEST(DualContouring, PutsVerticesOnFacesWhereTwoLoopsMeetTwice) {
   Index added = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
