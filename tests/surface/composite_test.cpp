@@ -73,16 +73,16 @@ TEST(Composite, OfAPlaneIsThePlane) {
     EXPECT_NEAR((f.gradient + Point<3>::UnitZ()).norm(), 0, 1e-6);  // the blend divides rounding by the patch radius
   }
   EXPECT_GE(fit.patches.size(), 125);
-  EXPECT_LE(fit.patches.size(), 130);  // some more at the rim
+  EXPECT_LE(fit.patches.size(), 140);  // some more at the rim
 }
 
-TEST(Composite, HasOnePatchPerLeafThatCoverTheSurface) {
+TEST(Composite, HasAboutOnePatchPerLeafThatCoverTheSurface) {
   for (const Index leaf_size : {4, 8, 50}) {
     CompositeOptions options;
     options.leaf_size = leaf_size;
     const CompositeFit fit = fit_torus(4000, options);
     EXPECT_NEAR(static_cast<double>(fit.patches.size()), 4000.0 / static_cast<double>(leaf_size),
-                0.05 * 4000.0 / static_cast<double>(leaf_size));
+                0.15 * 4000.0 / static_cast<double>(leaf_size));  // some more over bare spots
     EXPECT_LE(fit.patches.centers(), fit.patches.size() * options.centers_per_patch);
     const PointCloud probes = Torus().cloud(1000, 5);
     for (Index i = 0; i < probes.size(); ++i) EXPECT_GT(blend_at(fit.patches, probes.points.col(i)).weight, 0.03);
@@ -210,7 +210,7 @@ TEST(Composite, OfNoisyScrapsKeepsOnlyThoseThatNoOtherPatchCovers) {
   options.leaf_size = 50;
   const Patches patches = fit_composite(oriented(cloud, Torus().area()), options).patches;
   EXPECT_GT(blend_at(patches, Point<3>(0, 0, 3)).weight, 0.1);
-  EXPECT_LT(patches.size(), 8000 / 50 + 12);
+  EXPECT_LT(patches.size(), 8000 / 50 + 20);  // 20 scraps; 16 patches over bare spots
 }
 
 TEST(Composite, ReportsProgressAndCanBeCancelled) {

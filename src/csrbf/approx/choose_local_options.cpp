@@ -78,7 +78,8 @@ class CrossValidation {
   [[nodiscard]] Eigen::ArrayXXd errors(const LocalOptions& options, double work, const Mean& mean) const {
     const auto all = static_cast<Index>(cells_.size()), components = values_.cols();
     Index stride = work * static_cast<double>(patches) <= little_work ? 1 : usual_stride;
-    while (stride < largest_stride && work * static_cast<double>(patches / stride) > most_work) stride *= 2;
+    while (stride < largest_stride && work * static_cast<double>(patches) > most_work * static_cast<double>(stride))
+      stride *= 2;
     std::vector<Index> chosen;
     for (Index i = 0; i < all; i += stride) chosen.push_back(i);
     const auto count = static_cast<Index>(chosen.size());

@@ -8,8 +8,8 @@
 namespace csrbf {
 namespace {
 
-constexpr double rim = 0.8;         // where neighbouring patches must reach a patch, in units of its radius
-constexpr double around = 0.6;      // reach of a spot, in the same units
+constexpr double around = 0.6;      // reach of a spot, in units of the radius of the patch beside it
+constexpr double wider = 1.4;       // reach if there are no samples beyond the spot
 constexpr double same_sheet = 0.5;  // cosine between normals
 constexpr double covered = 0.05;    // sum of weights; coarser patches interfere below 0.04 (composite_field.cpp)
 constexpr Index patches_per_task = 64;
@@ -40,7 +40,7 @@ std::vector<BareSpot> bare_spots(const Patches& patches) {
         return directions[d][0] * axes.col(0) + directions[d][1] * axes.col(1);
       };
       for (std::size_t d = 0; d < directions.size(); ++d)
-        probes.col(static_cast<Index>(d)) = patch.center + rim * patch.radius * onward(d);
+        probes.col(static_cast<Index>(d)) = patch.center + patch.radius * onward(d);
       patches.weights(probes, W.data());
       for (std::size_t d = 0; d < directions.size(); ++d)
         if (W[d] < covered)
@@ -53,10 +53,14 @@ std::vector<BareSpot> bare_spots(const Patches& patches) {
 }
 
 void samples_around(const OrientedPoints& cloud, const KdTree<3>& tree, const BareSpot& spot, std::vector<Index>& ids) {
-  tree.within(spot.middle, spot.reach, ids);
-  std::erase_if(ids, [&](Index i) { return cloud.normals.col(i).dot(spot.normal) < same_sheet; });
+  const auto foreign = [&](Index i) { return cloud.normals.col(i).dot(spot.normal) < same_sheet; };
   const auto beyond = [&](Index i) { return (cloud.points.col(i) - spot.middle).dot(spot.onward) > 0; };
-  if (std::none_of(ids.begin(), ids.end(), beyond)) ids.clear();
+  for (const double reach : {spot.reach, wider * spot.reach}) {
+    tree.within(spot.middle, reach, ids);
+    std::erase_if(ids, foreign);
+    if (std::any_of(ids.begin(), ids.end(), beyond)) return;
+  }
+  ids.clear();
 }
 
 }  // namespace csrbf

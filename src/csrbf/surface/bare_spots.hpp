@@ -8,14 +8,15 @@
 
 namespace csrbf {
 
-/// A place beside a patch that no other patch covers well.
+/// A place on the rim of a patch that no other patch covers well.
 struct BareSpot {
   Point<3> middle, normal;
   Point<3> onward;  ///< direction in which samples must go on: else the cloud ends there
   double reach;     ///< how far the samples around it are looked for
 };
 
-/// Probes the patches at eight places near the rim of each: those where the sum of weights is small. O(patches).
+/// Probes the patches at eight places on the rim of each, where others must cover the surface: those where they hardly
+/// do. O(patches).
 std::vector<BareSpot> bare_spots(const Patches& patches);
 
 /// The samples around a spot on its sheet, for a patch over it; none where the cloud ends.
