@@ -1,0 +1,300 @@
+#include "csrbf/levelset/evolve.hpp"
+
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/simd.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+constexpr Index piece = 256;  // voxels whose forces are gathered at a time
+
+struct Profile {
+  float inverse_eps, anchor, length, volume;
+};
+
+CSRBF_ALWAYS_INLINE float target_of(float force) {
+  return std::min(1.0F, std::max(-1.0F, -0.5F * force));
+}
+
+// Terms of E without the length, their derivatives in place of f.
+CSRBF_SIMD_CLONES
+float region_terms(const Profile& by, const float* force, Index n, float* f) {
+  float sum = 0;
+  for (Index i = 0; i < n; ++i) {
+    const float t = std::min(1.0F, std::max(-1.0F, f[i] * by.inverse_eps));
+    const float t2 = t * t, bump = 1 - t2;
+    const float H = 0.5F + t * (0.9375F - t2 * (0.625F - t2 * 0.1875F));
+    const float off = f[i] - target_of(force[i]);
+    sum += force[i] * H + 0.5F * by.anchor * off * off;
+    f[i] = by.volume * (force[i] * 0.9375F * by.inverse_eps * bump * bump + by.anchor * off);
+  }
+  return by.volume * sum;
+}
+
+// As above and with the length; gradients of components that do not exist are null.
+template <int Dim>
+CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, Index n, float* f, float* fx, float* fy,
+                                       float* fz) {
+  float sum = 0;
+  for (Index i = 0; i < n; ++i) {
+    const float t = std::min(1.0F, std::max(-1.0F, f[i] * by.inverse_eps));
+    const float t2 = t * t, bump = 1 - t2;
+    const float H = 0.5F + t * (0.9375F - t2 * (0.625F - t2 * 0.1875F));
+    const float delta = 0.9375F * by.inverse_eps * bump * bump;
+    const float slope = -3.75F * by.inverse_eps * by.inverse_eps * t * bump;
+    float norm2 = 1e-20F + fx[i] * fx[i] + fy[i] * fy[i];
+    if constexpr (Dim == 3) norm2 += fz[i] * fz[i];
+    const float norm = std::sqrt(norm2);
+    const float off = f[i] - target_of(force[i]);
+    sum += force[i] * H + 0.5F * by.anchor * off * off + by.length * delta * norm;
+    f[i] = by.volume * (force[i] * delta + by.anchor * off + by.length * slope * norm);
+    const float along = by.volume * by.length * delta / norm;
+    fx[i] *= along;
+    fy[i] *= along;
+    if constexpr (Dim == 3) fz[i] *= along;
+  }
+  return by.volume * sum;
+}
+
+CSRBF_SIMD_CLONES
+float length_terms_2(const Profile& by, const float* force, Index n, float* f, float* fx, float* fy) {
+  return length_terms<2>(by, force, n, f, fx, fy, nullptr);
+}
+
+CSRBF_SIMD_CLONES
+float length_terms_3(const Profile& by, const float* force, Index n, float* f, float* fx, float* fy, float* fz) {
+  return length_terms<3>(by, force, n, f, fx, fy, fz);
+}
+
+template <int Dim>
+double row_energy(const Profile& profile, bool gradients, const float* forces, const LatticeRow& row) {
+  double sum = 0;
+  std::array<float, piece> gathered;
+  for (Index begin = 0; begin < row.count; begin += piece) {
+    const Index n = std::min(piece, row.count - begin);
+    const float* force = forces + row.voxel + begin * row.stride;
+    if (row.stride > 1) {
+      for (Index i = 0; i < n; ++i) gathered[static_cast<std::size_t>(i)] = force[i * row.stride];
+      force = gathered.data();
+    }
+    float* f = row.value + begin;
+    if (!gradients)
+      sum += static_cast<double>(region_terms(profile, force, n, f));
+    else if constexpr (Dim == 2)
+      sum +=
+          static_cast<double>(length_terms_2(profile, force, n, f, row.gradient[0] + begin, row.gradient[1] + begin));
+    else
+      sum += static_cast<double>(length_terms_3(profile, force, n, f, row.gradient[0] + begin, row.gradient[1] + begin,
+                                                row.gradient[2] + begin));
+  }
+  return sum;
+}
+
+constexpr Index grain = 1 << 15;  // coefficients that are worth a thread
+
+// Sum of term(i), i < n.
+template <class Term>
+double sum_of(std::size_t n, const Term& term) {
+  std::vector<double> sums((n + grain - 1) / grain, 0.0);
+  parallel_for(static_cast<Index>(n), grain, [&](Index begin, Index end) {
+    double sum = 0;
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) sum += term(i);
+    sums[static_cast<std::size_t>(begin / grain)] = sum;
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+double dot(const std::vector<float>& a, const std::vector<float>& b) {
+  return sum_of(a.size(), [&](std::size_t i) { return static_cast<double>(a[i]) * static_cast<double>(b[i]); });
+}
+
+template <class Body>
+void for_all(std::size_t n, const Body& body) {
+  parallel_for(static_cast<Index>(n), grain, [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) body(i);
+  });
+}
+
+// Volume of a voxel in units of its shortest edge.
+template <int Dim>
+double voxel_volume(const Lattice<Dim>& lattice) {
+  const Point<Dim> edges = lattice.spacing().template head<Dim>();
+  return edges.prod() / std::pow(edges.minCoeff(), Dim);
+}
+
+// The ridge of the least-squares part: a small share of what a coefficient weighs by its voxels. It bounds what the
+// voxels leave undetermined, and with it the number of steps to the solution.
+template <int Dim>
+double ridge(const Lattice<Dim>& lattice) {
+  constexpr double share = 0.01;
+  return share * voxel_volume(lattice) * lattice.coefficient_weight();
+}
+
+constexpr double bound = 2;  // of the coefficients
+
+}  // namespace
+
+template <int Dim>
+double contour_energy(const Lattice<Dim>& lattice, const ContourEnergy& energy, const float* coefficients,
+                      float* derivatives) {
+  const double unit = lattice.spacing().template head<Dim>().minCoeff();
+  const Profile profile{static_cast<float>(1 / energy.eps), static_cast<float>(energy.anchor),
+                        static_cast<float>(energy.length * unit), static_cast<float>(voxel_volume(lattice))};
+  const bool gradients = energy.length > 0;
+  const double sum = lattice.sweep(
+      coefficients, gradients,
+      [&](const LatticeRow& row) { return row_energy<Dim>(profile, gradients, energy.force, row); }, derivatives);
+  const double weight = energy.anchor * ridge(lattice);
+  const auto n = static_cast<std::size_t>(lattice.coefficients());
+  if (derivatives != nullptr)
+    for_all(n, [&](std::size_t i) { derivatives[i] += static_cast<float>(weight) * coefficients[i]; });
+  return sum + 0.5 * weight * sum_of(n, [&](std::size_t i) {
+                 return static_cast<double>(coefficients[i]) * static_cast<double>(coefficients[i]);
+               });
+}
+
+template <int Dim>
+void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations,
+                std::vector<float>& coefficients) {
+  constexpr double accuracy = 1e-3;  // of the residual: far below what the energy tells apart
+  const double volume = voxel_volume(lattice), weight = ridge(lattice);
+  const auto n = static_cast<std::size_t>(lattice.array_size());
+  // B^T V (target - B a) - ridge a, or without the target
+  const auto residual = [&](const std::vector<float>& a, bool with_target, std::vector<float>& r) {
+    lattice.sweep(
+        a.data(), false,
+        [&](const LatticeRow& row) {
+          const float* force = energy.force + row.voxel;
+          for (Index i = 0; i < row.count; ++i)
+            row.value[i] =
+                static_cast<float>(volume) * ((with_target ? target_of(force[i * row.stride]) : 0.0F) - row.value[i]);
+          return 0.0;
+        },
+        r.data());
+    for_all(n, [&](std::size_t i) { r[i] -= static_cast<float>(weight) * a[i]; });
+  };
+  std::vector<float> r(n), p, Ap(n);
+  residual(coefficients, true, r);
+  p = r;
+  double rr = dot(r, r);
+  const double enough = accuracy * accuracy * rr;
+  for (int i = 0; i < iterations && rr > enough; ++i) {
+    residual(p, false, Ap);
+    const auto a = static_cast<float>(-rr / dot(p, Ap));
+    for_all(n, [&](std::size_t j) {
+      coefficients[j] += a * p[j];
+      r[j] += a * Ap[j];
+    });
+    const double next = dot(r, r);
+    const auto b = static_cast<float>(next / rr);
+    for_all(n, [&](std::size_t j) { p[j] = r[j] + b * p[j]; });
+    rr = next;
+  }
+}
+
+// Birgin, Martinez and Raydan (2000), monotone.
+template <int Dim>
+int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
+           std::vector<float>& coefficients, std::vector<double>& energies) {
+  constexpr double enough = 1e-4;  // of the decrease that the slope promises
+  constexpr int most_attempts = 10;
+  const auto limit = static_cast<float>(bound);
+  const auto n = static_cast<std::size_t>(lattice.array_size());
+  std::vector<float> gradient(n), next(n), next_gradient(n), step(n);
+  double E = contour_energy(lattice, energy, coefficients.data(), gradient.data());
+  energies.push_back(E);
+  const double first = E;
+  // The anchor alone would be solved by about this rate.
+  double rate = 1 / (std::max(energy.anchor, 1e-3) * voxel_volume(lattice) * lattice.coefficient_weight());
+  int used = 1;
+  while (used < iterations) {
+    for_all(n, [&](std::size_t i) {
+      step[i] =
+          std::min(limit, std::max(-limit, coefficients[i] - static_cast<float>(rate) * gradient[i])) - coefficients[i];
+    });
+    const double slope = dot(gradient, step);
+    if (!(slope < 0)) break;
+    double part = 1, E_next = E;
+    bool lower = false;
+    for (int attempt = 0; attempt < most_attempts && !lower; ++attempt, ++used) {
+      for_all(n, [&](std::size_t i) { next[i] = coefficients[i] + static_cast<float>(part) * step[i]; });
+      E_next = contour_energy(lattice, energy, next.data(), next_gradient.data());
+      lower = E_next <= E + enough * part * slope;
+      if (!lower) part *= std::clamp(-0.5 * part * slope / (E_next - E - part * slope), 0.1, 0.5);
+    }
+    if (!lower || !(E_next < E)) break;
+    const double ss = sum_of(n, [&](std::size_t i) {
+      const double s = static_cast<double>(next[i] - coefficients[i]);
+      return s * s;
+    });
+    const double sy = sum_of(n, [&](std::size_t i) {
+      return static_cast<double>(next[i] - coefficients[i]) * static_cast<double>(next_gradient[i] - gradient[i]);
+    });
+    rate = sy > 0 ? ss / sy : 2 * rate;
+    coefficients.swap(next);
+    gradient.swap(next_gradient);
+    const double decrease = E - E_next;
+    E = E_next;
+    energies.push_back(E);
+    if (decrease < tolerance * (first - E)) break;
+  }
+  return used;
+}
+
+template <int Dim>
+double target_residual(const Lattice<Dim>& lattice, const ContourEnergy& energy, const std::vector<float>& coefficients,
+                       double least) {
+  // Two sums of the same sweep order: each is its own sweep, a fraction of a fit.
+  const auto sum = [&](bool squares) {
+    return lattice.sweep(
+        coefficients.data(), false,
+        [&](const LatticeRow& row) {
+          double part = 0;
+          for (Index i = 0; i < row.count; ++i) {
+            const float f = row.value[i];
+            if (std::abs(f) < static_cast<float>(least)) continue;
+            const auto off = static_cast<double>(f - target_of(energy.force[row.voxel + i * row.stride]));
+            part += squares ? off * off : 1;
+          }
+          return part;
+        },
+        nullptr);
+  };
+  const double voxels = sum(false);
+  return voxels > 0 ? std::sqrt(sum(true) / voxels) : 0;
+}
+
+template <int Dim>
+Index update_labels(const Lattice<Dim>& lattice, const std::vector<float>& coefficients, unsigned char* labels) {
+  return static_cast<Index>(lattice.sweep(
+      coefficients.data(), false,
+      [&](const LatticeRow& row) {
+        Index changed = 0;
+        unsigned char* label = labels + row.voxel;
+        for (Index i = 0; i < row.count; ++i, label += row.stride) {
+          const unsigned char now = row.value[i] > 0 ? 1 : 0;
+          changed += now != *label ? 1 : 0;
+          *label = now;
+        }
+        return static_cast<double>(changed);
+      },
+      nullptr));
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                                        \
+  template double contour_energy<Dim>(const Lattice<Dim>&, const ContourEnergy&, const float*, float*);               \
+  template void fit_target<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, std::vector<float>&);                 \
+  template int evolve<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, double, std::vector<float>&,               \
+                           std::vector<double>&);                                                                     \
+  template double target_residual<Dim>(const Lattice<Dim>&, const ContourEnergy&, const std::vector<float>&, double); \
+  template Index update_labels<Dim>(const Lattice<Dim>&, const std::vector<float>&, unsigned char*);
+CSRBF_INSTANTIATE(2)
+CSRBF_INSTANTIATE(3)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
