@@ -38,8 +38,8 @@ float region_terms(const Profile& by, const float* force, Index n, float* f) {
 
 // As above and with the length; gradients of components that do not exist are null.
 template <int Dim>
-CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, Index n, float* f, float* fx, float* fy,
-                                       float* fz) {
+CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, const float* weights, Index n, float* f,
+                                       float* fx, float* fy, float* fz) {
   float sum = 0;
   for (Index i = 0; i < n; ++i) {
     const float t = std::min(1.0F, std::max(-1.0F, f[i] * by.inverse_eps));
@@ -51,9 +51,10 @@ CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, In
     if constexpr (Dim == 3) norm2 += fz[i] * fz[i];
     const float norm = std::sqrt(norm2);
     const float off = f[i] - target_of(force[i]);
-    sum += force[i] * H + 0.5F * by.anchor * off * off + by.length * delta * norm;
-    f[i] = by.volume * (force[i] * delta + by.anchor * off + by.length * slope * norm);
-    const float along = by.volume * by.length * delta / norm;
+    const float length = by.length * weights[i];
+    sum += force[i] * H + 0.5F * by.anchor * off * off + length * delta * norm;
+    f[i] = by.volume * (force[i] * delta + by.anchor * off + length * slope * norm);
+    const float along = by.volume * length * delta / norm;
     fx[i] *= along;
     fy[i] *= along;
     if constexpr (Dim == 3) fz[i] *= along;
@@ -62,35 +63,45 @@ CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, In
 }
 
 CSRBF_SIMD_CLONES
-float length_terms_2(const Profile& by, const float* force, Index n, float* f, float* fx, float* fy) {
-  return length_terms<2>(by, force, n, f, fx, fy, nullptr);
+float length_terms_2(const Profile& by, const float* force, const float* weights, Index n, float* f, float* fx,
+                     float* fy) {
+  return length_terms<2>(by, force, weights, n, f, fx, fy, nullptr);
 }
 
 CSRBF_SIMD_CLONES
-float length_terms_3(const Profile& by, const float* force, Index n, float* f, float* fx, float* fy, float* fz) {
-  return length_terms<3>(by, force, n, f, fx, fy, fz);
+float length_terms_3(const Profile& by, const float* force, const float* weights, Index n, float* f, float* fx,
+                     float* fy, float* fz) {
+  return length_terms<3>(by, force, weights, n, f, fx, fy, fz);
+}
+
+// The values of the voxels of a row, one after the other.
+const float* gather(const float* values, const LatticeRow& row, Index begin, Index n, std::array<float, piece>& place) {
+  const float* from = values + row.voxel + begin * row.stride;
+  if (row.stride == 1) return from;
+  for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(i)] = from[i * row.stride];
+  return place.data();
 }
 
 template <int Dim>
-double row_energy(const Profile& profile, bool gradients, const float* forces, const LatticeRow& row) {
+double row_energy(const Profile& profile, bool gradients, const ContourEnergy& energy, const LatticeRow& row) {
   double sum = 0;
-  std::array<float, piece> gathered;
+  std::array<float, piece> forces, weights;
+  weights.fill(1);
   for (Index begin = 0; begin < row.count; begin += piece) {
     const Index n = std::min(piece, row.count - begin);
-    const float* force = forces + row.voxel + begin * row.stride;
-    if (row.stride > 1) {
-      for (Index i = 0; i < n; ++i) gathered[static_cast<std::size_t>(i)] = force[i * row.stride];
-      force = gathered.data();
-    }
+    const float* force = gather(energy.force, row, begin, n, forces);
     float* f = row.value + begin;
-    if (!gradients)
+    if (!gradients) {
       sum += static_cast<double>(region_terms(profile, force, n, f));
-    else if constexpr (Dim == 2)
-      sum +=
-          static_cast<double>(length_terms_2(profile, force, n, f, row.gradient[0] + begin, row.gradient[1] + begin));
+      continue;
+    }
+    const float* weight = energy.weights == nullptr ? weights.data() : gather(energy.weights, row, begin, n, weights);
+    if constexpr (Dim == 2)
+      sum += static_cast<double>(
+          length_terms_2(profile, force, weight, n, f, row.gradient[0] + begin, row.gradient[1] + begin));
     else
-      sum += static_cast<double>(length_terms_3(profile, force, n, f, row.gradient[0] + begin, row.gradient[1] + begin,
-                                                row.gradient[2] + begin));
+      sum += static_cast<double>(length_terms_3(profile, force, weight, n, f, row.gradient[0] + begin,
+                                                row.gradient[1] + begin, row.gradient[2] + begin));
   }
   return sum;
 }
@@ -147,8 +158,8 @@ double contour_energy(const Lattice<Dim>& lattice, const ContourEnergy& energy, 
                         static_cast<float>(energy.length * unit), static_cast<float>(voxel_volume(lattice))};
   const bool gradients = energy.length > 0;
   const double sum = lattice.sweep(
-      coefficients, gradients,
-      [&](const LatticeRow& row) { return row_energy<Dim>(profile, gradients, energy.force, row); }, derivatives);
+      coefficients, gradients, [&](const LatticeRow& row) { return row_energy<Dim>(profile, gradients, energy, row); },
+      derivatives);
   const double weight = energy.anchor * ridge(lattice);
   const auto n = static_cast<std::size_t>(lattice.coefficients());
   if (derivatives != nullptr)

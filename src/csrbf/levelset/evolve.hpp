@@ -8,7 +8,7 @@ namespace csrbf {
 
 /// What a contour costs, for a level set f on a lattice (sums over voxels of volume V, in units of the shortest edge):
 ///
-///     E(alpha) = sum V force H_eps(f) + length sum V H_eps'(f) |grad f|
+///     E(alpha) = sum V force H_eps(f) + length sum V weight H_eps'(f) |grad f|
 ///              + anchor / 2 (sum V (f - target)^2 + ridge |alpha|^2),    target = -force / 2, at most 1 in size
 ///
 /// force is what it costs to have a voxel inside instead of outside; about -1 and 1 where that is clear. H_eps rises
@@ -17,10 +17,11 @@ namespace csrbf {
 /// anywhere, bounds f, and is a least-squares problem of its own, whose solution is the start. The smaller eps, the
 /// more exactly the voxels next to the contour are obeyed, and their noise.
 struct ContourEnergy {
-  const float* force = nullptr;  ///< one per voxel, x fastest
-  double length = 0;             ///< >= 0
-  double eps = 0.25;             ///< > 0, in values of f
-  double anchor = 1;             ///< >= 0
+  const float* force = nullptr;    ///< one per voxel, x fastest
+  double length = 0;               ///< >= 0
+  double eps = 0.25;               ///< > 0, in values of f
+  double anchor = 1;               ///< >= 0
+  const float* weights = nullptr;  ///< of the length, one per voxel; null: 1
 };
 
 /// E and, unless null, its derivatives by the coefficients; arrays of lattice.array_size().

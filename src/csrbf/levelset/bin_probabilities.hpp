@@ -1,0 +1,21 @@
+#pragma once
+
+#include "csrbf/levelset/region_model.hpp"
+
+namespace csrbf {
+
+/// Shares of the intensities of a region that fall in each bin. Internal.
+struct BinProbabilities {
+  /// One voxel in a million may have any intensity: no share is 0.
+  static constexpr double contamination = 1e-6;
+
+  Eigen::VectorXd values;  ///< bins; they sum to 1, as the end bins hold what lies beyond
+  /// bins x 3: derivatives by location / scale, log scale and log shape. Those by parameters a law has not or keeps
+  /// (the location of rayleigh and gamma) are 0.
+  Eigen::MatrixX3d derivatives;
+};
+
+/// For all laws but chan_vese. O(bins).
+void bin_probabilities(const RegionModel& model, const IntensityBins& bins, BinProbabilities& result);
+
+}  // namespace csrbf

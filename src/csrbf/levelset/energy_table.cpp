@@ -1,0 +1,66 @@
+#include "csrbf/levelset/energy_table.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/simd.hpp"
+#include "csrbf/levelset/bin_probabilities.hpp"
+
+namespace csrbf {
+namespace {
+
+CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const float* __restrict table,
+                                         const IntensityBins& bins, float* __restrict energies) {
+  const auto lo = static_cast<float>(bins.center(0));
+  const auto scale = static_cast<float>(1 / bins.width());
+  const auto end = static_cast<float>(bins.count - 1);
+  const auto last = static_cast<int>(std::max<Index>(0, bins.count - 2));
+  for (Index i = 0; i < n; ++i) {
+    float position = (values[i] - lo) * scale;
+    position = position > 0 ? position : 0;
+    position = position < end ? position : end;
+    int k = static_cast<int>(position);
+    k = k < last ? k : last;
+    const float left = table[k];
+    energies[i] = left + (position - static_cast<float>(k)) * (table[k + 1] - left);
+  }
+}
+
+}  // namespace
+
+std::vector<float> energy_table(const RegionModel& model, const IntensityBins& bins) {
+  std::vector<float> table(static_cast<std::size_t>(bins.count));
+  if (model.law == IntensityLaw::chan_vese) {
+    for (Index k = 0; k < bins.count; ++k) {
+      const double d = bins.center(k) - model.location;
+      table[static_cast<std::size_t>(k)] = static_cast<float>(d * d);
+    }
+    return table;
+  }
+  BinProbabilities p;
+  bin_probabilities(model, bins, p);
+  for (Index k = 0; k < bins.count; ++k)
+    table[static_cast<std::size_t>(k)] = static_cast<float>(-std::log(p.values[k] * static_cast<double>(bins.count)));
+  return table;
+}
+
+double total_energy(const std::vector<float>& table, const Histogram& histogram) {
+  require(table.size() == histogram.counts.size(), "total_energy", "table.size()", table.size(),
+          "must be the number of bins");
+  double sum = 0;
+  for (std::size_t k = 0; k < table.size(); ++k) sum += histogram.counts[k] * static_cast<double>(table[k]);
+  return sum;
+}
+
+void look_up_energies(std::span<const float> values, const std::vector<float>& table, const IntensityBins& bins,
+                      std::span<float> energies) {
+  require(bins.count >= 2 && std::ssize(table) == bins.count, "look_up_energies", "table.size()", table.size(),
+          "must be the number of bins, and at least 2");
+  require(values.size() == energies.size(), "look_up_energies", "energies.size()", energies.size(),
+          "must be the number of values");
+  constexpr Index grain = 1 << 16;
+  parallel_for(std::ssize(values), grain, [&](Index begin, Index end) {
+    interpolate_table(values.data() + begin, end - begin, table.data(), bins, energies.data() + begin);
+  });
+}
+
+}  // namespace csrbf

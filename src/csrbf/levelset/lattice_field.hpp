@@ -1,0 +1,41 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/core/grid.hpp"
+#include "csrbf/kernels/kernel.hpp"
+
+#include <vector>
+
+namespace csrbf {
+
+/// A sum of equal CSRBFs at the nodes of a regular lattice, f(p) = sum_j c_j phi(|A (p - p_j)| / sigma), in physical
+/// coordinates: the level sets of segment().
+template <int Dim>
+class LatticeField final : public Field<Dim> {
+ public:
+  struct Data {
+    std::string kernel = "wendland-c2";
+    double support = 1;                                       ///< sigma, in the unit of the lengths below
+    Eigen::Transform<double, Dim, Eigen::Affine> to_lattice;  ///< physical point -> node coordinates (0, 1, 2 ...)
+    Point<Dim> step;                                          ///< length of a step to the next node along each axis
+    std::array<Index, Dim> size;                              ///< nodes along each axis
+    std::vector<double> coefficients;                         ///< x fastest
+    Box<Dim> bounds;                                          ///< of the image, in physical coordinates
+  };
+
+  /// Throws InvalidInput for sizes that do not fit the coefficients, and a support or steps that are not positive.
+  explicit LatticeField(Data data);
+
+  void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
+  [[nodiscard]] Box<Dim> bounds() const override { return data_.bounds; }
+  [[nodiscard]] double detail() const override { return data_.step.minCoeff(); }
+  [[nodiscard]] const Data& data() const { return data_; }
+
+ private:
+  Data data_;
+  Kernel kernel_;
+  Eigen::Matrix<double, Dim, Dim> linear_;  // physical offset -> lengths along the lattice axes
+  std::array<Index, Dim> reach_;
+};
+
+}  // namespace csrbf

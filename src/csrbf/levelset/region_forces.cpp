@@ -1,0 +1,302 @@
+#include "csrbf/levelset/region_forces.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/levelset/box_mean.hpp"
+#include "csrbf/levelset/energy_table.hpp"
+#include "csrbf/levelset/intensity_classes.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr Index grain = 1 << 15;
+constexpr int texture_window = 4;  // half width over which textures are compared before there is a contour
+
+template <class Body>
+double sum_in_parallel(Index n, Index step, const Body& body) {
+  std::vector<double> sums(static_cast<std::size_t>((n + step - 1) / step), 0.0);
+  parallel_for(n, step,
+               [&](Index begin, Index end) { sums[static_cast<std::size_t>(begin / step)] = body(begin, end); });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+}  // namespace
+
+template <int Dim>
+RegionForces<Dim>::RegionForces(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask,
+                                IntensityLaw law, int regions, int window)
+    : values_(values),
+      grid_(grid),
+      mask_(mask),
+      law_(law),
+      regions_(regions),
+      bins_(choose_bins(values, 256, mask)),
+      indices_(bin_indices(values, bins_)) {
+  for (std::size_t a = 0; a < Dim; ++a) window_[a] = window;
+  std::vector<std::uint8_t> labels(values.size(), 0);
+  for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = inside(i) ? 0 : 255;
+  all_ = region_histograms(indices_, labels, 1, bins_)[0];
+  voxels_ = static_cast<Index>(all_.total());
+  state_.means.assign(static_cast<std::size_t>(regions), Eigen::VectorXd::Zero(terms));
+}
+
+template <int Dim>
+std::vector<std::uint8_t> RegionForces<Dim>::start() {
+  const IntensityClasses classes = optimal_classes(all_, regions_);
+  std::array<std::uint8_t, 256> label_of{};
+  for (Index bin = 0; bin < bins_.count; ++bin)
+    label_of[static_cast<std::size_t>(bin)] = static_cast<std::uint8_t>(
+        std::upper_bound(classes.thresholds.begin(), classes.thresholds.end(), bins_.center(bin)) -
+        classes.thresholds.begin());
+  std::vector<std::uint8_t> labels(values_.size());
+  for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = label_of[indices_[i]];
+  if (regions_ > 2 || (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian)) return labels;
+
+  // Regions of one mean differ in how far the intensities stray from it.
+  double least = settle(labels);
+  for (int moment = 1; moment <= 2; ++moment) {
+    std::vector<std::uint8_t> others(labels.size());
+    texture_labels(moment, others);
+    const double energy = settle(others);
+    if (energy < least) {
+      least = energy;
+      labels.swap(others);
+    }
+  }
+  return labels;
+}
+
+// Classes of the local means of |I - mean|^moment.
+template <int Dim>
+void RegionForces<Dim>::texture_labels(int moment, std::vector<std::uint8_t>& labels) const {
+  const double mean = all_.mean();
+  std::vector<float> contrast(values_.size());
+  for (std::size_t i = 0; i < contrast.size(); ++i) {
+    const double off = std::abs(static_cast<double>(values_[i]) - mean);
+    contrast[i] = static_cast<float>(moment == 1 ? off : off * off);
+  }
+  std::array<Index, 3> width{0, 0, 0};
+  std::fill_n(width.begin(), Dim, texture_window);
+  box_mean(contrast, grid_.size, width);
+  const IntensityBins bins = choose_bins(contrast, 256, mask_);
+  const double threshold = two_class_threshold(histogram_of(contrast, bins));
+  for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = static_cast<double>(contrast[i]) > threshold ? 1 : 0;
+}
+
+// A few rounds of statistics and classification of small boxes; returns the energy.
+template <int Dim>
+double RegionForces<Dim>::settle(std::vector<std::uint8_t>& labels) {
+  constexpr int rounds = 4;
+  std::array<Index, 3> width{0, 0, 0};
+  std::fill_n(width.begin(), Dim, texture_window);
+  std::vector<float> cost(values_.size());
+  const std::array<Index, 3> window = std::exchange(window_, width);
+  double energy = 0;
+  for (int round = 0; round < rounds; ++round) {
+    fit(labels);
+    energy = force(1, 1, cost);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      labels[i] = cost[i] < 0 ? 1 : 0;
+      energy += std::min(0.0, static_cast<double>(cost[i]));
+    }
+  }
+  window_ = window;
+  return energy;
+}
+
+template <int Dim>
+void RegionForces<Dim>::fit(std::span<const std::uint8_t> labels) {
+  std::vector<std::uint8_t> masked;
+  if (!mask_.empty()) {
+    masked.assign(labels.begin(), labels.end());
+    for (std::size_t i = 0; i < masked.size(); ++i)
+      if (mask_[i] == 0) masked[i] = 255;
+    labels = masked;
+  }
+  fit_models(labels);
+  if (degree_ > 0) fit_means(labels);
+  make_tables();
+}
+
+template <int Dim>
+void RegionForces<Dim>::fit_models(std::span<const std::uint8_t> labels) {
+  const std::vector<Histogram> histograms = region_histograms(indices_, labels, regions_, bins_);
+  const bool first = state_.models.empty();
+  state_.models.resize(static_cast<std::size_t>(regions_));
+  for (std::size_t k = 0; k < histograms.size(); ++k) {
+    RegionModelOptions options;
+    if (!first) options.start = state_.models[k];
+    state_.models[k] = fit_region_model(law_, histograms[k], options);
+    state_.means[k].setZero();
+    state_.means[k][0] = state_.models[k].location;
+  }
+}
+
+template <int Dim>
+void RegionForces<Dim>::set_state(State state) {
+  state_ = std::move(state);
+  make_tables();
+}
+
+template <int Dim>
+void RegionForces<Dim>::make_tables() {
+  tables_.clear();
+  for (const RegionModel& model : state_.models) tables_.push_back(energy_table(model, bins_));
+}
+
+// 1, x, y, (z), then the products, of coordinates in [-1, 1].
+template <int Dim>
+typename RegionForces<Dim>::Terms RegionForces<Dim>::monomials(Index x, Index y, Index z) const {
+  const std::array<Index, 3> voxel{x, y, z};
+  Point<Dim> p;
+  for (std::size_t a = 0; a < Dim; ++a)
+    p[static_cast<Index>(a)] =
+        grid_.size[a] > 1 ? 2 * static_cast<double>(voxel[a]) / static_cast<double>(grid_.size[a] - 1) - 1 : 0;
+  Terms t;
+  t[0] = 1;
+  t.template segment<Dim>(1) = p;
+  for (int a = 0, term = Dim + 1; a < Dim; ++a)
+    for (int b = a; b < Dim; ++b, ++term) t[term] = p[a] * p[b];
+  return t;
+}
+
+template <int Dim>
+void RegionForces<Dim>::fit_means(std::span<const std::uint8_t> labels) {
+  constexpr Index enough = 200000;  // voxels for a few numbers
+  const int used = degree_ == 1 ? Dim + 1 : terms;
+  const auto regions = static_cast<std::size_t>(regions_);
+  std::vector<Eigen::MatrixXd> A(regions, Eigen::MatrixXd::Zero(used, used));
+  std::vector<Eigen::VectorXd> b(regions, Eigen::VectorXd::Zero(used));
+  std::vector<double> squares(regions, 0.0), counts(regions, 0.0);
+  const Index step = std::max<Index>(1, grid_.voxels() / enough) | 1;
+  for (Index i = 0; i < grid_.voxels(); i += step) {
+    const std::size_t k = labels[static_cast<std::size_t>(i)];
+    if (k >= regions) continue;
+    const Index x = i % grid_.size[0], y = i / grid_.size[0] % grid_.size[1], z = i / grid_.size[0] / grid_.size[1];
+    const Eigen::VectorXd t = monomials(x, y, z).head(used);
+    const auto value = static_cast<double>(values_[static_cast<std::size_t>(i)]);
+    A[k] += t * t.transpose();
+    b[k] += value * t;
+    squares[k] += value * value;
+    counts[k] += 1;
+  }
+  for (std::size_t k = 0; k < regions; ++k) {
+    if (counts[k] < 10.0 * used) continue;  // too few: the constant stays
+    A[k].diagonal().array() += 1e-9 * counts[k];
+    const Eigen::VectorXd c = A[k].ldlt().solve(b[k]);
+    state_.means[k].setZero();
+    state_.means[k].head(used) = c;
+    const double variance = (squares[k] - c.dot(b[k])) / counts[k];
+    state_.models[k].scale = std::max(std::sqrt(std::max(variance, 0.0)), 0.25 * bins_.width());
+  }
+}
+
+template <int Dim>
+double RegionForces<Dim>::shading_explains(std::span<const std::uint8_t> labels) {
+  const State before = state_;
+  const int degree = std::exchange(degree_, 0);
+  // Sum of squares about the means of the regions.
+  const auto squares = [&] {
+    return sum_in_parallel(grid_.size[1] * grid_.size[2], 8, [&](Index begin, Index end) {
+      double sum = 0;
+      for (Index row = begin; row < end; ++row)
+        for (Index x = 0; x < grid_.size[0]; ++x) {
+          const auto i = static_cast<std::size_t>(x + grid_.size[0] * row);
+          if (!inside(i) || labels[i] >= regions_) continue;
+          const double off = static_cast<double>(values_[i]) -
+                             monomials(x, row % grid_.size[1], row / grid_.size[1]).dot(state_.means[labels[i]]);
+          sum += off * off;
+        }
+      return sum;
+    });
+  };
+  fit(labels);
+  const double constant = squares();
+  degree_ = 1;
+  fit(labels);
+  const double linear = squares();
+  double variation = 0, contrast = 0;  // root mean squares over the box of the image
+  for (const Eigen::VectorXd& mean : state_.means) {
+    variation = std::max(variation, mean.template segment<Dim>(1).norm() / std::sqrt(3.0));
+    for (const Eigen::VectorXd& other : state_.means) contrast = std::max(contrast, std::abs(mean[0] - other[0]));
+  }
+  constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good
+  degree_ = degree;
+  set_state(before);
+  return variation > least_variation * contrast && constant > 0 ? 1 - linear / constant : 0;
+}
+
+template <int Dim>
+double RegionForces<Dim>::force(int k, double scale, std::span<float> force) const {
+  const bool shaded = degree_ > 0 && (law_ == IntensityLaw::chan_vese || law_ == IntensityLaw::gaussian);
+  const double others = shaded ? shaded_force(k, scale, force) : table_force(k, scale, force);
+  if (window_[0] > 0) {
+    box_mean(force, grid_.size, window_);
+    if (!mask_.empty())
+      for (std::size_t i = 0; i < force.size(); ++i)
+        if (mask_[i] == 0) force[i] = 0;
+  }
+  return others;
+}
+
+template <int Dim>
+double RegionForces<Dim>::table_force(int k, double scale, std::span<float> force) const {
+  const auto bins = static_cast<std::size_t>(bins_.count);
+  std::vector<float> others(bins, std::numeric_limits<float>::infinity()), table(bins);
+  for (std::size_t l = 0; l < tables_.size(); ++l) {
+    if (static_cast<int>(l) == k) continue;
+    for (std::size_t bin = 0; bin < bins; ++bin) others[bin] = std::min(others[bin], tables_[l][bin]);
+  }
+  for (std::size_t bin = 0; bin < bins; ++bin)
+    table[bin] =
+        static_cast<float>(static_cast<double>(tables_[static_cast<std::size_t>(k)][bin] - others[bin]) / scale);
+  look_up_energies(values_, table, bins_, force);
+  if (!mask_.empty())
+    for (std::size_t i = 0; i < force.size(); ++i)
+      if (mask_[i] == 0) force[i] = 0;
+  return total_energy(others, all_);
+}
+
+template <int Dim>
+double RegionForces<Dim>::shaded_force(int k, double scale, std::span<float> force) const {
+  const auto cost = [&](std::size_t l, double value, double mean) {
+    const double off = value - mean;
+    if (law_ == IntensityLaw::chan_vese) return off * off;
+    const double sd = state_.models[l].scale;
+    return 0.5 * off * off / (sd * sd) + std::log(sd / (bins_.hi - bins_.lo));
+  };
+  // Along a row the means are parabolas in x.
+  return sum_in_parallel(grid_.size[1] * grid_.size[2], 8, [&](Index begin, Index end) {
+    double sum = 0;
+    for (Index row = begin; row < end; ++row)
+      for (Index x = 0; x < grid_.size[0]; ++x) {
+        const auto i = static_cast<std::size_t>(x + grid_.size[0] * row);
+        force[i] = 0;
+        if (!inside(i)) continue;
+        const Terms t = monomials(x, row % grid_.size[1], row / grid_.size[1]);
+        const auto value = static_cast<double>(values_[i]);
+        double mine = 0, others = std::numeric_limits<double>::infinity();
+        for (std::size_t l = 0; l < state_.means.size(); ++l) {
+          const double here = cost(l, value, t.dot(state_.means[l]));
+          if (static_cast<int>(l) == k)
+            mine = here;
+          else
+            others = std::min(others, here);
+        }
+        force[i] = static_cast<float>((mine - others) / scale);
+        sum += others;
+      }
+    return sum;
+  });
+}
+
+template class RegionForces<2>;
+template class RegionForces<3>;
+
+}  // namespace csrbf

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "csrbf/core/grid.hpp"
+#include "csrbf/levelset/region_model.hpp"
+#include "csrbf/levelset/segment.hpp"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace csrbf {
+
+/// What the intensities of an image say about its regions: the statistics of each, and from them what each voxel costs
+/// in it. Labels of voxels outside the mask do not matter. Internal to segment().
+template <int Dim>
+class RegionForces {
+ public:
+  /// `values`: finite, one per voxel; `mask` as in SegmentOptions. Both must outlive this. Throws InvalidInput for a
+  /// constant image.
+  RegionForces(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask, IntensityLaw law,
+               int regions, int window);
+
+  /// Labels to start from. Classes of the intensities; for the laws that tell textures apart the likeliest of these and
+  /// of classes of local contrast.
+  [[nodiscard]] std::vector<std::uint8_t> start();
+
+  /// Estimates the statistics of the regions with these labels.
+  void fit(std::span<const std::uint8_t> labels);
+
+  /// Lets the means of the regions vary: polynomials of that degree (0, 1, 2) from the next fit() on.
+  void set_shading_degree(int degree) { degree_ = degree; }
+
+  /// Share of the variance within the regions that linear means explain, when they vary by a fair part of the contrast.
+  [[nodiscard]] double shading_explains(std::span<const std::uint8_t> labels);
+
+  /// Writes (cost of region k - least cost of the others) / scale for each voxel; 0 outside the mask. Returns the sum
+  /// of the least costs of the others.
+  double force(int k, double scale, std::span<float> force) const;
+
+  /// Number of voxels inside the mask.
+  [[nodiscard]] Index voxels() const { return voxels_; }
+
+  /// The statistics, to go back to.
+  struct State {
+    std::vector<RegionModel> models;
+    std::vector<Eigen::VectorXd> means;
+  };
+  [[nodiscard]] const State& state() const { return state_; }
+  void set_state(State state);
+
+ private:
+  static constexpr int terms = (Dim + 1) * (Dim + 2) / 2;  // of a quadratic polynomial
+  using Terms = Eigen::Matrix<double, terms, 1>;
+  [[nodiscard]] Terms monomials(Index x, Index y, Index z) const;
+  [[nodiscard]] bool inside(std::size_t i) const { return mask_.empty() || mask_[i] != 0; }
+  void make_tables();
+  void fit_means(std::span<const std::uint8_t> labels);
+  void fit_models(std::span<const std::uint8_t> labels);
+  void texture_labels(int moment, std::vector<std::uint8_t>& labels) const;
+  double settle(std::vector<std::uint8_t>& labels);
+  double table_force(int k, double scale, std::span<float> force) const;
+  double shaded_force(int k, double scale, std::span<float> force) const;
+
+  std::span<const float> values_;
+  Grid grid_;
+  std::span<const std::uint8_t> mask_;
+  IntensityLaw law_;
+  int regions_;
+  std::array<Index, 3> window_{0, 0, 0};
+  int degree_ = 0;
+  IntensityBins bins_;
+  std::vector<std::uint8_t> indices_;
+  Histogram all_;
+  State state_;  // means: in monomials(); those of degree 0 when there is no shading
+  std::vector<std::vector<float>> tables_;
+  Index voxels_ = 0;
+};
+
+}  // namespace csrbf

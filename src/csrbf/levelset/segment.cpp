@@ -1,0 +1,375 @@
+#include "csrbf/levelset/segment.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/levelset/box_mean.hpp"
+#include "csrbf/levelset/lattice_field.hpp"
+#include "csrbf/levelset/region_forces.hpp"
+#include "csrbf/levelset/region_labels.hpp"
+#include "csrbf/levelset/variational.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr const char* here = "segment";
+
+void check_options(const SegmentOptions& options) {
+  require(options.regions >= 2 && options.regions <= 16, here, "regions", options.regions, "must be 2 to 16");
+  require(options.iterations > 0, here, "iterations", options.iterations, "must be positive");
+  if (options.smoothness)
+    require(*options.smoothness >= 0 && std::isfinite(*options.smoothness), here, "smoothness", *options.smoothness,
+            "must not be negative");
+  if (options.window)
+    require(*options.window >= 0 && *options.window <= 1000, here, "window", *options.window, "must be 0 to 1000");
+  require(options.balloon >= -1 && options.balloon <= 1, here, "balloon", options.balloon, "must be in [-1, 1]");
+  if (options.regions > 2) {
+    require(options.mode == SegmentMode::global && options.method == SegmentMethod::variational, here, "regions",
+            options.regions, "more than two need the mode global and the method variational");
+    require(options.energy != SegmentEnergy::edge && !options.force, here, "regions", options.regions,
+            "more than two need an energy of intensities");
+    require(options.seed.empty(), here, "regions", options.regions, "a seed is for two regions");
+  }
+  if (options.energy == SegmentEnergy::edge && !options.force)
+    require(!options.seed.empty(), here, "energy", "edge", "needs a seed to start from (init)");
+}
+
+template <int Dim>
+void check_image(const Volume<float>& image, const SegmentOptions& options) {
+  const Grid& grid = image.grid;
+  const auto voxels = static_cast<std::size_t>(grid.voxels());
+  require(image.components == 1, here, "components", image.components, "the image must have one value per voxel");
+  require(image.frames == 1, here, "frames", image.frames, "the image must have one frame; track() takes sequences");
+  require(image.values.size() == voxels, here, "number of values", image.values.size(), "must be that of the voxels");
+  for (std::size_t a = 0; a < 3; ++a)
+    require(a < Dim ? grid.size[a] >= 2 : grid.size[a] == 1, here, "size", grid.size[a],
+            a < Dim ? "the image must have at least 2 voxels along each axis" : "the image has too many axes");
+  const auto check_array = [&](const std::vector<std::uint8_t>& array, const char* name) {
+    if (array.empty()) return;
+    require(array.size() == voxels, here, std::string(name) + " size", array.size(),
+            "must be the number of voxels, " + std::to_string(voxels));
+    bool any = false;
+    for (std::size_t i = 0; i < voxels && !any; ++i)
+      any = array[i] != 0 && (options.mask.empty() || options.mask.size() != voxels || options.mask[i] != 0);
+    require(
+        any, here, name, "empty",
+        std::string(name) == "mask" ? "must be set in some voxels" : "must have voxels inside the image and its mask");
+  };
+  check_array(options.mask, "mask");
+  check_array(options.seed, "seed");
+}
+
+// The values, with numbers in place of NaN outside the mask.
+std::vector<float> finite_values(const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
+  std::vector<float> values;
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    if (std::isfinite(image.values[i])) continue;
+    require(
+        !mask.empty() && mask[i] == 0, here, "image", image.values[i],
+        "not a number in voxel " + std::to_string(i) + "; fill such voxels with inpaint() or leave them out by a mask");
+    if (values.empty()) values = image.values;
+    values[i] = 0;
+  }
+  return values;
+}
+
+IntensityLaw law_of(SegmentEnergy energy) {
+  switch (energy) {
+    case SegmentEnergy::gaussian:
+      return IntensityLaw::gaussian;
+    case SegmentEnergy::generalized_gaussian:
+      return IntensityLaw::generalized_gaussian;
+    case SegmentEnergy::rayleigh:
+      return IntensityLaw::rayleigh;
+    case SegmentEnergy::gamma:
+      return IntensityLaw::gamma;
+    default:
+      return IntensityLaw::chan_vese;
+  }
+}
+
+// 1 where the image is flat, towards 0 where its gradient is large: 1 / (1 + (|grad I| / k)^2), k half of what a tenth
+// of the voxels exceed, of the image smoothed over about two voxels.
+std::vector<float> edge_weights(std::span<const float> values, const Grid& grid) {
+  std::vector<float> smooth(values.begin(), values.end()), slopes(values.size());
+  std::array<Index, 3> width{0, 0, 0};
+  for (std::size_t a = 0; a < 3; ++a) width[a] = grid.size[a] > 1 ? 1 : 0;
+  box_mean(smooth, grid.size, width);
+  box_mean(smooth, grid.size, width);
+  const auto [nx, ny, nz] = grid.size;
+  const std::array<Index, 3> strides{1, nx, nx * ny};
+  for (Index i = 0; i < grid.voxels(); ++i) {
+    const std::array<Index, 3> at{i % nx, i / nx % ny, i / nx / ny};
+    double squares = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Index lo = at[a] > 0 ? strides[a] : 0, hi = at[a] + 1 < grid.size[a] ? strides[a] : 0;
+      if (lo + hi == 0) continue;
+      const double steps = lo > 0 && hi > 0 ? 2 : 1;
+      const double slope =
+          static_cast<double>(smooth[static_cast<std::size_t>(i + hi)] - smooth[static_cast<std::size_t>(i - lo)]) /
+          (steps * grid.spacing[static_cast<Index>(a)]);
+      squares += slope * slope;
+    }
+    slopes[static_cast<std::size_t>(i)] = static_cast<float>(std::sqrt(squares));
+  }
+  std::vector<float> sorted = slopes;
+  const auto tenth = sorted.end() - 1 - static_cast<std::ptrdiff_t>(sorted.size() / 10);
+  std::nth_element(sorted.begin(), tenth, sorted.end());
+  const float k = std::max(0.5F * *tenth, std::numeric_limits<float>::min());
+  for (float& slope : slopes) slope = 1 / (1 + (slope / k) * (slope / k));
+  return slopes;
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> make_field(const Lattice<Dim>& lattice, const std::vector<float>& coefficients,
+                                             const Grid& grid) {
+  typename LatticeField<Dim>::Data data;
+  data.kernel = lattice.kernel().name();
+  data.support = lattice.support();
+  const Point<Dim> first = lattice.first_node(), step = lattice.node_step();
+  Eigen::Transform<double, Dim, Eigen::Affine> nodes = Eigen::Transform<double, Dim, Eigen::Affine>::Identity();
+  nodes.linear() = step.cwiseInverse().asDiagonal();
+  nodes.translation() = -first.cwiseQuotient(step);
+  data.to_lattice = nodes * grid.template to_voxel<Dim>();
+  data.step = step.cwiseProduct(grid.spacing.template head<Dim>());
+  std::array<Index, 3> size{1, 1, 1};
+  for (int a = 0; a < Dim; ++a) size[static_cast<std::size_t>(a)] = lattice.nodes(a);
+  std::copy_n(size.begin(), Dim, data.size.begin());
+  data.coefficients.reserve(static_cast<std::size_t>(lattice.nodes()));
+  // About the signed distance: the mean slope in the voxels at the contour becomes 1.
+  double slope = 0;
+  const double voxels = lattice.sweep(
+      coefficients.data(), true,
+      [&](const LatticeRow& row) {
+        double count = 0;
+        for (Index i = 0; i < row.count; ++i) {
+          float g2 = 0;
+          for (std::size_t a = 0; a < Dim; ++a) g2 += row.gradient[a][i] * row.gradient[a][i];
+          const float distance2 = row.value[i] * row.value[i];
+          const auto edge = static_cast<float>(grid.spacing.template head<Dim>().minCoeff());
+          if (g2 > 0 && distance2 < edge * edge * g2) count += 1;
+        }
+        return count;
+      },
+      nullptr);
+  if (voxels > 0)
+    slope = lattice.sweep(
+                coefficients.data(), true,
+                [&](const LatticeRow& row) {
+                  double sum = 0;
+                  for (Index i = 0; i < row.count; ++i) {
+                    float g2 = 0;
+                    for (std::size_t a = 0; a < Dim; ++a) g2 += row.gradient[a][i] * row.gradient[a][i];
+                    const float distance2 = row.value[i] * row.value[i];
+                    const auto edge = static_cast<float>(grid.spacing.template head<Dim>().minCoeff());
+                    if (g2 > 0 && distance2 < edge * edge * g2) sum += std::sqrt(static_cast<double>(g2));
+                  }
+                  return sum;
+                },
+                nullptr) /
+            voxels;
+  const double factor = lattice.scale() / (slope > 0 ? slope : 1);
+  std::array<Index, 3> k{};
+  for (k[2] = 0; k[2] < size[2]; ++k[2])
+    for (k[1] = 0; k[1] < size[1]; ++k[1])
+      for (k[0] = 0; k[0] < size[0]; ++k[0])
+        data.coefficients.push_back(
+            factor * static_cast<double>(coefficients[static_cast<std::size_t>(lattice.coefficient(k))]));
+  const auto to_physical = grid.template to_physical<Dim>();
+  for (int corner = 0; corner < (1 << Dim); ++corner) {
+    Point<Dim> p;
+    for (int a = 0; a < Dim; ++a)
+      p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5 : -0.5;
+    data.bounds.add(to_physical * p);
+  }
+  return std::make_shared<LatticeField<Dim>>(std::move(data));
+}
+
+// The options with values in place of `automatic`, but for the center spacing and the shading.
+SegmentOptions choose_options(SegmentOptions options, int dimension) {
+  const bool edge = options.energy == SegmentEnergy::edge && !options.force;
+  if (edge) options.mode = SegmentMode::local;
+  const bool smooth_by_centers = !options.smoothness || *options.smoothness > 0;
+  if (!options.center_spacing && !smooth_by_centers) options.center_spacing = 1;
+  if (!options.smoothness) options.smoothness = edge ? 1 : 0;
+  // About 50 voxels tell two textures apart; centers then smooth on.
+  if (!options.window)
+    options.window = options.energy != SegmentEnergy::generalized_gaussian ? 0 : dimension == 2 ? 3 : 1;
+  if (!options.fill_holes) options.fill_holes = options.mode == SegmentMode::local;
+  return options;
+}
+
+template <int Dim>
+ForceSource intensity_source(RegionForces<Dim>& forces, int regions) {
+  auto before = std::make_shared<typename RegionForces<Dim>::State>();
+  return {regions,
+          [&forces, before](std::span<const std::uint8_t> labels) {
+            *before = forces.state();
+            forces.fit(labels);
+            return true;
+          },
+          [&forces, before] { forces.set_state(*before); },
+          [&forces](int k, double scale, std::span<float> force) { return forces.force(k, scale, force); }};
+}
+
+// Pressure where the image is flat.
+ForceSource edge_source(const std::vector<float>& weights, const SegmentOptions& options) {
+  return {2, [](std::span<const std::uint8_t>) { return false; }, [] {},
+          [&weights, &options](int, double, std::span<float> force) {
+            for (std::size_t i = 0; i < force.size(); ++i)
+              force[i] = options.mask.empty() || options.mask[i] != 0
+                             ? -static_cast<float>(options.balloon) * weights[i]
+                             : 1.0F;
+            return 0.0;
+          }};
+}
+
+// What the caller says. The force depends on labels, so it is taken anew with each estimate.
+ForceSource custom_source(const SegmentOptions& options) {
+  struct Forces {
+    std::vector<std::uint8_t> labels, before;
+  };
+  auto state = std::make_shared<Forces>();
+  return {2,
+          [state](std::span<const std::uint8_t> labels) {
+            state->before = std::exchange(state->labels, {labels.begin(), labels.end()});
+            return true;
+          },
+          [state] { state->labels = state->before; },
+          [state, &options](int, double scale, std::span<float> force) {
+            options.force(state->labels.data(), force.data());
+            double outside = 0;  // the smaller cost of each voxel is 0
+            for (std::size_t i = 0; i < force.size(); ++i) {
+              require(std::isfinite(force[i]), here, "force", force[i], "the function must write finite numbers");
+              force[i] = options.mask.empty() || options.mask[i] != 0 ? static_cast<float>(force[i] / scale) : 0.0F;
+              outside += std::max(0.0, -static_cast<double>(force[i]) * scale);
+            }
+            return outside;
+          }};
+}
+
+double measure_noise(const ForceSource& source, const std::vector<std::uint8_t>& labels,
+                     const std::vector<std::uint8_t>& mask, const Grid& grid) {
+  double noise = 0;
+  std::vector<float> force(labels.size());
+  std::vector<std::uint8_t> is_k(labels.size());
+  for (int k = source.regions == 2 ? 1 : 0; k < source.regions; ++k) {
+    source.force(k, 1, force);
+    for (std::size_t i = 0; i < labels.size(); ++i) is_k[i] = labels[i] == k ? 1 : 0;
+    noise = std::max(noise, force_noise(force, is_k, mask, grid));
+  }
+  return noise;
+}
+
+bool can_be_shaded(const SegmentOptions& options) {
+  return !options.force && options.shading != Shading::none &&
+         (options.energy == SegmentEnergy::chan_vese || options.energy == SegmentEnergy::gaussian);
+}
+
+// Lets the means vary and goes on, if that is wanted or explains most of what constants leave.
+template <int Dim>
+void shade(const Lattice<Dim>& lattice, RegionForces<Dim>& forces, const ForceSource& source, double noise,
+           SegmentOptions& used, VariationalResult& result) {
+  constexpr double clearly = 0.5;
+  if (used.shading == Shading::automatic)
+    used.shading = forces.shading_explains(result.labels) > clearly ? Shading::linear : Shading::none;
+  if (used.shading == Shading::none) return;
+  forces.set_shading_degree(used.shading == Shading::linear ? 1 : 2);
+  forces.fit(result.labels);
+  result = descend_globally(lattice, source, used, noise, std::move(result.labels));
+}
+
+// Makes the region that must be inside label 1, or brings the labels of several in order.
+void choose_polarity(const Grid& grid, const SegmentOptions& options, VariationalResult& result) {
+  int outside = -1;
+  if (!options.seed.empty()) {
+    const int inside = seeded_region(result.labels, options.seed, options.mask);
+    if (inside >= 0) outside = 1 - inside;
+  }
+  if (outside < 0) outside = border_region(result.labels, grid, options.mask, options.regions);
+  if (outside == 0) return;
+  const auto other = static_cast<std::uint8_t>(outside);
+  for (std::uint8_t& label : result.labels) {
+    if (label == 0)
+      label = other;
+    else if (label == other)
+      label = 0;
+  }
+  if (options.regions > 2)
+    std::swap(result.coefficients[0], result.coefficients[static_cast<std::size_t>(outside)]);
+  else
+    for (float& c : result.coefficients[0]) c = -c;
+}
+
+}  // namespace
+
+template <int Dim>
+Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
+  check_options(options);
+  check_image<Dim>(image, options);
+  const Grid& grid = image.grid;
+  const std::vector<float> repaired = finite_values(image, options.mask);
+  const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
+
+  SegmentOptions used = choose_options(options, Dim);
+  report(options.progress, "prepare", 0);
+  const bool edge = options.energy == SegmentEnergy::edge && !options.force;
+  const bool local = used.mode == SegmentMode::local;
+  RegionForces<Dim> forces(values, grid, options.mask, law_of(options.energy), options.regions, *used.window);
+  const std::vector<float> weights = edge ? edge_weights(values, grid) : std::vector<float>{};
+  const ForceSource source = edge            ? edge_source(weights, options)
+                             : options.force ? custom_source(options)
+                                             : intensity_source(forces, options.regions);
+
+  std::vector<std::uint8_t> labels;
+  if (!options.seed.empty() && (local || options.force)) {
+    labels = options.seed;
+    for (std::uint8_t& label : labels) label = label != 0 ? 1 : 0;
+  } else {
+    labels = forces.start();
+  }
+  source.fit(labels);
+  const double noise = edge ? 0 : measure_noise(source, labels, options.mask, grid);
+  if (!used.center_spacing) used.center_spacing = choose_center_spacing(noise, Dim);
+  const Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, used.support, used.kernel});
+
+  VariationalResult result;
+  if (local) {
+    if (options.seed.empty()) {
+      result = descend_globally(lattice, source, used, noise, std::move(labels));
+      choose_polarity(grid, options, result);
+      labels = std::move(result.labels);
+    }
+    result = descend_locally(lattice, source, used, grid, weights, noise, std::move(labels));
+  } else {
+    result = descend_globally(lattice, source, used, noise, std::move(labels));
+    if (can_be_shaded(options)) shade(lattice, forces, source, noise, used, result);
+    choose_polarity(grid, options, result);
+  }
+  if (!options.mask.empty())
+    for (std::size_t i = 0; i < result.labels.size(); ++i)
+      if (options.mask[i] == 0) result.labels[i] = 0;
+
+  Segmentation<Dim> segmentation;
+  segmentation.report = std::move(result.report);
+  SegmentReport& report = segmentation.report;
+  report.noise = noise;
+  for (const std::vector<float>& coefficients : result.coefficients)
+    segmentation.fields.push_back(make_field(lattice, coefficients, grid));
+  segmentation.labels = std::move(result.labels);
+  report.regions = measure_regions(segmentation.labels, values, grid, options.mask, options.regions);
+  report.components = count_components(segmentation.labels, grid);
+  report.options = std::move(used);
+  report.options.seed.clear();
+  report.options.mask.clear();
+  report.options.force = {};
+  report.options.progress = {};
+  return segmentation;
+}
+
+template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);
+template Segmentation<3> segment<3>(const Volume<float>&, const SegmentOptions&);
+
+}  // namespace csrbf

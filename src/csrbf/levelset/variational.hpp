@@ -1,0 +1,47 @@
+#pragma once
+
+#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/segment.hpp"
+
+#include <span>
+
+namespace csrbf {
+
+/// Source of the costs of regions; see RegionForces.
+struct ForceSource {
+  int regions = 2;
+  /// Statistics from labels; false when there are none to update.
+  std::function<bool(std::span<const std::uint8_t> labels)> fit;
+  /// Back to the statistics before the last fit.
+  std::function<void()> undo;
+  /// Writes the cost of region k against the others, over `scale`; returns the sum of the least costs of the others.
+  std::function<double(int k, double scale, std::span<float> force)> force;
+};
+
+struct VariationalResult {
+  std::vector<std::vector<float>> coefficients;  ///< one level set for two regions (inside: label 1), else one of each
+  std::vector<std::uint8_t> labels;
+  SegmentReport report;  ///< iterations, converged, energy
+};
+
+/// The noise of a force: standard deviation of its differences from voxel to voxel, over half the difference of its
+/// means in the two regions; large when the regions cannot be told apart.
+double force_noise(std::span<const float> force, std::span<const std::uint8_t> labels,
+                   std::span<const std::uint8_t> mask, const Grid& grid);
+
+/// The center spacing for that noise.
+double choose_center_spacing(double noise, int dimension);
+
+/// Statistics and contours in turns, everywhere at once, from `labels`; `noise` as force_noise().
+template <int Dim>
+VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSource& source,
+                                   const SegmentOptions& options, double noise, std::vector<std::uint8_t> labels);
+
+/// The contour moves from the border of `labels` as far as the energy falls, a few voxels in each step. `weights` of
+/// the length: one per voxel, or none.
+template <int Dim>
+VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource& source, const SegmentOptions& options,
+                                  const Grid& grid, std::span<const float> weights, double noise,
+                                  std::vector<std::uint8_t> labels);
+
+}  // namespace csrbf
