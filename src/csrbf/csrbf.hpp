@@ -25,6 +25,7 @@
 #include "csrbf/core/types.hpp"
 #include "csrbf/implicit/combine.hpp"
 #include "csrbf/implicit/compare.hpp"
+#include "csrbf/implicit/contour_lines.hpp"
 #include "csrbf/implicit/curvature.hpp"
 #include "csrbf/implicit/mesh_distance.hpp"
 #include "csrbf/implicit/optimize_mesh.hpp"

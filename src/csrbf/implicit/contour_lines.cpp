@@ -1,0 +1,229 @@
+#include "csrbf/implicit/contour_lines.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/implicit/contour_network.hpp"
+
+#include <algorithm>
+
+namespace csrbf {
+namespace {
+
+using namespace contouring;
+
+constexpr int largest_resolution = 16384;
+constexpr double coincident = 1e-9;  // of a cell
+constexpr double steepest_arc = 1;   // slope against the chord: arcs that start steeper are kinks
+
+// What segments measure, with the cubic arcs over them and what these add without their signs.
+struct Measure {
+  double length = 0, area = 0, length_error = 0, area_error = 0;
+
+  // The chord from p to q, seen from an origin nearby.
+  void add_chord(const Point<2>& p, const Point<2>& q) { area += 0.5 * (p[0] * q[1] - p[1] * q[0]); }
+
+  // The arc over the chord of length c leaves it with slope a and meets it with slope b, up being left, where the
+  // inside is. With Hermite's cubic y: integral of y = c^2 / 12 (a - b), of y'^2 / 2 = c / 30 (2 a^2 - a b + 2 b^2).
+  void add_arc(double c, double a, double b) {
+    const double bulge = c * c / 12 * (b - a), stretch = c / 30 * (2 * a * a - a * b + 2 * b * b);
+    length += c + stretch;
+    area += bulge;
+    length_error += stretch;
+    area_error += std::abs(bulge);
+  }
+};
+
+// Slope of the contour against the chord from its gradient; 0 where there is none.
+double slope_against(const Point<2>& chord, const Point<2>& gradient) {
+  const Point<2> tangent(gradient[1], -gradient[0]);
+  const double along = chord.dot(tangent), across = chord[0] * tangent[1] - chord[1] * tangent[0];
+  const double slope = across / along;
+  if (!(along > 0)) return 0;
+  return std::clamp(slope, -steepest_arc, steepest_arc);
+}
+
+class LineCollector {
+ public:
+  LineCollector(const Lattice& lattice, const Network& network) : lattice_(lattice), network_(network) {
+    for (std::size_t a = 0; a < 2; ++a) {
+      origin_[static_cast<Index>(a)] = 0.5 * (lattice.axes[a][0] + lattice.axes[a][lattice.cells(a)]);
+      cell_[static_cast<Index>(a)] = lattice.axes[a][1] - lattice.axes[a][0];
+    }
+  }
+
+  // The closed line through a vertex, with its area, in parts when it may not follow the border.
+  void add(const std::vector<std::int32_t>& loop, ContourEnds ends) {
+    const double before = measure_.area;
+    bool touches_border = false;
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      measure_segment(loop[k], loop[(k + 1) % loop.size()]);
+      touches_border = touches_border || network_.on_border(loop[k]);
+    }
+    if (ends == ContourEnds::closed || !touches_border) {
+      for (const std::int32_t v : loop)
+        if (!network_.on_border(v) || is_corner_of_box(v)) append(position(v));
+      finish({.closed = true, .area = measure_.area - before});
+      return;
+    }
+    const auto at_border = [&](std::int32_t v) { return network_.on_border(v); };
+    const std::size_t first =
+        static_cast<std::size_t>(std::find_if(loop.begin(), loop.end(), at_border) - loop.begin());
+    for (std::size_t k = 1; k <= loop.size(); ++k) {
+      const std::int32_t v = loop[(first + k) % loop.size()];
+      if (!network_.on_border(v))
+        append(position(v));
+      else
+        finish({.closed = false});
+    }
+  }
+
+  [[nodiscard]] ContourLines result() const {
+    ContourLines contours;
+    contours.points = Eigen::Map<const Points<2>>(coordinates_.data(), 2, static_cast<Index>(coordinates_.size() / 2));
+    contours.lines = lines_;
+    contours.length = measure_.length;
+    contours.area = measure_.area;
+    contours.length_error = measure_.length_error;
+    contours.area_error = measure_.area_error;
+    return contours;
+  }
+
+ private:
+  [[nodiscard]] const EdgeRoot& root(std::int32_t v) const { return network_.roots[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] Index border_corner(std::int32_t v) const {
+    return network_.border_corners[static_cast<std::size_t>(v) - network_.roots.size()];
+  }
+  [[nodiscard]] Point<2> position(std::int32_t v) const {
+    return network_.on_border(v) ? lattice_.position(border_corner(v)) : root(v).position();
+  }
+  [[nodiscard]] bool is_corner_of_box(std::int32_t v) const {
+    const Index corner = border_corner(v), i = corner % lattice_.axes[0].size(), j = corner / lattice_.axes[0].size();
+    return (i == 0 || i == lattice_.cells(0)) && (j == 0 || j == lattice_.cells(1));
+  }
+
+  void measure_segment(std::int32_t u, std::int32_t v) {
+    const Point<2> p = position(u) - origin_, q = position(v) - origin_;
+    measure_.add_chord(p, q);
+    if (network_.on_border(u) || network_.on_border(v)) return;
+    const Point<2> chord = q - p;
+    measure_.add_arc(chord.norm(), slope_against(chord, root(u).gradient), slope_against(chord, root(v).gradient));
+  }
+
+  [[nodiscard]] Point<2> point(Index i) const { return {coordinates_[2 * i], coordinates_[2 * i + 1]}; }
+  [[nodiscard]] Index size() const { return static_cast<Index>(coordinates_.size()) / 2; }
+  [[nodiscard]] bool coincide(const Point<2>& p, const Point<2>& q) const {
+    return ((p - q).array().abs() <= coincident * cell_.array()).all();
+  }
+
+  void append(const Point<2>& p) {
+    if (size() > begin_ && coincide(p, point(size() - 1))) return;
+    coordinates_.insert(coordinates_.end(), {p[0], p[1]});
+  }
+
+  // The points since the last line become one, unless they are a point or a piece of straight line to and fro.
+  void finish(ContourLine line) {
+    while (line.closed && size() - 1 > begin_ && coincide(point(begin_), point(size() - 1)))
+      coordinates_.resize(coordinates_.size() - 2);
+    line.begin = begin_;
+    line.size = size() - begin_;
+    if (line.size >= (line.closed ? 3 : 2))
+      lines_.push_back(line);
+    else
+      coordinates_.resize(static_cast<std::size_t>(2 * begin_));
+    begin_ = size();
+  }
+
+  const Lattice& lattice_;
+  const Network& network_;
+  Point<2> origin_, cell_;
+  Measure measure_;
+  std::vector<double> coordinates_;
+  std::vector<ContourLine> lines_;
+  Index begin_ = 0;
+};
+
+ContourLines collect(const Lattice& lattice, const Network& network, ContourEnds ends) {
+  LineCollector collector(lattice, network);
+  std::vector<bool> visited(network.next.size(), false);
+  std::vector<std::int32_t> loop;
+  for (std::size_t first = 0; first < network.next.size(); ++first) {
+    loop.clear();
+    for (std::size_t v = first; !visited[v]; v = static_cast<std::size_t>(network.next[v])) {
+      visited[v] = true;
+      loop.push_back(static_cast<std::int32_t>(v));
+    }
+    if (!loop.empty()) collector.add(loop, ends);
+  }
+  return collector.result();
+}
+
+Box<2> checked_bounds(const Field<2>& field, const ContourLinesOptions& options) {
+  require(options.resolution >= 0 && options.resolution <= largest_resolution, "contour_lines", "resolution",
+          options.resolution, "must be between 1 and 16384 cells along the longest side, or 0 for automatic");
+  require(std::isfinite(options.level), "contour_lines", "level", options.level, "must be finite");
+  const bool own = options.bounds.lo == Box<2>().lo && options.bounds.hi == Box<2>().hi;
+  const Box<2> bounds = own ? field.bounds() : options.bounds;
+  require(!bounds.empty() && bounds.extent().allFinite() && bounds.extent().minCoeff() > 0, "contour_lines",
+          own ? "field.bounds()" : "bounds",
+          bounds.extent().transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, 0, " x ")),
+          own ? "must have positive, finite extent along both axes; give bounds in the options"
+              : "must have positive, finite extent along both axes; leave them out for those of the field");
+  return bounds;
+}
+
+}  // namespace
+
+int automatic_resolution(const Field<2>& field) {
+  constexpr double fewest = 32;
+  constexpr double most = 2048;
+  constexpr int unknown = 256;
+  const double cells = field.bounds().extent().maxCoeff() / field.detail();
+  return std::isfinite(cells) && cells > 0 ? static_cast<int>(std::clamp(std::ceil(cells), fewest, most)) : unknown;
+}
+
+ContourLines contour_lines(const Field<2>& field, const ContourLinesOptions& options) {
+  const Box<2> bounds = checked_bounds(field, options);
+  report(options.progress, "contour lines", 0);
+  const int resolution = options.resolution > 0 ? options.resolution : automatic_resolution(field);
+  const double size = bounds.extent().maxCoeff() / resolution;
+  Lattice lattice;
+  for (std::size_t a = 0; a < 2; ++a) {
+    const auto axis = static_cast<Index>(a);
+    const Index cells = std::max<Index>(1, std::llround(bounds.extent()[axis] / size));
+    lattice.axes[a] = Eigen::VectorXd::LinSpaced(cells + 1, bounds.lo[axis], bounds.hi[axis]);
+  }
+  lattice.value = field.evaluate_grid(lattice.axes).array() - options.level;
+  for (Index c = 0; c < lattice.value.size(); ++c)
+    if (!std::isfinite(lattice.value[c])) refuse(lattice.value[c], lattice.position(c));
+  report(options.progress, "contour lines", 0.5);
+  Network network = make_network(lattice);
+  solve_roots(field, options.level, network.roots);
+  report(options.progress, "contour lines", 0.9);
+  ContourLines contours = collect(lattice, network, options.ends);
+  report(options.progress, "contour lines", 1);
+  return contours;
+}
+
+Polylines to_polylines(const ContourLines& contours, const Eigen::Affine3d& placement) {
+  Polylines lines;
+  const Index n = contours.points.cols();
+  Points<3> flat = Points<3>::Zero(3, n);
+  flat.topRows<2>() = contours.points;
+  lines.vertices = placement * flat;
+  lines.properties = {{"contour", "int", Eigen::VectorXd(n)}};
+  Index edges = 0;
+  for (const ContourLine& line : contours.lines) edges += line.closed ? line.size : line.size - 1;
+  lines.edges.resize(2, edges);
+  Index e = 0;
+  double number = 0;
+  for (const ContourLine& line : contours.lines) {
+    const Index end = line.begin + line.size;
+    for (Index i = line.begin; i < end; ++i) {
+      const Index to = i + 1 < end ? i + 1 : line.begin;
+      if (to > i || line.closed) lines.edges.col(e++) << static_cast<std::int32_t>(i), static_cast<std::int32_t>(to);
+    }
+    lines.properties[0].values.segment(line.begin, line.size).setConstant(number++);
+  }
+  return lines;
+}
+
+}  // namespace csrbf
