@@ -34,6 +34,7 @@
 #include "csrbf/implicit/render.hpp"
 #include "csrbf/implicit/ridges.hpp"
 #include "csrbf/implicit/sample_particles.hpp"
+#include "csrbf/io/contour_lines.hpp"
 #include "csrbf/io/image.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"

@@ -43,26 +43,34 @@ bool names_contours(std::string_view text) {
   return false;
 }
 
+// The first of the columns that has one of the names; null when there is none.
+const Property* column_named(const PointCloud& cloud, std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names)
+    for (const Property& p : cloud.properties)
+      if (same_name(p.name, name)) return &p;
+  return nullptr;
+}
+
 Polylines parse_table_of_contours(std::string_view text, const std::string& name) {
   PointCloud cloud = parse_point_table(text, name);
-  auto column = cloud.properties.end();
-  for (const std::string_view wanted : {"contour", "slice"})
-    if (column == cloud.properties.end())
-      column = std::find_if(cloud.properties.begin(), cloud.properties.end(),
-                            [&](const Property& p) { return same_name(p.name, wanted); });
-  if (column == cloud.properties.end())
+  const Property* const contour = column_named(cloud, {"contour", "slice"});
+  const Property* const closed = column_named(cloud, {"closed"});
+  if (contour == nullptr)
     throw IoError(name + ": no column is named \"contour\"; name the columns in the first line: x,y,z,contour");
   std::map<double, std::vector<std::int32_t>> curves;
   for (Index i = 0; i < cloud.size(); ++i) {
-    const double id = column->values[i];
+    const double id = contour->values[i];
     if (!std::isfinite(id)) throw IoError(name + ": point " + std::to_string(i + 1) + " has no contour");
     curves[id].push_back(static_cast<std::int32_t>(i));
   }
   Polylines lines;
   lines.edges.resize(2, cloud.size());
   Index e = 0;
-  for (const auto& [id, curve] : curves)
-    for (std::size_t i = 0; i < curve.size(); ++i) lines.edges.col(e++) << curve[i], curve[(i + 1) % curve.size()];
+  for (const auto& [id, curve] : curves) {
+    for (std::size_t i = 0; i + 1 < curve.size(); ++i) lines.edges.col(e++) << curve[i], curve[i + 1];
+    if (closed == nullptr || closed->values[curve.back()] != 0) lines.edges.col(e++) << curve.back(), curve.front();
+  }
+  lines.edges.conservativeResize(2, e);
   lines.vertices = std::move(cloud.points);
   lines.properties = std::move(cloud.properties);
   return lines;

@@ -9,7 +9,8 @@ namespace csrbf {
 /// Reads curves from a file; its extension says the format:
 /// - .csv .txt .xyz .pts, and "-" for standard input: rows of numbers as read_points() reads them, under names of
 ///   columns: x y z, and `contour` (or, without it, `slice`), a number that the points of one closed curve share. Their
-///   order in the file is that along the curve, whose last point is joined to its first.
+///   order in the file is that along the curve, whose last point is joined to its first, unless a column `closed` holds
+///   0 there.
 /// - .obj: lines (l); a line that ends where it began is closed.
 /// - .ply: an element edge with vertex1 and vertex2, as write_polylines() writes it.
 /// Throws IoError naming the file and the place; also for files without a curve.

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "csrbf/implicit/contour_lines.hpp"
+
+#include <string>
+
+namespace csrbf {
+
+struct ContourFileOptions {
+  /// .csv and .ply: where point (x, y, 0) of the plane is in space.
+  Eigen::Affine3d placement = Eigen::Affine3d::Identity();
+
+  /// .svg: the part of the plane that is shown, as the whole image. Default (an empty box): that of the points and a
+  /// little more.
+  Box<2> view{};
+};
+
+/// Writes the lines of a contour, complete or not at all (AtomicFile). The extension says the format:
+/// - .svg: a drawing in the coordinates of the plane, with y downwards as in images: one path of all closed lines,
+///   filled by the even-odd rule, so that holes stay empty, and one of the open lines, not filled. 9 digits.
+/// - .csv: columns x, y, z, contour (the number of the line, from 0) and, when a line is open, closed (0 or 1). All
+///   digits. read_polylines() reads it.
+/// - .ply: curves as write_polylines() writes them, with the vertex property `contour`. float32.
+/// Throws IoError, also for other extensions; InvalidInput when lines and points do not match or the view is not
+/// finite.
+void write_contour_lines(const std::string& path, const ContourLines& contours, const ContourFileOptions& options = {});
+
+/// True when the extension is one of these.
+bool is_contour_lines_file(const std::string& path);
+
+}  // namespace csrbf
