@@ -44,7 +44,7 @@ class Parser {
                          "csrbf evaluate depth.csrbf -o depth.npy --grid 800,600 --bounds 0:4,0:3");
     add<InpaintCommand>("inpaint", "Fill missing pixels of an image",
                         "csrbf inpaint photo.png -o filled.png --mask scratches.png");
-    add<CompareCommand>("compare", "Measure how a mesh differs from another mesh or from points",
+    add<CompareCommand>("compare", "Measure how meshes, points or label images differ",
                         "csrbf compare mesh.ply reference.ply --report comparison.json");
     add<InfoCommand>("info", "Say what a file of points, an image, a mesh or a model holds", "csrbf info scan.ply");
     for (CLI::Option* option : app_.get_options()) option->group("Flags");

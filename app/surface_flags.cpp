@@ -9,6 +9,7 @@ namespace {
 
 constexpr const char* point_formats = ".ply .xyz .pts .txt .csv .obj .off .npy, or - for text on standard input";
 constexpr const char* mesh_formats = ".ply .obj .off .stl";
+constexpr const char* image_formats = ".png .pgm .ppm .tif .nii .nii.gz .nrrd .mha .mhd .npy";
 
 }  // namespace
 
@@ -114,10 +115,10 @@ void declare(Verb v, CombineCommand& c) {
 }
 
 void declare(Verb v, CompareCommand& c) {
-  v.argument("A", c.first, std::string("mesh: ") + mesh_formats);
+  v.argument("A", c.first, std::string("mesh: ") + mesh_formats + "; or label image: " + image_formats);
   v.argument("B", c.second,
              std::string("reference: a mesh, or points: then the distances go from the points to the mesh only; ") +
-                 point_formats);
+                 point_formats + "; of a label image another one");
   v.add_common();
 }
 

@@ -377,6 +377,42 @@ class Compare(CommandLine):
         self.assertAlmostEqual(self.report()["result"]["chamfer_mean"], 1 / (2 * math.sqrt(3) * t), places=6)
 
 
+    def test_label_images_are_compared_voxel_by_voxel(self):
+        def nrrd(name, labels, spacings="0.5 2"):
+            return self.write(name, "NRRD0004\ntype: uchar\ndimension: 2\nsizes: 6 2\nspacings: %s\nencoding: ascii\n\n%s\n"
+                              % (spacings, labels))
+        a = nrrd("a.nrrd", "1 1 1 0 2 2  1 1 1 0 2 2")
+        b = nrrd("b.nrrd", "1 1 0 0 2 2  1 1 0 0 2 2")
+        done = self.succeed("compare", a, b, "--report", self.path("report.json"))
+        self.assertLessEqual(len(done.stdout.splitlines()), 10)
+        result = self.report()["result"]
+        self.assertAlmostEqual(result["dice"], 16 / 18)
+        self.assertAlmostEqual(result["jaccard"], 8 / 10)
+        self.assertAlmostEqual(result["hausdorff95"], 0.5)
+        self.assertEqual([label["label"] for label in result["labels"]], [1, 2])
+        self.assertEqual([label["voxels"] for label in result["labels"]], [6, 4])
+        self.assertEqual([label["reference_voxels"] for label in result["labels"]], [4, 4])
+        self.assertAlmostEqual(result["labels"][0]["dice"], 8 / 10)
+        self.assertEqual(result["labels"][1]["dice"], 1)
+        moved = nrrd("moved.nrrd", "1 1 0 0 2 2  1 1 0 0 2 2", "1 2")
+        self.fail_with(2, "spacing (0.5, 2, 1) and (1, 2, 1)", "compare", a, moved)
+        missing = nrrd("missing.nrrd", "0 0 0 0 2 2  0 0 0 0 2 2")
+        self.succeed("compare", a, missing, "--report", self.path("report.json"))
+        self.assertIsNone(self.report()["result"]["hausdorff95"])
+
+    def test_pictures_take_the_place_and_the_mark_of_the_other_label_image(self):
+        picture = self.write("a.pgm", "P2 3 2 255\n255 255 0 255 255 0\n")
+        nrrd = self.write("b.nrrd", "NRRD0004\ntype: uchar\ndimension: 2\nsizes: 3 2\nspacings: 0.5 2\nencoding: ascii\n\n"
+                          "1 1 1 1 1 1\n")
+        done = self.succeed("compare", picture, nrrd, "--report", self.path("report.json"))
+        self.assertIn("a.pgm does not say where its voxels are", done.stderr)
+        self.assertIn("by different numbers", done.stderr)
+        self.assertAlmostEqual(self.report()["result"]["dice"], 0.8)
+        self.assertAlmostEqual(self.report()["result"]["hausdorff95"], 0.5)
+        larger = self.write("c.pgm", "P2 3 3 255\n0 0 0 0 0 0 0 0 0\n")
+        self.fail_with(2, "3 x 2 and 3 x 3", "compare", picture, larger)
+
+
 class Surfaces(CommandLine):
     """Everything that can be done with a sphere."""
 

@@ -72,6 +72,16 @@ struct Grid {
   }
 };
 
+/// The grid in another space: x and y change their sign between the two of patients.
+inline Grid in_space(Grid grid, Space space) {
+  if (grid.space != Space::unknown && space != Space::unknown && grid.space != space) {
+    grid.direction.topRows(2) *= -1;
+    grid.origin.head(2) *= -1;
+  }
+  grid.space = space;
+  return grid;
+}
+
 /// Everything about an image but its values.
 struct VolumeLayout {
   Grid grid;

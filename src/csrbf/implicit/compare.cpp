@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/sample_surface.hpp"
 #include "csrbf/implicit/triangle_geometry.hpp"
 #include "csrbf/implicit/triangle_tree.hpp"
@@ -41,16 +42,6 @@ Distances measure(const PointsRef<3>& points, const PointsRef<3>& normals, const
     }
   });
   return result;
-}
-
-// Percentile with linear interpolation between the order statistics; reorders the values.
-double percentile(std::vector<double>& values, double fraction) {
-  const double position = fraction * static_cast<double>(values.size() - 1);
-  const auto below = values.begin() + static_cast<std::ptrdiff_t>(position);
-  std::nth_element(values.begin(), below, values.end());
-  if (below + 1 == values.end()) return *below;
-  const double above = *std::min_element(below + 1, values.end());
-  return *below + (position - std::floor(position)) * (above - *below);
 }
 
 DistanceStatistics statistics(std::vector<double> distances, double diagonal) {

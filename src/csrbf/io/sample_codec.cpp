@@ -107,13 +107,4 @@ void set_axes(Grid& grid, const Eigen::Matrix3d& linear, const std::string& name
     throw IoError(name + ": the axes of the image lie in one plane: its directions are singular");
 }
 
-Grid in_space(Grid grid, Space space) {
-  if (grid.space != Space::unknown && space != Space::unknown && grid.space != space) {
-    grid.direction.topRows(2) *= -1;
-    grid.origin.head(2) *= -1;
-  }
-  grid.space = space;
-  return grid;
-}
-
 }  // namespace csrbf

@@ -86,7 +86,4 @@ std::size_t checked_deflated_bytes(const VolumeLayout& layout, std::size_t compr
 /// Throws IoError for a singular matrix and for numbers that are not finite.
 void set_axes(Grid& grid, const Eigen::Matrix3d& linear, const std::string& name);
 
-/// The grid in another space: x and y change their sign between the two of patients.
-Grid in_space(Grid grid, Space space);
-
 }  // namespace csrbf
