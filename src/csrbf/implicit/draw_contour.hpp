@@ -1,0 +1,22 @@
+#pragma once
+
+#include "csrbf/core/image.hpp"
+#include "csrbf/implicit/contour_lines.hpp"
+
+#include <array>
+
+namespace csrbf {
+
+using RgbColor = std::array<std::uint8_t, 3>;
+
+struct Stroke {
+  RgbColor color{255, 64, 64};
+  double width = 1.5;  ///< pixels, positive
+};
+
+/// Draws the lines onto a picture, antialiased. Coordinates are pixels: the picture reaches from (0, 0), its top left
+/// corner, to (width, height); what is outside is cut off. Throws InvalidInput when the stroke has no positive, finite
+/// width. O(pixels + length of the lines).
+void draw_contour(const ContourLines& contours, const Stroke& stroke, RgbImage& picture);
+
+}  // namespace csrbf
