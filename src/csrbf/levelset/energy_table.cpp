@@ -8,8 +8,8 @@
 namespace csrbf {
 namespace {
 
-CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const float* __restrict table,
-                                         const IntensityBins& bins, float* __restrict energies) {
+CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const float* table, const IntensityBins& bins,
+                                         float* energies) {
   const auto lo = static_cast<float>(bins.center(0));
   const auto scale = static_cast<float>(1 / bins.width());
   const auto end = static_cast<float>(bins.count - 1);
