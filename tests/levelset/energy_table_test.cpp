@@ -37,6 +37,21 @@ TEST(EnergyTable, IsLinearBetweenTheBins) {
   EXPECT_EQ(energies, (std::vector<float>{table[0], table[0], table[7], table[7]}));
 }
 
+TEST(EnergyTable, OfBinsIsWhatTheTotalCounts) {
+  const std::vector<float> values = uniform_samples(1001, 2, 11);
+  const IntensityBins bins = choose_bins(values, 37);
+  const std::vector<float> table = energy_table({IntensityLaw::gaussian, .3, .5, 2}, bins);
+  std::vector<float> energies(values.size());
+  look_up_energies(bin_indices(values, bins), table, energies);
+  double sum = 0;
+  for (const float energy : energies) sum += static_cast<double>(energy);
+  EXPECT_NEAR(sum, total_energy(table, histogram_of(values, bins)), 1e-9 * std::abs(sum));
+  look_up_energies(std::vector<std::uint8_t>{36, 37, 255}, table, std::span(energies).first(3));
+  EXPECT_EQ(energies[0], table[36]);
+  EXPECT_EQ(energies[1], 0);
+  EXPECT_EQ(energies[2], 0);
+}
+
 TEST(EnergyTable, GivesTheSameEnergiesForEveryNumberOfThreads) {
   const std::vector<float> values = uniform_samples(300000, 2, 10);
   const IntensityBins bins = choose_bins(values);
@@ -95,6 +110,7 @@ TEST(EnergyTable, RejectsWhatDoesNotFit) {
             "total_energy: table.size() = 3: must be the number of bins");
   EXPECT_THROW(look_up_energies(three, {1, 2, 3}, histogram.bins, three), InvalidInput);
   EXPECT_THROW(look_up_energies(three, {1, 2}, histogram.bins, std::span(three).first(2)), InvalidInput);
+  EXPECT_THROW(look_up_energies(std::vector<std::uint8_t>(2), {1, 2}, three), InvalidInput);
   EXPECT_THROW(look_up_energies(three, {1}, IntensityBins{0, 1, 1}, three), InvalidInput);
 }
 

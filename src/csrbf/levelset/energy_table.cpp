@@ -5,11 +5,15 @@
 #include "csrbf/core/simd.hpp"
 #include "csrbf/levelset/bin_probabilities.hpp"
 
+#include <array>
+
 namespace csrbf {
 namespace {
 
-CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const float* table, const IntensityBins& bins,
-                                         float* energies) {
+constexpr Index grain = 1 << 16;
+
+CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const float* __restrict table,
+                                         const IntensityBins& bins, float* __restrict energies) {
   const auto lo = static_cast<float>(bins.center(0));
   const auto scale = static_cast<float>(1 / bins.width());
   const auto end = static_cast<float>(bins.count - 1);
@@ -57,9 +61,21 @@ void look_up_energies(std::span<const float> values, const std::vector<float>& t
           "must be the number of bins, and at least 2");
   require(values.size() == energies.size(), "look_up_energies", "energies.size()", energies.size(),
           "must be the number of values");
-  constexpr Index grain = 1 << 16;
   parallel_for(std::ssize(values), grain, [&](Index begin, Index end) {
     interpolate_table(values.data() + begin, end - begin, table.data(), bins, energies.data() + begin);
+  });
+}
+
+void look_up_energies(std::span<const std::uint8_t> indices, const std::vector<float>& table,
+                      std::span<float> energies) {
+  require(indices.size() == energies.size(), "look_up_energies", "energies.size()", energies.size(),
+          "must be the number of voxels");
+  // A table of every index: without a branch, and nothing is read beyond.
+  std::array<float, 256> all{};
+  std::copy_n(table.begin(), std::min(table.size(), all.size()), all.begin());
+  parallel_for(std::ssize(indices), grain, [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      energies[i] = all[indices[i]];
   });
 }
 

@@ -20,4 +20,9 @@ double total_energy(const std::vector<float>& table, const Histogram& histogram)
 void look_up_energies(std::span<const float> values, const std::vector<float>& table, const IntensityBins& bins,
                       std::span<float> energies);
 
+/// energies[i] = table[indices[i]] for the indices of bin_indices: as total_energy counts, and faster. O(n), parallel.
+/// Throws InvalidInput when the sizes differ. Indices beyond the table have energy 0.
+void look_up_energies(std::span<const std::uint8_t> indices, const std::vector<float>& table,
+                      std::span<float> energies);
+
 }  // namespace csrbf

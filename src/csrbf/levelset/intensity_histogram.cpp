@@ -57,7 +57,7 @@ ValueRange range_of(std::span<const float> values, std::span<const std::uint8_t>
 
 // Narrows the range where a few values lie far outside of all others.
 void leave_outliers(std::span<const float> values, std::span<const std::uint8_t> mask, double& lo, double& hi) {
-  constexpr Index most_samples = 1 << 16;
+  constexpr Index most_samples = 1 << 14;
   constexpr double tail = .001;  // of the voxels at each end are not asked how far the bins reach
   constexpr double reach = 3;
   constexpr double far = reach + .5;  // bins that would hardly get smaller are left alone

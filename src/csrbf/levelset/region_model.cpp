@@ -131,12 +131,14 @@ RegionModel fit_region_model(IntensityLaw law, const Histogram& histogram, const
 
   std::vector<RegionModel> starts;
   if (options.start) starts.push_back(*options.start);
-  if (is_one_sided(law) || options.location) {
-    starts.push_back(with_moments(law, weights, options.location.value_or(histogram.bins.lo)));
-  } else {
-    for (const double location : {weights.mean(), weights.quantile(.5), mode_of(weights)})
-      starts.push_back(with_moments(law, weights, location));
-    if (law == IntensityLaw::generalized_gaussian) starts.push_back(with_quartiles(weights));
+  const double location = options.location.value_or(is_one_sided(law) ? histogram.bins.lo : weights.mean());
+  starts.push_back(with_moments(law, weights, location));
+  if (law == IntensityLaw::generalized_gaussian) {
+    if (!options.location)
+      for (const double center : {weights.quantile(.5), mode_of(weights)})
+        starts.push_back(with_moments(law, weights, center));
+    starts.push_back(with_quartiles(weights));
+    if (options.location) starts.back().location = *options.location;
   }
   const bool moves = !is_one_sided(law) && !options.location;
   return likeliest_model(weights, starts, moves);
