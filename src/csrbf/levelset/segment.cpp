@@ -1,7 +1,7 @@
 #include "csrbf/levelset/segment.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/levelset/box_mean.hpp"
+#include "csrbf/levelset/edge_flow.hpp"
 #include "csrbf/levelset/lattice_field.hpp"
 #include "csrbf/levelset/region_forces.hpp"
 #include "csrbf/levelset/region_labels.hpp"
@@ -30,7 +30,8 @@ void check_options(const SegmentOptions& options) {
             options.regions, "more than two need the mode global and the method variational");
     require(options.energy != SegmentEnergy::edge && !options.force, here, "regions", options.regions,
             "more than two need an energy of intensities");
-    require(options.seed.empty(), here, "regions", options.regions, "a seed is for two regions");
+    require(options.seed.empty() && options.start.empty() && options.prior.empty(), here, "regions", options.regions,
+            "seed, start and prior are for two regions");
   }
   if (options.energy == SegmentEnergy::edge && !options.force)
     require(!options.seed.empty(), here, "energy", "edge", "needs a seed to start from (init)");
@@ -59,6 +60,9 @@ void check_image(const Volume<float>& image, const SegmentOptions& options) {
   };
   check_array(options.mask, "mask");
   check_array(options.seed, "seed");
+  check_array(options.start, "start");
+  require(options.prior.empty() || options.prior.size() == voxels, here, "prior size", options.prior.size(),
+          "must be the number of voxels, " + std::to_string(voxels));
 }
 
 // The values, with numbers in place of NaN outside the mask.
@@ -88,38 +92,6 @@ IntensityLaw law_of(SegmentEnergy energy) {
     default:
       return IntensityLaw::chan_vese;
   }
-}
-
-// 1 where the image is flat, towards 0 where its gradient is large: 1 / (1 + (|grad I| / k)^2), k half of what a tenth
-// of the voxels exceed, of the image smoothed over about two voxels.
-std::vector<float> edge_weights(std::span<const float> values, const Grid& grid) {
-  std::vector<float> smooth(values.begin(), values.end()), slopes(values.size());
-  std::array<Index, 3> width{0, 0, 0};
-  for (std::size_t a = 0; a < 3; ++a) width[a] = grid.size[a] > 1 ? 1 : 0;
-  box_mean(smooth, grid.size, width);
-  box_mean(smooth, grid.size, width);
-  const auto [nx, ny, nz] = grid.size;
-  const std::array<Index, 3> strides{1, nx, nx * ny};
-  for (Index i = 0; i < grid.voxels(); ++i) {
-    const std::array<Index, 3> at{i % nx, i / nx % ny, i / nx / ny};
-    double squares = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const Index lo = at[a] > 0 ? strides[a] : 0, hi = at[a] + 1 < grid.size[a] ? strides[a] : 0;
-      if (lo + hi == 0) continue;
-      const double steps = lo > 0 && hi > 0 ? 2 : 1;
-      const double slope =
-          static_cast<double>(smooth[static_cast<std::size_t>(i + hi)] - smooth[static_cast<std::size_t>(i - lo)]) /
-          (steps * grid.spacing[static_cast<Index>(a)]);
-      squares += slope * slope;
-    }
-    slopes[static_cast<std::size_t>(i)] = static_cast<float>(std::sqrt(squares));
-  }
-  std::vector<float> sorted = slopes;
-  const auto tenth = sorted.end() - 1 - static_cast<std::ptrdiff_t>(sorted.size() / 10);
-  std::nth_element(sorted.begin(), tenth, sorted.end());
-  const float k = std::max(0.5F * *tenth, std::numeric_limits<float>::min());
-  for (float& slope : slopes) slope = 1 / (1 + (slope / k) * (slope / k));
-  return slopes;
 }
 
 template <int Dim>
@@ -214,18 +186,6 @@ ForceSource intensity_source(RegionForces<Dim>& forces, int regions) {
           [&forces](int k, double scale, std::span<float> force) { return forces.force(k, scale, force); }};
 }
 
-// Pressure where the image is flat.
-ForceSource edge_source(const std::vector<float>& weights, const SegmentOptions& options) {
-  return {2, [](std::span<const std::uint8_t>) { return false; }, [] {},
-          [&weights, &options](int, double, std::span<float> force) {
-            for (std::size_t i = 0; i < force.size(); ++i)
-              force[i] = options.mask.empty() || options.mask[i] != 0
-                             ? -static_cast<float>(options.balloon) * weights[i]
-                             : 1.0F;
-            return 0.0;
-          }};
-}
-
 // What the caller says. The force depends on labels, so it is taken anew with each estimate.
 ForceSource custom_source(const SegmentOptions& options) {
   struct Forces {
@@ -248,6 +208,18 @@ ForceSource custom_source(const SegmentOptions& options) {
             }
             return outside;
           }};
+}
+
+// The source with the prior, which is in units of `scale`.
+ForceSource with_prior(ForceSource source, const std::vector<float>& prior) {
+  if (prior.empty()) return source;
+  source.force = [force = std::move(source.force), &prior](int k, double scale, std::span<float> to) {
+    const double others = force(k, scale, to);
+    if (scale != 1)  // 1: to find the scale
+      for (std::size_t i = 0; i < to.size(); ++i) to[i] += prior[i];
+    return others;
+  };
+  return source;
 }
 
 double measure_noise(const ForceSource& source, const std::vector<std::uint8_t>& labels,
@@ -318,31 +290,31 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   const bool edge = options.energy == SegmentEnergy::edge && !options.force;
   const bool local = used.mode == SegmentMode::local;
   RegionForces<Dim> forces(values, grid, options.mask, law_of(options.energy), options.regions, *used.window);
-  const std::vector<float> weights = edge ? edge_weights(values, grid) : std::vector<float>{};
-  const ForceSource source = edge            ? edge_source(weights, options)
-                             : options.force ? custom_source(options)
-                                             : intensity_source(forces, options.regions);
+  const ForceSource source =
+      with_prior(options.force ? custom_source(options) : intensity_source(forces, options.regions), options.prior);
 
   std::vector<std::uint8_t> labels;
-  if (!options.seed.empty() && (local || options.force)) {
-    labels = options.seed;
+  if (!options.start.empty() || (!options.seed.empty() && (local || options.force))) {
+    labels = options.start.empty() ? options.seed : options.start;
     for (std::uint8_t& label : labels) label = label != 0 ? 1 : 0;
   } else {
     labels = forces.start();
   }
   source.fit(labels);
-  const double noise = edge ? 0 : measure_noise(source, labels, options.mask, grid);
+  const double noise = measure_noise(source, labels, options.mask, grid);
   if (!used.center_spacing) used.center_spacing = choose_center_spacing(noise, Dim);
   const Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, used.support, used.kernel});
 
   VariationalResult result;
-  if (local) {
+  if (edge) {
+    result = descend_to_edges(lattice, used, grid, edge_weights(values, grid), std::move(labels));
+  } else if (local) {
     if (options.seed.empty()) {
       result = descend_globally(lattice, source, used, noise, std::move(labels));
       choose_polarity(grid, options, result);
       labels = std::move(result.labels);
     }
-    result = descend_locally(lattice, source, used, grid, weights, noise, std::move(labels));
+    result = descend_locally(lattice, source, used, grid, noise, std::move(labels));
   } else {
     result = descend_globally(lattice, source, used, noise, std::move(labels));
     if (can_be_shaded(options)) shade(lattice, forces, source, noise, used, result);
@@ -364,6 +336,8 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   report.options = std::move(used);
   report.options.seed.clear();
   report.options.mask.clear();
+  report.options.start.clear();
+  report.options.prior.clear();
   report.options.force = {};
   report.options.progress = {};
   return segmentation;

@@ -80,6 +80,11 @@ struct SegmentOptions {
   /// Where the segmentation starts: 1 in what is inside (the seed), 0 elsewhere; one entry per voxel, or none. In
   /// global mode it only says which region is inside: the one that the seed covers more of.
   std::vector<std::uint8_t> seed = {};
+  /// Labels of two regions that the statistics start from, such as those of the frame before; one per voxel, or none.
+  std::vector<std::uint8_t> start = {};
+  /// Added to what a voxel costs inside: 1 is what it costs, on average, to have a voxel in the wrong region. One per
+  /// voxel, or none; for two regions.
+  std::vector<float> prior = {};
   /// 0 in voxels that take no part and get label 0; one entry per voxel, or none.
   std::vector<std::uint8_t> mask = {};
   /// Replaces `energy`: given labels, writes what each voxel costs inside instead of outside, in any unit.
@@ -98,7 +103,7 @@ struct RegionReport {
 
 /// What was done, and with which options.
 struct SegmentReport {
-  SegmentOptions options;  ///< with the values used in place of `automatic`; without seed, mask and functions
+  SegmentOptions options;  ///< with the values used in place of `automatic`; without arrays and functions
   int iterations = 0;
   bool converged = false;      ///< labels had stopped changing
   std::vector<double> energy;  ///< after each step, never increasing; 1 is what a voxel costs in the wrong region

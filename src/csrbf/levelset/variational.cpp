@@ -202,8 +202,7 @@ std::vector<float> band_of(const std::vector<std::uint8_t>& labels, const Grid& 
 
 template <int Dim>
 VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource& source, const SegmentOptions& options,
-                                  const Grid& grid, std::span<const float> weights, double noise,
-                                  std::vector<std::uint8_t> labels) {
+                                  const Grid& grid, double noise, std::vector<std::uint8_t> labels) {
   constexpr Index reach = 2;  // voxels that the contour may move in a step
   constexpr int first_fit = 12, fit = 3, descent = 3;
   VariationalResult result;
@@ -214,7 +213,6 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   const auto hold = [&] {  // every voxel where it is
     for (std::size_t i = 0; i < labels.size(); ++i) held[i] = labels[i] != 0 ? -1.0F : 1.0F;
   };
-  set.energy.weights = weights.empty() ? nullptr : weights.data();
   ContourEnergy step = set.energy;
   step.force = held.data();
   hold();
@@ -279,8 +277,7 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   template VariationalResult descend_globally<Dim>(const Lattice<Dim>&, const ForceSource&, const SegmentOptions&, \
                                                    double, std::vector<std::uint8_t>);                             \
   template VariationalResult descend_locally<Dim>(const Lattice<Dim>&, const ForceSource&, const SegmentOptions&,  \
-                                                  const Grid&, std::span<const float>, double,                     \
-                                                  std::vector<std::uint8_t>);
+                                                  const Grid&, double, std::vector<std::uint8_t>);
 CSRBF_INSTANTIATE(2)
 CSRBF_INSTANTIATE(3)
 #undef CSRBF_INSTANTIATE

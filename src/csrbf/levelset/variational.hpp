@@ -41,7 +41,6 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
 /// the length: one per voxel, or none.
 template <int Dim>
 VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource& source, const SegmentOptions& options,
-                                  const Grid& grid, std::span<const float> weights, double noise,
-                                  std::vector<std::uint8_t> labels);
+                                  const Grid& grid, double noise, std::vector<std::uint8_t> labels);
 
 }  // namespace csrbf

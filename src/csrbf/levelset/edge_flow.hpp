@@ -1,0 +1,26 @@
+#pragma once
+
+#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/variational.hpp"
+
+#include <span>
+
+namespace csrbf {
+
+/// 1 where an image is flat, towards 0 where its gradient is large: 1 / (1 + (|grad I| / k)^2), k half of what a tenth
+/// of the voxels exceed, of the image smoothed over about two voxels. O(n).
+std::vector<float> edge_weights(std::span<const float> values, const Grid& grid);
+
+/// Geodesic active contour on the lattice: the signed distance f near the contour follows
+///
+///     f_t = smoothness (g Laplacian f + <grad g, grad f>) + balloon g
+///
+/// with g = edge_weights(): it shortens where the image is flat, is drawn to edges from both sides and, for balloon >
+/// 0, grows towards them. Each step moves the target of the voxels within three of the contour and fits the
+/// coefficients to it. Ends where the energy smoothness int g - balloon int_inside g falls no further; the result is
+/// its least.
+template <int Dim>
+VariationalResult descend_to_edges(const Lattice<Dim>& lattice, const SegmentOptions& options, const Grid& grid,
+                                   std::span<const float> g, std::vector<std::uint8_t> labels);
+
+}  // namespace csrbf
