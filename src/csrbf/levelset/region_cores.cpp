@@ -2,13 +2,14 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/simd.hpp"
 
 #include <mutex>
 
 namespace csrbf {
 namespace {
 
-constexpr Index block = 64;  // lines read together, a cache line of them
+constexpr Index block = 256;  // lines taken together
 constexpr Index grain = 1 << 16;
 
 // Takes w voxels at each end of every run of equal labels, but for ends of the line.
@@ -21,22 +22,47 @@ void shorten_runs(std::uint8_t* line, Index n, Index w) {
   }
 }
 
+// The same for up to `block` neighbouring lines of n labels, `step` apart, from one array to another: a voxel is left
+// when the last and the next change along its line are at least w away.
+CSRBF_SIMD_CLONES void shorten_runs_of_lines(const std::uint8_t* __restrict from, Index n, Index step, Index count,
+                                             std::uint16_t w, std::uint8_t* __restrict to) {
+  constexpr std::uint16_t far = std::numeric_limits<std::uint16_t>::max();
+  std::uint16_t distance[block];
+  const auto next = [](std::uint16_t d) { return static_cast<std::uint16_t>(d + (d < far ? 1 : 0)); };
+  std::fill(distance, distance + block, far);
+  for (Index i = 0; i < n; ++i) {
+    const std::uint8_t* label = from + i * step;
+    const std::uint8_t* before = i > 0 ? label - step : label;
+    for (Index l = 0; l < count; ++l) {
+      distance[l] = label[l] == before[l] ? next(distance[l]) : std::uint16_t{0};
+      to[i * step + l] = distance[l] < w ? no_region : label[l];
+    }
+  }
+  std::fill(distance, distance + block, far);
+  for (Index i = n - 1; i >= 0; --i) {
+    const std::uint8_t* label = from + i * step;
+    const std::uint8_t* after = i + 1 < n ? label + step : label;
+    for (Index l = 0; l < count; ++l) {
+      distance[l] = label[l] == after[l] ? next(distance[l]) : std::uint16_t{0};
+      to[i * step + l] = distance[l] < w ? no_region : to[i * step + l];
+    }
+  }
+}
+
 // Lines of n labels, `step` apart; the first labels of the lines of a plane are `across` neighbours.
-void shorten_strided_runs(std::uint8_t* labels, Index n, Index step, Index across, Index planes, Index w) {
+void shorten_strided_runs(std::vector<std::uint8_t>& labels, Index n, Index step, Index across, Index planes, Index w) {
+  const auto width = static_cast<std::uint16_t>(std::min<Index>(w, std::numeric_limits<std::uint16_t>::max()));
+  std::vector<std::uint8_t> result(labels.size());
   const Index blocks = (across + block - 1) / block;
   parallel_for(blocks * planes, std::max<Index>(1, grain / (n * block)), [&](Index first, Index last) {
-    std::vector<std::uint8_t> copy(static_cast<std::size_t>(n * block));
     for (Index b = first; b < last; ++b) {
       const Index x = b % blocks * block;
-      const Index count = std::min(block, across - x);
-      std::uint8_t* from = labels + b / blocks * across * n + x;
-      for (Index i = 0; i < n; ++i)
-        for (Index l = 0; l < count; ++l) copy[static_cast<std::size_t>(l * n + i)] = from[i * step + l];
-      for (Index l = 0; l < count; ++l) shorten_runs(copy.data() + l * n, n, w);
-      for (Index i = 0; i < n; ++i)
-        for (Index l = 0; l < count; ++l) from[i * step + l] = copy[static_cast<std::size_t>(l * n + i)];
+      const Index offset = b / blocks * across * n + x;
+      shorten_runs_of_lines(labels.data() + offset, n, step, std::min(block, across - x), width,
+                            result.data() + offset);
     }
   });
+  labels.swap(result);
 }
 
 using Counts = std::array<Index, 256>;
@@ -45,10 +71,11 @@ Counts voxels_by_label(std::span<const std::uint8_t> labels) {
   Counts sums{};
   std::mutex mutex;  // sums of integers do not depend on the order
   parallel_for(std::ssize(labels), grain, [&](Index begin, Index end) {
-    Counts counts{};
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) ++counts[labels[i]];
+    // Neighbours in different copies: an increment waits for the one before of the same label.
+    std::array<Counts, 4> counts{};
+    for (Index i = begin; i < end; ++i) ++counts[static_cast<std::size_t>(i % 4)][labels[static_cast<std::size_t>(i)]];
     const std::lock_guard lock(mutex);
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += counts[k];
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += counts[0][k] + counts[1][k] + counts[2][k] + counts[3][k];
   });
   return sums;
 }
@@ -90,8 +117,8 @@ std::vector<std::uint8_t> region_cores(std::span<const std::uint8_t> labels, con
       for (Index line = begin; line < end; ++line) shorten_runs(cores.data() + line * n, n, wx);
     });
   }
-  if (ny > 1 && wy > 0) shorten_strided_runs(cores.data(), ny, nx, nx, nz, wy);
-  if (nz > 1 && wz > 0) shorten_strided_runs(cores.data(), nz, nx * ny, nx * ny, 1, wz);
+  if (ny > 1 && wy > 0) shorten_strided_runs(cores, ny, nx, nx, nz, wy);
+  if (nz > 1 && wz > 0) shorten_strided_runs(cores, nz, nx * ny, nx * ny, 1, wz);
   restore_thin_regions(labels, cores);
   return cores;
 }
