@@ -7,8 +7,8 @@
 
 namespace csrbf {
 
-/// 1 where an image is flat, towards 0 where its gradient is large: 1 / (1 + (|grad I| / k)^2), k half of what a tenth
-/// of the voxels exceed, of the image smoothed over about two voxels. O(n).
+/// 1 where an image is flat, towards 0 where its gradient is large: 1 / (1 + (|grad I| / k)^2), k a quarter of what
+/// one voxel in a hundred exceeds, of the image smoothed over about two voxels. O(n).
 std::vector<float> edge_weights(std::span<const float> values, const Grid& grid);
 
 /// Geodesic active contour on the lattice: the signed distance f near the contour follows

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 namespace csrbf {
@@ -17,49 +18,93 @@ struct Profile {
   float inverse_eps, anchor, length, volume;
 };
 
-CSRBF_ALWAYS_INLINE float target_of(float force) {
+// Sixteen voxels. Compilers keep the order of float sums, so they do not make vector code of such loops by themselves.
+using Wide = float __attribute__((vector_size(64)));
+constexpr Index width = 16;
+
+constexpr Index padded(Index n) {
+  return (n + width - 1) / width * width;
+}
+
+CSRBF_ALWAYS_INLINE void load(const float* from, Wide& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+CSRBF_ALWAYS_INLINE void clamp_to_one(Wide& x) {
+  x = x < -1.0F ? Wide{} - 1.0F : x;
+  x = x > 1.0F ? Wide{} + 1.0F : x;
+}
+CSRBF_ALWAYS_INLINE float sum_of_lanes(const Wide& x) {
+  float sum = 0;
+  for (Index i = 0; i < width; ++i) sum += x[i];
+  return sum;
+}
+
+float target_of(float force) {
   return std::min(1.0F, std::max(-1.0F, -0.5F * force));
 }
 
-// Terms of E without the length, their derivatives in place of f.
+// H_eps, its derivative, and what f is off its target, at 16 voxels.
+struct Step {
+  Wide t, bump, H, delta, off;
+  CSRBF_ALWAYS_INLINE Step(const Profile& by, const Wide& force, const Wide& f) {
+    t = f * by.inverse_eps;
+    clamp_to_one(t);
+    const Wide t2 = t * t;
+    bump = 1.0F - t2;
+    H = 0.5F + t * (0.9375F - t2 * (0.625F - t2 * 0.1875F));
+    delta = (0.9375F * by.inverse_eps) * bump * bump;
+    Wide target = -0.5F * force;
+    clamp_to_one(target);
+    off = f - target;
+  }
+};
+
+// Terms of E without the length, their derivatives in place of f. n is a multiple of `width`.
 CSRBF_SIMD_CLONES
 float region_terms(const Profile& by, const float* force, Index n, float* f) {
-  float sum = 0;
-  for (Index i = 0; i < n; ++i) {
-    const float t = std::min(1.0F, std::max(-1.0F, f[i] * by.inverse_eps));
-    const float t2 = t * t, bump = 1 - t2;
-    const float H = 0.5F + t * (0.9375F - t2 * (0.625F - t2 * 0.1875F));
-    const float off = f[i] - target_of(force[i]);
-    sum += force[i] * H + 0.5F * by.anchor * off * off;
-    f[i] = by.volume * (force[i] * 0.9375F * by.inverse_eps * bump * bump + by.anchor * off);
+  Wide sum = {};
+  for (Index i = 0; i < n; i += width) {
+    Wide F, value;
+    load(force + i, F);
+    load(f + i, value);
+    const Step at(by, F, value);
+    sum += F * at.H + (0.5F * by.anchor) * at.off * at.off;
+    value = by.volume * (F * at.delta + by.anchor * at.off);
+    std::memcpy(f + i, &value, sizeof value);
   }
-  return by.volume * sum;
+  return by.volume * sum_of_lanes(sum);
 }
 
 // As above and with the length; gradients of components that do not exist are null.
 template <int Dim>
 CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, const float* weights, Index n, float* f,
                                        float* fx, float* fy, float* fz) {
-  float sum = 0;
-  for (Index i = 0; i < n; ++i) {
-    const float t = std::min(1.0F, std::max(-1.0F, f[i] * by.inverse_eps));
-    const float t2 = t * t, bump = 1 - t2;
-    const float H = 0.5F + t * (0.9375F - t2 * (0.625F - t2 * 0.1875F));
-    const float delta = 0.9375F * by.inverse_eps * bump * bump;
-    const float slope = -3.75F * by.inverse_eps * by.inverse_eps * t * bump;
-    float norm2 = 1e-20F + fx[i] * fx[i] + fy[i] * fy[i];
-    if constexpr (Dim == 3) norm2 += fz[i] * fz[i];
-    const float norm = std::sqrt(norm2);
-    const float off = f[i] - target_of(force[i]);
-    const float length = by.length * weights[i];
-    sum += force[i] * H + 0.5F * by.anchor * off * off + length * delta * norm;
-    f[i] = by.volume * (force[i] * delta + by.anchor * off + length * slope * norm);
-    const float along = by.volume * length * delta / norm;
-    fx[i] *= along;
-    fy[i] *= along;
-    if constexpr (Dim == 3) fz[i] *= along;
+  Wide sum = {};
+  for (Index i = 0; i < n; i += width) {
+    Wide F, length, value, x, y, z = {}, norm;
+    load(force + i, F);
+    load(weights + i, length);
+    load(f + i, value);
+    load(fx + i, x);
+    load(fy + i, y);
+    if constexpr (Dim == 3) load(fz + i, z);
+    const Step at(by, F, value);
+    length *= by.length;
+    const Wide norm2 = 1e-20F + x * x + y * y + z * z;
+    for (Index j = 0; j < width; ++j) norm[j] = std::sqrt(norm2[j]);
+    sum += F * at.H + (0.5F * by.anchor) * at.off * at.off + length * at.delta * norm;
+    const Wide slope = (-3.75F * by.inverse_eps * by.inverse_eps) * at.t * at.bump;
+    value = by.volume * (F * at.delta + by.anchor * at.off + length * slope * norm);
+    std::memcpy(f + i, &value, sizeof value);
+    const Wide along = by.volume * length * at.delta / norm;
+    x *= along;
+    y *= along;
+    z *= along;
+    std::memcpy(fx + i, &x, sizeof x);
+    std::memcpy(fy + i, &y, sizeof y);
+    if constexpr (Dim == 3) std::memcpy(fz + i, &z, sizeof z);
   }
-  return by.volume * sum;
+  return by.volume * sum_of_lanes(sum);
 }
 
 CSRBF_SIMD_CLONES
@@ -74,34 +119,44 @@ float length_terms_3(const Profile& by, const float* force, const float* weights
   return length_terms<3>(by, force, weights, n, f, fx, fy, fz);
 }
 
-// The values of the voxels of a row, one after the other.
-const float* gather(const float* values, const LatticeRow& row, Index begin, Index n, std::array<float, piece>& place) {
+using Piece = std::array<float, piece>;
+
+// n values of a row, one after the other, and `rest` up to a multiple of `width`.
+void gather(const float* values, const LatticeRow& row, Index begin, Index n, float rest, Piece& place) {
   const float* from = values + row.voxel + begin * row.stride;
-  if (row.stride == 1) return from;
   for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(i)] = from[i * row.stride];
-  return place.data();
+  std::fill(place.begin() + n, place.begin() + padded(n), rest);
 }
 
 template <int Dim>
 double row_energy(const Profile& profile, bool gradients, const ContourEnergy& energy, const LatticeRow& row) {
   double sum = 0;
-  std::array<float, piece> forces, weights;
-  weights.fill(1);
+  Piece force, weight, f;
+  std::array<Piece, Dim> slope;
+  weight.fill(1);
   for (Index begin = 0; begin < row.count; begin += piece) {
     const Index n = std::min(piece, row.count - begin);
-    const float* force = gather(energy.force, row, begin, n, forces);
-    float* f = row.value + begin;
+    gather(energy.force, row, begin, n, 0, force);
+    // Values 0 with force 0 add force H = 0 and no length, whose gradient is 0 there.
+    std::copy_n(row.value + begin, n, f.begin());
+    std::fill(f.begin() + n, f.begin() + padded(n), 0.0F);
     if (!gradients) {
-      sum += static_cast<double>(region_terms(profile, force, n, f));
-      continue;
+      sum += static_cast<double>(region_terms(profile, force.data(), padded(n), f.data()));
+    } else {
+      if (energy.weights != nullptr) gather(energy.weights, row, begin, n, 0, weight);
+      for (std::size_t a = 0; a < Dim; ++a) {
+        std::copy_n(row.gradient[a] + begin, n, slope[a].begin());
+        std::fill(slope[a].begin() + n, slope[a].begin() + padded(n), 0.0F);
+      }
+      if constexpr (Dim == 2)
+        sum += static_cast<double>(length_terms_2(profile, force.data(), weight.data(), padded(n), f.data(),
+                                                  slope[0].data(), slope[1].data()));
+      else
+        sum += static_cast<double>(length_terms_3(profile, force.data(), weight.data(), padded(n), f.data(),
+                                                  slope[0].data(), slope[1].data(), slope[2].data()));
+      for (std::size_t a = 0; a < Dim; ++a) std::copy_n(slope[a].begin(), n, row.gradient[a] + begin);
     }
-    const float* weight = energy.weights == nullptr ? weights.data() : gather(energy.weights, row, begin, n, weights);
-    if constexpr (Dim == 2)
-      sum += static_cast<double>(
-          length_terms_2(profile, force, weight, n, f, row.gradient[0] + begin, row.gradient[1] + begin));
-    else
-      sum += static_cast<double>(length_terms_3(profile, force, weight, n, f, row.gradient[0] + begin,
-                                                row.gradient[1] + begin, row.gradient[2] + begin));
+    std::copy_n(f.begin(), n, row.value + begin);
   }
   return sum;
 }
@@ -145,8 +200,6 @@ double ridge(const Lattice<Dim>& lattice) {
   constexpr double share = 0.01;
   return share * voxel_volume(lattice) * lattice.coefficient_weight();
 }
-
-constexpr double bound = 2;  // of the coefficients
 
 }  // namespace
 
@@ -208,13 +261,18 @@ void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int it
   }
 }
 
+// With a length |f| must not become so steep that the contour falls between voxels.
+double coefficient_bound(const ContourEnergy& energy) {
+  return energy.length > 0 ? 1 : 2;
+}
+
 // Birgin, Martinez and Raydan (2000), monotone.
 template <int Dim>
 int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
            std::vector<float>& coefficients, std::vector<double>& energies) {
   constexpr double enough = 1e-4;  // of the decrease that the slope promises
   constexpr int most_attempts = 10;
-  const auto limit = static_cast<float>(bound);
+  const auto limit = static_cast<float>(coefficient_bound(energy));
   const auto n = static_cast<std::size_t>(lattice.array_size());
   std::vector<float> gradient(n), next(n), next_gradient(n), step(n);
   double E = contour_energy(lattice, energy, coefficients.data(), gradient.data());

@@ -35,7 +35,8 @@ template <int Dim>
 void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations,
                 std::vector<float>& coefficients);
 
-/// Lowers E by the spectral projected gradient method over |alpha| <= 2 with back-tracking: no step raises it. Stops
+/// Lowers E by the spectral projected gradient method over |alpha| <= 2 (1 with a length) with back-tracking: no step
+/// raises it. Stops
 /// after `iterations` evaluations of the derivatives, or when a step lowers it by less than `tolerance` times the
 /// decrease so far. Appends the energy at the start and after each step to `energies`; returns the evaluations used.
 template <int Dim>

@@ -166,70 +166,86 @@ typename RegionForces<Dim>::Terms RegionForces<Dim>::monomials(Index x, Index y,
   return t;
 }
 
+// Of some of the voxels: enough for a few numbers.
 template <int Dim>
-void RegionForces<Dim>::fit_means(std::span<const std::uint8_t> labels) {
-  constexpr Index enough = 200000;  // voxels for a few numbers
-  const int used = degree_ == 1 ? Dim + 1 : terms;
-  const auto regions = static_cast<std::size_t>(regions_);
-  std::vector<Eigen::MatrixXd> A(regions, Eigen::MatrixXd::Zero(used, used));
-  std::vector<Eigen::VectorXd> b(regions, Eigen::VectorXd::Zero(used));
-  std::vector<double> squares(regions, 0.0), counts(regions, 0.0);
+std::vector<typename RegionForces<Dim>::Moments> RegionForces<Dim>::moments(
+    std::span<const std::uint8_t> labels) const {
+  constexpr Index enough = 50000;
+  std::vector<Moments> sums(static_cast<std::size_t>(regions_));
   const Index step = std::max<Index>(1, grid_.voxels() / enough) | 1;
   for (Index i = 0; i < grid_.voxels(); i += step) {
-    const std::size_t k = labels[static_cast<std::size_t>(i)];
-    if (k >= regions) continue;
-    const Index x = i % grid_.size[0], y = i / grid_.size[0] % grid_.size[1], z = i / grid_.size[0] / grid_.size[1];
-    const Eigen::VectorXd t = monomials(x, y, z).head(used);
-    const auto value = static_cast<double>(values_[static_cast<std::size_t>(i)]);
-    A[k] += t * t.transpose();
-    b[k] += value * t;
-    squares[k] += value * value;
-    counts[k] += 1;
+    const auto voxel = static_cast<std::size_t>(i);
+    if (labels[voxel] >= sums.size() || !inside(voxel)) continue;
+    Moments& sum = sums[labels[voxel]];
+    const Terms t = monomials(i % grid_.size[0], i / grid_.size[0] % grid_.size[1], i / grid_.size[0] / grid_.size[1]);
+    const auto value = static_cast<double>(values_[voxel]);
+    sum.A.noalias() += t * t.transpose();
+    sum.b += value * t;
+    sum.squares += value * value;
   }
-  for (std::size_t k = 0; k < regions; ++k) {
-    if (counts[k] < 10.0 * used) continue;  // too few: the constant stays
-    A[k].diagonal().array() += 1e-9 * counts[k];
-    const Eigen::VectorXd c = A[k].ldlt().solve(b[k]);
-    state_.means[k].setZero();
-    state_.means[k].head(used) = c;
-    const double variance = (squares[k] - c.dot(b[k])) / counts[k];
+  return sums;
+}
+
+template <int Dim>
+typename RegionForces<Dim>::Terms RegionForces<Dim>::Moments::fit(int used) const {
+  Terms c = Terms::Zero();
+  Eigen::MatrixXd left = A.topLeftCorner(used, used);
+  left.diagonal().array() += 1e-9 * count();
+  c.head(used) = left.ldlt().solve(b.head(used));
+  return c;
+}
+
+template <int Dim>
+void RegionForces<Dim>::fit_means(std::span<const std::uint8_t> labels) {
+  const int used = degree_ == 1 ? Dim + 1 : terms;
+  const std::vector<Moments> sums = moments(labels);
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    if (sums[k].count() < 10.0 * used) continue;  // too few: the constant stays
+    const Terms c = sums[k].fit(used);
+    state_.means[k] = c;
+    const double variance = (sums[k].squares - c.dot(sums[k].b)) / sums[k].count();
     state_.models[k].scale = std::max(std::sqrt(std::max(variance, 0.0)), 0.25 * bins_.width());
   }
 }
 
+// From second differences along x.
 template <int Dim>
-double RegionForces<Dim>::shading_explains(std::span<const std::uint8_t> labels) {
-  const State before = state_;
-  const int degree = std::exchange(degree_, 0);
-  // Sum of squares about the means of the regions.
-  const auto squares = [&] {
-    return sum_in_parallel(grid_.size[1] * grid_.size[2], 8, [&](Index begin, Index end) {
-      double sum = 0;
-      for (Index row = begin; row < end; ++row)
-        for (Index x = 0; x < grid_.size[0]; ++x) {
-          const auto i = static_cast<std::size_t>(x + grid_.size[0] * row);
-          if (!inside(i) || labels[i] >= regions_) continue;
-          const double off = static_cast<double>(values_[i]) -
-                             monomials(x, row % grid_.size[1], row / grid_.size[1]).dot(state_.means[labels[i]]);
-          sum += off * off;
-        }
-      return sum;
-    });
-  };
-  fit(labels);
-  const double constant = squares();
-  degree_ = 1;
-  fit(labels);
-  const double linear = squares();
-  double variation = 0, contrast = 0;  // root mean squares over the box of the image
-  for (const Eigen::VectorXd& mean : state_.means) {
-    variation = std::max(variation, mean.template segment<Dim>(1).norm() / std::sqrt(3.0));
-    for (const Eigen::VectorXd& other : state_.means) contrast = std::max(contrast, std::abs(mean[0] - other[0]));
+double RegionForces<Dim>::noise_variance() const {
+  constexpr Index enough = 50000;
+  std::vector<double> bends;
+  for (Index i = 1; i + 1 < grid_.voxels(); i += std::max<Index>(1, grid_.voxels() / enough) | 1) {
+    const Index x = i % grid_.size[0];
+    const auto voxel = static_cast<std::size_t>(i);
+    if (x == 0 || x + 1 == grid_.size[0] || !inside(voxel)) continue;
+    bends.push_back(static_cast<double>(std::abs(values_[voxel - 1] - 2 * values_[voxel] + values_[voxel + 1])));
   }
+  if (bends.empty()) return 0;
+  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+  std::nth_element(bends.begin(), middle, bends.end());
+  constexpr double median_of_normal = 0.6745;
+  const double sd = *middle / median_of_normal;
+  return sd * sd / 6;
+}
+
+template <int Dim>
+double RegionForces<Dim>::shading_explains(std::span<const std::uint8_t> labels) const {
   constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good
-  degree_ = degree;
-  set_state(before);
-  return variation > least_variation * contrast && constant > 0 ? 1 - linear / constant : 0;
+  const std::vector<Moments> sums = moments(labels);
+  double constant = 0, linear = 0, count = 0, variation = 0, lowest = bins_.hi, highest = bins_.lo;
+  for (const Moments& sum : sums) {
+    if (sum.count() < 10.0 * (Dim + 1)) continue;
+    const Terms c = sum.fit(Dim + 1);
+    const double mean = sum.b[0] / sum.count();
+    constant += sum.squares - mean * sum.b[0];
+    linear += sum.squares - c.dot(sum.b);
+    count += sum.count();
+    variation = std::max(variation, c.template segment<Dim>(1).norm() / std::sqrt(3.0));  // root mean square
+    lowest = std::min(lowest, mean);
+    highest = std::max(highest, mean);
+  }
+  if (variation < least_variation * (highest - lowest)) return 0;
+  const double systematic = constant - count * noise_variance();
+  return systematic > 0.01 * constant ? (constant - linear) / systematic : 0;
 }
 
 template <int Dim>

@@ -30,8 +30,9 @@ class RegionForces {
   /// Lets the means of the regions vary: polynomials of that degree (0, 1, 2) from the next fit() on.
   void set_shading_degree(int degree) { degree_ = degree; }
 
-  /// Share of the variance within the regions that linear means explain, when they vary by a fair part of the contrast.
-  [[nodiscard]] double shading_explains(std::span<const std::uint8_t> labels);
+  /// Share of the variance within the regions, noise from voxel to voxel aside, that linear means explain; 0 when these
+  /// vary by a small part of the contrast only.
+  [[nodiscard]] double shading_explains(std::span<const std::uint8_t> labels) const;
 
   /// Writes (cost of region k - least cost of the others) / scale for each voxel; 0 outside the mask. Returns the sum
   /// of the least costs of the others.
@@ -51,7 +52,17 @@ class RegionForces {
  private:
   static constexpr int terms = (Dim + 1) * (Dim + 2) / 2;  // of a quadratic polynomial
   using Terms = Eigen::Matrix<double, terms, 1>;
+  // Sums over voxels of a region for the least-squares fit of its mean.
+  struct Moments {
+    Eigen::Matrix<double, terms, terms> A = Eigen::Matrix<double, terms, terms>::Zero();
+    Terms b = Terms::Zero();
+    double squares = 0;
+    [[nodiscard]] double count() const { return A(0, 0); }
+    [[nodiscard]] Terms fit(int used) const;
+  };
   [[nodiscard]] Terms monomials(Index x, Index y, Index z) const;
+  [[nodiscard]] std::vector<Moments> moments(std::span<const std::uint8_t> labels) const;
+  [[nodiscard]] double noise_variance() const;
   [[nodiscard]] bool inside(std::size_t i) const { return mask_.empty() || mask_[i] != 0; }
   void make_tables();
   void fit_means(std::span<const std::uint8_t> labels);

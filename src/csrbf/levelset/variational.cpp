@@ -14,6 +14,7 @@ namespace {
 constexpr int fit_steps = 6;        // of conjugate gradients: the noise of the voxels comes in with later ones
 constexpr int descent_steps = 4;    // between two estimates of the statistics
 constexpr double still = 3e-4;      // share of labels that may change at rest
+constexpr double little = 0.05;     // share of the decrease so far below which a round is the last
 constexpr double least_eps = 0.03;  // below, H is a step for any voxel
 constexpr double noise_to_eps = 3;  // the contour averages voxels that noise alone could move across it
 
@@ -32,6 +33,12 @@ double mean_size(std::span<const float> force) {
 // Without noise each voxel at the contour may be obeyed; with it the mean of many must.
 double choose_anchor(double noise) {
   return std::clamp(0.3 + 120 * noise, 0.3, 6.0);
+}
+
+// A length is measured well when the contour is three voxels wide where f is steepest.
+template <int Dim>
+double least_width(const Lattice<Dim>& lattice, const ContourEnergy& energy) {
+  return energy.length > 0 ? 1.5 * lattice.steepest() * lattice.spacing().template head<Dim>().minCoeff() : 0;
 }
 
 // One level set of a segmentation and its energy.
@@ -143,6 +150,7 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
   while (report.iterations < options.iterations && !report.converged) {
     csrbf::report(options.progress, "evolve", static_cast<double>(report.iterations) / options.iterations);
     ++report.iterations;
+    const double energy_before = report.energy.back();
     // New statistics, if they are better for the contours as they are.
     if ((report.iterations > 1 || !two) && source.fit(labels)) {
       take_forces();
@@ -163,7 +171,9 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
       }
     }
     const Index changed = label_voxels(lattice, sets, labels);
-    report.converged = static_cast<double>(changed) <= still * static_cast<double>(voxels);
+    const double first = report.energy.front(), last = report.energy.back();
+    report.converged = static_cast<double>(changed) <= still * static_cast<double>(voxels) ||
+                       energy_before - last <= little * (first - last);
   }
   for (LevelSet<Dim>& set : sets) result.coefficients.push_back(std::move(set.coefficients));
   result.labels = std::move(labels);
@@ -222,7 +232,7 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   source.force(1, 1, set.force);
   const double scale = std::max(mean_size(set.force), std::numeric_limits<double>::min());
   set.others = source.force(1, scale, set.force) / scale;
-  set.energy.eps = step.eps = std::max(0.1, noise_to_eps * noise);
+  set.energy.eps = step.eps = std::max({0.1, noise_to_eps * noise, least_width(lattice, set.energy)});
   double energy = set.total(lattice);
   report.energy.push_back(energy / static_cast<double>(voxels));
   const int most = 10 * options.iterations;  // steps are small
