@@ -5,6 +5,7 @@
 #include "csrbf/levelset/box_mean.hpp"
 #include "csrbf/levelset/energy_table.hpp"
 #include "csrbf/levelset/intensity_classes.hpp"
+#include "csrbf/levelset/region_cores.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -59,7 +60,8 @@ std::vector<std::uint8_t> RegionForces<Dim>::start() {
   if (regions_ > 2 || (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian)) return labels;
 
   // Regions of one mean differ in how far the intensities stray from it.
-  double least = settle(labels);
+  std::vector<std::uint8_t> settled = labels;
+  double least = settle(settled);
   for (int moment = 1; moment <= 2; ++moment) {
     std::vector<std::uint8_t> others(labels.size());
     texture_labels(moment, others);
@@ -124,18 +126,43 @@ void RegionForces<Dim>::fit(std::span<const std::uint8_t> labels) {
   make_tables();
 }
 
+// At borders a blurred image mixes the intensities of both sides. There they would widen the wider law until its region
+// takes over; the means are not drawn to either side. Labels that are mostly border are noise, which is in the laws.
+template <int Dim>
+std::vector<Histogram> RegionForces<Dim>::histograms(std::span<const std::uint8_t> labels) const {
+  std::vector<Histogram> whole = region_histograms(indices_, labels, regions_, bins_);
+  if (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian) return whole;
+  constexpr Index border = 3;
+  constexpr double enough = 0.5;
+  std::array<Index, 3> width{0, 0, 0};
+  std::fill_n(width.begin(), Dim, border);
+  std::vector<Histogram> cores = region_histograms(indices_, region_cores(labels, grid_.size, width), regions_, bins_);
+  for (std::size_t k = 0; k < whole.size(); ++k)
+    if (cores[k].total() < enough * whole[k].total()) return whole;
+  return cores;
+}
+
 template <int Dim>
 void RegionForces<Dim>::fit_models(std::span<const std::uint8_t> labels) {
-  const std::vector<Histogram> histograms = region_histograms(indices_, labels, regions_, bins_);
+  const std::vector<Histogram> parts = histograms(labels);
   const bool first = state_.models.empty();
   state_.models.resize(static_cast<std::size_t>(regions_));
-  for (std::size_t k = 0; k < histograms.size(); ++k) {
+  for (std::size_t k = 0; k < parts.size(); ++k) {
     RegionModelOptions options;
     if (!first) options.start = state_.models[k];
-    state_.models[k] = fit_region_model(law_, histograms[k], options);
+    state_.models[k] = fit_region_model(law_, parts[k], options);
     state_.means[k].setZero();
     state_.means[k][0] = state_.models[k].location;
   }
+  if (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian) return;
+  // Without noise any voxel of a blurred border would be infinitely unlikely.
+  constexpr double least = 0.03;  // of the contrast
+  double lowest = bins_.hi, highest = bins_.lo;
+  for (const RegionModel& model : state_.models) {
+    lowest = std::min(lowest, model.location);
+    highest = std::max(highest, model.location);
+  }
+  for (RegionModel& model : state_.models) model.scale = std::max(model.scale, least * (highest - lowest));
 }
 
 template <int Dim>

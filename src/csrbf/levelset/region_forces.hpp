@@ -66,6 +66,7 @@ class RegionForces {
   [[nodiscard]] bool inside(std::size_t i) const { return mask_.empty() || mask_[i] != 0; }
   void make_tables();
   void fit_means(std::span<const std::uint8_t> labels);
+  [[nodiscard]] std::vector<Histogram> histograms(std::span<const std::uint8_t> labels) const;
   void fit_models(std::span<const std::uint8_t> labels);
   void texture_labels(int moment, std::vector<std::uint8_t>& labels) const;
   double settle(std::vector<std::uint8_t>& labels);

@@ -89,6 +89,9 @@ double force_noise(std::span<const float> force, std::span<const std::uint8_t> l
                    std::span<const std::uint8_t> mask, const Grid& grid) {
   constexpr std::size_t enough = 50000;
   const auto takes_part = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
+  // What is clear in a voxel already counts no more than that, as in the targets of the level set.
+  const auto clear = static_cast<float>(2 * mean_size(force));
+  const auto at = [&](std::size_t i) { return static_cast<double>(std::clamp(force[i], -clear, clear)); };
   std::array<double, 2> sums{0, 0}, counts{0, 0};
   std::vector<double> bends;
   const std::size_t step = std::max<std::size_t>(1, force.size() / enough) | 1;
@@ -96,11 +99,11 @@ double force_noise(std::span<const float> force, std::span<const std::uint8_t> l
   for (std::size_t i = 0; i < force.size(); i += step) {
     if (!takes_part(i)) continue;
     const std::size_t k = labels[i] != 0 ? 1 : 0;
-    sums[k] += static_cast<double>(force[i]);
+    sums[k] += at(i);
     counts[k] += 1;
     const std::size_t x = i % nx;
     if (x == 0 || x + 1 >= nx || !takes_part(i - 1) || !takes_part(i + 1)) continue;
-    bends.push_back(static_cast<double>(std::abs(force[i - 1] - 2 * force[i] + force[i + 1])));
+    bends.push_back(std::abs(at(i - 1) - 2 * at(i) + at(i + 1)));
   }
   const double gap = sums[0] / std::max(counts[0], 1.0) - sums[1] / std::max(counts[1], 1.0);
   if (bends.empty() || !(gap > 0)) return 0;
