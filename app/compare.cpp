@@ -147,7 +147,7 @@ void compare_images(const CompareCommand& command, Session& session) {
 }  // namespace
 
 void run(const CompareCommand& command, Session& session) {
-  if (is_volume_file(command.first) && is_volume_file(command.second)) return compare_images(command, session);
+  if (is_readable_volume(command.first) && is_readable_volume(command.second)) return compare_images(command, session);
   Mesh a = session.timed("read", [&] { return read_mesh_or_points(command.first); });
   Mesh b = session.timed("read", [&] { return read_mesh_or_points(command.second); });
   session.input = {{"a", described(command.first, a)}, {"b", described(command.second, b)}};

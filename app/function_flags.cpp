@@ -63,8 +63,8 @@ void declare(Verb v, EvaluateCommand& c) {
 }
 
 void declare(Verb v, InpaintCommand& c) {
-  v.argument("IMAGE", c.input, std::string("image to read: ") + image_formats);
-  v.output(c.output, "image to write: the same formats");
+  v.argument("IMAGE", c.input, std::string("image to read: ") + image_formats + ", or DICOM (a file or folder)");
+  v.output(c.output, std::string("image to write: ") + image_formats);
   v.flag("mask", c.mask, "FILE", "", "image of the same size that is not 0 where values are missing or unreliable");
   v.flag("missing", c.missing, "VALUE", "nan", "value of pixels that are missing; NaN always is");
   add_fit_flags(v, c.fit);

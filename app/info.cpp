@@ -177,7 +177,7 @@ void run(const InfoCommand& command, Session& session) {
     return;
   }
   // .npy files hold points more often than images.
-  if (is_volume_file(command.input) && file_extension(command.input) != ".npy") {
+  if (is_readable_volume(command.input) && file_extension(command.input) != ".npy") {
     tell_image(command.input, session);
     return;
   }

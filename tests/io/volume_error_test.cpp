@@ -92,7 +92,8 @@ TEST(ReadVolume, RefusesFilesOfAnotherKind) {
   for (const char* name : names) EXPECT_EQ(errors.reading(name, ""), std::string(name) + ": the file is empty");
   EXPECT_EQ(
       io_error([] { read_volume("a.jpg"); }),
-      "a.jpg: unknown extension \".jpg\"; images are .png .pgm .ppm .tif .tiff .nii .nii.gz .nrrd .mha .mhd .npy");
+      "a.jpg: unknown extension \".jpg\"; images are .png .pgm .ppm .tif .tiff .nii .nii.gz .nrrd .mha .mhd .npy, and "
+      "DICOM files or folders");
   EXPECT_EQ(io_error([] { read_volume("missing.png"); }),
             "missing.png: cannot read the file: No such file or directory");
 }

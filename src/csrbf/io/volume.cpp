@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/atomic_file.hpp"
 #include "csrbf/io/deflate.hpp"
+#include "csrbf/io/dicom.hpp"
 #include "csrbf/io/metaimage.hpp"
 #include "csrbf/io/nifti.hpp"
 #include "csrbf/io/npy_volume.hpp"
@@ -27,11 +28,13 @@ std::string volume_extension(const std::string& path) {
   return last == ".gz" ? file_extension(std::filesystem::path(path).stem().string()) + last : last;
 }
 
-std::string checked_extension(const std::string& path) {
+// `others` are kinds of images without an extension here.
+std::string checked_extension(const std::string& path, std::string_view others = {}) {
   const std::string extension = volume_extension(path);
   if (is_volume_file(path)) return extension;
   std::string known;
   for (const std::string_view e : extensions) known += " " + std::string(e);
+  known += others;
   throw IoError(path + ": unknown extension " + in_quotes(extension) + "; images are" + known);
 }
 
@@ -109,7 +112,8 @@ void write_parts(const std::string& path, const FileParts& parts) {
 
 template <class Scalar>
 Volume<Scalar> read_volume(const std::string& path) {
-  const std::string extension = checked_extension(path);
+  if (!is_volume_file(path) && is_dicom(path)) return decode_samples<Scalar>(read_dicom(path));
+  const std::string extension = checked_extension(path, ", and DICOM files or folders");
   return decode_samples<Scalar>(parse_volume(extension, read_file(path), path));
 }
 
@@ -142,6 +146,10 @@ template void write_volume(const std::string&, const Volume<double>&);
 
 bool is_volume_file(const std::string& path) {
   return std::find(extensions.begin(), extensions.end(), volume_extension(path)) != extensions.end();
+}
+
+bool is_readable_volume(const std::string& path) {
+  return is_volume_file(path) || is_dicom(path);
 }
 
 bool is_picture_file(const std::string& path) {

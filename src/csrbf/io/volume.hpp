@@ -10,6 +10,7 @@ namespace csrbf {
 /// - .png, .pgm, .ppm: pictures of 8 and 16 bits; .tif, .tiff: pages are slices.
 /// - .nii, .nii.gz, .nrrd, .mha, .mhd: with spacing, origin and direction. Lengths are mm where the file says its unit.
 /// - .npy: [x], [y, x], [z, y, x] or [t, z, y, x]; see io/npy_volume.hpp for axes of components.
+/// - .dcm, other DICOM files and folders of them, when built with GDCM: see io/dicom.hpp.
 /// Without a header voxels have size 1 and the first is centred at the origin. Samples with a scale (NIfTI) become
 /// floats; NaN is a value like others. Throws IoError naming the file and the place; takes memory only when the file
 /// can hold what its header promises.
@@ -24,8 +25,11 @@ Volume<Scalar> read_volume(const std::string& path);
 template <class Scalar>
 void write_volume(const std::string& path, const Volume<Scalar>& volume);
 
-/// True when the extension is one of an image.
+/// True when the extension is one of an image that write_volume() writes.
 bool is_volume_file(const std::string& path);
+
+/// True when it is one of an image, or when the path is a DICOM file or a folder.
+bool is_readable_volume(const std::string& path);
 
 /// True when it is one of a picture, which holds whole numbers only: .png .pgm .ppm.
 bool is_picture_file(const std::string& path);
