@@ -73,11 +73,38 @@ TEST(NodeSystem, AddsDiffusionByTheLaplacianOfTheKernel) {
     const NodeSystem<2> diffused(nodes, Kernel("wendland-c4", 2), support, diffusion);
     const Eigen::VectorXd mu = random_points<1>(n * n, 7).transpose().array() - .5;
     const Jet<2> jet = plain.expansion(mu)->evaluate(nodes.points, Derivatives::hessian);
-    const Eigen::VectorXd expected = jet.value - diffusion * (jet.hessian.row(0) + jet.hessian.row(2)).transpose();
+    const Eigen::VectorXd laplacian =
+        (jet.hessian.row(0) + jet.hessian.row(2)).transpose() + plain.laplacian_bias() * jet.value;
+    const Eigen::VectorXd expected = jet.value - diffusion * laplacian;
     const double size = expected.cwiseAbs().maxCoeff();
     EXPECT_LT((diffused.multiply(mu) - expected).cwiseAbs().maxCoeff(), 1e-12 * size);
     EXPECT_LT((diffused.solve(expected) - mu).cwiseAbs().maxCoeff(), solved);
   }
+}
+
+TEST(NodeSystem, KnowsTheLaplacianOfTheInterpolantOfAConstant) {
+  const Nodes<2> nodes = square_nodes(41);
+  const double h = 1.0 / 40;
+  for (const double spacings : {2.83, 4.0, 5.5}) {
+    const NodeSystem<2> system(nodes, Kernel("wendland-c4", 2), spacings * h);
+    const Point<2> middle(.5, .5);  // far from the border
+    const auto one = system.expansion(system.solve(Eigen::VectorXd::Ones(41 * 41)));
+    const Jet<2> jet = one->evaluate(middle, Derivatives::hessian);
+    EXPECT_NEAR(jet.hessian(0, 0) + jet.hessian(2, 0), -system.laplacian_bias(), 1e-4 / (h * h));
+  }
+  EXPECT_EQ(NodeSystem<2>(scattered_nodes(50), Kernel("wendland-c4", 2), .3).laplacian_bias(), 0);
+}
+
+TEST(NodeSystem, HasTheLaplacianOfWavesWithTheBias) {
+  const Nodes<2> nodes = square_nodes(41);
+  const double h = 1.0 / 40, k = .4 / h;
+  constexpr double accuracy = 3e-3;  // what a support of 5.5 spacings has; 1.3e-2 of it is the bias
+  const NodeSystem<2> system(nodes, Kernel("wendland-c4", 2), 5.5 * h);
+  const Eigen::VectorXd wave = (k * (nodes.points.row(0).array() - .5)).cos().transpose();
+  const Jet<2> jet = system.expansion(system.solve(wave))->evaluate(Point<2>(.5, .5), Derivatives::hessian);
+  const double laplacian = jet.hessian(0, 0) + jet.hessian(2, 0);
+  EXPECT_NEAR((laplacian + system.laplacian_bias()) / (-k * k), 1, accuracy);
+  EXPECT_GT(std::abs(laplacian / (-k * k) - 1), 3 * accuracy);
 }
 
 TEST(NodeSystem, ReproducesPolynomialsBelowTheOrderOfTheKernel) {

@@ -19,12 +19,13 @@ constexpr const char* here = "NodeSystem";
 // Below this a sparse factor takes some milliseconds, and its solutions are exact to rounding.
 constexpr Index few_nodes = 2500;
 
-// phi - diffusion laplacian phi at distance r support.
+// phi - diffusion (laplacian + bias) phi at distance r support, in units of the support.
 struct Weight {
   const Kernel& kernel;
-  double diffusion;  // in units of the squared support
+  double diffusion, bias;
   double operator()(double r) const {
-    return kernel.value(r) - (diffusion > 0 ? diffusion * kernel.laplacian(r) : 0.0);
+    const double phi = kernel.value(r);
+    return diffusion > 0 ? phi - diffusion * (kernel.laplacian(r) + bias * phi) : phi;
   }
 };
 
@@ -38,7 +39,7 @@ std::vector<ToeplitzTap<Dim>> taps_of(const Nodes<Dim>& nodes, double support, c
   const Eigen::Matrix<double, Dim, Dim> inverse = steps.inverse();
   std::array<Index, Dim> reach, k;
   for (std::size_t a = 0; a < Dim; ++a) {
-    reach[a] = std::min(nodes.size[a] - 1, static_cast<Index>(support * inverse.row(static_cast<Index>(a)).norm()));
+    reach[a] = static_cast<Index>(support * inverse.row(static_cast<Index>(a)).norm());
     k[a] = -reach[a];
   }
   std::vector<ToeplitzTap<Dim>> taps;
@@ -51,6 +52,19 @@ std::vector<ToeplitzTap<Dim>> taps_of(const Nodes<Dim>& nodes, double support, c
     for (; a < Dim && ++k[a] > reach[a]; ++a) k[a] = -reach[a];
     if (a == Dim) return taps;
   }
+}
+
+// - sum laplacian phi / sum phi over an endless lattice, in units of the support.
+template <int Dim>
+double bias_of(const Nodes<Dim>& nodes, double support, const Kernel& kernel) {
+  if (!nodes.regular() || !kernel.compact() || kernel.smoothness() < 2) return 0;
+  const auto sum = [&](double diffusion) {
+    double total = 0;
+    for (const ToeplitzTap<Dim>& tap : taps_of<Dim>(nodes, support, Weight{kernel, diffusion, 0})) total += tap.weight;
+    return total;
+  };
+  const double plain = sum(0);
+  return (sum(1) - plain) / plain;
 }
 
 template <int Dim>
@@ -82,6 +96,7 @@ struct NodeSystem<Dim>::Impl {
   Eigen::SparseMatrix<double> sparse;
   SparseCholesky factor;
   Eigen::MatrixXd dense;  // bordered
+  double laplacian_bias = 0;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu;
 
   void prepare_dense(const Points<Dim>& points, double support, const Weight& weight);
@@ -126,7 +141,9 @@ NodeSystem<Dim>::NodeSystem(const Nodes<Dim>& nodes, const Kernel& kernel, doubl
     require(first[static_cast<std::size_t>(i)] == i, here, "node", i, "must not be at the place of another one");
   impl_->basis = std::make_shared<const RadialBasis<Dim>>(kernel, nodes.points, Eigen::VectorXd::Constant(1, support));
   impl_->polynomials = polynomial_block<Dim>(nodes.points, kernel.order() - 1, RankDeficiency::keep);
-  const Weight weight{impl_->basis->kernel(), diffusion / (support * support)};
+  const double bias = bias_of<Dim>(nodes, support, kernel);
+  impl_->laplacian_bias = bias / (support * support);
+  const Weight weight{impl_->basis->kernel(), diffusion / (support * support), bias};
   if (!kernel.compact()) {
     impl_->prepare_dense(nodes.points, support, weight);
   } else if (nodes.regular() && n > few_nodes) {
@@ -174,6 +191,11 @@ std::shared_ptr<const Expansion<Dim>> NodeSystem<Dim>::expansion(const Eigen::Ve
     tail.coefficients = Eigen::VectorXd::Constant(1, constant);
   }
   return std::make_shared<const Expansion<Dim>>(impl_->basis, mu.head(nodes()), std::move(tail), bounds);
+}
+
+template <int Dim>
+double NodeSystem<Dim>::laplacian_bias() const {
+  return impl_->laplacian_bias;
 }
 
 template <int Dim>
