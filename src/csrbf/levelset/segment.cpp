@@ -2,9 +2,10 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/levelset/edge_flow.hpp"
-#include "csrbf/levelset/lattice_field.hpp"
 #include "csrbf/levelset/region_forces.hpp"
 #include "csrbf/levelset/region_labels.hpp"
+#include "csrbf/levelset/segment_baselines.hpp"
+#include "csrbf/levelset/segment_fields.hpp"
 #include "csrbf/levelset/variational.hpp"
 
 #include <algorithm>
@@ -33,6 +34,9 @@ void check_options(const SegmentOptions& options) {
     require(options.seed.empty() && options.start.empty() && options.prior.empty(), here, "regions", options.regions,
             "seed, start and prior are for two regions");
   }
+  if (options.method != SegmentMethod::variational)
+    require(options.energy != SegmentEnergy::edge || options.force, here, "energy", "edge",
+            "needs the method variational");
   if (options.energy == SegmentEnergy::edge && !options.force)
     require(!options.seed.empty(), here, "energy", "edge", "needs a seed to start from (init)");
 }
@@ -94,71 +98,6 @@ IntensityLaw law_of(SegmentEnergy energy) {
   }
 }
 
-template <int Dim>
-std::shared_ptr<const Field<Dim>> make_field(const Lattice<Dim>& lattice, const std::vector<float>& coefficients,
-                                             const Grid& grid) {
-  typename LatticeField<Dim>::Data data;
-  data.kernel = lattice.kernel().name();
-  data.support = lattice.support();
-  const Point<Dim> first = lattice.first_node(), step = lattice.node_step();
-  Eigen::Transform<double, Dim, Eigen::Affine> nodes = Eigen::Transform<double, Dim, Eigen::Affine>::Identity();
-  nodes.linear() = step.cwiseInverse().asDiagonal();
-  nodes.translation() = -first.cwiseQuotient(step);
-  data.to_lattice = nodes * grid.template to_voxel<Dim>();
-  data.step = step.cwiseProduct(grid.spacing.template head<Dim>());
-  std::array<Index, 3> size{1, 1, 1};
-  for (int a = 0; a < Dim; ++a) size[static_cast<std::size_t>(a)] = lattice.nodes(a);
-  std::copy_n(size.begin(), Dim, data.size.begin());
-  data.coefficients.reserve(static_cast<std::size_t>(lattice.nodes()));
-  // About the signed distance: the mean slope in the voxels at the contour becomes 1.
-  double slope = 0;
-  const double voxels = lattice.sweep(
-      coefficients.data(), true,
-      [&](const LatticeRow& row) {
-        double count = 0;
-        for (Index i = 0; i < row.count; ++i) {
-          float g2 = 0;
-          for (std::size_t a = 0; a < Dim; ++a) g2 += row.gradient[a][i] * row.gradient[a][i];
-          const float distance2 = row.value[i] * row.value[i];
-          const auto edge = static_cast<float>(grid.spacing.template head<Dim>().minCoeff());
-          if (g2 > 0 && distance2 < edge * edge * g2) count += 1;
-        }
-        return count;
-      },
-      nullptr);
-  if (voxels > 0)
-    slope = lattice.sweep(
-                coefficients.data(), true,
-                [&](const LatticeRow& row) {
-                  double sum = 0;
-                  for (Index i = 0; i < row.count; ++i) {
-                    float g2 = 0;
-                    for (std::size_t a = 0; a < Dim; ++a) g2 += row.gradient[a][i] * row.gradient[a][i];
-                    const float distance2 = row.value[i] * row.value[i];
-                    const auto edge = static_cast<float>(grid.spacing.template head<Dim>().minCoeff());
-                    if (g2 > 0 && distance2 < edge * edge * g2) sum += std::sqrt(static_cast<double>(g2));
-                  }
-                  return sum;
-                },
-                nullptr) /
-            voxels;
-  const double factor = lattice.scale() / (slope > 0 ? slope : 1);
-  std::array<Index, 3> k{};
-  for (k[2] = 0; k[2] < size[2]; ++k[2])
-    for (k[1] = 0; k[1] < size[1]; ++k[1])
-      for (k[0] = 0; k[0] < size[0]; ++k[0])
-        data.coefficients.push_back(
-            factor * static_cast<double>(coefficients[static_cast<std::size_t>(lattice.coefficient(k))]));
-  const auto to_physical = grid.template to_physical<Dim>();
-  for (int corner = 0; corner < (1 << Dim); ++corner) {
-    Point<Dim> p;
-    for (int a = 0; a < Dim; ++a)
-      p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5 : -0.5;
-    data.bounds.add(to_physical * p);
-  }
-  return std::make_shared<LatticeField<Dim>>(std::move(data));
-}
-
 // The options with values in place of `automatic`, but for the center spacing and the shading.
 SegmentOptions choose_options(SegmentOptions options, int dimension) {
   const bool edge = options.energy == SegmentEnergy::edge && !options.force;
@@ -169,6 +108,7 @@ SegmentOptions choose_options(SegmentOptions options, int dimension) {
   // About 50 voxels tell two textures apart; centers then smooth on.
   if (!options.window)
     options.window = options.energy != SegmentEnergy::generalized_gaussian ? 0 : dimension == 2 ? 3 : 1;
+  if (!options.support) options.support = options.method == SegmentMethod::collocation ? 4 : 2.5;
   if (!options.fill_holes) options.fill_holes = options.mode == SegmentMode::local;
   return options;
 }
@@ -272,7 +212,35 @@ void choose_polarity(const Grid& grid, const SegmentOptions& options, Variationa
   if (options.regions > 2)
     std::swap(result.coefficients[0], result.coefficients[static_cast<std::size_t>(outside)]);
   else
-    for (float& c : result.coefficients[0]) c = -c;
+    for (std::vector<float>& set : result.coefficients)
+      for (float& c : set) c = -c;
+}
+
+// The variational method: on edges, locally or globally.
+template <int Dim>
+VariationalResult descend(const Lattice<Dim>& lattice, RegionForces<Dim>& forces, const ForceSource& source,
+                          std::span<const float> values, const Grid& grid, double noise, SegmentOptions& options,
+                          std::vector<std::uint8_t> labels) {
+  if (options.energy == SegmentEnergy::edge && !options.force)
+    return descend_to_edges(lattice, options, grid, edge_weights(values, grid), std::move(labels));
+  const bool local = options.mode == SegmentMode::local;
+  if (local && (!options.seed.empty() || !options.start.empty()))
+    return descend_locally(lattice, source, options, grid, noise, std::move(labels));
+  VariationalResult result = descend_globally(lattice, source, options, noise, std::move(labels));
+  if (!local && can_be_shaded(options)) shade(lattice, forces, source, noise, options, result);
+  choose_polarity(grid, options, result);
+  return local ? descend_locally(lattice, source, options, grid, noise, std::move(result.labels)) : result;
+}
+
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> make_fields(const Lattice<Dim>& lattice,
+                                                           const std::vector<std::vector<float>>& coefficients,
+                                                           const Grid& grid) {
+  std::vector<std::shared_ptr<const Field<Dim>>> single, fields;
+  for (const std::vector<float>& values : coefficients) single.push_back(lattice_field(lattice, values, grid));
+  if (single.size() == 1) return single;
+  for (std::size_t k = 0; k < single.size(); ++k) fields.push_back(largest_field<Dim>(single, k));
+  return fields;
 }
 
 }  // namespace
@@ -287,14 +255,14 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
 
   SegmentOptions used = choose_options(options, Dim);
   report(options.progress, "prepare", 0);
-  const bool edge = options.energy == SegmentEnergy::edge && !options.force;
   const bool local = used.mode == SegmentMode::local;
   RegionForces<Dim> forces(values, grid, options.mask, law_of(options.energy), options.regions, *used.window);
   const ForceSource source =
       with_prior(options.force ? custom_source(options) : intensity_source(forces, options.regions), options.prior);
 
   std::vector<std::uint8_t> labels;
-  if (!options.start.empty() || (!options.seed.empty() && (local || options.force))) {
+  const bool baseline = options.method != SegmentMethod::variational;
+  if (!options.start.empty() || (!options.seed.empty() && (local || baseline || options.force))) {
     labels = options.start.empty() ? options.seed : options.start;
     for (std::uint8_t& label : labels) label = label != 0 ? 1 : 0;
   } else {
@@ -303,22 +271,20 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   source.fit(labels);
   const double noise = measure_noise(source, labels, options.mask, grid);
   if (!used.center_spacing) used.center_spacing = choose_center_spacing(noise, Dim);
-  const Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, used.support, used.kernel});
 
   VariationalResult result;
-  if (edge) {
-    result = descend_to_edges(lattice, used, grid, edge_weights(values, grid), std::move(labels));
-  } else if (local) {
-    if (options.seed.empty()) {
-      result = descend_globally(lattice, source, used, noise, std::move(labels));
-      choose_polarity(grid, options, result);
-      labels = std::move(result.labels);
-    }
-    result = descend_locally(lattice, source, used, grid, noise, std::move(labels));
+  std::vector<std::shared_ptr<const Field<Dim>>> fields;
+  if (baseline) {
+    result.labels = std::move(labels);
+    if (options.seed.empty()) choose_polarity(grid, options, result);
+    BaselineResult<Dim> found = segment_by_baseline<Dim>(grid, source, used, *used.center_spacing, result.labels);
+    fields.push_back(std::move(found.field));
+    result.labels = std::move(found.labels);
+    result.report = std::move(found.report);
   } else {
-    result = descend_globally(lattice, source, used, noise, std::move(labels));
-    if (can_be_shaded(options)) shade(lattice, forces, source, noise, used, result);
-    choose_polarity(grid, options, result);
+    const Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
+    result = descend(lattice, forces, source, values, grid, noise, used, std::move(labels));
+    fields = make_fields(lattice, result.coefficients, grid);
   }
   if (!options.mask.empty())
     for (std::size_t i = 0; i < result.labels.size(); ++i)
@@ -328,8 +294,7 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   segmentation.report = std::move(result.report);
   SegmentReport& report = segmentation.report;
   report.noise = noise;
-  for (const std::vector<float>& coefficients : result.coefficients)
-    segmentation.fields.push_back(make_field(lattice, coefficients, grid));
+  segmentation.fields = std::move(fields);
   segmentation.labels = std::move(result.labels);
   report.regions = measure_regions(segmentation.labels, values, grid, options.mask, options.regions);
   report.components = count_components(segmentation.labels, grid);

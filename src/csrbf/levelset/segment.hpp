@@ -62,7 +62,8 @@ struct SegmentOptions {
   int regions = 2;  ///< 2 to 16; more than 2 in global mode of the variational method only
   /// Distance of the centres in voxels of the shortest edge, at least 1; automatic: 2 to 12, the more the noisier.
   std::optional<double> center_spacing = {};
-  double support = 2.5;                ///< support radius in center spacings
+  /// Support radius in center spacings; automatic: 2.5, for collocation 4 as in the thesis.
+  std::optional<double> support = {};
   std::string kernel = "wendland-c2";  ///< any compact kernel with a gradient; wendland-c4 for curvatures
   /// Weight of the length (area) of the contour relative to the contrast, in voxels: details whose radius is below it
   /// vanish. automatic: 0, as the centers smooth already; edge: 1.
@@ -105,8 +106,10 @@ struct RegionReport {
 struct SegmentReport {
   SegmentOptions options;  ///< with the values used in place of `automatic`; without arrays and functions
   int iterations = 0;
-  bool converged = false;      ///< labels had stopped changing
-  std::vector<double> energy;  ///< after each step, never increasing; 1 is what a voxel costs in the wrong region
+  bool converged = false;  ///< labels had stopped changing
+  /// After each step, per voxel: 1 is what a voxel costs in the wrong region. Never increases with the variational
+  /// method.
+  std::vector<double> energy;
   std::vector<RegionReport> regions;
   Index components = 0;  ///< connected parts (by faces) of all regions but 0
   double noise = 0;      ///< standard deviation of the noise of the energies over their contrast
