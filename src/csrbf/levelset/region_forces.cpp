@@ -31,7 +31,7 @@ double sum_in_parallel(Index n, Index step, const Body& body) {
 
 template <int Dim>
 RegionForces<Dim>::RegionForces(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask,
-                                IntensityLaw law, int regions, int window)
+                                IntensityLaw law, int regions)
     : values_(values),
       grid_(grid),
       mask_(mask),
@@ -39,7 +39,6 @@ RegionForces<Dim>::RegionForces(std::span<const float> values, const Grid& grid,
       regions_(regions),
       bins_(choose_bins(values, 256, mask)),
       indices_(bin_indices(values, bins_)) {
-  for (std::size_t a = 0; a < Dim; ++a) window_[a] = window;
   std::vector<std::uint8_t> labels(values.size(), 0);
   for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = inside(i) ? 0 : 255;
   all_ = region_histograms(indices_, labels, 1, bins_)[0];
@@ -136,11 +135,11 @@ void RegionForces<Dim>::fit(std::span<const std::uint8_t> labels) {
 template <int Dim>
 std::vector<Histogram> RegionForces<Dim>::histograms(std::span<const std::uint8_t> labels) const {
   std::vector<Histogram> whole = region_histograms(indices_, labels, regions_, bins_);
-  if (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian) return whole;
-  constexpr Index border = 3;
+  const bool widens = law_ == IntensityLaw::gaussian || law_ == IntensityLaw::generalized_gaussian;
+  if (!widens || border_ == 0) return whole;
   constexpr double enough = 0.5;
   std::array<Index, 3> width{0, 0, 0};
-  std::fill_n(width.begin(), Dim, border);
+  std::fill_n(width.begin(), Dim, border_);
   std::vector<Histogram> cores = region_histograms(indices_, region_cores(labels, grid_.size, width), regions_, bins_);
   for (std::size_t k = 0; k < whole.size(); ++k)
     if (cores[k].total() < enough * whole[k].total()) return whole;

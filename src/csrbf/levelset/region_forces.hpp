@@ -4,6 +4,7 @@
 #include "csrbf/levelset/region_model.hpp"
 #include "csrbf/levelset/segment.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -18,7 +19,7 @@ class RegionForces {
   /// `values`: finite, one per voxel; `mask` as in SegmentOptions. Both must outlive this. Throws InvalidInput for a
   /// constant image.
   RegionForces(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask, IntensityLaw law,
-               int regions, int window);
+               int regions);
 
   /// Labels to start from. Classes of the intensities; for the laws that tell textures apart the likeliest of these and
   /// of classes of local contrast.
@@ -26,6 +27,12 @@ class RegionForces {
 
   /// Estimates the statistics of the regions with these labels.
   void fit(std::span<const std::uint8_t> labels);
+
+  /// Half width of the boxes over which costs are averaged.
+  void set_window(int window) { std::fill_n(window_.begin(), Dim, window); }
+
+  /// Width of the borders between regions that laws with a width are not fitted to; 0: they are fitted to all voxels.
+  void set_border(Index border) { border_ = border; }
 
   /// Lets the means of the regions vary: polynomials of that degree (0, 1, 2) from the next fit() on.
   void set_shading_degree(int degree) { degree_ = degree; }
@@ -79,6 +86,7 @@ class RegionForces {
   IntensityLaw law_;
   int regions_;
   std::array<Index, 3> window_{0, 0, 0};
+  Index border_ = 3;
   int degree_ = 0;
   IntensityBins bins_;
   std::vector<std::uint8_t> indices_;

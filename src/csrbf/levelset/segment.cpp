@@ -99,18 +99,21 @@ IntensityLaw law_of(SegmentEnergy energy) {
 }
 
 // The options with values in place of `automatic`, but for the center spacing and the shading.
-SegmentOptions choose_options(SegmentOptions options, int dimension) {
+SegmentOptions choose_options(SegmentOptions options) {
   const bool edge = options.energy == SegmentEnergy::edge && !options.force;
   if (edge) options.mode = SegmentMode::local;
   const bool smooth_by_centers = !options.smoothness || *options.smoothness > 0;
   if (!options.center_spacing && !smooth_by_centers) options.center_spacing = 1;
   if (!options.smoothness) options.smoothness = edge ? 1 : 0;
-  // About 50 voxels tell two textures apart; centers then smooth on.
-  if (!options.window)
-    options.window = options.energy != SegmentEnergy::generalized_gaussian ? 0 : dimension == 2 ? 3 : 1;
   if (!options.support) options.support = options.method == SegmentMethod::collocation ? 4 : 2.5;
   if (!options.fill_holes) options.fill_holes = options.mode == SegmentMode::local;
   return options;
+}
+
+// About 50 voxels of their own noise tell two textures apart; centers then smooth on.
+int choose_window(const SegmentOptions& options, const ForceNoise& noise, int dimension) {
+  if (options.energy != SegmentEnergy::generalized_gaussian || options.force) return 0;
+  return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
 }
 
 template <int Dim>
@@ -162,15 +165,16 @@ ForceSource with_prior(ForceSource source, const std::vector<float>& prior) {
   return source;
 }
 
-double measure_noise(const ForceSource& source, const std::vector<std::uint8_t>& labels,
-                     const std::vector<std::uint8_t>& mask, const Grid& grid) {
-  double noise = 0;
+ForceNoise measure_noise(const ForceSource& source, const std::vector<std::uint8_t>& labels,
+                         const std::vector<std::uint8_t>& mask, const Grid& grid) {
+  ForceNoise noise;
   std::vector<float> force(labels.size());
   std::vector<std::uint8_t> is_k(labels.size());
   for (int k = source.regions == 2 ? 1 : 0; k < source.regions; ++k) {
     source.force(k, 1, force);
     for (std::size_t i = 0; i < labels.size(); ++i) is_k[i] = labels[i] == k ? 1 : 0;
-    noise = std::max(noise, force_noise(force, is_k, mask, grid));
+    const ForceNoise found = force_noise(force, is_k, mask, grid);
+    noise = {std::max(noise.size, found.size), std::max(noise.grain, found.grain)};
   }
   return noise;
 }
@@ -253,10 +257,10 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   const std::vector<float> repaired = finite_values(image, options.mask);
   const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
 
-  SegmentOptions used = choose_options(options, Dim);
+  SegmentOptions used = choose_options(options);
   report(options.progress, "prepare", 0);
   const bool local = used.mode == SegmentMode::local;
-  RegionForces<Dim> forces(values, grid, options.mask, law_of(options.energy), options.regions, *used.window);
+  RegionForces<Dim> forces(values, grid, options.mask, law_of(options.energy), options.regions);
   const ForceSource source =
       with_prior(options.force ? custom_source(options) : intensity_source(forces, options.regions), options.prior);
 
@@ -269,7 +273,14 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     labels = forces.start();
   }
   source.fit(labels);
-  const double noise = measure_noise(source, labels, options.mask, grid);
+  ForceNoise noise = measure_noise(source, labels, options.mask, grid);
+  constexpr double speckle = 1.5;  // a grain above: borders are within what the laws spread over anyway
+  if (noise.grain > speckle) forces.set_border(0);
+  if (!used.window) used.window = choose_window(options, noise, Dim);
+  if (*used.window > 0) {
+    forces.set_window(*used.window);
+    noise = measure_noise(source, labels, options.mask, grid);
+  }
   if (!used.center_spacing) used.center_spacing = choose_center_spacing(noise, Dim);
 
   VariationalResult result;
@@ -283,7 +294,7 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     result.report = std::move(found.report);
   } else {
     const Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
-    result = descend(lattice, forces, source, values, grid, noise, used, std::move(labels));
+    result = descend(lattice, forces, source, values, grid, noise.size, used, std::move(labels));
     fields = make_fields(lattice, result.coefficients, grid);
   }
   if (!options.mask.empty())
@@ -293,7 +304,7 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   Segmentation<Dim> segmentation;
   segmentation.report = std::move(result.report);
   SegmentReport& report = segmentation.report;
-  report.noise = noise;
+  report.noise = noise.size;
   segmentation.fields = std::move(fields);
   segmentation.labels = std::move(result.labels);
   report.regions = measure_regions(segmentation.labels, values, grid, options.mask, options.regions);

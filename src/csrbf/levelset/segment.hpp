@@ -69,7 +69,7 @@ struct SegmentOptions {
   /// vanish. automatic: 0, as the centers smooth already; edge: 1.
   std::optional<double> smoothness = {};
   /// Half width in voxels of the box over which energies are averaged, eq. (8.32); automatic: 0, for
-  /// generalized_gaussian 1.
+  /// generalized_gaussian 3 (in a volume 1) and up to three times that in speckle.
   std::optional<int> window = {};
   Shading shading = Shading::automatic;  ///< of chan_vese and gaussian in global mode
   double balloon = 0;                    ///< of edge: pressure in [-1, 1] towards growth (> 0) or shrinking

@@ -24,15 +24,21 @@ struct VariationalResult {
   SegmentReport report;  ///< iterations, converged, energy
 };
 
-/// The noise of a force: standard deviation of its differences from voxel to voxel, over half the difference of its
-/// means in the two regions; large when the regions cannot be told apart.
-double force_noise(std::span<const float> force, std::span<const std::uint8_t> labels,
-                   std::span<const std::uint8_t> mask, const Grid& grid);
+/// How noisy a force is.
+struct ForceNoise {
+  double size = 0;   ///< standard deviation over the difference of the means in the two regions
+  double grain = 1;  ///< 1: from voxel to voxel; up to 3 where neighbours are alike, as in speckle
+};
+
+/// From second differences of neighbours along x, and of voxels further apart inside the regions. A large size says
+/// that single voxels cannot tell the regions apart.
+ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_t> labels,
+                       std::span<const std::uint8_t> mask, const Grid& grid);
 
 /// The center spacing for that noise.
-double choose_center_spacing(double noise, int dimension);
+double choose_center_spacing(const ForceNoise& noise, int dimension);
 
-/// Statistics and contours in turns, everywhere at once, from `labels`; `noise` as force_noise().
+/// Statistics and contours in turns, everywhere at once, from `labels`; `noise` as ForceNoise::size.
 template <int Dim>
 VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSource& source,
                                    const SegmentOptions& options, double noise, std::vector<std::uint8_t> labels);
