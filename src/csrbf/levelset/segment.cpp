@@ -275,7 +275,10 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   source.fit(labels);
   ForceNoise noise = measure_noise(source, labels, options.mask, grid);
   constexpr double speckle = 1.5;  // a grain above: borders are within what the laws spread over anyway
-  if (noise.grain > speckle) forces.set_border(0);
+  if (noise.grain > speckle) {
+    forces.set_border(0);
+    source.fit(labels);
+  }
   if (!used.window) used.window = choose_window(options, noise, Dim);
   if (*used.window > 0) {
     forces.set_window(*used.window);
