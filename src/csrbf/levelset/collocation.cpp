@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/levelset/label_gap.hpp"
 #include "csrbf/levelset/node_system.hpp"
 #include "csrbf/levelset/signed_distance.hpp"
 #include "csrbf/levelset/voxel_sampler.hpp"
@@ -53,17 +54,6 @@ Box<Dim> image_box(const Grid& grid) {
     box.add(Point<Dim>(map * p));
   }
   return box;
-}
-
-// What the voxels on the wrong side would save, as a share.
-double gap(const std::vector<unsigned char>& labels, const std::vector<float>& force) {
-  double wrong = 0, all = 0;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const double size = std::abs(static_cast<double>(force[i]));
-    all += size;
-    if ((force[i] > 0) == (labels[i] != 0)) wrong += size;
-  }
-  return all > 0 ? wrong / all : 0;
 }
 
 template <int Dim>
@@ -118,7 +108,7 @@ class Collocation {
       const Index changed = sampler_->labels(*system_, mu_, result_.labels.data());
       watch.lap(result_.evaluate_seconds);
       result_.changes.push_back(changed);
-      result_.gaps.push_back(gap(result_.labels, force));
+      result_.gaps.push_back(label_gap(result_.labels, force));
       const bool calm_now = static_cast<double>(changed) <= options_.tolerance * static_cast<double>(labels_size_);
       calm = calm_now ? calm + 1 : 0;
       result_.converged = calm >= calm_enough;
@@ -194,9 +184,9 @@ template <int Dim>
 CollocationResult<Dim> collocate(const Grid& grid, const Nodes<Dim>& nodes, const unsigned char* start,
                                  const ForceUpdate& force, const CollocationOptions& options) {
   Collocation<Dim> scheme(grid, nodes, force, options);
-  const std::vector<double> distance = signed_distance(grid, start);
+  const std::vector<float> distance = signed_distance(grid, start);
   const auto weights = linear_weights<Dim>(grid, nodes.points);
-  return scheme.run(weights * Eigen::Map<const Eigen::VectorXd>(distance.data(), grid.voxels()));
+  return scheme.run(weights * Eigen::Map<const Eigen::VectorXf>(distance.data(), grid.voxels()).cast<double>());
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                         \
