@@ -269,6 +269,16 @@ TEST(Segment, DoesWhatTheThesisDid) {
   EXPECT_GT(dice(segment<2>(phantom.image, options).labels, phantom.truth), 0.985);
 }
 
+TEST(Segment, MovesFrontsOnVoxels) {
+  const Phantom phantom = make_phantom(n, islands, 2, 7.5);
+  SegmentOptions options;
+  options.method = SegmentMethod::finite_difference;
+  options.smoothness = 0.2;
+  const Segmentation<2> result = segment<2>(phantom.image, options);
+  EXPECT_GT(dice(result.labels, phantom.truth), 0.98);
+  EXPECT_EQ(result.report.components, 2);
+}
+
 TEST(Segment, FollowsAForceOfTheCaller) {
   const Phantom phantom = make_phantom(n, islands, 1, 0);
   SegmentOptions options;

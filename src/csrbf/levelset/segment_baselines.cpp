@@ -1,6 +1,7 @@
 #include "csrbf/levelset/segment_baselines.hpp"
 
 #include "csrbf/levelset/collocation.hpp"
+#include "csrbf/levelset/finite_difference.hpp"
 
 #include <cmath>
 
@@ -27,6 +28,18 @@ BaselineResult<Dim> segment_by_baseline(const Grid& grid, const ForceSource& sou
                                         double center_spacing, const std::vector<std::uint8_t>& labels) {
   BaselineResult<Dim> result;
   const ForceUpdate force = update_from(source, labels.size(), result.report.energy);
+  if (options.method == SegmentMethod::finite_difference) {
+    FiniteDifferenceOptions how;
+    how.length = *options.smoothness;
+    how.iterations = 10 * options.iterations;  // of half a voxel
+    how.progress = options.progress;
+    FiniteDifferenceResult<Dim> found = finite_difference<Dim>(grid, labels.data(), force, how);
+    result.labels = std::move(found.labels);
+    result.field = found.field;
+    result.report.iterations = found.iterations;
+    result.report.converged = found.converged;
+    return result;
+  }
   CollocationOptions how;
   how.kernel = options.kernel;
   how.iterations = options.iterations;
