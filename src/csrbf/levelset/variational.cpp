@@ -15,6 +15,7 @@ constexpr int fit_steps = 6;        // of conjugate gradients: the noise of the 
 constexpr int descent_steps = 4;    // between two estimates of the statistics
 constexpr double still = 3e-4;      // share of labels that may change at rest
 constexpr double little = 0.05;     // share of the decrease so far below which a round is the last
+constexpr double noisy = 0.01;      // above, a share of .01 of the energy is not worth a round, below it is one of .001
 constexpr double least_eps = 0.03;  // below, H is a step for any voxel
 constexpr double noise_to_eps = 3;  // the contour averages voxels that noise alone could move across it
 
@@ -186,8 +187,10 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
     }
     const Index changed = label_voxels(lattice, sets, labels);
     const double first = report.energy.front(), last = report.energy.back();
-    report.converged = static_cast<double>(changed) <= still * static_cast<double>(voxels) ||
-                       energy_before - last <= little * (first - last);
+    const double hardly = noise > noisy ? 0.01 : 0.001;
+    report.converged =
+        static_cast<double>(changed) <= (noise > noisy ? still : 0.1 * still) * static_cast<double>(voxels) ||
+        energy_before - last <= std::max(little * (first - last), hardly * std::abs(last));
   }
   for (LevelSet<Dim>& set : sets) result.coefficients.push_back(std::move(set.coefficients));
   result.labels = std::move(labels);
