@@ -161,7 +161,7 @@ Box<2> checked_bounds(const Field<2>& field, const ContourLinesOptions& options)
           options.resolution, "must be between 1 and 16384 cells along the longest side, or 0 for automatic");
   require(std::isfinite(options.level), "contour_lines", "level", options.level, "must be finite");
   const bool own = options.bounds.lo == Box<2>().lo && options.bounds.hi == Box<2>().hi;
-  const Box<2> bounds = own ? field.bounds() : options.bounds;
+  Box<2> bounds = own ? field.bounds() : options.bounds;
   require(!bounds.empty() && bounds.extent().allFinite() && bounds.extent().minCoeff() > 0, "contour_lines",
           own ? "field.bounds()" : "bounds",
           bounds.extent().transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, 0, " x ")),
