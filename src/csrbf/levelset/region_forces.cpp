@@ -175,10 +175,16 @@ void RegionForces<Dim>::set_state(State state) {
   make_tables();
 }
 
+// In units of the range, where no square is too large or too small for a float.
 template <int Dim>
 void RegionForces<Dim>::make_tables() {
+  const double range = bins_.hi - bins_.lo;
   tables_.clear();
-  for (const RegionModel& model : state_.models) tables_.push_back(energy_table(model, bins_));
+  for (RegionModel model : state_.models) {
+    model.location = (model.location - bins_.lo) / range;
+    model.scale /= range;
+    tables_.push_back(energy_table(model, {0, 1, bins_.count}));
+  }
 }
 
 // 1, x, y, (z), then the products, of coordinates in [-1, 1].
@@ -312,11 +318,12 @@ double RegionForces<Dim>::table_force(int k, double scale, std::span<float> forc
 
 template <int Dim>
 double RegionForces<Dim>::shaded_force(int k, double scale, std::span<float> force) const {
+  const double range = bins_.hi - bins_.lo;
   const auto cost = [&](std::size_t l, double value, double mean) {
-    const double off = value - mean;
+    const double off = (value - mean) / range;
     if (law_ == IntensityLaw::chan_vese) return off * off;
-    const double sd = state_.models[l].scale;
-    return 0.5 * off * off / (sd * sd) + std::log(sd / (bins_.hi - bins_.lo));
+    const double sd = state_.models[l].scale / range;
+    return 0.5 * off * off / (sd * sd) + std::log(sd);
   };
   // Along a row the means are parabolas in x.
   return sum_in_parallel(grid_.size[1] * grid_.size[2], 8, [&](Index begin, Index end) {

@@ -31,6 +31,13 @@ double mean_size(std::span<const float> force) {
   return std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(n);
 }
 
+// What a voxel in the wrong region costs. Regions of one law cost nothing: then any scale will do.
+double force_scale(std::span<const float> force) {
+  constexpr double least = 1e-12;
+  const double mean = mean_size(force);
+  return mean > least ? mean : 1;
+}
+
 // Without noise each voxel at the contour may be obeyed; with it the mean of many must.
 double choose_anchor(double noise) {
   return std::clamp(0.3 + 120 * noise, 0.3, 6.0);
@@ -142,7 +149,7 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
   for (int k = two ? 1 : 0; k < source.regions; ++k)
     sets.emplace_back(lattice, voxels, options.smoothness.value_or(0), noise);
   source.force(two ? 1 : 0, 1, sets[0].force);
-  const double scale = std::max(mean_size(sets[0].force), std::numeric_limits<double>::min());
+  const double scale = force_scale(sets[0].force);
   const auto take_forces = [&] {
     for (std::size_t i = 0; i < sets.size(); ++i)
       sets[i].others = source.force(two ? 1 : static_cast<int>(i), scale, sets[i].force) / scale;
@@ -247,7 +254,7 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
 
   source.fit(labels);
   source.force(1, 1, set.force);
-  const double scale = std::max(mean_size(set.force), std::numeric_limits<double>::min());
+  const double scale = force_scale(set.force);
   set.others = source.force(1, scale, set.force) / scale;
   set.energy.eps = step.eps = std::max({0.1, noise_to_eps * noise, least_width(lattice, set.energy)});
   double energy = set.total(lattice);
