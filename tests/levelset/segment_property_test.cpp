@@ -101,7 +101,7 @@ void expect_sound(const Volume<float>& image, const SegmentOptions& options) {
 
 TEST(SegmentProperties, HoldForRandomImagesAndOptionsOrAnErrorSaysWhyNot) {
   int refused = 0;
-  constexpr int cases = 300;
+  constexpr int cases = 150;
   for (unsigned seed = 0; seed < cases; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
