@@ -111,6 +111,7 @@ struct EvaluateCommand {
   bool gradient = false;
   bool hessian = false;
   bool standard_deviation = false;
+  bool labels = false;
 };
 
 struct InpaintCommand {

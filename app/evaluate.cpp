@@ -54,6 +54,17 @@ Eigen::MatrixXd evaluate_grid(const NamedFunction& model, const Places& places, 
   return answers;
 }
 
+// Replaces the values by labels: one row.
+void make_labels(Eigen::MatrixXd& answers) {
+  Eigen::MatrixXd labels(1, answers.cols());
+  for (Index i = 0; i < answers.cols(); ++i) {
+    Index largest = 0;
+    const double value = answers.col(i).maxCoeff(&largest);
+    labels(0, i) = answers.rows() > 1 ? static_cast<double>(largest) : value > 0 ? 1 : 0;
+  }
+  answers = std::move(labels);
+}
+
 // columns x places: the memory of an image with the columns as components.
 Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
                              const Progress& progress) {
@@ -123,6 +134,8 @@ void tell_values(const std::string& output, const Eigen::MatrixXd& values, const
 
 void run(const EvaluateCommand& command, Session& session) {
   check_places(command);
+  if (command.labels && (command.gradient || command.hessian || command.standard_deviation))
+    throw UsageError("--labels: labels have no derivatives or deviations; leave those flags out");
   session.expect_output(command.output);
   const NamedFunction model = session.timed("read", [&] { return read_function(command.input); });
   const Places places = session.timed("read", [&] { return make_places(command, model); });
@@ -133,14 +146,20 @@ void run(const EvaluateCommand& command, Session& session) {
                      {"like", command.like.empty() ? Json(nullptr) : Json(command.like)},
                      {"gradient", command.gradient},
                      {"hessian", command.hessian},
-                     {"standard_deviation", command.standard_deviation}};
+                     {"standard_deviation", command.standard_deviation},
+                     {"labels", command.labels}};
   session.options.update(places.options);
   const Wanted wanted{command.gradient, command.hessian, command.standard_deviation};
-  const std::vector<std::string> columns = column_names(model, wanted);
+  std::vector<std::string> columns = column_names(model, wanted);
   Eigen::MatrixXd answers = session.timed("evaluate", [&] {
     return evaluate_all(model, places, wanted, static_cast<Index>(columns.size()), session.progress());
   });
-  tell_values(command.output, answers.topRows(model.function.components()), columns, session);
+  if (command.labels) {
+    make_labels(answers);
+    columns = {"label"};
+  }
+  const Index values = command.labels ? 1 : model.function.components();
+  tell_values(command.output, answers.topRows(values), columns, session);
   session.write([&] { write_answers(command.output, model, places, columns, std::move(answers)); });
 }
 

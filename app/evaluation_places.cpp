@@ -108,7 +108,7 @@ Places on_image(const EvaluateCommand& command, const NamedFunction& model) {
   layout.frames = 1;
   layout.components = 1;
   const bool is_floating = layout.type == SampleType::float32 || layout.type == SampleType::float64;
-  if (is_picture_file(command.output) && is_floating)
+  if (is_picture_file(command.output) && is_floating && !command.labels)
     throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.like +
                      " does not; write .tif, .nii.gz, .nrrd or .npy");
   if (!is_picture_file(command.output) && !is_floating) layout.type = SampleType::float64;
@@ -127,7 +127,7 @@ void check_places(const EvaluateCommand& command) {
   if (!is_table_file(output) && !is_volume_file(output))
     throw UsageError("--output " + output + ": unknown extension \"" + file_extension(output) +
                      "\"; values on a grid go to .npy .nii .nii.gz .nrrd .mha .mhd .tif, or .csv and .txt");
-  if (!command.grid.empty() && is_picture_file(output))
+  if (!command.grid.empty() && is_picture_file(output) && !command.labels)
     throw UsageError("--output " + output +
                      ": pictures hold whole numbers; write .tif, .nii.gz, .nrrd or .npy, or give "
                      "--like a picture whose type to take");
@@ -137,6 +137,7 @@ Places make_places(const EvaluateCommand& command, const NamedFunction& model) {
   if (!command.points.empty()) return at_points(command.points, model);
   Places places = command.grid.empty() ? on_image(command, model) : on_grid(command, model);
   places.is_image = is_volume_file(command.output);
+  if (command.labels) places.layout.type = SampleType::uint8;
   return places;
 }
 

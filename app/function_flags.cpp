@@ -45,7 +45,7 @@ void declare(Verb v, FitCommand& c) {
 }
 
 void declare(Verb v, EvaluateCommand& c) {
-  v.argument("MODEL", c.input, "model to read: .csrbf, of csrbf fit or of a surface");
+  v.argument("MODEL", c.input, "model to read: .csrbf, of csrbf fit or csrbf segment");
   v.output(c.output, std::string("values to write: .csv .txt .npy, or - for text on standard output; grids also as "
                                  "images: ") +
                          image_formats);
@@ -59,6 +59,10 @@ void declare(Verb v, EvaluateCommand& c) {
   v.toggle("--hessian", c.hessian, "write the upper triangle of the Hessian behind them");
   v.toggle("--standard-deviation", c.standard_deviation,
            "write last by how much a sample there would differ from the value (interpolate and partition-of-unity)");
+  v.toggle(
+      "--labels", c.labels,
+      "write labels instead of values, as of csrbf segment: 1 where the only component is positive, 0 elsewhere; of "
+      "several the number of the largest, from 0");
   v.add_common();
 }
 

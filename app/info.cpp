@@ -108,6 +108,13 @@ void tell_function(const NamedFunction& named, Session& session) {
   for (Index a = 0; a < lo.size(); ++a)
     box += (a > 0 ? ", " : "") + named.coordinate_names[static_cast<std::size_t>(a)] + " from " + rounded(lo[a]) +
            " to " + rounded(hi[a]);
+  if (r.method == "segment") {
+    session.say("model:       " + counted(function.components(), "level set") + " of " +
+                joined(named.coordinate_names) + ", of an image of " + counted(r.samples, "voxel"));
+    session.say("bounds:      " + box);
+    session.say("centers:     " + counted(r.centers, "center") + " of " + r.kernel + ", support " + rounded(r.support));
+    return;
+  }
   session.say("model:       function " + joined(named.value_names) + " of " + joined(named.coordinate_names) +
               ", fitted to " + counted(r.samples, "sample"));
   session.say("bounds:      " + box);

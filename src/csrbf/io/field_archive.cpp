@@ -6,8 +6,10 @@
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/field_parts.hpp"
+#include "csrbf/io/lattice_archive.hpp"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace csrbf {
@@ -69,6 +71,22 @@ std::shared_ptr<const PowerFunction<Dim>> power_from(const Archive& archive,
   return std::make_shared<const PowerFunction<Dim>>(std::move(basis), degree, smoothing, weights);
 }
 
+// The archive of a level set on a lattice, when the field is one.
+template <int Dim>
+std::optional<Archive> lattice_archive(const Field<Dim>& field) {
+  if constexpr (Dim == 2 || Dim == 3)
+    if (const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(&field)) return to_archive(*lattice);
+  return std::nullopt;
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> lattice_from(const Archive& archive) {
+  if constexpr (Dim == 2 || Dim == 3)
+    return lattice_field_from<Dim>(archive);
+  else
+    archive.fail("level sets have 2 or 3 variables, not " + std::to_string(Dim));
+}
+
 // The archive of a fitted field but for the field inside.
 template <int Dim>
 Archive to_archive(const typename FittedField<Dim>::Frame& frame) {
@@ -100,7 +118,7 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
 
 bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
-         kind == fitted_kind;
+         kind == fitted_kind || kind == lattice_kind;
 }
 
 template <int Dim>
@@ -142,6 +160,8 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     const RadialBasis<Dim>& basis = *power.basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
     archive.set("power", share(&power, [&] { return to_archive(power); }));
+  } else if (std::optional<Archive> lattice = lattice_archive(field)) {
+    archive = std::move(*lattice);
   } else {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
@@ -206,6 +226,7 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
     return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive));
   }
+  if (archive.kind == lattice_kind) return lattice_from<Dim>(archive);
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
 }
 

@@ -4,10 +4,44 @@
 #include "csrbf/io/archive.hpp"
 #include "csrbf/io/function_archive.hpp"
 #include "csrbf/io/surface_archive.hpp"
+#include "csrbf/levelset/lattice_field.hpp"
 
 #include <utility>
 
 namespace csrbf {
+namespace {
+
+template <int Dim>
+NamedFunction function_of(const Segmentation<Dim>& segmentation) {
+  const SegmentOptions& options = segmentation.report.options;
+  Fit<Dim> fit{segmentation.fields, {}, {}};
+  fit.report.method = "segment";
+  fit.report.kernel = options.kernel;
+  fit.report.samples = static_cast<Index>(segmentation.labels.size());
+  fit.report.smoothing = options.smoothness.value_or(0);
+  fit.report.axis_scales.assign(Dim, 1.0);
+  for (const auto& field : segmentation.fields) {
+    const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(field.get());
+    if (lattice == nullptr) continue;
+    fit.report.centers += static_cast<Index>(lattice->data().coefficients.size());
+    fit.report.support = lattice->data().support;
+  }
+  NamedFunction named{Function(std::move(fit))};
+  const std::size_t fields = segmentation.fields.size();
+  if (fields == 1) named.value_names = {"level_set"};
+  for (std::size_t k = 0; fields > 1 && k < fields; ++k) named.value_names.push_back("region" + std::to_string(k));
+  return named;
+}
+
+}  // namespace
+
+NamedFunction to_function(const Segmentation<2>& segmentation) {
+  return function_of(segmentation);
+}
+
+NamedFunction to_function(const Segmentation<3>& segmentation) {
+  return function_of(segmentation);
+}
 
 void write_model(const std::string& path, const Field<3>& field) {
   write_archive(path, surface_to_archive(field));

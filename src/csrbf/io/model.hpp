@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/function.hpp"
 #include "csrbf/core/field.hpp"
+#include "csrbf/levelset/segment.hpp"
 
 #include <memory>
 #include <string>
@@ -23,6 +24,12 @@ struct NamedFunction {
   std::vector<std::string> coordinate_names = {};  ///< empty: x y z, or x1 x2 ... from four on
   std::vector<std::string> value_names = {};       ///< empty: value, or value1 value2 ...
 };
+
+/// The level sets of a segmentation as a function of two or three variables, for write_model(): of two regions the one
+/// component `level_set`, positive in region 1; of more one for each, `region0`, `region1`, ..., of which the largest
+/// says the label of a place. Those in space with one component are surfaces, which read_model() reads as well.
+NamedFunction to_function(const Segmentation<2>& segmentation);
+NamedFunction to_function(const Segmentation<3>& segmentation);
 
 /// Writes a fitted function with its report to a .csrbf file, complete or not at all: read_function() gives the same
 /// values, bit for bit. Throws InvalidInput for fields that have no file form and when the numbers of names do not

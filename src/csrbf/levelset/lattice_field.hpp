@@ -9,7 +9,8 @@
 namespace csrbf {
 
 /// A sum of equal CSRBFs at the nodes of a regular lattice, f(p) = sum_j c_j phi(|A (p - p_j)| / sigma), in physical
-/// coordinates: the level sets of segment().
+/// coordinates: the level sets of segment(). About 0.5 us per value in 3D with a support of 2.5 steps, 0.15 us in 2D;
+/// with gradient and Hessian twice as much.
 template <int Dim>
 class LatticeField final : public Field<Dim> {
  public:
@@ -28,14 +29,20 @@ class LatticeField final : public Field<Dim> {
 
   void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
   [[nodiscard]] Box<Dim> bounds() const override { return data_.bounds; }
+  /// Between neighbouring nodes inside the bounds on different sides of the zero set: parts of it that lie within one
+  /// cell of the lattice are left out. One value per node.
+  [[nodiscard]] Points<Dim> seeds() const override;
   [[nodiscard]] double detail() const override { return data_.step.minCoeff(); }
   [[nodiscard]] const Data& data() const { return data_; }
 
  private:
+  struct Workspace;
+  void gather(const Point<Dim>& at, Workspace& w) const;
+  [[nodiscard]] Index most_nodes() const;
+
   Data data_;
   Kernel kernel_;
   Eigen::Matrix<double, Dim, Dim> linear_;  // physical offset -> lengths along the lattice axes
-  std::array<Index, Dim> reach_;
 };
 
 }  // namespace csrbf
