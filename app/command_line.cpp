@@ -20,7 +20,7 @@ namespace {
 // The program's arguments: one struct per verb, of which the parsed one is taken.
 class Parser {
  public:
-  Parser() : app_("Smooth functions and surfaces from scattered data", "csrbf") {
+  Parser() : app_("Smooth functions and surfaces from scattered data and images", "csrbf") {
     app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version");
     app_.set_help_flag("-h,--help", "print this; csrbf VERB --help says more about a verb");
     app_.require_subcommand(1);
@@ -44,6 +44,9 @@ class Parser {
                          "csrbf evaluate depth.csrbf -o depth.npy --grid 800,600 --bounds 0:4,0:3");
     add<InpaintCommand>("inpaint", "Fill missing pixels of an image",
                         "csrbf inpaint photo.png -o filled.png --mask scratches.png");
+    add<SegmentCommand>("segment", "Find the parts of an image by level sets",
+                        "csrbf segment brain.nii.gz -o labels.nii.gz --mode local --init sphere:12,-8,30,10 --contour "
+                        "brain.ply");
     add<CompareCommand>("compare", "Measure how meshes, points or label images differ",
                         "csrbf compare mesh.ply reference.ply --report comparison.json");
     add<InfoCommand>("info", "Say what a file of points, an image, a mesh or a model holds", "csrbf info scan.ply");

@@ -121,9 +121,29 @@ struct InpaintCommand {
   FitFlags fit;
 };
 
-using Command =
-    std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand, CurvatureCommand,
-                 CombineCommand, FitCommand, EvaluateCommand, InpaintCommand, CompareCommand, InfoCommand>;
+struct SegmentCommand {
+  std::string input, output;
+  std::string energy = "chan-vese";
+  std::string init = "auto";
+  int regions = 2;
+  std::optional<double> center_spacing;
+  std::optional<double> support;
+  std::string kernel = "wendland-c2";
+  std::string smoothness = "auto";
+  std::optional<int> window;
+  std::string shading = "auto";
+  double balloon = 0;
+  std::string fill_holes = "auto";
+  std::string mask;
+  std::string mode = "global";
+  std::string method = "variational";
+  int iterations = 100;
+  std::string contour, model, preview;
+};
+
+using Command = std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand,
+                             CurvatureCommand, CombineCommand, FitCommand, EvaluateCommand, InpaintCommand,
+                             CompareCommand, InfoCommand, SegmentCommand>;
 
 struct CommandLine {
   std::string verb;

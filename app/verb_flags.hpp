@@ -81,5 +81,6 @@ void declare(Verb v, InfoCommand& c);
 void declare(Verb v, FitCommand& c);
 void declare(Verb v, EvaluateCommand& c);
 void declare(Verb v, InpaintCommand& c);
+void declare(Verb v, SegmentCommand& c);
 
 }  // namespace csrbf::app

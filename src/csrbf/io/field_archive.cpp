@@ -7,9 +7,9 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/field_parts.hpp"
 #include "csrbf/io/lattice_archive.hpp"
+#include "csrbf/levelset/segment_fields.hpp"
 
 #include <cmath>
-#include <optional>
 #include <utility>
 
 namespace csrbf {
@@ -22,6 +22,8 @@ constexpr const char* moving_kind = "moving least squares";
 constexpr const char* fitted_kind = "fitted field";
 constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
+constexpr const char* largest_kind = "largest level set";
+constexpr std::int64_t most_regions = 256;
 constexpr std::int64_t most_levels = 1024;
 
 template <int Dim>
@@ -71,22 +73,6 @@ std::shared_ptr<const PowerFunction<Dim>> power_from(const Archive& archive,
   return std::make_shared<const PowerFunction<Dim>>(std::move(basis), degree, smoothing, weights);
 }
 
-// The archive of a level set on a lattice, when the field is one.
-template <int Dim>
-std::optional<Archive> lattice_archive(const Field<Dim>& field) {
-  if constexpr (Dim == 2 || Dim == 3)
-    if (const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(&field)) return to_archive(*lattice);
-  return std::nullopt;
-}
-
-template <int Dim>
-std::shared_ptr<const Field<Dim>> lattice_from(const Archive& archive) {
-  if constexpr (Dim == 2 || Dim == 3)
-    return lattice_field_from<Dim>(archive);
-  else
-    archive.fail("level sets have 2 or 3 variables, not " + std::to_string(Dim));
-}
-
 // The archive of a fitted field but for the field inside.
 template <int Dim>
 Archive to_archive(const typename FittedField<Dim>::Frame& frame) {
@@ -118,7 +104,7 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
 
 bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
-         kind == fitted_kind || kind == lattice_kind;
+         kind == fitted_kind || kind == lattice_kind || kind == largest_kind;
 }
 
 template <int Dim>
@@ -160,12 +146,32 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     const RadialBasis<Dim>& basis = *power.basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
     archive.set("power", share(&power, [&] { return to_archive(power); }));
-  } else if (std::optional<Archive> lattice = lattice_archive(field)) {
-    archive = std::move(*lattice);
-  } else {
+  } else if (!level_set(field, archive)) {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
   return archive;
+}
+
+// The archive of a level set of a segmentation, if the field is one.
+template <int Dim>
+bool FieldWriter<Dim>::level_set(const Field<Dim>& field, Archive& archive) {
+  if constexpr (Dim == 2 || Dim == 3) {
+    if (const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(&field)) {
+      archive = to_archive(*lattice);
+      return true;
+    }
+    if (const auto* largest = dynamic_cast<const LargestField<Dim>*>(&field)) {
+      archive.kind = largest_kind;
+      archive.set("number", largest->number());
+      archive.set("fields", largest->fields().size());
+      for (std::size_t i = 0; i < largest->fields().size(); ++i) {
+        const Field<Dim>& one = *largest->fields()[i];
+        archive.set("field" + std::to_string(i), share(&one, [&] { return this->field(one); }));
+      }
+      return true;
+    }
+  }
+  return false;
 }
 
 template <int Dim>
@@ -226,8 +232,26 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
     return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive));
   }
-  if (archive.kind == lattice_kind) return lattice_from<Dim>(archive);
+  if (auto level_set = this->level_set(archive)) return level_set;
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
+}
+
+// The level set of a segmentation, if the archive holds one.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> FieldReader<Dim>::level_set(const Archive& archive) {
+  if constexpr (Dim == 2 || Dim == 3) {
+    if (archive.kind == lattice_kind) return lattice_field_from<Dim>(archive);
+    if (archive.kind == largest_kind) {
+      typename LargestField<Dim>::Fields fields;
+      const std::int64_t count = archive.integer("fields", 2, most_regions);
+      for (std::int64_t i = 0; i < count; ++i)
+        fields.push_back(
+            shared<LatticeField<Dim>>(archive, "field" + std::to_string(i), lattice_kind, lattice_field_from<Dim>));
+      const std::int64_t number = archive.integer("number", 0, count - 1);
+      return std::make_shared<const LargestField<Dim>>(std::move(fields), static_cast<std::size_t>(number));
+    }
+  }
+  return nullptr;
 }
 
 #define CSRBF_INSTANTIATE(Dim)     \

@@ -24,6 +24,7 @@ class FieldWriter {
   void store_shared(Archive& archive);
 
  private:
+  bool level_set(const Field<Dim>& field, Archive& archive);
   std::int64_t share(const void* object, const std::function<Archive()>& to_archive);
 
   std::map<const void*, std::int64_t> numbers_;
@@ -41,6 +42,7 @@ class FieldReader {
   std::shared_ptr<const Field<Dim>> field(const Archive& archive);
 
  private:
+  std::shared_ptr<const Field<Dim>> level_set(const Archive& archive);
   template <class T>
   std::shared_ptr<const T> shared(const Archive& user, const std::string& name, const char* kind,
                                   const std::function<std::shared_ptr<const T>(const Archive&)>& from_archive);

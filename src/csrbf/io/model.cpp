@@ -5,6 +5,7 @@
 #include "csrbf/io/function_archive.hpp"
 #include "csrbf/io/surface_archive.hpp"
 #include "csrbf/levelset/lattice_field.hpp"
+#include "csrbf/levelset/segment_fields.hpp"
 
 #include <utility>
 
@@ -21,7 +22,10 @@ NamedFunction function_of(const Segmentation<Dim>& segmentation) {
   fit.report.smoothing = options.smoothness.value_or(0);
   fit.report.axis_scales.assign(Dim, 1.0);
   for (const auto& field : segmentation.fields) {
-    const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(field.get());
+    const Field<Dim>* one = field.get();
+    if (const auto* largest = dynamic_cast<const LargestField<Dim>*>(one))
+      one = largest->fields()[largest->number()].get();
+    const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(one);
     if (lattice == nullptr) continue;
     fit.report.centers += static_cast<Index>(lattice->data().coefficients.size());
     fit.report.support = lattice->data().support;

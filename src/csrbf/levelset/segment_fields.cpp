@@ -26,45 +26,33 @@ double sum_at_contour(const Lattice<Dim>& lattice, const std::vector<float>& coe
       nullptr);
 }
 
-template <int Dim>
-class LargestField final : public Field<Dim> {
- public:
-  LargestField(std::vector<std::shared_ptr<const Field<Dim>>> fields, std::size_t k)
-      : fields_(std::move(fields)), k_(k) {}
-
-  void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override {
-    const Derivatives derivatives = out.derivatives();
-    fields_[k_]->evaluate_block(x, out);
-    Jet<Dim> most(x.cols(), derivatives), other(x.cols(), derivatives);
-    bool first = true;
-    for (std::size_t l = 0; l < fields_.size(); ++l) {
-      if (l == k_) continue;
-      JetBlock to{other.value.data(), derivatives >= Derivatives::gradient ? other.gradient.data() : nullptr,
-                  derivatives >= Derivatives::hessian ? other.hessian.data() : nullptr};
-      fields_[l]->evaluate_block(x, to);
-      for (Index i = 0; i < x.cols(); ++i) {
-        if (!first && other.value[i] <= most.value[i]) continue;
-        most.value[i] = other.value[i];
-        if (derivatives >= Derivatives::gradient) most.gradient.col(i) = other.gradient.col(i);
-        if (derivatives >= Derivatives::hessian) most.hessian.col(i) = other.hessian.col(i);
-      }
-      first = false;
-    }
-    const Index n = x.cols();
-    Eigen::Map<Eigen::VectorXd>(out.value, n) -= most.value;
-    if (derivatives >= Derivatives::gradient) Eigen::Map<Eigen::MatrixXd>(out.gradient, Dim, n) -= most.gradient;
-    if (derivatives >= Derivatives::hessian)
-      Eigen::Map<Eigen::MatrixXd>(out.hessian, symmetric_size<Dim>, n) -= most.hessian;
-  }
-  [[nodiscard]] Box<Dim> bounds() const override { return fields_[k_]->bounds(); }
-  [[nodiscard]] double detail() const override { return fields_[k_]->detail(); }
-
- private:
-  std::vector<std::shared_ptr<const Field<Dim>>> fields_;
-  std::size_t k_;
-};
-
 }  // namespace
+
+template <int Dim>
+void LargestField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
+  const Derivatives derivatives = out.derivatives();
+  fields_[k_]->evaluate_block(x, out);
+  Jet<Dim> most(x.cols(), derivatives), other(x.cols(), derivatives);
+  bool first = true;
+  for (std::size_t l = 0; l < fields_.size(); ++l) {
+    if (l == k_) continue;
+    JetBlock to{other.value.data(), derivatives >= Derivatives::gradient ? other.gradient.data() : nullptr,
+                derivatives >= Derivatives::hessian ? other.hessian.data() : nullptr};
+    fields_[l]->evaluate_block(x, to);
+    for (Index i = 0; i < x.cols(); ++i) {
+      if (!first && other.value[i] <= most.value[i]) continue;
+      most.value[i] = other.value[i];
+      if (derivatives >= Derivatives::gradient) most.gradient.col(i) = other.gradient.col(i);
+      if (derivatives >= Derivatives::hessian) most.hessian.col(i) = other.hessian.col(i);
+    }
+    first = false;
+  }
+  const Index n = x.cols();
+  Eigen::Map<Eigen::VectorXd>(out.value, n) -= most.value;
+  if (derivatives >= Derivatives::gradient) Eigen::Map<Eigen::MatrixXd>(out.gradient, Dim, n) -= most.gradient;
+  if (derivatives >= Derivatives::hessian)
+    Eigen::Map<Eigen::MatrixXd>(out.hessian, symmetric_size<Dim>, n) -= most.hessian;
+}
 
 template <int Dim>
 std::shared_ptr<const Field<Dim>> lattice_field(const Lattice<Dim>& lattice, const std::vector<float>& coefficients,
@@ -107,6 +95,8 @@ std::shared_ptr<const Field<Dim>> largest_field(std::vector<std::shared_ptr<cons
   return std::make_shared<LargestField<Dim>>(std::move(fields), k);
 }
 
+template class LargestField<2>;
+template class LargestField<3>;
 template std::shared_ptr<const Field<2>> lattice_field<2>(const Lattice<2>&, const std::vector<float>&, const Grid&);
 template std::shared_ptr<const Field<3>> lattice_field<3>(const Lattice<3>&, const std::vector<float>&, const Grid&);
 template std::shared_ptr<const Field<2>> largest_field<2>(std::vector<std::shared_ptr<const Field<2>>>, std::size_t);

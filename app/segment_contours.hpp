@@ -1,0 +1,28 @@
+#pragma once
+
+#include "session.hpp"
+
+#include "csrbf/levelset/image_contour.hpp"
+#include "csrbf/levelset/segment.hpp"
+
+namespace csrbf::app {
+
+/// The contours of all regions but the outside one: made, measured for the report and the summary, and written.
+template <int Dim>
+class SegmentContours {
+ public:
+  SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session);
+
+  /// Writes them to one file. Throws IoError.
+  void write(const std::string& path) const;
+
+ private:
+  using Contour = std::conditional_t<Dim == 2, ImageContour, ImageSurface>;
+  std::vector<Contour> contours_;
+  std::vector<int> labels_;
+};
+
+/// Throws UsageError unless the extension is one that contours of that dimension are written to.
+void check_contour_file(const std::string& path, int dimension);
+
+}  // namespace csrbf::app

@@ -1,0 +1,226 @@
+"""Runs segment of the real program on generated images.
+
+usage: segment_test.py PROGRAM [unittest options]
+"""
+
+import math
+import os
+import struct
+import sys
+import unittest
+
+sys.dont_write_bytecode = True  # leave no files in the folder of the sources
+import command_line_test
+from command_line_test import CommandLine, read_ply, read_png
+from fit_test import npy_bytes, read_npy
+
+
+def fibonacci(n, radius, center):
+    """Points on a sphere."""
+    return [tuple(c + radius * p for c, p in zip(center, point)) for point in command_line_test.sphere(n)]
+
+
+class Segment(CommandLine):
+    def write_bytes(self, name, data):
+        with open(self.path(name), "wb") as file:
+            file.write(data)
+        return self.path(name)
+
+    def disc(self, name="disc.npy", cx=30, cy=20, r=12, width=64, height=48, shape=None):
+        """A bright disc on a dark ground."""
+        values = [10.0 if (x - cx) ** 2 + (y - cy) ** 2 < r * r else 1.0 for y in range(height) for x in range(width)]
+        return self.write_bytes(name, npy_bytes(shape or (height, width), values, "<f4"))
+
+    def ball(self, name="ball.mha"):
+        """A bright ball of radius 12 mm about (10, 20, 30) in voxels of 1.5 x 1.5 x 2 mm."""
+        size, spacing, offset = (28, 26, 20), (1.5, 1.5, 2.0), (-10.0, 1.0, 11.0)
+        values = []
+        for z in range(size[2]):
+            for y in range(size[1]):
+                for x in range(size[0]):
+                    p = [o + s * i for o, s, i in zip(offset, spacing, (x, y, z))]
+                    values.append(100 if math.dist(p, (10, 20, 30)) < 12 else 20)
+        head = "ObjectType = Image\nNDims = 3\nDimSize = %d %d %d\n" % size
+        head += "ElementSpacing = %g %g %g\nOffset = %g %g %g\n" % (spacing + offset)
+        head += "ElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+        return self.write_bytes(name, head.encode() + struct.pack("<%dh" % len(values), *values))
+
+    def labels(self, *arguments):
+        """Runs segment into an array and returns the labels and the report."""
+        self.succeed("segment", *arguments, "-o", self.path("labels.npy"), "--report", self.path("report.json"))
+        _, kind, labels = read_npy(self.path("labels.npy"))
+        self.assertEqual(kind, "|u1")
+        return labels, self.report()
+
+    def dice(self, a, b):
+        self.succeed("compare", a, b, "--report", self.path("compare.json"), "-q")
+        return self.report("compare.json")["result"]["dice"]
+
+
+class Plane(Segment):
+    def test_labels_report_and_summary(self):
+        image = self.disc()
+        done = self.succeed("segment", image, "-o", self.path("l.npy"), "--report", self.path("report.json"))
+        self.assertLessEqual(len(done.stdout.splitlines()), 10)
+        shape, kind, labels = read_npy(self.path("l.npy"))
+        self.assertEqual((shape, kind), ((48, 64), "|u1"))
+        truth = [1 if (x - 30) ** 2 + (y - 20) ** 2 < 144 else 0 for y in range(48) for x in range(64)]
+        wrong = sum(a != b for a, b in zip(labels, truth))
+        self.assertLess(wrong, 8)  # a tenth of the border voxels
+        report = self.report()
+        result = report["result"]
+        self.assertTrue(result["converged"])
+        self.assertGreaterEqual(result["iterations"], 1)
+        self.assertEqual(result["components"], 1)
+        self.assertEqual(result["energy"], sorted(result["energy"], reverse=True))
+        self.assertEqual([r["voxels"] for r in result["regions"]], [64 * 48 - sum(labels), sum(labels)])
+        self.assertAlmostEqual(result["regions"][1]["mean"], 10, delta=0.2)
+        for stage in ("read", "prepare", "evolve", "write"):
+            self.assertIn(stage, report["time"])
+        for option in ("energy", "init", "regions", "center_spacing", "support", "kernel", "smoothness", "window",
+                       "shading", "balloon", "fill_holes", "mask", "mode", "method", "iterations", "contour", "model"):
+            self.assertIn(option, report["options"])
+        # The contour is smooth: it has the area of the voxels inside, and the length of a circle of that area.
+        contour = result["contour"]
+        area = sum(labels)
+        self.assertLess(abs(contour["area"] - area), 0.01 * area)
+        self.assertLess(abs(contour["length"] - math.sqrt(4 * math.pi * area)), 0.01 * contour["length"])
+        self.assertLess(contour["area_error"], 0.01 * area)
+
+    def test_contours_are_svg_csv_and_ply(self):
+        image = self.disc()
+        for extension in ("svg", "csv", "ply"):
+            self.succeed("segment", image, "-o", self.path("l.npy"), "--contour", self.path("c." + extension), "-q")
+        with open(self.path("c.csv")) as file:
+            names, *rows = file.read().splitlines()
+        self.assertEqual(names, "x,y,z,contour")
+        radii = [math.dist([float(c) for c in row.split(",")[:2]], (30, 20)) for row in rows]
+        self.assertLess(max(abs(r - 12) for r in radii), 1)
+        with open(self.path("c.svg")) as file:
+            self.assertIn("<path", file.read())
+        self.assertEqual(len(read_ply(self.path("c.ply"))[0]), len(rows))
+
+    def test_the_seed_says_what_is_inside(self):
+        image = self.disc()
+        bright, _ = self.labels(image, "--init", "sphere:30,20,5")
+        dark, _ = self.labels(image, "--init", "sphere:58,40,4")
+        self.assertEqual([1 - label for label in bright], dark)
+        self.assertEqual(bright[20 * 64 + 30], 1)
+        boxed, _ = self.labels(image, "--init", "box:33,24,27,16")
+        self.assertEqual(boxed, bright)
+        self.write_bytes("start.npy", npy_bytes((48, 64), [1 if 25 < i % 64 < 35 and 15 < i // 64 < 25 else 0
+                                                           for i in range(64 * 48)], "|u1"))
+        masked, _ = self.labels(image, "--init", "mask:" + self.path("start.npy"))
+        self.assertEqual(masked, bright)
+        corners = "".join("%g,%g\n" % (30 + 8 * math.cos(a), 20 + 8 * math.sin(a)) for a in (0, 4, 1, 5, 2, 3))
+        around, _ = self.labels(image, "--init", "points:" + self.write("points.csv", "x,y\n" + corners))
+        self.assertEqual(around, bright)
+
+    def test_local_mode_keeps_to_the_part_it_starts_in(self):
+        values = [10.0 if min(math.dist((i % 64, i // 64), c) for c in ((16, 24), (48, 24))) < 9 else 1.0
+                  for i in range(64 * 48)]
+        image = self.write_bytes("two.npy", npy_bytes((48, 64), values, "<f4"))
+        both, report = self.labels(image)
+        self.assertEqual(report["result"]["components"], 2)
+        one, report = self.labels(image, "--mode", "local", "--init", "sphere:16,24,5")
+        self.assertEqual(report["result"]["components"], 1)
+        self.assertEqual(one[24 * 64 + 16], 1)
+        self.assertEqual(one[24 * 64 + 48], 0)
+        self.assertTrue(report["options"]["fill_holes"])
+
+    def test_a_model_starts_the_next_segmentation_and_gives_labels_at_any_resolution(self):
+        image = self.disc()
+        labels, _ = self.labels(image, "--model", self.path("disc.csrbf"))
+        again, report = self.labels(image, "--init", self.path("disc.csrbf"))
+        self.assertEqual(again, labels)
+        self.assertEqual(report["options"]["init"], self.path("disc.csrbf"))
+        self.succeed("evaluate", self.path("disc.csrbf"), "-o", self.path("same.npy"), "--like", image, "--labels")
+        self.assertEqual(read_npy(self.path("same.npy"))[2], labels)
+        self.succeed("evaluate", self.path("disc.csrbf"), "-o", self.path("fine.npy"), "--grid", "253,189", "--bounds",
+                     "0:63,0:47", "--labels")
+        shape, kind, fine = read_npy(self.path("fine.npy"))
+        self.assertEqual((shape, kind), ((189, 253), "|u1"))
+        self.assertEqual([fine[4 * y * 253 + 4 * x] for y in range(48) for x in range(64)], labels)
+        self.assertLess(abs(sum(fine) / 16 - sum(labels)), 0.01 * sum(labels))
+        self.assertIn("1 level set of x, y", self.succeed("info", self.path("disc.csrbf")).stdout)
+
+    def test_several_regions_have_labels_and_contours_of_their_own(self):
+        values = [20.0 if math.dist((i % 64, i // 64), (20, 24)) < 10 else
+                  10.0 if math.dist((i % 64, i // 64), (46, 24)) < 10 else 1.0 for i in range(64 * 48)]
+        image = self.write_bytes("three.npy", npy_bytes((48, 64), values, "<f4"))
+        labels, report = self.labels(image, "--regions", "3", "--model", self.path("three.csrbf"), "--contour",
+                                     self.path("three.csv"))
+        self.assertEqual((labels[0], labels[24 * 64 + 46], labels[24 * 64 + 20]), (0, 1, 2))
+        contour = report["result"]["contour"]
+        self.assertEqual([r["label"] for r in contour["regions"]], [1, 2])
+        self.assertEqual(contour["lines"], sum(r["lines"] for r in contour["regions"]))
+        self.succeed("evaluate", self.path("three.csrbf"), "-o", self.path("l.npy"), "--like", image, "--labels")
+        self.assertEqual(read_npy(self.path("l.npy"))[2], labels)
+
+    def test_the_preview_shows_the_contour_on_the_image(self):
+        self.succeed("segment", self.disc(), "-o", self.path("l.npy"), "--preview", self.path("p.png"))
+        width, height, raw = read_png(self.path("p.png"))
+        self.assertGreaterEqual(max(width, height), 512)
+        pixels = [raw[1 + y * (1 + 3 * width) + 3 * x:][:3] for y in range(0, height, 2) for x in range(0, width, 2)]
+        self.assertTrue(any(p[0] > p[1] + 100 for p in pixels))
+
+    def test_the_mask_leaves_voxels_out(self):
+        image = self.disc()
+        mask = self.write_bytes("mask.npy", npy_bytes((48, 64), [1 if i % 64 < 30 else 0 for i in range(64 * 48)], "|u1"))
+        labels, _ = self.labels(image, "--mask", mask, "--init", "sphere:25,20,3")
+        self.assertEqual(sum(labels[i] for i in range(64 * 48) if i % 64 >= 30), 0)
+        self.assertGreater(sum(labels), 150)
+
+    def test_a_volume_of_one_slice_is_the_image_it_is(self):
+        plane, _ = self.labels(self.disc())
+        slab, report = self.labels(self.disc("slab.npy", shape=(1, 48, 64)))
+        self.assertEqual(slab, plane)
+        self.assertIn("length", report["result"]["contour"])
+        self.assertEqual(read_npy(self.path("labels.npy"))[0], (1, 48, 64))
+
+    def test_results_do_not_depend_on_the_number_of_threads(self):
+        image = self.disc()
+        for threads in "1", "3":
+            self.succeed("segment", image, "-o", self.path("l%s.npy" % threads), "--model",
+                         self.path("m%s.csrbf" % threads), "--threads", threads)
+        for name in ("l%s.npy", "m%s.csrbf"):
+            with open(self.path(name % 1), "rb") as a, open(self.path(name % 3), "rb") as b:
+                self.assertEqual(a.read(), b.read())
+
+
+class Space(Segment):
+    def test_physical_units_are_honoured_and_kept(self):
+        image = self.ball()
+        self.succeed("segment", image, "-o", self.path("l.mha"), "--init", "sphere:10,20,30,6", "--mode", "local",
+                     "--contour", self.path("c.ply"), "--model", self.path("m.csrbf"), "--report",
+                     self.path("report.json"))
+        with open(self.path("l.mha"), "rb") as file:
+            head = file.read(1000).decode("latin-1")
+        self.assertRegex(head, r"ElementSpacing *= *1.5 1.5 2\b")
+        self.assertRegex(head, r"(Offset|Position|Origin) *= *-10 1 11\b")
+        self.assertIn("MET_UCHAR", head)
+        contour = self.report()["result"]["contour"]
+        volume, area = 4 / 3 * math.pi * 12 ** 3, 4 * math.pi * 144
+        self.assertLess(abs(contour["volume"] - volume), 0.03 * volume)
+        self.assertLess(abs(contour["area"] - area), 0.05 * area)
+        vertices, _ = read_ply(self.path("c.ply"))
+        radii = [math.dist((v["x"], v["y"], v["z"]), (10, 20, 30)) for v in vertices]
+        self.assertLess(max(abs(r - 12) for r in radii), 1.5)
+        # The model is a surface.
+        self.succeed("polygonize", self.path("m.csrbf"), "-o", self.path("p.stl"))
+        self.succeed("curvature", self.path("m.csrbf"), "-o", self.path("k.ply"))
+        self.succeed("render", self.path("m.csrbf"), "-o", self.path("r.png"), "--size", "80x60")
+        self.succeed("evaluate", self.path("m.csrbf"), "-o", self.path("e.mha"), "--like", image, "--labels")
+        self.assertEqual(self.dice(self.path("e.mha"), self.path("l.mha")), 1)
+
+    def test_points_on_the_boundary_start_it(self):
+        image = self.ball()
+        points = self.write("points.xyz", command_line_test.xyz(fibonacci(24, 9, (10, 20, 30))))
+        self.succeed("segment", image, "-o", self.path("a.mha"), "--init", "points:" + points, "--mode", "local")
+        self.succeed("segment", image, "-o", self.path("b.mha"), "--init", "sphere:10,20,30,9", "--mode", "local")
+        self.assertGreater(self.dice(self.path("a.mha"), self.path("b.mha")), 0.99)
+
+
+if __name__ == "__main__":
+    command_line_test.PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)
