@@ -120,6 +120,31 @@ TEST(SurfaceMethods, HaveDifferentNamesAndSayWhatTheyAre) {
   EXPECT_EQ(find_surface_method("auto"), nullptr);
 }
 
+TEST(BlobbyModel, IsOneBlobForASphere) {
+  const Reconstruction sphere = by("blobby", sphere_cloud(2000), 50);
+  EXPECT_EQ(sphere.report.centers, 1);
+  EXPECT_LT(sphere.report.rms_distance, 1e-4);  // the shrinking term weighs 1e-5
+}
+
+TEST(BlobbyModel, SeparatesTwoBalls) {
+  const PointCloud cloud = joined(sphere_cloud(1000), sphere_cloud(1000, 3, 0.6, {2.5, 0, 0}));
+  const Reconstruction balls = by("blobby", cloud, 20);
+  EXPECT_LE(balls.report.centers, 20);
+  EXPECT_LT(balls.report.rms_distance, 5e-3);  // each blob sees the tail of the others
+  expect_closed(polygonize(*balls.field, {.resolution = 32}), 2, 4);
+}
+
+TEST(BlobbyModel, ComesCloserWithMoreBlobs) {
+  const PointCloud cloud = torus.cloud(2000);
+  double before = std::numeric_limits<double>::infinity();
+  for (const Index blobs : {2, 6, 12, 24}) {
+    const double error = by("blobby", cloud, blobs).report.rms_distance;
+    EXPECT_LT(error, 0.7 * before) << blobs;
+    before = error;
+  }
+  EXPECT_LT(before, 1e-3);
+}
+
 TEST(AlgebraicFits, ReproduceASphere) {
   for (const char* name : {"3l", "gradient-one", "min-max", "min-var"})
     EXPECT_LT(by(name, sphere_cloud(2000)).report.rms_distance, 1e-3) << name;

@@ -32,6 +32,7 @@ const std::vector<SurfaceMethod>& surface_methods() {
       {"turk-obrien", "triharmonic spline with inner points (Turk and O'Brien 2002)", true, c::turk_obrien},
       {"savchenko", "triharmonic spline with a carrier (Savchenko 1995)", true, c::savchenko},
       {"dinh", "radial functions stretched along the surface (Dinh 2001)", true, c::dinh},
+      {"blobby", "sum of Gaussian blobs, split where errors are largest (Muraki 1991)", true, c::blobby},
       {"3l", "one polynomial, three levels (Blane 2000)", true, c::three_levels},
       {"gradient-one", "one polynomial, unit gradients (Tasdizen 2000)", true, c::gradient_one},
       {"min-max", "one polynomial, least worst error (Helzer 2004)", true, c::min_max},

@@ -9,6 +9,9 @@ namespace csrbf::comparators {
 /// Signed distance to the tangent plane of the nearest sample (Hoppe et al. 1992).
 MethodFit hoppe(const PreparedCloud& cloud, const MethodOptions& options);
 
+/// Sum of Gaussian blobs minus a threshold, blobs split where the errors are largest (Muraki 1991).
+MethodFit blobby(const PreparedCloud& cloud, const MethodOptions& options);
+
 /// One CSRBF of a common support at every centre and at two offsets along its normal (Morse et al. 2001).
 MethodFit morse(const PreparedCloud& cloud, const MethodOptions& options);
 
