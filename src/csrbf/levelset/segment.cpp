@@ -264,14 +264,12 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   const ForceSource source =
       with_prior(options.force ? custom_source(options) : intensity_source(forces, options.regions), options.prior);
 
-  std::vector<std::uint8_t> labels;
+  // The noise is that between the two classes of the image: a seed may lie anywhere in them.
   const bool baseline = options.method != SegmentMethod::variational;
-  if (!options.start.empty() || (!options.seed.empty() && (local || baseline || options.force))) {
-    labels = options.start.empty() ? options.seed : options.start;
-    for (std::uint8_t& label : labels) label = label != 0 ? 1 : 0;
-  } else {
-    labels = forces.start();
-  }
+  const bool follows_seed = !options.seed.empty() && (local || baseline || options.force);
+  std::vector<std::uint8_t> start = options.start.empty() && follows_seed ? options.seed : options.start;
+  for (std::uint8_t& label : start) label = label != 0 ? 1 : 0;
+  std::vector<std::uint8_t> labels = !start.empty() && options.force ? start : forces.start();
   source.fit(labels);
   ForceNoise noise = measure_noise(source, labels, options.mask, grid);
   constexpr double speckle = 1.5;  // a grain above: borders are within what the laws spread over anyway
@@ -283,6 +281,10 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   if (*used.window > 0) {
     forces.set_window(*used.window);
     noise = measure_noise(source, labels, options.mask, grid);
+  }
+  if (!start.empty()) {
+    labels = std::move(start);
+    source.fit(labels);
   }
   if (!used.center_spacing) used.center_spacing = choose_center_spacing(noise, Dim);
 
