@@ -15,35 +15,41 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr Index chunk = 1 << 13;  // numbers that are worth a thread
+constexpr Index chunk = 1 << 15;  // numbers that are worth a thread
+constexpr Index chunk_taps = 1 << 18;
 
 CSRBF_SIMD_CLONES
 void add_run(const double* x, const double* weights, Index count, Index n, double* y) {
-  for (Index k = 0; k < count; ++k)
+  Index k = 0;
+  for (; k + 4 <= count; k += 4)
+    for (Index i = 0; i < n; ++i)
+      y[i] += weights[k] * x[i + k] + weights[k + 1] * x[i + k + 1] + weights[k + 2] * x[i + k + 2] +
+              weights[k + 3] * x[i + k + 3];
+  for (; k < count; ++k)
     for (Index i = 0; i < n; ++i) y[i] += weights[k] * x[i + k];
 }
 
-double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  std::vector<double> sums(static_cast<std::size_t>((a.size() + chunk - 1) / chunk), 0.0);
-  parallel_for(a.size(), chunk, [&](Index begin, Index end) {
-    sums[static_cast<std::size_t>(begin / chunk)] = a.segment(begin, end - begin).dot(b.segment(begin, end - begin));
+// Sum of what body(begin, size) returns for all chunks of n numbers.
+template <class Body>
+double sum_over(Index n, const Body& body) {
+  std::vector<double> sums(static_cast<std::size_t>((n + chunk - 1) / chunk), 0.0);
+  parallel_for(n, chunk, [&](Index begin, Index end) {
+    sums[static_cast<std::size_t>(begin / chunk)] = body(begin, end - begin);
   });
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// a += t b
-void add(double t, const Eigen::VectorXd& b, Eigen::VectorXd& a) {
-  parallel_for(a.size(), chunk,
-               [&](Index begin, Index end) { a.segment(begin, end - begin) += t * b.segment(begin, end - begin); });
+double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return sum_over(a.size(), [&](Index first, Index n) { return a.segment(first, n).dot(b.segment(first, n)); });
 }
 
-// The next number without prime factors above 5, which the transform takes fast.
-Index smooth_size(Index n) {
-  for (;; ++n) {
+// The next number without prime factors above 5, which the transform takes fast; a multiple of `unit`.
+Index smooth_size(Index n, Index unit) {
+  for (n = (n + unit - 1) / unit;; ++n) {
     Index m = n;
     for (const Index p : {2, 3, 5})
       while (m % p == 0) m /= p;
-    if (m == 1) return n;
+    if (m == 1) return unit * n;
   }
 }
 
@@ -52,11 +58,11 @@ Index product(const std::array<Index, Dim>& size) {
   return std::accumulate(size.begin(), size.end(), Index{1}, std::multiplies<>());
 }
 
-// Fourier transform along all axes, in place.
+// Fourier transform along all axes but the first, in place.
 template <int Dim>
 void transform(const std::array<Index, Dim>& size, bool inverse, std::vector<Complex>& data) {
-  Index stride = 1;
-  for (std::size_t a = 0; a < Dim; stride *= size[a], ++a) {
+  Index stride = size[0];
+  for (std::size_t a = 1; a < Dim; stride *= size[a], ++a) {
     const Index n = size[a], lines = static_cast<Index>(data.size()) / n;
     parallel_for(lines, std::max<Index>(1, chunk / n), [&](Index begin, Index end) {
       Eigen::FFT<double> fft;
@@ -74,19 +80,56 @@ void transform(const std::array<Index, Dim>& size, bool inverse, std::vector<Com
   }
 }
 
-// Calls body(row of the lattice, first entry of its copy on the torus).
-template <int Dim, class Body>
-void for_each_row(const std::array<Index, Dim>& size, const std::array<Index, Dim>& torus, const Body& body) {
-  const Index rows = product<Dim>(size) / size[0];
-  for (Index row = 0; row < rows; ++row) {
-    Index rest = row, at = 0, stride = torus[0];
-    for (std::size_t a = 1; a < Dim; ++a) {
-      at += rest % size[a] * stride;
-      rest /= size[a];
-      stride *= torus[a];
-    }
-    body(row, at);
+// Where row `row` of a lattice is on the torus, in rows.
+template <int Dim>
+Index torus_row(const std::array<Index, Dim>& size, const std::array<Index, Dim>& torus, Index row) {
+  Index at = 0, stride = 1;
+  for (std::size_t a = 1; a < Dim; ++a) {
+    at += row % size[a] * stride;
+    row /= size[a];
+    stride *= torus[a];
   }
+  return at;
+}
+
+// The spectrum (half of it along x: values are real) of a lattice of values on a torus that is 0 elsewhere.
+template <int Dim>
+std::vector<Complex> spectrum(const std::array<Index, Dim>& size, const std::array<Index, Dim>& torus,
+                              const double* values) {
+  std::array<Index, Dim> half = torus;
+  half[0] = torus[0] / 2 + 1;
+  std::vector<Complex> data(static_cast<std::size_t>(product<Dim>(half)), 0.0);
+  const Index n = size[0], rows = product<Dim>(size) / n;
+  parallel_for(rows, std::max<Index>(1, chunk / torus[0]), [&](Index begin, Index end) {
+    Eigen::FFT<double> fft;
+    fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    std::vector<double> line(static_cast<std::size_t>(torus[0]), 0.0);
+    for (Index row = begin; row < end; ++row) {
+      std::copy_n(values + row * n, n, line.data());
+      fft.fwd(data.data() + torus_row<Dim>(size, torus, row) * half[0], line.data(), torus[0]);
+    }
+  });
+  transform<Dim>(half, false, data);
+  return data;
+}
+
+// Back to the values on the lattice. `data` is used up.
+template <int Dim>
+void from_spectrum(const std::array<Index, Dim>& size, const std::array<Index, Dim>& torus, std::vector<Complex>& data,
+                   double* values) {
+  std::array<Index, Dim> half = torus;
+  half[0] = torus[0] / 2 + 1;
+  transform<Dim>(half, true, data);
+  const Index n = size[0], rows = product<Dim>(size) / n;
+  parallel_for(rows, std::max<Index>(1, chunk / torus[0]), [&](Index begin, Index end) {
+    Eigen::FFT<double> fft;
+    fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    std::vector<double> line(static_cast<std::size_t>(torus[0]));
+    for (Index row = begin; row < end; ++row) {
+      fft.inv(line.data(), data.data() + torus_row<Dim>(size, torus, row) * half[0], torus[0]);
+      std::copy_n(line.data(), n, values + row * n);
+    }
+  });
 }
 
 }  // namespace
@@ -99,6 +142,7 @@ ToeplitzSystem<Dim>::ToeplitzSystem(const std::array<Index, Dim>& size, const st
   require(!taps.empty(), "ToeplitzSystem", "number of taps", taps.size(), "must be positive");
   for (const ToeplitzTap<Dim>& tap : taps)
     for (std::size_t a = 0; a < Dim; ++a) reach_[a] = std::max(reach_[a], std::abs(tap.offset[a]));
+  taps_ = static_cast<Index>(taps.size());
   make_runs(taps);
   make_symbol(taps);
 }
@@ -120,14 +164,14 @@ void ToeplitzSystem<Dim>::make_runs(std::vector<ToeplitzTap<Dim>> taps) {
 template <int Dim>
 void ToeplitzSystem<Dim>::make_symbol(const std::vector<ToeplitzTap<Dim>>& taps) {
   constexpr double rounding = 1e-15;  // of the transform: smaller values may be negative
-  for (std::size_t a = 0; a < Dim; ++a) torus_[a] = smooth_size(size_[a] + reach_[a]);
-  std::vector<Complex> symbol(static_cast<std::size_t>(product<Dim>(torus_)), 0.0);
+  for (std::size_t a = 0; a < Dim; ++a) torus_[a] = smooth_size(size_[a] + reach_[a], a == 0 ? 4 : 1);
+  std::vector<double> circulant(static_cast<std::size_t>(product<Dim>(torus_)), 0.0);
   for (const ToeplitzTap<Dim>& tap : taps) {
     Index at = 0;
     for (std::size_t a = Dim; a-- > 0;) at = at * torus_[a] + (tap.offset[a] % torus_[a] + torus_[a]) % torus_[a];
-    symbol[static_cast<std::size_t>(at)] += tap.weight;
+    circulant[static_cast<std::size_t>(at)] += tap.weight;
   }
-  transform<Dim>(torus_, false, symbol);
+  const std::vector<Complex> symbol = spectrum<Dim>(torus_, torus_, circulant.data());
   double largest = 0, smallest = std::numeric_limits<double>::infinity();
   for (const Complex& value : symbol) largest = std::max(largest, value.real());
   for (const Complex& value : symbol) smallest = std::min(smallest, std::max(value.real(), rounding * largest));
@@ -140,11 +184,20 @@ void ToeplitzSystem<Dim>::make_symbol(const std::vector<ToeplitzTap<Dim>>& taps)
 
 template <int Dim>
 Eigen::VectorXd ToeplitzSystem<Dim>::multiply(const Eigen::VectorXd& x) const {
+  const Index n = size_[0], pad = reach_[0], rows = points_ / n;
+  std::vector<double> padded(static_cast<std::size_t>(rows * (n + 2 * pad)), 0.0);
+  for (Index row = 0; row < rows; ++row) std::copy_n(x.data() + row * n, n, padded.data() + row * (n + 2 * pad) + pad);
+  Eigen::VectorXd y(points_);
+  multiply_padded(padded, y);
+  return y;
+}
+
+// `padded`: rows with as many zeros before and behind them as the taps reach.
+template <int Dim>
+void ToeplitzSystem<Dim>::multiply_padded(const std::vector<double>& padded, Eigen::VectorXd& y) const {
   const Index n = size_[0], pad = reach_[0], length = n + 2 * pad, rows = points_ / n;
-  std::vector<double> padded(static_cast<std::size_t>(rows * length), 0.0);
-  for (Index row = 0; row < rows; ++row) std::copy_n(x.data() + row * n, n, padded.data() + row * length + pad);
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(points_);
-  parallel_for(rows, std::max<Index>(1, chunk / n), [&](Index begin, Index end) {
+  parallel_for(rows, std::max<Index>(1, chunk_taps / (n * taps_)), [&](Index begin, Index end) {
+    y.segment(begin * n, (end - begin) * n).setZero();
     for (Index row = begin; row < end; ++row)
       for (const Run& run : runs_) {
         Index rest = row, from = 0, stride = 1;
@@ -161,52 +214,63 @@ Eigen::VectorXd ToeplitzSystem<Dim>::multiply(const Eigen::VectorXd& x) const {
                   static_cast<Index>(run.weights.size()), n, y.data() + row * n);
       }
   });
-  return y;
 }
 
 template <int Dim>
-Eigen::VectorXd ToeplitzSystem<Dim>::precondition(const Eigen::VectorXd& r) const {
-  if (inverse_symbol_.empty()) return r;
-  std::vector<Complex> data(inverse_symbol_.size(), 0.0);
-  for_each_row<Dim>(size_, torus_,
-                    [&](Index row, Index at) { std::copy_n(r.data() + row * size_[0], size_[0], data.data() + at); });
-  transform<Dim>(torus_, false, data);
+void ToeplitzSystem<Dim>::precondition(const Eigen::VectorXd& r, Eigen::VectorXd& z) const {
+  if (inverse_symbol_.empty()) {
+    z = r;
+    return;
+  }
+  std::vector<Complex> data = spectrum<Dim>(size_, torus_, r.data());
   parallel_for(static_cast<Index>(data.size()), chunk, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
       data[i] *= inverse_symbol_[i];
   });
-  transform<Dim>(torus_, true, data);
-  Eigen::VectorXd z(points_);
-  for_each_row<Dim>(size_, torus_, [&](Index row, Index at) {
-    for (Index i = 0; i < size_[0]; ++i) z[row * size_[0] + i] = data[static_cast<std::size_t>(at + i)].real();
-  });
-  return z;
+  from_spectrum<Dim>(size_, torus_, data, z.data());
 }
 
-// Hestenes and Stiefel 1952.
+// Hestenes and Stiefel 1952. The direction lives in padded rows, as the product wants it.
 template <int Dim>
 Eigen::VectorXd ToeplitzSystem<Dim>::solve(const Eigen::VectorXd& b) const {
   require(b.size() == points_, "ToeplitzSystem::solve", "size of b", b.size(), "must be the number of points");
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(points_), residual = b;
-  const double bb = dot(b, b);
-  const double goal = options_.tolerance * options_.tolerance * bb;
-  double rr = bb;
-  Eigen::VectorXd direction = precondition(residual);
-  double rz = dot(residual, direction);
+  const Index n = size_[0], pad = reach_[0], length = n + 2 * pad, rows = points_ / n;
+  const Index grain = std::max<Index>(1, chunk / n);
+  std::vector<double> padded(static_cast<std::size_t>(rows * length), 0.0);
+  const auto direction = [&](Index row) { return Eigen::Map<Eigen::VectorXd>(padded.data() + row * length + pad, n); };
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(points_), residual = b, z(points_), image(points_);
+  std::vector<double> sums(static_cast<std::size_t>((rows + grain - 1) / grain));
+  // The sum of body(row) over all rows.
+  const auto for_rows = [&](const auto& body) {
+    parallel_for(rows, grain, [&](Index begin, Index end) {
+      double sum = 0;
+      for (Index row = begin; row < end; ++row) sum += body(row);
+      sums[static_cast<std::size_t>(begin / grain)] = sum;
+    });
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
+  };
+  const double bb = dot(b, b), goal = options_.tolerance * options_.tolerance * bb;
+  double rr = bb, rz = 0;
   Index iteration = 0;
   while (rr > goal && iteration < options_.max_iterations) {
-    const Eigen::VectorXd image = multiply(direction);
-    const double curvature = dot(direction, image);
+    precondition(residual, z);
+    const double next = inverse_symbol_.empty() ? rr : dot(residual, z);
+    const double beta = iteration > 0 ? next / rz : 0;
+    rz = next;
+    for_rows([&](Index row) {
+      direction(row) = z.segment(row * n, n) + beta * direction(row);
+      return 0.0;
+    });
+    multiply_padded(padded, image);
+    const double curvature = for_rows([&](Index row) { return direction(row).dot(image.segment(row * n, n)); });
     if (!(curvature > 0)) break;
     ++iteration;
-    add(rz / curvature, direction, x);
-    add(-rz / curvature, image, residual);
-    rr = dot(residual, residual);
-    Eigen::VectorXd z = precondition(residual);
-    const double next = dot(residual, z);
-    add(next / rz, direction, z);
-    direction.swap(z);
-    rz = next;
+    const double step = rz / curvature;
+    rr = for_rows([&](Index row) {
+      x.segment(row * n, n) += step * direction(row);
+      residual.segment(row * n, n) -= step * image.segment(row * n, n);
+      return residual.segment(row * n, n).squaredNorm();
+    });
   }
   iterations_ += iteration;
   if (!(rr <= options_.tolerance * bb))
