@@ -55,6 +55,7 @@
 #include "csrbf/levelset/region_model.hpp"
 #include "csrbf/levelset/seed.hpp"
 #include "csrbf/levelset/segment.hpp"
+#include "csrbf/levelset/track.hpp"
 #include "csrbf/linalg/batched_cholesky.hpp"
 #include "csrbf/linalg/ridge.hpp"
 #include "csrbf/spatial/distance_transform.hpp"

@@ -1,0 +1,270 @@
+#include "csrbf/levelset/track.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/levelset/contour_distance.hpp"
+#include "csrbf/levelset/region_labels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr const char* here = "track";
+constexpr double barrier = 2;       // cost, in wrong voxels, of what moved farther than it may
+constexpr double full_noise = 0.2;  // of a frame, over its contrast: all of the memory from here on
+constexpr double one_sided = 0.5;   // weight of an expectation from one neighbour, which motion puts off the place
+
+void check_options(const TrackOptions& options) {
+  require(options.persistence >= 0 && options.persistence <= 100, here, "persistence", options.persistence,
+          "must be 0 to 100");
+  if (options.motion)
+    require(*options.motion > 0, here, "motion", *options.motion, "must be positive, in voxels; infinity: no limit");
+  require(options.prediction >= 0 && options.prediction <= 1, here, "prediction", options.prediction, "must be 0 to 1");
+  require(options.sweeps >= 1 && options.sweeps <= 100, here, "sweeps", options.sweeps, "must be 1 to 100");
+  require(options.segment.prior.empty(), here, "prior size", options.segment.prior.size(),
+          "the prior is made from frame to frame; leave it empty");
+}
+
+std::string size_text(const Grid& grid) {
+  std::string text = std::to_string(grid.size[0]);
+  for (std::size_t a = 1; a < static_cast<std::size_t>(grid.dimension()); ++a)
+    text += " x " + std::to_string(grid.size[a]);
+  return text;
+}
+
+// Of the two labels of a segmentation, one is all that is left in the mask.
+bool is_empty(const SegmentReport& report) {
+  return report.regions[0].voxels == 0 || report.regions[1].voxels == 0;
+}
+
+// Gives the regions the labels of those before that they overlap most, the largest overlaps first.
+template <int Dim>
+void match_labels(const std::vector<std::uint8_t>& before, Segmentation<Dim>& now) {
+  const std::size_t n = now.fields.size();
+  struct Overlap {
+    Index voxels;
+    std::size_t from, to;
+  };
+  std::vector<Overlap> overlaps;
+  for (std::size_t from = 0; from < n; ++from)
+    for (std::size_t to = 0; to < n; ++to) overlaps.push_back({0, from, to});
+  for (std::size_t i = 0; i < before.size(); ++i) ++overlaps[now.labels[i] * n + before[i]].voxels;
+  std::stable_sort(overlaps.begin(), overlaps.end(),
+                   [](const Overlap& a, const Overlap& b) { return a.voxels > b.voxels; });
+  std::vector<std::size_t> renamed(n, n);
+  std::vector<bool> taken(n, false);
+  for (const Overlap& overlap : overlaps)
+    if (renamed[overlap.from] == n && !taken[overlap.to]) {
+      renamed[overlap.from] = overlap.to;
+      taken[overlap.to] = true;
+    }
+  for (std::uint8_t& label : now.labels) label = static_cast<std::uint8_t>(renamed[label]);
+  auto fields = now.fields;
+  auto regions = now.report.regions;
+  for (std::size_t k = 0; k < n; ++k) {
+    fields[renamed[k]] = now.fields[k];
+    regions[renamed[k]] = now.report.regions[k];
+    regions[renamed[k]].label = static_cast<int>(renamed[k]);
+  }
+  now.fields = std::move(fields);
+  now.report.regions = std::move(regions);
+}
+
+// What goes on from frame to frame.
+template <int Dim>
+class Tracker {
+ public:
+  Tracker(Index frames, const FrameSource& read, const TrackOptions& options)
+      : frames_(frames), read_(read), options_(options), states_(static_cast<std::size_t>(frames)) {
+    report_.options = options;
+    const SegmentOptions& base = options.segment;
+    remembers_ = options.persistence > 0 && base.regions == 2 &&
+                 (base.energy != SegmentEnergy::edge || static_cast<bool>(base.force));
+    sweeps_ = remembers_ && frames > 1 ? options.sweeps : 1;
+  }
+
+  TrackReport run(const std::function<void(Index, TrackedFrame<Dim>&&)>& take) {
+    for (int sweep = 0; sweep < sweeps_; ++sweep) {
+      for (Index k = 0; k < frames_; ++k) {
+        const Index t = sweep % 2 == 0 ? k : frames_ - 1 - k;
+        done_ = static_cast<double>(sweep * frames_ + k);
+        TrackedFrame<Dim> tracked = visit(t, sweep);
+        if (sweep + 1 == sweeps_) take(t, std::move(tracked));
+      }
+    }
+    SegmentOptions& used = report_.options.segment;
+    used.seed.clear();
+    used.mask.clear();
+    used.start.clear();
+    used.force = {};
+    used.progress = report_.options.progress = {};
+    return std::move(report_);
+  }
+
+ private:
+  // A frame as found so far.
+  struct State {
+    std::vector<std::uint8_t> labels;
+    std::vector<std::shared_ptr<const Field<Dim>>> fields;
+    double noise = 0;
+  };
+
+  State& state(Index t) { return states_[static_cast<std::size_t>(t)]; }
+  std::vector<float> distance(Index t) { return contour_distance(grid_, state(t).labels, *state(t).fields[0]); }
+
+  TrackedFrame<Dim> visit(Index t, int sweep) {
+    const Volume<float> image = read_(t);
+    if (sweep == 0 && t == 0)
+      grid_ = image.grid;
+    else
+      require(image.grid.size == grid_.size, here, "size of frame " + std::to_string(t), size_text(image.grid),
+              "must be that of the first frame, " + size_text(grid_));
+    const Index last = sweep == 0 ? t - 1 : t;  // whose labels are known
+    SegmentOptions options = report_.options.segment;
+    options.progress = progress();
+    if (last >= 0 && options.regions == 2) {
+      const std::vector<std::uint8_t>& labels = state(last).labels;
+      if (std::find(labels.begin(), labels.end(), 1) != labels.end()) options.seed = labels;
+      if (remembers_) {
+        options.start = options.seed;
+        options.prior = prior(t, sweep, last);
+      }
+    }
+    TrackedFrame<Dim> tracked;
+    try {
+      tracked.segmentation = segment<Dim>(image, options);
+    } catch (const InvalidInput& error) {
+      if (frames_ == 1) throw;
+      throw InvalidInput("track: frame " + std::to_string(t) + ": " + error.what());
+    }
+    settle(t, sweep, image, tracked.segmentation);
+    state(t) = {tracked.segmentation.labels, tracked.segmentation.fields, tracked.segmentation.report.noise};
+    if (sweeps_ == 1 && t > 1) state(t - 2) = {};
+    if (sweep + 1 == sweeps_) tracked.regions = measure_segmentation(tracked.segmentation, grid_);
+    return tracked;
+  }
+
+  // Keeps what the first frame chose, and the region.
+  void settle(Index t, int sweep, const Volume<float>& image, Segmentation<Dim>& found) {
+    if (sweep == 0 && t == 0) {
+      const SegmentOptions given = std::exchange(report_.options.segment, found.report.options);
+      report_.options.segment.mask = given.mask;
+      report_.options.segment.force = given.force;
+    } else if (options_.segment.regions > 2) {
+      match_labels(state(t - 1).labels, found);
+    } else if (is_empty(found.report)) {
+      const Index from = sweep == 0 ? t - 1 : t;
+      found.labels = state(from).labels;
+      found.fields = state(from).fields;
+      remeasure(image, found);
+      if (sweep == 0)
+        report_.warnings.push_back("frame " + std::to_string(t) + ": nothing can be told apart; the contour of frame " +
+                                   std::to_string(from) + " is kept");
+    }
+    for (const std::string& warning : found.report.warnings)
+      if (sweep + 1 == sweeps_) report_.warnings.push_back("frame " + std::to_string(t) + ": " + warning);
+  }
+
+  void remeasure(const Volume<float>& image, Segmentation<Dim>& found) const {
+    const std::vector<std::uint8_t>& mask = options_.segment.mask;
+    found.report.regions = measure_regions(found.labels, image.values, grid_, mask, options_.segment.regions);
+    found.report.components = count_components(found.labels, grid_);
+  }
+
+  // Halfway between the neighbours of a frame.
+  std::vector<float> between(Index t) {
+    if (t == 0) return distance(1);
+    std::vector<float> d = distance(t - 1);
+    if (t + 1 == frames_) return d;
+    const std::vector<float> after = distance(t + 1);
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = 0.5F * (d[i] + after[i]);
+    return d;
+  }
+
+  // What it costs to be inside where the contour is not expected.
+  std::vector<float> prior(Index t, int sweep, Index last) {
+    std::vector<float> d = sweep == 0 ? distance(last) : between(t);
+    if (sweep == 0 && options_.prediction > 0 && last > 0) {
+      const std::vector<float> before = distance(last - 1);
+      const auto further = static_cast<float>(options_.prediction);
+      for (std::size_t i = 0; i < d.size(); ++i) d[i] += further * (d[i] - before[i]);
+    }
+    const double edge = grid_.spacing.template head<Dim>().minCoeff();
+    const double unit = *report_.options.segment.center_spacing * edge;
+    if (!report_.options.motion) {
+      constexpr double least = 3, share = 0.25;
+      const double depth = static_cast<double>(*std::max_element(d.begin(), d.end()));
+      report_.options.motion = std::max(share * depth, least * unit) / edge;
+    }
+    // When more sweeps follow, the first one leaves the frames to themselves: what it would remember are lags.
+    double weight = sweep == 0 && sweeps_ > 1 ? 0 : options_.persistence;
+    weight *= std::min(1.0, state(last).noise / full_noise);
+    if (sweep > 0 && (t == 0 || t + 1 == frames_)) weight *= one_sided;
+    const double reach = *report_.options.motion * edge;
+    for (float& value : d) {
+      const double along = static_cast<double>(value) / unit, far = std::abs(static_cast<double>(value)) - reach;
+      const double cost =
+          weight * std::clamp(along, -1.0, 1.0) + std::copysign(barrier * std::clamp(far / unit, 0.0, 1.0), along);
+      value = static_cast<float>(-cost);
+    }
+    return d;
+  }
+
+  [[nodiscard]] Progress progress() const {
+    if (!options_.progress) return {};
+    return [this](std::string_view stage, double fraction) {
+      return options_.progress(stage, (done_ + fraction) / static_cast<double>(sweeps_ * frames_));
+    };
+  }
+
+  Index frames_;
+  const FrameSource& read_;
+  const TrackOptions& options_;
+  TrackReport report_;  // its options hold what was chosen
+  Grid grid_;
+  std::vector<State> states_;
+  bool remembers_ = false;
+  int sweeps_ = 1;
+  double done_ = 0;  // frames, over all sweeps
+};
+
+}  // namespace
+
+template <int Dim>
+TrackReport track(Index frames, const FrameSource& read, const TrackOptions& options,
+                  const std::function<void(Index, TrackedFrame<Dim>&&)>& take) {
+  require(frames > 0, here, "frames", frames, "there must be a frame");
+  check_options(options);
+  return Tracker<Dim>(frames, read, options).run(take);
+}
+
+template <int Dim>
+Tracking<Dim> track(const Volume<float>& sequence, const TrackOptions& options) {
+  require(static_cast<Index>(sequence.values.size()) == sequence.values_per_frame() * sequence.frames, here,
+          "number of values", sequence.values.size(), "must be that of the voxels of all frames");
+  Tracking<Dim> tracking;
+  tracking.frames.resize(static_cast<std::size_t>(std::max<Index>(sequence.frames, 0)));
+  const FrameSource read = [&](Index t) {
+    VolumeLayout layout = sequence;
+    layout.frames = 1;
+    Volume<float> image(layout);
+    std::copy_n(sequence.values.begin() + t * sequence.values_per_frame(), image.values.size(), image.values.begin());
+    return image;
+  };
+  tracking.report = track<Dim>(sequence.frames, read, options, [&](Index t, TrackedFrame<Dim>&& frame) {
+    tracking.frames[static_cast<std::size_t>(t)] = std::move(frame);
+  });
+  return tracking;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                    \
+  template Tracking<Dim> track<Dim>(const Volume<float>&, const TrackOptions&);   \
+  template TrackReport track<Dim>(Index, const FrameSource&, const TrackOptions&, \
+                                  const std::function<void(Index, TrackedFrame<Dim> &&)>&);
+CSRBF_INSTANTIATE(2)
+CSRBF_INSTANTIATE(3)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

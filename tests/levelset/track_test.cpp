@@ -1,0 +1,314 @@
+#include "csrbf/levelset/track.hpp"
+
+#include "core/error_testing.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "levelset/segment_testing.hpp"
+
+#include <numbers>
+
+namespace csrbf {
+namespace {
+
+using std::numbers::pi;
+
+constexpr Index n = 96;
+
+struct Disc {
+  double x = 0, y = 0, radius = 24;
+};
+
+// Discs on n x n pixels, one per frame: 40 outside, 210 inside, edges one pixel wide.
+Volume<float> disc_sequence(const std::vector<Disc>& discs, double noise, unsigned seed = 1) {
+  Volume<float> sequence;
+  for (std::size_t t = 0; t < discs.size(); ++t) {
+    const Disc& disc = discs[t];
+    const Phantom frame = make_phantom(
+        n, [&](double x, double y) { return disc.radius - std::hypot(x - disc.x, y - disc.y); }, 1, noise,
+        seed + 100 * static_cast<unsigned>(t));
+    if (t == 0) static_cast<VolumeLayout&>(sequence) = frame.image;
+    sequence.values.insert(sequence.values.end(), frame.image.values.begin(), frame.image.values.end());
+  }
+  sequence.frames = static_cast<Index>(discs.size());
+  return sequence;
+}
+
+std::vector<std::uint8_t> disc_labels(const Disc& disc) {
+  return disc_seed(n, disc.x, disc.y, disc.radius);
+}
+
+std::vector<Disc> beat(int frames) {
+  std::vector<Disc> discs;
+  for (int t = 0; t < frames; ++t) {
+    const double phase = 2 * pi * t / frames;
+    discs.push_back({3 * std::sin(phase), 2 * std::cos(phase), 24 + 6 * std::cos(phase)});
+  }
+  return discs;
+}
+
+TEST(Track, GivesTheSegmentationOfASingleFrame) {
+  const Volume<float> image = disc_sequence({{2, 1, 25}}, 20);
+  SegmentOptions options;
+  options.seed = disc_labels({0, 0, 10});
+  const Segmentation<2> expected = segment<2>(image, options);
+  const Tracking<2> tracking = track<2>(image, {.segment = options});
+  ASSERT_EQ(tracking.frames.size(), 1U);
+  EXPECT_EQ(tracking.frames[0].segmentation.labels, expected.labels);
+  EXPECT_EQ(tracking.frames[0].segmentation.report.energy, expected.report.energy);
+  EXPECT_EQ(tracking.frames[0].regions[0].voxels, expected.report.regions[1].voxels);
+}
+
+// Clear frames are followed as they are, whatever is remembered: the area of the level set is that of the disc to far
+// less than the pixels of its border would say (a tenth of a pixel all along it: .8 % of the area).
+TEST(Track, MeasuresTheAreaOfAPulsingDiscWithinATenthOfAPixelOfItsRadius) {
+  constexpr double tenth = 0.1;
+  const std::vector<Disc> discs = beat(10);
+  const Volume<float> sequence = disc_sequence(discs, 0);
+  for (const double persistence : {0.0, TrackOptions().persistence}) {
+    const Tracking<2> tracking = track<2>(sequence, {.persistence = persistence});
+    for (std::size_t t = 0; t < discs.size(); ++t) {
+      const RegionMeasure& region = tracking.frames[t].regions[0];
+      EXPECT_EQ(region.label, 1);
+      const double radius = std::sqrt(region.volume / pi);
+      EXPECT_NEAR(radius, discs[t].radius, tenth) << "frame " << t << ", persistence " << persistence;
+      EXPECT_NEAR(region.area / (2 * pi * radius), 1, 0.01);  // a circle is the shortest line around its area
+      EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.99);
+      EXPECT_NEAR(region.mean, 207, 3);
+    }
+  }
+}
+
+TEST(Track, MeasuresInTheUnitOfTheSpacing) {
+  Volume<float> sequence = disc_sequence(beat(2), 0);
+  const Tracking<2> pixels = track<2>(sequence, {});
+  sequence.grid.spacing = Point<3>::Constant(0.5);
+  sequence.grid.direction.topLeftCorner<2, 2>() << 0, -1, 1, 0;
+  sequence.grid.origin = {7, -3, 0};
+  const Tracking<2> halves = track<2>(sequence, {});
+  constexpr double float_rounding = 1e-3;  // of a descent in float
+  for (std::size_t t = 0; t < 2; ++t) {
+    const RegionMeasure& a = pixels.frames[t].regions[0];
+    const RegionMeasure& b = halves.frames[t].regions[0];
+    EXPECT_NEAR(b.volume / a.volume, 0.25, 0.25 * float_rounding);
+    EXPECT_NEAR(b.area / a.area, 0.5, 0.5 * float_rounding);
+  }
+}
+
+TEST(Track, KeepsTheRegionInsideWhateverItsSizeAndContrast) {
+  // It grows from 2 % of the image to two thirds of it and its border; brightness is exchanged for all frames.
+  std::vector<Disc> discs;
+  for (int t = 0; t < 8; ++t) discs.push_back({0, 0, 8 + 5.5 * t});
+  Volume<float> sequence = disc_sequence(discs, 5);
+  for (int sign : {1, -1}) {
+    SegmentOptions options;
+    options.seed = disc_labels({0, 0, 5});
+    const Tracking<2> tracking = track<2>(sequence, {.segment = options});
+    for (std::size_t t = 0; t < discs.size(); ++t)
+      EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), 0.98) << t << ", " << sign;
+    for (float& value : sequence.values) value = 250 - value;
+  }
+}
+
+double roughness(const Tracking<2>& tracking, const std::vector<Disc>& discs) {
+  std::vector<double> errors;
+  for (std::size_t t = 0; t < discs.size(); ++t)
+    errors.push_back(tracking.frames[t].regions[0].volume - pi * discs[t].radius * discs[t].radius);
+  double sum = 0;
+  for (std::size_t t = 1; t + 1 < errors.size(); ++t) sum += std::pow(errors[t - 1] - 2 * errors[t] + errors[t + 1], 2);
+  return std::sqrt(sum / static_cast<double>(errors.size() - 2));
+}
+
+TEST(Track, SmoothsTheCurveOfAreasOfNoisyFrames) {
+  const std::vector<Disc> discs = beat(16);
+  const Volume<float> sequence = disc_sequence(discs, 80);
+  const Tracking<2> alone = track<2>(sequence, {.persistence = 0});
+  const Tracking<2> remembered = track<2>(sequence, {});
+  constexpr double clearly = 0.8;
+  EXPECT_LT(roughness(remembered, discs), clearly * roughness(alone, discs));
+  double alone_dice = 0, remembered_dice = 0;
+  for (std::size_t t = 0; t < discs.size(); ++t) {
+    alone_dice += dice(alone.frames[t].segmentation.labels, disc_labels(discs[t]));
+    remembered_dice += dice(remembered.frames[t].segmentation.labels, disc_labels(discs[t]));
+  }
+  EXPECT_GT(remembered_dice, alone_dice);
+}
+
+TEST(Track, CarriesTheContourThroughAFrameOfNoise) {
+  const std::vector<Disc> discs = beat(8);
+  Volume<float> sequence = disc_sequence(discs, 10);
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal(100, 40);
+  constexpr Index lost = 3;
+  for (Index i = 0; i < n * n; ++i) sequence.values[static_cast<std::size_t>(lost * n * n + i)] = normal(random);
+  const Tracking<2> tracking = track<2>(sequence, {});
+  // Noise may move it by three pixels of a radius of 20.
+  for (std::size_t t = 0; t < discs.size(); ++t)
+    EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), t == lost ? 0.85 : 0.97) << t;
+  // Without memory noise is parted into two halves.
+  const Tracking<2> alone = track<2>(sequence, {.persistence = 0});
+  EXPECT_LT(dice(alone.frames[lost].segmentation.labels, disc_labels(discs[lost])), 0.7);
+}
+
+TEST(Track, CarriesTheContourThroughAnOcclusion) {
+  const std::vector<Disc> discs(6, Disc{0, 0, 30});
+  Volume<float> sequence = disc_sequence(discs, 10);
+  constexpr Index hidden = 3;
+  for (Index y = n / 2 - 8; y < n / 2 + 8; ++y)  // a dark bar across the disc: 34 % of it
+    for (Index x = 0; x < n; ++x) sequence.values[static_cast<std::size_t>(hidden * n * n + y * n + x)] = 40;
+  const auto worst = [&](double persistence) {
+    const Tracking<2> tracking = track<2>(sequence, {.persistence = persistence, .motion = 4});
+    double least = 1;
+    for (std::size_t t = 0; t < discs.size(); ++t)
+      least = std::min(least, dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])));
+    return least;
+  };
+  EXPECT_GT(worst(TrackOptions().persistence), 0.93);
+  EXPECT_LT(worst(0), 0.85);
+}
+
+TEST(Track, NothingAppearsFarFromTheContour) {
+  const std::vector<Disc> discs(4, Disc{-15, 0, 18});
+  Volume<float> sequence = disc_sequence(discs, 10);
+  for (Index y = 40; y < 56; ++y)  // as bright, beside it, in one frame
+    for (Index x = 76; x < 92; ++x) sequence.values[static_cast<std::size_t>(2 * n * n + y * n + x)] = 210;
+  const Tracking<2> tracking = track<2>(sequence, {});
+  for (const TrackedFrame<2>& frame : tracking.frames) EXPECT_EQ(frame.segmentation.report.components, 1);
+  EXPECT_EQ(track<2>(sequence, {.persistence = 0}).frames[2].segmentation.report.components, 2);
+}
+
+// A ball that shrinks, on voxels of unequal edges.
+TEST(Track, MeasuresTheVolumeOfAShrinkingBall) {
+  VolumeLayout layout;
+  layout.grid.size = {40, 40, 28};
+  layout.grid.spacing = {1, 1, 1.5};
+  layout.frames = 3;
+  Volume<float> sequence(layout);
+  const Points<3> centers = layout.grid.centers<3>();
+  const Point<3> middle(19.5, 19.5, 20.25);
+  const auto radius = [](Index t) { return 14.0 - 1.5 * static_cast<double>(t); };
+  for (Index t = 0; t < 3; ++t)
+    for (Index i = 0; i < layout.grid.voxels(); ++i) {
+      const double d = radius(t) - (centers.col(i) - middle).norm();
+      sequence.values[static_cast<std::size_t>(t * layout.grid.voxels() + i)] =
+          static_cast<float>(100 + 60 * std::erf(d));
+    }
+  const Tracking<3> tracking = track<3>(sequence, {});
+  constexpr double part_of_a_voxel = 0.15;
+  for (Index t = 0; t < 3; ++t) {
+    const RegionMeasure& region = tracking.frames[static_cast<std::size_t>(t)].regions[0];
+    EXPECT_NEAR(std::cbrt(0.75 * region.volume / pi), radius(t), part_of_a_voxel);
+    EXPECT_NEAR(std::sqrt(0.25 * region.area / pi), radius(t), 2 * part_of_a_voxel);
+  }
+}
+
+TEST(Track, KeepsTheLabelsOfSeveralRegions) {
+  // A ring whose brightness rises past that of the disc: labels by intensity would be exchanged.
+  Volume<float> sequence = disc_sequence({{}, {}, {}}, 0);
+  const auto at = [&](Index t, Index x, Index y) -> float& {
+    return sequence.values[static_cast<std::size_t>(t * n * n + y * n + x)];
+  };
+  for (Index t = 0; t < 3; ++t)
+    for (Index y = 0; y < n; ++y)
+      for (Index x = 0; x < n; ++x) {
+        const double r = std::hypot(static_cast<double>(x) - 47.5, static_cast<double>(y) - 47.5);
+        at(t, x, y) = r < 18 ? 120.0F : r < 34 ? 80.0F + 40.0F * static_cast<float>(t) : 20.0F;
+        if (t == 1 && r >= 18 && r < 34) at(t, x, y) = 150;
+      }
+  TrackOptions options;
+  options.segment.regions = 3;
+  const Tracking<2> tracking = track<2>(sequence, options);
+  const std::size_t ring = 48 * n + 20, disc = 48 * n + 48;
+  const std::uint8_t ring_label = tracking.frames[0].segmentation.labels[ring];
+  const std::uint8_t disc_label = tracking.frames[0].segmentation.labels[disc];
+  EXPECT_NE(ring_label, disc_label);
+  for (const TrackedFrame<2>& frame : tracking.frames) {
+    EXPECT_EQ(frame.segmentation.labels[ring], ring_label);
+    EXPECT_EQ(frame.segmentation.labels[disc], disc_label);
+    const Point<2> at_ring(20, 48);
+    EXPECT_GT((*frame.segmentation.fields[ring_label])(at_ring), 0);
+    EXPECT_EQ(frame.regions.size(), 2U);
+  }
+}
+
+TEST(Track, ReadsOneFrameAfterTheOtherAndHandsThemOverWhenFinal) {
+  const std::vector<Disc> discs = beat(4);
+  const Volume<float> sequence = disc_sequence(discs, 20);
+  const Tracking<2> whole = track<2>(sequence, {});
+  std::vector<Index> read, taken;
+  const FrameSource source = [&](Index t) {
+    read.push_back(t);
+    VolumeLayout layout = sequence;
+    layout.frames = 1;
+    Volume<float> image(layout);
+    std::copy_n(sequence.values.begin() + t * n * n, n * n, image.values.begin());
+    return image;
+  };
+  track<2>(4, source, {.sweeps = 2}, [&](Index t, TrackedFrame<2>&& frame) {
+    taken.push_back(t);
+    EXPECT_EQ(frame.segmentation.labels, whole.frames[static_cast<std::size_t>(t)].segmentation.labels);
+  });
+  EXPECT_EQ(read, (std::vector<Index>{0, 1, 2, 3, 3, 2, 1, 0}));
+  EXPECT_EQ(taken, (std::vector<Index>{3, 2, 1, 0}));
+}
+
+TEST(Track, IsTheSameForEveryNumberOfThreads) {
+  const Volume<float> sequence = disc_sequence(beat(3), 30);
+  const Tracking<2> expected = track<2>(sequence, {});
+  set_thread_count(1);
+  const Tracking<2> single = track<2>(sequence, {});
+  set_thread_count(0);
+  for (std::size_t t = 0; t < 3; ++t) {
+    EXPECT_EQ(single.frames[t].segmentation.labels, expected.frames[t].segmentation.labels);
+    EXPECT_EQ(single.frames[t].regions[0].volume, expected.frames[t].regions[0].volume);
+  }
+}
+
+TEST(Track, NamesTheFrameThatCannotBeSegmented) {
+  Volume<float> constant = disc_sequence(beat(4), 5);
+  std::fill_n(constant.values.begin() + 2 * n * n, n * n, 7.0F);
+  const std::string message = invalid_input_message([&] { track<2>(constant, {}); });
+  EXPECT_NE(message.find("frame 2"), std::string::npos) << message;
+  EXPECT_NE(message.find("constant"), std::string::npos) << message;
+
+  const FrameSource unequal = [](Index t) {
+    VolumeLayout layout;
+    layout.grid.axes = 2;
+    layout.grid.size = {8 + t, 8, 1};
+    Volume<float> image(layout);
+    for (std::size_t i = 0; i < image.values.size(); ++i) image.values[i] = i % 8 < 4 ? 0.0F : 1.0F;
+    return image;
+  };
+  EXPECT_EQ(invalid_input_message([&] { track<2>(2, unequal, {}, [](Index, TrackedFrame<2>&&) {}); }),
+            "track: size of frame 1 = 9 x 8: must be that of the first frame, 8 x 8");
+}
+
+TEST(Track, RefusesOptionsOutOfTheirRanges) {
+  const Volume<float> sequence = disc_sequence(beat(2), 5);
+  const auto message = [&](const TrackOptions& options) {
+    return invalid_input_message([&] { track<2>(sequence, options); });
+  };
+  EXPECT_EQ(message({.persistence = -1}), "track: persistence = -1: must be 0 to 100");
+  EXPECT_NE(message({.persistence = std::numeric_limits<double>::quiet_NaN()}), "");
+  EXPECT_NE(message({.motion = 0.0}).find("motion = 0"), std::string::npos);
+  EXPECT_NE(message({.prediction = 2}).find("prediction = 2"), std::string::npos);
+  EXPECT_NE(message({.sweeps = 0}).find("sweeps = 0"), std::string::npos);
+  TrackOptions prior;
+  prior.segment.prior.assign(static_cast<std::size_t>(n * n), 0.0F);
+  EXPECT_NE(message(prior).find("prior"), std::string::npos);
+  EXPECT_NE(invalid_input_message([] { track<2>(Volume<float>(), {}); }), "");
+}
+
+TEST(Track, CanBeCancelled) {
+  const Volume<float> sequence = disc_sequence(beat(4), 5);
+  TrackOptions options;
+  double last = 0;
+  options.progress = [&](std::string_view, double fraction) {
+    EXPECT_GE(fraction, last);
+    EXPECT_LE(fraction, 1);
+    last = fraction;
+    return fraction < 0.4;
+  };
+  EXPECT_THROW(track<2>(sequence, options), Cancelled);
+}
+
+}  // namespace
+}  // namespace csrbf
