@@ -13,7 +13,7 @@ namespace csrbf::thesis {
 std::vector<double> conditions(const PointCloud& cloud, Index centers, const std::vector<double>& weights) {
   const PreparedCloud prepared = prepare(cloud, Normals::file);
   const MedialAxisFit fit = fit_medial_axis(prepared.cloud, *prepared.tree, {.centers = centers, .smoothing = 1e-3});
-  const SlopeSystem system = slope_system(fit.field->data(), prepared.cloud.points);
+  const SlopeSystem system = slope_system(fit.field->data(), prepared.cloud.points, prepared.cloud.normals);
   const Eigen::MatrixXd BtB = Eigen::MatrixXd(Eigen::SparseMatrix<double>(system.B.transpose() * system.B));
   Eigen::MatrixXd DtD = Eigen::MatrixXd::Zero(centers, centers);
   for (const SlopeSystem::Rows& D : system.D) DtD += Eigen::MatrixXd(Eigen::SparseMatrix<double>(D.transpose() * D));

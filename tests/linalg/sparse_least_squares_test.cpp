@@ -124,6 +124,26 @@ TEST(SparseLeastSquares, ChoosesTheRegularisationThatDenseCrossValidationChooses
   }
 }
 
+// A model that is too large by as much as lambda is small: errors count in units of 1 + l . c.
+TEST(SparseLeastSquares, ScoresTheRegularisationInTheGivenUnit) {
+  const Sparse B = hats(160, 80, 8);
+  const Eigen::VectorXd s = random_matrix(160, 1, 1).array() - 1;
+  const AffineFunction unit{1, Eigen::VectorXd::Constant(80, 0.03)};
+  const auto score = [&](double lambda0) {
+    const auto fit = ridge(Eigen::MatrixXd(B), s, {.lambda0 = lambda0});
+    const double u = unit.offset + unit.slope.dot(fit.coefficients.col(0));
+    return u > 0 ? fit.gcv / (u * u) : std::numeric_limits<double>::infinity();
+  };
+  double best = std::numeric_limits<double>::infinity();
+  for (double exponent = -12; exponent <= 2; exponent += 0.125) best = std::min(best, score(std::pow(10, exponent)));
+  const auto chosen = sparse_least_squares(B, s, {.score_unit = unit});
+  EXPECT_LT(chosen.gcv, 1.001 * best);
+  EXPECT_NEAR(chosen.gcv, score(chosen.lambda0), 1e-6 * best);
+  EXPECT_GT(chosen.lambda0, 2 * sparse_least_squares(B, s).lambda0);
+  const auto halves = sparse_least_squares(B, s, {.score_unit = {2, {}}});
+  EXPECT_NEAR(4 * halves.gcv, sparse_least_squares(B, s).gcv, 1e-12);
+}
+
 template <class Action>
 std::string message_of(const Action& action) {
   try {
@@ -147,6 +167,11 @@ TEST(SparseLeastSquares, RefusesWhatHasNoSolution) {
             "sparse_least_squares: weights = negative or not finite: weights must be finite and not negative");
   EXPECT_EQ(message_of([&] { sparse_least_squares(B, s, {.weights = 0 * s}); }),
             "sparse_least_squares: weights = all zero: at least one must be positive");
+  EXPECT_EQ(
+      message_of([&] {
+        sparse_least_squares(B, s, {.score_unit = {1, s}});
+      }),
+      "sparse_least_squares: score_unit.slope = 20: must have one entry per column of B, for data of one component");
   const Sparse twice = Eigen::MatrixXd::Ones(20, 2).sparseView();
   EXPECT_EQ(message_of([&] { sparse_least_squares(twice, s, {.lambda0 = 0}); }),
             "sparse_least_squares: the columns of B are linearly dependent to working precision; use more "

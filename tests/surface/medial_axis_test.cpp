@@ -85,6 +85,28 @@ TEST(MedialAxis, SmoothsNoiseAsTheCrossValidationFinds) {
   EXPECT_LT(automatic, 1.1 * too_much);  // quadrics alone smooth well
 }
 
+// Noise as large as the distance between samples: f could meet them by being flat, and cells of centres overlap.
+TEST(MedialAxis, ChoosesNearlyTheBestSmoothingUnderStrongNoise) {
+  const Points<3> test = torus.cloud(2000, 5).points;
+  struct Case {
+    double noise;
+    Index centers;
+  };
+  for (const auto& [noise, centers] : {Case{0.01, 3000}, Case{0.02, 500}, Case{0.04, 2500}}) {
+    PointCloud samples = with_noise(torus.cloud(20000), noise);  // 0.3 to 1.3 % of the diagonal
+    samples.normals += 0.2 * random_points(samples.size(), {Point<3>::Constant(-1.7), Point<3>::Constant(1.7)}, 8);
+    samples.normals.colwise().normalize();
+    const PreparedCloud cloud = prepare(samples, Normals::file);
+    const auto error = [&, budget = centers](std::optional<double> smoothing) {
+      const MedialAxisFit one = fit_medial_axis(cloud.cloud, *cloud.tree, {.centers = budget, .smoothing = smoothing});
+      return cloud.scale * taubin(*one.field, (test.colwise() - cloud.origin) / cloud.scale);
+    };
+    const double automatic = error({}), best = std::min(error(0.1), error(10.0));
+    EXPECT_LT(automatic, 1.2 * best) << noise << " " << centers;
+    EXPECT_LT(automatic, 0.35 * noise) << noise << " " << centers;
+  }
+}
+
 TEST(MedialAxis, IsTheSameForEveryNumberOfThreads) {
   const OrientedPoints cloud = torus_samples(3000);
   const Points<3> x = random_points(500, bounding_box<3>(cloud.points).inflated(0.2), 3);

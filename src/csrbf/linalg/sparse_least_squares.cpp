@@ -32,6 +32,9 @@ void check(const Rows& B, const Eigen::Ref<const Eigen::MatrixXd>& s, const Spar
           "must be positive and at most `largest`");
   require(options.penalty.size() == 0 || (options.penalty.rows() == B.cols() && options.penalty.cols() == B.cols()),
           function, "penalty", options.penalty.rows(), "must have one row and column per column of B");
+  require(options.score_unit.slope.size() == 0 || (options.score_unit.slope.size() == B.cols() && s.cols() == 1),
+          function, "score_unit.slope", options.score_unit.slope.size(),
+          "must have one entry per column of B, for data of one component");
 }
 
 // The problem without weights and empty columns.
@@ -40,6 +43,7 @@ struct Problem {
   Eigen::MatrixXd s;  // likewise
   Columns gram;       // B^T B
   Columns penalty;
+  AffineFunction score_unit;
   Eigen::MatrixXd right;  // B^T s
   double weight = 0;      // sum of the weights
   Index data = 0;         // rows of positive weight
@@ -90,6 +94,8 @@ Problem prepare(const Rows& B, const Eigen::Ref<const Eigen::MatrixXd>& s, const
     p.penalty.resize(p.B.cols(), p.B.cols());
     p.penalty.setIdentity();
   }
+  p.score_unit = options.score_unit;
+  if (p.score_unit.slope.size() > 0) p.score_unit.slope = Eigen::VectorXd(p.score_unit.slope(columns));
   const Columns transposed = p.B.transpose();
   p.gram = Columns(transposed * p.B);
   p.right = transposed * p.s;
@@ -125,7 +131,10 @@ double gcv_score(const Problem& p, double lambda0, SparseCholesky& solver) {
   const auto n = static_cast<double>(p.data);
   const double freedom = 1 - (static_cast<double>(p.B.cols()) - unfitted(p, lambda, solver)) / n;
   if (!(freedom > 1e-10)) return hopeless;
-  return (p.s - p.B * c).squaredNorm() / n / (freedom * freedom);
+  double unit = p.score_unit.offset;
+  if (p.score_unit.slope.size() > 0) unit += p.score_unit.slope.dot(c.col(0));
+  if (!(unit > 0)) return hopeless;
+  return (p.s - p.B * c).squaredNorm() / n / (freedom * freedom) / (unit * unit);
 }
 
 // Minimises the score over decades, then between the best and its neighbours.

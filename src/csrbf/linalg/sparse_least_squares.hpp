@@ -6,12 +6,21 @@
 
 namespace csrbf {
 
+/// offset + slope . c of coefficients c.
+struct AffineFunction {
+  double offset = 1;
+  Eigen::VectorXd slope = {};  ///< one per coefficient, or none: constant
+};
+
 struct SparseLeastSquaresOptions {
   std::optional<double> lambda0 = {};        ///< regularisation independent of the number of data; default: chosen
   Eigen::VectorXd weights = {};              ///< one per datum, not negative; default: all 1
   Eigen::SparseMatrix<double> penalty = {};  ///< P, M x M symmetric positive definite; default: the identity
   double smallest = 1e-12;                   ///< range of the choice of lambda0
   double largest = 1e2;                      ///< range of the choice of lambda0
+  /// What a unit of the residuals is worth when lambda0 is chosen: the score is divided by the square of this function
+  /// of the coefficients. For data that can be met by shrinking the model, as f = 0 can by a flat f.
+  AffineFunction score_unit = {};
   SparseCholeskyOptions solver = {};
 };
 
@@ -20,7 +29,7 @@ struct SparseLeastSquaresFit {
   Eigen::MatrixXd fitted;        ///< N x C: B c
   double lambda0 = 0;            ///< used or chosen
   double lambda = 0;             ///< lambda0 in the units of the problem
-  double gcv = 0;                ///< see below; 0 when lambda0 was given
+  double gcv = 0;                ///< see below, over the square of the unit; 0 when lambda0 was given
   Index dropped = 0;             ///< number of columns without an entry in a row of positive weight
   bool direct = true;            ///< how the equations were solved
   Index iterations = 0;          ///< of the iterative method

@@ -44,10 +44,22 @@ std::vector<Index> choose_centers(const OrientedPoints& cloud, const MedialAxisO
   return centers;
 }
 
-Points<3> every(const Points<3>& points, Index stride) {
+std::vector<Index> every(Index stride, Index n) {
   std::vector<Index> ids;
-  for (Index i = 0; i < points.cols(); i += stride) ids.push_back(i);
-  return points(Eigen::all, ids);
+  for (Index i = 0; i < n; i += stride) ids.push_back(i);
+  return ids;
+}
+
+// On the surface the winding number is 1/2. Noise spreads the centres over a slab, where their cells add up to more
+// than the surface: then areas are made smaller by as much.
+WindingNumber calibrated_winding(WindingNumber::Data centers) {
+  WindingNumber winding(centers);
+  Eigen::VectorXd u = winding.evaluate(centers.points).value;
+  const Index middle = u.size() / 2;
+  std::nth_element(u.begin(), u.begin() + middle, u.end());
+  if (u[middle] <= 0) return winding;
+  centers.areas /= u[middle] + 1;
+  return WindingNumber(centers);
 }
 
 }  // namespace
@@ -76,12 +88,13 @@ MedialAxisFit fit_medial_axis(const OrientedPoints& cloud, const KdTree<3>& tree
     }
   });
   const Index stride = std::max<Index>(1, cloud.size() / (rows_per_center * M));
-  const SlopeSolution solution =
-      solve_slope_system(slope_system(data, every(cloud.points, stride)), options.smoothing, options.progress);
+  const std::vector<Index> rows = every(stride, cloud.size());
+  const SlopeSystem system = slope_system(data, cloud.points(Eigen::all, rows), cloud.normals(Eigen::all, rows));
+  const SlopeSolution solution = solve_slope_system(system, options.smoothing, options.progress);
   data.quadrics.row(0) += solution.alpha.transpose();
 
   const Eigen::VectorXd spacing = supports.areas.cwiseSqrt();
-  data.winding = WindingNumber({data.centers, normals, supports.areas, winding_smoothing * spacing});
+  data.winding = calibrated_winding({data.centers, normals, supports.areas, winding_smoothing * spacing});
   data.far_value = far_spacings * spacing.mean();
   return {std::make_shared<const MedialAxisField>(std::move(data)), std::move(supports.scales), solution.smoothing,
           solution.direct};

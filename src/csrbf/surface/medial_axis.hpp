@@ -21,7 +21,7 @@ struct MedialAxisOptions {
   /// Weight of the normals against the positions in the fit of a quadric, in units of its support (kappa of eq. 6.24).
   double normal_weight = 0.1;
   /// (epsilon / t)^2 of eq. (6.32), relative: the penalty of slopes against the sum of squares. Not set: chosen by
-  /// generalised cross-validation.
+  /// generalised cross-validation (see slope_penalty.hpp).
   std::optional<double> smoothing = {};
   Progress progress = {};  ///< stages "farthest points", "poles", "fit", "choose smoothing", "solve"
 };

@@ -176,9 +176,9 @@ MethodFit adaptive(const PreparedCloud& cloud, const MethodOptions& options) {
     balls.add(center, support, quadric);
   }
   QuadricBalls::Data data = balls.data();
-  const SlopeSolution solution =
-      solve_slope_system(slope_system({data.centers, data.supports, data.quadrics, {}, 1}, samples.points),
-                         options.smoothing.value_or(1e-3), options.progress);
+  const SlopeSolution solution = solve_slope_system(
+      slope_system({data.centers, data.supports, data.quadrics, {}, 1}, samples.points, samples.normals),
+      options.smoothing.value_or(1e-3), options.progress);
   data.quadrics.row(0) += solution.alpha.transpose();
   return finish(std::move(data), solution.smoothing);
 }
