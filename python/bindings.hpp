@@ -84,6 +84,7 @@ void in_parts(Index n, const Progress& progress, const Use& use) {
 
 void bind_fit(py::module_& m);
 void bind_rbf_interpolator(py::module_& m);
+void bind_segment(py::module_& m);
 void bind_surface(py::module_& m);
 
 }  // namespace csrbf::python

@@ -17,5 +17,6 @@ PYBIND11_MODULE(_csrbf, m) {
         "Sets the number of threads, 0 for all cores. Results do not depend on it.");
   python::bind_fit(m);
   python::bind_rbf_interpolator(m);
+  python::bind_segment(m);
   python::bind_surface(m);
 }

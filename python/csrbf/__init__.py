@@ -5,6 +5,7 @@
     f.standard_deviation(x)               # how far f may be from a sample there
     s = csrbf.reconstruct(points)         # an implicit surface from points in space
     s.polygonize().save("mesh.ply")
+    g = csrbf.segment(image)              # labels and contours of an image, g.labels, g.field(x), g.contour()
     (s - t).save("cut.csrbf")             # also s | t, s & t, ~s and csrbf.combine("blend", s, t)
 
 Arrays of points have one point a row; C-contiguous float64 arrays are not copied. Computations use all cores
@@ -19,6 +20,7 @@ from csrbf import _csrbf
 from csrbf._csrbf import IoError, SolverFailure, set_thread_count, thread_count
 from csrbf._function import Function, fit
 from csrbf._rbf_interpolator import RBFInterpolator
+from csrbf._segmentation import Segmentation, segment
 from csrbf._surface import Curvature, Mesh, Surface, combine, reconstruct, reconstruct_contours
 
 __version__ = _csrbf.version
@@ -28,6 +30,7 @@ __all__ = [
     "IoError",
     "Mesh",
     "RBFInterpolator",
+    "Segmentation",
     "SolverFailure",
     "Surface",
     "combine",
@@ -35,6 +38,7 @@ __all__ = [
     "load",
     "reconstruct",
     "reconstruct_contours",
+    "segment",
     "set_thread_count",
     "thread_count",
 ]

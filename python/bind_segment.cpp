@@ -1,0 +1,259 @@
+#include "bindings.hpp"
+
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/volume.hpp"
+#include "csrbf/levelset/image_contour.hpp"
+#include "csrbf/levelset/seed.hpp"
+#include "csrbf/levelset/segment.hpp"
+
+#include <memory>
+#include <optional>
+#include <variant>
+
+namespace csrbf::python {
+namespace {
+
+using Bytes = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
+using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
+using Image = Volume<float>;
+
+// Labels with their level sets, and where the image is.
+struct Segments {
+  std::variant<Segmentation<2>, Segmentation<3>> found;
+  Grid grid;
+};
+
+// [z, y, x] of the axes that the image has.
+std::vector<py::ssize_t> shape_of(const Grid& grid) {
+  std::vector<py::ssize_t> shape;
+  for (int a = grid.axes; a-- > 0;) shape.push_back(grid.size[static_cast<std::size_t>(a)]);
+  return shape;
+}
+
+std::unique_ptr<Image> image_from(const Floats& values, const std::vector<double>& spacing) {
+  require(values.ndim() == 2 || values.ndim() == 3, "segment", "dimension of the image", values.ndim(),
+          "must be 2 [y, x] or 3 [z, y, x]; convert colours to grey, and take one frame of a sequence");
+  auto image = std::make_unique<Image>();
+  Grid& grid = image->grid;
+  grid.axes = static_cast<int>(values.ndim());
+  require(static_cast<py::ssize_t>(spacing.size()) == values.ndim(), "segment", "voxel_size", spacing.size(),
+          "must be one number, or one for x, y (and z)");
+  for (int a = 0; a < grid.axes; ++a) {
+    grid.size[static_cast<std::size_t>(a)] = values.shape(grid.axes - 1 - a);
+    grid.spacing[a] = spacing[static_cast<std::size_t>(a)];
+  }
+  image->values.assign(values.data(), values.data() + values.size());
+  return image;
+}
+
+std::vector<std::uint8_t> voxels_of(const std::optional<Bytes>& given) {
+  if (!given) return {};
+  return {given->data(), given->data() + given->size()};
+}
+
+template <class Fill>
+Bytes seed_array(const Image& image, const Fill& fill) {
+  const Seed seed = run([&](const Progress& /*progress*/) { return fill(); });
+  Bytes array(shape_of(image.grid));
+  std::copy(seed.begin(), seed.end(), array.mutable_data());
+  return array;
+}
+
+Bytes seed_ball_array(const Image& image, const Eigen::VectorXd& center, double radius) {
+  return seed_array(image, [&] {
+    return center.size() == 2 ? seed_ball<2>(image.grid, center.head<2>(), radius)
+                              : seed_ball<3>(image.grid, center.head<3>(), radius);
+  });
+}
+
+template <int Dim>
+Seed boxed(const Grid& grid, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  Box<Dim> box;
+  box.add(Point<Dim>(a.head<Dim>()));
+  box.add(Point<Dim>(b.head<Dim>()));
+  return seed_box<Dim>(grid, box);
+}
+
+Bytes seed_box_array(const Image& image, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return seed_array(image, [&] { return a.size() == 2 ? boxed<2>(image.grid, a, b) : boxed<3>(image.grid, a, b); });
+}
+
+SegmentOptions make_options(const py::dict& given) {
+  SegmentOptions options;
+  const auto read = [&](const char* name, auto& field) {
+    if (given.contains(name)) field = given[name].cast<std::decay_t<decltype(field)>>();
+  };
+  options.energy = segment_energy(given["energy"].cast<std::string>());
+  options.mode = segment_mode(given["mode"].cast<std::string>());
+  options.method = segment_method(given["method"].cast<std::string>());
+  options.shading = shading_named(given["shading"].cast<std::string>());
+  read("regions", options.regions);
+  read("center_spacing", options.center_spacing);
+  read("support", options.support);
+  read("kernel", options.kernel);
+  read("smoothness", options.smoothness);
+  read("window", options.window);
+  read("balloon", options.balloon);
+  read("fill_holes", options.fill_holes);
+  read("iterations", options.iterations);
+  return options;
+}
+
+// Calls a Python function of the labels, an array like the image, that returns what it costs to be inside.
+ForceUpdate force_of(const py::object& function, const Grid& grid) {
+  if (function.is_none()) return {};
+  return [function = function.ptr(), shape = shape_of(grid), n = grid.voxels()](const unsigned char* labels,
+                                                                                float* force) {
+    const py::gil_scoped_acquire hold;
+    Bytes given(shape);
+    std::copy_n(labels, n, given.mutable_data());
+    const py::object result = py::reinterpret_borrow<py::function>(function)(given);
+    const Floats values = Floats::ensure(result);
+    if (!values) throw py::error_already_set();
+    require(values.size() == n, "segment", "size of what force returns", values.size(),
+            "must be that of the image, " + std::to_string(n));
+    std::copy_n(values.data(), n, force);
+  };
+}
+
+std::unique_ptr<Segments> segment_image(const Image& image, const std::optional<Bytes>& seed,
+                                        const std::optional<Bytes>& mask, const py::dict& given,
+                                        const py::object& force) {
+  SegmentOptions options = make_options(given);
+  options.seed = voxels_of(seed);
+  options.mask = voxels_of(mask);
+  options.force = force_of(force, image.grid);
+  return run([&](const Progress& progress) {
+    options.progress = progress;
+    auto result = std::make_unique<Segments>();
+    result->grid = image.grid;
+    if (image.grid.dimension() == 2)
+      result->found = segment<2>(image, options);
+    else
+      result->found = segment<3>(image, options);
+    return result;
+  });
+}
+
+py::dict to_dict(const SegmentReport& r) {
+  using namespace py::literals;
+  const SegmentOptions& o = r.options;
+  py::list regions;
+  for (const RegionReport& region : r.regions)
+    regions.append(py::dict("label"_a = region.label, "voxels"_a = region.voxels, "volume"_a = region.volume,
+                            "mean"_a = region.mean, "sd"_a = region.sd));
+  const py::dict options("energy"_a = std::string(name_of(o.energy)), "mode"_a = std::string(name_of(o.mode)),
+                         "method"_a = std::string(name_of(o.method)), "shading"_a = std::string(name_of(o.shading)),
+                         "regions"_a = o.regions, "center_spacing"_a = o.center_spacing, "support"_a = o.support,
+                         "kernel"_a = o.kernel, "smoothness"_a = o.smoothness, "window"_a = o.window,
+                         "balloon"_a = o.balloon, "fill_holes"_a = o.fill_holes, "iterations"_a = o.iterations);
+  return py::dict("iterations"_a = r.iterations, "converged"_a = r.converged, "energy"_a = r.energy,
+                  "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise, "options"_a = options,
+                  "warnings"_a = r.warnings);
+}
+
+const SegmentReport& report_of(const Segments& s) {
+  return std::visit([](const auto& found) -> const SegmentReport& { return found.report; }, s.found);
+}
+
+Bytes labels_of(const Segments& s) {
+  Bytes array(shape_of(s.grid));
+  std::visit([&](const auto& found) { std::copy(found.labels.begin(), found.labels.end(), array.mutable_data()); },
+             s.found);
+  return array;
+}
+
+std::unique_ptr<NamedFunction> function_of(const Segments& s) {
+  return std::visit([](const auto& found) { return std::make_unique<NamedFunction>(to_function(found)); }, s.found);
+}
+
+template <class Fields>
+const auto& field_of(const Fields& fields, Index label) {
+  const Index k = fields.size() == 1 ? label - 1 : label;
+  require(k >= 0 && k < static_cast<Index>(fields.size()), "contour", "label", label, "there is no such region");
+  return *fields[static_cast<std::size_t>(k)];
+}
+
+// Arrays of the points of each line, and its measures.
+py::tuple contour_in_plane(const Segmentation<2>& found, const Grid& grid, Index label, int resolution) {
+  using namespace py::literals;
+  const ImageContour contour = run([&](const Progress& progress) {
+    return image_contour(field_of(found.fields, label), grid, {.resolution = resolution, .progress = progress});
+  });
+  py::list lines;
+  for (const ContourLine& line : contour.lines.lines) {
+    Points<3> points = Points<3>::Zero(3, line.size);
+    points.topRows(2) = contour.lines.points.middleCols(line.begin, line.size);
+    lines.append(to_array(Points<2>((contour.placement * points).topRows(2))));
+  }
+  return py::make_tuple(
+      lines, py::dict("length"_a = contour.lines.length, "area"_a = contour.lines.area,
+                      "length_error"_a = contour.lines.length_error, "area_error"_a = contour.lines.area_error));
+}
+
+// Vertices, triangles and normals, and the measures.
+py::tuple contour_in_space(const Segmentation<3>& found, const Grid& grid, Index label, int resolution) {
+  using namespace py::literals;
+  ImageSurface surface = run([&](const Progress& progress) {
+    return image_contour(field_of(found.fields, label), grid, {.resolution = resolution, .progress = progress});
+  });
+  const py::dict measures("area"_a = surface.area, "volume"_a = surface.volume, "area_error"_a = surface.area_error,
+                          "volume_error"_a = surface.volume_error);
+  return py::make_tuple(
+      py::make_tuple(to_array(std::move(surface.mesh.vertices)), to_array(std::move(surface.mesh.triangles)),
+                     to_array(std::move(surface.mesh.normals))),
+      measures);
+}
+
+py::tuple contour_of(const Segments& s, Index label, int resolution) {
+  if (const auto* plane = std::get_if<Segmentation<2>>(&s.found))
+    return contour_in_plane(*plane, s.grid, label, resolution);
+  return contour_in_space(std::get<Segmentation<3>>(s.found), s.grid, label, resolution);
+}
+
+void save_labels(const Segments& s, const std::string& path) {
+  run([&](const Progress& /*progress*/) {
+    Image labels;
+    labels.grid = s.grid;
+    labels.type = SampleType::uint8;
+    std::visit([&](const auto& found) { labels.values.assign(found.labels.begin(), found.labels.end()); }, s.found);
+    write_volume(path, labels);
+  });
+}
+
+}  // namespace
+
+void bind_segment(py::module_& m) {
+  py::class_<Image>(m, "Image")
+      .def(py::init(&image_from))
+      .def_static(
+          "read",
+          [](const std::string& path) {
+            return run([&](const Progress& /*progress*/) { return std::make_unique<Image>(read_volume(path)); });
+          })
+      .def_property_readonly("shape", [](const Image& image) { return shape_of(image.grid); })
+      .def_property_readonly("dimension", [](const Image& image) { return image.grid.dimension(); })
+      .def_property_readonly("values",
+                             [](const Image& image) {
+                               require(image.frames == 1 && image.components == 1, "read_image", "components",
+                                       image.components * image.frames, "there must be one value per voxel");
+                               return Floats(shape_of(image.grid), image.values.data());
+                             })
+      .def("seed_ball", [](const Image& image, const Array& center,
+                           double radius) { return seed_ball_array(image, vector(center, "init"), radius); })
+      .def("seed_box", [](const Image& image, const Array& a,
+                          const Array& b) { return seed_box_array(image, vector(a, "init"), vector(b, "init")); })
+      .def("centers", [](const Image& image) {
+        return image.grid.dimension() == 2 ? py::object(to_array(image.grid.centers<2>()))
+                                           : py::object(to_array(image.grid.centers<3>()));
+      });
+  py::class_<Segments>(m, "Segments")
+      .def_property_readonly("labels", &labels_of)
+      .def_property_readonly("report", [](const Segments& s) { return to_dict(report_of(s)); })
+      .def("function", &function_of)
+      .def("contour", &contour_of)
+      .def("save_labels", &save_labels);
+  m.def("segment", &segment_image);
+}
+
+}  // namespace csrbf::python

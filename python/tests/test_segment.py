@@ -1,0 +1,114 @@
+"""segment and Segmentation on a disc and a ball."""
+
+import os
+import tempfile
+import unittest
+
+import numpy as np
+
+import csrbf
+
+
+def disc():
+    """A bright disc of radius 12 about x = 30, y = 20 on a dark ground, [y, x]."""
+    y, x = np.mgrid[:48, :64]
+    return np.where((x - 30) ** 2 + (y - 20) ** 2 < 144, 10.0, 1.0)
+
+
+def ball():
+    """A bright ball of radius 12 about (15, 16.5, 18), voxels of 1.5 x 1.5 x 2, [z, y, x]."""
+    z, y, x = np.mgrid[:18, :22, :20]
+    return np.where((1.5 * x - 15) ** 2 + (1.5 * y - 16.5) ** 2 + (2 * z - 18) ** 2 < 144, 100, 20)
+
+
+class Plane(unittest.TestCase):
+    def test_labels_field_contour_and_report(self):
+        image = disc()
+        g = csrbf.segment(image)
+        self.assertEqual((g.labels.shape, g.labels.dtype), ((48, 64), np.uint8))
+        self.assertLess((g.labels != (image > 5)).sum(), 8)
+        y, x = np.mgrid[:48, :64]
+        np.testing.assert_array_equal(g.field(np.stack([x, y], axis=-1)) > 0, g.labels == 1)
+        self.assertTrue(g.report["converged"])
+        self.assertEqual(g.report["regions"][1]["voxels"], g.labels.sum())
+        self.assertEqual(g.energy, sorted(g.energy, reverse=True))
+        (line,) = g.contour()
+        radii = np.linalg.norm(line - (30, 20), axis=1)
+        self.assertLess(np.abs(radii - 12).max(), 1)
+        measures = g.measure()
+        self.assertLess(abs(measures["area"] - g.labels.sum()), 0.01 * g.labels.sum())
+        self.assertLess(measures["area_error"], 0.01 * measures["area"])
+
+    def test_what_the_start_covers_is_inside(self):
+        image = disc()
+        inside = csrbf.segment(image, init="sphere:30,20,5")
+        outside = csrbf.segment(image, init="box:55,40,62,46")
+        np.testing.assert_array_equal(inside.labels, 1 - outside.labels)
+        seed = np.zeros(image.shape, bool)
+        seed[18:22, 28:33] = True
+        np.testing.assert_array_equal(csrbf.segment(image, init=seed).labels, inside.labels)
+        np.testing.assert_array_equal(csrbf.segment(image, init=inside.field).labels, inside.labels)
+
+    def test_models_and_labels_are_saved(self):
+        g = csrbf.segment(disc())
+        with tempfile.TemporaryDirectory() as folder:
+            model, labels = os.path.join(folder, "disc.csrbf"), os.path.join(folder, "labels.npy")
+            g.save(model)
+            g.save(labels)
+            np.testing.assert_array_equal(np.load(labels), g.labels)
+            x = np.random.default_rng(1).uniform(0, 60, (50, 2))
+            np.testing.assert_array_equal(csrbf.load(model)(x), g.field(x))
+            np.testing.assert_array_equal(csrbf.segment(labels, init=model).labels, g.labels)
+
+    def test_a_function_may_say_what_voxels_cost(self):
+        image = disc()
+        calls = []
+
+        def force(labels):
+            calls.append((labels.shape, labels.dtype))
+            return 5 - image
+
+        g = csrbf.segment(image, force=force, init="sphere:30,20,5")
+        self.assertEqual(set(calls), {((48, 64), np.dtype(np.uint8))})
+        self.assertLess((g.labels != (image > 5)).sum(), 8)
+
+        def broken(labels):
+            raise KeyError("mine")
+
+        with self.assertRaisesRegex(KeyError, "mine"):
+            csrbf.segment(image, force=broken, init="sphere:30,20,5")
+        with self.assertRaisesRegex(ValueError, "size of what force returns"):
+            csrbf.segment(image, force=lambda labels: np.zeros(3), init="sphere:30,20,5")
+
+    def test_wrong_arguments_are_value_errors(self):
+        image = disc()
+        for message, arguments in (
+            ("constant", {"image": np.ones((9, 9))}),
+            ("not a number", {"image": np.where(image > 5, np.nan, image)}),
+            ("covers no voxel", {"init": "sphere:900,20,5"}),
+            ("expected", {"init": "disc:1,2"}),
+            ("shape", {"init": np.zeros((3, 3))}),
+            ("shape", {"mask": np.zeros((3, 3))}),
+            ("must be one of", {"energy": "none"}),
+            ("dimension of the image", {"image": np.ones(9)}),
+            ("voxel_size", {"voxel_size": (1, 2, 3)}),
+            ("force", {"force": 3}),
+        ):
+            with self.subTest(message), self.assertRaisesRegex(ValueError, message):
+                csrbf.segment(**{"image": image, **arguments})
+
+
+class Space(unittest.TestCase):
+    def test_voxel_sizes_are_those_of_x_y_and_z(self):
+        image = ball()
+        g = csrbf.segment(image, voxel_size=(1.5, 1.5, 2.0), init="sphere:15,16.5,18,5")
+        self.assertLess((g.labels != (image > 50)).sum(), 0.05 * g.labels.sum())
+        mesh = g.contour()
+        radii = np.linalg.norm(mesh.vertices - (15, 16.5, 18), axis=1)
+        self.assertLess(np.abs(radii - 12).max(), 1.5)
+        self.assertAlmostEqual(g.measure()["volume"], 4 / 3 * np.pi * 12**3, delta=0.03 * 7238)
+        self.assertGreater(g.field([15, 16.5, 18]), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
