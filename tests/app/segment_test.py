@@ -155,7 +155,9 @@ class Plane(Segment):
         self.assertEqual([r["label"] for r in contour["regions"]], [1, 2])
         self.assertEqual(contour["lines"], sum(r["lines"] for r in contour["regions"]))
         self.succeed("evaluate", self.path("three.csrbf"), "-o", self.path("l.npy"), "--like", image, "--labels")
-        self.assertEqual(read_npy(self.path("l.npy"))[2], labels)
+        # Each level set is scaled by itself, so the model may draw the borders a little differently.
+        same = sum(a == b for a, b in zip(read_npy(self.path("l.npy"))[2], labels))
+        self.assertGreater(same, 0.97 * len(labels))
 
     def test_the_preview_shows_the_contour_on_the_image(self):
         self.succeed("segment", self.disc(), "-o", self.path("l.npy"), "--preview", self.path("p.png"))
@@ -219,6 +221,77 @@ class Space(Segment):
         self.succeed("segment", image, "-o", self.path("a.mha"), "--init", "points:" + points, "--mode", "local")
         self.succeed("segment", image, "-o", self.path("b.mha"), "--init", "sphere:10,20,30,9", "--mode", "local")
         self.assertGreater(self.dice(self.path("a.mha"), self.path("b.mha")), 0.99)
+
+
+class Errors(Segment):
+    def refused(self, message, *arguments):
+        self.fail_with(2, message, "segment", *arguments, "-o", self.path("out.nii.gz"))
+
+    def test_images_without_anything_to_tell_apart(self):
+        constant = self.write_bytes("constant.npy", npy_bytes((4, 5), [3] * 20, "<f4"))
+        self.refused("all voxels have the value 3: there is nothing to tell apart", constant)
+        nan = self.write_bytes("nan.npy", npy_bytes((4, 5), list(range(19)) + [math.nan], "<f4"))
+        self.refused("not a number in voxel 19; fill such voxels with inpaint() or leave them out by a mask", nan)
+
+    def test_starts_outside_the_image_or_of_another_form(self):
+        image = self.disc()
+        self.refused("covers no voxel of the image, which has x from -0.5 to 63.5, y from -0.5 to 47.5", image, "--init",
+                     "sphere:100,100,5")
+        self.refused("expected sphere:X,Y,R for an image of 2 axes", image, "--init", "sphere:30,20")
+        self.refused("expected sphere:X,Y,Z,R for an image of 3 axes", self.ball(), "--init", "sphere:30,20,5")
+        self.refused("expected 3 numbers", image, "--init", "sphere:a,b,c")
+        self.refused("the radius must be positive", image, "--init", "sphere:30,20,-1")
+        self.refused("expected box:X,Y,X,Y, two opposite corners", image, "--init", "box:1,2,3")
+        self.refused("expected auto, sphere:X,Y[,Z],R, box:", image, "--init", "disc:1,2,3")
+        self.refused("cannot read the file", image, "--init", "points:" + self.path("none.csv"))
+        self.refused("2 points are too few", image, "--init", "points:" + self.write("p.csv", "x,y\n1,2\n3,4\n"))
+        self.refused("a contour on edges needs a start: give --init", image, "--energy", "edge")
+        self.refused("are for two regions", image, "--regions", "3", "--init", "sphere:30,20,5")
+
+    def test_models_of_other_dimensions(self):
+        self.succeed("segment", self.ball(), "-o", self.path("l.mha"), "--model", self.path("ball.csrbf"))
+        self.refused("the model has 3 variables and 1 component; expected 2 variables", self.disc(), "--init",
+                     self.path("ball.csrbf"))
+
+    def test_masks_that_are_empty_or_of_another_size(self):
+        image = self.disc()
+        empty = self.write_bytes("empty.npy", npy_bytes((48, 64), [0] * 48 * 64, "|u1"))
+        small = self.write_bytes("small.npy", npy_bytes((24, 64), [1] * 24 * 64, "|u1"))
+        self.refused("mask = empty: must be set in some voxels", image, "--mask", empty)
+        self.refused("it has 64 x 24 voxels, the image 64 x 48", image, "--mask", small)
+        self.refused("covers no voxel of the image", image, "--init", "mask:" + empty)
+        self.refused("it has 64 x 24 voxels, the image 64 x 48", image, "--init", "mask:" + small)
+
+    def test_images_of_other_shapes(self):
+        self.refused("the image has one voxel along y (64 x 1 x 48); a slice must be thin along its last axis",
+                     self.disc("thin.npy", shape=(48, 1, 64)))
+        self.refused("the image has one axis only (3072)", self.disc("line.npy", shape=(48 * 64,)))
+        frames = self.write_bytes("frames.npy", npy_bytes((2, 3, 4, 5), list(range(120)), "<f4"))
+        self.refused("the image has 2 frames; segment takes one: save one frame, or carry a segmentation through all of "
+                     "them by csrbf track", frames)
+        color = self.write_bytes("color.ppm", b"P6\n2 2\n255\n" + bytes(range(12)))
+        self.refused("the image has 3 values per pixel, as colours or transparency; convert it to grey", color)
+
+    def test_damaged_files_and_unknown_types(self):
+        header = bytearray(348)
+        struct.pack_into("<i", header, 0, 348)
+        struct.pack_into("<8h", header, 40, 3, 10, 10, 10, 1, 1, 1, 1)
+        struct.pack_into("<hh", header, 70, 4, 16)
+        struct.pack_into("<8f", header, 76, 1, 1, 1, 1, 1, 1, 1, 1)
+        struct.pack_into("<f", header, 108, 352)
+        header[344:348] = b"n+1\0"
+        truncated = self.write_bytes("truncated.nii", bytes(header) + bytes(4 + 500))
+        self.refused("truncated.nii: ", truncated)
+        struct.pack_into("<hh", header, 70, 32, 64)  # complex numbers
+        self.refused("complex.nii: ", self.write_bytes("complex.nii", bytes(header) + bytes(4 + 8000)))
+
+    def test_results_of_unknown_formats(self):
+        image = self.disc()
+        self.refused("contours in the plane are .svg .csv .ply", image, "--contour", self.path("c.stl"))
+        self.refused("contours are .svg .csv .ply in the plane", image, "--contour", self.path("c.txt"))
+        self.refused("models are .csrbf", image, "--model", self.path("m.ply"))
+        self.refused("pictures are .png", image, "--preview", self.path("p.jpg"))
+        self.fail_with(2, "label images are", "segment", image, "-o", self.path("out.jpg"))
 
 
 if __name__ == "__main__":
