@@ -27,7 +27,8 @@ struct NamedFunction {
 
 /// The level sets of a segmentation as a function of two or three variables, for write_model(): of two regions the one
 /// component `level_set`, positive in region 1; of more one for each, `region0`, `region1`, ..., of which one is
-/// positive at every place: its label. Those in space with one component are surfaces, which read_model() reads as well.
+/// positive at every place: its label. Those in space with one component are surfaces, which read_model() reads as
+/// well.
 NamedFunction to_function(const Segmentation<2>& segmentation);
 NamedFunction to_function(const Segmentation<3>& segmentation);
 
