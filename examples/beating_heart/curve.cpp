@@ -14,7 +14,7 @@ void write_svg(const std::string& path, const std::string& title, const std::vec
     for (const double value : curve.values) largest = std::max(largest, value);
     frames = std::max(frames, curve.values.size());
   }
-  const double step = std::pow(10, std::floor(std::log10(std::max(largest, 1e-300))));
+  const double step = 0.5 * std::pow(10, std::floor(std::log10(std::max(largest, 1e-300))));
   const double ceiling = step * std::ceil(largest / step);
   const auto x = [&](std::size_t t) {
     return left + (width - left - right) * static_cast<double>(t) / static_cast<double>(frames - 1);

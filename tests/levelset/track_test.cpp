@@ -132,6 +132,23 @@ TEST(Track, SmoothsTheCurveOfAreasOfNoisyFrames) {
   EXPECT_GT(remembered_dice, alone_dice);
 }
 
+// Forward only, the contour lags behind a disc that moves steadily, unless its motion is foreseen.
+TEST(Track, ForeseesSteadyMotion) {
+  std::vector<Disc> discs;
+  for (int t = 0; t < 10; ++t) discs.push_back({-18.0 + 4 * t, 0, 18});
+  const Volume<float> sequence = disc_sequence(discs, 60);
+  const auto mean_dice = [&](double prediction) {
+    const Tracking<2> tracking = track<2>(sequence, {.prediction = prediction, .sweeps = 1});
+    double sum = 0;
+    for (std::size_t t = 0; t < discs.size(); ++t)
+      sum += dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t]));
+    return sum / static_cast<double>(discs.size());
+  };
+  EXPECT_GT(mean_dice(1), mean_dice(0) + 0.01);
+  EXPECT_EQ(*track<2>(sequence, {.sweeps = 1}).report.options.prediction, 1);
+  EXPECT_EQ(*track<2>(sequence, {}).report.options.prediction, 0);
+}
+
 TEST(Track, CarriesTheContourThroughAFrameOfNoise) {
   const std::vector<Disc> discs = beat(8);
   Volume<float> sequence = disc_sequence(discs, 10);
@@ -289,7 +306,7 @@ TEST(Track, RefusesOptionsOutOfTheirRanges) {
   EXPECT_EQ(message({.persistence = -1}), "track: persistence = -1: must be 0 to 100");
   EXPECT_NE(message({.persistence = std::numeric_limits<double>::quiet_NaN()}), "");
   EXPECT_NE(message({.motion = 0.0}).find("motion = 0"), std::string::npos);
-  EXPECT_NE(message({.prediction = 2}).find("prediction = 2"), std::string::npos);
+  EXPECT_NE(message({.prediction = 2.0}).find("prediction = 2"), std::string::npos);
   EXPECT_NE(message({.sweeps = 0}).find("sweeps = 0"), std::string::npos);
   TrackOptions prior;
   prior.segment.prior.assign(static_cast<std::size_t>(n * n), 0.0F);

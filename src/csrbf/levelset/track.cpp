@@ -14,14 +14,16 @@ namespace {
 constexpr const char* here = "track";
 constexpr double barrier = 2;       // cost, in wrong voxels, of what moved farther than it may
 constexpr double full_noise = 0.2;  // of a frame, over its contrast: all of the memory from here on
-constexpr double one_sided = 0.5;   // weight of an expectation from one neighbour, which motion puts off the place
+constexpr double one_sided = 0.5;   // weight of an expectation from one side, which is less certain
 
 void check_options(const TrackOptions& options) {
   require(options.persistence >= 0 && options.persistence <= 100, here, "persistence", options.persistence,
           "must be 0 to 100");
   if (options.motion)
     require(*options.motion > 0, here, "motion", *options.motion, "must be positive, in voxels; infinity: no limit");
-  require(options.prediction >= 0 && options.prediction <= 1, here, "prediction", options.prediction, "must be 0 to 1");
+  if (options.prediction)
+    require(*options.prediction >= 0 && *options.prediction <= 1, here, "prediction", *options.prediction,
+            "must be 0 to 1");
   require(options.sweeps >= 1 && options.sweeps <= 100, here, "sweeps", options.sweeps, "must be 1 to 100");
   require(options.segment.prior.empty(), here, "prior size", options.segment.prior.size(),
           "the prior is made from frame to frame; leave it empty");
@@ -83,6 +85,7 @@ class Tracker {
     remembers_ = options.persistence > 0 && base.regions == 2 &&
                  (base.energy != SegmentEnergy::edge || static_cast<bool>(base.force));
     sweeps_ = remembers_ && frames > 1 ? options.sweeps : 1;
+    if (!options.prediction) report_.options.prediction = sweeps_ == 1 ? 1 : 0;
   }
 
   TrackReport run(const std::function<void(Index, TrackedFrame<Dim>&&)>& take) {
@@ -173,22 +176,25 @@ class Tracker {
     found.report.components = count_components(found.labels, grid_);
   }
 
-  // Halfway between the neighbours of a frame.
+  // Halfway between the neighbours of a frame; at the ends as far beyond the next frame as that is beyond its other
+  // one.
   std::vector<float> between(Index t) {
-    if (t == 0) return distance(1);
-    std::vector<float> d = distance(t - 1);
-    if (t + 1 == frames_) return d;
-    const std::vector<float> after = distance(t + 1);
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] = 0.5F * (d[i] + after[i]);
+    const bool first = t == 0, last = t + 1 == frames_;
+    std::vector<float> d = distance(first ? 1 : t - 1);
+    if ((first || last) && frames_ == 2) return d;
+    const std::vector<float> other = distance(first ? 2 : last ? t - 2 : t + 1);
+    const float share = first || last ? -1.0F : 0.5F;
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = (1 - share) * d[i] + share * other[i];
     return d;
   }
 
   // What it costs to be inside where the contour is not expected.
   std::vector<float> prior(Index t, int sweep, Index last) {
     std::vector<float> d = sweep == 0 ? distance(last) : between(t);
-    if (sweep == 0 && options_.prediction > 0 && last > 0) {
+    const double prediction = *report_.options.prediction;
+    if (sweep == 0 && prediction > 0 && last > 0) {
       const std::vector<float> before = distance(last - 1);
-      const auto further = static_cast<float>(options_.prediction);
+      const auto further = static_cast<float>(prediction);
       for (std::size_t i = 0; i < d.size(); ++i) d[i] += further * (d[i] - before[i]);
     }
     const double edge = grid_.spacing.template head<Dim>().minCoeff();

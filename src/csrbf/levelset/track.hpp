@@ -21,8 +21,8 @@ struct TrackOptions {
   std::optional<double> motion = {};
 
   /// Where the first sweep expects the contour: 0 where it was in the frame before, 1 as much farther as it moved to
-  /// get there. Follows steady motion, and noise.
-  double prediction = 0;
+  /// get there. Automatic: 1 when there is one sweep, else 0, as a lost frame leads astray.
+  std::optional<double> prediction = {};
 
   /// Sweeps through the sequence, 1 to 100. 1: forward only, as while frames come in; the contour lags behind motion.
   /// From 2 on: the first sweep only carries the contour along (within `motion`), further ones, back and forth, expect
