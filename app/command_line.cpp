@@ -47,6 +47,8 @@ class Parser {
     add<SegmentCommand>("segment", "Find the parts of an image by level sets",
                         "csrbf segment brain.nii.gz -o labels.nii.gz --mode local --init sphere:12,-8,30,10 --contour "
                         "brain.ply");
+    add<TrackCommand>("track", "Carry a segmentation through the frames of a sequence",
+                      "csrbf track cine.nii.gz -o beat --mode local --init sphere:80,72,20 --report beat.json");
     add<CompareCommand>("compare", "Measure how meshes, points or label images differ",
                         "csrbf compare mesh.ply reference.ply --report comparison.json");
     add<InfoCommand>("info", "Say what a file of points, an image, a mesh or a model holds", "csrbf info scan.ply");

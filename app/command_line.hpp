@@ -121,8 +121,8 @@ struct InpaintCommand {
   FitFlags fit;
 };
 
-struct SegmentCommand {
-  std::string input, output;
+/// How an image is segmented.
+struct SegmentFlags {
   std::string energy = "chan-vese";
   std::string init = "auto";
   int regions = 2;
@@ -138,12 +138,27 @@ struct SegmentCommand {
   std::string mode = "global";
   std::string method = "variational";
   int iterations = 100;
+};
+
+struct SegmentCommand : SegmentFlags {
+  std::string input, output;
   std::string contour, model, preview;
+};
+
+struct TrackCommand : SegmentFlags {
+  std::vector<std::string> inputs;
+  std::string output;
+  double persistence = 1;
+  std::optional<double> motion;
+  std::optional<double> prediction;
+  int sweeps = 2;
+  std::string format;
+  bool slices_are_frames = false;
 };
 
 using Command = std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand,
                              CurvatureCommand, CombineCommand, FitCommand, EvaluateCommand, InpaintCommand,
-                             CompareCommand, InfoCommand, SegmentCommand>;
+                             CompareCommand, InfoCommand, SegmentCommand, TrackCommand>;
 
 struct CommandLine {
   std::string verb;

@@ -1,6 +1,7 @@
 #include "csrbf/levelset/segment.hpp"
 
 #include "segment_contours.hpp"
+#include "segment_options.hpp"
 #include "segment_start.hpp"
 #include "verbs.hpp"
 
@@ -41,72 +42,12 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
   }
 }
 
-// Throws UsageError for images that are not one grey image of two or three axes with something to see.
-void check_image(const std::string& path, const Volume<float>& image) {
-  const auto refuse = [&](const std::string& what) { throw UsageError(path + ": " + what); };
-  if (image.frames > 1)
-    refuse("the image has " + std::to_string(image.frames) +
-           " frames; segment takes one: save one frame, or carry a segmentation through all of them by csrbf track");
-  if (image.components > 1)
-    refuse("the image has " + std::to_string(image.components) +
-           " values per pixel, as colours or transparency; convert it to grey, or keep one channel (such as by "
-           "\"convert photo.png -alpha off -colorspace gray grey.png\")");
-  if (std::all_of(image.values.begin(), image.values.end(), [&](float value) { return value == image.values[0]; }))
-    refuse("all voxels have the value " + rounded(image.values[0]) + ": there is nothing to tell apart");
-  const Grid& grid = image.grid;
-  const int dimension = grid.dimension();
-  for (int a = 0; a < dimension; ++a)
-    if (grid.size[static_cast<std::size_t>(a)] < 2)
-      refuse("the image has one voxel along " + std::string(1, "xyz"[a]) + " (" + size_text(grid) +
-             "); a slice must be thin along its last axis: reorder the axes, or write the slice as a plane image");
-  if (dimension < 2) refuse("the image has one axis only (" + size_text(grid) + "); segment needs two or three");
-  if (dimension == 2 && std::abs(grid.direction.topLeftCorner<2, 2>().determinant()) < 1e-6)
-    refuse(
-        "the slice does not lie across the first two axes of space; write it without its place (.npy, .tif), or "
-        "reorder the axes of space");
-}
-
-SegmentOptions make_options(const SegmentCommand& command) {
-  SegmentOptions options;
-  options.energy = segment_energy(command.energy);
-  options.mode = segment_mode(command.mode);
-  options.method = segment_method(command.method);
-  options.regions = command.regions;
-  options.center_spacing = command.center_spacing;
-  options.support = command.support;
-  options.kernel = command.kernel;
-  options.smoothness = parse_word_or_number(command.smoothness, "auto", "--smoothness");
-  options.window = command.window;
-  options.shading = shading_named(command.shading);
-  options.balloon = command.balloon;
-  if (command.fill_holes != "auto") options.fill_holes = command.fill_holes == "yes";
-  options.iterations = command.iterations;
-  if (options.energy == SegmentEnergy::edge && command.init == "auto")
-    throw UsageError("--energy edge: a contour on edges needs a start: give --init");
-  return options;
-}
-
 void add_options(const SegmentCommand& command, const SegmentOptions& used, Session& session) {
-  const auto file = [](const std::string& name) { return name.empty() ? Json(nullptr) : Json(name); };
-  session.options = {{"output", command.output},
-                     {"energy", name_of(used.energy)},
-                     {"init", command.init},
-                     {"regions", used.regions},
-                     {"center_spacing", used.center_spacing ? Json(*used.center_spacing) : Json(nullptr)},
-                     {"support", used.support ? Json(*used.support) : Json(nullptr)},
-                     {"kernel", used.kernel},
-                     {"smoothness", used.smoothness.value_or(0)},
-                     {"window", used.window.value_or(0)},
-                     {"shading", name_of(used.shading)},
-                     {"balloon", used.balloon},
-                     {"fill_holes", used.fill_holes.value_or(false)},
-                     {"mask", file(command.mask)},
-                     {"mode", name_of(used.mode)},
-                     {"method", name_of(used.method)},
-                     {"iterations", used.iterations},
-                     {"contour", file(command.contour)},
-                     {"model", file(command.model)},
-                     {"preview", file(command.preview)}};
+  session.options = {{"output", command.output}};
+  add_segment_options(command, used, session);
+  session.options.update({{"contour", command.contour.empty() ? Json(nullptr) : Json(command.contour)},
+                          {"model", command.model.empty() ? Json(nullptr) : Json(command.model)},
+                          {"preview", command.preview.empty() ? Json(nullptr) : Json(command.preview)}});
 }
 
 void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, Session& session) {
@@ -190,7 +131,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
 }  // namespace
 
 void run(const SegmentCommand& command, Session& session) {
-  const SegmentOptions options = make_options(command);
+  const SegmentOptions options = make_segment_options(command);
   expect_outputs(command, session);
   const Volume<float> image = session.timed("read", [&] { return read_volume(command.input); });
   check_image(command.input, image);

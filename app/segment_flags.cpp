@@ -7,11 +7,7 @@ namespace {
 
 constexpr const char* image_formats = ".png .pgm .tif .nii .nii.gz .nrrd .mha .mhd .npy";
 
-}  // namespace
-
-void declare(Verb v, SegmentCommand& c) {
-  v.argument("IMAGE", c.input, std::string("image of two or three axes to read: ") + image_formats);
-  v.output(c.output, "labels to write, 0 outside: the same formats");
+void declare_segmentation(Verb& v, SegmentFlags& c) {
   v.flag("energy", c.energy, "NAME", c.energy,
          "what tells regions apart: chan-vese (means), gaussian (means and variances), generalized-gaussian (textures "
          "too), rayleigh, gamma (ultrasound), edge (a short contour on edges; needs --init)")
@@ -53,11 +49,39 @@ void declare(Verb v, SegmentCommand& c) {
        "the voxels")
       ->check(CLI::IsMember({"variational", "collocation", "finite-difference"}));
   v.flag("iterations", c.iterations, "N", "100", "at most so many")->check(CLI::Range(1, 1000000));
+}
+
+}  // namespace
+
+void declare(Verb v, SegmentCommand& c) {
+  v.argument("IMAGE", c.input, std::string("image of two or three axes to read: ") + image_formats);
+  v.output(c.output, "labels to write, 0 outside: the same formats");
+  declare_segmentation(v, c);
   v.flag("contour", c.contour, "FILE", "",
          "write the contour, finer than voxels: .svg .csv .ply in the plane, .ply .stl .obj .off in space");
   v.flag("model", c.model, "FILE", "",
          "save the level set: .csrbf, for csrbf evaluate --labels, polygonize, render, curvature");
   v.flag("preview", c.preview, "FILE", "", "draw the contour on the image, or on the slice with most of it: .png");
+  v.add_common();
+}
+
+void declare(Verb v, TrackCommand& c) {
+  v.argument("IMAGES", c.inputs, std::string("frames in their order, or one image with frames: ") + image_formats);
+  v.output(c.output, "folder for labels_0000.EXT, ..., measures.csv and models");
+  declare_segmentation(v, c);
+  v.flag("persistence", c.persistence, "P", "1",
+         "how strongly noisy frames are drawn to where their neighbours have the contour; 0: not at all")
+      ->check(CLI::Range(0.0, 100.0));
+  v.flag("motion", c.motion, "VOXELS", "a quarter of the depth of the inside",
+         "the farthest that the contour may move from one frame to the next")
+      ->check(CLI::PositiveNumber);
+  v.flag("prediction", c.prediction, "P", "1 with one sweep, else 0",
+         "where the first sweep expects the contour: 0 where it was, 1 as far again as it moved before")
+      ->check(CLI::Range(0.0, 1.0));
+  v.flag("sweeps", c.sweeps, "N", "2", "1: forward only; more: back and forth, so that the contour does not lag behind")
+      ->check(CLI::Range(1, 100));
+  v.flag("format", c.format, "EXT", "that of the images", "extension of the label images, such as nii.gz");
+  v.toggle("--slices-are-frames", c.slices_are_frames, "the third axis is time: pages of .tif, .npy arrays [t, y, x]");
   v.add_common();
 }
 

@@ -82,5 +82,6 @@ void declare(Verb v, FitCommand& c);
 void declare(Verb v, EvaluateCommand& c);
 void declare(Verb v, InpaintCommand& c);
 void declare(Verb v, SegmentCommand& c);
+void declare(Verb v, TrackCommand& c);
 
 }  // namespace csrbf::app

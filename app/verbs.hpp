@@ -16,6 +16,7 @@ void run(const FitCommand& command, Session& session);
 void run(const EvaluateCommand& command, Session& session);
 void run(const InpaintCommand& command, Session& session);
 void run(const SegmentCommand& command, Session& session);
+void run(const TrackCommand& command, Session& session);
 void run(const CompareCommand& command, Session& session);
 void run(const InfoCommand& command, Session& session);
 

@@ -18,7 +18,7 @@ import zlib
 
 PROGRAM = ""
 VERBS = ["reconstruct", "estimate-normals", "polygonize", "render", "curvature", "combine", "fit", "evaluate"]
-VERBS += ["inpaint", "segment", "compare", "info"]
+VERBS += ["inpaint", "segment", "track", "compare", "info"]
 REPORT_KEYS = ["csrbf", "command", "input", "options", "result", "time", "peak_memory_mb", "threads", "warnings"]
 
 

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "session.hpp"
+
+#include "csrbf/levelset/segment.hpp"
+
+namespace csrbf::app {
+
+/// What the flags say, but for --init and --mask. Throws UsageError.
+SegmentOptions make_segment_options(const SegmentFlags& flags);
+
+/// Adds the options used to the report.
+void add_segment_options(const SegmentFlags& flags, const SegmentOptions& used, Session& session);
+
+/// Throws UsageError for images that are not one grey image of two or three axes with something to see. `path` is what
+/// the image is called.
+void check_image(const std::string& path, const Volume<float>& image);
+
+}  // namespace csrbf::app
