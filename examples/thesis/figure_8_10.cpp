@@ -24,28 +24,44 @@ void add_wall(Figure& figure, const Phantom& wall) {
                            verdict(last.dice > 0.95)});
 }
 
+struct Law {
+  const char* name;
+  SegmentEnergy energy;
+  int half_window;
+};
+
 void add_cavities(Figure& figure) {
-  Table table{.name = "laws", .columns = {"seed", "chan-vese", "rayleigh", "gamma", "generalized-gaussian"}};
-  std::vector<double> means(5, 0.0);
+  constexpr Law laws[] = {{"two means, no window", SegmentEnergy::chan_vese, 0},
+                          {"two means", SegmentEnergy::chan_vese, half_window},
+                          {"Rayleigh", SegmentEnergy::rayleigh, half_window},
+                          {"gamma", SegmentEnergy::gamma, half_window},
+                          {"generalised Gaussian", SegmentEnergy::generalized_gaussian, half_window}};
+  Table table{.name = "laws", .columns = {"seed"}};
+  for (const Law& law : laws) table.columns.emplace_back(law.name);
+  std::vector<double> means;
   constexpr unsigned seeds = 5;
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     const Phantom cavities = speckled_cavities(seed);
-    std::vector<double> row{static_cast<double>(seed)};
-    for (const SegmentEnergy energy : {SegmentEnergy::chan_vese, SegmentEnergy::rayleigh, SegmentEnergy::gamma,
-                                       SegmentEnergy::generalized_gaussian}) {
-      const SegmentedImage run = speckle_run(cavities, energy);
-      row.push_back(run.dice);
-      if (seed == 1 && energy == SegmentEnergy::generalized_gaussian)
+    table.rows.push_back({static_cast<double>(seed)});
+    for (const Law& law : laws) {
+      const SegmentedImage run = speckle_run(cavities, law.energy, law.half_window);
+      table.rows.back().push_back(run.dice);
+      if (seed == 1 && law.energy == SegmentEnergy::generalized_gaussian)
         figure.renders.push_back(
             {"segment(), generalised Gaussian, Dice " + number(run.dice, 3), drawn(cavities.image, {run.field.get()})});
     }
-    for (std::size_t i = 1; i < row.size(); ++i) means[i] += row[i] / seeds;
-    table.rows.push_back(std::move(row));
   }
-  figure.claims.push_back({"generalised Gaussians suit speckle (8.32)", "yes",
-                           "Dice " + number(means[4], 4) + ", two means " + number(means[1], 4) + " (mean of " +
-                               std::to_string(seeds) + " seeds)",
-                           verdict(means[4] >= means[1])});
+  for (std::size_t column = 1; column < table.columns.size(); ++column) {
+    means.push_back(0);
+    for (const auto& row : table.rows) means.back() += row[column] / seeds;
+  }
+  constexpr double no_difference = 2e-3;
+  const double gain = means[4] - means[1];
+  figure.claims.push_back({"generalised Gaussians over a window (8.32) suit speckle", "yes (picture)",
+                           "Dice " + number(means[4], 4) + " (mean of " + std::to_string(seeds) +
+                               " seeds); two means over the same window " + number(means[1], 4) + ", without window " +
+                               number(means[0], 4) + ": the window makes the difference, not the law",
+                           std::abs(gain) < no_difference ? "no difference" : verdict(gain > 0)});
   figure.tables = {std::move(table)};
 }
 
@@ -68,10 +84,11 @@ SegmentedImage wall_run(const Phantom& wall, int iterations) {
                          generalized_gaussian_force(wall.image, half_window));
 }
 
-SegmentedImage speckle_run(const Phantom& phantom, SegmentEnergy energy) {
+SegmentedImage speckle_run(const Phantom& phantom, SegmentEnergy energy, int window) {
   const Grid& grid = phantom.image.grid;
   SegmentOptions options;
   options.energy = energy;
+  options.window = window;
   options.seed = ball_labels(
       grid, Point<3>(0.5 * static_cast<double>(grid.size[0]), 0.5 * static_cast<double>(grid.size[1]), 0), 15);
   return segmented(phantom, options);
