@@ -24,7 +24,8 @@ DASHES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), "-"]
 
 ORDER = ["chapter-1", "figure-2.4", "table-2.4", "figure-3.4", "figure-3.9", "figure-3.14", "figure-3.16", "k-space",
          "dimensions", "figure-6.4", "figure-6.5", "figure-6.6", "figure-6.8", "figure-6.10", "figure-6.17",
-         "figure-6.18", "figure-6.21"]
+         "figure-6.18", "figure-6.21", "figure-7.1", "figure-8.2", "figure-8.4", "figure-8.6", "figure-8.8",
+         "figure-8.10", "table-8.1"]
 
 STYLE = """
 :root { color-scheme: light; }
@@ -288,6 +289,67 @@ def draw_figure_6_21(_, tables):
     return [("", drawing)]
 
 
+def draw_figure_8_2(_, tables):
+    drawing, axes = plt.subplots(1, 2, figsize=(10, 3.4))
+    t = tables["noise"]
+    places = np.arange(len(t["SNR [dB]"]))
+    for i, name in enumerate(["collocation", "segment()"]):
+        mean = 1 - t[f"Dice, {name}"]
+        axes[0].plot(places, mean, ls=DASHES[i], marker=MARKERS[i], color=COLORS[i], ms=5, label=name)
+    style(axes[0], "signal to noise", "1 - Dice", "Fig. 8.2, mean of the seeds")
+    axes[0].set_xticks(places, ["no noise" if snr == 99 else f"{snr:.0f} dB" for snr in t["SNR [dB]"]])
+    axes[0].set_ylim(bottom=0)
+    axes[0].legend(fontsize=8)
+    t = tables["supports"]
+    lines(axes[1], t["rho"], [t["length [pixels]"]], [None])
+    style(axes[1], r"support $\rho$ [fill distances]", "length of the contour [pixels]", "Fig. 8.3, 20 dB", x_log=True)
+    plain_ticks(axes[1], t["rho"])
+    middle = t["length [pixels]"].mean()
+    axes[1].set_ylim(0.98 * middle, 1.02 * middle)
+    return [("", drawing)]
+
+
+def draw_figure_8_4(_, tables):
+    t = tables["iterations"]
+    drawing, axes = plt.subplots(2, 2, figsize=(9, 5.6), sharex=True)
+    for column, name in enumerate(["without", "with"]):
+        lines(axes[0, column], t["iteration"], [t[f"change {name}"]], [None])
+        lines(axes[1, column], t["iteration"], [t[f"energy {name}"]], [None])
+        style(axes[0, column], "", "largest change of a coefficient" if column == 0 else "", f"{name} normalisation")
+        style(axes[1, column], "iteration", "energy" if column == 0 else "", "")
+        for axis in axes[:, column]:
+            axis.set_ylim(bottom=0)
+    return [("", drawing)]
+
+
+def draw_figure_8_6(_, tables):
+    t = tables["centres"]
+    drawing, axis = plt.subplots(figsize=(6.5, 3.6))
+    squares, triangles, along = (t["kind"] == kind for kind in range(3))
+    for i, (chosen, column, name) in enumerate([
+            (squares, "Dice, collocation", "lattice, collocation"), (along, "Dice, collocation", "along the shape"),
+            (triangles, "Dice, collocation", "triangles"), (squares, "Dice, segment()", "lattice, segment()")]):
+        axis.plot(t["centers"][chosen], 1 - t[column][chosen], ls=DASHES[i], marker=MARKERS[i], color=COLORS[i], ms=5,
+                  label=name)
+    axis.legend(fontsize=8)
+    style(axis, "centres", "1 - Dice", "", x_log=True, y_log=True)
+    plain_ticks(axis, [400, 1600, 5000, 10000, 22500])
+    return [("", drawing)]
+
+
+def draw_table_8_1(_, tables):
+    t = tables["times"]
+    drawing, axis = plt.subplots(figsize=(7.5, 3.6))
+    places = np.arange(len(t["nodes"]))
+    for i, (column, name) in enumerate([("published total [s]", "published"), ("total [s]", "collocation"),
+                                        ("segment() [s]", "segment()")]):
+        axis.bar(places + 0.27 * (i - 1), t[column], 0.25, color=COLORS[i], label=name)
+    axis.set_xticks(places, ["Simulation 1", "Simulation 2", "U.S.", "Calcaneous"])
+    axis.legend(fontsize=8)
+    style(axis, "", "s", "", y_log=True)
+    return [("", drawing)]
+
+
 def draw_nothing(_figure, _tables):
     return []
 
@@ -296,7 +358,10 @@ DRAW = {"figure-6.4": draw_nothing, "figure-6.5": draw_nothing, "figure-6.6": dr
         "figure-6.8": draw_figure_6_8, "figure-6.10": draw_figure_6_10, "figure-6.17": draw_figure_6_17,
         "figure-6.18": draw_nothing, "figure-6.21": draw_figure_6_21, "chapter-1": draw_chapter_1, "figure-2.4": draw_figure_2_4, "table-2.4": draw_table_2_4,
         "figure-3.4": draw_figure_3_4, "figure-3.9": draw_figure_3_9, "figure-3.14": draw_figure_3_14,
-        "figure-3.16": draw_figure_3_16, "k-space": draw_k_space, "dimensions": draw_dimensions}
+        "figure-3.16": draw_figure_3_16, "k-space": draw_k_space, "dimensions": draw_dimensions,
+        "figure-7.1": draw_nothing, "figure-8.2": draw_figure_8_2, "figure-8.4": draw_figure_8_4,
+        "figure-8.6": draw_figure_8_6, "figure-8.8": draw_nothing, "figure-8.10": draw_nothing,
+        "table-8.1": draw_table_8_1}
 
 # Parts of drawings.
 
@@ -402,7 +467,7 @@ def page(figures, parts):
 </head>
 <body>
 <h1>The thesis, computed again</h1>
-<p class="note">Chapters 1 to 3 and 6 of A. Gelas, 2006: what they say and show, and what csrbf gives on this machine. Most of
+<p class="note">Chapters 1 to 3 and 6 to 8 of A. Gelas, 2006: what they say and show, and what csrbf gives on this machine. Most of
 the published curves are pictures without numbers; where a number cannot be read it says so.</p>
 <div class="scroll"><table>
 <thead><tr><th></th><th>what</th><th>published</th><th>ours</th><th>verdict</th></tr></thead>
