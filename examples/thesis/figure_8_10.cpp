@@ -4,6 +4,9 @@
 #include "csrbf/io/volume.hpp"
 #include "signals.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace csrbf::thesis {
 namespace {
 
@@ -70,6 +73,9 @@ void add_file(Figure& figure, const std::string& path) {
   SegmentOptions options;
   options.energy = SegmentEnergy::generalized_gaussian;
   options.window = half_window;
+  // What lies outside the sector has the least value, and takes no part.
+  const float least = *std::min_element(image.values.begin(), image.values.end());
+  for (const float value : image.values) options.mask.push_back(value > least ? 1 : 0);
   const Segmentation<2> found = segment<2>(image, options);
   figure.renders.push_back({"segment() of the image given", drawn(image, {found.fields[0].get()})});
 }

@@ -18,8 +18,11 @@ struct SegmentedBone {
 /// By collocation with nodes^3 nodes, two means, from a ball in the middle; noise of `snr` dB.
 SegmentedBone bone_by_collocation(Index n, Index nodes, double snr);
 
-/// By segment() with kernel C4, whose curvatures exist.
-SegmentedBone bone_by_segment(Index n, double snr);
+/// By segment().
+SegmentedBone bone_by_segment(Index n, double snr, const SegmentOptions& options = {});
+
+/// Wendland's C4 function with wide supports: level sets that have curvatures, and are smoother.
+SegmentOptions options_for_curvatures();
 
 /// The surface that the image was made from.
 Topology bone_topology(Index n);
