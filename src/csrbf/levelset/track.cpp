@@ -14,7 +14,7 @@ namespace {
 constexpr const char* here = "track";
 constexpr double barrier = 2;       // cost, in wrong voxels, of what moved farther than it may
 constexpr double full_noise = 0.2;  // of a frame, over its contrast: all of the memory from here on
-constexpr double one_sided = 0.5;   // weight of an expectation from one side, which is less certain
+constexpr double one_sided = 0.5;   // weight of an expectation from one side, which motion puts off the place
 
 void check_options(const TrackOptions& options) {
   require(options.persistence >= 0 && options.persistence <= 100, here, "persistence", options.persistence,
@@ -176,15 +176,14 @@ class Tracker {
     found.report.components = count_components(found.labels, grid_);
   }
 
-  // Halfway between the neighbours of a frame; at the ends as far beyond the next frame as that is beyond its other
-  // one.
+  // Halfway between the neighbours of a frame. At the ends where its one neighbour is: measured, to go on as the frames
+  // before it moved adds half to the roughness of volumes.
   std::vector<float> between(Index t) {
-    const bool first = t == 0, last = t + 1 == frames_;
-    std::vector<float> d = distance(first ? 1 : t - 1);
-    if ((first || last) && frames_ == 2) return d;
-    const std::vector<float> other = distance(first ? 2 : last ? t - 2 : t + 1);
-    const float share = first || last ? -1.0F : 0.5F;
-    for (std::size_t i = 0; i < d.size(); ++i) d[i] = (1 - share) * d[i] + share * other[i];
+    if (t == 0) return distance(1);
+    std::vector<float> d = distance(t - 1);
+    if (t + 1 == frames_) return d;
+    const std::vector<float> after = distance(t + 1);
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = 0.5F * (d[i] + after[i]);
     return d;
   }
 
