@@ -51,8 +51,8 @@ RgbImage dotted(RgbImage picture, const Nodes<2>& nodes, Index image_width) {
 Nodes<2> nodes_along(const Grid& grid, const std::vector<std::uint8_t>& shape, Index count, double ratio,
                      double width) {
   require(count >= 16, "nodes_along", "count", count, "must be at least 16");
-  std::vector<double> distance = signed_distance(grid, shape.data());
-  for (double& d : distance) d = std::abs(d);
+  std::vector<float> distance = signed_distance(grid, shape.data());
+  for (float& d : distance) d = std::abs(d);
   std::vector<Index> order(distance.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {

@@ -69,14 +69,16 @@ void expect_sums_over_nodes(const std::array<Index, 3>& size, const Point<3>& sp
               Point<Dim> d;
               for (int a = 0; a < Dim; ++a) {
                 const auto axis = static_cast<std::size_t>(a);
-                d[a] = (static_cast<double>(at[axis]) - first[a] - static_cast<double>(k[axis]) * step[a]) * spacing[a];
+                d[a] = (static_cast<double>(at[axis]) - first[a] - static_cast<double>(k[axis]) * step[a]) *
+                       spacing[a] * lattice.stretch()[a];
               }
               const double r = d.norm() / lattice.support();
               if (r >= 1) continue;
               const double c =
                   lattice.scale() * static_cast<double>(coefficients[static_cast<std::size_t>(lattice.coefficient(k))]);
               value += c * lattice.kernel().value(r);
-              gradient += c * lattice.kernel().g(r) / (lattice.support() * lattice.support()) * d;
+              gradient += c * lattice.kernel().g(r) / (lattice.support() * lattice.support()) *
+                          d.cwiseProduct(lattice.stretch().template head<Dim>());
             }
         ASSERT_NEAR(sampled.value[voxel], value, float_sums) << x << " " << y << " " << z;
         for (int a = 0; a < Dim; ++a)
@@ -93,7 +95,16 @@ TEST(Lattice, SumsOverAllNodesInThePlane) {
 
 TEST(Lattice, SumsOverAllNodesInAVolumeWithLongVoxels) {
   expect_sums_over_nodes<3>({11, 9, 7}, Point<3>(0.5, 0.7, 2), {3, 2, "wendland-c4"});
+  expect_sums_over_nodes<3>({9, 8, 5}, Point<3>(0.5, 0.5, 4), {2, 2.5, "wendland-c2"});
   expect_sums_over_nodes<3>({8, 9, 10}, Point<3>(1, 1, 1), {1.5, 2.5, "wendland-c2"});
+}
+
+TEST(Lattice, ReachesAsManyCentersAlongLongVoxels) {
+  const Lattice<3> lattice({20, 20, 10}, Point<3>(0.5, 0.5, 4), {2, 2.5, "wendland-c2"});
+  EXPECT_DOUBLE_EQ(lattice.center_spacing(), 1);
+  EXPECT_DOUBLE_EQ(lattice.support(), 2.5);
+  EXPECT_EQ(lattice.stretch(), Point<3>(1, 1, 0.25));
+  EXPECT_EQ((Lattice<3>({20, 20, 10}, Point<3>(0.5, 0.5, 1), {4, 2.5, "wendland-c2"}).stretch()), Point<3>(1, 1, 1));
 }
 
 TEST(Lattice, HasDerivativesThatAreTheAdjointOfItsSums) {

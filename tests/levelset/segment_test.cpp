@@ -186,7 +186,7 @@ TEST(Segment, TellsFourRegionsApart) {
     for (std::size_t k = 0; k < 4; ++k)
       apart += (values[k][static_cast<Index>(i)] > 0) != (result.labels[i] == k) ? 1 : 0;
   }
-  EXPECT_LT(apart, 0.002 * n * n);  // each level set has a scale of its own
+  EXPECT_LE(apart, 4);  // values of the size of the rounding of floats
   EXPECT_LT(static_cast<double>(wrong), 0.005 * n * n);
 }
 

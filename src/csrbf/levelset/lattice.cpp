@@ -64,14 +64,20 @@ Lattice<Dim>::Lattice(const std::array<Index, 3>& size, const Point<3>& spacing,
     axis.edge = spacing[static_cast<Index>(a)];
     if (a >= Dim) continue;
     std::tie(axis.p, axis.q) = small_ratio(std::max(1.0, step / axis.edge));
-    center_spacing_ = std::max(center_spacing_, axis.ratio() * axis.edge);
+    const double distance = axis.ratio() * axis.edge;
+    center_spacing_ = a == 0 ? distance : std::min(center_spacing_, distance);
+  }
+  for (Axis& axis : axes_) {
+    constexpr double alike = 1.1;  // up to this ratio distances are equal but for rounding
+    const double distance = axis.ratio() * axis.edge;
+    axis.stretch = distance <= alike * center_spacing_ ? 1 : center_spacing_ / distance;
   }
   support_ = options.support * center_spacing_;
   Index phases = 1;
   std::array<Index, 3> reach{0, 0, 0};
   for (std::size_t a = 0; a < Dim; ++a) {
     Axis& axis = axes_[a];
-    const double radius = support_ / (axis.ratio() * axis.edge);
+    const double radius = support_ / axis.step();
     axis.first = floor_div(static_cast<Index>(std::ceil(axis.position(0) - radius)), axis.q);
     reach[a] = floor_div(static_cast<Index>(std::floor(axis.position(axis.p - 1) + radius)), axis.q) - axis.first;
     axis.length = axis.count(0) + reach[a];
@@ -100,7 +106,7 @@ void Lattice<Dim>::make_phase(Phase& phase) const {
   phase.backward_with_gradient.resize(static_cast<std::size_t>(classes_));
   std::array<Index, 3> lo{0, 0, 0}, hi{0, 0, 0}, k{};
   for (std::size_t a = 0; a < Dim; ++a) {
-    const double radius = support_ / (axes_[a].ratio() * axes_[a].edge);
+    const double radius = support_ / axes_[a].step();
     lo[a] = static_cast<Index>(std::ceil(axes_[a].position(phase.at[a]) - radius));
     hi[a] = static_cast<Index>(std::floor(axes_[a].position(phase.at[a]) + radius));
   }
@@ -116,8 +122,7 @@ void Lattice<Dim>::add_tap(Phase& phase, const std::array<Index, 3>& k) const {
   for (std::size_t a = 3; a-- > 0;) {
     const Axis& axis = axes_[a];
     const Index entry = floor_div(k[a], axis.q);
-    if (a < Dim)
-      x[static_cast<Index>(a)] = (axis.position(phase.at[a]) - static_cast<double>(k[a])) * axis.ratio() * axis.edge;
+    if (a < Dim) x[static_cast<Index>(a)] = (axis.position(phase.at[a]) - static_cast<double>(k[a])) * axis.step();
     group = group * axis.q + (k[a] - entry * axis.q);
     offset = offset * axis.length + (entry - axis.first);
   }
@@ -125,7 +130,8 @@ void Lattice<Dim>::add_tap(Phase& phase, const std::array<Index, 3>& k) const {
   if (r >= 1) return;
   const double g = kernel_.g(r) / (support_ * support_);
   for (std::size_t part = 0; part <= Dim; ++part) {
-    const auto weight = static_cast<float>(part == 0 ? kernel_.value(r) : g * x[static_cast<Index>(part) - 1]);
+    const auto weight = static_cast<float>(part == 0 ? kernel_.value(r)
+                                                     : g * x[static_cast<Index>(part) - 1] * axes_[part - 1].stretch);
     phase.forward[part].push_back({group * plane_ + offset, weight});
     const Tap back{static_cast<Index>(part) * part_size() + slack_ - offset, weight};
     if (part == 0) phase.backward[static_cast<std::size_t>(group)].push_back(back);
@@ -157,15 +163,13 @@ template <int Dim>
 double Lattice<Dim>::find_steepest() const {
   double slope = 0;
   std::array<Index, 3> reach{0, 0, 0}, k{};
-  for (std::size_t a = 0; a < Dim; ++a)
-    reach[a] = static_cast<Index>(std::ceil(support_ / (axes_[a].ratio() * axes_[a].edge)));
+  for (std::size_t a = 0; a < Dim; ++a) reach[a] = static_cast<Index>(std::ceil(support_ / axes_[a].step()));
   for (k[2] = -reach[2]; k[2] <= reach[2]; ++k[2])
     for (k[1] = -reach[1]; k[1] <= reach[1]; ++k[1])
       for (k[0] = 0; k[0] <= reach[0]; ++k[0]) {
         Point<3> x = Point<3>::Zero();
         for (std::size_t a = 0; a < Dim; ++a)
-          x[static_cast<Index>(a)] =
-              (static_cast<double>(k[a]) + (a == 0 ? 0.5 : 0.0)) * axes_[a].ratio() * axes_[a].edge;
+          x[static_cast<Index>(a)] = (static_cast<double>(k[a]) + (a == 0 ? 0.5 : 0.0)) * axes_[a].step();
         const double r = x.norm() / support_;
         if (r < 1) slope += -2 * kernel_.g(r) * x[0] / (support_ * support_);
       }
@@ -275,6 +279,11 @@ Index Lattice<Dim>::nodes() const {
   Index product = 1;
   for (int a = 0; a < Dim; ++a) product *= nodes(a);
   return product;
+}
+
+template <int Dim>
+Point<3> Lattice<Dim>::stretch() const {
+  return {axes_[0].stretch, axes_[1].stretch, axes_[2].stretch};
 }
 
 template <int Dim>

@@ -32,6 +32,11 @@ struct LatticeRow {
 /// the voxels of an image and reaching beyond its border. S is the largest sum of the phi, so that |f| <= 1 wherever
 /// |alpha| <= 1.
 ///
+/// Distances are those of space where the centres are equally far apart along all axes. Where the edge of a voxel along
+/// an axis is longer than the spacing wanted, the centres are as far apart as the voxels there, and lengths along that
+/// axis are divided by the same ratio (stretch()): the support is an ellipsoid that reaches as many centres in each
+/// direction.
+///
 /// Along each axis the spacing of the centres is a whole number p of voxels, or a ratio p / q with q <= 8, within 3 %
 /// of what was asked for; the lattice lies symmetrically in the image. So only p^Dim positions of a voxel between the
 /// centres exist, its phases; for each phase the sums above are one stencil that slides over the coefficients, without
@@ -69,9 +74,12 @@ class Lattice {
   /// Number of the coefficient of node (x, y, z).
   [[nodiscard]] Index coefficient(const std::array<Index, 3>& node) const;
 
-  /// Support radius sigma, in the unit of the spacing.
+  /// Support radius sigma, in the unit of the spacing, along the axes where the stretch is 1.
   [[nodiscard]] double support() const { return support_; }
-  /// Distance of centres along the axis where it is largest.
+  /// What lengths along each axis are multiplied by: the shortest distance of centres over that along the axis; 1 for
+  /// distances that differ by rounding to ratios only.
+  [[nodiscard]] Point<3> stretch() const;
+  /// Distance of centres along the axis where it is shortest.
   [[nodiscard]] double center_spacing() const { return center_spacing_; }
   [[nodiscard]] const Kernel& kernel() const { return kernel_; }
   /// 1 / S.
@@ -90,11 +98,13 @@ class Lattice {
   // entry e of the coefficients of class c < q.
   struct Axis {
     Index voxels = 1;
-    double edge = 1;  // of a voxel
+    double edge = 1;     // of a voxel
+    double stretch = 1;  // of lengths
     Index p = 1, q = 1;
     Index length = 1;  // of a padded row of one phase or class
     Index first = 0;
     [[nodiscard]] double middle() const { return 0.5 * static_cast<double>(voxels - 1); }
+    [[nodiscard]] double step() const { return ratio() * edge * stretch; }  // to the next node, in stretched lengths
     [[nodiscard]] double ratio() const { return static_cast<double>(p) / static_cast<double>(q); }  // voxels per step
     [[nodiscard]] double position(Index a) const { return (static_cast<double>(a) - middle()) / ratio(); }
     [[nodiscard]] Index count(Index a) const { return (voxels - a + p - 1) / p; }  // voxels of phase a

@@ -64,6 +64,16 @@ void check_image(const Volume<float>& image, const SegmentOptions& options) {
   };
   check_array(options.mask, "mask");
   check_array(options.seed, "seed");
+  const auto takes_part = [&](std::size_t i) {
+    return (options.mask.empty() || options.mask[i] != 0) && std::isfinite(image.values[i]);
+  };
+  std::size_t first = 0;
+  while (first < voxels && !takes_part(first)) ++first;
+  bool constant = true;
+  for (std::size_t i = first; i < voxels && constant; ++i)
+    constant = !takes_part(i) || image.values[i] == image.values[first];
+  if (first < voxels)
+    require(!constant, here, "image", image.values[first], "a constant image has no regions to tell apart");
   check_array(options.start, "start");
   require(options.prior.empty() || options.prior.size() == voxels, here, "prior size", options.prior.size(),
           "must be the number of voxels, " + std::to_string(voxels));
@@ -241,7 +251,12 @@ std::vector<std::shared_ptr<const Field<Dim>>> make_fields(const Lattice<Dim>& l
                                                            const std::vector<std::vector<float>>& coefficients,
                                                            const Grid& grid) {
   std::vector<std::shared_ptr<const Field<Dim>>> single, fields;
-  for (const std::vector<float>& values : coefficients) single.push_back(lattice_field(lattice, values, grid));
+  // One factor for all, so that the largest stays the largest.
+  double slope = 0;
+  for (const std::vector<float>& values : coefficients)
+    slope += contour_slope(lattice, values) / static_cast<double>(coefficients.size());
+  for (const std::vector<float>& values : coefficients)
+    single.push_back(lattice_field(lattice, values, grid, slope > 0 ? slope : 1));
   if (single.size() == 1) return single;
   for (std::size_t k = 0; k < single.size(); ++k) fields.push_back(largest_field<Dim>(single, k));
   return fields;
@@ -314,6 +329,10 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   segmentation.labels = std::move(result.labels);
   report.regions = measure_regions(segmentation.labels, values, grid, options.mask, options.regions);
   report.components = count_components(segmentation.labels, grid);
+  for (const RegionReport& region : report.regions)
+    if (region.voxels == 0)
+      report.warnings.push_back("label " + std::to_string(region.label) +
+                                " is empty: start elsewhere, or take another energy");
   report.options = std::move(used);
   report.options.seed.clear();
   report.options.mask.clear();

@@ -55,8 +55,14 @@ void LargestField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& 
 }
 
 template <int Dim>
+double contour_slope(const Lattice<Dim>& lattice, const std::vector<float>& coefficients) {
+  const double voxels = sum_at_contour(lattice, coefficients, false);
+  return voxels > 0 ? sum_at_contour(lattice, coefficients, true) / voxels : 0;
+}
+
+template <int Dim>
 std::shared_ptr<const Field<Dim>> lattice_field(const Lattice<Dim>& lattice, const std::vector<float>& coefficients,
-                                                const Grid& grid) {
+                                                const Grid& grid, double slope) {
   typename LatticeField<Dim>::Data data;
   data.kernel = lattice.kernel().name();
   data.support = lattice.support();
@@ -65,14 +71,12 @@ std::shared_ptr<const Field<Dim>> lattice_field(const Lattice<Dim>& lattice, con
   nodes.linear() = step.cwiseInverse().asDiagonal();
   nodes.translation() = -first.cwiseQuotient(step);
   data.to_lattice = nodes * grid.template to_voxel<Dim>();
-  data.step = step.cwiseProduct(grid.spacing.template head<Dim>());
+  data.step = step.cwiseProduct(grid.spacing.template head<Dim>()).cwiseProduct(lattice.stretch().template head<Dim>());
   std::array<Index, 3> size{1, 1, 1};
   for (int a = 0; a < Dim; ++a) size[static_cast<std::size_t>(a)] = lattice.nodes(a);
   std::copy_n(size.begin(), Dim, data.size.begin());
 
-  const double voxels = sum_at_contour(lattice, coefficients, false);
-  const double slope = voxels > 0 ? sum_at_contour(lattice, coefficients, true) / voxels : 1;
-  const double factor = lattice.scale() / (slope > 0 ? slope : 1);
+  const double factor = lattice.scale() / slope;
   data.coefficients.reserve(static_cast<std::size_t>(lattice.nodes()));
   std::array<Index, 3> k{};
   for (k[2] = 0; k[2] < size[2]; ++k[2])
@@ -97,8 +101,12 @@ std::shared_ptr<const Field<Dim>> largest_field(std::vector<std::shared_ptr<cons
 
 template class LargestField<2>;
 template class LargestField<3>;
-template std::shared_ptr<const Field<2>> lattice_field<2>(const Lattice<2>&, const std::vector<float>&, const Grid&);
-template std::shared_ptr<const Field<3>> lattice_field<3>(const Lattice<3>&, const std::vector<float>&, const Grid&);
+template double contour_slope<2>(const Lattice<2>&, const std::vector<float>&);
+template std::shared_ptr<const Field<2>> lattice_field<2>(const Lattice<2>&, const std::vector<float>&, const Grid&,
+                                                          double);
+template double contour_slope<3>(const Lattice<3>&, const std::vector<float>&);
+template std::shared_ptr<const Field<3>> lattice_field<3>(const Lattice<3>&, const std::vector<float>&, const Grid&,
+                                                          double);
 template std::shared_ptr<const Field<2>> largest_field<2>(std::vector<std::shared_ptr<const Field<2>>>, std::size_t);
 template std::shared_ptr<const Field<3>> largest_field<3>(std::vector<std::shared_ptr<const Field<3>>>, std::size_t);
 

@@ -9,10 +9,15 @@
 
 namespace csrbf {
 
-/// The level set of a lattice in physical coordinates, scaled to about the signed distance at its contour.
+/// Mean of |grad f| over the voxels at the contour; 0 without a contour.
+template <int Dim>
+double contour_slope(const Lattice<Dim>& lattice, const std::vector<float>& coefficients);
+
+/// f / slope for the level set f of a lattice, in physical coordinates; slope > 0, as of contour_slope(), makes it
+/// about the signed distance at its contour.
 template <int Dim>
 std::shared_ptr<const Field<Dim>> lattice_field(const Lattice<Dim>& lattice, const std::vector<float>& coefficients,
-                                                const Grid& grid);
+                                                const Grid& grid, double slope);
 
 /// f_k - max of the others: positive where field k is the largest. Has the derivatives of the two that count.
 template <int Dim>
