@@ -45,8 +45,7 @@ class Parser {
     add<InpaintCommand>("inpaint", "Fill missing pixels of an image",
                         "csrbf inpaint photo.png -o filled.png --mask scratches.png");
     add<SegmentCommand>("segment", "Find the parts of an image by level sets",
-                        "csrbf segment brain.nii.gz -o labels.nii.gz --mode local --init sphere:12,-8,30,10 --contour "
-                        "brain.ply");
+                        "csrbf segment head.nii.gz -o brain.nii.gz --mode local --init sphere:12,-8,30,10");
     add<TrackCommand>("track", "Carry a segmentation through the frames of a sequence",
                       "csrbf track cine.nii.gz -o beat --mode local --init sphere:80,72,20 --report beat.json");
     add<CompareCommand>("compare", "Measure how meshes, points or label images differ",

@@ -60,7 +60,7 @@ void declare(Verb v, SegmentCommand& c) {
   v.flag("contour", c.contour, "FILE", "",
          "write the contour, finer than voxels: .svg .csv .ply in the plane, .ply .stl .obj .off in space");
   v.flag("model", c.model, "FILE", "",
-         "save the level set: .csrbf, for csrbf evaluate --labels, polygonize, render, curvature");
+         "save the level set: .csrbf, for csrbf evaluate, polygonize, render and curvature");
   v.flag("preview", c.preview, "FILE", "", "draw the contour on the image, or on the slice with most of it: .png");
   v.add_common();
 }

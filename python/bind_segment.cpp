@@ -5,6 +5,7 @@
 #include "csrbf/levelset/image_contour.hpp"
 #include "csrbf/levelset/seed.hpp"
 #include "csrbf/levelset/segment.hpp"
+#include "csrbf/levelset/track.hpp"
 
 #include <memory>
 #include <optional>
@@ -135,6 +136,61 @@ std::unique_ptr<Segments> segment_image(const Image& image, const std::optional<
   });
 }
 
+// One frame of a sequence, and what was measured there.
+struct Tracked {
+  std::unique_ptr<Segments> segments;
+  std::vector<RegionMeasure> regions;
+};
+
+struct TrackedSequence {
+  std::vector<Tracked> frames;
+  std::vector<std::string> warnings;
+};
+
+template <int Dim>
+TrackedSequence track_in(const std::vector<const Image*>& images, const TrackOptions& options) {
+  TrackedSequence result;
+  result.frames.resize(images.size());
+  TrackReport report = track<Dim>(
+      static_cast<Index>(images.size()), [&](Index t) { return *images[static_cast<std::size_t>(t)]; }, options,
+      [&](Index t, TrackedFrame<Dim>&& frame) {
+        Tracked& to = result.frames[static_cast<std::size_t>(t)];
+        to.segments = std::make_unique<Segments>();
+        to.segments->grid = images[static_cast<std::size_t>(t)]->grid;
+        to.segments->found = std::move(frame.segmentation);
+        to.regions = std::move(frame.regions);
+      });
+  result.warnings = std::move(report.warnings);
+  return result;
+}
+
+TrackedSequence track_images(const std::vector<const Image*>& images, const std::optional<Bytes>& seed,
+                             const std::optional<Bytes>& mask, const py::dict& given, double persistence,
+                             std::optional<double> motion, int sweeps) {
+  require(!images.empty(), "track", "number of frames", images.size(), "there must be one at least");
+  TrackOptions options;
+  options.segment = make_options(given);
+  options.segment.seed = voxels_of(seed);
+  options.segment.mask = voxels_of(mask);
+  options.persistence = persistence;
+  options.motion = motion;
+  options.sweeps = sweeps;
+  return run([&](const Progress& progress) {
+    options.progress = progress;
+    return images[0]->grid.dimension() == 2 ? track_in<2>(images, options) : track_in<3>(images, options);
+  });
+}
+
+std::unique_ptr<Image> frame_of(const Image& image, Index t) {
+  require(t >= 0 && t < image.frames, "track", "frame", t, "there is no such frame");
+  auto frame = std::make_unique<Image>();
+  static_cast<VolumeLayout&>(*frame) = image;
+  frame->frames = 1;
+  const auto size = static_cast<std::ptrdiff_t>(image.values_per_frame());
+  frame->values.assign(image.values.begin() + t * size, image.values.begin() + (t + 1) * size);
+  return frame;
+}
+
 py::dict to_dict(const SegmentReport& r) {
   using namespace py::literals;
   const SegmentOptions& o = r.options;
@@ -233,6 +289,8 @@ void bind_segment(py::module_& m) {
           })
       .def_property_readonly("shape", [](const Image& image) { return shape_of(image.grid); })
       .def_property_readonly("dimension", [](const Image& image) { return image.grid.dimension(); })
+      .def_property_readonly("frames", [](const Image& image) { return image.frames; })
+      .def("frame", &frame_of)
       .def_property_readonly("values",
                              [](const Image& image) {
                                require(image.frames == 1 && image.components == 1, "read_image", "components",
@@ -254,6 +312,21 @@ void bind_segment(py::module_& m) {
       .def("contour", &contour_of)
       .def("save_labels", &save_labels);
   m.def("segment", &segment_image);
+  m.def("track",
+        [](const std::vector<const Image*>& images, const std::optional<Bytes>& seed, const std::optional<Bytes>& mask,
+           const py::dict& given, double persistence, std::optional<double> motion, int sweeps) {
+          using namespace py::literals;
+          TrackedSequence tracked = track_images(images, seed, mask, given, persistence, motion, sweeps);
+          py::list frames;
+          for (Tracked& frame : tracked.frames) {
+            py::list regions;
+            for (const RegionMeasure& region : frame.regions)
+              regions.append(py::dict("label"_a = region.label, "voxels"_a = region.voxels, "volume"_a = region.volume,
+                                      "area"_a = region.area, "mean"_a = region.mean));
+            frames.append(py::make_tuple(std::move(frame.segments), regions));
+          }
+          return py::make_tuple(frames, tracked.warnings);
+        });
 }
 
 }  // namespace csrbf::python

@@ -6,6 +6,7 @@
     s = csrbf.reconstruct(points)         # an implicit surface from points in space
     s.polygonize().save("mesh.ply")
     g = csrbf.segment(image)              # labels and contours of an image, g.labels, g.field(x), g.contour()
+    t = csrbf.track(frames)               # the same through a sequence, t[0].labels, t.volumes()
     (s - t).save("cut.csrbf")             # also s | t, s & t, ~s and csrbf.combine("blend", s, t)
 
 Arrays of points have one point a row; C-contiguous float64 arrays are not copied. Computations use all cores
@@ -20,7 +21,7 @@ from csrbf import _csrbf
 from csrbf._csrbf import IoError, SolverFailure, set_thread_count, thread_count
 from csrbf._function import Function, fit
 from csrbf._rbf_interpolator import RBFInterpolator
-from csrbf._segmentation import Segmentation, segment
+from csrbf._segmentation import Segmentation, Tracking, segment, track
 from csrbf._surface import Curvature, Mesh, Surface, combine, reconstruct, reconstruct_contours
 
 __version__ = _csrbf.version
@@ -33,6 +34,7 @@ __all__ = [
     "Segmentation",
     "SolverFailure",
     "Surface",
+    "Tracking",
     "combine",
     "fit",
     "load",
@@ -41,6 +43,7 @@ __all__ = [
     "segment",
     "set_thread_count",
     "thread_count",
+    "track",
 ]
 
 

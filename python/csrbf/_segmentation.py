@@ -159,14 +159,79 @@ def segment(
     The others are those of `csrbf segment --help`.
     """
     image = _image(image, voxel_size)
-    options = {"energy": energy, "regions": regions, "mode": mode, "method": method, "kernel": kernel,
-               "shading": shading, "balloon": float(balloon), "iterations": int(iterations)}
-    if smoothness is not None and not (isinstance(smoothness, str) and smoothness == "auto"):
-        options["smoothness"] = float(smoothness)
-    for name, value in (("center_spacing", center_spacing), ("support", support), ("window", window),
-                        ("fill_holes", fill_holes)):
-        if value is not None:
-            options[name] = value
     if force is not None and not callable(force):
         raise ValueError("force: must be a function of the labels")
+    options = _options(energy=energy, regions=regions, mode=mode, method=method, kernel=kernel, shading=shading,
+                       balloon=float(balloon), iterations=int(iterations), smoothness=smoothness,
+                       center_spacing=center_spacing, support=support, window=window, fill_holes=fill_holes)
     return Segmentation(_csrbf.segment(image, _seed(init, image), _voxels(mask, image, "mask"), options, force))
+
+
+def _options(**given):
+    """What was given of it; the rest is automatic."""
+    options = {"energy": "chan-vese", "regions": 2, "mode": "global", "method": "variational", "shading": "auto"}
+    smoothness = given.pop("smoothness", None)
+    if smoothness is not None and not (isinstance(smoothness, str) and smoothness == "auto"):
+        options["smoothness"] = float(smoothness)
+    options.update((name, value) for name, value in given.items() if value is not None)
+    return options
+
+
+class Tracking(list):
+    """The Segmentations of the frames of a sequence, in their order.
+
+    measures: for each frame a list of dicts, one per region but 0: label, voxels, volume (in the plane: area) and area
+        (length) of the level set, mean.
+    warnings: list of texts.
+    """
+
+    def __init__(self, frames, warnings):
+        super().__init__(Segmentation(segments) for segments, _ in frames)
+        self.measures = [regions for _, regions in frames]
+        self.warnings = warnings
+
+    def volumes(self, label=1):
+        """The volume (area) of a region in each frame."""
+        return np.array([next(r["volume"] for r in regions if r["label"] == label) for regions in self.measures])
+
+
+_TRACK_OPTIONS = ("mode", "method", "center_spacing", "support", "kernel", "smoothness", "window", "shading", "balloon",
+                  "fill_holes", "iterations")
+
+
+def track(
+    frames,
+    voxel_size=None,
+    init="auto",
+    energy="chan-vese",
+    regions=2,
+    *,
+    mask=None,
+    persistence=1.0,
+    motion=None,
+    sweeps=2,
+    **options,
+):
+    """A segmentation carried through a sequence: a Tracking, the list of the Segmentations of its frames.
+
+    frames: array [t, y, x] or [t, z, y, x], a list of images as segment() takes them, or the name of a file with a time
+        axis.
+    init: of the first frame; what is inside there stays inside.
+    persistence: weight of the memory of the contour; 0: every frame by itself.
+    motion: how far the contour may move between frames, in voxels.
+    sweeps: 1 goes forward only; 2 and more smooth over time in both directions.
+    The others, by keyword too, are those of segment().
+    """
+    unknown = sorted(set(options) - set(_TRACK_OPTIONS))
+    if unknown:
+        raise TypeError(f"track() got an unexpected keyword argument '{unknown[0]}'")
+    if isinstance(frames, (str, os.PathLike)):
+        sequence = _image(frames, voxel_size)
+        images = [sequence.frame(t) for t in range(sequence.frames)]
+    else:
+        images = [_image(frame, voxel_size) for frame in frames]
+    if not images:
+        raise ValueError("frames: there are none")
+    given = _options(energy=energy, regions=regions, **options)
+    seed, voxels = _seed(init, images[0]), _voxels(mask, images[0], "mask")
+    return Tracking(*_csrbf.track(images, seed, voxels, given, float(persistence), motion, int(sweeps)))

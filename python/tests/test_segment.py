@@ -110,5 +110,45 @@ class Space(unittest.TestCase):
         self.assertGreater(g.field([15, 16.5, 18]), 0)
 
 
+class Sequence(unittest.TestCase):
+    @staticmethod
+    def frames(noise=0.5):
+        """Discs of radius 10 to 14 on a dark ground, [t, y, x], and their areas."""
+        rng = np.random.default_rng(7)
+        y, x = np.mgrid[:48, :64]
+        radii = 12 + 2 * np.sin(np.arange(6))
+        edges = [1 / (1 + np.exp(2 * (np.hypot(x - 30, y - 20) - r))) for r in radii]
+        return np.array([1 + 9 * e + noise * rng.normal(size=e.shape) for e in edges]), np.pi * radii**2
+
+    def test_volumes_follow_a_beating_disc(self):
+        frames, areas = self.frames()
+        t = csrbf.track(frames, init="sphere:30,20,5")
+        self.assertEqual(len(t), 6)
+        self.assertLess(np.abs(t.volumes() / areas - 1).max(), 0.06)  # a third of a voxel at the border
+        self.assertEqual(t[2].labels.shape, (48, 64))
+        self.assertGreater(t[5].field([30, 20]), 0)
+        self.assertEqual(t.warnings, [])
+
+    def test_lists_and_files_are_sequences_too(self):
+        frames, _ = self.frames()
+        t = csrbf.track(list(frames), persistence=0)
+        self.assertTrue((t[0].labels == csrbf.segment(frames[0]).labels).all())
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "frames.npy")
+            np.save(path, frames[:, np.newaxis].astype(np.float32))
+            self.assertEqual(len(csrbf.track(path)), 6)
+
+    def test_wrong_arguments_are_named(self):
+        frames, _ = self.frames()
+        for error, message, arguments in (
+            (ValueError, "there are none", {"frames": []}),
+            (ValueError, "persistence", {"persistence": -1}),
+            (ValueError, "frame 1", {"frames": [frames[0], frames[1][:20]]}),
+            (TypeError, "colour", {"colour": 3}),
+        ):
+            with self.subTest(message), self.assertRaisesRegex(error, message):
+                csrbf.track(**{"frames": frames, **arguments})
+
+
 if __name__ == "__main__":
     unittest.main()

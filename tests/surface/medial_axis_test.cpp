@@ -52,8 +52,8 @@ TEST(MedialAxis, ConvergesWithTheBudget) {
   for (const Index centers : {160, 640, 2560}) {
     const double error = taubin(*fit(cloud, {.centers = centers}).field, test);
     if (before > 0) {
-      // Quadrics: third order in the distance of centres, which halves.
-      EXPECT_LT(error, before / 6);
+      // Quadrics: third order in the distance of centres, which halves; less what the smoothing costs.
+      EXPECT_LT(error, before / 5.5);
     }
     before = error;
   }

