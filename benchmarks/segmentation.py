@@ -59,7 +59,8 @@ CASES = [
 
 LEGEND = """**Dice**: of the labels and the exact mask, the mean over the seeds where there are several, **mean least** the
 least of them. **evolve**: the stage of the report, mean. **CPU s**, **peak MB**: of the whole command, reading and
-writing included. scikit-image and the threshold run in Python: their CPU time is of the function alone. One run each.
+writing included, the memory at least that of this script when it started it. scikit-image and the threshold run in
+Python: their CPU time is of the function alone, and the better of the two sides counts for scikit-image. One run each.
 
 *equal means*: Laplace inside, uniform outside, with the same mean and variance; *nested rings*: a gradient of half the
 contrast across the background, and noise of a tenth of it; *microct100* with no smoothing at all: the energy of
@@ -142,7 +143,7 @@ def csrbf_row(program, work, name, flags, names):
         cpu.append(seconds)
         peak = max(peak, memory)
     chosen = ", ".join(f"{key} {told['options'][key]}" for key in ("center_spacing", "shading")
-                       if told["options"].get(key) not in (None, "none"))
+                       if told["options"].get(key) not in (None, "none", "auto"))
     if name == "microct100":
         image = np.load(work / f"{name}.npy")
         chosen += f", energy {100 * (within(image, labels != 0) / two_means(image) - 1):.2f} % above the least"
