@@ -1,13 +1,13 @@
 #include "csrbf/levelset/evolve.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/core/simd.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 
 namespace csrbf {
 namespace {
@@ -121,11 +121,11 @@ float length_terms_3(const Profile& by, const float* force, const float* weights
 
 using Piece = std::array<float, piece>;
 
-// n values of a row, one after the other, and `rest` up to a multiple of `width`.
-void gather(const float* values, const LatticeRow& row, Index begin, Index n, float rest, Piece& place) {
+// n values of a row, one after the other, and zeros up to a multiple of `width`.
+void gather(const float* values, const LatticeRow& row, Index begin, Index n, Piece& place) {
   const float* from = values + row.voxel + begin * row.stride;
   for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(i)] = from[i * row.stride];
-  std::fill(place.begin() + n, place.begin() + padded(n), rest);
+  std::fill(place.begin() + n, place.begin() + padded(n), 0.0F);
 }
 
 template <int Dim>
@@ -136,14 +136,14 @@ double row_energy(const Profile& profile, bool gradients, const ContourEnergy& e
   weight.fill(1);
   for (Index begin = 0; begin < row.count; begin += piece) {
     const Index n = std::min(piece, row.count - begin);
-    gather(energy.force, row, begin, n, 0, force);
+    gather(energy.force, row, begin, n, force);
     // Values 0 with force 0 add force H = 0 and no length, whose gradient is 0 there.
     std::copy_n(row.value + begin, n, f.begin());
     std::fill(f.begin() + n, f.begin() + padded(n), 0.0F);
     if (!gradients) {
       sum += static_cast<double>(region_terms(profile, force.data(), padded(n), f.data()));
     } else {
-      if (energy.weights != nullptr) gather(energy.weights, row, begin, n, 0, weight);
+      if (energy.weights != nullptr) gather(energy.weights, row, begin, n, weight);
       for (std::size_t a = 0; a < Dim; ++a) {
         std::copy_n(row.gradient[a] + begin, n, slope[a].begin());
         std::fill(slope[a].begin() + n, slope[a].begin() + padded(n), 0.0F);
@@ -166,13 +166,11 @@ constexpr Index grain = 1 << 15;  // coefficients that are worth a thread
 // Sum of term(i), i < n.
 template <class Term>
 double sum_of(std::size_t n, const Term& term) {
-  std::vector<double> sums((n + grain - 1) / grain, 0.0);
-  parallel_for(static_cast<Index>(n), grain, [&](Index begin, Index end) {
+  return parallel_sum(static_cast<Index>(n), grain, [&](Index begin, Index end) {
     double sum = 0;
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) sum += term(i);
-    sums[static_cast<std::size_t>(begin / grain)] = sum;
+    return sum;
   });
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 double dot(const std::vector<float>& a, const std::vector<float>& b) {
@@ -199,6 +197,11 @@ template <int Dim>
 double ridge(const Lattice<Dim>& lattice) {
   constexpr double share = 0.01;
   return share * voxel_volume(lattice) * lattice.coefficient_weight();
+}
+
+// With a length |f| must not become so steep that the contour falls between voxels.
+double coefficient_bound(const ContourEnergy& energy) {
+  return energy.length > 0 ? 1 : 2;
 }
 
 }  // namespace
@@ -261,11 +264,6 @@ void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int it
   }
 }
 
-// With a length |f| must not become so steep that the contour falls between voxels.
-double coefficient_bound(const ContourEnergy& energy) {
-  return energy.length > 0 ? 1 : 2;
-}
-
 // Birgin, Martinez and Raydan (2000), monotone.
 template <int Dim>
 int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
@@ -318,7 +316,7 @@ int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterati
 template <int Dim>
 double target_residual(const Lattice<Dim>& lattice, const ContourEnergy& energy, const std::vector<float>& coefficients,
                        double least) {
-  // Two sums of the same sweep order: each is its own sweep, a fraction of a fit.
+  // A sweep gives one sum: the number of voxels takes another, a fraction of a fit.
   const auto sum = [&](bool squares) {
     return lattice.sweep(
         coefficients.data(), false,

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/parallel_sum.hpp"
 
 #include <numeric>
 
@@ -231,10 +232,10 @@ double Lattice<Dim>::sweep_phase(const Phase& phase, const float* coefficients, 
 
   const Index ny = axes_[1].length, rows = ny * axes_[2].length;
   const Index grain = std::max<Index>(1, chunk_voxels / axes_[0].length);
-  std::vector<double> sums(static_cast<std::size_t>((rows + grain - 1) / grain), 0.0);
-  parallel_for(rows, grain, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i)
-      sums[static_cast<std::size_t>(begin / grain)] += visit_row(phase, gradients, row, workspace, i % ny, i / ny);
+  const double sum = parallel_sum(rows, grain, [&](Index begin, Index end) {
+    double part = 0;
+    for (Index i = begin; i < end; ++i) part += visit_row(phase, gradients, row, workspace, i % ny, i / ny);
+    return part;
   });
 
   if (derivatives != nullptr) {
@@ -247,7 +248,7 @@ double Lattice<Dim>::sweep_phase(const Phase& phase, const float* coefficients, 
                  (end - begin) * tap_slack, derivatives + static_cast<Index>(group) * plane_ + begin * tap_slack, true);
     });
   }
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
+  return sum;
 }
 
 // Padding between the rows must not reach the derivatives: it becomes 0.

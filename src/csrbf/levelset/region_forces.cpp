@@ -1,7 +1,7 @@
 #include "csrbf/levelset/region_forces.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/box_mean.hpp"
 #include "csrbf/levelset/energy_table.hpp"
 #include "csrbf/levelset/intensity_classes.hpp"
@@ -10,22 +10,12 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 1 << 15;
 constexpr int texture_window = 4;  // half width over which textures are compared before there is a contour
-
-template <class Body>
-double sum_in_parallel(Index n, Index step, const Body& body) {
-  std::vector<double> sums(static_cast<std::size_t>((n + step - 1) / step), 0.0);
-  parallel_for(n, step,
-               [&](Index begin, Index end) { sums[static_cast<std::size_t>(begin / step)] = body(begin, end); });
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
-}
 
 }  // namespace
 
@@ -326,7 +316,7 @@ double RegionForces<Dim>::shaded_force(int k, double scale, std::span<float> for
     return 0.5 * off * off / (sd * sd) + std::log(sd);
   };
   // Along a row the means are parabolas in x.
-  return sum_in_parallel(grid_.size[1] * grid_.size[2], 8, [&](Index begin, Index end) {
+  return parallel_sum(grid_.size[1] * grid_.size[2], 8, [&](Index begin, Index end) {
     double sum = 0;
     for (Index row = begin; row < end; ++row)
       for (Index x = 0; x < grid_.size[0]; ++x) {

@@ -1,12 +1,12 @@
 #include "csrbf/levelset/variational.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/box_mean.hpp"
 #include "csrbf/levelset/region_labels.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace csrbf {
 namespace {
@@ -22,13 +22,14 @@ constexpr double noise_to_eps = 3;  // the contour averages voxels that noise al
 double mean_size(std::span<const float> force) {
   constexpr Index grain = 1 << 16;
   const auto n = static_cast<Index>(force.size());
-  std::vector<double> sums(static_cast<std::size_t>((n + grain - 1) / grain), 0.0);
-  parallel_for(n, grain, [&](Index begin, Index end) {
-    double sum = 0;
-    for (Index i = begin; i < end; ++i) sum += static_cast<double>(std::abs(force[static_cast<std::size_t>(i)]));
-    sums[static_cast<std::size_t>(begin / grain)] = sum;
-  });
-  return std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(n);
+  return parallel_sum(n, grain,
+                      [&](Index begin, Index end) {
+                        double sum = 0;
+                        for (Index i = begin; i < end; ++i)
+                          sum += static_cast<double>(std::abs(force[static_cast<std::size_t>(i)]));
+                        return sum;
+                      }) /
+         static_cast<double>(n);
 }
 
 // What a voxel in the wrong region costs. Regions of one law cost nothing: then any scale will do.
@@ -247,6 +248,12 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   const auto hold = [&] {  // every voxel where it is
     for (std::size_t i = 0; i < labels.size(); ++i) held[i] = labels[i] != 0 ? -1.0F : 1.0F;
   };
+  const auto free_band = [&] {  // but for those at the contour
+    hold();
+    const std::vector<float> band = band_of(labels, grid, reach);
+    for (std::size_t i = 0; i < held.size(); ++i)
+      if (band[i] > 0) held[i] = set.force[i];
+  };
   ContourEnergy step = set.energy;
   step.force = held.data();
   hold();
@@ -263,10 +270,7 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   while (report.iterations < most && !report.converged) {
     csrbf::report(options.progress, "evolve", static_cast<double>(report.iterations) / most);
     ++report.iterations;
-    hold();
-    const std::vector<float> band = band_of(labels, grid, reach);
-    for (std::size_t i = 0; i < held.size(); ++i)
-      if (band[i] > 0) held[i] = set.force[i];
+    free_band();
     const std::vector<float> before = set.coefficients;
     fit_target(lattice, step, fit, set.coefficients);
     std::vector<double> steps;
@@ -294,10 +298,7 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   }
   update_labels(lattice, set.coefficients, labels.data());
   if (options.fill_holes.value_or(false) && fill_enclosed(labels, grid) > 0) {
-    hold();
-    const std::vector<float> band = band_of(labels, grid, reach);
-    for (std::size_t i = 0; i < held.size(); ++i)
-      if (band[i] > 0) held[i] = set.force[i];
+    free_band();
     fit_target(lattice, step, first_fit, set.coefficients);
     update_labels(lattice, set.coefficients, labels.data());
     fill_enclosed(labels, grid);

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/core/simd.hpp"
 
 #include <algorithm>
@@ -32,11 +33,7 @@ void add_run(const double* x, const double* weights, Index count, Index n, doubl
 // Sum of what body(begin, size) returns for all chunks of n numbers.
 template <class Body>
 double sum_over(Index n, const Body& body) {
-  std::vector<double> sums(static_cast<std::size_t>((n + chunk - 1) / chunk), 0.0);
-  parallel_for(n, chunk, [&](Index begin, Index end) {
-    sums[static_cast<std::size_t>(begin / chunk)] = body(begin, end - begin);
-  });
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
+  return parallel_sum(n, chunk, [&](Index begin, Index end) { return body(begin, end - begin); });
 }
 
 double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "csrbf/core/parallel.hpp"
+
+#include <numeric>
+#include <vector>
+
+namespace csrbf {
+
+/// Sum of what body(begin, end) returns for consecutive ranges of at most `grain` indices that cover [0, n), on all
+/// threads (see parallel_for()). The parts are added in the order of the ranges: the same bits for every number of
+/// threads.
+template <class Body>
+double parallel_sum(Index n, Index grain, const Body& body) {
+  std::vector<double> sums(static_cast<std::size_t>((n + grain - 1) / grain), 0.0);
+  parallel_for(n, grain,
+               [&](Index begin, Index end) { sums[static_cast<std::size_t>(begin / grain)] = body(begin, end); });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+}  // namespace csrbf
