@@ -141,6 +141,39 @@ TEST(Raycast, AgreesWithDenseSamplingOnExpansions) {
   EXPECT_EQ(disagreements(*field, rays, hits.t, 2000), 0);
 }
 
+TEST(Raycast, FindsSheetsThinnerThanACellOfFieldsWithoutBounds) {
+  // A ball that thins out into a disc, half a cell thick, which a polygonization sees only here and there.
+  const double cell = 2.6 / 32;
+  const AnalyticField field(
+      [=](const AnalyticField::Variables& x) {
+        const auto z = x[2] - center[2] - 0.4 * cell - 0.05 * x[0];
+        const auto off_axis = (x[0] - center[0]) * (x[0] - center[0]) + (x[1] - center[1]) * (x[1] - center[1]);
+        const auto bulge = 4.0 * smooth_step((0.09 - off_axis) * (1 / 0.09));
+        return (0.06 + bulge) * cell - (1 / cell) * z * z - 0.5 * smooth_step(5.0 * off_axis - 4.0);
+      },
+      box_around(center, Point<3>::Constant(1.3)));
+  const Rays rays = random_rays(box_around(center, Point<3>(1, 1, 0.1)), 400, 12);
+  const RayHits hits = raycast(field, rays.origins, rays.directions, {.resolution = 32});
+  EXPECT_FALSE(hits.guaranteed);
+  EXPECT_EQ(disagreements(field, rays, hits.t, 4000), 0);
+}
+
+TEST(Raycast, NoticesBoundsThatAreTooSmall) {
+  // A shell three cells thick, with a spike of f in its middle, which no vertex of a polygonization sees.
+  const double cell = 2.6 / 32;
+  const AnalyticField field(
+      [=](const AnalyticField::Variables& x) {
+        const auto square = (x[0] - center[0]) * (x[0] - center[0]) + (x[1] - center[1]) * (x[1] - center[1]) +
+                            (x[2] - center[2]) * (x[2] - center[2]);
+        const auto off = (1 / cell) * (square_root(square + 1e-4) - 0.9);
+        return cell * (2.25 - off * off) + 8 * cell * smooth_step(2.0 - 8.0 * (off * off));
+      },
+      box_around(center, Point<3>::Constant(1.3)));
+  const Rays rays = random_rays(box_around(center, Point<3>::Ones()), 500, 13);
+  const RayHits hits = raycast(field, rays.origins, rays.directions, {.resolution = 32});
+  EXPECT_EQ(disagreements(field, rays, hits.t, 4000), 0);
+}
+
 TEST(Raycast, GetsOnAlongTheWallsOfCells) {
   const AnalyticField plain = ball(1);
   const EnclosedBall enclosed(1);

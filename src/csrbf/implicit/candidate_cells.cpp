@@ -13,6 +13,7 @@ constexpr int margin = 4;           // cells around the bounds of the field, as 
 constexpr int longest_stretch = 4;  // cells
 constexpr double estimate_factor = 2;
 constexpr double least_bend = 0.1;     // of an estimate, in units of the slope over a cell
+constexpr double doubt = 1.5;          // f may change by more in half a cell than its gradient at the centre says
 constexpr double cell_overlap = 1e-6;  // a zero on a wall, within rounding, belongs to the cells on both sides
 
 // Distance along the ray to where it leaves a box, and whether it is ahead.
@@ -61,10 +62,11 @@ CandidateCells::CandidateCells(const Field<3>& field, int resolution, const Mesh
   const Corner blocks = cells_ / block_side;
   block_.assign(static_cast<std::size_t>(blocks.cast<Index>().prod()), -1);
   report(progress, "cells", 0);
-  if (guaranteed_)
+  if (guaranteed_) {
     collect_enclosed(field, progress);
-  else if (mesh.vertices.cols() > 0)
-    collect_polygonized(field, mesh);
+  } else if (mesh.vertices.cols() > 0) {
+    spread(field, collect_polygonized(field, mesh), progress);
+  }
   report(progress, "cells", 1);
 }
 
@@ -135,7 +137,8 @@ void CandidateCells::collect_enclosed(const Field<3>& field, const Progress& pro
   }
 }
 
-void CandidateCells::collect_polygonized(const Field<3>& field, const Mesh& mesh) {
+// Returns the mean slope at the vertices.
+double CandidateCells::collect_polygonized(const Field<3>& field, const Mesh& mesh) {
   const Index n = mesh.vertices.cols();
   const Jet<3> jet = field.evaluate(mesh.vertices, Derivatives::hessian);
   Eigen::VectorXd bend(n);
@@ -157,6 +160,72 @@ void CandidateCells::collect_polygonized(const Field<3>& field, const Mesh& mesh
     for (int z = -1; z <= 1; ++z)
       for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x) mark(corner + Corner(x, y, z), steepest, curved);
+  }
+  return jet.gradient.colwise().norm().mean();
+}
+
+std::vector<CandidateCells::Corner> CandidateCells::candidates() const {
+  std::vector<Corner> found;
+  const Corner blocks = cells_ / block_side;
+  const auto each = [](const Corner& size, const auto& visit) {
+    for (int z = 0; z < size[2]; ++z)
+      for (int y = 0; y < size[1]; ++y)
+        for (int x = 0; x < size[0]; ++x) visit(Corner(x, y, z));
+  };
+  each(blocks, [&](const Corner& b) {
+    if (block_[static_cast<std::size_t>(b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2]))] < 0) return;
+    each(Corner::Constant(block_side), [&](const Corner& c) {
+      bool block_is_empty = false;
+      if (find(block_side * b + c, block_is_empty) != nullptr) found.push_back(block_side * b + c);
+    });
+  });
+  return found;
+}
+
+Points<3> CandidateCells::centers_of(const std::vector<Corner>& cells) const {
+  Points<3> centers(3, static_cast<Index>(cells.size()));
+  for (std::size_t i = 0; i < cells.size(); ++i) centers.col(static_cast<Index>(i)) = box_of(cells[i], 1).center();
+  return centers;
+}
+
+// The cells next to these that no one has looked at yet.
+std::vector<CandidateCells::Corner> CandidateCells::unseen_neighbors(const std::vector<Corner>& cells) {
+  std::vector<Corner> neighbors;
+  for (const Corner& cell : cells)
+    for (int z = -1; z <= 1; ++z)
+      for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+          const Corner next = cell + Corner(x, y, z);
+          Cell* const found = find(next);
+          if (found == nullptr || found->slope != unseen) continue;
+          found->slope = excluded;
+          neighbors.push_back(next);
+        }
+  return neighbors;
+}
+
+void CandidateCells::spread(const Field<3>& field, double typical_slope, const Progress& progress) {
+  const double reach = 0.5 * std::sqrt(3.0) * side_;  // from the centre of a cell to its corners
+  std::vector<Corner> front = candidates();
+  while (!front.empty()) {
+    report(progress, "cells", 0.5);
+    std::vector<Corner> cells = unseen_neighbors(front);
+    // In the middle of a thin part f is small, whatever its slope there.
+    const Jet<3> first = field.evaluate(centers_of(cells), Derivatives::gradient);
+    std::vector<Corner> near;
+    for (Index i = 0; i < first.value.size(); ++i) {
+      const double slope = std::max(typical_slope, first.gradient.col(i).norm());
+      if (std::abs(first.value[i]) <= doubt * slope * reach) near.push_back(cells[static_cast<std::size_t>(i)]);
+    }
+    const Jet<3> jet = field.evaluate(centers_of(near), Derivatives::hessian);
+    front.clear();
+    for (Index i = 0; i < jet.value.size(); ++i) {
+      const double slope = jet.gradient.col(i).norm(), bend = jet.hessian_matrix(i).norm();
+      if (std::abs(jet.value[i]) > doubt * (slope + 0.5 * bend * reach) * reach) continue;
+      const double curved = estimate_factor * bend + least_bend * slope / side_;
+      mark(near[static_cast<std::size_t>(i)], slope + curved * reach, curved);
+      front.push_back(near[static_cast<std::size_t>(i)]);
+    }
   }
 }
 

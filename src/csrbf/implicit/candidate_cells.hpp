@@ -22,7 +22,8 @@ struct Stretch {
 /// not exclude (at most 64 along the longest side): no zero of f in the lattice is missed. For other fields they are
 /// the cells within one cell of a polygonization of the same cell size, and bounds are estimated: twice the largest
 /// derivatives of second order found at its vertices nearby, among them differences of gradients between neighbours,
-/// which see creases.
+/// which see creases. From there they spread to the cells next to them that f and its derivatives at the centre do
+/// not exclude, which finds parts of the surface too thin for the polygonization.
 class CandidateCells {
  public:
   /// `resolution`: cells along the longest side of the field's bounds. `mesh`: a polygonization of the field with
@@ -52,8 +53,9 @@ class CandidateCells {
   [[nodiscard]] Index size() const;
 
  private:
+  static constexpr float unseen = -1, excluded = -2;  // slopes of cells without surface; the latter were looked at
   struct Cell {
-    float slope = -1, bend = 0;  // slope < 0: no surface here
+    float slope = unseen, bend = 0;  // slope < 0: no surface here
   };
   using Corner = Eigen::Array3i;
 
@@ -64,7 +66,11 @@ class CandidateCells {
   void mark(const Corner& cell, double slope, double bend);
   [[nodiscard]] Box<3> box_of(const Corner& corner, int cells) const;
   void collect_enclosed(const Field<3>& field, const Progress& progress);
-  void collect_polygonized(const Field<3>& field, const Mesh& mesh);
+  double collect_polygonized(const Field<3>& field, const Mesh& mesh);
+  void spread(const Field<3>& field, double typical_slope, const Progress& progress);
+  [[nodiscard]] Points<3> centers_of(const std::vector<Corner>& cells) const;
+  [[nodiscard]] std::vector<Corner> candidates() const;
+  std::vector<Corner> unseen_neighbors(const std::vector<Corner>& cells);
 
   bool guaranteed_ = false;
   Point<3> origin_;

@@ -5,6 +5,8 @@ namespace {
 
 constexpr int most_newton_steps = 8;
 constexpr int most_steps = 80;
+constexpr double caution = 1.5;   // of bounds that are raised
+constexpr double checked = 1e-3;  // cells: nearer evaluations do not tell second derivatives
 
 }  // namespace
 
@@ -13,10 +15,17 @@ void RaySearch::next_stretch() {
     step_ = Step::done;
     return;
   }
-  begin_ = stretch_.begin;
+  before_stretch_ = before_;
+  search_stretch();
+}
+
+void RaySearch::search_stretch() {
+  before_ = before_stretch_;
+  last_known_ = false;
+  allowed_ = {};
   ends_[0] = stretch_.end;
   left_ = 1;
-  end_ = begin_;
+  end_ = stretch_.begin;
   next_interval();
 }
 
@@ -34,6 +43,10 @@ void RaySearch::next_interval() {
 void RaySearch::answer(double value, const Point<3>& gradient) {
   gradient_ = gradient;
   const double slope = gradient.dot(ray_.direction);
+  const Sample sample{t_, value, slope};
+  if (last_known_ && !bounds_hold(sample)) return search_stretch();
+  last_ = sample;
+  last_known_ = true;
   switch (step_) {
     case Step::isolate:
       isolate(value, slope);
@@ -49,6 +62,20 @@ void RaySearch::answer(double value, const Point<3>& gradient) {
   }
 }
 
+// Holds the bounds against an evaluation, and raises them if need be. False when what was concluded from them in this
+// stretch does not hold any more.
+bool RaySearch::bounds_hold(const Sample& sample) {
+  const double h = std::abs(sample.t - last_.t);
+  if (h < checked * cells_->side()) return true;
+  const double off_line = sample.value - last_.value - last_.slope * (sample.t - last_.t);
+  const double bend = std::max(2 * std::abs(off_line) / h, std::abs(sample.slope - last_.slope)) / h;
+  const double slope = std::max(std::abs(sample.value - last_.value) / h, std::abs(sample.slope));
+  constexpr double rounding = 1 + 1e-6;
+  if (bend > rounding * stretch_.bend) stretch_.bend = caution * bend;
+  if (slope > rounding * stretch_.slope) stretch_.slope = caution * slope;
+  return stretch_.bend <= allowed_.bend && stretch_.slope <= allowed_.slope;
+}
+
 void RaySearch::accept(double t) {
   t_ = t;
   hit_ = true;
@@ -59,8 +86,14 @@ void RaySearch::isolate(double value, double slope) {
   const double h = 0.5 * (end_ - begin_);
   const double change = std::min(stretch_.slope * h, (std::abs(slope) + 0.5 * stretch_.bend * h) * h);
   if (std::abs(value) > change) {
+    const double allowed = 2 * (std::abs(value) - std::abs(slope) * h) / (h * h);
+    if (allowed > stretch_.bend)
+      allowed_.bend = std::min(allowed_.bend, allowed);
+    else
+      allowed_.slope = std::min(allowed_.slope, std::abs(value) / h);
     leave(value);
   } else if (std::abs(slope) > stretch_.bend * h) {
+    allowed_.bend = std::min(allowed_.bend, std::abs(slope) / h);
     lo_ = begin_;
     hi_ = end_;
     lo_known_ = hi_known_ = false;
@@ -91,8 +124,9 @@ void RaySearch::refine(double value, double slope) {
   const double newton = t_ - value / slope;
   const bool usable = rising_ * slope > 0 && steps_ < most_newton_steps;
   if (usable && std::abs(newton - t_) <= tolerance_) return accept(std::clamp(newton, begin_, end_));
-  if (hi_ - lo_ <= tolerance_ || ++steps_ > most_steps) return accept(0.5 * (lo_ + hi_));
-  if (usable && newton > lo_ && newton < hi_) {
+  const bool narrow = hi_ - lo_ <= tolerance_;
+  if ((narrow && lo_known_ && hi_known_) || ++steps_ > most_steps) return accept(0.5 * (lo_ + hi_));
+  if (usable && !narrow && newton > lo_ && newton < hi_) {
     t_ = newton;
   } else if (rising_ * value > 0) {
     t_ = lo_known_ ? 0.5 * (lo_ + hi_) : begin_;
@@ -105,13 +139,12 @@ void RaySearch::refine(double value, double slope) {
 // one nevertheless: at the end of an interval, within rounding, or where estimated bounds do not hold.
 void RaySearch::leave(double value) {
   const int sign = value > 0 ? 1 : -1;
-  if (sign_ == 0 || sign == sign_) {
-    sign_ = sign;
-    sign_t_ = t_;
+  if (before_.sign == 0 || sign == before_.sign) {
+    before_ = {sign, t_};
     next_interval();
     return;
   }
-  lo_ = begin_ = sign_t_;
+  lo_ = begin_ = before_.t;
   hi_ = end_ = t_;
   lo_known_ = hi_known_ = true;
   rising_ = sign;

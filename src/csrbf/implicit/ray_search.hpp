@@ -3,6 +3,7 @@
 #include "csrbf/implicit/candidate_cells.hpp"
 
 #include <array>
+#include <limits>
 
 namespace csrbf {
 
@@ -13,7 +14,8 @@ namespace csrbf {
 /// > min(L h, |f'(m)| h + G h^2 / 2) (interval refinement; Mitchell 1990, with Taylor's formula as the inclusion), and
 /// f is monotone when |f'(m)| > G h (Kalra, Barr 1989). Otherwise the interval is halved, the near half first. In a
 /// monotone interval the zero, if there is one, is bracketed and found by Newton's method. Intervals that cannot be
-/// divided any more hold a zero when f changes its sign.
+/// divided any more hold a zero when f changes its sign. Estimated bounds are held against each evaluation and the
+/// one before; where they turn out too small they are raised, and what was concluded from them is concluded again.
 class RaySearch {
  public:
   /// `tolerance`: of the distance along the ray; > 0.
@@ -37,8 +39,24 @@ class RaySearch {
   enum class Step { isolate, refine, probe, done };
   static constexpr int deepest = 64;  // halvings
 
+  // An evaluation on the ray.
+  struct Sample {
+    double t = 0, value = 0, slope = 0;
+  };
+  // The sign of f at a place on the way; 0 = unknown.
+  struct Known {
+    int sign = 0;
+    double t = 0;
+  };
+  // The largest bounds with which all conclusions in the stretch hold.
+  struct Allowed {
+    double slope = std::numeric_limits<double>::infinity(), bend = std::numeric_limits<double>::infinity();
+  };
+
   void next_stretch();
+  void search_stretch();
   void next_interval();
+  bool bounds_hold(const Sample& sample);
   void isolate(double value, double slope);
   void refine(double value, double slope);
   void leave(double value);
@@ -56,8 +74,11 @@ class RaySearch {
   std::array<double, deepest> ends_;  // of the intervals that are left of the stretch, the next one last
   int left_ = 0;
   double begin_ = 0, end_ = 0;  // the interval
-  int sign_ = 0;                // of f before the interval, at sign_t_; 0 = unknown
-  double sign_t_ = 0;
+  Known before_;                // the interval
+  Known before_stretch_;
+  Sample last_;
+  Allowed allowed_;
+  bool last_known_ = false;  // in this stretch
 
   double lo_ = 0, hi_ = 0;  // bracket of a zero
   bool lo_known_ = false, hi_known_ = false;

@@ -55,10 +55,10 @@ struct RayHits {
 
 /// First zero of f along each ray origin + t direction, 0 <= t < t_max, from either side, in the bounds of the field
 /// (and four cells around). Directions may have any length but 0; t is in units of length. Zeros are exact up to
-/// rounding. None is missed for fields with enclosures (`guaranteed`); for others the surface must not have parts
-/// thinner than a cell, or bends much sharper than at the vertices of a polygonization. Zeros where f touches 0 without
-/// changing its sign do not count. About five gradients for each ray that comes near the surface, after preparations
-/// that cost as much as polygonize().
+/// rounding. None is missed for fields with enclosures (`guaranteed`); for others parts that polygonize() leaves out
+/// are not looked for, and sharp bends between the vertices of a polygonization may hide a hit. Zeros where f touches 0
+/// without changing its sign do not count. About five gradients for each ray that comes near the surface, after
+/// preparations that cost as much as polygonize().
 ///
 /// Throws InvalidInput for origins or directions that are not finite, directions that are zero, numbers of both that
 /// differ, and options out of range; Cancelled.
