@@ -16,7 +16,7 @@ inline CompositeField composite_field(const PointCloud& cloud, double area, cons
   PointCloud unit{(cloud.points.colwise() - data.origin) / data.scale, cloud.normals, {}};
   area /= data.scale * data.scale;
   const CompositeFit finest = fit_composite(oriented(unit, area), options);
-  data.winding = WindingNumber({unit.points, unit.normals, finest.areas, 0.7 * finest.areas.cwiseSqrt()});
+  data.winding = WindingNumber(unit.points, unit.normals, finest.areas, 0.7 * finest.areas.cwiseSqrt());
   data.detail = std::sqrt(finest.areas.mean());
   data.far_value = 3 * data.detail;
   data.levels.push_back(finest.patches);

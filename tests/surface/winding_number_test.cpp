@@ -76,8 +76,8 @@ TEST(WindingNumber, OfNoSamplesIsOutsideEverywhere) {
 }
 
 TEST(WindingNumber, OfOneSampleIsItsKernel) {
-  const WindingNumber u(
-      {Point<3>(1, 2, 3), Point<3>(0, 0, 1), Eigen::VectorXd::Constant(1, 0.5), Eigen::VectorXd::Constant(1, 0.1)});
+  const WindingNumber u(Point<3>(1, 2, 3), Point<3>(0, 0, 1), Eigen::VectorXd::Constant(1, 0.5),
+                        Eigen::VectorXd::Constant(1, 0.1));
   const double expected = 2 * 0.5 * 0.3 / (4 * std::numbers::pi * std::pow(0.3 * 0.3 + 0.1 * 0.1, 1.5)) - 1;
   EXPECT_NEAR(u({1, 2, 2.7}), expected, 1e-6 * std::abs(expected));  // single precision
   EXPECT_EQ(u({1, 2, 3}), -1);
@@ -190,8 +190,7 @@ TEST(WindingNumber, IsInvariantUnderSimilarities) {
     const Eigen::Matrix3d rotation = some_rotation();
     const Point<3> shift = scale * Point<3>(5, -3, 2);
     const auto move = [&](const Points<3>& p) { return Points<3>((scale * rotation * p).colwise() + shift); };
-    const WindingNumber moved(
-        {move(data.points), rotation * data.normals, scale * scale * data.areas, scale * data.eps});
+    const WindingNumber moved(move(data.points), rotation * data.normals, scale * scale * data.areas, scale * data.eps);
     const Jet<3> moved_jet = moved.evaluate(move(x), Derivatives::gradient);
     EXPECT_LT((moved_jet.value - jet.value).cwiseAbs().maxCoeff(), 2 * tolerance);
     const Points<3> gradient = scale * rotation.transpose() * moved_jet.gradient;

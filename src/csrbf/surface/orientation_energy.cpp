@@ -112,7 +112,8 @@ void Energy::sum_winding(const Points<3>& probes, const Points<3>& points, const
       samples.areas[k] = table.area(i);
       samples.eps[k] = std::sqrt(samples.areas[k]);
     }
-    winding_.col(static_cast<Index>(c)) = winding::sum_at(winding::make_tree(samples), probes);
+    winding_.col(static_cast<Index>(c)) =
+        winding::sum_at(winding::make_tree({samples.points, samples.normals, samples.areas, samples.eps}), probes);
   }
 }
 

@@ -126,7 +126,7 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
     previous = coarse.size();
   }
   const Eigen::VectorXd smoothing_length = winding_smoothing * finest.areas.cwiseSqrt();
-  data.winding = WindingNumber({cloud.points, cloud.normals, finest.areas, smoothing_length});
+  data.winding = WindingNumber(cloud.points, cloud.normals, finest.areas, smoothing_length);
   return data;
 }
 

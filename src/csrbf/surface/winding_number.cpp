@@ -12,7 +12,7 @@ namespace {
 // Points further away than this many extents of the samples are moved in: u is -1 there in any case.
 constexpr double horizon = 1e9;
 
-void check(const WindingNumber::Data& data) {
+void check(const winding::SamplesRef& data) {
   constexpr auto where = "WindingNumber";
   const Index n = data.points.cols();
   require(data.normals.cols() == n, where, "normals.cols()", data.normals.cols(), "must be the number of points");
@@ -61,12 +61,17 @@ struct WindingNumber::Impl {
   winding::Tree tree;
   winding::Cubes cubes;
 
-  explicit Impl(const Data& data) : tree(winding::make_tree(data)), cubes(tree) {}
+  explicit Impl(const winding::SamplesRef& data) : tree(winding::make_tree(data)), cubes(tree) {}
 };
 
-WindingNumber::WindingNumber(const Data& data) {
+WindingNumber::WindingNumber(const Data& data) : WindingNumber(data.points, data.normals, data.areas, data.eps) {}
+
+WindingNumber::WindingNumber(const PointsRef<3>& points, const PointsRef<3>& normals,
+                             const Eigen::Ref<const Eigen::VectorXd>& areas,
+                             const Eigen::Ref<const Eigen::VectorXd>& eps) {
+  const winding::SamplesRef data{points, normals, areas, eps};
   check(data);
-  if (data.points.cols() > 0) impl_ = std::make_shared<const Impl>(data);
+  if (points.cols() > 0) impl_ = std::make_shared<const Impl>(data);
 }
 
 WindingNumber::Data WindingNumber::data() const {

@@ -33,6 +33,8 @@ class WindingNumber final : public Field<3> {
   /// Throws InvalidInput when sizes differ, an entry is not finite, an area is negative or a smoothing length is not
   /// positive.
   explicit WindingNumber(const Data& data);
+  WindingNumber(const PointsRef<3>& points, const PointsRef<3>& normals, const Eigen::Ref<const Eigen::VectorXd>& areas,
+                const Eigen::Ref<const Eigen::VectorXd>& eps);
 
   void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
 

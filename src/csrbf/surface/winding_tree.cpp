@@ -2,6 +2,7 @@
 
 #include <array>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 namespace csrbf::winding {
@@ -76,8 +77,8 @@ class Builder {
     nodes_.reserve(items_.size() / 2 + 1);
     build(0, items_.size(), 0);
   }
-  [[nodiscard]] const std::vector<Item>& items() const { return items_; }
-  [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
+  /// The items in the order of the tree, and its nodes.
+  std::pair<std::vector<Item>, std::vector<Node>> take() && { return {std::move(items_), std::move(nodes_)}; }
 
  private:
   Moments build(std::size_t begin, std::size_t end, int depth) {
@@ -195,7 +196,7 @@ class Builder {
 
 }  // namespace
 
-Tree make_tree(const Samples& samples) {
+Tree make_tree(const SamplesRef& samples) {
   Tree tree;
   const Index n = samples.points.cols();
   if (n == 0) return tree;
@@ -214,8 +215,7 @@ Tree make_tree(const Samples& samples) {
     item.eps2 = std::max(std::numeric_limits<float>::min(), static_cast<float>(eps * eps));
     item.index = i;
   }
-  const Builder builder(std::move(items));
-  tree.nodes = builder.nodes();
+  std::tie(items, tree.nodes) = Builder(std::move(items)).take();
 
   const auto padded = static_cast<std::size_t>(n + lanes);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -225,7 +225,7 @@ Tree make_tree(const Samples& samples) {
   tree.eps2.resize(padded, 1.0F);
   tree.points.resize(3, n);
   for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-    const Item& item = builder.items()[i];
+    const Item& item = items[i];
     for (std::size_t k = 0; k < 3; ++k) {
       tree.x[k][i] = static_cast<std::int32_t>(std::lround(item.p[k] * Tree::resolution));
       tree.strength[k][i] = item.m[k];

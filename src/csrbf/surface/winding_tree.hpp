@@ -15,6 +15,12 @@ struct Samples {
   Eigen::VectorXd eps;
 };
 
+/// The same without copies.
+struct SamplesRef {
+  PointsRef<3> points, normals;
+  Eigen::Ref<const Eigen::VectorXd> areas, eps;
+};
+
 /// Samples [begin, begin + count) and the expansion of their field about `center`, lengths in units of 1 /
 /// inverse_scale, which is the radius of the node. With r = center - x, D = r^2 + eps2 and d = p - center,
 ///   u + 1 = N(r) D^(-3/2) + ((tr A)(r) + A(r)) D^(-5/2) + Q(r) D^(-7/2) + O(radius / |r|)^3.
@@ -54,7 +60,7 @@ struct Tree {
 };
 
 /// Sorts samples into a tree. O(n log n). Samples that come out of `samples_of` make the same tree bit for bit.
-Tree make_tree(const Samples& samples);
+Tree make_tree(const SamplesRef& samples);
 
 /// The samples of a tree in its order; normals, areas and smoothing lengths rounded to single precision.
 Samples samples_of(const Tree& tree);
