@@ -1,4 +1,4 @@
-#include "bindings.hpp"
+#include "fit_options.hpp"
 
 #include "csrbf/approx/function.hpp"
 #include "csrbf/io/function_archive.hpp"
@@ -9,62 +9,14 @@
 namespace csrbf::python {
 namespace {
 
-using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
-
-FitOptions make_options(const py::dict& given) {
-  FitOptions options;
-  const auto read = [&](const char* name, auto& field) {
-    if (given.contains(name)) field = given[name].cast<std::decay_t<decltype(field)>>();
-  };
-  read("method", options.method);
-  read("kernel", options.kernel);
-  read("kernel_parameter", options.kernel_parameter);
-  read("centers", options.centers);
-  read("tolerance", options.tolerance);
-  read("smoothing", options.smoothing);
-  read("degree", options.degree);
-  read("periods", options.periods);
-  read("scale_axes", options.scale_axes);
-  if (given.contains("nan_outside") && given["nan_outside"].cast<bool>()) options.extrapolation = Extrapolation::nan;
-  return options;
-}
-
-py::dict to_dict(const FitReport& r) {
-  using namespace py::literals;
-  return py::dict(
-      "method"_a = r.method, "kernel"_a = r.kernel, "samples"_a = r.samples, "samples_fitted"_a = r.samples_fitted,
-      "merged_duplicates"_a = r.merged_duplicates, "centers"_a = r.centers, "levels"_a = r.levels,
-      "patches"_a = r.patches, "samples_per_patch"_a = r.samples_per_patch, "degree"_a = r.degree,
-      "support"_a = r.support, "anisotropy"_a = r.anisotropy, "smoothing"_a = r.smoothing, "rmse"_a = r.rmse,
-      "max_error"_a = r.max_error, "cross_validation_rmse"_a = r.cross_validation_rmse, "axis_scales"_a = r.axis_scales,
-      "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
-}
-
-// As `watch`, and calls a Python function of stage and fraction; an exception that it raised comes out of run().
-Progress telling(const py::object& listener, const Progress& watch) {
-  if (listener.is_none()) return watch;
-  return [listener = listener.ptr(), watch](std::string_view stage, double fraction) {
-    if (!watch(stage, fraction)) return false;
-    const py::gil_scoped_acquire hold;
-    try {
-      py::reinterpret_borrow<py::function>(listener)(py::str(stage.data(), stage.size()), fraction);
-      return true;
-    } catch (py::error_already_set& error) {
-      error.restore();
-      return false;
-    }
-  };
-}
-
 std::unique_ptr<NamedFunction> fit_arrays(const Array& points, const Array& values, const std::optional<Array>& weights,
                                           const py::dict& given, const py::object& listener) {
-  FitOptions options = make_options(given);
+  FitOptions options = fit_options(given);
   const auto x = columns(points, "points");
   const auto by_row = columns(values, "values");
-  Eigen::VectorXd w;
-  if (weights) w = vector(*weights, "weights");
-  return run([&](const Progress& progress) {
-    options.progress = telling(listener, progress);
+  const auto w = weights ? vector(*weights, "weights") : Eigen::Map<const Eigen::VectorXd>(nullptr, 0);
+  return run(listener, [&](const Progress& progress) {
+    options.progress = progress;
     if (by_row.rows() == 1)  // the same memory as a column
       return std::make_unique<NamedFunction>(NamedFunction{
           fit_function(x, Eigen::Map<const Eigen::MatrixXd>(by_row.data(), by_row.cols(), 1), w, options)});
@@ -145,6 +97,32 @@ std::unique_ptr<NamedFunction> from_bytes(const std::string& bytes) {
 }
 
 }  // namespace
+
+FitOptions fit_options(const py::dict& given) {
+  FitOptions options;
+  read_entry(given, "method", options.method);
+  read_entry(given, "kernel", options.kernel);
+  read_entry(given, "kernel_parameter", options.kernel_parameter);
+  read_entry(given, "centers", options.centers);
+  read_entry(given, "tolerance", options.tolerance);
+  read_entry(given, "smoothing", options.smoothing);
+  read_entry(given, "degree", options.degree);
+  read_entry(given, "periods", options.periods);
+  read_entry(given, "scale_axes", options.scale_axes);
+  if (given.contains("nan_outside") && given["nan_outside"].cast<bool>()) options.extrapolation = Extrapolation::nan;
+  return options;
+}
+
+py::dict to_dict(const FitReport& r) {
+  using namespace py::literals;
+  return py::dict(
+      "method"_a = r.method, "kernel"_a = r.kernel, "samples"_a = r.samples, "samples_fitted"_a = r.samples_fitted,
+      "merged_duplicates"_a = r.merged_duplicates, "centers"_a = r.centers, "levels"_a = r.levels,
+      "patches"_a = r.patches, "samples_per_patch"_a = r.samples_per_patch, "degree"_a = r.degree,
+      "support"_a = r.support, "anisotropy"_a = r.anisotropy, "smoothing"_a = r.smoothing, "rmse"_a = r.rmse,
+      "max_error"_a = r.max_error, "cross_validation_rmse"_a = r.cross_validation_rmse, "axis_scales"_a = r.axis_scales,
+      "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
+}
 
 void bind_fit(py::module_& m) {
   py::class_<NamedFunction>(m, "Function")

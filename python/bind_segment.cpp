@@ -1,7 +1,7 @@
-#include "bindings.hpp"
+#include "mesh_arrays.hpp"
+#include "volume_layout.hpp"
 
 #include "csrbf/io/model.hpp"
-#include "csrbf/io/volume.hpp"
 #include "csrbf/levelset/image_contour.hpp"
 #include "csrbf/levelset/seed.hpp"
 #include "csrbf/levelset/segment.hpp"
@@ -29,22 +29,6 @@ std::vector<py::ssize_t> shape_of(const Grid& grid) {
   std::vector<py::ssize_t> shape;
   for (int a = grid.axes; a-- > 0;) shape.push_back(grid.size[static_cast<std::size_t>(a)]);
   return shape;
-}
-
-std::unique_ptr<Image> image_from(const Floats& values, const std::vector<double>& spacing) {
-  require(values.ndim() == 2 || values.ndim() == 3, "segment", "dimension of the image", values.ndim(),
-          "must be 2 [y, x] or 3 [z, y, x]; convert colours to grey, and take one frame of a sequence");
-  auto image = std::make_unique<Image>();
-  Grid& grid = image->grid;
-  grid.axes = static_cast<int>(values.ndim());
-  require(static_cast<py::ssize_t>(spacing.size()) == values.ndim(), "segment", "voxel_size", spacing.size(),
-          "must be one number, or one for x, y (and z)");
-  for (int a = 0; a < grid.axes; ++a) {
-    grid.size[static_cast<std::size_t>(a)] = values.shape(grid.axes - 1 - a);
-    grid.spacing[a] = spacing[static_cast<std::size_t>(a)];
-  }
-  image->values.assign(values.data(), values.data() + values.size());
-  return image;
 }
 
 std::vector<std::uint8_t> voxels_of(const std::optional<Bytes>& given) {
@@ -81,22 +65,19 @@ Bytes seed_box_array(const Image& image, const Eigen::VectorXd& a, const Eigen::
 
 SegmentOptions make_options(const py::dict& given) {
   SegmentOptions options;
-  const auto read = [&](const char* name, auto& field) {
-    if (given.contains(name)) field = given[name].cast<std::decay_t<decltype(field)>>();
-  };
   options.energy = segment_energy(given["energy"].cast<std::string>());
   options.mode = segment_mode(given["mode"].cast<std::string>());
   options.method = segment_method(given["method"].cast<std::string>());
   options.shading = shading_named(given["shading"].cast<std::string>());
-  read("regions", options.regions);
-  read("center_spacing", options.center_spacing);
-  read("support", options.support);
-  read("kernel", options.kernel);
-  read("smoothness", options.smoothness);
-  read("window", options.window);
-  read("balloon", options.balloon);
-  read("fill_holes", options.fill_holes);
-  read("iterations", options.iterations);
+  read_entry(given, "regions", options.regions);
+  read_entry(given, "center_spacing", options.center_spacing);
+  read_entry(given, "support", options.support);
+  read_entry(given, "kernel", options.kernel);
+  read_entry(given, "smoothness", options.smoothness);
+  read_entry(given, "window", options.window);
+  read_entry(given, "balloon", options.balloon);
+  read_entry(given, "fill_holes", options.fill_holes);
+  read_entry(given, "iterations", options.iterations);
   return options;
 }
 
@@ -119,12 +100,12 @@ ForceUpdate force_of(const py::object& function, const Grid& grid) {
 
 std::unique_ptr<Segments> segment_image(const Image& image, const std::optional<Bytes>& seed,
                                         const std::optional<Bytes>& mask, const py::dict& given,
-                                        const py::object& force) {
+                                        const py::object& force, const py::object& listener) {
   SegmentOptions options = make_options(given);
   options.seed = voxels_of(seed);
   options.mask = voxels_of(mask);
   options.force = force_of(force, image.grid);
-  return run([&](const Progress& progress) {
+  return run(listener, [&](const Progress& progress) {
     options.progress = progress;
     auto result = std::make_unique<Segments>();
     result->grid = image.grid;
@@ -166,7 +147,7 @@ TrackedSequence track_in(const std::vector<const Image*>& images, const TrackOpt
 
 TrackedSequence track_images(const std::vector<const Image*>& images, const std::optional<Bytes>& seed,
                              const std::optional<Bytes>& mask, const py::dict& given, double persistence,
-                             std::optional<double> motion, int sweeps) {
+                             std::optional<double> motion, int sweeps, const py::object& listener) {
   require(!images.empty(), "track", "number of frames", images.size(), "there must be one at least");
   TrackOptions options;
   options.segment = make_options(given);
@@ -175,7 +156,7 @@ TrackedSequence track_images(const std::vector<const Image*>& images, const std:
   options.persistence = persistence;
   options.motion = motion;
   options.sweeps = sweeps;
-  return run([&](const Progress& progress) {
+  return run(listener, [&](const Progress& progress) {
     options.progress = progress;
     return images[0]->grid.dimension() == 2 ? track_in<2>(images, options) : track_in<3>(images, options);
   });
@@ -247,7 +228,7 @@ py::tuple contour_in_plane(const Segmentation<2>& found, const Grid& grid, Index
                       "length_error"_a = contour.lines.length_error, "area_error"_a = contour.lines.area_error));
 }
 
-// Vertices, triangles and normals, and the measures.
+// The mesh, and the measures.
 py::tuple contour_in_space(const Segmentation<3>& found, const Grid& grid, Index label, int resolution) {
   using namespace py::literals;
   ImageSurface surface = run([&](const Progress& progress) {
@@ -255,10 +236,7 @@ py::tuple contour_in_space(const Segmentation<3>& found, const Grid& grid, Index
   });
   const py::dict measures("area"_a = surface.area, "volume"_a = surface.volume, "area_error"_a = surface.area_error,
                           "volume_error"_a = surface.volume_error);
-  return py::make_tuple(
-      py::make_tuple(to_array(std::move(surface.mesh.vertices)), to_array(std::move(surface.mesh.triangles)),
-                     to_array(std::move(surface.mesh.normals))),
-      measures);
+  return py::make_tuple(to_tuple(std::move(surface.mesh)), measures);
 }
 
 py::tuple contour_of(const Segments& s, Index label, int resolution) {
@@ -267,66 +245,70 @@ py::tuple contour_of(const Segments& s, Index label, int resolution) {
   return contour_in_space(std::get<Segmentation<3>>(s.found), s.grid, label, resolution);
 }
 
-void save_labels(const Segments& s, const std::string& path) {
-  run([&](const Progress& /*progress*/) {
-    Image labels;
-    labels.grid = s.grid;
-    labels.type = SampleType::uint8;
-    std::visit([&](const auto& found) { labels.values.assign(found.labels.begin(), found.labels.end()); }, s.found);
-    write_volume(path, labels);
-  });
+// Of the labels, the level sets as to_function() made them, and where the image is: what pickles hold.
+std::unique_ptr<Segments> restored(const NamedFunction& function, const Bytes& labels, const py::dict& layout) {
+  auto segments = std::make_unique<Segments>();
+  segments->grid = layout_from(layout).grid;
+  const auto fill = [&](auto& found, const auto& fit) {
+    found.fields = fit.components;
+    found.labels = voxels_of(labels);
+  };
+  const Function::Fits& fits = function.function.fits();
+  if (const auto* plane = std::get_if<Fit<2>>(&fits))
+    fill(segments->found.emplace<Segmentation<2>>(), *plane);
+  else
+    fill(segments->found.emplace<Segmentation<3>>(), std::get<Fit<3>>(fits));
+  return segments;
+}
+
+py::dict layout_of(const Segments& s) {
+  VolumeLayout layout;
+  layout.grid = s.grid;
+  layout.type = SampleType::uint8;
+  return python::to_dict(layout);
 }
 
 }  // namespace
 
 void bind_segment(py::module_& m) {
-  py::class_<Image>(m, "Image")
-      .def(py::init(&image_from))
-      .def_static(
-          "read",
-          [](const std::string& path) {
-            return run([&](const Progress& /*progress*/) { return std::make_unique<Image>(read_volume(path)); });
-          })
+  py::class_<Image>(m, "Volume")
+      .def(py::init([](const Floats& values, const py::dict& layout) {
+        return std::make_unique<Image>(volume_from<float>(values, layout));
+      }))
       .def_property_readonly("shape", [](const Image& image) { return shape_of(image.grid); })
       .def_property_readonly("dimension", [](const Image& image) { return image.grid.dimension(); })
       .def_property_readonly("frames", [](const Image& image) { return image.frames; })
       .def("frame", &frame_of)
-      .def_property_readonly("values",
-                             [](const Image& image) {
-                               require(image.frames == 1 && image.components == 1, "read_image", "components",
-                                       image.components * image.frames, "there must be one value per voxel");
-                               return Floats(shape_of(image.grid), image.values.data());
-                             })
       .def("seed_ball", [](const Image& image, const Array& center,
                            double radius) { return seed_ball_array(image, vector(center, "init"), radius); })
       .def("seed_box", [](const Image& image, const Array& a,
                           const Array& b) { return seed_box_array(image, vector(a, "init"), vector(b, "init")); })
-      .def("centers", [](const Image& image) {
-        return image.grid.dimension() == 2 ? py::object(to_array(image.grid.centers<2>()))
-                                           : py::object(to_array(image.grid.centers<3>()));
+      .def("seed_polygon", [](const Image& image, const Array& corners) {
+        return seed_array(image, [&] { return seed_polygon(image.grid, points<2>(corners, "init")); });
       });
   py::class_<Segments>(m, "Segments")
       .def_property_readonly("labels", &labels_of)
       .def_property_readonly("report", [](const Segments& s) { return to_dict(report_of(s)); })
       .def("function", &function_of)
       .def("contour", &contour_of)
-      .def("save_labels", &save_labels);
+      .def_property_readonly("layout", &layout_of)
+      .def_static("restore", &restored);
   m.def("segment", &segment_image);
-  m.def("track",
-        [](const std::vector<const Image*>& images, const std::optional<Bytes>& seed, const std::optional<Bytes>& mask,
-           const py::dict& given, double persistence, std::optional<double> motion, int sweeps) {
-          using namespace py::literals;
-          TrackedSequence tracked = track_images(images, seed, mask, given, persistence, motion, sweeps);
-          py::list frames;
-          for (Tracked& frame : tracked.frames) {
-            py::list regions;
-            for (const RegionMeasure& region : frame.regions)
-              regions.append(py::dict("label"_a = region.label, "voxels"_a = region.voxels, "volume"_a = region.volume,
-                                      "area"_a = region.area, "mean"_a = region.mean));
-            frames.append(py::make_tuple(std::move(frame.segments), regions));
-          }
-          return py::make_tuple(frames, tracked.warnings);
-        });
+  m.def("track", [](const std::vector<const Image*>& images, const std::optional<Bytes>& seed,
+                    const std::optional<Bytes>& mask, const py::dict& given, double persistence,
+                    std::optional<double> motion, int sweeps, const py::object& listener) {
+    using namespace py::literals;
+    TrackedSequence tracked = track_images(images, seed, mask, given, persistence, motion, sweeps, listener);
+    py::list frames;
+    for (Tracked& frame : tracked.frames) {
+      py::list regions;
+      for (const RegionMeasure& region : frame.regions)
+        regions.append(py::dict("label"_a = region.label, "voxels"_a = region.voxels, "volume"_a = region.volume,
+                                "area"_a = region.area, "mean"_a = region.mean));
+      frames.append(py::make_tuple(std::move(frame.segments), regions));
+    }
+    return py::make_tuple(frames, tracked.warnings);
+  });
 }
 
 }  // namespace csrbf::python

@@ -1,11 +1,11 @@
-#include "bindings.hpp"
+#include "picture.hpp"
 
 #include "csrbf/implicit/combine.hpp"
 #include "csrbf/implicit/curvature.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/implicit/raycast.hpp"
-#include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
+#include "csrbf/io/surface_archive.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 #include "csrbf/surface/reconstruct_contours.hpp"
 #include "csrbf/surface/trim.hpp"
@@ -20,6 +20,7 @@ namespace {
 struct Surface {
   std::shared_ptr<const Field<3>> field;
   Points<3> points{3, 0};
+  Points<3> normals{3, 0};
 };
 
 py::dict to_dict(const ReconstructReport& r) {
@@ -34,7 +35,8 @@ py::dict to_dict(const ReconstructReport& r) {
 }
 
 py::tuple reconstruct_arrays(const Array& given, const std::optional<Array>& normals, const std::string& method,
-                             Index centers, double tolerance, std::optional<double> smoothing) {
+                             Index centers, double tolerance, std::optional<double> smoothing,
+                             const py::object& listener) {
   PointCloud cloud;
   cloud.points = points<3>(given, "points");
   if (normals) {
@@ -42,19 +44,20 @@ py::tuple reconstruct_arrays(const Array& given, const std::optional<Array>& nor
     require(cloud.has_normals(), "reconstruct", "normals", cloud.normals.cols(), "there must be one for each point");
   }
   ReconstructReport report;
-  auto surface = run([&](const Progress& progress) {
+  auto surface = run(listener, [&](const Progress& progress) {
     Reconstruction found = reconstruct(
         cloud,
         {.method = method, .centers = centers, .tolerance = tolerance, .smoothing = smoothing, .progress = progress});
     report = std::move(found.report);
-    return std::make_unique<Surface>(Surface{found.field, cloud.points(Eigen::all, found.source)});
+    return std::make_unique<Surface>(
+        Surface{found.field, cloud.points(Eigen::all, found.source), std::move(found.normals)});
   });
   return py::make_tuple(std::move(surface), to_dict(report));
 }
 
 // `sizes`: the numbers of points of the closed curves.
 py::tuple reconstruct_contours_arrays(const Array& given, const std::vector<Index>& sizes, Index centers,
-                                      std::optional<double> smoothing) {
+                                      std::optional<double> smoothing, const py::object& listener) {
   Polylines contours;
   contours.vertices = points<3>(given, "contours");
   contours.edges.resize(2, contours.vertices.cols());
@@ -66,11 +69,12 @@ py::tuple reconstruct_contours_arrays(const Array& given, const std::vector<Inde
     first += size;
   }
   ReconstructReport report;
-  auto surface = run([&](const Progress& progress) {
+  auto surface = run(listener, [&](const Progress& progress) {
     Reconstruction found =
         reconstruct_contours(contours, {.centers = centers, .smoothing = smoothing, .progress = progress});
     report = std::move(found.report);
-    return std::make_unique<Surface>(Surface{found.field, contours.vertices(Eigen::all, found.source)});
+    return std::make_unique<Surface>(
+        Surface{found.field, contours.vertices(Eigen::all, found.source), std::move(found.normals)});
   });
   return py::make_tuple(std::move(surface), to_dict(report));
 }
@@ -113,23 +117,29 @@ py::tuple raycast_arrays(const Surface& surface, const Array& origins, const Arr
 }
 
 py::tuple polygonize_arrays(const Surface& surface, int resolution, double level, const std::string& method,
-                            double tolerance) {
+                            double tolerance, bool refine, std::optional<double> trim_distance,
+                            const py::object& listener) {
   const std::optional<PolygonizeMethod> wanted = polygonize_method_named(method);
   require(wanted.has_value(), "polygonize", "method", method,
           "must be marching-cubes, marching-tetrahedra, dual-contouring or adaptive");
-  Mesh mesh = run([&](const Progress& progress) {
-    Mesh found = polygonize(
-        *surface.field,
-        {.resolution = resolution, .method = *wanted, .tolerance = tolerance, .level = level, .progress = progress});
+  require(!trim_distance || surface.points.cols() > 0, "polygonize", "trim", trim_distance.value_or(0),
+          "only surfaces made from points can be trimmed; combined ones and those of files do not know their points");
+  return to_tuple(run(listener, [&](const Progress& progress) {
+    Mesh found = polygonize(*surface.field, {.resolution = resolution,
+                                             .method = *wanted,
+                                             .tolerance = tolerance,
+                                             .level = level,
+                                             .refine = refine,
+                                             .progress = progress});
+    if (trim_distance) found = trim(found, surface.points, *trim_distance, surface.normals);
     if (surface.points.cols() == 0) return found;
     return keep_components_with_data(std::move(found), surface.points).mesh;
-  });
-  return py::make_tuple(to_array(std::move(mesh.vertices)), to_array(std::move(mesh.triangles)),
-                        to_array(std::move(mesh.normals)));
+  }));
 }
 
 std::unique_ptr<Surface> combine_surfaces(const std::string& operation, const std::vector<const Surface*>& surfaces,
-                                          const std::string& blending, double radius, double sharpness) {
+                                          const std::string& blending, double radius, double sharpness,
+                                          const py::object& listener) {
   const std::optional<Operation> wanted = operation_named(operation);
   require(wanted.has_value(), "combine", "operation", operation,
           "must be union, intersection, difference, complement or blend");
@@ -138,26 +148,21 @@ std::unique_ptr<Surface> combine_surfaces(const std::string& operation, const st
           "must be sharp, r-function, super-elliptic or log-sum-exp");
   std::vector<Solid> solids;
   for (const Surface* surface : surfaces) solids.push_back(surface->field);
-  return run([&](const Progress& progress) {
+  return run(listener, [&](const Progress& progress) {
     return std::make_unique<Surface>(Surface{
         combine(*wanted, solids, {.blending = *form, .radius = radius, .sharpness = sharpness, .progress = progress})});
   });
 }
 
-using Faces = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
+py::bytes to_bytes(const Surface& s) {
+  return py::bytes(run([&](const Progress& /*progress*/) { return format_archive(surface_to_archive(*s.field)); }));
+}
 
-void write_arrays(const std::string& path, const Array& vertices, const Faces& faces, const Array& normals) {
-  Mesh mesh;
-  mesh.vertices = points<3>(vertices, "vertices");
-  mesh.normals = points<3>(normals, "normals");
-  require(mesh.normals.cols() == 0 || mesh.normals.cols() == mesh.vertices.cols(), "save", "normals",
-          mesh.normals.cols(), "there must be one for each vertex, or none");
-  require(faces.ndim() == 2 && faces.shape(1) == 3, "save", "faces", faces.ndim(), "must be an array of 3 columns");
-  mesh.triangles = Eigen::Map<const Triangles>(faces.data(), 3, faces.shape(0));
-  require(mesh.triangles.size() == 0 ||
-              (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.vertices.cols()),
-          "save", "faces", "out of range", "must be numbers of vertices, from 0 on");
-  run([&](const Progress& /*progress*/) { write_mesh(path, mesh); });
+std::unique_ptr<Surface> from_bytes(const std::string& bytes, const Array& given, const Array& normals) {
+  const auto x = points<3>(given, "points"), n = points<3>(normals, "normals");
+  return run([&](const Progress& /*progress*/) {
+    return std::make_unique<Surface>(Surface{surface_from(parse_archive(bytes, "pickle")), x, n});
+  });
 }
 
 }  // namespace
@@ -171,23 +176,31 @@ void bind_surface(py::module_& m) {
                                corners << box.lo, box.hi;
                                return to_array(std::move(corners));
                              })
-      .def_property(
-          "points", [](const Surface& s) { return to_array(Points<3>(s.points)); },
-          [](Surface& s, const Array& given) { s.points = points<3>(given, "points"); })
+      .def_property_readonly("points", [](const Surface& s) { return to_array(Points<3>(s.points)); })
+      .def_property_readonly("normals", [](const Surface& s) { return to_array(Points<3>(s.normals)); })
       .def("evaluate", &evaluate)
       .def("curvature", &curvature_arrays)
       .def("polygonize", &polygonize_arrays)
       .def("raycast", &raycast_arrays)
-      .def("save", [](const Surface& s, const std::string& path) {
-        run([&](const Progress& /*progress*/) { write_model(path, *s.field); });
-      });
+      .def("render",
+           [](const Surface& s, const py::dict& given, const std::optional<py::tuple>& reference,
+              const py::object& listener) {
+             const PictureOptions picture(given, reference);
+             return to_array(
+                 run(listener, [&](const Progress& progress) { return render(*s.field, picture.with(progress)); }));
+           })
+      .def("save",
+           [](const Surface& s, const std::string& path) {
+             run([&](const Progress& /*progress*/) { write_model(path, *s.field); });
+           })
+      .def("to_bytes", &to_bytes)
+      .def_static("from_bytes", &from_bytes);
   m.def("reconstruct", &reconstruct_arrays);
   m.def("reconstruct_contours", &reconstruct_contours_arrays);
   m.def("combine", &combine_surfaces);
   m.def("read_surface", [](const std::string& path) {
     return run([&](const Progress& /*progress*/) { return std::make_unique<Surface>(Surface{read_model(path)}); });
   });
-  m.def("write_mesh", &write_arrays);
 }
 
 }  // namespace csrbf::python

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -61,15 +62,37 @@ inline Progress watch_signals() {
   };
 }
 
-/// work(progress) without the interpreter lock; an exception that a signal handler raised comes out as itself.
+/// As `watch`, and tells `listener`, a function of stage and fraction or None; what it raises comes out of run().
+inline Progress telling(const py::object& listener, const Progress& watch) {
+  if (listener.is_none()) return watch;
+  return [listener = listener.ptr(), watch](std::string_view stage, double fraction) {
+    if (!watch(stage, fraction)) return false;
+    const py::gil_scoped_acquire hold;
+    try {
+      py::reinterpret_borrow<py::function>(listener)(py::str(stage.data(), stage.size()), fraction);
+      return true;
+    } catch (py::error_already_set& error) {
+      error.restore();
+      return false;
+    }
+  };
+}
+
+/// work(progress) without the interpreter lock; an exception that a signal handler or the listener raised comes out as
+/// itself.
 template <class Work>
-auto run(const Work& work) {
+auto run(const py::object& listener, const Work& work) {
   try {
     const py::gil_scoped_release release;
-    return work(watch_signals());
+    return work(telling(listener, watch_signals()));
   } catch (const Cancelled&) {
     throw py::error_already_set();
   }
+}
+
+template <class Work>
+auto run(const Work& work) {
+  return run(py::none(), work);
 }
 
 /// Calls use(begin, count) for parts of [0, n), looking for signals in between.
@@ -82,7 +105,16 @@ void in_parts(Index n, const Progress& progress, const Use& use) {
   }
 }
 
+/// Sets `field` to the entry of that name when there is one.
+template <class Value>
+void read_entry(const py::dict& given, const char* name, Value& field) {
+  if (given.contains(name)) field = given[name].cast<Value>();
+}
+
 void bind_fit(py::module_& m);
+void bind_image(py::module_& m);
+void bind_mesh(py::module_& m);
+void bind_points(py::module_& m);
 void bind_rbf_interpolator(py::module_& m);
 void bind_segment(py::module_& m);
 void bind_surface(py::module_& m);

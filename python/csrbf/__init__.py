@@ -5,39 +5,61 @@
     f.standard_deviation(x)               # how far f may be from a sample there
     s = csrbf.reconstruct(points)         # an implicit surface from points in space
     s.polygonize().save("mesh.ply")
+    s.render("picture.png")
     g = csrbf.segment(image)              # labels and contours of an image, g.labels, g.field(x), g.contour()
     t = csrbf.track(frames)               # the same through a sequence, t[0].labels, t.volumes()
     (s - t).save("cut.csrbf")             # also s | t, s & t, ~s and csrbf.combine("blend", s, t)
+    csrbf.inpaint(image, mask)            # an image with its holes filled
 
 Arrays of points have one point a row; C-contiguous float64 arrays are not copied. Computations use all cores
-(`set_thread_count`), release the interpreter lock and stop on Ctrl-C. Objects can be pickled. Wrong arguments raise
-ValueError, unreadable or unwritable files `IoError`, valid data without a result of the requested quality
-`SolverFailure`.
+(`set_thread_count`), release the interpreter lock, stop on Ctrl-C and show how far they are with ``progress=True``.
+Objects can be pickled. Wrong arguments raise ValueError, unreadable or unwritable files `IoError`, valid data without a
+result of the requested quality `SolverFailure`. The examples of all functions begin with ``import csrbf`` and
+``import numpy as np``.
 """
 
-import os
-
 from csrbf import _csrbf
+from csrbf._combine import combine
+from csrbf._compare import compare
 from csrbf._csrbf import IoError, SolverFailure, set_thread_count, thread_count
-from csrbf._function import Function, fit
+from csrbf._evaluate import evaluate
+from csrbf._fit import fit
+from csrbf._function import Function
+from csrbf._image import Image, read_image
+from csrbf._inpaint import inpaint
+from csrbf._load import load
+from csrbf._mesh import Mesh, read_mesh
+from csrbf._points import PointCloud, estimate_normals, farthest_points, read_points
 from csrbf._rbf_interpolator import RBFInterpolator
-from csrbf._segmentation import Segmentation, Tracking, segment, track
-from csrbf._surface import Curvature, Mesh, Surface, combine, reconstruct, reconstruct_contours
+from csrbf._reconstruct import reconstruct, reconstruct_contours
+from csrbf._segment import segment, track
+from csrbf._segmentation import Segmentation, Tracking
+from csrbf._surface import Curvature, Surface
 
-__version__ = _csrbf.version
+__version__: str = _csrbf.version
 __all__ = [
     "Curvature",
     "Function",
+    "Image",
     "IoError",
     "Mesh",
+    "PointCloud",
     "RBFInterpolator",
     "Segmentation",
     "SolverFailure",
     "Surface",
     "Tracking",
     "combine",
+    "compare",
+    "estimate_normals",
+    "evaluate",
+    "farthest_points",
     "fit",
+    "inpaint",
     "load",
+    "read_image",
+    "read_mesh",
+    "read_points",
     "reconstruct",
     "reconstruct_contours",
     "segment",
@@ -45,11 +67,3 @@ __all__ = [
     "thread_count",
     "track",
 ]
-
-
-def load(path):
-    """The Function or Surface that a .csrbf file holds, written by `save` or by the program csrbf."""
-    path = os.fspath(path)
-    if _csrbf.is_function_file(path):
-        return Function(_csrbf.read_function(path))
-    return Surface(_csrbf.read_surface(path))

@@ -1,9 +1,19 @@
 """Arguments as the arrays that the compiled module takes."""
 
+from __future__ import annotations
+
+import os
+from typing import Any, Union
+
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Path = Union[str, "os.PathLike[str]"]
 
 
-def floats(array, name):
+def floats(array: ArrayLike, name: str) -> Floats:
     """A C-contiguous array of float64, which is `array` itself when it is one already."""
     if np.iscomplexobj(array):
         raise ValueError(f"{name}: must be real numbers")
@@ -13,7 +23,7 @@ def floats(array, name):
         raise ValueError(f"{name}: must be numbers: {error}") from None
 
 
-def rows(array, name):
+def rows(array: ArrayLike, name: str) -> Floats:
     """As floats, and with two dimensions."""
     array = floats(array, name)
     if array.ndim != 2:
@@ -21,7 +31,7 @@ def rows(array, name):
     return array
 
 
-def queries(x, dimension):
+def queries(x: ArrayLike, dimension: int) -> tuple[Floats, tuple[int, ...]]:
     """Points in an array (..., d), as rows, and the shape of what is in front."""
     x = floats(x, "x")
     if x.ndim == 0 or x.shape[-1] != dimension:
@@ -29,7 +39,7 @@ def queries(x, dimension):
     return x.reshape(-1, dimension), x.shape[:-1]
 
 
-def smoothing_or_none(smoothing):
+def smoothing_or_none(smoothing: str | float | None) -> float | None:
     """None for "auto", which the library chooses, 0 for "none"."""
     if smoothing is None or (isinstance(smoothing, str) and smoothing == "auto"):
         return None
@@ -38,3 +48,43 @@ def smoothing_or_none(smoothing):
             return 0.0
         raise ValueError(f'smoothing: "{smoothing}" is neither "auto" nor "none" nor a number')
     return float(smoothing)
+
+
+class ArrayBacked(NDArrayOperatorsMixin):
+    """Base of classes that numpy and operators take for an array; results of both are plain arrays."""
+
+    _array: NDArray[Any]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the array."""
+        return self._array.shape
+
+    @property
+    def ndim(self) -> int:
+        """Number of axes of the array."""
+        return self._array.ndim
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the numbers."""
+        return self._array.dtype
+
+    def __len__(self) -> int:
+        return len(self._array)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._array[index]
+
+    def __array__(self, dtype: Any = None) -> NDArray[Any]:
+        return np.asarray(self._array, dtype=dtype)
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **keywords: Any) -> Any:
+        def plain(value: Any) -> Any:
+            return value._array if isinstance(value, ArrayBacked) else value
+
+        out = keywords.get("out")
+        if out is not None:
+            keywords["out"] = tuple(map(plain, out))
+        result = getattr(ufunc, method)(*map(plain, inputs), **keywords)
+        return result if out is None or len(out) != 1 else out[0]

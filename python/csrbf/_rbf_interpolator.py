@@ -1,9 +1,13 @@
+from __future__ import annotations
+
 import warnings
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import rows
+from csrbf._arrays import Floats, rows
 
 
 class SingularSystem(_csrbf.SolverFailure, np.linalg.LinAlgError):
@@ -16,34 +20,69 @@ class RBFInterpolator:
 
     Prefer `fit` for large or noisy data: it is smooth everywhere, needs no parameters and costs O(n).
 
-    y: (n, dim) data points, of any dimension. d: (n, ...) values, real or complex.
-    neighbors: every evaluation uses only that many data points nearest to it; None: all. Systems shared by several
+    Parameters
+    ----------
+    y : array_like (n, dim)
+        Data points, of any dimension.
+    d : array_like (n, ...)
+        Values, real or complex.
+    neighbors : int, optional
+        Every evaluation uses only that many data points nearest to it; all when not given. Systems shared by several
         evaluation points are solved once.
-    smoothing: added to the diagonal of the system; a number, or one for each data point. 0 interpolates.
-    kernel: "linear", "thin_plate_spline", "cubic", "quintic", "multiquadric", "inverse_multiquadric",
-        "inverse_quadratic", "gaussian", or any other kernel of csrbf, such as "wendland-c2" or "matern-c4".
-    epsilon: kernels are functions of epsilon times distance; needed unless a factor of the distance makes no difference
+    smoothing : float or array_like (n,)
+        Added to the diagonal of the system. 0 interpolates.
+    kernel : str
+        "linear", "thin_plate_spline", "cubic", "quintic", "multiquadric", "inverse_multiquadric", "inverse_quadratic",
+        "gaussian", or any other kernel of csrbf, such as "wendland-c2" or "matern-c4".
+    epsilon : float, optional
+        Kernels are functions of epsilon times distance; needed unless a factor of the distance makes no difference
         (linear, thin_plate_spline, cubic, quintic).
-    degree: of the polynomial, -1 for none. Default: the smallest with which the kernel is well-posed, at least 0.
+    degree : int, optional
+        Of the polynomial, -1 for none. Default: the smallest with which the kernel is well-posed, at least 0.
 
-    Raises ValueError for wrong arguments, and SolverFailure, which is here a numpy.linalg.LinAlgError as well, when the
-    system is singular.
+    Attributes
+    ----------
+    y, d, d_shape, d_dtype, neighbors, smoothing, kernel, epsilon, powers
+        As in SciPy: the arguments, with complex values as twice as many columns, and the exponents of the monomials.
+
+    Raises
+    ------
+    ValueError
+        For wrong arguments.
+    SolverFailure
+        Which is here a numpy.linalg.LinAlgError as well: when the system is singular.
+
+    Examples
+    --------
+    >>> y = np.random.default_rng(0).random((60, 2))
+    >>> f = csrbf.RBFInterpolator(y, np.exp(-y.sum(axis=1)))
+    >>> bool(abs(f([[0.5, 0.5]])[0] - np.exp(-1)) < 0.01)
+    True
     """
 
-    def __init__(self, y, d, neighbors=None, smoothing=0.0, kernel="thin_plate_spline", epsilon=None, degree=None):
+    def __init__(
+        self,
+        y: ArrayLike,
+        d: ArrayLike,
+        neighbors: float | None = None,
+        smoothing: ArrayLike = 0.0,
+        kernel: str = "thin_plate_spline",
+        epsilon: float | None = None,
+        degree: int | None = None,
+    ) -> None:
         self.y = rows(y, "y")
         n, dimension = self.y.shape
-        self.d_dtype = complex if np.iscomplexobj(d) else float
+        self.d_dtype: type = complex if np.iscomplexobj(d) else float
         values = np.ascontiguousarray(d, dtype=self.d_dtype)
         if np.ndim(d) == 0 or len(values) != n:
             raise ValueError(f"d: has shape {np.shape(d)}; the length of its first axis must be that of y, {n}")
         self.d_shape = values.shape[1:]
         # The real and imaginary parts of complex values are separate components.
-        self.d = values.reshape(n, -1).view(float)
-        self.smoothing = np.asarray(smoothing, dtype=float)
-        if self.smoothing.shape not in ((), (n,)):
-            raise ValueError(f"smoothing: has shape {self.smoothing.shape}; must be a number or ({n},)")
-        self.smoothing = np.ascontiguousarray(np.broadcast_to(self.smoothing, n))
+        self.d: Floats = values.reshape(n, -1).view(float)
+        diagonal = np.asarray(smoothing, dtype=float)
+        if diagonal.shape not in ((), (n,)):
+            raise ValueError(f"smoothing: has shape {diagonal.shape}; must be a number or ({n},)")
+        self.smoothing: Floats = np.ascontiguousarray(np.broadcast_to(diagonal, n))
         self.kernel = kernel.lower()
         self.neighbors = None if neighbors is None else int(min(neighbors, n))
         if self.neighbors is not None and self.neighbors < 1:
@@ -52,8 +91,28 @@ class RBFInterpolator:
             degree = self._checked_degree(int(degree), dimension)
         self._solve(None if epsilon is None else float(epsilon), degree)
 
-    def __call__(self, x):
-        """Values (m, ...) at points x (m, dim)."""
+    def __call__(self, x: ArrayLike) -> NDArray[Any]:
+        """Values at points.
+
+        Parameters
+        ----------
+        x : array_like (m, dim)
+
+        Returns
+        -------
+        ndarray (m, ...)
+
+        Raises
+        ------
+        ValueError
+            For arrays of another shape.
+
+        Examples
+        --------
+        >>> f = csrbf.RBFInterpolator([[0.0], [1.0], [3.0]], [1.0, 2.0, 4.0])
+        >>> f([[2.0], [5.0]]).round(6)
+        array([3., 6.])
+        """
         x = rows(x, "x")
         if x.shape[1] != self.y.shape[1]:
             raise ValueError(f"x: has shape {x.shape}; points must have {self.y.shape[1]} coordinates")
@@ -63,7 +122,7 @@ class RBFInterpolator:
             raise SingularSystem(*error.args) from None
         return values.view(self.d_dtype).reshape((len(x),) + self.d_shape)
 
-    def _checked_degree(self, degree, dimension):
+    def _checked_degree(self, degree: int, dimension: int) -> int:
         smallest = _csrbf.RbfInterpolator.smallest_degree(self.kernel, dimension)
         if -1 <= degree < smallest:
             warnings.warn(
@@ -74,7 +133,7 @@ class RBFInterpolator:
             )
         return degree
 
-    def _solve(self, epsilon, degree):
+    def _solve(self, epsilon: float | None, degree: int | None) -> None:
         try:
             self._interpolant = _csrbf.RbfInterpolator(
                 self.y, self.d, self.neighbors or 0, self.smoothing, self.kernel, epsilon, degree
@@ -84,14 +143,14 @@ class RBFInterpolator:
         self.epsilon = self._interpolant.epsilon
         self.powers = self._interpolant.powers
 
-    def __getstate__(self):
+    def __getstate__(self) -> dict[str, Any]:
         state = self.__dict__.copy()
         interpolant = state.pop("_interpolant")
         state["degree"] = interpolant.degree
         state["coefficients"] = interpolant.coefficients if self.neighbors is None else None
         return state
 
-    def __setstate__(self, state):
+    def __setstate__(self, state: dict[str, Any]) -> None:
         degree = state.pop("degree")
         coefficients = state.pop("coefficients")
         self.__dict__.update(state)

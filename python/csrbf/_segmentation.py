@@ -1,237 +1,195 @@
+from __future__ import annotations
+
 import os
+from typing import Any, List
 
 import numpy as np
+from numpy.typing import NDArray
 
 from csrbf import _csrbf
+from csrbf._arrays import Floats, Path
 from csrbf._function import Function
-from csrbf._surface import Mesh, Surface
+from csrbf._image import image_from_layout
+from csrbf._mesh import Mesh, mesh_of
 
 
 class Segmentation:
-    """The regions of an image, with smooth boundaries.
+    """The regions of an image, with smooth boundaries, as `segment` and `track` find them.
 
-    labels: array of uint8 like the image, 0 outside.
-    field: the level set as a Function of x, y (and z), positive inside; of more than two regions one value each, of
-        which one is positive at every place.
-    energy: list, after each step.
-    report: dict with what was chosen and found: iterations, converged, regions (label, voxels, volume, mean, sd),
+    Attributes
+    ----------
+    labels : ndarray of uint8
+        Like the image, 0 outside.
+    field : Function
+        The level set, a function of x, y (and z) in physical coordinates, positive inside; of more than two regions one
+        value each, of which one is positive at every place.
+    report : dict
+        What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
         components, noise, options, warnings.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:48, :64]
+    >>> g = csrbf.segment(np.where((x - 30) ** 2 + (y - 20) ** 2 < 144, 10.0, 1.0))
+    >>> g
+    <csrbf.Segmentation of 48 x 64 voxels, 2 regions>
+    >>> g.labels[20, 30], bool(g.field([30, 20]) > 0)
+    (1, True)
     """
 
-    def __init__(self, segments):
+    labels: NDArray[np.uint8]
+    field: Function
+    report: dict[str, Any]
+
+    def __init__(self, segments: _csrbf.Segments) -> None:
         self._segments = segments
         self.labels = segments.labels
         self.report = segments.report
         self.field = Function(segments.function())
 
     @property
-    def energy(self):
-        return self.report["energy"]
+    def energy(self) -> list[float]:
+        """What the segmentation costs, per voxel, after each step.
 
-    def contour(self, label=1, *, resolution=None):
-        """The contour of a region, cut off at the border of the image, in physical coordinates: of a volume a Mesh, of
-        an image in the plane a list of closed lines, each an array (n, 2) with the inside on its left."""
+        Examples
+        --------
+        >>> g = csrbf.segment(np.eye(12) + np.eye(12, k=1) > 0)
+        >>> g.energy == sorted(g.energy, reverse=True)
+        True
+        """
+        energy: list[float] = self.report["energy"]
+        return energy
+
+    def contour(self, label: int = 1, *, resolution: int | None = None) -> Mesh | list[Floats]:
+        """The contour of a region, cut off at the border of the image, in physical coordinates.
+
+        Parameters
+        ----------
+        label : int
+        resolution : int, optional
+            Cells along the longest side of the image; chosen from the level set when not given.
+
+        Returns
+        -------
+        Mesh or list of ndarray (n, 2)
+            Of a volume a mesh, of an image in the plane the closed lines, with the inside on their left.
+
+        Examples
+        --------
+        >>> y, x = np.mgrid[:48, :64]
+        >>> g = csrbf.segment(np.where((x - 30) ** 2 + (y - 20) ** 2 < 144, 10.0, 1.0))
+        >>> (line,) = g.contour()
+        >>> bool(abs(np.hypot(*(line - [30, 20]).T) - 12).max() < 1)
+        True
+        """
         contour, _ = self._segments.contour(label, 0 if resolution is None else int(resolution))
-        return contour if isinstance(contour, list) else Mesh(*contour)
+        return contour if isinstance(contour, list) else mesh_of(contour)
 
-    def measure(self, label=1, *, resolution=None):
-        """dict with length and area of the contour of a region, in a volume area and volume, and estimates of their
-        errors: area_error and so on."""
+    def measure(self, label: int = 1, *, resolution: int | None = None) -> dict[str, float]:
+        """Size of the contour of a region.
+
+        Parameters
+        ----------
+        label : int
+        resolution : int, optional
+            As of `contour`.
+
+        Returns
+        -------
+        dict
+            Of an image in the plane length and area, of a volume area and volume, and estimates of their errors:
+            area_error and so on.
+
+        Examples
+        --------
+        >>> y, x = np.mgrid[:48, :64]
+        >>> g = csrbf.segment(np.where((x - 30) ** 2 + (y - 20) ** 2 < 144, 10.0, 1.0))
+        >>> bool(abs(g.measure()["area"] / (144 * np.pi) - 1) < 0.02)
+        True
+        """
         return self._segments.contour(label, 0 if resolution is None else int(resolution))[1]
 
-    def save(self, path):
-        """Writes the labels as an image, or the level set to a .csrbf file, whichever the name ends with."""
-        path = os.fspath(path)
-        if path.endswith(".csrbf"):
+    def save(self, path: Path) -> None:
+        """Write the labels as an image, or the level set to a .csrbf file, whichever the name ends with.
+
+        Parameters
+        ----------
+        path : str or path-like
+
+        Raises
+        ------
+        IoError
+            When the file cannot be written.
+
+        Examples
+        --------
+        >>> g = csrbf.segment(np.eye(12) + np.eye(12, k=1) > 0)
+        >>> g.save("labels.png")
+        >>> g.save("contour.csrbf")
+        """
+        if os.fspath(path).endswith(".csrbf"):
             self.field.save(path)
         else:
-            self._segments.save_labels(path)
+            image_from_layout(self.labels, self._segments.layout).save(path)
 
-    def __repr__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, (self.field, self.labels, self._segments.layout, self.report)
+
+    def __repr__(self) -> str:
         shape = " x ".join(map(str, self.labels.shape))
         return f"<csrbf.Segmentation of {shape} voxels, {len(self.report['regions'])} regions>"
 
 
-def _image(image, voxel_size):
-    if isinstance(image, (str, os.PathLike)):
-        if voxel_size is not None:
-            raise ValueError("voxel_size: the file says it; read the array to give another one")
-        return _csrbf.Image.read(os.fspath(image))
-    array = np.asarray(image)
-    if np.iscomplexobj(array):
-        raise ValueError("image: must be real numbers")
-    size = np.atleast_1d(np.asarray(1.0 if voxel_size is None else voxel_size, dtype=float)).ravel()
-    if len(size) == 1:
-        size = np.repeat(size, array.ndim)
-    return _csrbf.Image(np.ascontiguousarray(array, dtype=np.float32), size.tolist())
+def _restore(
+    field: Function, labels: NDArray[np.uint8], layout: dict[str, Any], report: dict[str, Any]
+) -> Segmentation:
+    segmentation = Segmentation.__new__(Segmentation)
+    segmentation._segments = _csrbf.Segments.restore(field._function, labels, layout)
+    segmentation.labels, segmentation.report, segmentation.field = labels, report, field
+    return segmentation
 
 
-def _voxels(given, image, name):
-    if given is None:
-        return None
-    if isinstance(given, (str, os.PathLike)):
-        given = _csrbf.Image.read(os.fspath(given)).values
-    given = np.asarray(given)
-    if list(given.shape) != list(image.shape):
-        raise ValueError(f"{name}: has shape {given.shape}; the image has {tuple(image.shape)}")
-    return (np.nan_to_num(given) != 0).astype(np.uint8)
-
-
-def _seed(init, image):
-    """Voxels that are inside at the start, or None."""
-    if isinstance(init, (Function, Surface)):
-        return _inside(init, image)
-    if not isinstance(init, (str, os.PathLike)):
-        return _voxels(init, image, "init")
-    init = os.fspath(init)
-    form, _, rest = init.partition(":")
-    d = image.dimension
-    if init == "auto":
-        return None
-    if init.endswith(".csrbf"):
-        from csrbf import load
-
-        return _inside(load(init), image)
-    if form == "mask":
-        return _voxels(rest, image, "init")
-    if form in ("sphere", "box"):
-        try:
-            numbers = np.array([float(word) for word in rest.split(",")])
-        except ValueError:
-            numbers = np.array([])
-        if form == "sphere" and len(numbers) == d + 1:
-            return _covering(image.seed_ball(numbers[:d], numbers[d]), init)
-        if form == "box" and len(numbers) == 2 * d:
-            return _covering(image.seed_box(numbers[:d], numbers[d:]), init)
-    raise ValueError(
-        f'init: "{init}": expected "auto", "sphere:X,Y[,Z],R", "box:X,Y[,Z],X,Y[,Z]", "mask:FILE", "MODEL.csrbf", an '
-        "array like the image, a Function or a Surface"
-    )
-
-
-def _inside(f, image):
-    values = f(image.centers())
-    return _covering((values > 0).astype(np.uint8).reshape(image.shape), "the function")
-
-
-def _covering(seed, what):
-    if not seed.any():
-        raise ValueError(f"init: {what} covers no voxel of the image")
-    return seed
-
-
-def segment(
-    image,
-    voxel_size=None,
-    init="auto",
-    energy="chan-vese",
-    regions=2,
-    *,
-    mode="global",
-    method="variational",
-    mask=None,
-    center_spacing=None,
-    support=None,
-    kernel="wendland-c2",
-    smoothness="auto",
-    window=None,
-    shading="auto",
-    balloon=0.0,
-    fill_holes=None,
-    force=None,
-    iterations=100,
-):
-    """The parts of an image by level sets: a Segmentation.
-
-    image: array [y, x] or [z, y, x], or a file name. voxel_size: of an array, one number or (x, y[, z]); the first
-        voxel is at 0.
-    init: where to start, which is also what is inside: "auto", "sphere:X,Y[,Z],R", "box:X,Y[,Z],X,Y[,Z]" in physical
-        units, "mask:FILE", "MODEL.csrbf", an array like the image (not 0 inside), a Function or a Surface (positive
-        inside).
-    energy: "chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma" or "edge".
-    regions: labels 0 to regions - 1.
-    mode: "global", or "local": the contour moves from where it starts.
-    mask: array like the image or a file name, 0 where voxels take no part.
-    center_spacing, support, kernel: of the radial functions; the spacing in voxels, the support in spacings.
-    smoothness: weight of the length of the contour, in voxels.
-    force: instead of an energy a function of the labels (an array like the image, 1 inside) that returns what each
-        voxel costs inside instead of outside, in an array of the same shape: negative where it wants to be inside.
-    The others are those of `csrbf segment --help`.
-    """
-    image = _image(image, voxel_size)
-    if force is not None and not callable(force):
-        raise ValueError("force: must be a function of the labels")
-    options = _options(energy=energy, regions=regions, mode=mode, method=method, kernel=kernel, shading=shading,
-                       balloon=float(balloon), iterations=int(iterations), smoothness=smoothness,
-                       center_spacing=center_spacing, support=support, window=window, fill_holes=fill_holes)
-    return Segmentation(_csrbf.segment(image, _seed(init, image), _voxels(mask, image, "mask"), options, force))
-
-
-def _options(**given):
-    """What was given of it; the rest is automatic."""
-    options = {"energy": "chan-vese", "regions": 2, "mode": "global", "method": "variational", "shading": "auto"}
-    smoothness = given.pop("smoothness", None)
-    if smoothness is not None and not (isinstance(smoothness, str) and smoothness == "auto"):
-        options["smoothness"] = float(smoothness)
-    options.update((name, value) for name, value in given.items() if value is not None)
-    return options
-
-
-class Tracking(list):
+class Tracking(List[Segmentation]):
     """The Segmentations of the frames of a sequence, in their order.
 
-    measures: for each frame a list of dicts, one per region but 0: label, voxels, volume (in the plane: area) and area
-        (length) of the level set, mean.
-    warnings: list of texts.
+    Attributes
+    ----------
+    measures : list of list of dict
+        For each frame one dict per region but 0: label, voxels, volume (in the plane: area) and area (length) of the
+        level set, mean.
+    warnings : list of str
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:48, :64]
+    >>> discs = [np.where((x - 30) ** 2 + (y - 20) ** 2 < r**2, 10.0, 1.0) for r in (9, 10, 11)]
+    >>> t = csrbf.track(discs)
+    >>> len(t), t[1].labels.shape
+    (3, (48, 64))
     """
 
-    def __init__(self, frames, warnings):
-        super().__init__(Segmentation(segments) for segments, _ in frames)
-        self.measures = [regions for _, regions in frames]
+    measures: list[list[dict[str, Any]]]
+    warnings: list[str]
+
+    def __init__(
+        self, frames: list[Segmentation], measures: list[list[dict[str, Any]]], warnings: list[str]
+    ) -> None:
+        super().__init__(frames)
+        self.measures = measures
         self.warnings = warnings
 
-    def volumes(self, label=1):
-        """The volume (area) of a region in each frame."""
+    def volumes(self, label: int = 1) -> Floats:
+        """The volume (area) of a region in each frame.
+
+        Examples
+        --------
+        >>> y, x = np.mgrid[:48, :64]
+        >>> discs = [np.where((x - 30) ** 2 + (y - 20) ** 2 < r**2, 10.0, 1.0) for r in (9, 10, 11)]
+        >>> volumes = csrbf.track(discs).volumes()
+        >>> np.allclose(volumes, np.pi * np.array([9, 10, 11]) ** 2, rtol=0.05)
+        True
+        """
         return np.array([next(r["volume"] for r in regions if r["label"] == label) for regions in self.measures])
 
-
-_TRACK_OPTIONS = ("mode", "method", "center_spacing", "support", "kernel", "smoothness", "window", "shading", "balloon",
-                  "fill_holes", "iterations")
-
-
-def track(
-    frames,
-    voxel_size=None,
-    init="auto",
-    energy="chan-vese",
-    regions=2,
-    *,
-    mask=None,
-    persistence=1.0,
-    motion=None,
-    sweeps=2,
-    **options,
-):
-    """A segmentation carried through a sequence: a Tracking, the list of the Segmentations of its frames.
-
-    frames: array [t, y, x] or [t, z, y, x], a list of images as segment() takes them, or the name of a file with a time
-        axis.
-    init: of the first frame; what is inside there stays inside.
-    persistence: weight of the memory of the contour; 0: every frame by itself.
-    motion: how far the contour may move between frames, in voxels.
-    sweeps: 1 goes forward only; 2 and more smooth over time in both directions.
-    The others, by keyword too, are those of segment().
-    """
-    unknown = sorted(set(options) - set(_TRACK_OPTIONS))
-    if unknown:
-        raise TypeError(f"track() got an unexpected keyword argument '{unknown[0]}'")
-    if isinstance(frames, (str, os.PathLike)):
-        sequence = _image(frames, voxel_size)
-        images = [sequence.frame(t) for t in range(sequence.frames)]
-    else:
-        images = [_image(frame, voxel_size) for frame in frames]
-    if not images:
-        raise ValueError("frames: there are none")
-    given = _options(energy=energy, regions=regions, **options)
-    seed, voxels = _seed(init, images[0]), _voxels(mask, images[0], "mask")
-    return Tracking(*_csrbf.track(images, seed, voxels, given, float(persistence), motion, int(sweeps)))
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Tracking, (list(self), self.measures, self.warnings)

@@ -1,46 +1,62 @@
+from __future__ import annotations
+
 import os
-import pathlib
-import tempfile
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import floats, queries, rows, smoothing_or_none
-
-
-@dataclass
-class Mesh:
-    """Triangles over shared vertices, counter-clockwise seen from outside."""
-
-    vertices: np.ndarray  # (v, 3)
-    faces: np.ndarray  # (t, 3), numbers of vertices
-    normals: np.ndarray  # (v, 3), unit, outward; or no row
-
-    def save(self, path):
-        """Writes .ply, .obj, .off or .stl, whichever the name ends with."""
-        _csrbf.write_mesh(
-            os.fspath(path), rows(self.vertices, "vertices"), np.asarray(self.faces), rows(self.normals, "normals")
-        )
+from csrbf._arrays import Floats, Path, floats, queries
+from csrbf._mesh import Mesh, mesh_of
+from csrbf._picture import Color, picture_options, reference_mesh, write_picture
+from csrbf._progress import Progress, listening
 
 
 @dataclass
 class Curvature:
-    """How a surface is curved at points (m, 3); NaN where its gradient is zero."""
+    """How a surface is curved at points; NaN where its gradient is zero.
 
-    k1: np.ndarray  # (m,), the larger principal curvature, positive where the inside is convex
-    k2: np.ndarray  # (m,), the smaller one
-    direction1: np.ndarray  # (m, 3), unit tangent along which the curvature is k1
-    direction2: np.ndarray  # (m, 3), unit tangent along which it is k2
+    Attributes
+    ----------
+    k1, k2 : ndarray (...)
+        The larger and the smaller principal curvature, positive where the inside is convex.
+    direction1, direction2 : ndarray (..., 3)
+        Unit tangents along which the curvature is k1 and k2.
+
+    Examples
+    --------
+    >>> c = csrbf.Curvature(np.array([2.0]), np.array([0.5]), np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
+    >>> c.mean, c.gaussian
+    (array([1.25]), array([1.]))
+    """
+
+    k1: Floats
+    k2: Floats
+    direction1: Floats
+    direction2: Floats
 
     @property
-    def mean(self):
-        """Mean curvature (k1 + k2) / 2."""
+    def mean(self) -> Floats:
+        """Mean curvature (k1 + k2) / 2.
+
+        Examples
+        --------
+        >>> csrbf.Curvature(np.array([2.0]), np.array([0.5]), np.zeros((1, 3)), np.zeros((1, 3))).mean
+        array([1.25])
+        """
         return 0.5 * (self.k1 + self.k2)
 
     @property
-    def gaussian(self):
-        """Gaussian curvature k1 k2."""
+    def gaussian(self) -> Floats:
+        """Gaussian curvature k1 k2.
+
+        Examples
+        --------
+        >>> csrbf.Curvature(np.array([2.0]), np.array([0.5]), np.zeros((1, 3)), np.zeros((1, 3))).gaussian
+        array([1.])
+        """
         return self.k1 * self.k2
 
 
@@ -48,172 +64,384 @@ class Surface:
     """A closed surface as the zero set of a function f: f > 0 inside, f < 0 outside, close to the signed distance near
     the data.
 
-    Points may come in an array of any shape (..., 3); the same leading shape comes back.
+    Surfaces come from `reconstruct`, `reconstruct_contours`, `combine` and `load`. Points may be given in an array of
+    any shape (..., 3); results have the same leading shape. ``a | b``, ``a & b``, ``a - b`` and ``~a`` are union,
+    intersection, difference and complement. Surfaces can be pickled.
 
-    report: dict with what `reconstruct` found, chose and measured; empty for surfaces read from files.
+    Attributes
+    ----------
+    report : dict
+        What `reconstruct` found, chose and measured; empty for other surfaces.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+    >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+    >>> ball([0, 0, 0.9]).round(2), ball.contains([[0, 0, 0], [2, 0, 0]])
+    (0.1, array([ True, False]))
     """
 
-    def __init__(self, surface, report=None):
+    report: dict[str, Any]
+
+    def __init__(self, surface: _csrbf.Surface, report: dict[str, Any] | None = None) -> None:
         self._surface = surface
         self.report = report or {}
 
     @property
-    def bounds(self):
-        """Lower and upper corner of the box of the data, (2, 3)."""
+    def bounds(self) -> Floats:
+        """Lower and upper corner of the box of the data, (2, 3).
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> ball.bounds.round(1)
+        array([[-1., -1., -1.],
+               [ 1.,  1.,  1.]])
+        """
         return self._surface.bounds
 
-    def __call__(self, x):
-        """f at points (m, 3): (m,), positive inside."""
+    def __call__(self, x: ArrayLike) -> Floats:
+        """Values of f at points, positive inside.
+
+        Parameters
+        ----------
+        x : array_like (..., 3)
+
+        Returns
+        -------
+        ndarray (...)
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> ball([[0, 0, 0.9], [0, 0, 1.1]]).round(2)
+        array([ 0.1, -0.1])
+        """
         x, shape = queries(x, 3)
         return self._surface.evaluate(x, False)[0].reshape(shape)
 
-    def gradient(self, x):
-        """Gradient of f at points (m, 3): (m, 3). It points inwards."""
+    def gradient(self, x: ArrayLike) -> Floats:
+        """Gradients of f at points. They point inwards.
+
+        Parameters
+        ----------
+        x : array_like (..., 3)
+
+        Returns
+        -------
+        ndarray (..., 3)
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> bool(ball.gradient([0, 0, 1])[2] < -0.9)
+        True
+        """
         x, shape = queries(x, 3)
         return self._surface.evaluate(x, True)[1].reshape(shape + (3,))
 
-    def normal(self, x):
-        """Outward unit normals -grad f / |grad f| at points (m, 3): (m, 3); NaN where the gradient is zero."""
+    def normal(self, x: ArrayLike) -> Floats:
+        """Outward unit normals -grad f / \\|grad f\\| at points; NaN where the gradient is zero.
+
+        Parameters
+        ----------
+        x : array_like (..., 3)
+
+        Returns
+        -------
+        ndarray (..., 3)
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> np.allclose(ball.normal([0, 0, 1]), [0, 0, 1], atol=0.02)
+        True
+        """
         gradient = self.gradient(x)
         # Scaled first, for gradients whose squares are not in the range of numbers.
         largest = np.abs(gradient).max(axis=-1, keepdims=True, initial=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             gradient = gradient / largest
-        return -gradient / np.linalg.norm(gradient, axis=-1, keepdims=True)
+        length: Floats = np.linalg.norm(gradient, axis=-1, keepdims=True)
+        return -gradient / length
 
-    def curvature(self, x):
-        """Curvatures of the surfaces f = constant through points (m, 3): a Curvature."""
+    def curvature(self, x: ArrayLike) -> Curvature:
+        """Curvatures of the surfaces f = constant through points.
+
+        Parameters
+        ----------
+        x : array_like (..., 3)
+
+        Returns
+        -------
+        Curvature
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(2 * x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> bool(abs(np.median(ball.curvature(ball.points).mean) - 0.5) < 0.01)
+        True
+        """
         x, shape = queries(x, 3)
         k1, k2, direction1, direction2 = self._surface.curvature(x)
         vector = shape + (3,)
         return Curvature(k1.reshape(shape), k2.reshape(shape), direction1.reshape(vector), direction2.reshape(vector))
 
-    def contains(self, x):
-        """Which of the points (m, 3) are inside: (m,) of bool."""
-        return self(x) > 0
+    @property
+    def points(self) -> Floats:
+        """The points that the surface was made from, without those left out; none for other surfaces.
 
-    def polygonize(self, resolution=None, *, level=0.0, method="marching-cubes", tolerance=None):
-        """Triangle mesh of the surface f = level, watertight and manifold.
-
-        resolution: cells along the longest side of the data; chosen from their sampling when not given.
-        method: "marching-cubes", "marching-tetrahedra", "dual-contouring" (keeps the sharp edges of combined surfaces)
-        or "adaptive" (the same with larger triangles where the surface is flat).
-        tolerance: of "adaptive", about how far the mesh may be from the surface, as a fraction of the diagonal; a tenth
-        of a cell when not given.
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True)).points.shape
+        (2000, 3)
         """
-        return Mesh(*self._surface.polygonize(0 if resolution is None else int(resolution), float(level), str(method),
-                                              0.0 if tolerance is None else float(tolerance)))
+        return self._surface.points
 
-    def raycast(self, origins, directions, *, resolution=None):
-        """Where rays first meet the surface f = 0, from either side: distances (m,), inf for rays that meet nothing, and
-        outward unit normals (m, 3), NaN for those.
+    def contains(self, x: ArrayLike) -> NDArray[np.bool_]:
+        """Which of the points are inside.
 
-        origins, directions: (m, 3); one origin (3,) may serve all rays. Directions may have any length but 0; distances
-        are lengths. Points of the surface are origins + t directions / |directions|.
-        resolution: cells of the search along the longest side of the data; parts thinner than one may be missed.
+        Parameters
+        ----------
+        x : array_like (..., 3)
+
+        Returns
+        -------
+        ndarray (...) of bool
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> ball.contains([[0, 0, 0], [2, 0, 0]])
+        array([ True, False])
+        """
+        inside: NDArray[np.bool_] = np.asarray(self(x) > 0)
+        return inside
+
+    def polygonize(
+        self,
+        resolution: int | None = None,
+        *,
+        level: float = 0.0,
+        method: str = "marching-cubes",
+        tolerance: float | None = None,
+        refine: bool = True,
+        trim: float | None = None,
+        progress: Progress = None,
+    ) -> Mesh:
+        """Triangle mesh of the surface f = level, watertight and manifold, with normals.
+
+        Parameters
+        ----------
+        resolution : int, optional
+            Cells along the longest side of the data; chosen from their sampling when not given.
+        level : float
+            The surface where f has this value; positive values are inside.
+        method : str
+            "marching-cubes", "marching-tetrahedra", "dual-contouring" (keeps the sharp edges of combined surfaces) or
+            "adaptive" (the same with larger triangles where the surface is flat).
+        tolerance : float, optional
+            Of "adaptive", about how far the mesh may be from the surface, as a fraction of the diagonal; a tenth of a
+            cell when not given.
+        refine : bool
+            Whether vertices are moved onto the surface.
+        trim : float, optional
+            Drop what is further than so many local point spacings from the data; the mesh is open then.
+        progress : bool or callable, optional
+            See `fit`.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        SolverFailure
+            When there is no such surface.
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> mesh = ball.polygonize(resolution=40)
+        >>> mesh.topology["watertight"], round(mesh.volume, 1)
+        (True, 4.2)
+        """
+        cells = 0 if resolution is None else int(resolution)
+        bound = 0.0 if tolerance is None else float(tolerance)
+        with listening(progress) as listener:
+            return mesh_of(
+                self._surface.polygonize(cells, float(level), str(method), bound, bool(refine), trim, listener)
+            )
+
+    def raycast(
+        self, origins: ArrayLike, directions: ArrayLike, *, resolution: int | None = None
+    ) -> tuple[Floats, Floats]:
+        """Where rays first meet the surface f = 0, from either side.
+
+        Parameters
+        ----------
+        origins : array_like (..., 3)
+            One origin (3,) may serve all rays.
+        directions : array_like (..., 3)
+            Of any length but 0.
+        resolution : int, optional
+            Cells of the search along the longest side of the data; parts thinner than one may be missed.
+
+        Returns
+        -------
+        distances : ndarray (...)
+            Lengths, inf for rays that meet nothing. The points are origins + distances directions / \\|directions\\|.
+        normals : ndarray (..., 3)
+            Outward unit normals there, NaN for rays that meet nothing.
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> distances, normals = ball.raycast([0, 0, 5], [[0, 0, -1], [1, 0, 0]])
+        >>> distances.round(2)
+        array([ 4., inf])
         """
         directions, shape = queries(directions, 3)
-        origins = np.broadcast_to(floats(origins, "origins"), shape + (3,)).reshape(-1, 3)
+        spread = np.broadcast_to(floats(origins, "origins"), shape + (3,)).reshape(-1, 3)
         cells = 0 if resolution is None else int(resolution)
-        t, normals = self._surface.raycast(np.ascontiguousarray(origins), directions, cells)
+        t, normals = self._surface.raycast(np.ascontiguousarray(spread), directions, cells)
         return t.reshape(shape), normals.reshape(shape + (3,))
 
-    def save(self, path):
-        """Writes a .csrbf file for `load` and the program csrbf. The report and the points are not part of it."""
+    def render(
+        self,
+        path: Path | None = None,
+        *,
+        size: tuple[int, int] = (800, 600),
+        view: tuple[float, float] = (30.0, 20.0),
+        up: str = "z",
+        color: str = "plain",
+        reference: Mesh | Path | None = None,
+        color_limit: float = 0.0,
+        field_of_view: float = 20.0,
+        material: Color = (0.80, 0.76, 0.71),
+        background: Color = (1.0, 1.0, 1.0),
+        ground: bool = True,
+        progress: Progress = None,
+    ) -> NDArray[np.uint8]:
+        """A ray-traced picture of the surface.
+
+        Parameters
+        ----------
+        path : str or path-like, optional
+            .png file to write.
+        size : (int, int)
+            Width and height in pixels.
+        view : (float, float)
+            Where the camera stands, degrees: azimuth about the axis `up`, then elevation.
+        up : "x", "y" or "z"
+            The axis that points up.
+        color : str
+            "plain", "normal", "mean-curvature", "gaussian-curvature", or "error": distance to the mesh `reference`.
+        reference : Mesh or file name, optional
+            Of the colour "error"; "error:FILE" names it as well.
+        color_limit : float
+            Value at the ends of the colour scale, in units of the diagonal of the surface; 0: from what is visible.
+        field_of_view : float
+            Degrees across the shorter side; 0: parallel rays.
+        material, background : (float, float, float)
+            Red, green and blue from 0 to 1.
+        ground : bool
+            Whether there is a shadow below.
+        progress : bool or callable, optional
+            See `fit`.
+
+        Returns
+        -------
+        ndarray (height, width, 3) of uint8
+            The picture.
+
+        Raises
+        ------
+        ValueError
+            For options out of their range.
+        IoError
+            When the picture cannot be written.
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> ball.render("ball.png", size=(80, 60)).shape
+        (60, 80, 3)
+        """
+        options, color_reference = picture_options(
+            size, view, up, color, color_limit, field_of_view, material, background, ground
+        )
+        to = reference_mesh(reference if color_reference is None else color_reference)
+        with listening(progress) as listener:
+            picture = self._surface.render(options, to, listener)
+        return write_picture(path, picture)
+
+    def save(self, path: Path) -> None:
+        """Write a .csrbf file, which `load` and the program csrbf read.
+
+        The report and the points are not part of it.
+
+        Parameters
+        ----------
+        path : str or path-like
+
+        Raises
+        ------
+        ValueError
+            For surfaces of methods that have no file form.
+        IoError
+            When the file cannot be written.
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> ball.save("ball.csrbf")
+        """
         self._surface.save(os.fspath(path))
 
-    def __or__(self, other):
+    def __or__(self, other: Surface) -> Surface:
         """Union, with edges where the surfaces cross."""
-        return combine("union", self, other) if isinstance(other, Surface) else NotImplemented
+        return _combined("union", self, other)
 
-    def __and__(self, other):
+    def __and__(self, other: Surface) -> Surface:
         """Intersection."""
-        return combine("intersection", self, other) if isinstance(other, Surface) else NotImplemented
+        return _combined("intersection", self, other)
 
-    def __sub__(self, other):
+    def __sub__(self, other: Surface) -> Surface:
         """What is inside this surface and outside the other one."""
-        return combine("difference", self, other) if isinstance(other, Surface) else NotImplemented
+        return _combined("difference", self, other)
 
-    def __invert__(self):
+    def __invert__(self) -> Surface:
         """The same surface with inside and outside exchanged."""
+        from csrbf._combine import combine
+
         return combine("complement", self)
 
-    def __reduce__(self):
-        with tempfile.TemporaryDirectory() as folder:
-            file = pathlib.Path(folder, "surface.csrbf")
-            self.save(file)
-            return _restore, (file.read_bytes(), self._surface.points, self.report)
+    def __reduce__(self) -> tuple[Any, ...]:
+        surface = self._surface
+        return _restore, (surface.to_bytes(), surface.points, surface.normals, self.report)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         lower, upper = self.bounds
         return f"<csrbf.Surface in {lower.tolist()} ... {upper.tolist()}>"
 
 
-def _restore(content, points, report):
-    with tempfile.TemporaryDirectory() as folder:
-        file = pathlib.Path(folder, "surface.csrbf")
-        file.write_bytes(content)
-        surface = _csrbf.read_surface(str(file))
-    surface.points = points
-    return Surface(surface, report)
+def _combined(operation: str, first: Surface, second: object) -> Any:
+    from csrbf._combine import combine
+
+    return combine(operation, first, second) if isinstance(second, Surface) else NotImplemented
 
 
-def reconstruct_contours(contours, *, centers=2000, smoothing="auto"):
-    """A smooth closed implicit surface through contours that were drawn on slices.
-
-    contours: closed curves, each an array (n, 3) of its points in order, in a plane of its own or with others; at least
-        two planes, which need not be parallel. Inside is where an odd number of curves of a plane is around a place.
-    centers: largest number of basis functions, two for each point used.
-    smoothing: "none" meets all contours; 1e-4 to 1e-2 smooth contours that do not fit together; "auto" smooths those in
-        zigzag, as traced from pixels.
-    """
-    curves = [rows(curve, "contours") for curve in contours]
-    sizes = [len(curve) for curve in curves]
-    points = np.concatenate(curves) if curves else np.empty((0, 3))
-    surface, report = _csrbf.reconstruct_contours(points, sizes, int(centers), smoothing_or_none(smoothing))
-    return Surface(surface, report)
-
-
-def combine(operation, *surfaces, radius=None, sharpness=None, blending=None):
-    """Joins, intersects, cuts or blends surfaces.
-
-    operation: "union", "intersection", "difference" (the first without the others), "complement" (of one surface) or
-        "blend" (a union with rounded edges).
-    radius: range of the blend, as a fraction of the diagonal of the box of all surfaces; surfaces further apart keep
-        their shape. Default: 0.05 for "blend", else edges are sharp.
-    sharpness: how closely the blend follows the edge, from 1 (a chamfer) on; default 3.
-    blending: "sharp", "r-function" (the same edges, smooth elsewhere), "super-elliptic" (the default with a radius) or
-        "log-sum-exp" (rounds edges, and swells a little everywhere).
-    """
-    rounded = operation == "blend" or radius is not None or sharpness is not None
-    if blending is None:
-        blending = "super-elliptic" if rounded else "sharp"
-    if rounded and blending in ("sharp", "r-function"):
-        raise ValueError(f'blending: "{blending}" has no radius or sharpness')
-    if operation == "blend":
-        operation = "union"
-    for surface in surfaces:
-        if not isinstance(surface, Surface):
-            raise ValueError(f"surfaces: {surface!r} is not a csrbf.Surface")
-    parts = [surface._surface for surface in surfaces]
-    radius = 0.05 if radius is None else float(radius)
-    sharpness = 3.0 if sharpness is None else float(sharpness)
-    return Surface(_csrbf.combine(operation, parts, blending, radius, sharpness))
-
-
-def reconstruct(points, normals=None, method="auto", centers=None, tolerance=None, smoothing="auto"):
-    """A closed implicit surface through, or under noise near, a cloud of points.
-
-    points: (n, 3). normals: (n, 3), outward; they are turned round where they contradict each other, and estimated when
-        not given.
-    method: "auto", "composite", "medial-axis", ... (`csrbf reconstruct --help` lists them).
-    centers: largest number of radial basis functions.
-    tolerance: largest distance from a point to the surface, as a fraction of the diagonal of the bounding box.
-    smoothing: "auto" chooses by cross-validation, "none" does not smooth, a number is taken as it is.
-    """
-    points = rows(points, "points")
-    normals = None if normals is None else floats(normals, "normals")
-    surface, report = _csrbf.reconstruct(
-        points, normals, method, centers or 0, tolerance or 0.0, smoothing_or_none(smoothing)
-    )
-    return Surface(surface, report)
+def _restore(content: bytes, points: Floats, normals: Floats, report: dict[str, Any]) -> Surface:
+    return Surface(_csrbf.Surface.from_bytes(content, points, normals), report)

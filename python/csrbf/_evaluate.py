@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from csrbf._arrays import Floats, Path, queries
+from csrbf._function import Function
+from csrbf._image import as_image
+from csrbf._load import load
+from csrbf._surface import Surface
+
+if TYPE_CHECKING:
+    from csrbf._image import ImageLike
+
+
+def evaluate(
+    model: Function | Surface | Path,
+    points: ArrayLike | None = None,
+    *,
+    grid: int | Sequence[int] | None = None,
+    bounds: ArrayLike | None = None,
+    like: ImageLike | None = None,
+    gradient: bool = False,
+    hessian: bool = False,
+    standard_deviation: bool = False,
+    labels: bool = False,
+) -> Floats:
+    """Values of a model at points, at the nodes of a grid or at the voxels of an image, and their derivatives, as one
+    table.
+
+    Parameters
+    ----------
+    model : Function, Surface or file name
+    points : array_like (..., d), optional
+    grid : int or sequence of int, optional
+        Instead of points: so many nodes along x, y (and z).
+    bounds : array_like (d, 2), optional
+        First and last node of the grid along each axis; the box of the samples when not given.
+    like : Image, array_like or file name, optional
+        Instead of points: the centres of the voxels of this image.
+    gradient, hessian, standard_deviation : bool
+        Append the gradient, the upper triangle of the Hessian and the standard deviation.
+    labels : bool
+        Labels instead of values: 1 where the only component is positive, of several the number of the largest.
+
+    Returns
+    -------
+    ndarray (..., columns), or (...) for one column
+        Points give (m, ...); a grid or an image [y, x] or [z, y, x], as images are indexed. Columns: the k values, then
+        k x d derivatives, value by value, and so on.
+
+    Raises
+    ------
+    ValueError
+        Unless exactly one of `points`, `grid` and `like` says where.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(0).random((500, 2))
+    >>> f = csrbf.fit(x, x[:, 0] * x[:, 1])
+    >>> csrbf.evaluate(f, [[0.5, 0.5], [0.2, 0.5]], gradient=True).round(2)
+    array([[0.25, 0.5 , 0.5 ],
+           [0.1 , 0.5 , 0.2 ]])
+    >>> csrbf.evaluate(f, grid=(3, 2), bounds=[[0.2, 0.8], [0.4, 0.6]]).round(2)
+    array([[0.08, 0.2 , 0.32],
+           [0.12, 0.3 , 0.48]])
+    """
+    if (points is not None) + (grid is not None) + (like is not None) != 1:
+        raise ValueError("evaluate: give one of points, grid and like: where to evaluate")
+    if bounds is not None and grid is None:
+        raise ValueError("bounds: needs grid")
+    if labels and (gradient or hessian or standard_deviation):
+        raise ValueError("labels: have no derivatives or deviations; leave those out")
+    f = load(model) if isinstance(model, (str, os.PathLike)) else model
+    d = f.dimension if isinstance(f, Function) else 3
+    if grid is not None:
+        points = _nodes(f.bounds.T if bounds is None else np.asarray(bounds, dtype=float), grid, d)
+    elif like is not None:
+        points = as_image(like).centers()
+    assert points is not None
+    x, shape = queries(points, d)
+    columns = [f(x).reshape(len(x), -1)]
+    if labels:
+        found = columns[0]
+        return (found[:, 0] > 0 if found.shape[1] == 1 else found.argmax(axis=1)).astype(np.uint8).reshape(shape)
+    if gradient:
+        columns.append(f.gradient(x).reshape(len(x), -1))
+    if hessian:
+        columns.append(_function(f, "hessian").hessian(x)[..., np.triu(np.ones((d, d), dtype=bool))].reshape(len(x), -1))
+    if standard_deviation:
+        columns.append(_function(f, "standard_deviation").standard_deviation(x).reshape(len(x), -1))
+    table = np.concatenate(columns, axis=1)
+    return table.reshape(shape) if table.shape[1] == 1 else table.reshape(shape + table.shape[1:])
+
+
+def _function(f: Function | Surface, option: str) -> Function:
+    if not isinstance(f, Function):
+        raise ValueError(f"{option}: surfaces have none; see Surface.curvature")
+    return f
+
+
+def _nodes(bounds: Floats, grid: int | Sequence[int], d: int) -> Floats:
+    """Nodes of a grid, the last axis of space first."""
+    sizes = np.atleast_1d(np.asarray(grid))
+    if sizes.dtype.kind not in "iu" or sizes.shape not in ((1,), (d,)) or sizes.min() < 1:
+        raise ValueError(f"grid: {grid} must be whole numbers, the nodes along each of the {d} axes, or one for all")
+    if bounds.shape != (d, 2) or not (bounds[:, 0] <= bounds[:, 1]).all():
+        raise ValueError(f"bounds: must be an array ({d}, 2) of the first and last node along each axis")
+    axes = [
+        np.linspace(low, high, n) if n > 1 else np.array([0.5 * (low + high)])
+        for (low, high), n in zip(bounds, np.broadcast_to(sizes, d))
+    ]
+    return np.stack(np.meshgrid(*axes[::-1], indexing="ij")[::-1], axis=-1)

@@ -1,0 +1,116 @@
+from __future__ import annotations
+
+import os
+import warnings
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from csrbf import _csrbf
+from csrbf._fit import fit_options
+from csrbf._image import Image, as_image, read_image
+from csrbf._progress import Progress, listening
+
+if TYPE_CHECKING:
+    from csrbf._image import ImageLike
+
+
+def inpaint(
+    image: ImageLike,
+    mask: ImageLike | None = None,
+    missing: float | None = None,
+    *,
+    voxel_size: ArrayLike | None = None,
+    method: str = "auto",
+    tolerance: float | None = None,
+    centers: int | None = None,
+    smoothing: str | float = "auto",
+    kernel: str = "auto",
+    kernel_parameter: float | None = None,
+    degree: int | None = None,
+    extrapolation: str = "constant",
+    progress: Progress = None,
+) -> Image:
+    """An image with its missing or unreliable values filled in.
+
+    A smooth function is fitted to the known values (see `fit`), for every frame and component by itself. Known values
+    stay as they are.
+
+    Parameters
+    ----------
+    image : Image, array_like or file name
+        [y, x] or [z, y, x]; an `Image` says what other axes are.
+    mask : Image, array_like or file name, optional
+        Like the image (or one frame of it), not 0 where values are to be replaced.
+    missing : float, optional
+        Value that stands for missing ones. NaN and infinity always are missing.
+    voxel_size : float or sequence of float, optional
+        Of an array: size of a voxel along x, y (and z); 1 when not given.
+    method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation, progress
+        See `fit`.
+
+    Returns
+    -------
+    Image
+        An array to numpy, of the type of `image`: whole numbers are rounded and stay in their range. Its `report` says
+        how many values were missing and known, and what the fit did.
+
+    Raises
+    ------
+    ValueError
+        When nothing is known, or the mask has another shape.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:32, :32]
+    >>> image = np.where((x - 16) ** 2 + (y - 16) ** 2 < 9, np.nan, np.sin(0.2 * x) + 0.1 * y)
+    >>> filled = csrbf.inpaint(image)
+    >>> filled.report["missing"], bool(abs(filled[16, 16] - np.sin(3.2) - 1.6) < 0.01)
+    (25, True)
+    """
+    image = as_image(image, voxel_size)
+    values = image.values
+    floating = np.issubdtype(values.dtype, np.floating)
+    if extrapolation == "nan" and not floating:
+        raise ValueError('extrapolation: the image holds whole numbers, which cannot be NaN; use "constant"')
+    options = fit_options(method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation)
+    holes = _holes(image, mask, missing)
+    with listening(progress) as listener:
+        doubles = np.ascontiguousarray(values, dtype=np.float64).ravel()
+        filled, report = _csrbf.inpaint(doubles, image._layout(), holes.ravel(), options, listener)
+    if report["missing"] == 0:
+        warnings.warn("inpaint: nothing is missing; give mask or missing", stacklevel=2)
+    if not floating:
+        filled = np.clip(np.rint(filled), *_range(values.dtype))
+    result = Image(
+        filled.reshape(values.shape).astype(values.dtype, copy=False),
+        image.spacing,
+        image.origin,
+        image.direction,
+        axes=image.axes,
+        space=image.space,
+        time_step=image.time_step,
+    )
+    result.report = report
+    return result
+
+
+def _range(dtype: np.dtype[Any]) -> tuple[float, float]:
+    return (0, 1) if dtype == bool else (np.iinfo(dtype).min, np.iinfo(dtype).max)
+
+
+def _holes(image: Image, mask: ImageLike | None, missing: float | None) -> NDArray[np.uint8]:
+    """Voxels of every frame that are missing: those of the mask, and those whose components all have the value."""
+    components = image.axes.endswith("c")
+    shape = image.values.shape[:-1] if components else image.values.shape
+    holes = np.zeros(shape, dtype=bool)
+    if mask is not None:
+        marked = np.asarray(read_image(mask) if isinstance(mask, (str, os.PathLike)) else mask)
+        if marked.shape not in (shape, shape[image.axes.startswith("t") :]):
+            raise ValueError(f"mask: has shape {marked.shape}; the image has {shape}")
+        holes |= marked != 0
+    if missing is not None:
+        same = image.values == np.asarray(missing).astype(image.values.dtype)
+        holes |= same.all(axis=-1) if components else same
+    return holes.astype(np.uint8)

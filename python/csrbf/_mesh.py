@@ -1,0 +1,261 @@
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from csrbf import _csrbf
+from csrbf._arrays import Floats, Path, rows
+from csrbf._picture import Color, picture_options, reference_mesh, write_picture
+from csrbf._progress import Progress, listening
+
+if TYPE_CHECKING:
+    from csrbf._csrbf import MeshArrays
+
+
+@dataclass
+class Mesh:
+    """Triangles over shared vertices, counter-clockwise seen from outside.
+
+    Attributes
+    ----------
+    vertices : ndarray (v, 3)
+    faces : ndarray (t, 3) of int32
+        Numbers of vertices.
+    normals : ndarray (v, 3) or None
+        Outward unit normals at the vertices.
+    properties : dict of arrays (v,)
+        Anything else about the vertices by name; colours are "red", "green" and "blue" of type uint8.
+
+    Examples
+    --------
+    >>> corner = csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> corner.topology["watertight"], round(corner.volume, 3)
+    (True, 0.167)
+    """
+
+    vertices: Floats
+    faces: NDArray[np.int32]
+    normals: Floats | None = None
+    properties: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        normals: ArrayLike | None = None,
+        properties: dict[str, NDArray[Any]] | None = None,
+    ) -> None:
+        self.vertices = rows(vertices, "vertices")
+        self.faces = np.ascontiguousarray(faces, dtype=np.int32)
+        self.normals = None if normals is None else rows(normals, "normals")
+        self.properties = properties or {}
+
+    @property
+    def topology(self) -> dict[str, Any]:
+        """What the connectivity says: components, watertight, manifold, euler, boundary_edges and so on.
+
+        Examples
+        --------
+        >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).topology["boundary_edges"]
+        3
+        """
+        return _csrbf.topology(self._arrays())
+
+    @property
+    def area(self) -> float:
+        """Area of all triangles.
+
+        Examples
+        --------
+        >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).area
+        0.5
+        """
+        a, b, c = (self.vertices[self.faces[:, i]] for i in range(3))
+        return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+    @property
+    def volume(self) -> float:
+        """Volume inside; of meshes that are not watertight it has no meaning.
+
+        Examples
+        --------
+        >>> csrbf.Mesh([[0, 0, 0], [3, 0, 0], [0, 2, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).volume
+        1.0
+        """
+        near_zero = self.vertices - self.vertices.mean(axis=0)
+        a, b, c = (near_zero[self.faces[:, i]] for i in range(3))
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+    def save(self, path: Path) -> None:
+        """Write .ply, .obj, .off or .stl, whichever the name ends with.
+
+        Parameters
+        ----------
+        path : str or path-like
+
+        Raises
+        ------
+        ValueError
+            When the arrays do not fit together.
+        IoError
+            When the file cannot be written.
+
+        Examples
+        --------
+        >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).save("triangle.ply")
+        """
+        _csrbf.write_mesh(os.fspath(path), self._arrays())
+
+    def render(
+        self,
+        path: Path | None = None,
+        *,
+        size: tuple[int, int] = (800, 600),
+        view: tuple[float, float] = (30.0, 20.0),
+        up: str = "z",
+        color: str = "plain",
+        reference: Mesh | Path | None = None,
+        color_limit: float = 0.0,
+        field_of_view: float = 20.0,
+        material: Color = (0.80, 0.76, 0.71),
+        background: Color = (1.0, 1.0, 1.0),
+        ground: bool = True,
+        progress: Progress = None,
+    ) -> NDArray[np.uint8]:
+        """A ray-traced picture; see `Surface.render` for the arguments.
+
+        Colours "mean-curvature" and "gaussian-curvature" are those of the properties mean_curvature and
+        gaussian_curvature; "plain" shows red, green and blue when there are such properties.
+
+        Examples
+        --------
+        >>> corner = csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> corner.render("corner.png", size=(80, 60)).shape
+        (60, 80, 3)
+        """
+        options, color_reference = picture_options(
+            size, view, up, color, color_limit, field_of_view, material, background, ground
+        )
+        to = reference_mesh(reference if color_reference is None else color_reference)
+        with listening(progress) as listener:
+            picture = _csrbf.render_mesh(self._arrays(), options, to, listener)
+        return write_picture(path, picture)
+
+    def to_trimesh(self) -> Any:
+        """The same mesh as a ``trimesh.Trimesh``.
+
+        Raises
+        ------
+        ImportError
+            When trimesh is not installed.
+
+        Examples
+        --------
+        >>> import pytest; trimesh = pytest.importorskip("trimesh")  # doctest: +SKIP
+        >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).to_trimesh().area  # doctest: +SKIP
+        0.5
+        """
+        trimesh = _imported("trimesh", "to_trimesh")
+        return trimesh.Trimesh(self.vertices, self.faces, vertex_normals=self.normals, process=False)
+
+    def to_pyvista(self) -> Any:
+        """The same mesh as a ``pyvista.PolyData``, with normals and properties as point data.
+
+        Raises
+        ------
+        ImportError
+            When pyvista is not installed.
+
+        Examples
+        --------
+        >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).to_pyvista().n_points  # doctest: +SKIP
+        3
+        """
+        pyvista = _imported("pyvista", "to_pyvista")
+        sizes = np.full((len(self.faces), 1), 3, dtype=self.faces.dtype)
+        mesh = pyvista.PolyData(self.vertices, np.hstack([sizes, self.faces]).ravel())
+        if self.normals is not None:
+            mesh.point_data["Normals"] = self.normals
+        for name, values in self.properties.items():
+            mesh.point_data[name] = values
+        return mesh
+
+    def to_open3d(self) -> Any:
+        """The same mesh as an ``open3d.geometry.TriangleMesh``, with normals and colours.
+
+        Raises
+        ------
+        ImportError
+            When open3d is not installed.
+
+        Examples
+        --------
+        >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).to_open3d()  # doctest: +SKIP
+        TriangleMesh with 3 points and 1 triangles.
+        """
+        open3d = _imported("open3d", "to_open3d")
+        vector = open3d.utility.Vector3dVector
+        mesh = open3d.geometry.TriangleMesh(vector(self.vertices), open3d.utility.Vector3iVector(self.faces))
+        if self.normals is not None:
+            mesh.vertex_normals = vector(self.normals)
+        if all(name in self.properties for name in ("red", "green", "blue")):
+            colors = [self.properties[name] / 255 for name in ("red", "green", "blue")]
+            mesh.vertex_colors = vector(np.column_stack(colors))
+        return mesh
+
+    def _arrays(self) -> MeshArrays:
+        normals = np.empty((0, 3)) if self.normals is None else self.normals
+        return rows(self.vertices, "vertices"), np.asarray(self.faces), rows(normals, "normals"), self.properties
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return f"<csrbf.Mesh of {len(self.vertices)} vertices, {len(self.faces)} triangles>"
+
+
+def mesh_of(arrays: MeshArrays) -> Mesh:
+    """The mesh that the compiled module returned."""
+    vertices, faces, normals, properties = arrays
+    return Mesh(vertices, faces, normals if len(normals) else None, properties)
+
+
+def read_mesh(path: Path) -> Mesh:
+    """The mesh of a file: .ply, .obj, .off or .stl.
+
+    Parameters
+    ----------
+    path : str or path-like
+
+    Returns
+    -------
+    Mesh
+        Polygons become fans of triangles. A file of points alone gives a mesh without faces.
+
+    Raises
+    ------
+    IoError
+        With the file and the place for what cannot be read.
+
+    Examples
+    --------
+    >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).save("triangle.ply")
+    >>> csrbf.read_mesh("triangle.ply")
+    <csrbf.Mesh of 3 vertices, 1 triangles>
+    """
+    return mesh_of(_csrbf.read_mesh(os.fspath(path)))
+
+
+def _imported(module: str, method: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ImportError(f"Mesh.{method} needs the package {module}, which cannot be imported: {error}") from error

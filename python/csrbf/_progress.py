@@ -1,0 +1,66 @@
+"""How long work tells how far it is."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Union
+
+Listener = Callable[[str, float], object]
+Progress = Union[bool, Listener, None]
+
+
+@contextlib.contextmanager
+def listening(progress: Progress) -> Iterator[Listener | None]:
+    """What the compiled module is to call: nothing, a bar for True, or the function given."""
+    if progress is None or progress is False:
+        yield None
+    elif progress is True:
+        with _display() as show:
+            yield show
+    elif callable(progress):
+        yield progress
+    else:
+        raise ValueError("progress: must be True, False or a function of stage and fraction")
+
+
+def _display() -> contextlib.AbstractContextManager[Listener]:
+    try:
+        from tqdm import tqdm  # noqa: F401
+    except ImportError:
+        return _lines()
+    return _bar()
+
+
+@contextlib.contextmanager
+def _bar() -> Iterator[Listener]:
+    """A bar of tqdm, which begins anew with every stage."""
+    from tqdm import tqdm
+
+    with tqdm(total=100, leave=False, bar_format="{desc:<16}{percentage:3.0f} %|{bar}| {elapsed} < {remaining}") as bar:
+
+        def show(stage: str, fraction: float) -> None:
+            if bar.desc != stage:
+                bar.reset(total=100)
+                bar.set_description_str(stage, refresh=False)
+            bar.update(100 * fraction - bar.n)
+
+        yield show
+
+
+@contextlib.contextmanager
+def _lines(interval: float = 2.0) -> Iterator[Listener]:
+    """A line on standard error for every stage, and one every two seconds."""
+    shown, told = "", 0.0
+
+    def show(stage: str, fraction: float) -> None:
+        nonlocal shown, told
+        now = time.monotonic()
+        if stage == shown and now - told < interval:
+            return
+        shown, told = stage, now
+        print(f"{stage} {100 * fraction:.0f} %", file=sys.stderr)
+
+    yield show

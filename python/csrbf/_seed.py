@@ -1,0 +1,83 @@
+"""Where segmentations start."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from csrbf import _csrbf
+from csrbf._function import Function
+from csrbf._image import Image, read_image
+from csrbf._points import read_points
+from csrbf._reconstruct import reconstruct
+from csrbf._surface import Surface
+
+_FORMS = (
+    'expected "auto", "sphere:X,Y[,Z],R", "box:X,Y[,Z],X,Y[,Z]", "mask:FILE", "points:FILE", "MODEL.csrbf", an array '
+    "like the image, a Function or a Surface"
+)
+
+
+def marked(given: Any, volume: _csrbf.Volume, name: str) -> NDArray[np.uint8] | None:
+    """Which voxels an array, Image or file like the image marks."""
+    if given is None:
+        return None
+    array = np.asarray(read_image(given) if isinstance(given, (str, os.PathLike)) else given)
+    if list(array.shape) != list(volume.shape):
+        raise ValueError(f"{name}: has shape {array.shape}; the image has {tuple(volume.shape)}")
+    return (np.nan_to_num(array) != 0).astype(np.uint8)
+
+
+def seed(init: Any, image: Image, volume: _csrbf.Volume) -> NDArray[np.uint8] | None:
+    """Voxels that are inside at the start, or None."""
+    if isinstance(init, (Function, Surface)):
+        return _inside(init, image)
+    if not isinstance(init, (str, os.PathLike)):
+        return marked(init, volume, "init")
+    init = os.fspath(init)
+    form, _, rest = init.partition(":")
+    if init == "auto":
+        return None
+    if init.endswith(".csrbf"):
+        from csrbf._load import load
+
+        return _inside(load(init), image)
+    if form == "mask":
+        return marked(rest, volume, "init")
+    if form == "points":
+        return _around(rest, image, volume)
+    if form in ("sphere", "box"):
+        numbers = _numbers(rest)
+        d = volume.dimension
+        if form == "sphere" and len(numbers) == d + 1:
+            return _covering(volume.seed_ball(numbers[:d], numbers[d]), init)
+        if form == "box" and len(numbers) == 2 * d:
+            return _covering(volume.seed_box(numbers[:d], numbers[d:]), init)
+    raise ValueError(f'init: "{init}": {_FORMS}')
+
+
+def _numbers(text: str) -> NDArray[np.float64]:
+    try:
+        return np.array([float(word) for word in text.split(",")])
+    except ValueError:
+        return np.array([])
+
+
+def _around(path: str, image: Image, volume: _csrbf.Volume) -> NDArray[np.uint8]:
+    """Inside points on the boundary: of a polygon in the plane, of a surface in space."""
+    if volume.dimension == 3:
+        return _inside(reconstruct(path), image)
+    return _covering(volume.seed_polygon(np.ascontiguousarray(_csrbf.read_queries(path, ["x", "y"]))), path)
+
+
+def _inside(f: Function | Surface, image: Image) -> NDArray[np.uint8]:
+    return _covering((f(image.centers()) > 0).astype(np.uint8), "the function")
+
+
+def _covering(seed: NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
+    if not seed.any():
+        raise ValueError(f"init: {what} covers no voxel of the image")
+    return seed

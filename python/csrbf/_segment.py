@@ -1,0 +1,255 @@
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from csrbf import _csrbf
+from csrbf._arrays import Path
+from csrbf._function import Function
+from csrbf._image import Image, as_image
+from csrbf._progress import Progress, listening
+from csrbf._seed import marked, seed
+from csrbf._segmentation import Segmentation, Tracking
+from csrbf._surface import Surface
+
+if TYPE_CHECKING:
+    from csrbf._image import ImageLike
+
+    Start = Union[ImageLike, Function, Surface]
+    Force = Callable[[NDArray[np.uint8]], ArrayLike]
+
+
+def segment(
+    image: ImageLike,
+    voxel_size: ArrayLike | None = None,
+    init: Start = "auto",
+    energy: str = "chan-vese",
+    regions: int = 2,
+    *,
+    mode: str = "global",
+    method: str = "variational",
+    mask: ImageLike | None = None,
+    center_spacing: float | None = None,
+    support: float | None = None,
+    kernel: str = "wendland-c2",
+    smoothness: str | float = "auto",
+    window: int | None = None,
+    shading: str = "auto",
+    balloon: float = 0.0,
+    fill_holes: bool | None = None,
+    force: Force | None = None,
+    iterations: int = 100,
+    progress: Progress = None,
+) -> Segmentation:
+    """The parts of an image by level sets.
+
+    Parameters
+    ----------
+    image : Image, array_like or file name
+        [y, x] or [z, y, x].
+    voxel_size : float or sequence of float, optional
+        Of an array: size of a voxel along x, y (and z); 1 when not given. The first voxel is at 0.
+    init : str, Image, array_like, Function or Surface
+        Where to start, which is also what is inside: "auto", "sphere:X,Y[,Z],R" or "box:X,Y[,Z],X,Y[,Z]" in physical
+        units, "mask:FILE", "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (not 0
+        inside), a Function or a Surface (positive inside).
+    energy : str
+        "chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma" or "edge".
+    regions : int
+        Number of labels, from 0 on.
+    mode : "global" or "local"
+        Regions appear wherever they fit, or the contour moves from where it starts.
+    method : str
+        "variational", "collocation" or "finite-difference".
+    mask : Image, array_like or file name, optional
+        Like the image, 0 where voxels take no part.
+    center_spacing : float, optional
+        Distance of the centres of the radial functions, in voxels.
+    support : float, optional
+        Their support radius, in center spacings.
+    kernel : str
+        A compact radial function.
+    smoothness : "auto" or float
+        Weight of the length of the contour, in voxels.
+    window : int, optional
+        Energies are averaged over boxes of 2 window + 1 voxels.
+    shading : "auto", "none", "linear" or "quadratic"
+        How the means of the regions vary over the image.
+    balloon : float
+        Pressure of the energy "edge", from -1 (shrink) to 1 (grow).
+    fill_holes : bool, optional
+        Whether what the contour encloses counts as inside; in local mode when not given.
+    force : callable, optional
+        Instead of an energy a function of the labels (an array like the image, 1 inside) that returns what each voxel
+        costs inside instead of outside, in an array of the same shape: negative where it wants to be inside.
+    iterations : int
+        At most so many.
+    progress : bool or callable, optional
+        See `fit`.
+
+    Returns
+    -------
+    Segmentation
+
+    Raises
+    ------
+    ValueError
+        For a constant image, numbers that are not finite, arrays of other shapes and options out of their range.
+    IoError
+        For files that cannot be read.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:48, :64]
+    >>> rng = np.random.default_rng(0)
+    >>> image = np.where((x - 30) ** 2 + (y - 20) ** 2 < 144, 10.0, 1.0) + rng.normal(size=(48, 64))
+    >>> g = csrbf.segment(image, init="sphere:30,20,5")
+    >>> g.labels[20, 30], g.labels[0, 0], g.report["components"]
+    (1, 0, 1)
+    """
+    image = as_image(image, voxel_size)
+    volume = _volume(image)
+    if force is not None and not callable(force):
+        raise ValueError("force: must be a function of the labels")
+    options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
+                       balloon, fill_holes, iterations)
+    start, voxels = seed(init, image, volume), marked(mask, volume, "mask")
+    with listening(progress) as listener:
+        return Segmentation(_csrbf.segment(volume, start, voxels, options, force, listener))
+
+
+def track(
+    frames: ImageLike | Iterable[ImageLike],
+    voxel_size: ArrayLike | None = None,
+    init: Start = "auto",
+    energy: str = "chan-vese",
+    regions: int = 2,
+    *,
+    mask: ImageLike | None = None,
+    persistence: float = 1.0,
+    motion: float | None = None,
+    sweeps: int = 2,
+    mode: str = "global",
+    method: str = "variational",
+    center_spacing: float | None = None,
+    support: float | None = None,
+    kernel: str = "wendland-c2",
+    smoothness: str | float = "auto",
+    window: int | None = None,
+    shading: str = "auto",
+    balloon: float = 0.0,
+    fill_holes: bool | None = None,
+    iterations: int = 100,
+    progress: Progress = None,
+) -> Tracking:
+    """A segmentation carried through a sequence.
+
+    Parameters
+    ----------
+    frames : array_like, Image, file name or sequence of these
+        An array [t, y, x] or [t, z, y, x], an image or file with a time axis, or one image for each frame.
+    voxel_size, energy, regions
+        See `segment`.
+    init : str, Image, array_like, Function or Surface
+        Of the first frame; what is inside there stays inside.
+    mask : Image, array_like or file name, optional
+        Like a frame, 0 where voxels take no part.
+    persistence : float
+        Weight of the memory of the contour; 0: every frame by itself.
+    motion : float, optional
+        How far the contour may move between frames, in voxels.
+    sweeps : int
+        1 goes forward only; 2 and more smooth over time in both directions.
+    mode, method, center_spacing, support, kernel, smoothness, window, shading, balloon, fill_holes, iterations
+        See `segment`.
+    progress : bool or callable, optional
+        See `fit`.
+
+    Returns
+    -------
+    Tracking
+        The list of the Segmentations of the frames.
+
+    Raises
+    ------
+    ValueError
+        For frames of different size, and what `segment` refuses.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:48, :64]
+    >>> frames = [np.where((x - 30) ** 2 + (y - 20) ** 2 < r**2, 10.0, 1.0) for r in (9, 10, 11)]
+    >>> volumes = csrbf.track(frames, init="sphere:30,20,5").volumes()
+    >>> np.allclose(volumes, np.pi * np.array([9, 10, 11]) ** 2, rtol=0.05)
+    True
+    """
+    images = _frames(frames, voxel_size)
+    if not images:
+        raise ValueError("frames: there are none")
+    volumes = [_volume(image) for image in images]
+    options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
+                       balloon, fill_holes, iterations)
+    start, voxels = seed(init, images[0], volumes[0]), marked(mask, volumes[0], "mask")
+    with listening(progress) as listener:
+        found, warnings = _csrbf.track(
+            volumes, start, voxels, options, float(persistence), motion, int(sweeps), listener
+        )
+    return Tracking([Segmentation(one) for one, _ in found], [regions for _, regions in found], warnings)
+
+
+def _frames(frames: Any, voxel_size: ArrayLike | None) -> list[Image]:
+    if isinstance(frames, (str, os.PathLike, Image)):
+        sequence = as_image(frames, voxel_size)
+        if not sequence.axes.startswith("t"):
+            return [sequence]
+        place = (sequence.spacing, sequence.origin, sequence.direction)
+        return [Image(values, *place, axes=sequence.axes[1:], space=sequence.space) for values in sequence.values]
+    return [as_image(frame, voxel_size) for frame in frames]
+
+
+def _volume(image: Image) -> _csrbf.Volume:
+    if image.axes not in ("yx", "zyx"):
+        raise ValueError(
+            f"dimension of the image: its axes are [{', '.join(image.axes)}], they must be [y, x] or [z, y, x]; convert "
+            "colours to grey, and take one frame of a sequence"
+        )
+    layout = dict(image._layout(), type="float32")
+    return _csrbf.Volume(np.ascontiguousarray(image.values, dtype=np.float32).ravel(), layout)
+
+
+def _options(
+    energy: str,
+    regions: int,
+    mode: str,
+    method: str,
+    center_spacing: float | None,
+    support: float | None,
+    kernel: str,
+    smoothness: str | float,
+    window: int | None,
+    shading: str,
+    balloon: float,
+    fill_holes: bool | None,
+    iterations: int,
+) -> dict[str, Any]:
+    """What was given; the rest is automatic."""
+    options = {
+        "energy": energy,
+        "regions": int(regions),
+        "mode": mode,
+        "method": method,
+        "center_spacing": center_spacing,
+        "support": support,
+        "kernel": kernel,
+        "smoothness": None if isinstance(smoothness, str) and smoothness == "auto" else float(smoothness),
+        "window": window,
+        "shading": shading,
+        "balloon": float(balloon),
+        "fill_holes": fill_holes,
+        "iterations": int(iterations),
+    }
+    return {name: value for name, value in options.items() if value is not None}

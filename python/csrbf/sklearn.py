@@ -1,0 +1,156 @@
+"""The functions of csrbf as an estimator of scikit-learn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import _check_sample_weight, check_array, check_is_fitted, check_X_y
+
+from csrbf._fit import fit
+from csrbf._function import Function
+from csrbf._spline import fit_spline
+
+_MOST_FEATURES = 6
+
+
+class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+    """Regression by `csrbf.fit`: a smooth function of the features.
+
+    For up to six features. More of them, which `fit` does not take, are answered by one polyharmonic spline of all
+    samples (`csrbf.RBFInterpolator`, kernel "linear"), smoothed as cross-validation asks for.
+
+    Parameters
+    ----------
+    method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, extrapolation, scale_axes
+        See `csrbf.fit`. Only `smoothing` matters for more than six features.
+
+    Attributes
+    ----------
+    function_ : csrbf.Function or csrbf.RBFInterpolator
+        The fitted function.
+    report_ : dict
+        What the fit did; empty for more than six features.
+    n_features_in_ : int
+    feature_names_in_ : ndarray of str
+        When the features have names.
+
+    Examples
+    --------
+    >>> from csrbf.sklearn import CSRBFRegressor
+    >>> X = np.random.default_rng(0).random((500, 2))
+    >>> model = CSRBFRegressor().fit(X, np.sin(3 * X[:, 0]) * X[:, 1])
+    >>> bool(model.score(X, np.sin(3 * X[:, 0]) * X[:, 1]) > 0.999)
+    True
+    """
+
+    def __init__(
+        self,
+        method: str = "auto",
+        tolerance: float | None = None,
+        centers: int | None = None,
+        smoothing: str | float = "auto",
+        *,
+        kernel: str = "auto",
+        kernel_parameter: float | None = None,
+        degree: int | None = None,
+        periods: Any = None,
+        extrapolation: str = "constant",
+        scale_axes: bool = True,
+    ) -> None:
+        self.method = method
+        self.tolerance = tolerance
+        self.centers = centers
+        self.smoothing = smoothing
+        self.kernel = kernel
+        self.kernel_parameter = kernel_parameter
+        self.degree = degree
+        self.periods = periods
+        self.extrapolation = extrapolation
+        self.scale_axes = scale_axes
+
+    def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> CSRBFRegressor:
+        """Fit the function to samples.
+
+        Parameters
+        ----------
+        X : array_like (n, features)
+        y : array_like (n,) or (n, outputs)
+        sample_weight : array_like (n,), optional
+            The inverse variances of the errors of `y`, up to a factor.
+
+        Returns
+        -------
+        self
+
+        Raises
+        ------
+        ValueError
+            As `csrbf.fit`.
+
+        Examples
+        --------
+        >>> from csrbf.sklearn import CSRBFRegressor
+        >>> CSRBFRegressor(smoothing="none").fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 4.0])
+        CSRBFRegressor(smoothing='none')
+        """
+        self._check_feature_names(X, reset=True)
+        features, targets = check_X_y(X, y, dtype=np.float64, multi_output=True, y_numeric=True)
+        self._check_n_features(features, reset=True)
+        weights = None if sample_weight is None else _check_sample_weight(sample_weight, features)
+        if weights is not None:
+            counts = weights > 0  # samples of no weight leave no trace
+            features, targets, weights = features[counts], targets[counts], weights[counts]
+            if (weights == weights[:1]).all():
+                weights = None
+        targets = np.asarray(targets, dtype=np.float64)
+        if features.shape[1] > _MOST_FEATURES:
+            self.function_: Any = fit_spline(features, targets, self.smoothing, weights)
+            self.report_: dict[str, Any] = {}
+        else:
+            self.function_ = fit(features, targets, weights=weights, **self.get_params())
+            self.report_ = self.function_.report
+        return self
+
+    def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
+        """Values of the function.
+
+        Parameters
+        ----------
+        X : array_like (m, features)
+        return_std : bool
+            Whether to return the standard deviations of samples there as well; see `Function.standard_deviation`.
+
+        Returns
+        -------
+        y : ndarray (m,) or (m, outputs)
+        std : ndarray of the same shape
+            Only for `return_std`.
+
+        Raises
+        ------
+        ValueError
+            For another number of features, and for `return_std` where the method has no deviations.
+
+        Examples
+        --------
+        >>> from csrbf.sklearn import CSRBFRegressor
+        >>> model = CSRBFRegressor(smoothing="none").fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 4.0])
+        >>> model.predict([[1.0]]).round(6)
+        array([1.])
+        """
+        check_is_fitted(self)
+        self._check_feature_names(X, reset=False)
+        features = check_array(X, dtype=np.float64)
+        self._check_n_features(features, reset=False)
+        values: NDArray[np.float64] = self.function_(features)
+        if not return_std:
+            return values
+        if not isinstance(self.function_, Function):
+            raise ValueError(f"return_std: there are no deviations for more than {_MOST_FEATURES} features")
+        return values, self.function_.standard_deviation(features)
+
+    def _more_tags(self) -> dict[str, Any]:
+        return {"multioutput": True}

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "bindings.hpp"
+
+#include "csrbf/approx/fit.hpp"
+
+namespace csrbf::python {
+
+/// Options by their names; those that are missing keep their defaults.
+FitOptions fit_options(const py::dict& given);
+
+py::dict to_dict(const FitReport& report);
+
+}  // namespace csrbf::python

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "bindings.hpp"
+
+#include "csrbf/core/mesh.hpp"
+
+namespace csrbf::python {
+
+/// (vertices, faces, normals, properties) with properties as a dict of arrays of any type that .ply files know.
+py::tuple to_tuple(Mesh&& mesh);
+Mesh mesh_from(const py::tuple& given);
+
+/// (points, normals, properties).
+py::tuple to_tuple(PointCloud&& cloud);
+PointCloud cloud_from(const py::tuple& given);
+
+}  // namespace csrbf::python
