@@ -41,12 +41,11 @@ constexpr const char* solver_failure_text = R"(Valid data, but no result of the 
 
 Examples
 --------
->>> x = np.random.default_rng(0).random((200, 1))
 >>> try:
-...     csrbf.fit(x, np.where(x[:, 0] > 0.5, 1.0, 0.0), method="fixed-budget", centers=4, tolerance=1e-9)
+...     csrbf.RBFInterpolator([[0.0], [0.0]], [1.0, 2.0])
 ... except csrbf.SolverFailure:
-...     print("cannot be met")
-cannot be met
+...     print("one point cannot have two values")
+one point cannot have two values
 )";
 
 constexpr const char* io_error_text = R"(A file that cannot be read or written; an OSError.

@@ -8,8 +8,8 @@
     s.render("picture.png")
     g = csrbf.segment(image)              # labels and contours of an image, g.labels, g.field(x), g.contour()
     t = csrbf.track(frames)               # the same through a sequence, t[0].labels, t.volumes()
-    (s - t).save("cut.csrbf")             # also s | t, s & t, ~s and csrbf.combine("blend", s, t)
     csrbf.inpaint(image, mask)            # an image with its holes filled
+    (a - b).save("cut.csrbf")             # surfaces: also a | b, a & b, ~a and csrbf.combine("blend", a, b)
 
 Arrays of points have one point a row; C-contiguous float64 arrays are not copied. Computations use all cores
 (`set_thread_count`), release the interpreter lock, stop on Ctrl-C and show how far they are with ``progress=True``.

@@ -114,16 +114,17 @@ def _compare_labels(a: Image, b: Image, listener: Any) -> dict[str, Any]:
     alike = len(marks[0]) == len(marks[1]) == 1 and marks[0][0] != marks[1][0]
     # An image that does not say where it is takes the place of the other one.
     places = [b if _has_no_place(a) else a, a if _has_no_place(b) else b]
-    arrays: list[Any] = []
-    for image, place in zip((a, b), places):
-        layout = image._layout() if image.shape != place.shape else dict(place._layout(), **_numbers_of(image))
-        arrays += [np.ascontiguousarray(image.values, dtype=np.float32).ravel(), layout]
-    return _csrbf.compare_labels(*arrays, bool(alike), listener)
+    layouts = [_placed(image, place) for image, place in zip((a, b), places)]
+    numbers = [np.ascontiguousarray(image.values, dtype=np.float32).ravel() for image in (a, b)]
+    return _csrbf.compare_labels(numbers[0], layouts[0], numbers[1], layouts[1], bool(alike), listener)
 
 
-def _numbers_of(image: Image) -> dict[str, Any]:
-    layout = image._layout()
-    return {key: layout[key] for key in ("axes", "size", "frames", "components", "type")}
+def _placed(image: Image, place: Image) -> dict[str, Any]:
+    """The layout of an image, at the place of another one of the same size."""
+    layout, other = image._layout(), place._layout()
+    if layout["size"] == other["size"]:
+        layout.update((key, other[key]) for key in ("spacing", "origin", "direction", "space"))
+    return layout
 
 
 def _has_no_place(image: Image) -> bool:

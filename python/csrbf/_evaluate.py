@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from csrbf._arrays import Floats, Path, queries
 from csrbf._function import Function
@@ -28,7 +28,7 @@ def evaluate(
     hessian: bool = False,
     standard_deviation: bool = False,
     labels: bool = False,
-) -> Floats:
+) -> NDArray[Any]:
     """Values of a model at points, at the nodes of a grid or at the voxels of an image, and their derivatives, as one
     table.
 
@@ -60,7 +60,7 @@ def evaluate(
 
     Examples
     --------
-    >>> x = np.random.default_rng(0).random((500, 2))
+    >>> x = np.random.default_rng(0).random((100, 2))
     >>> f = csrbf.fit(x, x[:, 0] * x[:, 1])
     >>> csrbf.evaluate(f, [[0.5, 0.5], [0.2, 0.5]], gradient=True).round(2)
     array([[0.25, 0.5 , 0.5 ],
@@ -86,14 +86,15 @@ def evaluate(
     columns = [f(x).reshape(len(x), -1)]
     if labels:
         found = columns[0]
-        return (found[:, 0] > 0 if found.shape[1] == 1 else found.argmax(axis=1)).astype(np.uint8).reshape(shape)
+        numbers: NDArray[Any] = found[:, 0] > 0 if found.shape[1] == 1 else found.argmax(axis=1)
+        return np.asarray(numbers, dtype=np.uint8).reshape(shape)
     if gradient:
         columns.append(f.gradient(x).reshape(len(x), -1))
     if hessian:
         columns.append(_function(f, "hessian").hessian(x)[..., np.triu(np.ones((d, d), dtype=bool))].reshape(len(x), -1))
     if standard_deviation:
         columns.append(_function(f, "standard_deviation").standard_deviation(x).reshape(len(x), -1))
-    table = np.concatenate(columns, axis=1)
+    table: NDArray[Any] = np.concatenate(columns, axis=1)
     return table.reshape(shape) if table.shape[1] == 1 else table.reshape(shape + table.shape[1:])
 
 
@@ -114,4 +115,5 @@ def _nodes(bounds: Floats, grid: int | Sequence[int], d: int) -> Floats:
         np.linspace(low, high, n) if n > 1 else np.array([0.5 * (low + high)])
         for (low, high), n in zip(bounds, np.broadcast_to(sizes, d))
     ]
-    return np.stack(np.meshgrid(*axes[::-1], indexing="ij")[::-1], axis=-1)
+    nodes: Floats = np.stack(np.meshgrid(*axes[::-1], indexing="ij")[::-1], axis=-1)
+    return nodes

@@ -86,7 +86,12 @@ class Image(ArrayBacked):
         self.report: dict[str, Any] = {}
 
     def centers(self) -> Floats:
-        """Physical coordinates of the centres of the voxels: of an image [z, y, x] an array (nz, ny, nx, 3) of x, y, z.
+        """Physical coordinates of the centres of the voxels.
+
+        Returns
+        -------
+        ndarray (..., d)
+            x, y (and z), indexed as the image: of [z, y, x] an array (nz, ny, nx, 3).
 
         Examples
         --------
@@ -100,7 +105,8 @@ class Image(ArrayBacked):
         shape = [self.values.shape[self.axes.index(axis)] for axis in plane]
         index = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij")[::-1], axis=-1)
         d = len(plane)
-        return (index * self.spacing[:d]) @ self.direction[:d, :d].T + self.origin[:d]
+        places: Floats = (index * self.spacing[:d]) @ self.direction[:d, :d].T + self.origin[:d]
+        return places
 
     def save(self, path: Path) -> None:
         """Write .png, .pgm, .ppm, .tif, .nii, .nii.gz, .nrrd, .mha, .mhd or .npy, whichever the name ends with.
@@ -219,6 +225,6 @@ def as_image(image: ImageLike, voxel_size: ArrayLike | None = None) -> Image:
             raise ValueError("voxel_size: the image says it; give the array to use another one")
         return image if isinstance(image, Image) else read_image(image)
     array = np.asarray(image)
-    if np.size(voxel_size) not in (1, array.ndim):
-        raise ValueError(f"voxel_size: {voxel_size} must be one number, or one for each of the {array.ndim} axes")
+    if voxel_size is not None and np.size(voxel_size) not in (1, array.ndim):
+        raise ValueError(f"voxel_size: {voxel_size!r} must be one number, or one for each of the {array.ndim} axes")
     return Image(array, 1.0 if voxel_size is None else voxel_size)

@@ -32,7 +32,8 @@ class Mesh:
 
     Examples
     --------
-    >>> corner = csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> corner = csrbf.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     >>> corner.topology["watertight"], round(corner.volume, 3)
     (True, 0.167)
     """
@@ -83,7 +84,8 @@ class Mesh:
 
         Examples
         --------
-        >>> csrbf.Mesh([[0, 0, 0], [3, 0, 0], [0, 2, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).volume
+        >>> corners = [[0, 0, 0], [3, 0, 0], [0, 2, 0], [0, 0, 1]]
+        >>> csrbf.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).volume
         1.0
         """
         near_zero = self.vertices - self.vertices.mean(axis=0)
@@ -131,9 +133,14 @@ class Mesh:
         Colours "mean-curvature" and "gaussian-curvature" are those of the properties mean_curvature and
         gaussian_curvature; "plain" shows red, green and blue when there are such properties.
 
+        Returns
+        -------
+        ndarray (height, width, 3) of uint8
+
         Examples
         --------
-        >>> corner = csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> corner = csrbf.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
         >>> corner.render("corner.png", size=(80, 60)).shape
         (60, 80, 3)
         """
@@ -148,6 +155,10 @@ class Mesh:
     def to_trimesh(self) -> Any:
         """The same mesh as a ``trimesh.Trimesh``.
 
+        Returns
+        -------
+        trimesh.Trimesh
+
         Raises
         ------
         ImportError
@@ -155,7 +166,6 @@ class Mesh:
 
         Examples
         --------
-        >>> import pytest; trimesh = pytest.importorskip("trimesh")  # doctest: +SKIP
         >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).to_trimesh().area  # doctest: +SKIP
         0.5
         """
@@ -164,6 +174,10 @@ class Mesh:
 
     def to_pyvista(self) -> Any:
         """The same mesh as a ``pyvista.PolyData``, with normals and properties as point data.
+
+        Returns
+        -------
+        pyvista.PolyData
 
         Raises
         ------
@@ -186,6 +200,10 @@ class Mesh:
 
     def to_open3d(self) -> Any:
         """The same mesh as an ``open3d.geometry.TriangleMesh``, with normals and colours.
+
+        Returns
+        -------
+        open3d.geometry.TriangleMesh
 
         Raises
         ------

@@ -6,7 +6,7 @@ import contextlib
 import sys
 import time
 from collections.abc import Callable, Iterator
-from typing import Union
+from typing import Any, Union
 
 Listener = Callable[[str, float], object]
 Progress = Union[bool, Listener, None]
@@ -28,17 +28,15 @@ def listening(progress: Progress) -> Iterator[Listener | None]:
 
 def _display() -> contextlib.AbstractContextManager[Listener]:
     try:
-        from tqdm import tqdm  # noqa: F401
+        from tqdm import tqdm
     except ImportError:
         return _lines()
-    return _bar()
+    return _bar(tqdm)
 
 
 @contextlib.contextmanager
-def _bar() -> Iterator[Listener]:
+def _bar(tqdm: Any) -> Iterator[Listener]:
     """A bar of tqdm, which begins anew with every stage."""
-    from tqdm import tqdm
-
     with tqdm(total=100, leave=False, bar_format="{desc:<16}{percentage:3.0f} %|{bar}| {elapsed} < {remaining}") as bar:
 
         def show(stage: str, fraction: float) -> None:

@@ -73,7 +73,7 @@ class RBFInterpolator:
         self.y = rows(y, "y")
         n, dimension = self.y.shape
         self.d_dtype: type = complex if np.iscomplexobj(d) else float
-        values = np.ascontiguousarray(d, dtype=self.d_dtype)
+        values: NDArray[Any] = np.ascontiguousarray(d, dtype=self.d_dtype)
         if np.ndim(d) == 0 or len(values) != n:
             raise ValueError(f"d: has shape {np.shape(d)}; the length of its first axis must be that of y, {n}")
         self.d_shape = values.shape[1:]
@@ -117,10 +117,11 @@ class RBFInterpolator:
         if x.shape[1] != self.y.shape[1]:
             raise ValueError(f"x: has shape {x.shape}; points must have {self.y.shape[1]} coordinates")
         try:
-            values = self._interpolant.evaluate(x)
+            values: NDArray[Any] = self._interpolant.evaluate(x)
         except _csrbf.SolverFailure as error:
             raise SingularSystem(*error.args) from None
-        return values.view(self.d_dtype).reshape((len(x),) + self.d_shape)
+        found: NDArray[Any] = values.view(self.d_dtype)
+        return found.reshape((len(x),) + self.d_shape)
 
     def _checked_degree(self, degree: int, dimension: int) -> int:
         smallest = _csrbf.RbfInterpolator.smallest_degree(self.kernel, dimension)

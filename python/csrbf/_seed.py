@@ -28,7 +28,8 @@ def marked(given: Any, volume: _csrbf.Volume, name: str) -> NDArray[np.uint8] | 
     array = np.asarray(read_image(given) if isinstance(given, (str, os.PathLike)) else given)
     if list(array.shape) != list(volume.shape):
         raise ValueError(f"{name}: has shape {array.shape}; the image has {tuple(volume.shape)}")
-    return (np.nan_to_num(array) != 0).astype(np.uint8)
+    inside: NDArray[np.bool_] = np.nan_to_num(array) != 0
+    return inside.astype(np.uint8)
 
 
 def seed(init: Any, image: Image, volume: _csrbf.Volume) -> NDArray[np.uint8] | None:

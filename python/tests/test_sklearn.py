@@ -1,0 +1,95 @@
+"""CSRBFRegressor by the checks of scikit-learn itself, and what it adds."""
+
+import pickle
+import sys
+import unittest
+
+import numpy as np
+
+try:
+    import sklearn  # noqa: F401
+except ImportError:
+    print("skipped: scikit-learn is not installed")
+    sys.exit(77)
+
+from sklearn.base import clone
+from sklearn.model_selection import GridSearchCV, cross_val_score
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.utils.estimator_checks import check_estimator
+
+import csrbf
+from csrbf.sklearn import CSRBFRegressor
+
+
+def samples(n, features, noise=0.0):
+    rng = np.random.default_rng(0)
+    X = rng.random((n, features))
+    return X, np.sin(3 * X[:, 0]) + X.sum(axis=1) ** 2 / features + noise * rng.normal(size=n)
+
+
+class Estimator(unittest.TestCase):
+    def test_passes_the_checks_of_scikit_learn(self):
+        for estimator, check in check_estimator(CSRBFRegressor(), generate_only=True):
+            with self.subTest(check.func.__name__):
+                check(estimator)
+
+    def test_predicts_what_the_function_says(self):
+        X, y = samples(400, 3)
+        model = CSRBFRegressor(kernel="quintic", smoothing="none").fit(X, y)
+        f = csrbf.fit(X, y, kernel="quintic", smoothing="none")
+        at = samples(50, 3)[0] * 0.9 + 0.05
+        np.testing.assert_array_equal(model.predict(at), f(at))
+        self.assertEqual(model.report_["samples"], 400)
+        self.assertIsInstance(model.function_, csrbf.Function)
+        both = CSRBFRegressor(kernel="quintic").fit(X, np.column_stack([y, -y]))
+        self.assertEqual(both.predict(at).shape, (50, 2))
+
+    def test_tells_standard_deviations(self):
+        X, y = samples(2000, 2, noise=0.1)
+        model = CSRBFRegressor(method="partition-of-unity").fit(X, y)
+        _, deviation = model.predict(0.1 + 0.8 * X[:300], return_std=True)
+        self.assertAlmostEqual(np.sqrt((deviation**2).mean()), 0.1, delta=0.02)
+        with self.assertRaisesRegex(ValueError, "return_std"):
+            CSRBFRegressor().fit(*samples(50, 8)).predict(samples(5, 8)[0], return_std=True)
+
+    def test_more_than_six_features_are_answered_by_a_spline(self):
+        for noise, best in ((0.0, 0.95), (0.3, 0.6)):
+            X, y = samples(900, 8, noise)
+            model = CSRBFRegressor().fit(X[:600], y[:600])
+            self.assertIsInstance(model.function_.interpolator, csrbf.RBFInterpolator)
+            self.assertGreater(model.score(X[600:], y[600:]), best)
+        X, y = samples(300, 8)
+        exact = CSRBFRegressor(smoothing="none").fit(X, y)
+        np.testing.assert_allclose(exact.predict(X), y, atol=1e-8)
+
+    def test_weights_count(self):
+        for features in (2, 7):
+            X, y = samples(200, features)
+            bad = y.copy()
+            bad[::4] += 5
+            weights = np.where(np.arange(200) % 4 == 0, 0.0, 1.0)
+            model = CSRBFRegressor(smoothing=1e-6).fit(X, bad, weights)
+            kept = weights > 0
+            np.testing.assert_allclose(model.predict(X), CSRBFRegressor(smoothing=1e-6).fit(X[kept], y[kept]).predict(X))
+
+    def test_works_with_the_tools_of_scikit_learn(self):
+        X, y = samples(200, 2, noise=0.05)
+        options = {"method": "partition-of-unity", "kernel": "wendland-c2"}
+        pipeline = make_pipeline(StandardScaler(), CSRBFRegressor(**options))
+        self.assertGreater(cross_val_score(pipeline, X, y, cv=3).min(), 0.9)
+        search = GridSearchCV(CSRBFRegressor(kernel="cubic"), {"smoothing": [1e-3, 1e6]}, cv=3).fit(X, y)
+        self.assertEqual(search.best_params_["smoothing"], 1e-3)
+        model = search.best_estimator_
+        self.assertEqual(clone(model).get_params(), model.get_params())
+        copy = pickle.loads(pickle.dumps(model))
+        np.testing.assert_array_equal(copy.predict(X), model.predict(X))
+
+    def test_wrong_options_are_errors_when_fitting(self):
+        X, y = samples(50, 2)
+        with self.assertRaisesRegex(ValueError, "method"):
+            CSRBFRegressor(method="magic").fit(X, y)
+
+
+if __name__ == "__main__":
+    unittest.main()
