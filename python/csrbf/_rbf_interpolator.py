@@ -120,7 +120,7 @@ class RBFInterpolator:
             values: NDArray[Any] = self._interpolant.evaluate(x)
         except _csrbf.SolverFailure as error:
             raise SingularSystem(*error.args) from None
-        found: NDArray[Any] = values.view(self.d_dtype)
+        found: NDArray[Any] = values[:, : self.d.shape[1]].view(self.d_dtype)
         return found.reshape((len(x),) + self.d_shape)
 
     def _checked_degree(self, degree: int, dimension: int) -> int:
@@ -135,9 +135,11 @@ class RBFInterpolator:
         return degree
 
     def _solve(self, epsilon: float | None, degree: int | None) -> None:
+        # The library wants a value, also where the shape of d has none.
+        values = self.d if self.d.size > 0 else np.zeros((len(self.y), 1))
         try:
             self._interpolant = _csrbf.RbfInterpolator(
-                self.y, self.d, self.neighbors or 0, self.smoothing, self.kernel, epsilon, degree
+                self.y, values, self.neighbors or 0, self.smoothing, self.kernel, epsilon, degree
             )
         except _csrbf.SolverFailure as error:
             raise SingularSystem(*error.args) from None

@@ -46,7 +46,7 @@ def smooth(x):
 
 
 def assert_close(found, expected, tolerance=SAME):
-    scale = np.abs(expected).max()
+    scale = np.abs(expected).max(initial=0)
     np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * scale)
 
 
@@ -179,9 +179,8 @@ class SameAsSciPy(unittest.TestCase):
             d = np.random.default_rng(1).standard_normal((50,) + shape)
             for neighbors in (None, 9):
                 with self.subTest(shape=shape, neighbors=neighbors):
-                    if d.size > 0:
-                        self.compare(y, d, x, neighbors=neighbors)
-                        self.compare(y, d + 1j * d[::-1], x, neighbors=neighbors)
+                    self.compare(y, d, x, neighbors=neighbors)
+                    self.compare(y, d + 1j * d[::-1], x, neighbors=neighbors)
         self.compare(y, np.arange(50), x)
         self.compare(y.astype(np.float32), np.arange(50), x[::-1].astype(np.float32))
 
@@ -195,6 +194,47 @@ class SameAsSciPy(unittest.TestCase):
                     if kernel == "gaussian" and dimension == 1:
                         continue
                     self.compare(y, smooth(y), x, neighbors=neighbors, kernel=kernel, epsilon=20.0, tolerance=1e-8)
+
+    def test_with_neighbors_in_one_to_six_dimensions(self):
+        rng = np.random.default_rng(8)
+        for dimension in range(1, 7):
+            y, x = rng.random((150, dimension)), rng.random((60, dimension))
+            for kernel, epsilon in KERNELS.items():
+                if epsilon is not None:
+                    epsilon = 300.0 if dimension == 1 else 20.0  # for the condition of systems of points at random
+                with self.subTest(kernel=kernel, dimension=dimension):
+                    self.compare(y, smooth(y), x, 1e-6, neighbors=40, kernel=kernel, epsilon=epsilon)
+
+    def test_far_away_and_at_any_scale(self):
+        y, x = halton(100, 2), halton(60, 2)
+        for kernel, epsilon in KERNELS.items():
+            near = csrbf.RBFInterpolator(y, smooth(y), kernel=kernel, epsilon=epsilon)(x)
+            for scale in (1e-50, 1e50):
+                with self.subTest(kernel=kernel, scale=scale):
+                    shift = 1e5 * scale
+                    e = 1.0 if epsilon is None else epsilon / scale
+                    arguments = {"kernel": kernel, "epsilon": e}
+                    # The shift takes five of sixteen digits from the points, the systems about six more.
+                    far = csrbf.RBFInterpolator(scale * y + shift, smooth(y), **arguments)(scale * x + shift)
+                    assert_close(far, near, 1e-4)
+                    some = csrbf.RBFInterpolator(scale * y + shift, smooth(y), 30, **arguments)(scale * x + shift)
+                    assert_close(some, smooth(x), 0.1)
+                    self.compare(y, scale * smooth(y), x, NEARLY_SAME, kernel=kernel, epsilon=epsilon)
+
+    def test_for_lists_masks_and_other_types(self):
+        y, x = halton(40, 2), halton(20, 2)
+        d = smooth(y)
+        for values in (d.tolist(), d > 0, d.astype(object), np.ma.masked_array(d), d.astype(np.float32)):
+            self.compare(y, values, x)
+        self.compare(y.tolist(), d, x.tolist())
+        self.compare(np.asfortranarray(y), d[::-1], np.repeat(x, 2, axis=0)[::2])
+        self.compare(y, d, x, degree=1.7)  # which counts as 1
+        self.compare(y, d, x, neighbors=12.5)
+        self.compare(y, d, x, kernel="gaussian", epsilon=-8.0)
+
+    def test_repeated_points_are_fine_with_smoothing(self):
+        y = np.repeat(halton(20, 2), 3, axis=0)
+        self.compare(y, np.arange(60.0), halton(30, 2), smoothing=0.1)
 
     def test_for_more_neighbors_than_points_and_for_no_query(self):
         y, x = halton(30, 2), halton(20, 2)
@@ -232,6 +272,14 @@ class SameAsSciPy(unittest.TestCase):
             (ValueError, (y, d), {"degree": 5}),
             (ValueError, (y, d), {"degree": 2, "neighbors": 5}),
             (ValueError, (np.array([["a", "b"]]), d[:1]), {}),
+            (ValueError, (y[None], d), {}),
+            (ValueError, (y, d), {"smoothing": np.zeros((20, 1))}),
+            (ValueError, (y, d), {"smoothing": [1.0]}),
+            (ValueError, (y, d), {"kernel": "gaussian", "epsilon": "a"}),
+            (ValueError, (y, d), {"neighbors": 0}),
+            (ValueError, (y, d), {"neighbors": 2}),
+            (ValueError, (np.empty((0, 2)), d[:0]), {}),
+            (np.linalg.LinAlgError, (y, d), {"kernel": "gaussian", "epsilon": 0.0}),
             (np.linalg.LinAlgError, (double, d), {}),
             (np.linalg.LinAlgError, (line, d), {}),
         ]
