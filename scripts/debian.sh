@@ -7,6 +7,9 @@ build_packages=(g++ cmake ninja-build libeigen3-dev libnanoflann-dev libpng-dev 
 # What the Python module needs besides.
 python_packages=(python3-dev python3-numpy pybind11-dev)
 
+# What its tests compare with and check by; those that are missing leave tests out.
+python_test_packages=(python3-scipy python3-sklearn python3-tqdm mypy python3-pip python3-venv)
+
 # run_as_root COMMAND...: runs it directly when we are root, else through sudo.
 run_as_root() {
   if [[ $(id -u) -eq 0 ]]; then

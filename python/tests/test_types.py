@@ -50,8 +50,13 @@ WRONG = {
 
 @unittest.skipIf(shutil.which("mypy") is None, "mypy is not installed")
 class Types(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cache = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.cache.cleanup)
+
     def mypy(self, *arguments, folder="."):
-        environment = dict(os.environ, MYPYPATH=str(PACKAGE.parent))
+        environment = dict(os.environ, MYPYPATH=str(PACKAGE.parent), MYPY_CACHE_DIR=self.cache.name)
         environment.pop("PYTHONPATH", None)  # mypy may belong to another interpreter
         command = ["mypy", "--python-executable", sys.executable, "--config-file", str(CONFIGURATION), *arguments]
         run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
