@@ -4,6 +4,7 @@
 #include "csrbf/implicit/compare.hpp"
 #include "csrbf/io/image.hpp"
 #include "csrbf/io/mesh.hpp"
+#include "csrbf/io/polylines.hpp"
 
 namespace csrbf::python {
 namespace {
@@ -80,6 +81,10 @@ void bind_mesh(py::module_& m) {
     return to_array(run(listener, [&](const Progress& progress) { return render(mesh, picture.with(progress)); }));
   });
   m.def("write_picture", &write_picture);
+  m.def("write_polylines", [](const std::string& path, const py::tuple& given) {
+    const Polylines lines = polylines_from(given);
+    run([&](const Progress& /*progress*/) { write_polylines(path, lines); });
+  });
 }
 
 }  // namespace csrbf::python

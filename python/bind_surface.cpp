@@ -4,6 +4,7 @@
 #include "csrbf/implicit/curvature.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/implicit/raycast.hpp"
+#include "csrbf/implicit/ridges.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/surface_archive.hpp"
 #include "csrbf/surface/reconstruct.hpp"
@@ -182,6 +183,14 @@ void bind_surface(py::module_& m) {
       .def("curvature", &curvature_arrays)
       .def("polygonize", &polygonize_arrays)
       .def("raycast", &raycast_arrays)
+      .def(
+          "ridges",
+          [](const Surface& s, const py::tuple& given, double level, double least_turning, const py::object& listener) {
+            const Mesh mesh = mesh_from(given);
+            return to_tuple(run(listener, [&](const Progress& progress) {
+              return ridges(*s.field, mesh, {.level = level, .least_turning = least_turning, .progress = progress});
+            }));
+          })
       .def("render",
            [](const Surface& s, const py::dict& given, const std::optional<py::tuple>& reference,
               const py::object& listener) {

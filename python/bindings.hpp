@@ -108,7 +108,13 @@ void in_parts(Index n, const Progress& progress, const Use& use) {
 /// Sets `field` to the entry of that name when there is one.
 template <class Value>
 void read_entry(const py::dict& given, const char* name, Value& field) {
-  if (given.contains(name)) field = given[name].cast<Value>();
+  if (!given.contains(name)) return;
+  try {
+    field = given[name].cast<Value>();
+  } catch (const py::cast_error&) {
+    const auto shown = py::repr(given[name]).cast<std::string>();
+    throw InvalidInput(std::string(name) + " = " + shown + ": is of the wrong type; the docstring says what it may be");
+  }
 }
 
 void bind_fit(py::module_& m);

@@ -5,7 +5,7 @@
 namespace csrbf::python {
 namespace {
 
-using Faces = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
+using Numbers = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
 
 // Types of .ply files and of numpy.
 struct TypeName {
@@ -50,6 +50,20 @@ std::vector<Property> properties_from(const py::dict& given, Index count) {
   return properties;
 }
 
+// Rows of Columns numbers of vertices.
+template <int Columns>
+Eigen::Matrix<std::int32_t, Columns, Eigen::Dynamic> numbers_from(const py::handle& given, const char* name,
+                                                                  Index vertices) {
+  const auto array = given.cast<Numbers>();
+  require(array.ndim() == 2 && array.shape(1) == Columns, "Mesh", std::string("dimension of ") + name, array.ndim(),
+          "must be an array of " + std::to_string(Columns) + " columns");
+  Eigen::Matrix<std::int32_t, Columns, Eigen::Dynamic> numbers =
+      Eigen::Map<const Eigen::Matrix<std::int32_t, Columns, Eigen::Dynamic>>(array.data(), Columns, array.shape(0));
+  require(numbers.size() == 0 || (numbers.minCoeff() >= 0 && numbers.maxCoeff() < vertices), "Mesh", name,
+          "out of range", "must be numbers of vertices, from 0 on");
+  return numbers;
+}
+
 Points<3> normals_from(const py::handle& given, Index count) {
   const auto array = given.cast<Array>();
   Points<3> normals = points<3>(array, "normals");
@@ -69,13 +83,7 @@ Mesh mesh_from(const py::tuple& given) {
   Mesh mesh;
   const auto vertices = given[0].cast<Array>();
   mesh.vertices = points<3>(vertices, "vertices");
-  const auto faces = given[1].cast<Faces>();
-  require(faces.ndim() == 2 && faces.shape(1) == 3, "Mesh", "dimension of faces", faces.ndim(),
-          "must be an array of 3 columns");
-  mesh.triangles = Eigen::Map<const Triangles>(faces.data(), 3, faces.shape(0));
-  require(mesh.triangles.size() == 0 ||
-              (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.vertices.cols()),
-          "Mesh", "faces", "out of range", "must be numbers of vertices, from 0 on");
+  mesh.triangles = numbers_from<3>(given[1], "faces", mesh.vertices.cols());
   mesh.normals = normals_from(given[2], mesh.vertices.cols());
   mesh.properties = properties_from(given[3].cast<py::dict>(), mesh.vertices.cols());
   return mesh;
@@ -93,6 +101,20 @@ PointCloud cloud_from(const py::tuple& given) {
   cloud.normals = normals_from(given[1], cloud.points.cols());
   cloud.properties = properties_from(given[2].cast<py::dict>(), cloud.points.cols());
   return cloud;
+}
+
+py::tuple to_tuple(Polylines&& lines) {
+  return py::make_tuple(to_array(std::move(lines.vertices)), to_array(std::move(lines.edges)),
+                        to_dict(std::move(lines.properties)));
+}
+
+Polylines polylines_from(const py::tuple& given) {
+  Polylines lines;
+  const auto vertices = given[0].cast<Array>();
+  lines.vertices = points<3>(vertices, "vertices");
+  lines.edges = numbers_from<2>(given[1], "edges", lines.vertices.cols());
+  lines.properties = properties_from(given[2].cast<py::dict>(), lines.vertices.cols());
+  return lines;
 }
 
 }  // namespace csrbf::python

@@ -14,4 +14,8 @@ Mesh mesh_from(const py::tuple& given);
 py::tuple to_tuple(PointCloud&& cloud);
 PointCloud cloud_from(const py::tuple& given);
 
+/// (vertices, edges, properties).
+py::tuple to_tuple(Polylines&& lines);
+Polylines polylines_from(const py::tuple& given);
+
 }  // namespace csrbf::python

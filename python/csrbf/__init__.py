@@ -22,6 +22,7 @@ from csrbf import _csrbf
 from csrbf._combine import combine
 from csrbf._compare import compare
 from csrbf._csrbf import IoError, SolverFailure, set_thread_count, thread_count
+from csrbf._curvature import Curvature
 from csrbf._evaluate import evaluate
 from csrbf._fit import fit
 from csrbf._function import Function
@@ -30,11 +31,12 @@ from csrbf._inpaint import inpaint
 from csrbf._load import load
 from csrbf._mesh import Mesh, read_mesh
 from csrbf._points import PointCloud, estimate_normals, farthest_points, read_points
+from csrbf._polylines import Polylines
 from csrbf._rbf_interpolator import RBFInterpolator
 from csrbf._reconstruct import reconstruct, reconstruct_contours
 from csrbf._segment import segment, track
 from csrbf._segmentation import Segmentation, Tracking
-from csrbf._surface import Curvature, Surface
+from csrbf._surface import Surface
 
 __version__: str = _csrbf.version
 __all__ = [
@@ -44,6 +46,7 @@ __all__ = [
     "IoError",
     "Mesh",
     "PointCloud",
+    "Polylines",
     "RBFInterpolator",
     "Segmentation",
     "SolverFailure",

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +15,6 @@ if TYPE_CHECKING:
     from csrbf._csrbf import MeshArrays
 
 
-@dataclass
 class Mesh:
     """Triangles over shared vertices, counter-clockwise seen from outside.
 
@@ -40,8 +38,8 @@ class Mesh:
 
     vertices: Floats
     faces: NDArray[np.int32]
-    normals: Floats | None = None
-    properties: dict[str, NDArray[Any]] = field(default_factory=dict)
+    normals: Floats | None
+    properties: dict[str, NDArray[Any]]
 
     def __init__(
         self,
@@ -228,11 +226,6 @@ class Mesh:
     def _arrays(self) -> MeshArrays:
         normals = np.empty((0, 3)) if self.normals is None else self.normals
         return rows(self.vertices, "vertices"), np.asarray(self.faces), rows(normals, "normals"), self.properties
-
-    def __eq__(self, other: object) -> bool:
-        return self is other
-
-    __hash__ = object.__hash__
 
     def __repr__(self) -> str:
         return f"<csrbf.Mesh of {len(self.vertices)} vertices, {len(self.faces)} triangles>"

@@ -143,7 +143,7 @@ def estimate_normals(
         raise ValueError(f'viewpoint: has no meaning for orient="{orient}"; give orient="viewpoint"')
     place = np.zeros(3) if viewpoint is None else floats(viewpoint, "viewpoint")
     with listening(progress) as listener:
-        return _csrbf.estimate_normals(rows(points, "points"), neighbors or 0, orient, place, listener)
+        return _csrbf.estimate_normals(rows(points, "points"), int(neighbors or 0), orient, place, listener)
 
 
 def farthest_points(

@@ -73,7 +73,7 @@ def reconstruct(
     smoothness = smoothing_or_none(smoothing)
     with listening(progress) as listener:
         surface, report = _csrbf.reconstruct(
-            rows(points, "points"), vectors, method, centers or 0, tolerance or 0.0, smoothness, listener
+            rows(points, "points"), vectors, method, int(centers or 0), float(tolerance or 0.0), smoothness, listener
         )
     return Surface(surface, report)
 

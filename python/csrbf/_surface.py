@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,55 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
 from csrbf._arrays import Floats, Path, floats, queries
+from csrbf._curvature import Curvature
 from csrbf._mesh import Mesh, mesh_of
 from csrbf._picture import Color, picture_options, reference_mesh, write_picture
+from csrbf._polylines import Polylines
 from csrbf._progress import Progress, listening
-
-
-@dataclass
-class Curvature:
-    """How a surface is curved at points; NaN where its gradient is zero.
-
-    Attributes
-    ----------
-    k1, k2 : ndarray (...)
-        The larger and the smaller principal curvature, positive where the inside is convex.
-    direction1, direction2 : ndarray (..., 3)
-        Unit tangents along which the curvature is k1 and k2.
-
-    Examples
-    --------
-    >>> c = csrbf.Curvature(np.array([2.0]), np.array([0.5]), np.array([[1.0, 0, 0]]), np.array([[0, 1.0, 0]]))
-    >>> c.mean, c.gaussian
-    (array([1.25]), array([1.]))
-    """
-
-    k1: Floats
-    k2: Floats
-    direction1: Floats
-    direction2: Floats
-
-    @property
-    def mean(self) -> Floats:
-        """Mean curvature (k1 + k2) / 2.
-
-        Examples
-        --------
-        >>> csrbf.Curvature(np.array([2.0]), np.array([0.5]), np.zeros((1, 3)), np.zeros((1, 3))).mean
-        array([1.25])
-        """
-        return 0.5 * (self.k1 + self.k2)
-
-    @property
-    def gaussian(self) -> Floats:
-        """Gaussian curvature k1 k2.
-
-        Examples
-        --------
-        >>> csrbf.Curvature(np.array([2.0]), np.array([0.5]), np.zeros((1, 3)), np.zeros((1, 3))).gaussian
-        array([1.])
-        """
-        return self.k1 * self.k2
 
 
 class Surface:
@@ -315,6 +270,40 @@ class Surface:
         cells = 0 if resolution is None else int(resolution)
         t, normals = self._surface.raycast(np.ascontiguousarray(spread), directions, cells)
         return t.reshape(shape), normals.reshape(shape + (3,))
+
+    def ridges(
+        self, mesh: Mesh | None = None, *, level: float = 0.0, least_turning: float = 2.0, progress: Progress = None
+    ) -> Polylines:
+        """The lines along which the surface is bent most: ridges and valleys.
+
+        Parameters
+        ----------
+        mesh : Mesh, optional
+            Of the surface f = level, which the lines follow; made by `polygonize` when not given.
+        level : float
+            The surface where f has this value.
+        least_turning : float
+            Lines across which the normal turns by less than this angle in total are left out; radians.
+        progress : bool or callable, optional
+            See `fit`.
+
+        Returns
+        -------
+        Polylines
+            With the properties kind, 1 on ridges and -1 on valleys, and curvature.
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> x /= np.linalg.norm(x, axis=1, keepdims=True)
+        >>> lens = csrbf.reconstruct(x * [1, 1, 0.3])
+        >>> rim = lens.ridges(lens.polygonize(40))
+        >>> bool(abs(np.linalg.norm(rim.vertices[rim.properties["kind"] == 1], axis=1) - 1).max() < 0.05)
+        True
+        """
+        base = self.polygonize(level=level) if mesh is None else mesh
+        with listening(progress) as listener:
+            return Polylines(*self._surface.ridges(base._arrays(), float(level), float(least_turning), listener))
 
     def render(
         self,

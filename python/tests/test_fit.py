@@ -277,6 +277,8 @@ class Failures(unittest.TestCase):
             ("neither", (x, v), {"extrapolation": "linear"}),
             ("neither", (x, v), {"smoothing": "much"}),
             ("progress", (x, v), {"progress": 5}),
+            ("centers = 'many': is of the wrong type", (x, v), {"centers": "many"}),
+            ("tolerance = .*: is of the wrong type", (x, v), {"tolerance": [1, 2]}),
             ("real", (x, v + 1j), {}),
             ("", (np.zeros((50, 7)), v), {}),
             ("", (x[:0], v[:0]), {}),

@@ -74,6 +74,28 @@ class Files(unittest.TestCase):
             (~s).polygonize(40, trim=3)
 
 
+class Lines(unittest.TestCase):
+    def test_of_ridges_run_along_the_rim_of_a_lens(self):
+        x = sphere(3000)
+        lens = csrbf.reconstruct(x * [1, 1, 0.3])
+        mesh = lens.polygonize(50)
+        lines = lens.ridges(mesh)
+        ridge = lines.properties["kind"] == 1
+        self.assertGreater(ridge.sum(), 50)
+        np.testing.assert_allclose(np.linalg.norm(lines.vertices[ridge], axis=1), 1, atol=0.05)
+        np.testing.assert_allclose(lines.vertices[ridge, 2], 0, atol=0.1)
+        # The ellipse of half axes 1 and 0.3 has curvature 1 / 0.3^2 at its end.
+        self.assertAlmostEqual(np.median(lines.properties["curvature"][ridge]), 1 / 0.09, delta=1.5)
+        self.assertEqual(len(lens.ridges(mesh, least_turning=100).edges), 0)
+        with tempfile.TemporaryDirectory() as folder:
+            lines.save(os.path.join(folder, "lines.ply"))
+            self.assertEqual(len(csrbf.read_points(os.path.join(folder, "lines.ply"))), len(lines.vertices))
+            with self.assertRaises(csrbf.IoError):
+                lines.save(os.path.join(folder, "lines.stl"))
+        copy = pickle.loads(pickle.dumps(lines))
+        np.testing.assert_array_equal(copy.edges, lines.edges)
+
+
 class Pictures(unittest.TestCase):
     def test_show_the_surface_on_its_background(self):
         ball = csrbf.reconstruct(sphere(2000))
