@@ -49,10 +49,10 @@ f = csrbf.fit(points, values)
 print(json.dumps({"seconds": time.perf_counter() - begin, "grown": resident("VmHWM") - before}))
 """
 
-LEGEND = """`csrbf.fit(points, values)` of {samples:,} samples with no option set, beside `csrbf fit` of the same samples: the
-fastest of {runs} runs in turns, on all threads. **C++**: the total of the report of the program without its stages read
-and write. **Python**: the whole call. **memory**: by how much the peak of the process is above what it held before the
-call. **Fortran order**: how much more that is where the points have to be copied.
+LEGEND = """`csrbf.fit(points, values)` of {samples:,} samples with no option set, beside `csrbf fit` of the same
+samples: the fastest of {runs} runs in turns, on all threads. **C++**: the total of the report of the program without
+its stages read and write. **Python**: the whole call. **memory**: by how much the peak of the process is above what it
+held before the call. **Fortran order**: how much more that is where the points have to be copied.
 """
 
 
@@ -105,8 +105,8 @@ def main():
     parser.add_argument("--output", type=Path, default=PROJECT / "benchmarks/PYTHON.md")
     given = parser.parse_args()
     header = ["samples of a", "C++", "Python", "overhead", "memory", "Fortran order"]
-    lines = [f"# csrbf from Python\n\n{datetime.date.today()}; {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at "
-             f"the start\n\n{LEGEND.format(samples=given.samples, runs=given.runs)}",
+    place = f"{datetime.date.today()}; {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the start"
+    lines = [f"# csrbf from Python\n\n{place}\n\n{LEGEND.format(samples=given.samples, runs=given.runs)}",
              f"| {' | '.join(header)} |", "|---" + "|---:" * (len(header) - 1) + "|"]
     fine = True
     for name, dimension in CASES.items():

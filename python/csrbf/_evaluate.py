@@ -91,7 +91,8 @@ def evaluate(
     if gradient:
         columns.append(f.gradient(x).reshape(len(x), -1))
     if hessian:
-        columns.append(_function(f, "hessian").hessian(x)[..., np.triu(np.ones((d, d), dtype=bool))].reshape(len(x), -1))
+        upper = np.triu(np.ones((d, d), dtype=bool))
+        columns.append(_function(f, "hessian").hessian(x)[..., upper].reshape(len(x), -1))
     if standard_deviation:
         columns.append(_function(f, "standard_deviation").standard_deviation(x).reshape(len(x), -1))
     table: NDArray[Any] = np.concatenate(columns, axis=1)

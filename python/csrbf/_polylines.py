@@ -51,7 +51,8 @@ class Polylines:
         --------
         >>> csrbf.Polylines(np.eye(3), np.array([[0, 1], [1, 2]])).save("lines.ply")
         """
-        _csrbf.write_polylines(os.fspath(path), (rows(self.vertices, "vertices"), np.asarray(self.edges), self.properties))
+        arrays = (rows(self.vertices, "vertices"), np.asarray(self.edges), self.properties)
+        _csrbf.write_polylines(os.fspath(path), arrays)
 
     def __repr__(self) -> str:
         return f"<csrbf.Polylines of {len(self.vertices)} vertices, {len(self.edges)} edges>"

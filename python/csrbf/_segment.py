@@ -214,8 +214,8 @@ def _frames(frames: Any, voxel_size: ArrayLike | None) -> list[Image]:
 def _volume(image: Image) -> _csrbf.Volume:
     if image.axes not in ("yx", "zyx"):
         raise ValueError(
-            f"dimension of the image: its axes are [{', '.join(image.axes)}], they must be [y, x] or [z, y, x]; convert "
-            "colours to grey, and take one frame of a sequence"
+            f"dimension of the image: its axes are [{', '.join(image.axes)}], they must be [y, x] or [z, y, x]; "
+            "convert colours to grey, and take one frame of a sequence"
         )
     layout = dict(image._layout(), type="float32")
     return _csrbf.Volume(np.ascontiguousarray(image.values, dtype=np.float32).ravel(), layout)

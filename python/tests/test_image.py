@@ -148,7 +148,8 @@ class Inpainting(unittest.TestCase):
             csrbf.Image(np.where(hole, 0, image).astype(np.uint8)).save(path)
             csrbf.Image(hole.astype(np.uint8)).save(mask)
             filled = csrbf.inpaint(path, mask, **QUICK)
-            np.testing.assert_array_equal(filled, csrbf.inpaint(np.where(hole, 0, image).astype(np.uint8), hole, **QUICK))
+            damaged = np.where(hole, 0, image).astype(np.uint8)
+            np.testing.assert_array_equal(filled, csrbf.inpaint(damaged, hole, **QUICK))
 
     def test_nothing_missing_is_a_warning_and_wrong_arguments_are_errors(self):
         image, hole = self.waves()

@@ -65,7 +65,8 @@ class Types(unittest.TestCase):
     def test_of_the_package_are_complete_and_right(self):
         self.assertTrue((PACKAGE / "py.typed").exists())
         with tempfile.TemporaryDirectory() as folder:
-            code, output = self.mypy("--strict", str(PACKAGE / "__init__.py"), str(PACKAGE / "sklearn.py"), folder=folder)
+            public = [str(PACKAGE / name) for name in ("__init__.py", "sklearn.py")]
+            code, output = self.mypy("--strict", *public, folder=folder)
         self.assertEqual(code, 0, output)
 
     def test_of_a_script_are_checked(self):

@@ -43,8 +43,8 @@ class Wheel(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
-        settings = f"build-dir={BUILD}"
-        run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--config-settings", settings, "-w", cls.folder.name, SOURCE)
+        options = ["--no-deps", "--config-settings", f"build-dir={BUILD}", "--wheel-dir", cls.folder.name]
+        run(sys.executable, "-m", "pip", "wheel", *options, SOURCE)
         (cls.wheel,) = pathlib.Path(cls.folder.name).glob("*.whl")
         cls.version = re.search(r"VERSION (\d+\.\d+\.\d+)", (SOURCE / "CMakeLists.txt").read_text())[1]
 
@@ -80,7 +80,7 @@ class Wheel(unittest.TestCase):
         run(sys.executable, "-m", "venv", "--system-site-packages", environment)
         python = environment / "bin" / "python"
         run(python, "-m", "pip", "install", self.wheel)
-        script = "import csrbf; print(csrbf.__version__, csrbf.__file__, csrbf.fit([[0], [1], [2]], [0, 1, 2])([[1]]).shape)"
+        script = "import csrbf as c; print(c.__version__, c.__file__, c.fit([[0], [1], [2]], [0, 1, 2])([[1]]).shape)"
         version, path, shape = run(python, "-c", script, cwd=self.folder.name).split(maxsplit=2)
         self.assertEqual((version, shape.strip()), (self.version, "(1,)"))
         self.assertTrue(path.startswith(str(environment)), path)
