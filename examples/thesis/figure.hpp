@@ -13,6 +13,7 @@ struct Table {
   std::string name;
   std::vector<std::string> columns;
   std::vector<std::vector<double>> rows = {};
+  std::vector<std::string> labels = {};  ///< of the rows, or none
 };
 
 /// A picture of numbers, x fastest.
@@ -29,31 +30,31 @@ struct Render {
   RgbImage image = {};
 };
 
-/// What the thesis says, what we measure, and how the two compare: "holds", "fails", "not comparable".
+/// How what we measure compares with what the thesis says; `not_comparable` also where it gives no number, or one of
+/// another machine, and for what it does not have.
+enum class Verdict { holds, fails, not_comparable };
+
 struct Claim {
   std::string what;
   std::string published;
   std::string ours;
-  std::string verdict;
+  Verdict verdict;
 };
 
 /// The numbers of one figure or table of the thesis, or of an example that it leaves open.
 struct Figure {
-  std::string name;   ///< of the file, as in "figure-2.4"
+  std::string name;   ///< as in "figure-2.4"
   std::string title;  ///< of the page
   std::string text;   ///< how the numbers were made
   std::vector<Table> tables = {};
   std::vector<Picture> pictures = {};
   std::vector<Render> renders = {};
   std::vector<Claim> claims = {};
+  std::string missing = {};  ///< data that are not there, and how to get them; then there is nothing else
 };
 
-/// Writes DIR/NAME.json, and the renders as DIR/NAME-render-N.png. Throws IoError.
-void write_figure(const Figure& figure, const std::string& folder);
-
-/// "holds" or "fails".
-inline std::string verdict(bool holds) {
-  return holds ? "holds" : "fails";
+inline Verdict verdict(bool holds) {
+  return holds ? Verdict::holds : Verdict::fails;
 }
 
 /// A number with `digits` significant digits.

@@ -53,7 +53,7 @@ Figure figure_3_14() {
     add_picture(budget, b.reconstructed);
     add_picture("error with " + budget, (b.reconstructed - slice->values).cwiseAbs());
     figure.claims.push_back({"err, err_P with " + budget, "not printed",
-                             number(b.errors.all) + ", " + number(b.errors.samples), "not comparable"});
+                             number(b.errors.all) + ", " + number(b.errors.samples), Verdict::not_comparable});
   }
   const auto falls = [&](double SliceErrors::*error) {
     return std::is_sorted(all.rbegin(), all.rend(), [&](const BudgetErrors& a, const BudgetErrors& b) {
@@ -74,7 +74,7 @@ Figure figure_3_14() {
   figure.claims.push_back(
       {"default fit of the library", "-",
        "err " + number(errors.all) + ", err_P " + number(errors.samples) + " in " + number(time, 2) + " s",
-       "addition"});
+       Verdict::not_comparable});
   figure.tables.push_back(table);
   return figure;
 }

@@ -60,9 +60,9 @@ Figure figure_3_16() {
        verdict(b.largest_error <= b.tolerance * (1 + 1e-9))},
       {"level that reaches it", "6 (the first is 0)", std::to_string(count - 1), verdict(count - 1 <= 6)},
       {"functions in all levels", "not printed",
-       number(functions, 6) + " of " + std::to_string(sampled.samples.size()) + " samples", "not comparable"},
+       number(functions, 6) + " of " + std::to_string(sampled.samples.size()) + " samples", Verdict::not_comparable},
       {"RMSE over all pixels", "not printed", number(100 * b.rmse.back() / sampled.range()) + " % of the range",
-       "not comparable"}};
+       Verdict::not_comparable}};
   return figure;
 }
 

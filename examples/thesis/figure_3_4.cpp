@@ -88,7 +88,7 @@ void add_levels(Figure& figure) {
   figure.claims.push_back({"Fig. 3.4: levels", "4",
                            std::to_string(s.levels.cols()) + ", with all clusters checked at "
                                                              "every level",
-                           "not comparable"});
+                           Verdict::not_comparable});
 }
 
 void add_noisy_curves(Figure& figure, const ThresholdCurve& curve) {
@@ -147,12 +147,13 @@ Figure figure_3_4() {
   figure.claims.push_back({"Fig. 3.6: there is an optimal threshold for 27, 30, 33 dB", "always",
                            "best at " + optima[2] + ", " + optima[3] + ", " + optima[4], verdict(inside)});
   figure.claims.push_back({"Fig. 3.5: optimal threshold at 30 dB", "0.37 (definition of SNR not given)",
-                           optima[3] + "; at 21 dB " + optima[1] + "; at 15 dB " + optima[0], "not comparable"});
+                           optima[3] + "; at 21 dB " + optima[1] + "; at 15 dB " + optima[0], Verdict::not_comparable});
   figure.claims.push_back({"Fig. 3.5: range of the signal", "axes from -1 to 1.5",
                            "(3.5) as printed has its maximum of 2.5 at x = 0.046: formula and figure do not agree",
-                           "not comparable"});
+                           Verdict::not_comparable});
   figure.claims.push_back({"Fig. 3.6: errors", "axis from 0 to 0.35, curves cannot be read",
-                           "medians from " + number(smallest, 2) + " to " + number(largest, 2), "not comparable"});
+                           "medians from " + number(smallest, 2) + " to " + number(largest, 2),
+                           Verdict::not_comparable});
   return figure;
 }
 

@@ -53,7 +53,7 @@ Figure figure_6_21() {
                              number(errors[0], 2) + ", " + number(errors[1], 2) + " of the diagonal",
                              verdict(errors[1] < errors[0])});
     figure.claims.push_back(
-        {what + "chosen by cross-validation", "-", number(errors[2], 2) + " of the diagonal", "addition"});
+        {what + "chosen by cross-validation", "-", number(errors[2], 2) + " of the diagonal", Verdict::not_comparable});
   }
   std::vector<double> weights;
   for (int e = -4; e <= 3; ++e) weights.push_back(std::pow(10.0, e));

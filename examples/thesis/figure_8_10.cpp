@@ -63,8 +63,8 @@ void add_cavities(Figure& figure) {
   figure.claims.push_back({"generalised Gaussians over a window (8.32) suit speckle", "yes (picture)",
                            "Dice " + number(means[4], 4) + " (mean of " + std::to_string(seeds) +
                                " seeds); two means over the same window " + number(means[1], 4) + ", without window " +
-                               number(means[0], 4) + ": the window makes the difference, not the law",
-                           std::abs(gain) < no_difference ? "no difference" : verdict(gain > 0)});
+                               number(means[0], 4) + (gain < no_difference ? ": the law makes no difference" : ""),
+                           verdict(gain >= no_difference)});
   figure.tables = {std::move(table)};
 }
 
@@ -106,8 +106,8 @@ Figure figure_8_10(const std::string& ultrasound) {
                 .text =
                     "The thesis's images are not at hand. Ours are made: log-compressed speckle, 40 lines of 249 "
                     "samples with a cavity between two walls (the size of the thesis's, 60 x 10 nodes), and 249 x "
-                    "249 pixels with two cavities. Forces (8.32) averaged over boxes of 7 x 7 pixels. Another "
-                    "image is segmented too when csrbf-thesis is given --ultrasound FILE."};
+                    "249 pixels with two cavities. Forces (8.32) averaged over boxes of 7 x 7 pixels. An image of "
+                    "yours is segmented too when it is given (--ultrasound FILE)."};
   add_wall(figure, speckled_wall(1));
   add_cavities(figure);
   if (!ultrasound.empty()) add_file(figure, ultrasound);

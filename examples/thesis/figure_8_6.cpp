@@ -147,7 +147,8 @@ Figure figure_8_6() {
       {"more of them are better (Fig. 8.7)", "yes", "Dice " + number(along[0], 4) + ", " + number(along[1], 4),
        verdict(along[0] < along[1])},
       {"lattices of squares or triangles (Fig. 8.1)", "either",
-       "Dice " + number(dices[1], 4) + " and " + number(triangular.dice, 4) + " with 40^2 nodes", "measured"}};
+       "Dice " + number(dices[1], 4) + " and " + number(triangular.dice, 4) + " with 40^2 nodes",
+       Verdict::not_comparable}};
   return figure;
 }
 

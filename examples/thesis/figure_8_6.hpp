@@ -15,7 +15,7 @@ Nodes<2> triangular_nodes(const Grid& grid, Index count);
 /// The star of Fig. 8.6 by collocation at these nodes, from a disc that holds its middle.
 SegmentedImage star_run(const Phantom& star, const Nodes<2>& nodes, double rho);
 
-/// Figs. 8.1, 8.6 and 8.7.
+/// Figs. 8.6 and 8.7.
 Figure figure_8_6();
 
 }  // namespace csrbf::thesis

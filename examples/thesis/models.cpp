@@ -132,7 +132,7 @@ std::optional<PointCloud> model(const std::string& name, Index samples) {
 }
 
 Figure without_models(Figure figure) {
-  figure.claims.push_back({"data", "-", models_file + " is not there: apt-get install libcgal-demo", "skipped"});
+  figure.missing = models_file + " is not there: install the package libcgal-demo.";
   return figure;
 }
 

@@ -16,7 +16,7 @@ extern const std::string models_file;
 /// Empty when the archive, or the model in it, is not there.
 std::optional<PointCloud> model(const std::string& name, Index samples = 30000);
 
-/// The figure with a claim that says that it was skipped.
+/// The figure with what says that the models are missing.
 Figure without_models(Figure figure);
 
 /// Points of a generated tree of vessels with an aneurysm, for the thesis' own one.

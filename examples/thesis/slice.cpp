@@ -62,7 +62,7 @@ SliceErrors slice_errors(const SampledSlice& sampled, const Eigen::VectorXd& rec
 }
 
 Figure without_brain(Figure figure) {
-  figure.claims.push_back({"data", "-", brain_file + " is not there: apt-get install mricron-data", "skipped"});
+  figure.missing = brain_file + " is not there: install the package mricron-data.";
   return figure;
 }
 

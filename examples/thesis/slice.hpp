@@ -47,7 +47,7 @@ struct SliceErrors {
 
 SliceErrors slice_errors(const SampledSlice& sampled, const Eigen::VectorXd& reconstructed);
 
-/// A claim that the data are missing, with the way to get them.
+/// The figure with what says that the slice is missing.
 Figure without_brain(Figure figure);
 
 }  // namespace csrbf::thesis
