@@ -78,7 +78,9 @@ Figure figure_1_1() {
                     "70 random samples of (3.5), a cover of the interval, weights with the sum 1, local functions "
                     "(a quadratic polynomial and Wendland's C4 function at each of 16 samples) and their blend (1.10). "
                     "In the plane: the cells that a kd-tree makes of 400 points, and the supports that they grow to."};
-  const Points<1> points = random_points<1>(70, 5);
+  // Evenly spread, so that the 16 samples that a local function is fitted to are all of those in its support.
+  Points<1> points = random_points<1>(70, 5);
+  for (Index i = 0; i < points.cols(); ++i) points(0, i) = (static_cast<double>(i) + 0.8 * points(0, i)) / 70;
   const Eigen::VectorXd values = values_at(points, [](const Point<1>& p) { return wavy_signal(p[0]); });
   const auto fit = partition_of_unity<1>(
       {points, values, {}},

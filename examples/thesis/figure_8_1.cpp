@@ -3,6 +3,8 @@
 #include "figure_8_6.hpp"
 #include "signals.hpp"
 
+#include <cmath>
+
 namespace csrbf::thesis {
 
 Figure figure_8_1() {
@@ -23,11 +25,17 @@ Figure figure_8_1() {
     return fill_distance<2>({nodes.points, {}}, domain);
   };
   const double of_squares = add("squares", squares), of_triangles = add("triangles", triangles);
+  const auto unitless = [](double fill, const Nodes<2>& nodes) {
+    return fill * std::sqrt(static_cast<double>(nodes.points.cols())) / pixels;
+  };
+  const double of_unit_squares = unitless(of_squares, squares), of_unit_triangles = unitless(of_triangles, triangles);
   figure.claims = {{"centres may be on lattices of squares or of triangles", "yes (scheme)",
                     "fill distance " + number(of_squares) + " pixels with " + std::to_string(squares.points.cols()) +
                         " nodes on squares, " + number(of_triangles) + " with " +
-                        std::to_string(triangles.points.cols()) + " on triangles",
-                    verdict(of_triangles < of_squares)}};
+                        std::to_string(triangles.points.cols()) +
+                        " on triangles; times the root of the nodes over the side of the image " +
+                        number(of_unit_squares, 2) + " and " + number(of_unit_triangles, 2),
+                    verdict(of_unit_triangles < of_unit_squares)}};
   return figure;
 }
 

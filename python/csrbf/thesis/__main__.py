@@ -38,7 +38,7 @@ def parse(arguments):
     parser.add_argument("figures", nargs="*", metavar="FIGURE", help="names of figures (see --list); default: all")
     parser.add_argument("--out", metavar="DIR", type=pathlib.Path, help="folder to write to; made when missing")
     parser.add_argument("--list", action="store_true", help="list the names of all figures and what they cover")
-    parser.add_argument("--threads", metavar="N", type=int, default=0, help="threads to compute with; default: all cores")
+    parser.add_argument("--threads", metavar="N", type=int, default=0, help="threads; default: all cores")
     parser.add_argument("--ultrasound", metavar="FILE", default="", help="image in the plane, segmented in figure-8.10")
     parser.add_argument("--bone", metavar="FILE", default="", help="image in space, segmented in figure-8.8")
     options = parser.parse_args(arguments)

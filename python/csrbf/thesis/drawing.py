@@ -102,9 +102,8 @@ def pairs(pictures, cmap, limits=None, signed=False, **options):
         axes[1, column].axis("off")
         if errors[name]:
             scale = {"cmap": "RdBu_r", "vmin": -largest} if signed else {"cmap": "magma", "vmin": 0}
-            bottom = show(
-                axes[1, column], pictures[errors[name]], "error" if signed else "|error|", vmax=largest, **scale, **options
-            )
+            title = "error" if signed else "|error|"
+            bottom = show(axes[1, column], pictures[errors[name]], title, vmax=largest, **scale, **options)
     drawing.colorbar(top, ax=axes[0, :], shrink=0.85)
     drawing.colorbar(bottom, ax=axes[1, :], shrink=0.85, extend="both" if signed else "max")
     return drawing

@@ -1,7 +1,7 @@
 """The errata of the thesis: what is printed, what is right, and the figures of the gallery that they touch.
 
-Each was found by deriving the formula again or by computing with both forms; docs/thesis.md names the files and tests of
-the corrected forms.
+Each was found by deriving the formula again or by computing with both forms; docs/thesis.md names the files and tests
+of the corrected forms.
 """
 
 from dataclasses import dataclass
@@ -84,7 +84,7 @@ ERRATA = (
     ),
     Erratum(
         "Algorithm 1, lines 5 to 12",
-        "clusters are split where η < ε; the support is halved also at the first level; the errors are those of level 0",
+        "clusters are split where η < ε; the support is halved at the first level too; the errors are those of level 0",
         "split where η > ε; from the second level on; the errors of the level",
         ("figure-3.4", "figure-3.9"),
     ),
@@ -197,7 +197,7 @@ ERRATA = (
     Erratum(
         "Algorithm 4",
         "bounding boxes of overlapping sets of centres",
-        "split without overlap, then grow the boxes; as printed copies multiply (88 times for N = 10⁶) and holes remain",
+        "split without overlap, then grow the boxes; as printed copies multiply (88-fold for N = 10⁶) and holes stay",
         ("figure-1.1",),
     ),
     Erratum(

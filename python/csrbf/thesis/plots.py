@@ -10,7 +10,7 @@ DRAW = {**scattered_data.DRAW, **surfaces.DRAW, **level_sets.DRAW}
 
 
 def save(figure, folder):
-    """Writes DIR/NAME.png, or several, of a Figure: a list of (path, caption, inches of a pixel or None for renders)."""
+    """Writes the pictures of a Figure: a list of (path, caption, inches of a pixel), the last None for renders."""
     saved = []
     if figure.name in DRAW and not figure.missing:
         with plt.rc_context(STYLE):

@@ -34,10 +34,13 @@ def introduction(figure):
     places = drawing
     measured, curves = figure.tables["measured"], figure.tables["curves"]
     drawing, axis = subplots(size=(9, 3.2))
+    for before, after in zip(measured["day"], measured["day"][1:]):
+        if after - before > 2:
+            axis.axvspan(before, after, color="#eef1f4", zorder=0)
     axis.plot(curves["day"], curves["truth"], color=REFERENCE, lw=3, label="truth")
-    axis.plot(measured["day"], measured["brightness"], ".", color="black", ms=4, label="measured")
     axis.plot(curves["day"], curves["fit"], color=COLORS[1], lw=1.2, label="fit")
-    style(axis, "day", "brightness", "Fig. 3")
+    axis.plot(measured["day"], measured["brightness"], ".", color="black", ms=4.5, label="measured")
+    style(axis, "day", "brightness", "Fig. 3; shaded: gaps of more than a day")
     axis.legend(ncol=3, loc="upper center", bbox_to_anchor=(0.5, -0.22))
     return [("-places", places), ("-gaps", drawing)]
 
@@ -89,9 +92,10 @@ def figure_1_1(figure):
     for axis, title in zip(axes, ["cells of the kd-tree", "supports: the cells grown by 1.7"]):
         axis.plot(points["x"], points["y"], ".", color="black", ms=2.5)
         axis.set_title(title)
-        axis.set_xlim(-0.3, 1.3)
-        axis.set_ylim(-0.3, 1.3)
         bare(axis)
+        beyond = 0.02 if axis is axes[0] else 0.2
+        axis.set_xlim(-beyond, 1 + beyond)
+        axis.set_ylim(-beyond, 1 + beyond)
     return [("", line), ("-cover", drawing)]
 
 
@@ -99,7 +103,8 @@ def figure_1_2(figure):
     samples, curves = figure.tables["samples"], figure.tables["curves"]
     drawing, axis = subplots(size=(8, 3.8))
     for name in curves.columns[2:]:
-        axis.plot(curves["x"], curves[name], color=COLORS[0], lw=1, label="basis functions" if name == "term 1" else None)
+        label = "basis functions" if name == "term 1" else None
+        axis.plot(curves["x"], curves[name], color=COLORS[0], lw=1, label=label)
     axis.plot(curves["x"], curves["f"], color=COLORS[1], lw=2.2, ls="--", label="their sum f")
     axis.plot(samples["x"], samples["s"], "o", color="black", ms=5, label="samples")
     axis.axhline(0, color=QUIET, lw=0.8)
@@ -110,11 +115,11 @@ def figure_1_2(figure):
 
 def figure_2_1(figure):
     drawing, axes = subplots(1, 2, size=(10, 3.8))
-    for axis, name, title in [(axes[0], "Table 2.1", "Table 2.1, Fig. 2.1"), (axes[1], "Table 2.2", "Table 2.2, Fig. 2.2")]:
-        t = figure.tables[name]
+    for axis, number in zip(axes, ["2.1", "2.2"]):
+        t = figure.tables[f"Table {number}"]
         lines(axis, t["r"], [(powers(c), t[c]) for c in t.columns[1:]], markers=False)
         axis.axhline(0, color=QUIET, lw=0.8)
-        style(axis, "r", r"$\varphi(r)$", title)
+        style(axis, "r", r"$\varphi(r)$", f"Table {number}, Fig. {number}")
     tables = drawing
     drawing, axes = subplots(1, 4, size=(11, 3.4))
     for axis, name in zip(axes, [n for n in figure.tables if n.startswith("Table 2.3")] + ["misprint"]):
@@ -181,8 +186,8 @@ def table_2_4(figure):
     ]:
         for i, (name, text) in enumerate([("compact", "compact support"), ("global", "global support")]):
             t = figure.tables[name]
-            label_text = f"{text}, $N^{{{order(t['samples'], t[column]):.1f}}}$"
-            axis.plot(t["samples"], t[column], ls=DASHES[i], marker=MARKERS[i], color=COLORS[i], ms=4.5, label=label_text)
+            text += f", $N^{{{order(t['samples'], t[column]):.1f}}}$"
+            axis.plot(t["samples"], t[column], ls=DASHES[i], marker=MARKERS[i], color=COLORS[i], ms=4.5, label=text)
         style(axis, "samples N", label, x_log=True, y_log=True)
         axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1))
     return [("", drawing)]
@@ -190,7 +195,7 @@ def table_2_4(figure):
 
 def figure_3_1(figure):
     levels = list(figure.tables.items())
-    drawing, axes = subplots(2, 3, size=(10.5, 6.6))
+    drawing, axes = subplots(2, 3, size=(10.5, 5))
     for axis, (name, t) in zip(axes.flat, levels):
         clusters = t["cluster"].astype(int)
         for k in range(clusters.max() + 1):
@@ -201,13 +206,13 @@ def figure_3_1(figure):
             axis.plot(of[:, 0], of[:, 1], MARKERS[(k // 6) % 7], color=color, ms=4)
             axis.plot(of[0, 3], of[0, 4], "+", color="black", ms=8, mew=1.8)
         axis.set_title(f"{name}: {clusters.max() + 1} cluster{'s' if clusters.max() else ''}")
-    t = levels[3][1]
+    t = levels[4][1]
     axis = axes.flat[5]
     axis.plot(t["x"], t["y"], ".", color=QUIET, ms=4)
     for cx, cy, support in np.unique(t.rows[:, 3:6], axis=0):
         axis.plot(cx, cy, "+", color="black", ms=8, mew=1.8)
         axis.add_patch(Circle((cx, cy), support, fill=False, ec=COLORS[1]))
-    axis.set_title("supports of level 3 (Fig. 3.2)")
+    axis.set_title("supports of level 4 (Fig. 3.2)")
     for axis in axes.flat:
         bare(axis)
         axis.autoscale_view()
@@ -270,7 +275,8 @@ def figure_3_10(figure):
     at = centers.rows[:, :2]
     places = samples.rows
     drawing, axes = subplots(1, 3, size=(11, 4.2))
-    for axis, title in zip(axes, ["Fig. 3.10: furthest points", "Fig. 3.11: bounded Voronoi cells", "Fig. 3.12: supports"]):
+    titles = ["Fig. 3.10: furthest points", "Fig. 3.11: bounded Voronoi cells", "Fig. 3.12: supports"]
+    for axis, title in zip(axes, titles):
         axis.plot(places[:, 0], places[:, 1], ".", color=REFERENCE, ms=3)
         axis.plot(at[:, 0], at[:, 1], "s", color=COLORS[0], ms=4.5)
         axis.set_title(title)
@@ -282,11 +288,8 @@ def figure_3_10(figure):
         axes[2].add_patch(Circle((x, y), scale, fill=False, ec=COLORS[1], lw=0.9))
     for axis in axes:
         bare(axis)
-        axis.set_xlim(-0.25, 1.25)
-        axis.set_ylim(-0.25, 1.25)
-    for axis in axes[:2]:
-        axis.set_xlim(-0.02, 1.02)
-        axis.set_ylim(-0.02, 1.02)
+        axis.set_xlim(-0.15, 1.15)
+        axis.set_ylim(-0.15, 1.15)
     return [("", drawing)]
 
 

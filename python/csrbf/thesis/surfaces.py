@@ -111,9 +111,9 @@ def figure_6_9(figure):
     drawing, axes = subplots(1, 2, size=(10.5, 4.2))
     for cell in bounded_cells(at, low, high):
         axes[0].add_patch(Polygon(cell, fill=False, ec="#aab3bd", lw=0.8))
-    axes[0].plot(poles[:, 0], poles[:, 1], "D", color=COLORS[1], ms=4, label="poles inside")
+    axes[0].plot(poles[:, 0], poles[:, 1], "D", color=COLORS[1], ms=3, label="poles inside")
     end = 1.5 - 0.8**2 / 1.5  # the medial axis of an ellipse with semi-axes 1.5 and 0.8 ends at centres of curvature
-    axes[0].plot([-end, end], [0, 0], color=COLORS[2], lw=2, label="medial axis", zorder=0)
+    axes[0].plot([-end, end], [0, 0], color=COLORS[2], lw=8, alpha=0.45, label="medial axis", zorder=0)
     axes[1].triplot(Triangulation(at[:, 0], at[:, 1]), color="#aab3bd", lw=0.8)
     for axis, title in zip(axes, ["a: Voronoi diagram", "b: Delaunay triangulation"]):
         axis.plot(at[:, 0], at[:, 1], "o", color=COLORS[0], ms=4, label="samples")
