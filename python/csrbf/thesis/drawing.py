@@ -96,7 +96,8 @@ def pairs(pictures, cmap, limits=None, signed=False, **options):
     shown_errors = np.abs(np.concatenate([pictures[e].ravel() for e in errors.values() if e]))
     # A few pixels do not make all others black.
     largest = np.percentile(shown_errors, 99.5)
-    drawing, axes = subplots(2, len(names), size=(2.2 * len(names) + 0.9, 4.9))
+    height, width = pictures[names[0]].shape
+    drawing, axes = subplots(2, len(names), size=(2.2 * len(names) + 0.9, 4.4 * height / width + 0.7))
     for column, name in enumerate(names):
         top = show(axes[0, column], pictures[name], name, cmap=cmap, vmin=low, vmax=high, **options)
         axes[1, column].axis("off")

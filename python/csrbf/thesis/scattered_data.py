@@ -49,7 +49,8 @@ def chapter_1(figure):
     drawing, axes = subplots(1, 3, size=(11, 3.4))
     t = figure.tables["global polynomial"]
     lines(axes[0], t["degree"], [("at the samples", t["RMSE at the samples"]), ("on [-1, 1]", t["RMSE"])])
-    style(axes[0], "degree", "root mean square error", "Global polynomial of (3.5)", y_log=True)
+    style(axes[0], "degree", "root mean square error", "Global polynomial of (3.5)")
+    axes[0].set_ylim(bottom=0)
     axes[0].set_xticks(np.arange(4, 21, 4))
     t = figure.tables["band-limited"]
     lines(axes[1], t[0], [(None, t["largest error"])])
@@ -350,7 +351,7 @@ def dimensions(figure):
             axis.plot(t["samples"], t[method], ls=DASHES[i], marker=MARKERS[i], color=COLORS[i], ms=4.5, label=method)
         style(axis, "samples", "relative RMSE" if axis is axes[0] else "", name, x_log=True, y_log=True)
         plain_ticks(axis, t["samples"])
-    drawing.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncol=5)
+    drawing.legend(*axes[0].get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, 0), ncol=5)
     return [("", drawing)]
 
 
