@@ -53,7 +53,8 @@ Figure figure_6_4() {
                 "its Fig. 6.19.";
   figure.renders.push_back({"samples", picture(lines, {})});
   add_surface(figure, lines, "composite", 500, {}, "6.4", "closed");
-  for (const Index centers : {500, 1000, 2000}) add_surface(figure, lines, "medial-axis", centers, {}, "6.19", "holes");
+  for (const Index centers : {500, 1000, 2000})
+    add_surface(figure, lines, "medial-axis", centers, {}, "6.19", "with holes");
   return figure;
 }
 

@@ -140,7 +140,7 @@ std::shared_ptr<const Field<2>> disc_field(const Grid& grid, const Point<2>& cen
 }
 
 RgbImage drawn(const Volume<float>& image, const std::vector<const Field<2>*>& fields) {
-  return preview<2>(image, fields, {.size = 400, .line_width = 2});
+  return preview<2>(image, fields, {.size = 400, .line_width = 3});
 }
 
 RgbImage relief(const Field<2>& field, double height) {

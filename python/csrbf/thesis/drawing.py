@@ -5,6 +5,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullLocator  # noqa: E402
 
 # Okabe and Ito: distinct for all common kinds of colour vision; markers and dashes differ as well.
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
@@ -59,6 +60,13 @@ def plain_ticks(axis, values):
     """Ticks at these values of a logarithmic axis, written out."""
     axis.set_xticks(values, [f"{value:,.0f}" for value in values])
     axis.minorticks_off()
+
+
+def decimal_ticks(axis):
+    """Ticks at 1, 2 and 5 of every decade of a short logarithmic y axis, written out."""
+    axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    axis.yaxis.set_minor_locator(NullLocator())
 
 
 def whole_ticks(axis):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from csrbf.thesis.drawing import COLORS, DASHES, MARKERS, bare, lines, plain_ticks, style, subplots
+from csrbf.thesis.drawing import COLORS, DASHES, MARKERS, bare, decimal_ticks, lines, plain_ticks, style, subplots
 
 
 def figure_8_1(figure):
@@ -69,6 +69,7 @@ def figure_8_6(figure):
         )
     axis.legend()
     style(axis, "centres", "1 - Dice", x_log=True, y_log=True)
+    decimal_ticks(axis)
     plain_ticks(axis, [400, 1600, 5000, 10000, 22500])
     return [("", drawing)]
 
@@ -82,7 +83,8 @@ def table_8_1(figure):
     ):
         axis.plot(places, t[column], MARKERS[i], color=COLORS[i], ms=8, label=name)
         for x, y in zip(places, t[column]):
-            axis.annotate(f"{y:,.3g}", (x, y), xytext=(9, 0), textcoords="offset points", va="center", fontsize=9)
+            text, shift = f"{y:,.0f}" if y >= 100 else f"{y:.2g}", (4, 0, -4)[i]
+            axis.annotate(text, (x, y), xytext=(9, shift), textcoords="offset points", va="center", fontsize=9)
     axis.set_xticks(places, t.labels)
     axis.set_xlim(-0.4, len(places) - 0.3)
     axis.grid(axis="x", visible=False)

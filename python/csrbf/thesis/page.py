@@ -57,11 +57,11 @@ article { margin: 2.6rem 0 3.4rem; }
 .plot, .scroll { overflow-x: auto; }
 .plot { margin: .8rem 0; padding: 10px; border-radius: 10px; background: #fff; border: 1px solid var(--line); }
 .plot img { display: block; max-width: 100%; height: auto; margin: 0 auto; }
-.renders { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(240px, 46%), 1fr)); gap: 12px;
+.renders { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(300px, 46%), 1fr)); gap: 12px;
   margin: .8rem 0; }
 .renders figure { margin: 0; border-radius: 10px; overflow: hidden; border: 1px solid var(--line);
   background: var(--soft); }
-.renders img { display: block; width: 100%; height: auto; background: #fff; }
+.renders img { display: block; width: 100%; height: auto; max-height: 420px; object-fit: contain; background: #fff; }
 .renders figcaption { padding: 5px 10px 8px; font-size: .86rem; line-height: 1.35; color: var(--quiet); }
 table { border-collapse: collapse; width: 100%; font-size: .94rem; line-height: 1.42; }
 th, td { padding: 7px 16px 7px 0; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }

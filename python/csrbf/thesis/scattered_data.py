@@ -12,6 +12,7 @@ from csrbf.thesis.drawing import (
     bare,
     bound,
     bounded_cells,
+    decimal_ticks,
     lines,
     order,
     pairs,
@@ -250,6 +251,7 @@ def figure_3_4(figure):
         best = np.argmin(t[name])
         axis.plot(t["threshold"][best], t[name][best], MARKERS[i], color=COLORS[i], ms=8)
     style(axis, "threshold", "root mean square error", "Fig. 3.6; markers: best threshold", x_log=True, y_log=True)
+    decimal_ticks(axis)
     axis.legend(title="signal to noise")
     return [("", first), ("-noise", noise), ("-thresholds", drawing)]
 
@@ -264,6 +266,7 @@ def figure_3_9(figure):
     )
     bound(axis, 0.1, "bound", t["level"][0])
     style(axis, "level", "error", y_log=True)
+    decimal_ticks(axis)
     whole_ticks(axis)
     pictures = pairs(
         figure.pictures, "cividis", limits=(-6.6, 8.1), signed=True, extent=(-3, 3, -3, 3), origin="lower"

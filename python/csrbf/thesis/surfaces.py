@@ -50,7 +50,9 @@ def chapter_5(figure):
         style(axis, text, "", x_log=True)
         axis.grid(axis="y", visible=False)
     plain_ticks(axes[1], [n for n in (1, 2, 5, 10, 20, 50, 100, 200) if n <= 1.5 * t["pieces"].max()])
-    axes[0].set_yticks(places, np.array(t.labels)[best_last])
+    functions = [f"{label} ({count:,.0f})" for label, count in zip(t.labels, t["centers"])]
+    axes[0].set_yticks(places, np.array(functions)[best_last])
+    axes[0].set_title("method (number of functions)")
     axes[2].legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncol=2)
     return [("", drawing)]
 
