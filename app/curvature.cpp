@@ -24,9 +24,9 @@ void add_properties(const Curvatures& at, Mesh& mesh) {
   mesh.properties.push_back({"gaussian_curvature", "float", at.gaussian()});
 }
 
-void expect_ply(const std::string& flag, const std::string& path, Session& session) {
-  if (file_extension(path) != ".ply")
-    throw UsageError(flag + " " + path + ": only .ply holds these properties of vertices");
+void expect_geometry(const std::string& flag, const std::string& path, Session& session) {
+  if (!is_polylines_file(path))
+    throw UsageError(flag + " " + path + ": only .ply and .vtp hold these properties of vertices");
   session.expect_output(path);
 }
 
@@ -42,8 +42,8 @@ void add_ridge_summary(const std::string& path, const Polylines& lines, Session&
 }  // namespace
 
 void run(const CurvatureCommand& command, Session& session) {
-  expect_ply("--output", command.output, session);
-  if (!command.ridges.empty()) expect_ply("--ridges", command.ridges, session);
+  expect_geometry("--output", command.output, session);
+  if (!command.ridges.empty()) expect_geometry("--ridges", command.ridges, session);
   session.input = {{"file", command.input}};
   const std::shared_ptr<const Field<3>> field = session.timed("read", [&] { return read_model(command.input); });
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*field);

@@ -1,5 +1,6 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
+#include "formats.hpp"
 #include "verbs.hpp"
 
 #include "csrbf/io/points.hpp"
@@ -31,7 +32,7 @@ void run(const EstimateNormalsCommand& command, Session& session) {
   options.progress = session.progress();
   if (!is_point_file(command.output))
     throw UsageError("--output " + command.output + ": unknown extension \"" + file_extension(command.output) +
-                     "\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy");
+                     "\"; point files are " + point_formats);
   session.expect_output(command.output);
 
   PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });

@@ -2,7 +2,9 @@
 #include "verbs.hpp"
 
 #include "csrbf/io/model.hpp"
+#include "csrbf/io/read_file.hpp"
 #include "csrbf/io/samples.hpp"
+#include "csrbf/io/vti.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -89,8 +91,30 @@ Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, c
   return answers;
 }
 
-void write_answers(const std::string& path, const NamedFunction& model, const Places& places,
-                   const std::vector<std::string>& columns, Eigen::MatrixXd answers) {
+// The columns as arrays of VTK. Gradients are vectors, of three components in the plane too, as its programs expect.
+std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wanted, SampleType type,
+                                 const std::vector<std::string>& columns, const Eigen::MatrixXd& answers) {
+  const Index k = model.function.components(), d = model.function.dimension();
+  std::vector<VtkArray> arrays;
+  for (Index row = 0; row < answers.rows();) {
+    const bool is_gradient = wanted.gradient && row >= k && row < k + k * d;
+    const Index rows = is_gradient ? d : 1;
+    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(rows == 2 ? 3 : rows, answers.cols());
+    values.topRows(rows) = answers.middleRows(row, rows);
+    const std::string name = is_gradient ? model.value_names[static_cast<std::size_t>((row - k) / d)] + "_gradient"
+                                         : columns[static_cast<std::size_t>(row)];
+    arrays.push_back({name, type, values.rows(), vtk_bytes(type, values)});
+    row += rows;
+  }
+  return arrays;
+}
+
+void write_answers(const std::string& path, const NamedFunction& model, const Places& places, const Wanted& wanted,
+                   const std::vector<std::string>& columns, const Eigen::MatrixXd& answers) {
+  if (file_extension(path) == ".vti") {
+    write_vti(path, places.layout.grid, vtk_arrays(model, wanted, places.layout.type, columns, answers));
+    return;
+  }
   if (places.is_image) {
     VolumeLayout layout = places.layout;
     layout.components = answers.rows();
@@ -160,7 +184,7 @@ void run(const EvaluateCommand& command, Session& session) {
   }
   const Index values = command.labels ? 1 : model.function.components();
   tell_values(command.output, answers.topRows(values), columns, session);
-  session.write([&] { write_answers(command.output, model, places, columns, std::move(answers)); });
+  session.write([&] { write_answers(command.output, model, places, wanted, columns, answers); });
 }
 
 }  // namespace csrbf::app

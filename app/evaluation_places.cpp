@@ -126,7 +126,7 @@ void check_places(const EvaluateCommand& command) {
     throw UsageError("--output " + output + ": values at points go to .csv, .txt or .npy");
   if (!is_table_file(output) && !is_volume_file(output))
     throw UsageError("--output " + output + ": unknown extension \"" + file_extension(output) +
-                     "\"; values on a grid go to .npy .nii .nii.gz .nrrd .mha .mhd .tif, or .csv and .txt");
+                     "\"; values on a grid go to .npy .nii .nii.gz .nrrd .mha .mhd .vti .tif, or .csv and .txt");
   if (!command.grid.empty() && is_picture_file(output) && !command.labels)
     throw UsageError("--output " + output +
                      ": pictures hold whole numbers; write .tif, .nii.gz, .nrrd or .npy, or give "

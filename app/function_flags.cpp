@@ -1,3 +1,4 @@
+#include "formats.hpp"
 #include "verb_flags.hpp"
 
 #include "csrbf/core/dimensions.hpp"
@@ -6,9 +7,6 @@
 
 namespace csrbf::app {
 namespace {
-
-constexpr const char* image_formats = ".png .pgm .ppm .tif .nii .nii.gz .nrrd .mha .mhd .npy";
-constexpr const char* sample_formats = ".csv .txt .tsv .dat .xyz .npy, or - for text on standard input";
 
 void add_fit_flags(Verb& v, FitFlags& f) {
   v.flag("method", f.method, "NAME", "auto",

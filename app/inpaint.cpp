@@ -1,6 +1,7 @@
 #include "csrbf/approx/inpaint.hpp"
 
 #include "fit_summary.hpp"
+#include "formats.hpp"
 #include "verbs.hpp"
 
 #include "csrbf/io/read_file.hpp"
@@ -25,8 +26,8 @@ double parse_missing(const std::string& text) {
 
 void check_output(const std::string& path, Session& session) {
   if (!is_volume_file(path))
-    throw UsageError("--output " + path + ": unknown extension \"" + file_extension(path) +
-                     "\"; images are .png .pgm .ppm .tif .nii .nii.gz .nrrd .mha .mhd .npy");
+    throw UsageError("--output " + path + ": unknown extension \"" + file_extension(path) + "\"; images are " +
+                     image_formats);
   session.expect_output(path);
 }
 

@@ -1,5 +1,7 @@
 #include "mesh_summary.hpp"
 
+#include "formats.hpp"
+
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/read_file.hpp"
 
@@ -7,8 +9,8 @@ namespace csrbf::app {
 
 void expect_mesh_output(const std::string& path, Session& session) {
   if (!is_mesh_file(path))
-    throw UsageError("--output " + path + ": unknown extension \"" + file_extension(path) +
-                     "\"; mesh files are .ply .obj .off .stl");
+    throw UsageError("--output " + path + ": unknown extension \"" + file_extension(path) + "\"; mesh files are " +
+                     mesh_formats);
   session.expect_output(path);
 }
 

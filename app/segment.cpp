@@ -1,5 +1,6 @@
 #include "csrbf/levelset/segment.hpp"
 
+#include "formats.hpp"
 #include "segment_contours.hpp"
 #include "segment_options.hpp"
 #include "segment_start.hpp"
@@ -23,12 +24,12 @@ namespace {
 void expect_outputs(const SegmentCommand& command, Session& session) {
   if (!is_volume_file(command.output) || file_extension(command.output) == ".ppm")
     throw UsageError("--output " + command.output + ": unknown extension \"" + file_extension(command.output) +
-                     "\"; label images are .png .pgm .tif .nii .nii.gz .nrrd .mha .mhd .npy");
+                     "\"; label images are " + label_formats);
   session.expect_output(command.output);
   if (!command.contour.empty()) {
     if (!is_contour_lines_file(command.contour) && !is_mesh_file(command.contour))
       throw UsageError("--contour " + command.contour + ": unknown extension \"" + file_extension(command.contour) +
-                       "\"; contours are .svg .csv .ply in the plane, .ply .stl .obj .off in space");
+                       "\"; contours are " + plane_contour_formats + " in the plane, " + mesh_formats + " in space");
     session.expect_output(command.contour);
   }
   if (!command.model.empty()) {

@@ -1,5 +1,7 @@
 #include "segment_contours.hpp"
 
+#include "formats.hpp"
+
 #include "csrbf/io/contour_lines.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/read_file.hpp"
@@ -132,7 +134,8 @@ template SegmentContours<3>::SegmentContours(const Segmentation<3>&, const Grid&
 void check_contour_file(const std::string& path, int dimension) {
   if (dimension == 2 ? is_contour_lines_file(path) : is_mesh_file(path)) return;
   throw UsageError("--contour " + path + ": unknown extension \"" + file_extension(path) + "\"; contours in " +
-                   (dimension == 2 ? "the plane are .svg .csv .ply" : "space are .ply .stl .obj .off"));
+                   (dimension == 2 ? std::string("the plane are ") + plane_contour_formats
+                                   : std::string("space are ") + mesh_formats));
 }
 
 }  // namespace csrbf::app

@@ -1,11 +1,10 @@
+#include "formats.hpp"
 #include "verb_flags.hpp"
 
 #include <string>
 
 namespace csrbf::app {
 namespace {
-
-constexpr const char* image_formats = ".png .pgm .tif .nii .nii.gz .nrrd .mha .mhd .npy";
 
 void declare_segmentation(Verb& v, SegmentFlags& c) {
   v.flag("energy", c.energy, "NAME", c.energy,
@@ -54,11 +53,12 @@ void declare_segmentation(Verb& v, SegmentFlags& c) {
 }  // namespace
 
 void declare(Verb v, SegmentCommand& c) {
-  v.argument("IMAGE", c.input, std::string("image of two or three axes to read: ") + image_formats);
+  v.argument("IMAGE", c.input, std::string("image of two or three axes to read: ") + label_formats);
   v.output(c.output, "labels to write, 0 outside: the same formats");
   declare_segmentation(v, c);
   v.flag("contour", c.contour, "FILE", "",
-         "write the contour, finer than voxels: .svg .csv .ply in the plane, .ply .stl .obj .off in space");
+         std::string("write the contour, finer than voxels: ") + plane_contour_formats + " in the plane, " +
+             mesh_formats + " in space");
   v.flag("model", c.model, "FILE", "",
          "save the level set: .csrbf, for csrbf evaluate, polygonize, render and curvature");
   v.flag("preview", c.preview, "FILE", "", "draw the contour on the image, or on the slice with most of it: .png");
@@ -66,7 +66,7 @@ void declare(Verb v, SegmentCommand& c) {
 }
 
 void declare(Verb v, TrackCommand& c) {
-  v.argument("IMAGES", c.inputs, std::string("frames in their order, or one image with frames: ") + image_formats);
+  v.argument("IMAGES", c.inputs, std::string("frames in their order, or one image with frames: ") + label_formats);
   v.output(c.output, "folder for labels_0000.EXT, ..., measures.csv and models");
   declare_segmentation(v, c);
   v.flag("persistence", c.persistence, "P", "1",

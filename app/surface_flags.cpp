@@ -1,3 +1,4 @@
+#include "formats.hpp"
 #include "verb_flags.hpp"
 
 #include "csrbf/surface/surface_method.hpp"
@@ -7,15 +8,15 @@
 namespace csrbf::app {
 namespace {
 
-constexpr const char* point_formats = ".ply .xyz .pts .txt .csv .obj .off .npy, or - for text on standard input";
-constexpr const char* mesh_formats = ".ply .obj .off .stl";
-constexpr const char* image_formats = ".png .pgm .ppm .tif .nii .nii.gz .nrrd .mha .mhd .npy";
+std::string points_or_input() {
+  return std::string(point_formats) + ", or - for text on standard input";
+}
 
 }  // namespace
 
 void declare(Verb v, ReconstructCommand& c) {
   v.argument("POINTS", c.input,
-             std::string("points to read: ") + point_formats +
+             "points to read: " + points_or_input() +
                  "; or contours drawn on slices: text with columns x, y, z and contour (a number for each closed "
                  "curve), or .obj or .ply with lines and no faces");
   v.output(c.output, std::string("mesh to write: ") + mesh_formats);
@@ -43,7 +44,7 @@ void declare(Verb v, ReconstructCommand& c) {
 }
 
 void declare(Verb v, EstimateNormalsCommand& c) {
-  v.argument("POINTS", c.input, std::string("points to read: ") + point_formats);
+  v.argument("POINTS", c.input, "points to read: " + points_or_input());
   v.output(c.output, "points to write with their normals: the same formats");
   v.flag("neighbors", c.neighbors, "K", "12", "points that each normal is estimated from")->check(CLI::Range(3, 1000));
   v.flag("orient", c.orient, "HOW", "consistent",
@@ -81,15 +82,15 @@ void declare(Verb v, RenderCommand& c) {
 
 void declare(Verb v, CurvatureCommand& c) {
   v.argument("MODEL", c.input, "model to read: .csrbf");
-  v.output(
-      c.output,
-      "mesh to write, .ply: vertices with normal (nx ny nz), principal curvatures (k1 >= k2, positive where the solid "
-      "is convex), their directions (d1x d1y d1z d2x d2y d2z), mean_curvature and gaussian_curvature");
+  v.output(c.output,
+           "mesh to write, .ply or .vtp: vertices with normal (nx ny nz), principal curvatures (k1 >= k2, positive "
+           "where the solid "
+           "is convex), their directions (d1x d1y d1z d2x d2y d2z), mean_curvature and gaussian_curvature");
   v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
-  v.flag(
-      "ridges", c.ridges, "FILE", "",
-      "write ridge and valley lines, .ply: vertices with the curvature across the line and kind, 1 ridge, -1 valley; "
-      "edges");
+  v.flag("ridges", c.ridges, "FILE", "",
+         "write ridge and valley lines, .ply or .vtp: vertices with the curvature across the line and kind, 1 ridge, "
+         "-1 valley; "
+         "edges");
   v.add_common();
 }
 
@@ -118,7 +119,7 @@ void declare(Verb v, CompareCommand& c) {
   v.argument("A", c.first, std::string("mesh: ") + mesh_formats + "; or label image: " + image_formats);
   v.argument("B", c.second,
              std::string("reference: a mesh, or points: then the distances go from the points to the mesh only; ") +
-                 point_formats + "; of a label image another one");
+                 points_or_input() + "; of a label image another one");
   v.add_common();
 }
 

@@ -206,13 +206,13 @@ class Usage(CommandLine):
         self.fail_with(2, "sharp: has no radius", "combine", "blend", "a.csrbf", "b.csrbf", "-o", "c.csrbf",
                        "--blending", "sharp")
         self.fail_with(2, "--radius", "combine", "union", "a.csrbf", "b.csrbf", "-o", "c.csrbf", "--radius", "0")
-        self.fail_with(2, "only .ply holds", "curvature", "a.csrbf", "-o", "c.obj")
+        self.fail_with(2, "only .ply and .vtp hold", "curvature", "a.csrbf", "-o", "c.obj")
         self.fail_with(2, "--ridges r.obj: only .ply", "curvature", "a.csrbf", "-o", "c.ply", "--ridges", "r.obj")
         self.fail_with(2, "--smoothing some", "reconstruct", "a.ply", "-o", "b.ply", "--smoothing", "some")
 
     def test_unknown_output_formats_give_2(self):
         cloud = self.write("cloud.xyz", xyz(sphere(100)))
-        self.fail_with(2, "mesh files are .ply .obj .off .stl", "reconstruct", cloud, "-o", self.path("mesh.vtk"))
+        self.fail_with(2, "mesh files are .ply .obj .off .stl .vtp", "reconstruct", cloud, "-o", self.path("mesh.vtk"))
         self.fail_with(2, "models are .csrbf", "reconstruct", cloud, "-o", self.path("mesh.ply"), "--model", "m.bin")
         self.fail_with(2, "pictures are .png", "render", cloud, "-o", self.path("picture.jpg"))
         self.fail_with(2, "models are .csrbf", "combine", "union", cloud, cloud, "-o", self.path("model.bin"))

@@ -287,8 +287,8 @@ class Errors(Segment):
 
     def test_results_of_unknown_formats(self):
         image = self.disc()
-        self.refused("contours in the plane are .svg .csv .ply", image, "--contour", self.path("c.stl"))
-        self.refused("contours are .svg .csv .ply in the plane", image, "--contour", self.path("c.txt"))
+        self.refused("contours in the plane are .svg .csv .ply .vtp", image, "--contour", self.path("c.stl"))
+        self.refused("contours are .svg .csv .ply .vtp in the plane", image, "--contour", self.path("c.txt"))
         self.refused("models are .csrbf", image, "--model", self.path("m.ply"))
         self.refused("pictures are .png", image, "--preview", self.path("p.jpg"))
         self.fail_with(2, "label images are", "segment", image, "-o", self.path("out.jpg"))

@@ -32,7 +32,7 @@ TEST(MeshFiles, WriteWhatTheyRead) {
   mesh.normals = mesh.vertices;
   for (const char* name : {"red", "green", "blue"})
     mesh.properties.push_back({name, "uchar", Eigen::Vector4d(0, 1, 128, 255)});
-  for (const std::string name : {"a.ply", "a.obj", "a.off", "A.OBJ"}) {
+  for (const std::string name : {"a.ply", "a.obj", "a.off", "a.vtp", "A.OBJ"}) {
     write_mesh(folder.file(name), mesh);
     const Mesh read = read_mesh(folder.file(name));
     EXPECT_EQ(read.vertices, mesh.vertices) << name;
@@ -122,7 +122,7 @@ TEST(MeshFiles, RefuseToWriteIndicesWithoutVertices) {
   mesh.triangles(0, 0) = 4;
   EXPECT_THROW(write_mesh(folder.file("a.ply"), mesh), InvalidInput);
   EXPECT_EQ(io_error([&] { write_mesh("a.vtk", mesh); }),
-            "a.vtk: unknown extension \".vtk\"; mesh files are .ply .obj .off .stl");
+            "a.vtk: unknown extension \".vtk\"; mesh files are .ply .obj .off .stl .vtp");
   EXPECT_EQ(folder.files(), 0);
 }
 

@@ -193,9 +193,9 @@ TEST(ReadPoints, SaysWhyAFileCannotBeOpened) {
   EXPECT_EQ(io_error([&] { read_points(folder.file("folder.ply")); }),
             folder.file("folder.ply") + ": cannot read the file: Is a directory");
   EXPECT_EQ(io_error([&] { read_points("cloud.las"); }),
-            "cloud.las: unknown extension \".las\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy");
+            "cloud.las: unknown extension \".las\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp");
   EXPECT_EQ(io_error([&] { write_points("cloud", {}); }),
-            "cloud: unknown extension \"\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy");
+            "cloud: unknown extension \"\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp");
 }
 
 }  // namespace

@@ -47,12 +47,12 @@ Volume<double> round_trip(const std::string& path, const Volume<double>& volume)
 
 TEST(WriteVolume, KeepsEverySampleTypeInEveryFormatOfNumbers) {
   const TemporaryFolder folder;
-  for (const char* name : {"a.nii", "a.nii.gz", "a.nrrd", "a.mha", "a.mhd", "a.npy", "a.tif"})
+  for (const char* name : {"a.nii", "a.nii.gz", "a.nrrd", "a.mha", "a.mhd", "a.npy", "a.tif", "a.vti"})
     for (const SampleType type : all_types) {
       const Volume<double> volume = counting(layout_of({7, 5, 3}, 3, type));
       expect_same(round_trip(folder.file(name), volume), volume, name);
     }
-  EXPECT_EQ(folder.files(), 8);  // .mhd comes with .raw; no temporary is left
+  EXPECT_EQ(folder.files(), 9);  // .mhd comes with .raw; no temporary is left
 }
 
 TEST(WriteVolume, KeepsPicturesOf8And16Bits) {
@@ -130,7 +130,7 @@ TEST(WriteVolume, KeepsNumbersOfUnknownSpace) {
   Volume<double> volume = counting(layout_of({4, 3, 1}, 2, SampleType::int16));
   volume.grid.spacing = {0.5, 0.25, 1};
   volume.grid.origin = {3, -4, 0};
-  for (const char* name : {"a.nii", "a.nrrd", "a.mha"}) {
+  for (const char* name : {"a.nii", "a.nrrd", "a.mha", "a.vti"}) {
     const Grid read = round_trip(folder.file(name), volume).grid;
     EXPECT_EQ(read.spacing, volume.grid.spacing) << name;
     EXPECT_EQ(read.origin, volume.grid.origin) << name;
@@ -165,7 +165,7 @@ TEST(WriteVolume, RoundsAndClampsIntegersAndKeepsNaNInFloats) {
   const auto wide = round_trip(folder.file("a.nrrd"), volume).values;
   EXPECT_EQ(wide[0], 9223372036854775807.0);
   EXPECT_EQ(wide[1], -9223372036854775808.0);
-  for (const char* name : {"a.nii.gz", "a.nrrd", "a.mha", "a.npy", "a.tif"}) {
+  for (const char* name : {"a.nii.gz", "a.nrrd", "a.mha", "a.npy", "a.tif", "a.vti"}) {
     volume.type = SampleType::float32;
     volume.values = {nan, 0.5, -0.25, 1e30, nan};
     const auto read = round_trip(folder.file(name), volume).values;

@@ -9,6 +9,7 @@
 #include "csrbf/io/read_file.hpp"
 #include "csrbf/io/stl.hpp"
 #include "csrbf/io/text.hpp"
+#include "csrbf/io/vtp.hpp"
 
 namespace csrbf {
 namespace {
@@ -22,7 +23,8 @@ struct Format {
 constexpr Format formats[] = {{".ply", parse_ply, format_ply},
                               {".obj", parse_obj, format_obj},
                               {".off", parse_off, format_off},
-                              {".stl", parse_stl, format_stl}};
+                              {".stl", parse_stl, format_stl},
+                              {".vtp", parse_vtp, format_vtp}};
 
 const Format* find_format(const std::string& path) {
   const std::string extension = path == "-" ? ".off" : file_extension(path);

@@ -6,16 +6,17 @@
 
 namespace csrbf {
 
-/// Reads a triangle mesh from .ply, .obj, .off or .stl (the extension decides); polygons become fans of triangles,
-/// indices are checked, equal corners of .stl files become one vertex. Throws IoError, also when there are no faces.
+/// Reads a triangle mesh from .ply, .obj, .off, .stl or .vtp (the extension decides); polygons become fans of
+/// triangles, indices are checked, equal corners of .stl files become one vertex. Throws IoError, also when there are
+/// no faces.
 Mesh read_mesh(const std::string& path);
 
 /// As read_mesh, for any mesh or point file: a file without faces gives a mesh without triangles.
 Mesh read_mesh_or_points(const std::string& path);
 
 /// Writes a mesh in the format of the extension, complete or not at all (AtomicFile): binary .ply with float
-/// coordinates and normals and properties of their own type, .obj and .off with normals and colours, binary .stl. "-"
-/// writes .off text to standard output. Throws IoError.
+/// coordinates and normals and properties of their own type, .vtp of VTK and ParaView with the same, .obj and .off with
+/// normals and colours, binary .stl. "-" writes .off text to standard output. Throws IoError.
 void write_mesh(const std::string& path, const Mesh& mesh);
 
 /// True when the extension is one of a mesh file.

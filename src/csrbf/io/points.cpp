@@ -9,6 +9,7 @@
 #include "csrbf/io/point_table.hpp"
 #include "csrbf/io/read_file.hpp"
 #include "csrbf/io/text.hpp"
+#include "csrbf/io/vtp.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +17,8 @@
 namespace csrbf {
 namespace {
 
-constexpr std::array<std::string_view, 8> extensions{".ply", ".xyz", ".pts", ".txt", ".csv", ".obj", ".off", ".npy"};
+constexpr std::array<std::string_view, 9> extensions{".ply", ".xyz", ".pts", ".txt", ".csv",
+                                                     ".obj", ".off", ".npy", ".vtp"};
 
 // The format of a path: its extension, or .xyz for the standard streams.
 std::string checked_extension(const std::string& path) {
@@ -67,6 +69,7 @@ PointCloud parse_points(const std::string& extension, const std::string& bytes, 
   if (extension == ".obj") return points_of(parse_obj(bytes, name));
   if (extension == ".off") return points_of(parse_off(bytes, name));
   if (extension == ".npy") return points_of(parse_npy(bytes, name), name);
+  if (extension == ".vtp") return points_of(parse_vtp(bytes, name));
   return parse_point_table(bytes, name);
 }
 
@@ -75,6 +78,7 @@ std::string format_points(const std::string& extension, const PointCloud& cloud)
   if (extension == ".obj") return format_obj(mesh_of(cloud));
   if (extension == ".off") return format_off(mesh_of(cloud));
   if (extension == ".npy") return format_npy(array_of(cloud));
+  if (extension == ".vtp") return format_vtp(mesh_of(cloud));
   if (extension == ".csv") return format_point_table(cloud, TableStyle::csv);
   if (extension == ".txt") return format_point_table(cloud, TableStyle::txt);
   return format_point_table(cloud, extension == ".pts" ? TableStyle::pts : TableStyle::xyz);

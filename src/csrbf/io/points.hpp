@@ -12,15 +12,15 @@ namespace csrbf {
 ///   # and // begin comments; .pts may begin with the number of rows. A first line without numbers (or a comment right
 ///   before the first row) names the columns: x y z nx ny nz red green blue and anything else. Without names the first
 ///   three columns are coordinates; three more are normals, or colours when they are whole numbers up to 255.
-/// - .obj (v, vn, colours), .off (vertices): faces are ignored.
+/// - .obj (v, vn, colours), .off (vertices), .vtp (points with their arrays): faces are ignored.
 /// - .npy: an (n, 3) array of coordinates or (n, 6) with normals.
 /// Coordinates that are not finite are read as they are. Throws IoError naming the file and the place.
 PointCloud read_points(const std::string& path);
 
 /// Writes points in the format of the extension, complete or not at all (AtomicFile). .ply: binary, float coordinates
-/// and normals, properties of their own type; .csv and .txt: everything under column names; .xyz .pts, and "-" for
-/// standard output: coordinates and normals; .obj .off: coordinates, normals, colours; .npy: (n, 3) or (n, 6) doubles.
-/// Throws IoError.
+/// and normals, properties of their own type; .vtp: the same; .csv and .txt: everything under column names; .xyz .pts,
+/// and "-" for standard output: coordinates and normals; .obj .off: coordinates, normals, colours; .npy: (n, 3) or (n,
+/// 6) doubles. Throws IoError.
 void write_points(const std::string& path, const PointCloud& cloud);
 
 /// True when the extension is one of a point file.

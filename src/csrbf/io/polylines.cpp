@@ -7,6 +7,7 @@
 #include "csrbf/io/point_table.hpp"
 #include "csrbf/io/read_file.hpp"
 #include "csrbf/io/text.hpp"
+#include "csrbf/io/vtp.hpp"
 
 #include <algorithm>
 #include <array>
@@ -108,16 +109,17 @@ bool holds_polylines(const std::string& path) {
 }
 
 bool is_polylines_file(const std::string& path) {
-  return file_extension(path) == ".ply";
+  const std::string extension = file_extension(path);
+  return extension == ".ply" || extension == ".vtp";
 }
 
 void write_polylines(const std::string& path, const Polylines& lines) {
   if (!is_polylines_file(path))
-    throw IoError(path + ": unknown extension " + in_quotes(file_extension(path)) + "; files of curves are .ply");
+    throw IoError(path + ": unknown extension " + in_quotes(file_extension(path)) + "; files of curves are .ply .vtp");
   const bool valid =
       lines.edges.size() == 0 || (lines.edges.minCoeff() >= 0 && lines.edges.maxCoeff() < lines.vertices.cols());
   require(valid, "write_polylines", "vertex index", "out of range", "indices must be in [0, number of vertices)");
-  write_file(path, format_ply(lines));
+  write_file(path, file_extension(path) == ".vtp" ? format_vtp(lines) : format_ply(lines));
 }
 
 }  // namespace csrbf

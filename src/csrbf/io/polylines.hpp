@@ -20,8 +20,8 @@ Polylines read_polylines(const std::string& path);
 /// for files that cannot be read, standard input, and files of other kinds.
 bool holds_polylines(const std::string& path);
 
-/// Writes curves to a binary .ply file, complete or not at all (AtomicFile): vertices with their properties, and edges.
-/// Throws IoError, also for other extensions.
+/// Writes curves to a binary .ply or .vtp file, complete or not at all (AtomicFile): vertices with their properties,
+/// and edges. Throws IoError, also for other extensions.
 void write_polylines(const std::string& path, const Polylines& lines);
 
 /// True when the extension is one of a file that write_polylines() writes.

@@ -13,6 +13,7 @@
 #include "csrbf/io/read_file.hpp"
 #include "csrbf/io/text.hpp"
 #include "csrbf/io/tiff.hpp"
+#include "csrbf/io/vti.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -20,8 +21,8 @@
 namespace csrbf {
 namespace {
 
-constexpr std::array<std::string_view, 11> extensions{".png",    ".pgm",  ".ppm", ".tif", ".tiff", ".nii",
-                                                      ".nii.gz", ".nrrd", ".mha", ".mhd", ".npy"};
+constexpr std::array<std::string_view, 12> extensions{".png",    ".pgm",  ".ppm", ".tif", ".tiff", ".nii",
+                                                      ".nii.gz", ".nrrd", ".mha", ".mhd", ".npy",  ".vti"};
 
 std::string volume_extension(const std::string& path) {
   const std::string last = file_extension(path);
@@ -46,6 +47,7 @@ RawVolume parse_volume(const std::string& extension, std::string bytes, const st
   if (extension.starts_with(".nii")) return parse_nifti(std::move(bytes), path);
   if (extension == ".nrrd") return parse_nrrd(std::move(bytes), path);
   if (extension == ".npy") return parse_npy_volume(std::move(bytes), path);
+  if (extension == ".vti") return parse_vti(std::move(bytes), path);
   return parse_metaimage(std::move(bytes), path);
 }
 
@@ -70,6 +72,7 @@ void check_shape(const std::string& extension, const VolumeLayout& layout, const
     check(layout.grid.size[2] == 1 || layout.frames == 1, "sequences of three axes");
     check(layout.components <= most_components, "pixels of so many components");
   }
+  if (extension == ".vti") check(layout.frames == 1, "time axis");
 }
 
 // The type in which a picture holds the values: 8 or 16 bits.
@@ -95,6 +98,7 @@ FileParts format_volume(const std::string& extension, const VolumeLayout& layout
   if (extension.starts_with(".tif")) return format_tiff(layout, samples, path);
   if (extension == ".nrrd") return format_nrrd(layout, samples);
   if (extension == ".npy") return format_npy_volume(layout, std::move(samples));
+  if (extension == ".vti") return format_vti(layout, std::move(samples));
   if (extension == ".mha") return format_metaimage(layout, std::move(samples), "LOCAL");
   FileParts parts = format_nifti(layout, std::move(samples));
   if (extension == ".nii.gz") parts = {deflate_bytes({parts.head, parts.body}, DeflateFormat::gzip), {}};

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "csrbf/core/mesh.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace csrbf {
+
+/// Reads polygonal data of VTK (.vtp): points, polygons (as fans of triangles) and triangle strips; vertices and lines
+/// are skipped. Arrays of points become properties: Normals the normals, colours red, green and blue, vectors NAMEx,
+/// NAMEy and NAMEz. Throws IoError with `name`.
+Mesh parse_vtp(std::string_view bytes, const std::string& name);
+
+/// Points, triangles and properties as polygonal data of VTK; without triangles the points are vertices. float
+/// coordinates and normals (Normals), colours as RGB, properties of their own type; three that are named NAMEx, NAMEy
+/// and NAMEz become the vectors NAME.
+std::string format_vtp(const Mesh& mesh);
+
+/// The same for curves: an element of Lines for each edge.
+std::string format_vtp(const Polylines& lines);
+
+}  // namespace csrbf
