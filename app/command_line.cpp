@@ -3,6 +3,7 @@
 #include "completion.hpp"
 #include "help_formatter.hpp"
 #include "man_page.hpp"
+#include "slicer_module.hpp"
 #include "verb_flags.hpp"
 
 #include "csrbf/io/text.hpp"
@@ -71,12 +72,14 @@ class Parser {
   std::map<std::string, std::function<Command()>> taken_;  // what was parsed, by verb
 };
 
-// What the installation writes beside the program; the empty group hides these flags.
+// What the installation writes beside the program and other programs ask for; the empty group hides these flags.
 void Parser::add_installed_texts() {
   const auto print = [](const std::string& text) {
     std::cout << text;
     throw CLI::Success();
   };
+  for (CLI::App* verb : app_.get_subcommands([](const CLI::App* v) { return is_slicer_module(v->get_name()); }))
+    verb->add_flag_callback("--xml", [=] { print(slicer_module(usage_of(*verb))); })->group("");
   app_.add_flag_callback("--print-man", [=, this] { print(man_page(usage_of(app_))); })->group("");
   app_.add_option_function<std::string>(
           "--print-completion", [=, this](const std::string& shell) { print(completion(usage_of(app_), shell)); })

@@ -20,7 +20,7 @@ class UsageError : public std::runtime_error {
 struct CommonOptions {
   int threads = 0;                ///< 0 = all cores
   std::string report;             ///< file of the JSON report, or none
-  std::string progress = "auto";  ///< auto, always, never
+  std::string progress = "auto";  ///< auto, always, never, slicer
   bool quiet = false;
   bool verbose = false;
 };

@@ -31,10 +31,17 @@ std::string duration(double seconds) {
 }  // namespace
 
 ProgressDisplay::ProgressDisplay(const std::string& mode) {
-  if (mode != "never" && is_terminal())
+  if (mode == "slicer")
+    style_ = Style::slicer;
+  else if (mode != "never" && is_terminal())
     style_ = Style::bar;
   else if (mode == "always")
     style_ = Style::lines;
+}
+
+ProgressDisplay::~ProgressDisplay() {
+  clear();
+  if (style_ == Style::slicer) end_filter();
 }
 
 void ProgressDisplay::update(std::string_view stage, double fraction) {
@@ -43,18 +50,23 @@ void ProgressDisplay::update(std::string_view stage, double fraction) {
   fraction = std::clamp(fraction, 0.0, 1.0);
   const bool new_stage = stage != stage_;
   if (new_stage) {
+    if (style_ == Style::slicer) end_filter();
     stage_ = stage;
     stage_start_ = now;
+    if (style_ == Style::slicer) begin_filter();
   }
   const bool ended = fraction >= 1 && last_fraction_ < 1;
-  const auto interval = style_ == Style::bar ? Clock::duration(bar_interval) : Clock::duration(line_interval);
+  const auto interval = style_ == Style::lines ? Clock::duration(line_interval) : Clock::duration(bar_interval);
   if (!new_stage && !ended && now - last_shown_ < interval) return;
   last_shown_ = now;
   last_fraction_ = fraction;
 
   const int percent = static_cast<int>(100 * fraction);
   const std::string left = remaining(fraction);
-  if (style_ == Style::lines) {
+  if (style_ == Style::slicer) {
+    std::printf("<filter-progress>%.3f</filter-progress>\n", fraction);
+    std::fflush(stdout);
+  } else if (style_ == Style::lines) {
     std::fprintf(stderr, "%s %d %%%s\n", stage_.c_str(), percent, left.c_str());
   } else {
     const std::string done(static_cast<std::size_t>(bar_width * fraction), '#');
@@ -72,6 +84,20 @@ std::string ProgressDisplay::remaining(double fraction) const {
   constexpr double shortest = 0.5;
   if (fraction < smallest_fraction || fraction >= 1 || elapsed < shortest) return "";
   return ", " + duration(elapsed * (1 - fraction) / fraction) + " left";
+}
+
+// A stage is a filter to Slicer.
+void ProgressDisplay::begin_filter() const {
+  std::printf("<filter-start>\n<filter-name>%s</filter-name>\n<filter-comment>%s</filter-comment>\n</filter-start>\n",
+              stage_.c_str(), stage_.c_str());
+}
+
+void ProgressDisplay::end_filter() const {
+  if (stage_.empty()) return;
+  const double seconds = std::chrono::duration<double>(Clock::now() - stage_start_).count();
+  std::printf("<filter-end>\n<filter-name>%s</filter-name>\n<filter-time>%.3f</filter-time>\n</filter-end>\n",
+              stage_.c_str(), seconds);
+  std::fflush(stdout);
 }
 
 void ProgressDisplay::clear() {

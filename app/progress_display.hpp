@@ -6,14 +6,15 @@
 
 namespace csrbf::app {
 
-/// Shows on standard error how far the work is: a bar on a terminal, plain lines elsewhere when asked for.
+/// Shows on standard error how far the work is: a bar on a terminal, plain lines elsewhere when asked for. For 3D
+/// Slicer it tells the same on standard output, in elements of XML.
 class ProgressDisplay {
  public:
-  /// `mode` is auto (a bar, on a terminal only), always or never.
+  /// `mode` is auto (a bar, on a terminal only), always, never or slicer.
   explicit ProgressDisplay(const std::string& mode);
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
-  ~ProgressDisplay() { clear(); }
+  ~ProgressDisplay();
 
   /// The stage at hand and the fraction of it that is done.
   void update(std::string_view stage, double fraction);
@@ -22,10 +23,12 @@ class ProgressDisplay {
   void clear();
 
  private:
-  enum class Style { none, bar, lines };
+  enum class Style { none, bar, lines, slicer };
   using Clock = std::chrono::steady_clock;
 
   [[nodiscard]] std::string remaining(double fraction) const;
+  void begin_filter() const;
+  void end_filter() const;
 
   Style style_ = Style::none;
   std::string stage_;

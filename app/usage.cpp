@@ -17,6 +17,25 @@ std::vector<std::string> literal_words(const std::string& form) {
   return words;
 }
 
+// The words that CLI::IsMember allows; it lists them behind the form as NAME:{first,second}.
+std::vector<std::string> allowed_words(const std::string& checks) {
+  std::vector<std::string> words;
+  const std::size_t begin = checks.find('{'), end = checks.find('}');
+  if (begin == std::string::npos || end == std::string::npos) return words;
+  std::istringstream list(checks.substr(begin + 1, end - begin - 1));
+  for (std::string word; std::getline(list, word, ',');) words.push_back(word);
+  return words;
+}
+
+// The bounds of CLI::Range, behind the form as N:INT in [2 - 16].
+void take_range(const std::string& checks, FlagUsage& flag) {
+  const std::size_t begin = checks.find(" in ["), middle = checks.find(" - "), end = checks.find(']');
+  if (begin == std::string::npos || middle == std::string::npos || end == std::string::npos) return;
+  constexpr std::size_t before = 5, between = 3;
+  flag.lowest = checks.substr(begin + before, middle - begin - before);
+  flag.highest = checks.substr(middle + between, end - middle - between);
+}
+
 FlagUsage flag_usage(const CLI::Option& option) {
   FlagUsage flag{.value = value_form(option),
                  .what = option.get_description(),
@@ -25,6 +44,12 @@ FlagUsage flag_usage(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) flag.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) flag.names.push_back("--" + name);
   flag.words = literal_words(flag.value);
+  flag.common = option.get_group() == common_group;
+  const std::string checks = option.get_expected_max() > 0 ? option.get_type_name() : "";
+  const std::vector<std::string> allowed = allowed_words(checks);
+  flag.only_words = !allowed.empty();
+  if (flag.words.empty()) flag.words = allowed;
+  take_range(checks, flag);
   return flag;
 }
 

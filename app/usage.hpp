@@ -10,11 +10,17 @@ class Option;
 
 namespace csrbf::app {
 
+/// Title of the flags of every verb in the help.
+inline constexpr const char* common_group = "Common flags";
+
 /// A flag as the help shows it.
 struct FlagUsage {
   std::vector<std::string> names = {};  ///< with their dashes, short ones first
   std::string value;                    ///< form of its value, such as N, FILE or auto|none|L; empty when it takes none
   std::vector<std::string> words = {};  ///< values that are literal words: auto and none above
+  bool only_words = false;              ///< it takes nothing else
+  std::string lowest = {}, highest = {};  ///< of a number, when they are checked
+  bool common = false;                    ///< of every verb
   std::string what;
   std::string shown_default;  ///< empty: none to tell
   bool required = false;

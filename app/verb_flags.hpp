@@ -1,6 +1,7 @@
 #pragma once
 
 #include "command_line.hpp"
+#include "usage.hpp"
 
 #include "csrbf/version.hpp"
 
@@ -49,10 +50,10 @@ class Verb {
     app_.add_option("--report", common_.report, "write options, results, times and warnings as JSON")
         ->type_name("FILE")
         ->group(common_group);
-    app_.add_option("--progress", common_.progress, "show the progress on standard error; auto: on a terminal")
-        ->type_name("auto|always|never")
+    app_.add_option("--progress", common_.progress, "show the progress on standard error; auto: on a terminal; slicer: on standard output, as 3D Slicer reads it")
+        ->type_name("auto|always|never|slicer")
         ->default_str("auto")
-        ->check(CLI::IsMember({"auto", "always", "never"}))
+        ->check(CLI::IsMember({"auto", "always", "never", "slicer"}))
         ->group(common_group);
     app_.add_flag("-q,--quiet", common_.quiet, "print errors only")->group(common_group);
     app_.add_flag("-v,--verbose", common_.verbose, "print the options used and the times too")->group(common_group);
@@ -62,7 +63,6 @@ class Verb {
 
  private:
   static constexpr const char* flag_group = "Flags";
-  static constexpr const char* common_group = "Common flags";
 
   CLI::App& app_;
   CommonOptions& common_;
