@@ -1,0 +1,18 @@
+# Run by CPack on the files to be packaged: what Debian wants besides, and in its own form.
+set(share ${CPACK_TEMPORARY_INSTALL_DIRECTORY}${CPACK_PACKAGING_INSTALL_PREFIX}/share)
+set(doc ${share}/doc/csrbf)
+
+function(compress)
+  execute_process(COMMAND gzip -9nf ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+file(READ ${CPACK_CSRBF_LICENSE} license)
+file(WRITE ${doc}/copyright "csrbf ${CPACK_PACKAGE_VERSION}\n\n${license}")
+file(WRITE ${doc}/changelog
+     "csrbf (${CPACK_PACKAGE_VERSION}) unstable; urgency=medium\n\n  * Packaged from the release's own build.\n\n"
+     " -- ${CPACK_DEBIAN_PACKAGE_MAINTAINER}  ${CPACK_CSRBF_DATE}\n")
+file(GLOB pages ${share}/man/man1/*.1)
+compress(${doc}/changelog ${pages})
+
+# One package is what a user installs with one command; Debian itself would make four of it.
+file(WRITE ${share}/lintian/overrides/csrbf "csrbf: package-name-doesnt-match-sonames\n")

@@ -1,0 +1,129 @@
+"""What csrbf says about itself: one version everywhere, a citation file that is valid, a complete bill of materials.
+
+usage: metadata_test.py SOURCES BUILD [unittest options]
+"""
+
+import json
+import pathlib
+import re
+import sys
+import unittest
+
+BUILD = pathlib.Path(sys.argv.pop(2) if len(sys.argv) > 2 else ".")
+SOURCES = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else ".")
+
+# Licences that allow csrbf to be under the MIT licence and its binaries to be passed on.
+COMPATIBLE = {"MIT", "BSD-2-Clause", "BSD-3-Clause", "MPL-2.0", "Zlib", "libpng-2.0", "libtiff", "Qhull", "Apache-2.0",
+              "Python-2.0.1"}
+
+
+def text(name):
+    return (SOURCES / name).read_text(encoding="utf-8")
+
+
+def project_version():
+    return re.search(r"project\([^)]*VERSION ([0-9.]+)", text("CMakeLists.txt"))[1]
+
+
+class Version(unittest.TestCase):
+    def test_citation_has_the_version_of_the_project(self):
+        self.assertEqual(re.search("^version: (.*)$", text("CITATION.cff"), re.M)[1], project_version())
+
+    def test_python_package_has_the_version_of_the_project(self):
+        path = SOURCES / "pyproject.toml"
+        if not path.exists():
+            self.skipTest("there is no pyproject.toml")
+        given = re.search(r'^version *= *"([^"]*)"', path.read_text(encoding="utf-8"), re.M)
+        if given is None:
+            self.assertRegex(path.read_text(encoding="utf-8"), r'dynamic *= *\[[^\]]*"version"')
+        else:
+            self.assertEqual(given[1], project_version())
+
+    def test_changelog_names_no_later_version(self):
+        headings = re.findall(r"^## \[(.*?)\]", text("CHANGELOG.md"), re.M)
+        self.assertTrue(headings)
+        number = lambda version: tuple(map(int, version.split(".")))
+        for released in headings:
+            if released != "Unreleased":
+                self.assertLessEqual(number(released), number(project_version()))
+        self.assertTrue("Unreleased" in headings or project_version() in headings)
+
+
+class Citation(unittest.TestCase):
+    def setUp(self):
+        try:
+            import yaml
+        except ImportError:
+            self.skipTest("the module yaml is not installed (Debian: python3-yaml)")
+        self.citation = yaml.safe_load(text("CITATION.cff"))
+
+    def check_people(self, people):
+        self.assertTrue(people)
+        for person in people:
+            self.assertTrue(set(person) == {"name"} or set(person) == {"family-names", "given-names"}, person)
+
+    def test_has_what_the_format_requires(self):
+        c = self.citation
+        self.assertEqual(c["cff-version"], "1.2.0")
+        self.assertEqual((c["type"], c["license"]), ("software", "MIT"))
+        self.assertTrue(c["message"] and c["title"] and c["abstract"])
+        self.check_people(c["authors"])
+        allowed = {"cff-version", "message", "title", "abstract", "type", "version", "license", "authors", "keywords",
+                   "references", "date-released", "repository-code", "url", "doi", "preferred-citation"}
+        self.assertLessEqual(set(c), allowed)
+
+    def test_references_are_those_of_the_bibliography(self):
+        plain = lambda s: re.sub(r"[^a-z0-9]", "", re.sub(r"[{}`'\\]", "", s).lower())
+        titles = [plain(t) for t in re.findall(r"title\s*=\s*\{(.*?)\}[,\n]", text("docs/references.bib"))]
+        self.assertIn("thesis", [r["type"] for r in self.citation["references"]])
+        for reference in self.citation["references"]:
+            self.check_people(reference["authors"])
+            self.assertIsInstance(reference["year"], int)
+            self.assertIn(plain(reference["title"]), titles)
+
+
+class BillOfMaterials(unittest.TestCase):
+    def setUp(self):
+        self.sbom = json.loads((BUILD / "csrbf.spdx.json").read_text(encoding="utf-8"))
+        self.packages = {p["name"]: p for p in self.sbom["packages"]}
+
+    def test_has_what_the_format_requires(self):
+        self.assertEqual(self.sbom["spdxVersion"], "SPDX-2.3")
+        self.assertEqual(self.packages["csrbf"]["versionInfo"], project_version())
+        ids = {p["SPDXID"] for p in self.packages.values()}
+        self.assertEqual(len(ids), len(self.sbom["packages"]))
+        for identifier in ids:
+            self.assertRegex(identifier, "^SPDXRef-[A-Za-z0-9.-]+$")
+        for relationship in self.sbom["relationships"]:
+            self.assertIn(relationship["spdxElementId"], ids | {"SPDXRef-DOCUMENT"})
+            self.assertIn(relationship["relatedSpdxElement"], ids)
+        self.assertRegex(self.sbom["creationInfo"]["created"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+
+    def test_lists_every_package_that_the_build_looks_for(self):
+        listed = set(re.findall(r"sbom_dependency\((\w+)", text("cmake/sbom.cmake")))
+        files = [*SOURCES.glob("*/CMakeLists.txt"), *SOURCES.glob("examples/*/CMakeLists.txt"), *SOURCES.glob("cmake/*.cmake")]
+        sought = set()
+        for file in files:
+            code = re.sub("#.*", "", file.read_text(encoding="utf-8"))
+            sought |= set(re.findall(r"find_package\((\w+)", code))
+        self.assertGreater(len(sought), 10)
+        self.assertLessEqual(sought, listed)
+
+    def test_names_what_this_build_uses_with_its_version(self):
+        for name in ("Eigen3", "nanoflann", "PNG", "TIFF", "ZLIB", "Qhull"):
+            self.assertRegex(self.packages[name]["versionInfo"], r"^\d+(\.\d+)+", name)
+
+    def test_licences_are_compatible(self):
+        for name, package in self.packages.items():
+            if name != "Threads":  # of the system's C library
+                self.assertIn(package["licenseConcluded"], COMPATIBLE, name)
+
+    def test_optional_packages_are_flagged(self):
+        kinds = {r["spdxElementId"]: r["relationshipType"] for r in self.sbom["relationships"]}
+        for name in ("GDCM", "pybind11", "Python3"):
+            if name in self.packages:
+                self.assertEqual(kinds[self.packages[name]["SPDXID"]], "OPTIONAL_DEPENDENCY_OF")
+
+
+if __name__ == "__main__":
+    unittest.main()
