@@ -119,7 +119,7 @@ TEST(ContourFiles, MayHoldNoLine) {
 TEST(ContourFiles, AreWrittenOnlyWhenTheyCanBe) {
   const TemporaryFolder folder;
   EXPECT_EQ(io_error([] { write_contour_lines("a.stl", squares()); }),
-            "a.stl: unknown extension \".stl\"; contours in the plane are .svg .csv .ply");
+            "a.stl: unknown extension \".stl\"; contours in the plane are .svg .csv .ply .vtp");
   EXPECT_NE(io_error([&] { write_contour_lines(folder.file("no/a.svg"), squares()); }), "no exception");
   ContourLines broken = squares();
   broken.lines[1].size = 5;
