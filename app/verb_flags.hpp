@@ -50,7 +50,9 @@ class Verb {
     app_.add_option("--report", common_.report, "write options, results, times and warnings as JSON")
         ->type_name("FILE")
         ->group(common_group);
-    app_.add_option("--progress", common_.progress, "show the progress on standard error; auto: on a terminal; slicer: on standard output, as 3D Slicer reads it")
+    app_.add_option("--progress", common_.progress,
+                    "show the progress on standard error; auto: on a terminal; slicer: on standard output, as 3D "
+                    "Slicer reads it")
         ->type_name("auto|always|never|slicer")
         ->default_str("auto")
         ->check(CLI::IsMember({"auto", "always", "never", "slicer"}))
