@@ -1,5 +1,5 @@
 # What `cmake --install` writes: the library with its headers, find_package(csrbf), pkg-config csrbf, and the program
-# with its man page and completions.
+# with its man page and completions, and the licence.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/csrbf)
@@ -33,6 +33,8 @@ install(FILES ${PROJECT_BINARY_DIR}/csrbf-config.cmake ${PROJECT_BINARY_DIR}/csr
 file(RELATIVE_PATH up_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/csrbf.pc.in ${PROJECT_BINARY_DIR}/csrbf.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/csrbf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 if(CSRBF_BUILD_APP)
   install(TARGETS csrbf-cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -6,8 +6,7 @@ function(compress)
   execute_process(COMMAND gzip -9nf ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-file(READ ${CPACK_CSRBF_LICENSE} license)
-file(WRITE ${doc}/copyright "csrbf ${CPACK_PACKAGE_VERSION}\n\n${license}")
+file(RENAME ${doc}/LICENSE ${doc}/copyright)
 file(WRITE ${doc}/changelog
      "csrbf (${CPACK_PACKAGE_VERSION}) unstable; urgency=medium\n\n  * Packaged from the release's own build.\n\n"
      " -- ${CPACK_DEBIAN_PACKAGE_MAINTAINER}  ${CPACK_CSRBF_DATE}\n")
