@@ -3,24 +3,29 @@
 set(sbom_packages "")
 set(sbom_relationships "")
 
-# sbom_dependency(PACKAGE FOLDER VERSION-VARIABLE LICENCE HOMEPAGE RELATION): a package that find_package() found in
-# the folder; one that was not found is left out. RELATION is of SPDX, from the package to csrbf.
+# sbom_package(NAME VERSION LICENCE HOMEPAGE RELATION): RELATION is of SPDX, from the package to csrbf.
+macro(sbom_package name version licence homepage relation)
+  string(REPLACE "_" "-" id "SPDXRef-${name}")
+  string(
+    APPEND
+    sbom_packages
+    ",\n    {\"SPDXID\": \"${id}\", \"name\": \"${name}\", \"versionInfo\": \"${version}\", "
+    "\"licenseConcluded\": \"${licence}\", \"licenseDeclared\": \"${licence}\", \"copyrightText\": \"NOASSERTION\", "
+    "\"homepage\": \"${homepage}\", \"downloadLocation\": \"NOASSERTION\", \"filesAnalyzed\": false}")
+  string(APPEND sbom_relationships ",\n    {\"spdxElementId\": \"${id}\", \"relationshipType\": \"${relation}\", "
+                                   "\"relatedSpdxElement\": \"SPDXRef-csrbf\"}")
+endmacro()
+
+# sbom_dependency(PACKAGE FOLDER VERSION-VARIABLE LICENCE HOMEPAGE RELATION): what find_package() found in the folder;
+# nothing when it did not.
 macro(sbom_dependency package folder version_variable licence homepage relation)
   get_directory_property(found DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DEFINITION ${package}_FOUND)
-  get_directory_property(version DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DEFINITION ${version_variable})
+  get_directory_property(found_version DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DEFINITION ${version_variable})
+  if(NOT found_version)
+    set(found_version NOASSERTION)
+  endif()
   if(found)
-    if(NOT version)
-      set(version NOASSERTION)
-    endif()
-    string(REPLACE "_" "-" id "SPDXRef-${package}")
-    string(
-      APPEND
-      sbom_packages
-      ",\n    {\"SPDXID\": \"${id}\", \"name\": \"${package}\", \"versionInfo\": \"${version}\", "
-      "\"licenseConcluded\": \"${licence}\", \"licenseDeclared\": \"${licence}\", \"copyrightText\": \"NOASSERTION\", "
-      "\"homepage\": \"${homepage}\", \"downloadLocation\": \"NOASSERTION\", \"filesAnalyzed\": false}")
-    string(APPEND sbom_relationships ",\n    {\"spdxElementId\": \"${id}\", \"relationshipType\": \"${relation}\", "
-                                     "\"relatedSpdxElement\": \"SPDXRef-csrbf\"}")
+    sbom_package(${package} ${found_version} ${licence} ${homepage} ${relation})
   endif()
 endmacro()
 
@@ -36,6 +41,12 @@ sbom_dependency(Threads src Threads_VERSION NOASSERTION NONE RUNTIME_DEPENDENCY_
 if(CSRBF_BUILD_APP)
   sbom_dependency(CLI11 app CLI11_VERSION BSD-3-Clause https://github.com/CLIUtils/CLI11 DEPENDENCY_OF)
   sbom_dependency(nlohmann_json app nlohmann_json_VERSION MIT https://json.nlohmann.me DEPENDENCY_OF)
+endif()
+# three.js becomes a part of the program when reports are interactive.
+if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE)
+  file(STRINGS ${CSRBF_THREE_MODULE} three_version REGEX "REVISION = " LIMIT_COUNT 1)
+  string(REGEX MATCH "[0-9]+" three_version "${three_version}")
+  sbom_package(three 0.${three_version} MIT https://threejs.org OPTIONAL_DEPENDENCY_OF)
 endif()
 if(CSRBF_BUILD_PYTHON)
   sbom_dependency(Python3 python Python3_VERSION Python-2.0.1 https://www.python.org OPTIONAL_DEPENDENCY_OF)
