@@ -8,7 +8,11 @@ build_packages=(g++ cmake ninja-build libeigen3-dev libnanoflann-dev libpng-dev 
 python_packages=(python3-dev python3-numpy pybind11-dev)
 
 # What its tests compare with and check by; those that are missing leave tests out.
-python_test_packages=(python3-scipy python3-sklearn python3-tqdm mypy python3-pip python3-venv python3-matplotlib python3-yaml)
+python_test_packages=(python3-scipy python3-sklearn python3-tqdm mypy python3-pip python3-venv
+  python3-matplotlib python3-yaml)
+
+# What the documentation site needs.
+docs_packages=(python3-sphinx python3-myst-parser furo doxygen)
 
 # run_as_root COMMAND...: runs it directly when we are root, else through sudo.
 run_as_root() {
