@@ -40,7 +40,7 @@ def main():
         for link in page.links:
             count += 1
             file, place = urldefrag(link)
-            target = (path.parent / unquote(file)).resolve() if file else path
+            target = (path.parent / unquote(file.split("?")[0])).resolve() if file else path
             if not target.exists():
                 problems.append(f"{path.relative_to(folder)}: {link} does not exist")
             elif place and target in pages and unquote(place) not in pages[target].places:
