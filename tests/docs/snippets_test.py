@@ -2,6 +2,7 @@
 they read; C++ at the end. A block that fails fails the test; those that are not run are counted.
 
 usage: snippets_test.py PAGE.md --fixtures FOLDER --work FOLDER --program CSRBF --cpp PROGRAM [--prefix FOLDER]
+                        [--no-python]
 """
 
 import argparse
@@ -39,16 +40,15 @@ def is_there(name):
 class Runner:
     def __init__(self, given):
         self.given = given
-        self.has_python = is_there("csrbf")
         self.names = {}
-        if self.has_python:
+        if not given.no_python:
             code = (pathlib.Path(__file__).parent / "prelude.py").read_text()
             exec(compile(code, "prelude.py", "exec"), self.names)
 
     def why_not(self, snippet):
         if snippet.not_run:
             return snippet.not_run
-        if snippet.language == "python" and not self.has_python:
+        if snippet.language == "python" and self.given.no_python:
             return "needs the Python module"
         if snippet.needs and not is_there(snippet.needs):
             return f"needs {snippet.needs}"
@@ -85,6 +85,7 @@ def main():
     parser.add_argument("--program", type=pathlib.Path, required=True)
     parser.add_argument("--cpp", type=pathlib.Path, required=True)
     parser.add_argument("--prefix", type=pathlib.Path)
+    parser.add_argument("--no-python", action="store_true")
     given = parser.parse_args()
     shutil.rmtree(given.work, ignore_errors=True)
     shutil.copytree(given.fixtures, given.work)
