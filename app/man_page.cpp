@@ -119,7 +119,10 @@ std::string examples() {
          command("csrbf fit soundings.csv -o depth.csrbf") +
          command("csrbf evaluate depth.csrbf -o depth.nrrd --grid 800,600") +
          ".PP\nFill the pixels of an image that a mask marks:\n" +
-         command("csrbf inpaint photo.png -o filled.png --mask scratches.png");
+         command("csrbf inpaint photo.png -o filled.png --mask scratches.png") +
+         ".PP\nFind the organ around a place in a volume, with its surface:\n" +
+         command(
+             "csrbf segment head.nii.gz -o brain.nii.gz --mode local --init sphere:12,-8,30,10 --contour brain.ply");
 }
 
 }  // namespace
@@ -134,7 +137,8 @@ std::string man_page(const Usage& program) {
               "csrbf turns scattered points into an implicit surface: a smooth function that is positive inside "
               "an object, negative outside and zero on its surface. From it come watertight meshes, pictures, "
               "normals and curvatures. It also turns scattered samples of any quantity into a smooth function that "
-              "can be evaluated anywhere, and fills the missing pixels of images. Each verb below does one step.");
+              "can be evaluated anywhere, and fills the missing pixels of images. And it parts images and volumes into "
+              "regions with smooth boundaries, through sequences as well. Each verb below does one step.");
   const std::vector<FlagUsage> common = common_flags(program);
   roff += section("VERBS");
   for (const Usage& verb : program.verbs) roff += verb_section(verb, common);

@@ -23,6 +23,7 @@ myst_heading_anchors = 3
 suppress_warnings = ["myst.header"]  # pages of records start their sections where they like
 
 
+default_role = "py:obj"  # `name` in docstrings
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 napoleon_google_docstring = False

@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// One local model of a surface (thesis 6.1, eq. (6.7)): in the local coordinates q = T (x - center),
+/// One local model of a surface (thesis 6.1, eq. (6.2)): in the local coordinates q = T (x - center),
 ///   f(x) = radius * ( b . (1, qx, qy, qz, qx^2, qx qy, qx qz, qy^2, qy qz, qz^2) + sum_j alpha_j phi(|q - c_j| /
 ///   support) ),
 /// a quadric plus a CSRBF residual (Wendland C4). T has orthogonal rows of length 1 / radius; its last row is along the
