@@ -24,7 +24,7 @@ std::shared_ptr<const Field<3>> composite(const PreparedCloud& prepared, const s
   CompositeField::Data data;
   data.levels.push_back(std::move(fit.patches));
   const Eigen::VectorXd smoothing = winding_smoothing * fit.areas.cwiseSqrt();
-  data.winding = WindingNumber({cloud.points, cloud.normals, fit.areas, smoothing});
+  data.winding = WindingNumber(cloud.points, cloud.normals, fit.areas, smoothing);
   data.far_value = far_spacings * std::sqrt(fit.areas.mean());
   data.detail = std::sqrt(fit.areas.mean());
   data.bounds = bounding_box<3>(cloud.points);
