@@ -11,7 +11,7 @@ namespace {
 void add_fit_flags(Verb& v, FitFlags& f) {
   v.flag("method", f.method, "NAME", "auto",
          "auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget, "
-         "error-bounded or moving-least-squares; auto chooses from the data");
+         "error-bounded, moving-least-squares or along-tracks; auto chooses from the data");
   v.flag("kernel", f.kernel, "NAME", "auto",
          "radial basis function: wendland-c2, gaussian, cubic, ... (a wrong name lists those there are)");
   v.flag("kernel-parameter", f.kernel_parameter, "P", "of the kernel", "of kernels that have one, such as matern");

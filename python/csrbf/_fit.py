@@ -38,7 +38,7 @@ def fit(
     values : array_like (n,) or (n, k)
     method : str
         "auto" chooses from the data; "interpolate", "least-squares", "partition-of-unity", "multilevel",
-        "pca-multiresolution", "fixed-budget", "error-bounded" or "moving-least-squares".
+        "pca-multiresolution", "fixed-budget", "error-bounded", "moving-least-squares" or "along-tracks".
     tolerance : float, optional
         Largest error allowed at any sample, in the unit of the values.
     centers : int, optional

@@ -29,7 +29,7 @@ class Pickles(unittest.TestCase):
         x = np.random.default_rng(0).random((300, 2))
         at = np.random.default_rng(1).random((40, 2))
         for method in ("interpolate", "least-squares", "partition-of-unity", "multilevel", "pca-multiresolution",
-                       "fixed-budget", "error-bounded", "moving-least-squares"):
+                       "fixed-budget", "error-bounded", "moving-least-squares", "along-tracks"):
             with self.subTest(method):
                 options = {"tolerance": 0.1} if method == "error-bounded" else {}
                 f = csrbf.fit(x, np.sin(3 * x[:, 0]) + x[:, 1], method=method, **options)

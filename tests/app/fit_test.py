@@ -137,7 +137,7 @@ class Fit(Functions):
         rows = rows_of(wave, 400)
         queries = self.write("queries.csv", csv([row[:2] for row in rows_of(wave, 50, seed=2)]))
         for method in ("interpolate", "least-squares", "partition-of-unity", "multilevel", "pca-multiresolution",
-                       "fixed-budget", "error-bounded", "moving-least-squares"):
+                       "fixed-budget", "error-bounded", "moving-least-squares", "along-tracks"):
             model = self.fitted(rows, "--method", method, name=method + ".csrbf")
             self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries)
             for x, y, value in self.table("out.csv")[1]:

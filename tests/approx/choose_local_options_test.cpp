@@ -74,61 +74,6 @@ TEST(ChooseLocalOptions, TakesRoughKernelsForRoughFunctions) {
   EXPECT_GE(choose_local_options<2>(smooth, {}).options.degree, 3);
 }
 
-// Waves of random directions whose amplitude falls as a power of their frequency.
-double fractal(const Point<2>& p) {
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  double sum = 0;
-  for (int k = 0; k < 60; ++k) {
-    const double frequency = std::exp2(8 * uniform(random)), angle = 6.283 * uniform(random);
-    const Point<2> wave = 6.283 * frequency * Point<2>(std::cos(angle), std::sin(angle));
-    sum += std::pow(frequency, -.8) * std::cos(wave.dot(p) + 6.283 * uniform(random));
-  }
-  return sum;
-}
-
-// Soundings of a rough ground along crossing lines, each with an offset of its own.
-Samples<2> soundings(Index count, double offset) {
-  constexpr Index lines = 60;
-  const Points<2> begin = random_points<2>(lines, 1), end = random_points<2>(lines, 2);
-  const Points<2> random = random_points<2>(count, 3);
-  std::mt19937_64 seed(4);
-  std::normal_distribution<double> normal;
-  Eigen::VectorXd offsets(lines);
-  for (double& x : offsets) x = offset * normal(seed);
-  Points<2> points(2, count);
-  Eigen::VectorXd added(count);
-  for (Index i = 0; i < count; ++i) {
-    const auto line = static_cast<Index>(random(1, i) * lines);
-    points.col(i) = begin.col(line) + random(0, i) * (end - begin).col(line);
-    added[i] = offsets[line];
-  }
-  Samples<2> samples = sample<2>(points, fractal);
-  samples.values += added;
-  return samples;
-}
-
-TEST(ChooseLocalOptions, FollowsTracksThatDifferFromEachOther) {
-  EXPECT_EQ(choose_local_options<2>(soundings(12000, 0), {}).options.anisotropy, 0);
-  EXPECT_GT(choose_local_options<2>(soundings(12000, .4), {}).options.anisotropy, 0);
-  Samples<2> even = soundings(12000, .4);
-  even.points = random_points<2>(12000, 7);
-  EXPECT_EQ(choose_local_options<2>(even, {}).options.anisotropy, 0);
-}
-
-// Every fifth sounding predicted by the others.
-TEST(ChooseLocalOptions, PredictsSoundingsBetterThanWithoutAMetric) {
-  const Samples<2> all = soundings(15000, .4);
-  const auto kept = Eigen::seqN(0, 12000), rest = Eigen::seqN(12000, 3000);
-  const Samples<2> data{all.points(Eigen::all, kept), all.values(kept, Eigen::all), {}};
-  const Points<2> x = all.points(Eigen::all, rest);
-  const auto mean_error = [&](const PartitionOfUnityOptions& options) {
-    const Eigen::VectorXd value = partition_of_unity<2>(data, options).fields()[0]->evaluate(x).value;
-    return (value - all.values(rest, 0)).cwiseAbs().mean();
-  };
-  EXPECT_LT(mean_error({}), .97 * mean_error({.anisotropy = 0.0}));
-}
-
 TEST(ChooseLocalOptions, DoesNotDependOnUnitsAndThreads) {
   const Samples<2> data = noisy(3000, .02);
   const LocalOptions options = choose_local_options<2>(data, {}).options;

@@ -303,7 +303,7 @@ TEST_P(DamagedFunction, WithADamagedTreeIsRefused) {
 
 INSTANTIATE_TEST_SUITE_P(Method, DamagedFunction,
                          ::testing::Values("interpolate", "partition-of-unity", "multilevel", "error-bounded",
-                                           "moving-least-squares"),
+                                           "moving-least-squares", "along-tracks"),
                          [](const auto& method) {
                            std::string name = method.param;
                            std::replace(name.begin(), name.end(), '-', '_');

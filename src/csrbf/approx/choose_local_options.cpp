@@ -1,6 +1,5 @@
 #include "csrbf/approx/choose_local_options.hpp"
 
-#include "csrbf/approx/held_out_error.hpp"
 #include "csrbf/approx/patch_samples.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
@@ -38,9 +37,6 @@ constexpr std::array<Index, 5> large_patches = {250, 700, 1500, 3000, 6000};
 constexpr Index many_centers = 48;
 constexpr const char* fractal_kernel = "powered-exponential";  // close to r^1.4 within a patch
 constexpr double fractal_support = 8;
-constexpr double track_anisotropy = 0.8;
-constexpr double clearly_better = 0.99;    // of the error: between tracks isotropic patches are safer
-constexpr Index fewest_for_tracks = 1000;  // samples
 
 // Samples in patches spread over the data, each predicted by the patch fitted without it.
 template <int Dim>
@@ -167,7 +163,6 @@ class Chooser {
         validation_.errors(best_.options, best_.work, [&](const auto& e) { return (e / range).square().mean(); });
     ChosenLocalOptions chosen{best_.options, mean(best_.errors, best_.errors),
                               range * std::sqrt(mean(squares, squares))};
-    try_anisotropic(chosen);
     return chosen;
   }
 
@@ -304,26 +299,6 @@ class Chooser {
         options.smoothing = smoothing;
         if (attempt(options)) break;
       }
-    }
-  }
-
-  // Rough values along tracks often differ from one track to the next, by more than the function does. Then small
-  // patches whose metric follows the track predict better.
-  void try_anisotropic(ChosenLocalOptions& chosen) {
-    if (Dim == 1 || !uneven_ || size_ < fewest_for_tracks || !is_rough() || given_.kernel || given_.degree ||
-        given_.samples_per_patch || given_.centers_per_patch || given_.anisotropy)
-      return;
-    LocalOptions options = best_.options;
-    options.kernel = fractal_kernel;
-    options.support = fractal_support;
-    options.degree = 0;
-    options.samples = options.centers = 6 * Dim;
-    options.anisotropy = track_anisotropy;
-    const HeldOutSamples<Dim> held_out(samples_);
-    const HeldOutError error = held_out.error(options);
-    if (error.mean < clearly_better * held_out.error(best_.options).mean) {
-      chosen.options = options;
-      chosen.rmse = error.rmse;
     }
   }
 

@@ -19,10 +19,11 @@ enum class Extrapolation {
 };
 
 struct FitOptions {
-  /// auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget, error-bounded
-  /// or moving-least-squares. auto: for a tolerance partition-of-unity, of as many samples as it takes, and
-  /// error-bounded where that does not meet it; fixed-budget for a budget of centres, interpolate with a kernel chosen
-  /// by leave-one-out for few samples without noise, else partition-of-unity.
+  /// auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget,
+  /// error-bounded, moving-least-squares or along-tracks, which is that with weights that follow tracks. auto: for a
+  /// tolerance partition-of-unity, of as many samples as it takes, and error-bounded where that does not meet it;
+  /// fixed-budget for a budget of centres, interpolate with a kernel chosen by leave-one-out for few samples without
+  /// noise, else partition-of-unity, or along-tracks where that predicts rough values on tracks better.
   std::string method = "auto";
   /// A name of kernels/kernel.hpp, or auto.
   std::string kernel = "auto";

@@ -31,9 +31,14 @@ HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
 template <int Dim>
 HeldOutError HeldOutSamples<Dim>::error(const LocalOptions& options) const {
   const PartitionOfUnityFit<Dim> fit{fit_patches<Dim>(kept_, options, {}, &held_out_.points), {}};
+  return error(fit.fields());
+}
+
+template <int Dim>
+HeldOutError HeldOutSamples<Dim>::error(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const {
   Eigen::MatrixXd error = held_out_.values;
   Index component = 0;
-  for (const auto& field : fit.fields()) error.col(component++) -= field->evaluate(held_out_.points).value;
+  for (const auto& field : fields) error.col(component++) -= field->evaluate(held_out_.points).value;
   return {error.cwiseAbs().mean(), error.stableNorm() / std::sqrt(static_cast<double>(error.size()))};
 }
 

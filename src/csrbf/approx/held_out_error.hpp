@@ -2,10 +2,14 @@
 
 #include "csrbf/approx/local_fit.hpp"
 #include "csrbf/approx/samples.hpp"
+#include "csrbf/core/field.hpp"
+
+#include <memory>
+#include <vector>
 
 namespace csrbf {
 
-/// How a partition of unity predicts samples that it was not fitted to.
+/// How a fit predicts samples that it was not fitted to.
 struct HeldOutError {
   double mean = 0;  ///< absolute, of all components
   double rmse = 0;
@@ -20,6 +24,10 @@ class HeldOutSamples {
   explicit HeldOutSamples(const Samples<Dim>& samples);
 
   [[nodiscard]] HeldOutError error(const LocalOptions& options) const;
+
+  /// Of any fit to the other samples, with one field per component.
+  [[nodiscard]] HeldOutError error(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const;
+  [[nodiscard]] const Samples<Dim>& others() const { return kept_; }
 
  private:
   Samples<Dim> kept_, held_out_;

@@ -19,6 +19,7 @@ constexpr const char* expansion_kind = "expansion";
 constexpr const char* level_sum_kind = "level sum";
 constexpr const char* partition_kind = "partition of unity";
 constexpr const char* moving_kind = "moving least squares";
+constexpr const char* track_kind = "moving least squares along tracks";
 constexpr const char* fitted_kind = "fitted field";
 constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
@@ -104,7 +105,7 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
 
 bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
-         kind == fitted_kind || kind == lattice_kind || kind == largest_kind;
+         kind == track_kind || kind == fitted_kind || kind == lattice_kind || kind == largest_kind;
 }
 
 template <int Dim>
@@ -135,7 +136,7 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     archive.set("component", partition->component());
     archive.set("data", share(&partition->data(), [&] { return patches_to_archive<Dim>(partition->data()); }));
   } else if (const auto* moving = dynamic_cast<const MovingLeastSquares<Dim>*>(&field)) {
-    archive.kind = moving_kind;
+    archive.kind = moving->data().directions.cols() > 0 ? track_kind : moving_kind;
     archive.set("component", moving->component());
     archive.set("data", share(&moving->data(), [&] { return samples_to_archive<Dim>(moving->data()); }));
   } else if (const auto* variance = dynamic_cast<const KrigingVariance<Dim>*>(&field)) {
@@ -219,7 +220,7 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     const Index component = archive.integer("component", 0, data->models.components - 1);
     return std::make_shared<const PartitionOfUnity<Dim>>(data, component);
   }
-  if (archive.kind == moving_kind) {
+  if (archive.kind == moving_kind || archive.kind == track_kind) {
     const auto data = shared<Moving>(archive, "data", samples_kind, samples_from<Dim>);
     const Index component = archive.integer("component", 0, data->samples.components() - 1);
     return std::make_shared<const MovingLeastSquares<Dim>>(data, component);

@@ -171,6 +171,7 @@ Archive samples_to_archive(const typename MovingLeastSquares<Dim>::Data& data) {
   Archive archive;
   archive.kind = samples_kind;
   set_kernel(archive, data.kernel);
+  if (data.directions.cols() > 0) archive.set("directions", data.directions);
   archive.set("degree", data.bases.back().degree());
   archive.set("points", data.samples.points);
   archive.set("values", data.samples.values);
@@ -191,6 +192,7 @@ std::shared_ptr<const typename MovingLeastSquares<Dim>::Data> samples_from(const
   auto data = std::make_shared<typename MovingLeastSquares<Dim>::Data>(
       std::move(samples), kernel_of(archive), static_cast<int>(archive.integer("degree", 0, most_degree)));
   data->set_radii(radii);
+  if (archive.has("directions")) data->directions = archive.numbers("directions", Dim, data->samples.size());
   return data;
 }
 

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
+
+namespace csrbf {
+
+/// Directions of the tracks on which samples lie, as those of ships and satellites: for each point a unit vector along
+/// the closest two of its neighbours that lie on opposite sides of it, within 8 degrees; 0 where there are none. Sign
+/// arbitrary. `points`: Dim x n, distinct; `tree`: of the points. Costs O(n k^2) for the k = 24 nearest ones.
+template <int Dim>
+Points<Dim> track_directions(const Points<Dim>& points, const KdTree<Dim>& tree);
+
+}  // namespace csrbf
