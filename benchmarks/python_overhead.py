@@ -105,7 +105,8 @@ def main():
     parser.add_argument("--output", type=Path, default=PROJECT / "benchmarks/PYTHON.md")
     given = parser.parse_args()
     header = ["samples of a", "C++", "Python", "overhead", "memory", "Fortran order"]
-    place = f"{datetime.date.today()}; {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the start"
+    place = (f"{datetime.date.today()}; preset {given.module.resolve().parent.name}, {os.cpu_count()} cores, load "
+             f"{os.getloadavg()[0]:.1f} at the start")
     lines = [f"# csrbf from Python\n\n{place}\n\n{LEGEND.format(samples=given.samples, runs=given.runs)}",
              f"| {' | '.join(header)} |", "|---" + "|---:" * (len(header) - 1) + "|"]
     fine = True

@@ -76,8 +76,8 @@ class ArrayBacked(NDArrayOperatorsMixin):
     def __getitem__(self, index: Any) -> Any:
         return self._array[index]
 
-    def __array__(self, dtype: Any = None) -> NDArray[Any]:
-        return np.asarray(self._array, dtype=dtype)
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self._array, dtype=dtype) if copy else np.asarray(self._array, dtype=dtype)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **keywords: Any) -> Any:
         def plain(value: Any) -> Any:

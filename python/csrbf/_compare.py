@@ -121,7 +121,7 @@ def _compare_labels(a: Image, b: Image, listener: Any) -> dict[str, Any]:
 
 def _placed(image: Image, place: Image) -> dict[str, Any]:
     """The layout of an image, at the place of another one of the same size."""
-    layout, other = image._layout(), place._layout()
+    layout, other = dict(image._layout(), type="float32"), place._layout()
     if layout["size"] == other["size"]:
         layout.update((key, other[key]) for key in ("spacing", "origin", "direction", "space"))
     return layout

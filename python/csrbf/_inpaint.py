@@ -78,7 +78,8 @@ def inpaint(
     holes = _holes(image, mask, missing)
     with listening(progress) as listener:
         doubles = np.ascontiguousarray(values, dtype=np.float64).ravel()
-        filled, report = _csrbf.inpaint(doubles, image._layout(), holes.ravel(), options, listener)
+        layout = dict(image._layout(), type="float64")
+        filled, report = _csrbf.inpaint(doubles, layout, holes.ravel(), options, listener)
     if report["missing"] == 0:
         warnings.warn("inpaint: nothing is missing; give mask or missing", stacklevel=2)
     if not floating:

@@ -73,6 +73,7 @@ class Files(unittest.TestCase):
     def test_images_are_arrays_to_numpy_and_are_pickled(self):
         image = csrbf.Image(np.arange(6.0).reshape(2, 3), 2.0)
         self.assertIs(np.asarray(image), image.values)
+        self.assertIsNot(np.array(image), image.values)
         self.assertEqual((image > 2).sum(), 3)
         self.assertEqual(np.mean(image), 2.5)
         self.assertEqual(image[1, 2], 5)
@@ -130,7 +131,8 @@ class Inpainting(unittest.TestCase):
         np.testing.assert_array_equal(filled.origin, whole.origin)
         error = filled[hole].astype(float) - whole[hole]
         self.assertLess(np.abs(error).max(), 10)  # of 130; rounding is noise
-        self.assertEqual(csrbf.inpaint(image.astype(np.float32), hole, **QUICK).dtype, np.float32)
+        for dtype in (np.float32, np.float16, np.int64):
+            self.assertEqual(csrbf.inpaint(image.astype(dtype), hole, **QUICK).dtype, dtype)
 
     def test_colours_and_frames_are_filled_one_by_one(self):
         image, hole = self.waves()
