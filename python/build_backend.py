@@ -31,7 +31,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     build = pathlib.Path(given) if given else SOURCE / "build" / f"wheel-{_tag()}"
     if not (given and (build / "CMakeCache.txt").exists()):
         _configure(build)
-    _run("--build", str(build), "--config", "Release", "--target", "csrbf-python", "--parallel", str(os.cpu_count()))
+    _run("--build", str(build), "--config", "Release", "--target", "python-package", "--parallel", str(os.cpu_count()))
     with tempfile.TemporaryDirectory() as staging:
         _run("--install", str(build), "--config", "Release", "--component", "python", "--strip", "--prefix", staging)
         package = next(pathlib.Path(staging).rglob("csrbf/__init__.py")).parent
@@ -67,6 +67,7 @@ def _configure(build):
         "CMAKE_BUILD_TYPE": "Release",
         "BUILD_SHARED_LIBS": "OFF",
         "CSRBF_BUILD_APP": "OFF",
+        "CSRBF_BUILD_EXAMPLES": "ON",  # the figures of csrbf.thesis
         "CSRBF_BUILD_TESTS": "OFF",
         "CSRBF_BUILD_PYTHON": "ON",
         "Python3_EXECUTABLE": sys.executable,

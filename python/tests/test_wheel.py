@@ -66,7 +66,7 @@ class Wheel(unittest.TestCase):
         self.assertEqual(sorted(names), sorted(name for name, _, _ in listed))
         self.assertEqual(len(set(names)), len(names))
         extension = sysconfig.get_config_var("EXT_SUFFIX")
-        for name in ("__init__.py", "py.typed", "_csrbf.pyi", "sklearn.py", f"_csrbf{extension}"):
+        for name in ("__init__.py", "py.typed", "_csrbf.pyi", "sklearn.py", "thesis/__main__.py", f"_csrbf{extension}"):
             self.assertIn(f"csrbf/{name}", names)
         self.assertFalse([name for name in names if "__pycache__" in name or "libcsrbf" in name])
         self.assertIn(f"{info}/LICENSE", names)
