@@ -80,7 +80,7 @@ def evaluate(
     if grid is not None:
         points = _nodes(f.bounds.T if bounds is None else np.asarray(bounds, dtype=float), grid, d)
     elif like is not None:
-        points = as_image(like).centers()
+        points = as_image(like).centers()[..., :d]  # a volume of one slice is an image in the plane
     assert points is not None
     x, shape = queries(points, d)
     columns = [f(x).reshape(len(x), -1)]

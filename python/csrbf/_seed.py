@@ -75,7 +75,9 @@ def _around(path: str, image: Image, volume: _csrbf.Volume) -> NDArray[np.uint8]
 
 
 def _inside(f: Function | Surface, image: Image) -> NDArray[np.uint8]:
-    return _covering((f(image.centers()) > 0).astype(np.uint8), "the function")
+    # A volume of one slice is an image in the plane.
+    centers = image.centers()[..., : f.dimension] if isinstance(f, Function) else image.centers()
+    return _covering((f(centers) > 0).astype(np.uint8), "the function")
 
 
 def _covering(seed: NDArray[np.uint8], what: str) -> NDArray[np.uint8]:

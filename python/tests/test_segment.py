@@ -49,6 +49,22 @@ class Plane(unittest.TestCase):
         np.testing.assert_array_equal(csrbf.segment(image, init=seed).labels, inside.labels)
         np.testing.assert_array_equal(csrbf.segment(image, init=inside.field).labels, inside.labels)
 
+    def test_volumes_of_one_slice_are_images_in_the_plane(self):
+        image = disc()
+        g = csrbf.segment(image)
+        slice_of_it = csrbf.segment(image[np.newaxis], init=g.field)
+        np.testing.assert_array_equal(slice_of_it.labels, g.labels[np.newaxis])
+        labels = csrbf.evaluate(g.field, like=image[np.newaxis], labels=True)
+        np.testing.assert_array_equal(labels, g.labels[np.newaxis])
+
+    def test_points_on_the_boundary_are_a_start(self):
+        angle = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "points.csv")
+            np.savetxt(path, np.column_stack([30 + 6 * np.cos(angle), 20 + 6 * np.sin(angle)]), delimiter=",")
+            g = csrbf.segment(disc(), init=f"points:{path}", mode="local")
+        np.testing.assert_array_equal(g.labels, csrbf.segment(disc(), init="sphere:30,20,6", mode="local").labels)
+
     def test_models_and_labels_are_saved(self):
         g = csrbf.segment(disc())
         with tempfile.TemporaryDirectory() as folder:
