@@ -68,7 +68,7 @@ Figure figure_2_4() {
   figure.claims = {
       {"too small a support", "the reconstructed signal is not continuous",
        "f = 0 between the samples at support h / 2 (RMSE " + number(small.rmse) + "), but as smooth as the kernel",
-       Verdict::holds},
+       Verdict::fails},
       {"too large a support", "smooth, but the matrix becomes dense",
        "at 40 h RMSE " + number(large.rmse) + ", " + number(100 * large.density) +
            " % of the matrix is not 0, condition " + number(large.condition, 2),

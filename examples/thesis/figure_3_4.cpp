@@ -114,7 +114,7 @@ void add_noisy_curves(Figure& figure, const ThresholdCurve& curve) {
 Figure figure_3_4() {
   Figure figure{
       .name = "figure-3.4",
-      .title = "Figs. 3.4-3.6: a signal from 100 irregular samples, and the threshold under noise",
+      .title = "Figs. 3.3-3.6: a signal from 100 irregular samples, and the threshold under noise",
       .text =
           "PCA multiresolution of the signal (3.5), clusters of at most 40 samples, Wendland C2; the curves are of "
           "one draw of places with an error near the median. Errors against the threshold are root mean squares of "

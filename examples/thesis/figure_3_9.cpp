@@ -39,7 +39,7 @@ double peaks_default_fit() {
 
 Figure figure_3_9() {
   Figure figure{.name = "figure-3.9",
-                .title = "Fig. 3.9: peaks from 500 random samples, level by level",
+                .title = "Figs. 3.7-3.9: peaks from 500 random samples, level by level",
                 .text =
                     "PCA multiresolution, Wendland C2, first clusters of at most 100 samples, bound 0.1 at every "
                     "sample; peaks ranges from -6.5 to 8.1. Errors on a lattice of 61 x 61 points that are not "

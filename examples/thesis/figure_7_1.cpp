@@ -20,7 +20,7 @@ SegmentedImage active_contour(int steps) {
 
 Figure figure_7_1() {
   Figure figure{.name = "figure-7.1",
-                .title = "Figs. 7.1, 7.3: an active contour and the function behind it",
+                .title = "Figs. 7.1-7.3: an active contour and the function behind it",
                 .text =
                     "Two means, a delta of 1.25 node spacings, f cut off at 3 spacings, from a circle around the "
                     "object: the contour changes its topology by itself. Left the image with the contour, right f, "

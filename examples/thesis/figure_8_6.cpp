@@ -101,7 +101,7 @@ SegmentedImage star_run(const Phantom& star, const Nodes<2>& nodes, double rho) 
 
 Figure figure_8_6() {
   Figure figure{.name = "figure-8.6",
-                .title = "Figs. 8.1, 8.6, 8.7: number and places of the centres",
+                .title = "Figs. 8.6, 8.7: number and places of the centres",
                 .text =
                     "A made star of eleven rays in 446 x 446 pixels, without noise. Collocation with normalisation; "
                     "support 4 h on lattices. Along a shape known before (here the truth itself, as in the thesis) "

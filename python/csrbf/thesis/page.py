@@ -1,8 +1,9 @@
 """The page of the gallery: one file of HTML with every picture in it."""
 
 import base64
+import html
+import re
 import struct
-from html import escape
 
 import csrbf
 from csrbf.thesis import VERDICTS
@@ -66,6 +67,7 @@ article { margin: 2.6rem 0 3.4rem; }
 table { border-collapse: collapse; width: 100%; font-size: .94rem; line-height: 1.42; }
 th, td { padding: 7px 16px 7px 0; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
 th { font-size: .84rem; color: var(--quiet); }
+sup { line-height: 0; font-size: .75em; }
 td { font-variant-numeric: tabular-nums; }
 .claims { table-layout: fixed; min-width: 560px; } .claims th:nth-child(1) { width: 29%; }
 .claims th:nth-child(2) { width: 21%; } .claims th:nth-child(4) { width: 150px; }
@@ -89,13 +91,21 @@ footer { max-width: 1120px; margin: 4rem auto 0; padding: 20px 24px 40px; color:
 """
 
 
+def text(words):
+    """Words as HTML, with numbers such as 1e-3 and powers such as x^2 as they are written by hand."""
+    words = html.escape(words)
+    words = re.sub(r"\b(\d+(?:\.\d+)?)e\+?(-?)0*(\d+)\b", r"\1·10^\2\3", words)
+    words = words.replace("^-", "^−")
+    return re.sub(r"\^(?:\(([^()]*)\)|(−?\d+(?:\.\d+)?|\w))", r"<sup>\1\2</sup>", words)
+
+
 def write(path, figures, images, seconds):
     """Writes the page.
 
     figures: those of this run; images: what plots.save returned, by their names; seconds: what all took.
     """
-    text = page(figures, images, seconds)
-    replace(path, lambda file: file.write(text.encode()))
+    content = page(figures, images, seconds)
+    replace(path, lambda file: file.write(content.encode()))
 
 
 def counts(figures):
@@ -116,7 +126,7 @@ def page(figures, images, seconds):
     for title, _ in CHAPTERS:
         of_chapter = [figure for figure in figures if chapter_of(figure.name) == title]
         if of_chapter:
-            body.append(f'<h2 id="{anchor(title)}">{escape(title)}</h2>')
+            body.append(f'<h2 id="{anchor(title)}">{text(title)}</h2>')
             body += [article(figure, images[figure.name]) for figure in of_chapter]
     return f"""<!DOCTYPE html>
 <html lang="en">
@@ -130,7 +140,7 @@ def page(figures, images, seconds):
 <header>
 <h1>The thesis, computed again</h1>
 <p>The figures and tables of A. Gelas, “Compactly Supported Radial Basis Functions: Multidimensional Reconstruction and
-Applications” (2006): what it says and shows, and what csrbf {escape(csrbf.__version__)} gives on this machine.</p>
+Applications” (2006): what it says and shows, and what csrbf {text(csrbf.__version__)} gives on this machine.</p>
 {tiles(figures, seconds)}
 <p class="note">A claim <b>holds</b> when our numbers show what the thesis says, and <b>fails</b> when they do not, also
 when there is no difference where one is claimed. It is <b>not comparable</b> where the thesis prints no number, where
@@ -147,7 +157,7 @@ without numbers; where its data are not free, others take their place and the te
 <p class="note">What is printed and what is right, {len(ERRATA)} places, in the order of the thesis.</p>
 {errata_table(names)}
 </main>
-<footer>csrbf {escape(csrbf.__version__)}. Written by <code>python3 -m csrbf.thesis</code> in {seconds:.0f} s.</footer>
+<footer>csrbf {text(csrbf.__version__)}. Written by <code>python3 -m csrbf.thesis</code> in {seconds:.0f} s.</footer>
 </body>
 </html>
 """
@@ -168,8 +178,8 @@ def worst(figure):
 
 
 def badge(verdict, count=None):
-    text = counted(count, verdict) if count else verdict
-    return f'<span class="badge {CLASSES[verdict]}">{SIGNS[verdict]} {text}</span>'
+    words = counted(count, verdict) if count else verdict
+    return f'<span class="badge {CLASSES[verdict]}">{SIGNS[verdict]} {words}</span>'
 
 
 def tiles(figures, seconds):
@@ -186,7 +196,8 @@ def tiles(figures, seconds):
 
 def failures(figures):
     rows = [
-        f'<li><a href="#{figure.name}">{escape(claim.what)}</a>: {escape(claim.ours)}</li>'
+        f'<li><a href="#{figure.name}">{text(claim.what)}</a>. Thesis: {text(claim.published)}. '
+        f"Ours: {text(claim.ours)}.</li>"
         for figure in figures
         for claim in figure.claims
         if claim.verdict == "fails"
@@ -199,11 +210,11 @@ def contents(figures):
     for title, _ in CHAPTERS:
         of_chapter = [figure for figure in figures if chapter_of(figure.name) == title]
         if of_chapter:
-            items.append(f'<li class="chapter"><a href="#{anchor(title)}">{escape(title)}</a></li>')
+            items.append(f'<li class="chapter"><a href="#{anchor(title)}">{text(title)}</a></li>')
         for figure in of_chapter:
             verdict = worst(figure)
             mark = f'<span class="mark {CLASSES[verdict]}" title="{verdict}">{SIGNS[verdict]}</span>'
-            items.append(f'<li>{mark}<a href="#{figure.name}">{escape(figure.title)}</a></li>')
+            items.append(f'<li>{mark}<a href="#{figure.name}">{text(figure.title)}</a></li>')
     items.append('<li class="chapter"><a href="#coverage">Every figure and table of the thesis</a></li>')
     items.append('<li class="chapter"><a href="#errata">Errata</a></li>')
     return f'<nav aria-label="Contents"><h4>Contents</h4><ul>{"".join(items)}</ul></nav>'
@@ -214,12 +225,12 @@ def article(figure, images):
     badges = "".join(badge(verdict, found.count(verdict)) for verdict in VERDICTS if verdict in found)
     covers = ", ".join(entry.number for entry in published_in(figure.name))
     parts = [
-        f'<article id="{figure.name}"><h3>{escape(figure.title)}</h3>',
-        f'<div class="meta">{badges}<span>{escape(covers)}</span><span>{duration(figure.seconds)}</span></div>',
-        f'<p class="note">{escape(figure.text)}</p>' if figure.text else "",
+        f'<article id="{figure.name}"><h3>{text(figure.title)}</h3>',
+        f'<div class="meta">{badges}<span>{text(covers)}</span><span>{duration(figure.seconds)}</span></div>',
+        f'<p class="note">{text(figure.text)}</p>' if figure.text else "",
     ]
     if figure.missing:
-        parts.append(f'<p class="missing">Left out: {escape(figure.missing)}</p></article>')
+        parts.append(f'<p class="missing">Left out: {text(figure.missing)}</p></article>')
         return "".join(parts)
     parts += [plot(path, inches, figure.title) for path, _, inches in images if inches]
     renders = [render(path, caption) for path, caption, inches in images if not inches]
@@ -246,21 +257,21 @@ def plot(path, inches, title):
     source, width, height = data(path)
     scale = 96 * inches
     size = f'width="{width * scale:.0f}" height="{height * scale:.0f}"'
-    return f'<div class="plot"><img {size} alt="{escape(title)}" src="{source}"></div>\n'
+    return f'<div class="plot"><img {size} alt="{html.escape(title)}" src="{source}"></div>\n'
 
 
 def render(path, caption):
     source, width, height = data(path)
     return (
-        f'<figure><img width="{width}" height="{height}" alt="{escape(caption)}" src="{source}">'
-        f"<figcaption>{escape(caption)}</figcaption></figure>\n"
+        f'<figure><img width="{width}" height="{height}" alt="{html.escape(caption)}" src="{source}">'
+        f"<figcaption>{text(caption)}</figcaption></figure>\n"
     )
 
 
 def claims_table(claims):
     rows = "".join(
-        f'<tr><td>{escape(claim.what)}</td><td data-label="thesis: ">{escape(claim.published)}</td>'
-        f'<td data-label="ours: ">{escape(claim.ours)}</td><td>{badge(claim.verdict)}</td></tr>\n'
+        f'<tr><td>{text(claim.what)}</td><td data-label="thesis: ">{text(claim.published)}</td>'
+        f'<td data-label="ours: ">{text(claim.ours)}</td><td>{badge(claim.verdict)}</td></tr>\n'
         for claim in claims
     )
     head = "<thead><tr><th>claim</th><th>thesis</th><th>ours</th><th>verdict</th></tr></thead>"
@@ -269,8 +280,8 @@ def claims_table(claims):
 
 def errata_list(name):
     items = "".join(
-        f'<li><a href="#erratum-{i}">{i}</a> {escape(erratum.where)}: printed “{escape(erratum.printed)}”; right: '
-        f"{escape(erratum.correct)}.</li>"
+        f'<li><a href="#erratum-{i}">{i}</a> {text(erratum.where)}: printed “{text(erratum.printed)}”; right: '
+        f"{text(erratum.correct)}.</li>"
         for i, erratum in errata_of(name)
     )
     return f'<h4>Errata</h4><ul class="errata">{items}</ul>' if items else ""
@@ -283,13 +294,13 @@ def numbers(tables):
         if len(table.rows) > MOST_ROWS or len(table.columns) > 16:
             continue
         columns = ([""] if table.labels else []) + table.columns
-        head = "".join(f"<th>{escape(column)}</th>" for column in columns)
+        head = "".join(f"<th>{text(column)}</th>" for column in columns)
         rows = ""
         for i, row in enumerate(table.rows):
             cells = ([table.labels[i]] if table.labels else []) + [f"{value:.4g}" for value in row]
-            rows += "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+            rows += "<tr>" + "".join(f"<td>{text(cell)}</td>" for cell in cells) + "</tr>"
         parts.append(
-            f'<h4>{escape(name)}</h4><div class="scroll"><table class="numbers"><thead><tr>{head}</tr></thead>'
+            f'<h4>{text(name)}</h4><div class="scroll"><table class="numbers"><thead><tr>{head}</tr></thead>'
             f"<tbody>{rows}</tbody></table></div>"
         )
     return f'<details><summary>The numbers</summary>{"".join(parts)}</details>' if parts else ""
@@ -298,15 +309,15 @@ def numbers(tables):
 def coverage(names):
     rows = []
     for title, entries in CHAPTERS:
-        rows.append(f'<tr><th colspan="3">{escape(title)}</th></tr>')
+        rows.append(f'<tr><th colspan="3">{text(title)}</th></tr>')
         for entry in entries:
             if not entry.figure:
-                where = f"not covered: {escape(entry.reason)}"
+                where = f"not covered: {text(entry.reason)}"
             elif entry.figure in names:
                 where = f'<a href="#{entry.figure}">{entry.figure}</a>'
             else:
                 where = f"{entry.figure} (not in this run)"
-            rows.append(f"<tr><td>{escape(entry.number)}</td><td>{escape(entry.what)}</td><td>{where}</td></tr>")
+            rows.append(f"<tr><td>{text(entry.number)}</td><td>{text(entry.what)}</td><td>{where}</td></tr>")
     return f'<div class="scroll"><table><tbody>{"".join(rows)}</tbody></table></div>'
 
 
@@ -314,7 +325,7 @@ def errata_table(names):
     rows = []
     for i, erratum in enumerate(ERRATA, 1):
         links = ", ".join(f'<a href="#{name}">{name}</a>' for name in erratum.figures if name in names)
-        cells = "".join(f"<td>{escape(text)}</td>" for text in (erratum.where, erratum.printed, erratum.correct))
+        cells = "".join(f"<td>{text(words)}</td>" for words in (erratum.where, erratum.printed, erratum.correct))
         rows.append(f'<tr id="erratum-{i}"><td>{i}</td>{cells}<td>{links}</td></tr>')
     head = "<thead><tr><th></th><th>where</th><th>printed</th><th>right</th><th>seen in</th></tr></thead>"
     return f'<div class="scroll"><table>{head}<tbody>{"".join(rows)}</tbody></table></div>'
