@@ -22,7 +22,7 @@ ENTRIES = [entry for _, entries in CHAPTERS for entry in entries]
 # How many figures each chapter of the thesis has, and how many tables.
 FIGURES = {1: 2, 2: 4, 3: 18, 4: 1, 5: 3, 6: 25, 7: 3, 8: 11}
 TABLES = {2: 4, 8: 2}
-VOID = {"meta", "img"}
+VOID = {"meta", "img", "br"}
 
 
 def run(*arguments):

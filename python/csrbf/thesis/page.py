@@ -67,7 +67,8 @@ article { margin: 2.6rem 0 3.4rem; }
 table { border-collapse: collapse; width: 100%; font-size: .94rem; line-height: 1.42; }
 th, td { padding: 7px 16px 7px 0; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
 th { font-size: .84rem; color: var(--quiet); }
-sup { line-height: 0; font-size: .75em; }
+sup, sub { line-height: 0; font-size: .75em; }
+.names { white-space: nowrap; }
 td { font-variant-numeric: tabular-nums; }
 .claims { table-layout: fixed; min-width: 560px; } .claims th:nth-child(1) { width: 29%; }
 .claims th:nth-child(2) { width: 21%; } .claims th:nth-child(4) { width: 150px; }
@@ -92,10 +93,10 @@ footer { max-width: 1120px; margin: 4rem auto 0; padding: 20px 24px 40px; color:
 
 
 def text(words):
-    """Words as HTML, with numbers such as 1e-3 and powers such as x^2 as they are written by hand."""
+    """Words as HTML; numbers such as 1e-3, powers such as x^2 and indices such as p_k become what one writes by hand."""
     words = html.escape(words)
     words = re.sub(r"\b(\d+(?:\.\d+)?)e\+?(-?)0*(\d+)\b", r"\1·10^\2\3", words)
-    words = words.replace("^-", "^−")
+    words = re.sub(r"\b(\w)_(\w)\b", r"\1<sub>\2</sub>", words).replace("^-", "^−")
     return re.sub(r"\^(?:\(([^()]*)\)|(−?\d+(?:\.\d+)?|\w))", r"<sup>\1\2</sup>", words)
 
 
@@ -324,8 +325,8 @@ def coverage(names):
 def errata_table(names):
     rows = []
     for i, erratum in enumerate(ERRATA, 1):
-        links = ", ".join(f'<a href="#{name}">{name}</a>' for name in erratum.figures if name in names)
+        links = "<br>".join(f'<a href="#{name}">{name}</a>' for name in erratum.figures if name in names)
         cells = "".join(f"<td>{text(words)}</td>" for words in (erratum.where, erratum.printed, erratum.correct))
-        rows.append(f'<tr id="erratum-{i}"><td>{i}</td>{cells}<td>{links}</td></tr>')
+        rows.append(f'<tr id="erratum-{i}"><td>{i}</td>{cells}<td class="names">{links}</td></tr>')
     head = "<thead><tr><th></th><th>where</th><th>printed</th><th>right</th><th>seen in</th></tr></thead>"
     return f'<div class="scroll"><table>{head}<tbody>{"".join(rows)}</tbody></table></div>'
