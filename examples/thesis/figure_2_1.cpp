@@ -93,13 +93,13 @@ void add_misprints(Figure& figure) {
   const double wrong = smallest_eigenvalue<1>(printed, 0, 0.5), right = smallest_eigenvalue<1>(correct, 0, 0.5);
   figure.claims.push_back(
       {"Table 2.3, d = 1, C4 as printed, 38 r^2 + 5 r + 1: positive definite", "yes",
-       "smallest eigenvalue over the largest " + number(wrong, 2) + "; with 8 r^2 " + number(right, 2),
+       "smallest eigenvalue over the largest " + number(wrong, 2) + "; with 8 r^2: " + number(right, 2),
        verdict(wrong > -rounding)});
   const double kink = cubic_term([](double r) { return wendland_c4(r, 1); }),
                smooth = cubic_term([](double r) { return wendland_c4(r, 3); });
   figure.claims.push_back({"theorem 2.1, k = 2 as printed, l^2 + 4 l + 1: four derivatives", "yes",
                            "no: a term of r^3 at the centre, third difference " + number(kink, 2) +
-                               "; with l^2 + 4 l + 3 " + number(std::abs(smooth), 1),
+                               "; with l^2 + 4 l + 3: " + number(std::abs(smooth), 1),
                            verdict(std::abs(kink) < 0.5)});
   figure.tables.push_back(curves("misprint", {{"as printed: 38 r^2", printed}, {"correct: 8 r^2", correct}}, 1.1));
 }

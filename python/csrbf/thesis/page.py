@@ -197,8 +197,8 @@ def tiles(figures, seconds):
 
 def failures(figures):
     rows = [
-        f'<li><a href="#{figure.name}">{text(claim.what)}</a>. Thesis: {text(claim.published)}. '
-        f"Ours: {text(claim.ours)}.</li>"
+        f'<li><a href="#{figure.name}">{text(figure.title.split(":")[0])}</a>: {text(claim.what)}. '
+        f"Thesis: {text(claim.published)}. Ours: {text(claim.ours)}.</li>"
         for figure in figures
         for claim in figure.claims
         if claim.verdict == "fails"
