@@ -124,7 +124,10 @@ class Fit(VTKPythonAlgorithmBase):
         self.Modified()
 
     def RequestInformation(self, request, inputs, outputs):
-        size = self._image(vtkDataObject.GetData(inputs[0], 0))[0]
+        # The size of the image follows from the points, which are not there yet.
+        source = self.GetInputAlgorithm(0, 0)
+        source.Update()
+        size = self._image(source.GetOutputDataObject(self.GetInputConnection(0, 0).GetIndex()))[0]
         extent = [0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1]
         outputs.GetInformationObject(0).Set(self.GetExecutive().WHOLE_EXTENT(), extent, 6)
         return 1
