@@ -18,6 +18,18 @@
 namespace csrbf::app {
 namespace {
 
+// The argument as it can be typed in a shell.
+std::string shell_word(const std::string& argument) {
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("-_./:,=+@%").find(c) != std::string_view::npos;
+  };
+  if (!argument.empty() && std::all_of(argument.begin(), argument.end(), is_plain)) return argument;
+  std::string quoted = "'";
+  for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 // The program's arguments: one struct per verb, of which the parsed one is taken.
 class Parser {
  public:
@@ -28,7 +40,7 @@ class Parser {
     app_.formatter(std::make_shared<HelpFormatter>());
     app_.footer("Example:\n  csrbf reconstruct bunny.xyz -o bunny.ply");
     add<ReconstructCommand>("reconstruct", "Turn a point cloud into a watertight mesh",
-                            "csrbf reconstruct scan.ply -o mesh.ply --model scan.csrbf --report report.json");
+                            "csrbf reconstruct scan.ply -o mesh.ply --model scan.csrbf --report report.html");
     add<EstimateNormalsCommand>("estimate-normals", "Estimate and orient the normals of points",
                                 "csrbf estimate-normals scan.xyz -o oriented.ply");
     add<PolygonizeCommand>("polygonize", "Make a mesh of a saved model",
@@ -94,6 +106,8 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
   const auto names_it = [&](const CLI::App* verb) { return verb->get_name() == first; };
   if (is_verb && app_.get_subcommands(names_it).empty())
     throw UsageError("unknown verb " + in_quotes(first) + "; csrbf --help lists them");
+  common_.command = "csrbf";
+  for (const std::string& argument : arguments) common_.command += " " + shell_word(argument);
   try {
     std::reverse(arguments.begin(), arguments.end());
     app_.parse(std::move(arguments));
@@ -104,6 +118,10 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
     const std::string name = first.empty() ? "csrbf" : "csrbf " + first;
     throw UsageError(std::string(error.what()) + "\nTry " + name + " --help");
   }
+  const CLI::App* verb = app_.get_subcommand(first);
+  for (const CLI::Option* option : verb->get_options())
+    if (!option->get_lnames().empty())
+      common_.flags.push_back({option->get_lnames().front(), option->get_description(), option->count() > 0});
   return CommandLine{first, common_, taken_.at(first)()};
 }
 

@@ -16,13 +16,23 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A flag of the verb.
+struct FlagUse {
+  std::string name;  ///< without the dashes
+  std::string what;
+  bool given = false;
+};
+
 /// Flags of every verb.
 struct CommonOptions {
-  int threads = 0;                ///< 0 = all cores
-  std::string report;             ///< file of the JSON report, or none
-  std::string progress = "auto";  ///< auto, always, never, slicer
+  int threads = 0;                   ///< 0 = all cores
+  std::vector<std::string> reports;  ///< files of the report: .json, .html
+  std::string progress = "auto";     ///< auto, always, never, slicer
   bool quiet = false;
   bool verbose = false;
+
+  std::string command;         ///< as typed
+  std::vector<FlagUse> flags;  ///< all that the verb has
 };
 
 // One struct per verb: what was typed, checked for its form only. Empty values mean "not given".

@@ -1,6 +1,7 @@
 #include "csrbf/approx/fit.hpp"
 
 #include "fit_summary.hpp"
+#include "page/fit_page.hpp"
 #include "verbs.hpp"
 
 #include "csrbf/io/model.hpp"
@@ -59,6 +60,7 @@ void run(const FitCommand& command, Session& session) {
               counted(report.samples, "sample") +
               (report.merged_duplicates > 0 ? ", " + counted(report.merged_duplicates, "duplicate") + " merged" : ""));
   say_fit(report, session);
+  session.add_to_page([&](Page& page) { show(model, samples, page); });
   session.write([&] { write_model(command.output, model); });
 }
 

@@ -1,6 +1,7 @@
 #include "csrbf/surface/reconstruct.hpp"
 
 #include "mesh_summary.hpp"
+#include "page/reconstruct_page.hpp"
 #include "verbs.hpp"
 
 #include "csrbf/implicit/polygonize.hpp"
@@ -148,13 +149,18 @@ Made from_contours(const ReconstructCommand& command, Session& session) {
   return made;
 }
 
+// The parts of the mesh that there are data for.
+DataComponents with_data(Mesh mesh, const PointCloud& used, std::optional<double> trim_distance) {
+  if (trim_distance) mesh = trim(mesh, used.points, *trim_distance, used.normals);
+  return keep_components_with_data(std::move(mesh), used.points);
+}
+
 Mesh make_mesh(const Field<3>& field, const PointCloud& used, int resolution, std::optional<double> trim_distance,
                Session& session) {
   Mesh mesh = session.timed(
       "polygonize", [&] { return polygonize(field, {.resolution = resolution, .progress = session.progress()}); });
   session.timed("evaluate", [&] {
-    if (trim_distance) mesh = trim(mesh, used.points, *trim_distance, used.normals);
-    DataComponents kept = keep_components_with_data(std::move(mesh), used.points);
+    DataComponents kept = with_data(std::move(mesh), used, trim_distance);
     if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");
     mesh = std::move(kept.mesh);
     mesh.properties = transfer_properties(used.points, used.properties, mesh.vertices);
@@ -175,6 +181,12 @@ void run(const ReconstructCommand& command, Session& session) {
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
   add_options(command, surface.report, resolution, session);
   const Mesh mesh = make_mesh(*surface.field, used, resolution, trim_distance, session);
+  session.add_to_page([&](Page& page) {
+    const auto mesh_at = [&](int cells) {
+      return with_data(polygonize(*surface.field, {.resolution = cells}), used, trim_distance).mesh;
+    };
+    show({surface, used, mesh, resolution, mesh_at}, page);
+  });
   if (command.model.empty()) surface.field.reset();  // its memory is needed
   add_mesh_summary(command.output, mesh, session);
   say_quality(surface.report, session);

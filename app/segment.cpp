@@ -1,6 +1,7 @@
 #include "csrbf/levelset/segment.hpp"
 
 #include "formats.hpp"
+#include "page/segment_page.hpp"
 #include "segment_contours.hpp"
 #include "segment_options.hpp"
 #include "segment_start.hpp"
@@ -113,6 +114,10 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
   add_options(command, segmentation.report.options, session);
   add_result(command, segmentation.report, grid, session);
   const SegmentContours<Dim> contours(segmentation, grid, session);
+  session.add_to_page([&](Page& page) {
+    const auto mesh_at = [&](int resolution) { return contours.mesh(resolution); };
+    show<Dim>(image, segmentation, session.result["contour"], mesh_at, page);
+  });
   session.write([&] {
     Volume<float> labels;
     static_cast<VolumeLayout&>(labels) = image;

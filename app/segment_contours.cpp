@@ -95,7 +95,8 @@ Mesh joined(const std::vector<ImageSurface>& surfaces, const std::vector<int>& l
 }  // namespace
 
 template <int Dim>
-SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session) {
+SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session)
+    : segmentation_(segmentation), grid_(grid) {
   const std::size_t fields = segmentation.fields.size();
   const ImageContourOptions options{.progress = session.progress()};
   session.timed("polygonize", [&] {
@@ -126,6 +127,20 @@ void SegmentContours<2>::write(const std::string& path) const {
 template <>
 void SegmentContours<3>::write(const std::string& path) const {
   write_mesh(path, joined(contours_, labels_));
+}
+
+template <>
+Mesh SegmentContours<2>::mesh(int /*resolution*/) const {
+  return {};
+}
+
+template <>
+Mesh SegmentContours<3>::mesh(int resolution) const {
+  if (resolution == 0) return joined(contours_, labels_);
+  std::vector<ImageSurface> surfaces;
+  for (std::size_t k = segmentation_.fields.size() > 1 ? 1 : 0; k < segmentation_.fields.size(); ++k)
+    surfaces.push_back(image_contour(*segmentation_.fields[k], grid_, {.resolution = resolution}));
+  return joined(surfaces, labels_);
 }
 
 template SegmentContours<2>::SegmentContours(const Segmentation<2>&, const Grid&, Session&);

@@ -7,7 +7,8 @@
 
 namespace csrbf::app {
 
-/// The contours of all regions but the outside one: made, measured for the report and the summary, and written.
+/// The contours of all regions but the outside one: made, measured for the report and the summary, and written. Refers
+/// to the segmentation and the grid.
 template <int Dim>
 class SegmentContours {
  public:
@@ -16,8 +17,13 @@ class SegmentContours {
   /// Writes them to one file. Throws IoError.
   void write(const std::string& path) const;
 
+  /// The surfaces of all of them as one mesh; empty in the plane. Of another resolution when that is not 0.
+  [[nodiscard]] Mesh mesh(int resolution) const;
+
  private:
   using Contour = std::conditional_t<Dim == 2, ImageContour, ImageSurface>;
+  const Segmentation<Dim>& segmentation_;
+  const Grid& grid_;
   std::vector<Contour> contours_;
   std::vector<int> labels_;
 };

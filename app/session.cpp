@@ -1,10 +1,12 @@
 #include "session.hpp"
 
 #include "interrupt.hpp"
+#include "page/html_page.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/io/atomic_file.hpp"
+#include "csrbf/io/read_file.hpp"
 #include "csrbf/version.hpp"
 
 #include <sys/resource.h>
@@ -33,12 +35,26 @@ double round_to_ms(double seconds) {
   return std::round(per_second * seconds) / per_second;
 }
 
+enum class ReportForm { json, html, unknown };
+
+// Devices and pipes have no extension and get JSON.
+ReportForm report_form(const std::string& path) {
+  const std::string extension = file_extension(path);
+  if (extension == ".html" || extension == ".htm") return ReportForm::html;
+  return extension.empty() || extension == ".json" ? ReportForm::json : ReportForm::unknown;
+}
+
 }  // namespace
 
 Session::Session(std::string verb, const CommonOptions& common)
     : verb_(std::move(verb)), common_(common), display_(common.quiet ? "never" : common.progress) {
   set_thread_count(common.threads);
-  if (!common.report.empty()) expect_output(common.report);
+  for (const std::string& path : common.reports) {
+    if (report_form(path) == ReportForm::unknown)
+      throw UsageError("--report " + path + ": unknown extension \"" + file_extension(path) +
+                       "\"; reports are .json or .html");
+    expect_output(path);
+  }
 }
 
 Progress Session::progress() {
@@ -89,6 +105,16 @@ void Session::warn(const std::vector<std::string>& messages) {
   for (const std::string& message : messages) warn(message);
 }
 
+bool Session::wants_page() const {
+  return std::any_of(common_.reports.begin(), common_.reports.end(),
+                     [](const std::string& path) { return report_form(path) == ReportForm::html; });
+}
+
+// The figure of the report is that of the work, not that of its pictures.
+void Session::note_memory() {
+  if (memory_mb_ == 0) memory_mb_ = peak_memory_mb();
+}
+
 Json Session::report() const {
   Json time = {{"total", round_to_ms(std::chrono::duration<double>(Clock::now() - start_).count())}};
   time.update(time_);
@@ -98,15 +124,19 @@ Json Session::report() const {
           {"options", options},
           {"result", result},
           {"time", time},
-          {"peak_memory_mb", std::round(peak_memory_mb())},
+          {"peak_memory_mb", std::round(memory_mb_ > 0 ? memory_mb_ : peak_memory_mb())},
           {"threads", thread_count()},
           {"warnings", warnings_}};
 }
 
 void Session::finish() {
   const Json report = this->report();
-  if (!common_.report.empty())
-    write([&] { write_file(common_.report, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"); });
+  for (const std::string& path : common_.reports) {
+    const std::string text = report_form(path) == ReportForm::html
+                                 ? html_page({report, common_, summary_, page_})
+                                 : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    write([&] { write_file(path, text); });
+  }
   display_.clear();
   if (common_.quiet) return;
   std::FILE* out = stdout_is_result_ ? stderr : stdout;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "command_line.hpp"
+#include "page/page.hpp"
 #include "progress_display.hpp"
 
 #include "csrbf/core/progress.hpp"
@@ -32,6 +33,14 @@ class Session {
   Json options = Json::object();  ///< every option with the value used
   Json result = Json::object();
 
+  /// Stage "report": lets `action(page)` make what the verb adds to a report in HTML; nothing is done when none was
+  /// asked for.
+  template <class Action>
+  void add_to_page(Action&& action);
+
+  /// Was a report in HTML asked for?
+  [[nodiscard]] bool wants_page() const;
+
   /// For the options of long work: shows the progress; stops the work after Ctrl-C.
   [[nodiscard]] Progress progress();
 
@@ -57,7 +66,7 @@ class Session {
   /// A line of the summary.
   void say(const std::string& line) { summary_.push_back(line); }
 
-  /// Writes the report and the summary.
+  /// Writes the reports and the summary.
   void finish();
 
  private:
@@ -66,6 +75,7 @@ class Session {
   void begin_stage(const std::string& stage);
   void end_stage(const std::string& stage, Clock::time_point start);
   [[nodiscard]] Json report() const;
+  void note_memory();
 
   std::string verb_;
   CommonOptions common_;
@@ -75,6 +85,8 @@ class Session {
   std::vector<std::string> warnings_;
   std::vector<std::string> summary_;
   bool stdout_is_result_ = false;
+  Page page_;
+  double memory_mb_ = 0;  // before anything was done for a page; 0: nothing was
 };
 
 /// `value` with a few significant digits, for the summary.
@@ -95,6 +107,13 @@ std::invoke_result_t<Action> Session::timed(const std::string& stage, Action&& a
     end_stage(stage, start);
     return value;
   }
+}
+
+template <class Action>
+void Session::add_to_page(Action&& action) {
+  if (!wants_page()) return;
+  note_memory();
+  timed("report", [&] { action(page_); });
 }
 
 template <class Action>

@@ -47,8 +47,11 @@ class Verb {
         ->default_str("all cores")
         ->check(CLI::Range(1, most_threads))
         ->group(common_group);
-    app_.add_option("--report", common_.report, "write options, results, times and warnings as JSON")
+    app_.add_option("--report", common_.reports,
+                    "write options, results, times and warnings: .json, or .html, a page to look at; may be repeated")
         ->type_name("FILE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->group(common_group);
     app_.add_option("--progress", common_.progress,
                     "show the progress on standard error; auto: on a terminal; slicer: on standard output, as 3D "

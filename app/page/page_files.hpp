@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string_view>
+
+namespace csrbf::app {
+
+// Files that become part of the program when it is built (cmake/embed_page.cmake).
+
+extern const std::string_view page_style;    ///< viewer/report.css
+extern const std::string_view page_script;   ///< viewer/src with three.js; empty when that was not found
+extern const std::string_view page_licence;  ///< of both
+
+}  // namespace csrbf::app

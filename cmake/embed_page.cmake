@@ -1,0 +1,33 @@
+# Writes a source file that holds what every report in HTML needs: style sheet, script (when there is one) and licences.
+# usage: cmake -D SOURCE_DIR=... -D OUTPUT=... [-D SCRIPT=...] -P embed_page.cmake
+cmake_minimum_required(VERSION 3.25)
+
+# Sets `variable` to C++ text of the file; the delimiter occurs in no sensible file.
+function(read_literal file variable)
+  file(READ ${file} text)
+  set(${variable} "R\"csrbf_page(${text})csrbf_page\"" PARENT_SCOPE)
+endfunction()
+
+read_literal(${SOURCE_DIR}/viewer/report.css style)
+set(script "\"\"")
+set(licence "This page and the program that made it:\n\n")
+if(SCRIPT)
+  read_literal(${SCRIPT} script)
+  # Both have the same licence, whose terms must stay with what it covers.
+  string(CONCAT licence "The interactive view contains three.js, Copyright (c) 2010 and later, three.js authors, under "
+                        "the MIT License, whose terms are those below. ${licence}")
+endif()
+file(READ ${SOURCE_DIR}/LICENSE terms)
+
+file(WRITE ${OUTPUT} "#include \"page/page_files.hpp\"
+
+namespace csrbf::app {
+
+const std::string_view page_style = ${style};
+
+const std::string_view page_script = ${script};
+
+const std::string_view page_licence = R\"csrbf_page(${licence}${terms})csrbf_page\";
+
+}  // namespace csrbf::app
+")

@@ -1,0 +1,71 @@
+// Mouse, touch and keyboard turn, move and zoom an Orbit.
+
+const KEY_STEP = 0.1; // halves of the height of the picture
+const ZOOM_STEP = 1.15;
+
+export function listen(canvas, orbit, changed) {
+  const pointers = new Map();
+
+  const half = () => canvas.clientHeight / 2 || 1;
+  const middle = () => {
+    const all = [...pointers.values()];
+    return [0, 1].map((a) => all.reduce((sum, p) => sum + p[a], 0) / all.length);
+  };
+  const spread = () => {
+    const [a, b] = [...pointers.values()];
+    return Math.hypot(a[0] - b[0], a[1] - b[1]);
+  };
+
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.focus({preventScroll: true});
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!pointers.has(event.pointerId)) return;
+    const before = middle();
+    const spreadBefore = pointers.size === 2 ? spread() : 0;
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    const after = middle();
+    const [right, down] = [0, 1].map((a) => (after[a] - before[a]) / half());
+    if (pointers.size > 1 || event.shiftKey || event.buttons & 6) orbit.pan(right, down);
+    else orbit.turn(right, down);
+    if (pointers.size === 2 && spread() > 0) orbit.zoom(spreadBefore / spread());
+    changed();
+  });
+  for (const name of ["pointerup", "pointercancel"])
+    canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+
+  // The wheel scrolls the page until the picture was clicked; pinching a touchpad comes with ctrlKey.
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      if (document.activeElement !== canvas && !event.ctrlKey) return;
+      event.preventDefault();
+      orbit.zoom(Math.exp(Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 100) * 0.002));
+      changed();
+    },
+    {passive: false},
+  );
+
+  const keys = {
+    ArrowLeft: [-1, 0],
+    ArrowRight: [1, 0],
+    ArrowUp: [0, -1],
+    ArrowDown: [0, 1],
+  };
+  canvas.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key in keys) {
+      const [right, down] = keys[event.key].map((way) => way * KEY_STEP);
+      if (event.shiftKey) orbit.pan(right, down);
+      else orbit.turn(right, down);
+    } else if (event.key === "+" || event.key === "=") orbit.zoom(1 / ZOOM_STEP);
+    else if (event.key === "-") orbit.zoom(ZOOM_STEP);
+    else if (event.key === "0" || event.key === "Home") orbit.reset();
+    else return;
+    event.preventDefault();
+    changed();
+  });
+}

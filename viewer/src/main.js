@@ -1,0 +1,156 @@
+// Starts an interactive view in every figure of the page that holds a surface.
+
+import {button, choice, Legend, slider, toggle} from "./controls.js";
+import * as colors from "./colors.js";
+import * as decode from "./decode.js";
+import {listen} from "./gestures.js";
+import {Orbit, rotate} from "./orbit.js";
+import {Scene} from "./scene.js";
+
+const AXES = {x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1]};
+const PLAIN = "plain";
+
+class View {
+  constructor(figure, data) {
+    this.figure = figure;
+    this.data = data;
+    const {halfSides} = decode.frame(data.low, data.high);
+    this.halfSides = halfSides;
+    this.canvas = figure.querySelector("canvas");
+    this.orbit = new Orbit(upAxis(data.up));
+    this.surface = {
+      positions: decode.positions(data.positions, halfSides),
+      normals: decode.normals(data.normals),
+      triangles: decode.shorts(data.triangles),
+    };
+    this.points = data.points ? {positions: decode.positions(data.points.positions, halfSides)} : null;
+    this.scales = data.scales.map((scale) => ({
+      ...scale,
+      values: decode.bytes(scale.values),
+      pointValues: scale.point_values ? decode.bytes(scale.point_values) : null,
+    }));
+    this.scene = new Scene(this.canvas, this.surface, this.points, this.orbit);
+    this.theme = window.matchMedia("(prefers-color-scheme: dark)");
+    this.addControls();
+    this.reset();
+    listen(this.canvas, this.orbit, () => this.changed());
+    this.theme.addEventListener("change", () => this.recolor());
+    new ResizeObserver(() => this.resize()).observe(this.canvas);
+    window.addEventListener("beforeprint", () => this.draw());
+    this.resize();
+    figure.classList.add("live");
+    this.resize();
+    this.draw();
+  }
+
+  addControls() {
+    const names = [[PLAIN, "plain"], ...this.scales.map((scale, i) => [String(i), scale.name])];
+    const cuts = [["none", "none"], ["x", "across x"], ["y", "across y"], ["z", "across z"], ["view", "facing you"]];
+    const ups = Object.keys(AXES).map((axis) => [axis, axis]);
+    this.legend = new Legend();
+    this.controls = {
+      color: choice("Colour", "color", names, PLAIN, (value) => this.set({color: value})),
+      points: this.points && toggle("Points", "points", (shown) => this.set({points: shown})),
+      cut: choice("Cut", "cut", cuts, "none", (axis) => this.startCut(axis)),
+      depth: slider("Where", "depth", (depth) => this.set({depth})),
+      up: choice("Up", "up", ups, this.orbit.up, (axis) => this.turnUp(axis)),
+      reset: button("Reset", "reset", () => this.reset()),
+    };
+    const row = this.figure.querySelector(".controls");
+    row.append(...Object.values(this.controls).flatMap((control) => (control ? [control.node] : [])));
+    this.figure.querySelector(".stage").append(this.legend.node);
+  }
+
+  reset() {
+    this.turnUp(upAxis(this.data.up));
+    if (this.controls.up) this.controls.up.set(this.orbit.up);
+    this.set({color: this.scales.length > 0 ? this.data.shown : PLAIN, points: false, cut: "none", depth: 0.5});
+  }
+
+  turnUp(axis) {
+    this.orbit.reset(axis);
+    this.orbit.fit(this.surface.positions);
+    this.changed();
+  }
+
+  // What is nearer to the viewer goes, so that one looks inside. The plane stays when the surface is turned.
+  startCut(axis) {
+    const toViewer = rotate(this.orbit.rotation, [0, 0, 1]);
+    if (axis === "view") this.cutNormal = toViewer;
+    else if (axis in AXES) {
+      const facing = AXES[axis].reduce((sum, value, a) => sum + value * toViewer[a], 0);
+      this.cutNormal = AXES[axis].map((value) => (facing < 0 ? -value : value));
+    }
+    this.set({cut: axis});
+  }
+
+  set(change) {
+    this.state = {...this.state, ...change};
+    const {color, points, cut, depth} = this.state;
+    if (this.controls.color) this.controls.color.set(color);
+    if (this.controls.points) this.controls.points.set(points);
+    this.controls.cut.set(cut);
+    this.controls.depth.set(depth, cut !== "none");
+    this.scene.showPoints(points);
+    this.scene.setCut(cut === "none" ? null : this.plane(depth));
+    this.recolor();
+  }
+
+  // depth 0 leaves nothing of the box, 1 all of it.
+  plane(depth) {
+    const reach = this.cutNormal.reduce((sum, value, a) => sum + Math.abs(value) * this.halfSides[a], 0);
+    return {normal: this.cutNormal, offset: reach * (2 * depth - 1) * 1.001};
+  }
+
+  recolor() {
+    const dark = this.theme.matches;
+    const missing = dark ? [0.36, 0.38, 0.42] : [0.72, 0.73, 0.75];
+    const plain = dark ? [0.78, 0.74, 0.69] : [0.86, 0.82, 0.76];
+    const pointColor = dark ? [0.45, 0.72, 0.95] : [0.1, 0.32, 0.6];
+    const scale = this.scales[this.state.color];
+    const stops = scale && this.data.colors[scale.map];
+    const count = this.surface.positions.length / 3;
+    const tint = scale ? colors.colorsOf(scale.values, stops, missing) : colors.uniform(count, plain);
+    let pointTint = null;
+    if (this.points) {
+      const n = this.points.positions.length / 3;
+      const values = scale && scale.pointValues;
+      pointTint = values ? colors.colorsOf(values, stops, missing) : colors.uniform(n, pointColor);
+    }
+    this.scene.setColors(tint, pointTint, dark ? [0.3, 0.42, 0.52] : [0.42, 0.55, 0.66]);
+    this.legend.show(scale, stops);
+    this.changed();
+  }
+
+  resize() {
+    this.scene.resize();
+    this.changed();
+  }
+
+  changed() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => this.draw());
+  }
+
+  draw() {
+    this.waiting = false;
+    this.scene.draw();
+  }
+}
+
+// The address may say which axis points upwards: report.html#up=y.
+function upAxis(preferred) {
+  const asked = new URLSearchParams(window.location.hash.slice(1)).get("up");
+  return asked in AXES ? asked : preferred;
+}
+
+for (const figure of document.querySelectorAll("figure.surface")) {
+  const data = JSON.parse(figure.querySelector("script.surface-data").textContent);
+  try {
+    figure.view = new View(figure, data);
+  } catch (error) {
+    figure.classList.remove("live");
+    figure.querySelector(".why-still").textContent = `No interactive view here: ${error.message}`;
+  }
+}
