@@ -4,6 +4,12 @@
 build_packages=(g++ cmake ninja-build libeigen3-dev libnanoflann-dev libpng-dev libtiff-dev zlib1g-dev libqhull-dev
   libcli11-dev nlohmann-json3-dev)
 
+# What makes the surfaces in reports turn.
+viewer_packages=(libjs-three esbuild)
+
+# What the tests in a browser need besides.
+browser_packages=(chromium chromium-driver python3-selenium)
+
 # What the Python module needs besides.
 python_packages=(python3-dev python3-numpy pybind11-dev)
 

@@ -1,0 +1,284 @@
+"""Opens reports in headless Chromium: they load without errors, and the view of a surface does what its controls say.
+
+usage: report_browser_test.py PROGRAM [unittest options]
+
+With the variable CSRBF_SCREENSHOTS set to a folder, pictures of the pages go there. Ends with 77 (skipped) when
+Chromium, its driver, selenium or three.js (when the program was built) is missing.
+"""
+
+import math
+import os
+import random
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SKIPPED = 77
+PROGRAM = ""
+WIDTH, HEIGHT = 1280, 900
+
+sys.dont_write_bytecode = True  # leave no files in the folder of the sources
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
+from page_picture import open_browser, set_window
+
+try:
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.support.ui import Select, WebDriverWait
+except ImportError:
+    ActionChains = None
+
+# What the canvas shows: the share of its pixels that are covered, their mean colour, and a number for all of it.
+LOOK = """
+const view = document.querySelector("figure.surface").view;
+view.draw();
+const copy = document.createElement("canvas");
+[copy.width, copy.height] = [view.canvas.width, view.canvas.height];
+const context = copy.getContext("2d");
+context.drawImage(view.canvas, 0, 0);
+const data = context.getImageData(0, 0, copy.width, copy.height).data;
+let covered = 0, red = 0, green = 0, blue = 0, hash = 0;
+for (let i = 0; i < data.length; i += 4) {
+  hash = (Math.imul(hash, 31) + data[i] + 256 * data[i + 1] + 65536 * data[i + 2]) | 0;
+  if (data[i + 3] < 128) continue;
+  ++covered;
+  red += data[i]; green += data[i + 1]; blue += data[i + 2];
+}
+return {share: 4 * covered / data.length, color: [red, green, blue].map((sum) => sum / Math.max(covered, 1)), hash};
+"""
+
+
+def dented_ball(n):
+    """Points on a ball with a dent, whose views all differ."""
+    golden = math.pi * (3 - math.sqrt(5))
+    for i in range(n):
+        z = 1 - (2 * i + 1) / n
+        r = math.sqrt(1 - z * z)
+        x, y = r * math.cos(golden * i), r * math.sin(golden * i)
+        radius = 1 - 0.45 * math.exp(-4 * ((x - 0.8) ** 2 + y * y + (z - 0.5) ** 2)) + 0.2 * x
+        yield radius * x, radius * y, radius * z
+
+
+def run_program(*arguments):
+    subprocess.run([PROGRAM, *arguments, "-q"], check=True, timeout=300)
+
+
+class Browser(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="csrbf_browser_")
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.browser = open_browser(os.path.join(cls.folder.name, "profile"))
+        cls.addClassCleanup(cls.browser.quit)
+        cls.browser.set_page_load_timeout(120)
+        cls.write_pages()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder.name, name)
+
+    @classmethod
+    def write(cls, name, text):
+        with open(cls.path(name), "w") as file:
+            file.write(text)
+        return cls.path(name)
+
+    @classmethod
+    def write_pages(cls):
+        cloud = cls.write("ball.xyz", "".join("%.9g %.9g %.9g\n" % p for p in dented_ball(1500)))
+        run_program("reconstruct", cloud, "-o", cls.path("ball.ply"), "--resolution", "48", "--report",
+                    cls.path("ball.html"))
+        source = random.Random(1)
+        places = [(source.random(), source.random()) for _ in range(300)]
+        samples = cls.write("plane.csv", "x,y,height\n" + "".join(
+            "%g,%g,%g\n" % (x, y, math.sin(5 * x) * math.cos(4 * y)) for x, y in places))
+        run_program("fit", samples, "-o", cls.path("plane.csrbf"), "--report", cls.path("plane.html"))
+        n = 24
+        voxels = [(x, y, z) for z in range(n) for y in range(n) for x in range(n)]
+        values = [100 if math.dist(p, (11, 12, 12)) < 7 else 20 for p in voxels]
+        head = f"ObjectType = Image\nNDims = 3\nDimSize = {n} {n} {n}\n"
+        head += "ElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+        with open(cls.path("volume.mha"), "wb") as file:
+            file.write(head.encode() + struct.pack("<%dh" % len(values), *values))
+        run_program("segment", cls.path("volume.mha"), "-o", cls.path("labels.mha"), "--report",
+                    cls.path("volume.html"))
+
+    def open(self, name, dark=False, width=WIDTH, fragment=""):
+        set_window(self.browser, width, HEIGHT, dark)
+        self.browser.get("about:blank")
+        self.browser.get_log("browser")
+        self.browser.get("file://" + self.path(name) + fragment)
+        WebDriverWait(self.browser, 60).until(
+            lambda browser: browser.execute_script("return document.readyState") == "complete")
+
+    def tearDown(self):
+        self.assertEqual([entry["message"] for entry in self.browser.get_log("browser")], [])
+        loaded = self.browser.execute_script("return performance.getEntriesByType('resource').map((e) => e.name)")
+        self.assertEqual([name for name in loaded if not name.startswith("data:")], [])
+
+    def look(self):
+        return self.browser.execute_script(LOOK)
+
+    def control(self, name):
+        return self.browser.find_element(By.NAME, name)
+
+    def choose(self, name, value):
+        Select(self.control(name)).select_by_value(value)
+
+    def slide(self, value):
+        self.browser.execute_script(
+            "arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input'))", self.control("depth"),
+            value)
+
+    def canvas(self):
+        return self.browser.find_element(By.CSS_SELECTOR, "figure.surface canvas")
+
+
+class Pages(Browser):
+    def test_pages_load_fit_their_window_and_show_a_surface(self):
+        for name in ("ball.html", "plane.html", "volume.html"):
+            for dark in (False, True):
+                for width in (WIDTH, 390):
+                    with self.subTest(page=name, dark=dark, width=width):
+                        self.open(name, dark, width)
+                        self.assertLessEqual(
+                            self.browser.execute_script("return document.documentElement.scrollWidth"), width)
+                        seen = self.look()
+                        self.assertGreater(seen["share"], 0.05)
+                        self.assertLess(seen["share"], 0.9)
+                        self.assertFalse(self.browser.find_element(By.CSS_SELECTOR, ".stage > img").is_displayed())
+                        self.save_screenshot(name, dark, width)
+
+    def save_screenshot(self, name, dark, width):
+        folder = os.environ.get("CSRBF_SCREENSHOTS")
+        if not folder:
+            return
+        os.makedirs(folder, exist_ok=True)
+        file = "%s-%s-%d.png" % (name[:-5], "dark" if dark else "light", width)
+        self.browser.save_screenshot(os.path.join(folder, file))
+
+    def test_dark_pages_are_dark(self):
+        for dark in (False, True):
+            self.open("ball.html", dark)
+            color = self.browser.execute_script("return getComputedStyle(document.body).backgroundColor")
+            red = int(color[color.index("(") + 1:].split(",")[0])
+            self.assertEqual(red < 128, dark, color)
+
+
+class View(Browser):
+    def setUp(self):
+        self.open("ball.html")
+        self.first = self.look()
+
+    def assert_changed(self):
+        now = self.look()
+        self.assertNotEqual(now["hash"], self.first["hash"])
+        return now
+
+    def assert_as_first(self):
+        self.assertEqual(self.look()["hash"], self.first["hash"])
+
+    def test_the_first_picture_is_the_same_every_time(self):
+        self.open("ball.html")
+        self.assert_as_first()
+
+    def test_dragging_turns_the_surface(self):
+        ActionChains(self.browser).drag_and_drop_by_offset(self.canvas(), 150, 60).perform()
+        turned = self.assert_changed()
+        self.assertAlmostEqual(turned["share"], self.first["share"], delta=0.1)
+
+    def test_keys_turn_move_and_zoom(self):
+        canvas = self.canvas()
+        for keys in (Keys.ARROW_LEFT, Keys.ARROW_UP, "+", "-"):
+            canvas.send_keys(keys)
+            self.assert_changed()
+            canvas.send_keys("0")
+            self.assert_as_first()
+        ActionChains(self.browser).key_down(Keys.SHIFT).send_keys(Keys.ARROW_RIGHT).key_up(Keys.SHIFT).perform()
+        self.assert_changed()
+
+    def test_zooming_in_covers_more(self):
+        self.canvas().send_keys("++")
+        self.assertGreater(self.assert_changed()["share"], 1.2 * self.first["share"])
+
+    def test_colours_follow_the_choice_and_have_a_scale(self):
+        legend = self.browser.find_element(By.CSS_SELECTOR, ".legend")
+        self.assertFalse(legend.is_displayed())
+        hashes = {self.first["hash"]}
+        for choice in ("0", "1"):
+            self.choose("color", choice)
+            self.assertTrue(legend.is_displayed())
+            seen = self.look()
+            self.assertAlmostEqual(seen["share"], self.first["share"], delta=1e-6)
+            hashes.add(seen["hash"])
+        self.assertEqual(len(hashes), 3)
+        self.choose("color", "plain")
+        self.assert_as_first()
+
+    def test_a_click_shows_the_points(self):
+        self.control("points").click()
+        self.assert_changed()
+        self.control("points").click()
+        self.assert_as_first()
+
+    def test_the_cut_takes_away_what_lies_beyond_it(self):
+        for axis in ("x", "y", "z", "view"):
+            self.choose("cut", axis)
+            self.slide(100)
+            self.assertAlmostEqual(self.look()["share"], self.first["share"], delta=1e-3)
+            self.slide(0)
+            self.assertLess(self.look()["share"], 0.002)
+            self.slide(30)
+            self.assertLess(self.assert_changed()["share"], self.first["share"])
+
+    def test_reset_takes_everything_back(self):
+        self.choose("cut", "x")
+        self.control("points").click()
+        self.choose("color", "1")
+        ActionChains(self.browser).drag_and_drop_by_offset(self.canvas(), -80, 30).perform()
+        self.assert_changed()
+        self.control("reset").click()
+        self.assert_as_first()
+
+    def test_any_axis_can_point_upwards(self):
+        hashes = set()
+        for axis in "xyz":
+            self.choose("up", axis)
+            hashes.add(self.look()["hash"])
+        self.assertEqual(len(hashes), 3)
+        self.choose("up", "y")
+        upright = self.look()["hash"]
+        self.open("ball.html", fragment="#up=y")
+        self.assertEqual(self.look()["hash"], upright)
+
+
+def missing():
+    """What is not here that the tests need."""
+    if ActionChains is None:
+        return "selenium (python3-selenium)"
+    for program, package in (("chromium", "chromium"), ("chromedriver", "chromium-driver")):
+        if shutil.which(program) is None:
+            return f"{program} ({package})"
+    with tempfile.TemporaryDirectory() as folder:
+        cloud, page = os.path.join(folder, "ball.xyz"), os.path.join(folder, "ball.html")
+        with open(cloud, "w") as file:
+            file.writelines("%g %g %g\n" % p for p in dented_ball(100))
+        run_program("reconstruct", cloud, "-o", os.path.join(folder, "ball.ply"), "--resolution", "12", "--report",
+                    page)
+        with open(page, encoding="utf-8") as file:
+            if "surface-data" not in file.read():
+                return "three.js and esbuild when csrbf was built (libjs-three, esbuild)"
+    return None
+
+
+if __name__ == "__main__":
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    lacking = missing()
+    if lacking:
+        print("skipped: no " + lacking)
+        sys.exit(SKIPPED)
+    unittest.main(verbosity=2)
