@@ -1,4 +1,5 @@
-"""Writes index.html, one page with everything in it, from the files that ./quickstart left in a folder.
+"""Writes index.html, a page with pictures and figures that leads to the reports, from the files that ./quickstart left
+in a folder.
 
 usage: quickstart_page.py FOLDER
 """
@@ -6,13 +7,9 @@ usage: quickstart_page.py FOLDER
 import base64
 import html
 import json
-import math
 import os
 import sys
 from pathlib import Path
-
-AZIMUTH, ELEVATION = 20, 15  # of the pictures, degrees: about +y from +z, then up
-POINTS_DRAWN = 6000
 
 MODELS = {
     "bunny": ("Bunny", "points without normals: csrbf estimates and orients them first"),
@@ -27,10 +24,10 @@ h1 { font-size: 1.9rem; margin: 0 0 .3rem; letter-spacing: -.01em; }
 h2 { font-size: 1.25rem; margin: 3rem 0 .2rem; }
 p { margin: .3rem 0 1rem; max-width: 46rem; }
 .note { color: #5b6675; }
-.row { display: grid; grid-template-columns: repeat(3, 1fr); gap: 1rem; }
+.row { display: grid; grid-template-columns: repeat(2, 1fr); gap: 1rem; }
 @media (max-width: 760px) { .row { grid-template-columns: 1fr; } }
 figure { margin: 0; border: 1px solid #e2e6eb; border-radius: 6px; overflow: hidden; background: #fff; }
-figure img, figure svg { display: block; width: 100%; aspect-ratio: 1; object-fit: contain; }
+figure img { display: block; width: 100%; aspect-ratio: 1; object-fit: contain; }
 figcaption { padding: .45rem .8rem; border-top: 1px solid #e2e6eb; font-size: .88rem; color: #5b6675; }
 table { border-collapse: collapse; margin: .6rem 0 0; }
 th, td { padding: .42rem 1.6rem .42rem 0; border-bottom: 1px solid #e2e6eb; text-align: left; }
@@ -44,7 +41,7 @@ pre { background: #f5f7f9; border: 1px solid #e2e6eb; border-radius: 6px; paddin
 
 def main(folder):
     reports = {name: json.loads((folder / f"{name}.json").read_text()) for name in MODELS}
-    parts = [section(folder, name) for name in MODELS]
+    parts = [section(folder, name, report) for name, report in reports.items()]
     commands = (folder / "commands.txt").read_text()
     version = next(iter(reports.values())).get("csrbf", "")
     page = f"""<!DOCTYPE html>
@@ -73,16 +70,16 @@ bounding box. All figures are read from the reports (<code>--report</code>).</p>
     (folder / "index.html").write_text(page)
 
 
-def section(folder, name):
+def section(folder, name, report):
     title, note = MODELS[name]
-    points = read_points(folder / f"{name}.xyz")
+    link = f'<a href="{name}.html#up=y">'
     return f"""
 <h2>{title}</h2>
-<p class="note">{len(points):,} {note}.</p>
+<p class="note">{report["input"]["points"]:,} {note}. {link}Turn and cut the surface, and see what was chosen and
+why</a>.</p>
 <div class="row">
-<figure>{scatter(points)}<figcaption>{drawn(points)}</figcaption></figure>
-<figure>{image(folder / f"{name}.png", "surface")}<figcaption>The surface</figcaption></figure>
-<figure>{image(folder / f"{name}-curvature.png", "mean curvature")}
+<figure>{link}{image(folder / f"{name}.png", "surface")}</a><figcaption>The surface</figcaption></figure>
+<figure>{link}{image(folder / f"{name}-curvature.png", "mean curvature")}</a>
 <figcaption>Its mean curvature: red convex, blue concave</figcaption></figure>
 </div>"""
 
@@ -90,42 +87,6 @@ def section(folder, name):
 def image(path, text):
     data = base64.b64encode(path.read_bytes()).decode()
     return f'<img alt="{text}" src="data:image/png;base64,{data}">'
-
-
-def read_points(path):
-    with open(path) as lines:
-        return [tuple(map(float, line.split()[:3])) for line in lines]
-
-
-def every(points):
-    return max(1, len(points) // POINTS_DRAWN)
-
-
-def drawn(points):
-    return "The points" if every(points) == 1 else f"The points, one in {every(points)} of them"
-
-
-def scatter(points):
-    """The points seen as in the pictures, the nearer the darker."""
-    a, e = math.radians(AZIMUTH), math.radians(ELEVATION)
-    right = (math.cos(a), 0, -math.sin(a))
-    up = (-math.sin(e) * math.sin(a), math.cos(e), -math.sin(e) * math.cos(a))
-    towards = (math.cos(e) * math.sin(a), math.sin(e), math.cos(e) * math.cos(a))
-
-    def dot(u, v):
-        return sum(x * y for x, y in zip(u, v))
-
-    seen = sorted((dot(p, towards), dot(p, right), dot(p, up)) for p in points[:: every(points)])
-    low, high = ([f(q[k] for q in seen) for k in range(3)] for f in (min, max))
-    size = 1.12 * max(high[1] - low[1], high[2] - low[2])
-    x0, y0 = (high[1] + low[1]) / 2, (high[2] + low[2]) / 2
-
-    dots = []
-    for depth, x, y in seen:
-        shade = round(215 - 165 * (depth - low[0]) / (high[0] - low[0]))
-        cx, cy = 500 + 1000 * (x - x0) / size, 500 - 1000 * (y - y0) / size
-        dots.append(f'<circle cx="{cx:.0f}" cy="{cy:.0f}" r="3" fill="rgb({shade - 20},{shade - 5},{shade + 20})"/>')
-    return f'<svg viewBox="0 0 1000 1000" role="img" aria-label="points">{"".join(dots)}</svg>'
 
 
 def table(reports):
