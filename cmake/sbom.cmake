@@ -43,7 +43,7 @@ if(CSRBF_BUILD_APP)
   sbom_dependency(nlohmann_json app nlohmann_json_VERSION MIT https://json.nlohmann.me DEPENDENCY_OF)
 endif()
 # three.js becomes a part of the program when reports are interactive.
-if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE)
+if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE AND CSRBF_ESBUILD)
   file(STRINGS ${CSRBF_THREE_MODULE} three_version REGEX "REVISION = " LIMIT_COUNT 1)
   string(REGEX MATCH "[0-9]+" three_version "${three_version}")
   sbom_package(three 0.${three_version} MIT https://threejs.org OPTIONAL_DEPENDENCY_OF)

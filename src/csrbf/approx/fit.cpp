@@ -1,15 +1,14 @@
 #include "csrbf/approx/fit.hpp"
 
+#include "csrbf/approx/along_tracks.hpp"
 #include "csrbf/approx/choose_local_options.hpp"
 #include "csrbf/approx/error_bounded.hpp"
 #include "csrbf/approx/fitted_field.hpp"
 #include "csrbf/approx/fixed_budget.hpp"
-#include "csrbf/approx/held_out_error.hpp"
 #include "csrbf/approx/interpolate.hpp"
 #include "csrbf/approx/least_squares.hpp"
 #include "csrbf/approx/local_variance.hpp"
 #include "csrbf/approx/merge_duplicates.hpp"
-#include "csrbf/approx/moving_least_squares.hpp"
 #include "csrbf/approx/multilevel.hpp"
 #include "csrbf/approx/partition_of_unity.hpp"
 #include "csrbf/approx/pca_multiresolution.hpp"
@@ -35,8 +34,6 @@ constexpr Index checked_samples = 100'000;  // for the error at the samples
 Index few(int dimension) {
   return dimension < 4 ? 500 : 1000;
 }
-
-const MovingLeastSquaresOptions track_options{.tracks = true};
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -120,10 +117,7 @@ class Fitter {
     }
     const std::string& method = report_.method;
     if (method == "interpolate") return interpolant();
-    if (method == "partition-of-unity") {
-      Fields fields = partition(samples_, local_options(options_));
-      return tracks_may_matter() && tracks_are_better() ? moving() : fields;
-    }
+    if (method == "partition-of-unity") return patches_or_tracks();
     if (method == "moving-least-squares" || method == "along-tracks") return moving();
     if (method == "least-squares") return level_sum(least_squares(samples_, level_options<LeastSquaresOptions>()));
     if (method == "multilevel") {
@@ -244,36 +238,27 @@ class Fitter {
     return fit.fields();
   }
 
-  // Rough values along tracks often differ from one track to the next, by more than the function does.
   bool tracks_may_matter() const {
     const bool rough = report_.kernel == "wendland-c0" || report_.kernel == "powered-exponential";
     const bool free = options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
     return Dim > 1 && free && rough && samples_.size() >= fewest_for_tracks;
   }
 
-  // Chooses moving least squares along tracks if they predict clearly better.
-  bool tracks_are_better() {
-    const HeldOutSamples<Dim> held_out(samples_);
-    const HeldOutError usual = held_out.error(partition_of_unity(held_out.others(), local_options(options_)).fields()),
-                       error = held_out.error(moving_least_squares(held_out.others(), track_options));
-    if (!(error.mean < clearly_better * usual.mean)) return false;
-    const Index samples = report_.samples, merged = report_.merged_duplicates;
-    const std::vector<double> scales = report_.axis_scales;
-    const double seconds = report_.choose_seconds;
-    report_ = {};
+  Fields patches_or_tracks() {
+    const FitReport before = report_;
+    Fields fields = partition(samples_, local_options(options_));
+    if (!tracks_may_matter()) return fields;
+    const auto error = better_along_tracks(samples_, local_options(options_));
+    if (!error) return fields;
+    report_ = before;
     report_.method = "along-tracks";
-    report_.samples = report_.samples_fitted = samples;
-    report_.merged_duplicates = merged;
-    report_.axis_scales = scales;
-    report_.choose_seconds = seconds;
-    report_.cross_validation_rmse = error.rmse;
+    report_.cross_validation_rmse = error->rmse;
     variances.clear();
-    return true;
+    return moving();
   }
 
   Fields moving() {
-    MovingLeastSquaresOptions options;
-    if (report_.method == "along-tracks") options = track_options;
+    auto options = report_.method == "along-tracks" ? along_tracks : MovingLeastSquaresOptions{};
     if (options_.kernel != "auto") options.kernel = options_.kernel;
     if (options_.degree) options.degree = *options_.degree;
     report_.kernel = options.kernel;
@@ -308,7 +293,6 @@ class Fitter {
 
   static constexpr Index tested_first = 10'000;
   static constexpr Index fewest_for_tracks = 1000;  // samples
-  static constexpr double clearly_better = 0.99;    // of the error: elsewhere patches are safer and smoother
   static constexpr double smoother_gain = 0.95;     // of the leave-one-out error, that makes smoothing worth it
 
   const Samples<Dim>& samples_;
@@ -358,16 +342,10 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
 }  // namespace
 
 std::vector<std::string> fit_methods() {
-  return {"auto",
-          "interpolate",
-          "least-squares",
-          "partition-of-unity",
-          "multilevel",
-          "pca-multiresolution",
-          "fixed-budget",
-          "error-bounded",
-          "moving-least-squares",
-          "along-tracks"};
+  // clang-format off
+  return {"auto", "interpolate", "least-squares", "partition-of-unity", "multilevel", "pca-multiresolution",
+          "fixed-budget", "error-bounded", "moving-least-squares", "along-tracks"};
+  // clang-format on
 }
 
 template <int Dim>
