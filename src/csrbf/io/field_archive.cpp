@@ -222,6 +222,8 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
   }
   if (archive.kind == moving_kind || archive.kind == track_kind) {
     const auto data = shared<Moving>(archive, "data", samples_kind, samples_from<Dim>);
+    if ((data->directions.cols() > 0) != (archive.kind == track_kind))
+      archive.fail("directions of tracks belong to the kind \"" + std::string(track_kind) + "\" and to no other");
     const Index component = archive.integer("component", 0, data->samples.components() - 1);
     return std::make_shared<const MovingLeastSquares<Dim>>(data, component);
   }
