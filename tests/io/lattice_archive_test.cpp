@@ -117,5 +117,13 @@ TEST(LatticeArchive, RefusesDamagedEntries) {
             std::string::npos);
 }
 
+TEST(LatticeArchive, EvaluatesSupportsWiderThanAnyLattice) {
+  const Segmentation<2> segmentation = segment<2>(ball_image<2>());
+  const auto& field = dynamic_cast<const LatticeField<2>&>(*segmentation.fields[0]);
+  Archive archive = to_archive(field);
+  archive.set("support", 1e300);
+  EXPECT_TRUE(std::isfinite((*lattice_field_from<2>(archive))(field.bounds().center())));
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -40,8 +40,10 @@ LatticeField<Dim>::LatticeField(Data data) : data_(std::move(data)), kernel_(dat
 template <int Dim>
 Index LatticeField<Dim>::most_nodes() const {
   Index most = 1;
-  for (std::size_t a = 0; a < Dim; ++a)
-    most *= std::min(data_.size[a], static_cast<Index>(2 * data_.support / data_.step[static_cast<Index>(a)]) + 2);
+  for (std::size_t a = 0; a < Dim; ++a) {
+    const double across = 2 * data_.support / data_.step[static_cast<Index>(a)] + 2;
+    most *= static_cast<Index>(std::min(static_cast<double>(data_.size[a]), across));
+  }
   return most;
 }
 
