@@ -161,6 +161,16 @@ TEST_F(DamagedModel, WithArraysThatDoNotFitTogetherIsRefused) {
   EXPECT_NE(error_after([](Archive& archive) { archive.set("levels", 3); }).find("bad.csrbf: "), std::string::npos);
 }
 
+TEST_F(DamagedModel, WithoutSamplesOfTheWindingNumberIsRead) {
+  EXPECT_EQ(error_after([](Archive& archive) {
+              for (const std::string name : {"winding/points", "winding/normals"})
+                archive.set(name, ArchiveArray<double>(3, 0));
+              for (const std::string name : {"winding/areas", "winding/smoothing_length"})
+                archive.set(name, ArchiveArray<double>(0, 1));
+            }),
+            "no exception");
+}
+
 TEST_F(DamagedModel, WithNumbersThatMakeNoSenseIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr Index radius = 12, flatness = 13;

@@ -21,7 +21,6 @@ WindingNumber winding_from(const Archive& archive) {
   data.normals = archive.numbers("normals", 3, data.points.cols());
   data.areas = archive.numbers("areas", data.points.cols(), 1);
   data.eps = archive.numbers("smoothing_length", data.points.cols(), 1);
-  if (!(data.areas.minCoeff() >= 0 && data.eps.minCoeff() >= 0)) archive.fail("an area is damaged");
   return WindingNumber(std::move(data));
 }
 
