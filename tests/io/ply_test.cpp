@@ -164,6 +164,15 @@ TEST(Ply, RefusesCountsThatTheFileCannotHold) {
             2);
 }
 
+TEST(Ply, WithoutVerticesHasNoPoints) {
+  const std::string none = "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n" +
+                           std::string("property float nx\nproperty float ny\nproperty float nz\n");
+  const Mesh mesh = parse_ply(ascii(none, ""), "n.ply");
+  EXPECT_EQ(mesh.vertices.cols(), 0);
+  EXPECT_EQ(mesh.normals.cols(), 0);
+  EXPECT_TRUE(mesh.properties.empty());
+}
+
 TEST(Ply, NamesTheElementWhereABinaryFileEnds) {
   std::string lists = "ply\nformat binary_big_endian 1.0\n" + vertex_header +
                       "element face 2\nproperty list uchar int vertex_indices\nend_header\n";

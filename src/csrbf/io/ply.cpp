@@ -38,6 +38,7 @@ std::vector<Slot> make_vertex_slots(const PlyElement& element, const std::string
                                        [&](std::string_view n) { return find_scalar(element, n) != nullptr; });
   mesh.vertices.resize(3, element.count);
   mesh.normals.resize(3, has_normals ? element.count : 0);
+  if (element.count == 0) return {};  // there is no place that a slot could be
 
   std::vector<Slot> slots(element.properties.size());
   mesh.properties.reserve(element.properties.size());
