@@ -145,6 +145,9 @@ TEST(ReadVolume, NamesTheTypesAndFieldsThatItDoesNotSupport) {
   EXPECT_EQ(errors.reading("a.nrrd", "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 2\nencoding: ascii\n\n1 x"),
             "a.nrrd: sample 2: \"x\" is not a number");
   EXPECT_EQ(errors.reading("a.mha", "NDims = 2\nDimSize = 3\n"), "a.mha:2: expected 2 numbers, found 1");
+  EXPECT_EQ(
+      errors.reading("a.mha", "NDims = 2\nDimSize = 2 2\nNDims = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL"),
+      "a.mha:3: NDims stands twice");
   EXPECT_EQ(errors.reading("a.mha", "NDims = 2\nElementType = MET_STRING\n"),
             "a.mha:2: samples of type \"MET_STRING\" are not supported; MET_UCHAR to MET_DOUBLE are");
   EXPECT_EQ(errors.reading("a.mha", "NDims = 2\nElementDataFile = LIST\n"),

@@ -56,6 +56,7 @@ class HeaderParser {
     const std::string_view value = trimmed(line.substr(equals + 1));
     const bool yes = value.starts_with('T') || value.starts_with('t') || value == "1";
     if (key == "NDims") {
+      if (axes_ != 0) reader_.fail("NDims stands twice");
       axes_ = static_cast<std::size_t>(integer(value, 1, most_axes));
     } else if (key == "DimSize") {
       for (const double length : numbers(value, axes_)) lengths_.push_back(checked_length(length));
