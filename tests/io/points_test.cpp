@@ -143,6 +143,10 @@ TEST(WritePoints, KeepsDoublesExactlyInTextAndArrays) {
 }
 
 TEST(WritePoints, SavesArraysAsNumPyDoes) {
+  EXPECT_EQ(io_error([] {
+              parse_npy(format_npy({{}, {}}), "scalar.npy");
+            }),
+            "scalar.npy: the file is truncated: it holds 0 elements");
   const std::string bytes = format_npy({{1, 2}, {1.5, -2}});
   EXPECT_EQ(bytes.size() % 64, 16u);  // a header that is a multiple of 64 bytes long, two doubles
   EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\x01\x00\x76\x00", 10));

@@ -76,12 +76,16 @@ void parse_shape(std::string_view text, const std::string& name, NpyHeader& head
 // Number of elements; refuses shapes that the data cannot fill, however large their product.
 std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const std::string& name) {
   const std::size_t room = data_bytes / scalar_of(header).size;
+  const auto check = [&](bool fits) {
+    if (!fits) fail(name, "the file is truncated: it holds " + std::to_string(room) + " elements");
+  };
   std::size_t size = 1;
   for (const Index length : header.shape) {
     const auto n = static_cast<std::size_t>(length);
-    if (n > 0 && size > room / n) fail(name, "the file is truncated: it holds " + std::to_string(room) + " elements");
+    check(n == 0 || size <= room / n);
     size *= n;
   }
+  check(size <= room);  // a number without axes is one element
   return size;
 }
 

@@ -51,7 +51,7 @@ PointCloud points_of(const NpyArray& array, const std::string& name) {
   const Eigen::Map<const Eigen::MatrixXd> rows(array.values.data(), array.shape[1], array.shape[0]);
   PointCloud cloud;
   cloud.points = rows.topRows(3);
-  if (rows.rows() == 6) cloud.normals = rows.bottomRows(3);
+  if (rows.rows() == 6 && rows.cols() > 0) cloud.normals = rows.bottomRows(3);
   return cloud;
 }
 
