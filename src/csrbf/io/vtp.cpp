@@ -193,6 +193,7 @@ class VtpParser {
   }
 
   void add_properties(const std::string& name, SampleType type, const Eigen::MatrixXd& values) {
+    if (values.cols() == 0) return;
     const Index n = values.rows();
     const bool is_color = type == SampleType::uint8 && (n == 3 || n == 4) && !find_colors(mesh_.properties).complete();
     for (Index row = 0; row < n; ++row) {
