@@ -148,6 +148,8 @@ TEST(ReadVolume, NamesTheTypesAndFieldsThatItDoesNotSupport) {
   EXPECT_EQ(
       errors.reading("a.mha", "NDims = 2\nDimSize = 2 2\nNDims = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL"),
       "a.mha:3: NDims stands twice");
+  EXPECT_EQ(errors.reading("a.mha", "NDims = 1\nDimSize = 1\nElementType = MET_UCHAR\nElementDataFile = /dev/null\n"),
+            "/dev/null: the data of an image must be in a regular file");
   EXPECT_EQ(errors.reading("a.mha", "NDims = 2\nElementType = MET_STRING\n"),
             "a.mha:2: samples of type \"MET_STRING\" are not supported; MET_UCHAR to MET_DOUBLE are");
   EXPECT_EQ(errors.reading("a.mha", "NDims = 2\nElementDataFile = LIST\n"),

@@ -57,6 +57,10 @@ void load_raw_data(RawVolume& raw, const RawData& data, std::string bytes, const
     if (std::any_of(data.file.begin(), data.file.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }))
       throw IoError(name + ": the name of the data file, " + in_quotes(data.file) + ", holds control characters");
     name = (std::filesystem::path(path).parent_path() / data.file).string();
+    // Devices and pipes may never end.
+    std::error_code error;
+    if (std::filesystem::exists(name, error) && !std::filesystem::is_regular_file(name, error))
+      throw IoError(name + ": the data of an image must be in a regular file");
     bytes = read_file(name);
     begin = 0;
   }
