@@ -150,10 +150,11 @@ class TableParser {
       if (cell.empty()) reader_.fail("cell " + std::to_string(column + 1) + " is empty");
       reader_.fail(in_quotes(cell) + " is not a number");
     }
-    const auto known = [&](const TextCell& c) { return c.column == column; };
-    auto& cells = table_.text_cells;
-    if (!is_missing(cell) && std::none_of(cells.begin(), cells.end(), known))
-      cells.push_back({column, reader_.number(), std::string(cell)});
+    holds_text_.resize(static_cast<std::size_t>(columns_));
+    if (!is_missing(cell) && !holds_text_[static_cast<std::size_t>(column)]) {
+      holds_text_[static_cast<std::size_t>(column)] = true;
+      table_.text_cells.push_back({column, reader_.number(), std::string(cell)});
+    }
     return std::numeric_limits<double>::quiet_NaN();
   }
 
@@ -165,6 +166,7 @@ class TableParser {
   Index columns_ = 0;
   std::optional<std::int64_t> promised_rows_;
   std::vector<double> values_;
+  std::vector<bool> holds_text_;  // columns with a text cell
   Table table_;
 };
 
