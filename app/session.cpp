@@ -9,6 +9,9 @@
 #include "csrbf/io/read_file.hpp"
 #include "csrbf/version.hpp"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -67,6 +70,9 @@ Progress Session::progress() {
 void Session::begin_stage(const std::string& stage) {
   if (interrupted()) throw Cancelled();
   display_.update(stage, 0);
+#ifdef __GLIBC__
+  malloc_trim(0);  // what earlier stages needed goes back before this one asks for more
+#endif
 }
 
 void Session::end_stage(const std::string& stage, Clock::time_point start) {
