@@ -10,15 +10,15 @@ constexpr double clearly_better = 0.99;  // of the mean error: elsewhere patches
 }  // namespace
 
 template <int Dim>
-std::optional<HeldOutError> better_along_tracks(const Samples<Dim>& samples, const PartitionOfUnityOptions& options) {
-  const HeldOutSamples<Dim> held_out(samples);
-  const HeldOutError patches = held_out.error(partition_of_unity(held_out.others(), options).fields());
+std::optional<HeldOutError> better_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches) {
+  const HeldOutSamples<Dim> held_out(samples.weights.size() > 0 ? normalize_weights(samples) : samples);
+  const HeldOutError usual = held_out.error(patches);
   const HeldOutError tracks = held_out.error(moving_least_squares(held_out.others(), along_tracks));
-  return tracks.mean < clearly_better * patches.mean ? std::optional(tracks) : std::nullopt;
+  return tracks.mean < clearly_better * usual.mean ? std::optional(tracks) : std::nullopt;
 }
 
 #define CSRBF_INSTANTIATE(Dim) \
-  template std::optional<HeldOutError> better_along_tracks<Dim>(const Samples<Dim>&, const PartitionOfUnityOptions&);
+  template std::optional<HeldOutError> better_along_tracks<Dim>(const Samples<Dim>&, const LocalOptions&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -2,7 +2,6 @@
 
 #include "csrbf/approx/held_out_error.hpp"
 #include "csrbf/approx/moving_least_squares.hpp"
-#include "csrbf/approx/partition_of_unity.hpp"
 
 #include <optional>
 
@@ -11,9 +10,10 @@ namespace csrbf {
 /// Moving least squares whose weights follow the tracks of the samples.
 inline const MovingLeastSquaresOptions along_tracks{.tracks = true};
 
-/// The error with which that predicts samples held back, if it is clearly less than that of a partition of unity: rough
-/// values along tracks often differ from one track to the next, by more than the function does.
+/// The error with which that predicts samples held back, if it is clearly less than that of a partition of unity with
+/// the local fits `patches`: rough values along tracks often differ from one track to the next, by more than the
+/// function does.
 template <int Dim>
-std::optional<HeldOutError> better_along_tracks(const Samples<Dim>& samples, const PartitionOfUnityOptions& options);
+std::optional<HeldOutError> better_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches);
 
 }  // namespace csrbf

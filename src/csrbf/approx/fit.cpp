@@ -225,7 +225,7 @@ class Fitter {
       require(Kernel(options_.kernel, Dim).order() == 0, "fit", "kernel", options_.kernel,
               "is only conditionally positive definite; a partition of unity needs another one, such as wendland-c4");
     const PartitionOfUnityFit<Dim> fit = partition_of_unity(samples, options);
-    const LocalOptions& local = fit.report.local;
+    const LocalOptions& local = local_ = fit.report.local;
     report_.kernel = local.kernel;
     report_.degree = local.degree;
     report_.centers = fit.report.centers;
@@ -247,8 +247,7 @@ class Fitter {
   Fields patches_or_tracks() {
     const FitReport before = report_;
     Fields fields = partition(samples_, local_options(options_));
-    if (!tracks_may_matter()) return fields;
-    const auto error = better_along_tracks(samples_, local_options(options_));
+    const auto error = tracks_may_matter() ? better_along_tracks(samples_, local_) : std::nullopt;
     if (!error) return fields;
     report_ = before;
     report_.method = "along-tracks";
@@ -298,6 +297,7 @@ class Fitter {
   const Samples<Dim>& samples_;
   const FitOptions& options_;
   FitReport& report_;
+  LocalOptions local_ = {};  // of the last partition of unity
 };
 
 // What the coordinates are divided by.
