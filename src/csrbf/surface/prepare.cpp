@@ -10,7 +10,10 @@
 #include <Eigen/Eigenvalues>
 
 #include <limits>
+#include <map>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -21,6 +24,7 @@ constexpr double stray_sparseness = 3;   // a cluster is stray when its spacing 
 constexpr double stray_share = 0.005;    // ... and it holds fewer than this share of the points
 constexpr double cloudy_share = 0.05;    // ... or fewer than this, and fills space instead of lying on a sheet:
 constexpr double sheet_variation = 0.1;  // smallest share of the spread of neighbours in one direction (1/3 in a ball)
+constexpr Index fewest_on_island = 30;
 constexpr double usual_contradictions = 5e-4;     // share of neighbours whose given normals may disagree unexamined
 constexpr Index examined = 50'000;                // points that tell whether turning normals is the remedy
 constexpr double remaining_contradictions = 0.2;  // of them, when turning normals is the remedy
@@ -113,16 +117,21 @@ DisjointSets link(const Points<3>& points, const NeighborTable& near, const std:
   return clusters;
 }
 
-// Marks the points to keep: clusters of points linked by short neighbour distances are stray when they are much sparser
-// than usual and small, or fill space.
-std::vector<char> keep_unless_stray(const Points<3>& points, const NeighborTable& near) {
-  const auto n = static_cast<std::size_t>(points.cols());
-  std::vector<double> reach(n);
+// Distance of every point to the middle one of its neighbours.
+std::vector<double> reaches(const Points<3>& points, const NeighborTable& near) {
+  std::vector<double> reach(static_cast<std::size_t>(points.cols()));
   for (Index i = 0; i < points.cols(); ++i)
     reach[static_cast<std::size_t>(i)] =
         (points.col(i) - points.col(near.of(i)[static_cast<std::size_t>(near.k / 2)])).norm();
+  return reach;
+}
+
+// Marks the points to keep: clusters of points linked by short neighbour distances are stray when they are much sparser
+// than usual and small, or fill space.
+std::vector<char> keep_unless_stray(const Points<3>& points, const NeighborTable& near,
+                                    const std::vector<double>& reach, DisjointSets& clusters) {
+  const std::size_t n = reach.size();
   const double usual = median(reach);
-  DisjointSets clusters = link(points, near, reach);
   std::vector<Index> size(n, 0);
   std::vector<double> sum(n, 0), variation(n, 0);
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -145,6 +154,23 @@ std::vector<char> keep_unless_stray(const Points<3>& points, const NeighborTable
     if (is_sparse(cluster) && (small || variation[cluster] > sheet_variation)) keep[i] = 0;
   }
   return keep;
+}
+
+// The clusters among the points `used`, but for the largest and those too small to tell what they are; as positions in
+// `used`.
+std::vector<std::vector<Index>> find_islands(DisjointSets& clusters, const std::vector<Index>& used) {
+  std::map<std::uint32_t, Index> size;
+  for (const Index i : used) ++size[clusters.find(static_cast<std::uint32_t>(i))];
+  const auto smaller = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const std::uint32_t largest = std::max_element(size.begin(), size.end(), smaller)->first;
+  std::map<std::uint32_t, std::vector<Index>> islands;
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    const std::uint32_t cluster = clusters.find(static_cast<std::uint32_t>(used[k]));
+    if (cluster != largest && size[cluster] >= fewest_on_island) islands[cluster].push_back(static_cast<Index>(k));
+  }
+  std::vector<std::vector<Index>> result;
+  for (auto& island : islands) result.push_back(std::move(island.second));
+  return result;
 }
 
 Points<3> select(const Points<3>& columns, const std::vector<Index>& ids) {
@@ -285,12 +311,18 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   auto tree = std::make_unique<const KdTree<3>>(points);
   NeighborTable near = make_neighbor_table(points, *tree, neighbors);
   report(progress, "prepare", 0.5);
-  const std::vector<char> keep = keep_unless_stray(points, near);
+  const std::vector<double> reach = reaches(points, near);
+  DisjointSets clusters = link(points, near, reach);
+  const std::vector<char> keep = keep_unless_stray(points, near, reach, clusters);
   std::vector<Index> used;
   for (std::size_t i = 0; i < keep.size(); ++i)
     if (keep[i] != 0) used.push_back(static_cast<Index>(i));
+  if (used.size() < 4) {
+    used.resize(keep.size());
+    std::iota(used.begin(), used.end(), Index{0});
+  }
   const Index stray = points.cols() - static_cast<Index>(used.size());
-  if (stray > 0 && used.size() >= 4) {
+  if (stray > 0) {
     warn(result.warnings, stray, "stray points dropped");
     points = select(points, used);
     std::vector<Index> remaining;
@@ -299,6 +331,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
     tree = std::make_unique<const KdTree<3>>(points);
     near = make_neighbor_table(points, *tree, near, used);
   }
+  result.islands = find_islands(clusters, used);
   result.cloud.points = std::move(points);  // stays in its place in memory, where the tree looks for it
   result.tree = std::move(tree);
   if (input.has_normals()) result.cloud.normals = select(normals, source_index);

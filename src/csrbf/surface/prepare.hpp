@@ -20,14 +20,17 @@ enum class Normals {
 
 /// A cloud made ready to fit.
 struct PreparedCloud {
-  /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order.
+  /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order; samples that
+  /// bridge_gaps() adds follow.
   OrientedPoints cloud;
   std::unique_ptr<const KdTree<3>> tree;  ///< of the points of the cloud
   Point<3> origin = Point<3>::Zero();
   double scale = 1;
   Box<3> bounds;              ///< of the points used, in the user's coordinates
   std::vector<Index> source;  ///< index in the input of every point used
-  std::string normals;        ///< "file", "estimated" or "re-oriented"
+  /// Parts of the cloud, indices ascending, that gaps wider than a few spacings separate from the largest part.
+  std::vector<std::vector<Index>> islands;
+  std::string normals;  ///< "file", "estimated" or "re-oriented"
   std::vector<std::string> warnings;
 };
 

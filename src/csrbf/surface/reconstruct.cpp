@@ -1,9 +1,10 @@
 #include "csrbf/surface/reconstruct.hpp"
 
-#include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
+#include "csrbf/surface/bridge_gaps.hpp"
 #include "csrbf/surface/choose_options.hpp"
 #include "csrbf/surface/composite_field.hpp"
+#include "csrbf/surface/decimate.hpp"
 #include "csrbf/surface/placed_field.hpp"
 #include "csrbf/surface/surface_distances.hpp"
 #include "csrbf/surface/surface_method.hpp"
@@ -16,9 +17,6 @@
 namespace csrbf {
 namespace {
 
-constexpr Index decimation = 4;                        // points merged per point of the next coarser level
-constexpr double run_reach = 4;                        // spacings
-constexpr double run_normals = 0.3;                    // cosine
 constexpr Index fewest_coarse = 12, most_coarse = 40;  // points per patch of a coarse level
 constexpr Index most_coarse_centers = 16;              // ... and CSRBF centres: they carry its shape across holes
 constexpr Index coarsest_points = 100;                 // a level with fewer points has no coarser one
@@ -55,42 +53,6 @@ void check(const ReconstructOptions& options) {
           "must be a fraction of the bounding-box diagonal in [0, 1)");
   require(!options.smoothing || *options.smoothing >= 0, "reconstruct", "smoothing", options.smoothing.value_or(0),
           "must not be negative");
-}
-
-// Ends of runs of at most `decimation` samples in Morton order that lie together on one sheet.
-std::vector<Index> runs(const OrientedPoints& cloud) {
-  std::vector<Index> ends;
-  Index first = 0;
-  for (Index i = 0; i < cloud.size(); ++i) {
-    const double reach = run_reach * cloud.spacing[first];
-    const bool joins = i - first < decimation && cloud.normals.col(i).dot(cloud.normals.col(first)) > run_normals &&
-                       (cloud.points.col(i) - cloud.points.col(first)).squaredNorm() < reach * reach;
-    if (i > first && !joins) {
-      ends.push_back(i);
-      first = i;
-    }
-  }
-  if (cloud.size() > 0) ends.push_back(cloud.size());
-  return ends;
-}
-
-// One sample for every few: the one nearest to their mean, standing for their common area. Keeps the Morton order.
-OrientedPoints decimate(const OrientedPoints& cloud) {
-  const std::vector<Index> ends = runs(cloud);
-  const auto count = static_cast<Index>(ends.size());
-  OrientedPoints coarse{Points<3>(3, count), Points<3>(3, count), Eigen::VectorXd(count)};
-  for (Index g = 0; g < count; ++g) {
-    const Index begin = g > 0 ? ends[static_cast<std::size_t>(g - 1)] : 0,
-                n = ends[static_cast<std::size_t>(g)] - begin;
-    const auto points = cloud.points.middleCols(begin, n);
-    const Point<3> mean = points.rowwise().mean(), normal = cloud.normals.middleCols(begin, n).rowwise().sum();
-    Index nearest = 0;
-    (points.colwise() - mean).colwise().squaredNorm().minCoeff(&nearest);
-    coarse.points.col(g) = points.col(nearest);
-    coarse.normals.col(g) = normal.normalized();
-    coarse.spacing[g] = cloud.spacing.segment(begin, n).norm();
-  }
-  return coarse;
 }
 
 // Patches with fewer coefficients than samples smooth: they hold no detail as small as the spacing of the samples.
@@ -239,6 +201,7 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   ReconstructReport& out = result.report;
   const auto start = std::chrono::steady_clock::now();
   PreparedCloud prepared = prepare(input, options.normals, options.progress);
+  bridge_gaps(prepared);
   out.prepare_seconds = seconds_since(start);
 
   Surface surface = composite(options)
@@ -249,11 +212,11 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
 
   out.normals = prepared.normals;
   out.points = input.size();
-  out.points_used = prepared.cloud.size();
+  out.points_used = static_cast<Index>(prepared.source.size());
   out.warnings.insert(out.warnings.begin(), prepared.warnings.begin(), prepared.warnings.end());
   result.field = std::move(surface.field);
   result.source = std::move(prepared.source);
-  result.normals = std::move(prepared.cloud.normals);
+  result.normals = prepared.cloud.normals.leftCols(static_cast<Index>(result.source.size()));
   return result;
 }
 
