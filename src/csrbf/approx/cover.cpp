@@ -284,10 +284,14 @@ void Cover<Dim>::collect(const Point<Dim>& x, double reach, Search& search) cons
       continue;
     }
     const auto cell = static_cast<std::size_t>(tree_.right[node]);
-    for (Index i = begin_[cell]; i < begin_[cell + 1]; ++i) {
+    std::size_t count = search.found.size();
+    search.found.resize(count + static_cast<std::size_t>(begin_[cell + 1] - begin_[cell]));
+    for (Index i = begin_[cell]; i < begin_[cell + 1]; ++i) {  // without branches: nobody can predict them
       const double d2 = (points_.col(i) - x).squaredNorm();
-      if (d2 < reach * reach) search.found.emplace_back(d2, static_cast<std::uint32_t>(i));
+      search.found[count] = {d2, static_cast<std::uint32_t>(i)};
+      count += d2 < reach * reach ? 1 : 0;
     }
+    search.found.resize(count);
   }
 }
 
