@@ -145,6 +145,20 @@ TEST(Prepare, DropsStrayPointsAndHardlyAnyOthers) {
   }
 }
 
+TEST(Prepare, FarStrayPointsDoNotChangeTheUnitCoordinatesOfTheRest) {
+  const PointCloud good = sphere_cloud(1000);
+  const PreparedCloud expected = prepare(good, Normals::automatic);
+  for (const double far : {1e6, 1e300}) {
+    const PointCloud input = joined(good, {far * Points<3>::Identity(3, 2), Points<3>::Identity(3, 2), {}});
+    const PreparedCloud prepared = prepare(input, Normals::automatic);
+    EXPECT_TRUE(warns(prepared, "2 stray points dropped"));
+    EXPECT_EQ(prepared.scale, expected.scale);
+    EXPECT_EQ(prepared.source, expected.source);
+    EXPECT_EQ(prepared.cloud.points, expected.cloud.points);
+    EXPECT_EQ(prepared.cloud.spacing, expected.cloud.spacing);
+  }
+}
+
 TEST(Prepare, KeepsASparseObjectBesideADenseOne) {
   // 400 samples of a sphere ten times as sparse in length as the other one are no stray points.
   const PointCloud input = joined(sphere_cloud(20000), sphere_cloud(400, 2, 1.5, {5, 0, 0}));

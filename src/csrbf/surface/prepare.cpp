@@ -12,7 +12,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 namespace csrbf {
@@ -25,6 +24,7 @@ constexpr double stray_share = 0.005;    // ... and it holds fewer than this sha
 constexpr double cloudy_share = 0.05;    // ... or fewer than this, and fills space instead of lying on a sheet:
 constexpr double sheet_variation = 0.1;  // smallest share of the spread of neighbours in one direction (1/3 in a ball)
 constexpr Index fewest_on_island = 30;
+constexpr double far_strays = 0.1;  // what is left when stray points are dropped is smaller than this: zoom in
 constexpr double usual_contradictions = 5e-4;     // share of neighbours whose given normals may disagree unexamined
 constexpr Index examined = 50'000;                // points that tell whether turning normals is the remedy
 constexpr double remaining_contradictions = 0.2;  // of them, when turning normals is the remedy
@@ -117,21 +117,38 @@ DisjointSets link(const Points<3>& points, const NeighborTable& near, const std:
   return clusters;
 }
 
-// Distance of every point to the middle one of its neighbours.
-std::vector<double> reaches(const Points<3>& points, const NeighborTable& near) {
-  std::vector<double> reach(static_cast<std::size_t>(points.cols()));
+// Points to keep, and those clusters of them, as positions in `ids`, that are not part of the largest and tell what
+// they are.
+struct Kept {
+  std::vector<Index> ids;
+  std::vector<std::vector<Index>> islands;
+};
+
+std::vector<std::vector<Index>> find_islands(DisjointSets& clusters, const std::vector<Index>& ids) {
+  std::map<std::uint32_t, Index> size;
+  for (const Index i : ids) ++size[clusters.find(static_cast<std::uint32_t>(i))];
+  const auto smaller = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const std::uint32_t largest = std::max_element(size.begin(), size.end(), smaller)->first;
+  std::map<std::uint32_t, std::vector<Index>> islands;
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    const std::uint32_t cluster = clusters.find(static_cast<std::uint32_t>(ids[k]));
+    if (cluster != largest && size[cluster] >= fewest_on_island) islands[cluster].push_back(static_cast<Index>(k));
+  }
+  std::vector<std::vector<Index>> result;
+  for (auto& island : islands) result.push_back(std::move(island.second));
+  return result;
+}
+
+// The points to keep: clusters of points linked by short neighbour distances are stray when they are much sparser than
+// usual and small, or fill space.
+Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
+  const auto n = static_cast<std::size_t>(points.cols());
+  std::vector<double> reach(n);
   for (Index i = 0; i < points.cols(); ++i)
     reach[static_cast<std::size_t>(i)] =
         (points.col(i) - points.col(near.of(i)[static_cast<std::size_t>(near.k / 2)])).norm();
-  return reach;
-}
-
-// Marks the points to keep: clusters of points linked by short neighbour distances are stray when they are much sparser
-// than usual and small, or fill space.
-std::vector<char> keep_unless_stray(const Points<3>& points, const NeighborTable& near,
-                                    const std::vector<double>& reach, DisjointSets& clusters) {
-  const std::size_t n = reach.size();
   const double usual = median(reach);
+  DisjointSets clusters = link(points, near, reach);
   std::vector<Index> size(n, 0);
   std::vector<double> sum(n, 0), variation(n, 0);
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -147,36 +164,69 @@ std::vector<char> keep_unless_stray(const Points<3>& points, const NeighborTable
     if (is_sparse(cluster))
       variation[cluster] += least_variation(points, near, clusters, i) / static_cast<double>(size[cluster]);
   }
-  std::vector<char> keep(n, 1);
+  Kept kept;
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t cluster = clusters.find(i);
     const bool small = static_cast<double>(size[cluster]) < stray_share * static_cast<double>(n);
-    if (is_sparse(cluster) && (small || variation[cluster] > sheet_variation)) keep[i] = 0;
+    if (!is_sparse(cluster) || (!small && variation[cluster] <= sheet_variation)) kept.ids.push_back(i);
   }
-  return keep;
-}
-
-// The clusters among the points `used`, but for the largest and those too small to tell what they are; as positions in
-// `used`.
-std::vector<std::vector<Index>> find_islands(DisjointSets& clusters, const std::vector<Index>& used) {
-  std::map<std::uint32_t, Index> size;
-  for (const Index i : used) ++size[clusters.find(static_cast<std::uint32_t>(i))];
-  const auto smaller = [](const auto& a, const auto& b) { return a.second < b.second; };
-  const std::uint32_t largest = std::max_element(size.begin(), size.end(), smaller)->first;
-  std::map<std::uint32_t, std::vector<Index>> islands;
-  for (std::size_t k = 0; k < used.size(); ++k) {
-    const std::uint32_t cluster = clusters.find(static_cast<std::uint32_t>(used[k]));
-    if (cluster != largest && size[cluster] >= fewest_on_island) islands[cluster].push_back(static_cast<Index>(k));
-  }
-  std::vector<std::vector<Index>> result;
-  for (auto& island : islands) result.push_back(std::move(island.second));
-  return result;
+  if (!kept.ids.empty()) kept.islands = find_islands(clusters, kept.ids);
+  return kept;
 }
 
 Points<3> select(const Points<3>& columns, const std::vector<Index>& ids) {
   Points<3> chosen(3, static_cast<Index>(ids.size()));
   for (std::size_t i = 0; i < ids.size(); ++i) chosen.col(static_cast<Index>(i)) = columns.col(ids[i]);
   return chosen;
+}
+
+std::vector<Index> select(const std::vector<Index>& entries, const std::vector<Index>& ids) {
+  std::vector<Index> chosen;
+  for (const Index i : ids) chosen.push_back(entries[static_cast<std::size_t>(i)]);
+  return chosen;
+}
+
+// Puts those points of the input into unit coordinates and Morton order, and finds their neighbours.
+NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedCloud& result) {
+  Points<3> points = select(input.points, ids);
+  const Box<3> box = bounding_box<3>(points);
+  result.origin = box.lo + 0.5 * (box.hi - box.lo);
+  result.scale = (box.hi - box.lo).stableNorm();
+  for (Index i = 0; i < points.cols(); ++i) points.col(i) = (points.col(i) - result.origin) / result.scale;
+  require_spread(points);
+  const std::vector<Index> order = morton_order<3>(points);
+  result.source = select(ids, order);
+  result.cloud.points = select(points, order);  // stays in its place in memory, where the tree looks for it
+  result.tree = std::make_unique<const KdTree<3>>(result.cloud.points);
+  return make_neighbor_table(result.cloud.points, *result.tree, neighbors);
+}
+
+// Drops stray points. What is left is placed anew where it is small in comparison: unit coordinates are those of the
+// surface, and far points take digits from all others.
+NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
+  NeighborTable near = place(input, ids, result);
+  Index stray = 0;
+  for (bool far = true; far;) {
+    Kept kept = all_but_stray(result.cloud.points, near);
+    const std::vector<Index>& used = kept.ids;
+    if (used.size() < 4) break;
+    result.islands = std::move(kept.islands);
+    const Index dropped = result.cloud.size() - static_cast<Index>(used.size());
+    if (dropped == 0) break;
+    stray += dropped;
+    Points<3> left = select(result.cloud.points, used);
+    result.source = select(result.source, used);
+    far = bounding_box<3>(left).diagonal() < far_strays;
+    if (far) {
+      near = place(input, std::move(result.source), result);
+    } else {
+      result.cloud.points = std::move(left);
+      result.tree = std::make_unique<const KdTree<3>>(result.cloud.points);
+      near = make_neighbor_table(result.cloud.points, *result.tree, near, used);
+    }
+  }
+  warn(result.warnings, stray, "stray points dropped");
+  return near;
 }
 
 // Normalises given normals; returns how many are missing (zero or not finite).
@@ -291,51 +341,13 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   Points<3> normals = input.normals;
   for (Index i = 0; i < normals.cols(); ++i)
     if (!normals.col(i).allFinite()) normals.col(i).setZero();
-  std::vector<Index> kept = distinct_points(input, normals, result.warnings);
+  const std::vector<Index> kept = distinct_points(input, normals, result.warnings);
   require(kept.size() >= 4, "reconstruct", "points", kept.size(),
           "distinct finite points are too few; at least 4 are needed");
 
-  // Unit coordinates, Morton order.
-  Points<3> points = select(input.points, kept);
-  const Box<3> box = bounding_box<3>(points);
-  result.origin = box.lo + 0.5 * (box.hi - box.lo);
-  result.scale = (box.hi - box.lo).stableNorm();
-  for (Index i = 0; i < points.cols(); ++i) points.col(i) = (points.col(i) - result.origin) / result.scale;
-  require_spread(points);
-  const std::vector<Index> order = morton_order<3>(points);
-  points = select(points, order);
-  std::vector<Index> source_index(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) source_index[i] = kept[static_cast<std::size_t>(order[i])];
-  report(progress, "prepare", 0.2);
-
-  auto tree = std::make_unique<const KdTree<3>>(points);
-  NeighborTable near = make_neighbor_table(points, *tree, neighbors);
-  report(progress, "prepare", 0.5);
-  const std::vector<double> reach = reaches(points, near);
-  DisjointSets clusters = link(points, near, reach);
-  const std::vector<char> keep = keep_unless_stray(points, near, reach, clusters);
-  std::vector<Index> used;
-  for (std::size_t i = 0; i < keep.size(); ++i)
-    if (keep[i] != 0) used.push_back(static_cast<Index>(i));
-  if (used.size() < 4) {
-    used.resize(keep.size());
-    std::iota(used.begin(), used.end(), Index{0});
-  }
-  const Index stray = points.cols() - static_cast<Index>(used.size());
-  if (stray > 0) {
-    warn(result.warnings, stray, "stray points dropped");
-    points = select(points, used);
-    std::vector<Index> remaining;
-    for (const Index i : used) remaining.push_back(source_index[static_cast<std::size_t>(i)]);
-    source_index = std::move(remaining);
-    tree = std::make_unique<const KdTree<3>>(points);
-    near = make_neighbor_table(points, *tree, near, used);
-  }
-  result.islands = find_islands(clusters, used);
-  result.cloud.points = std::move(points);  // stays in its place in memory, where the tree looks for it
-  result.tree = std::move(tree);
-  if (input.has_normals()) result.cloud.normals = select(normals, source_index);
-  result.source = std::move(source_index);
+  const NeighborTable near = place_all_but_stray(input, kept, result);
+  report(progress, "prepare", 0.6);
+  if (input.has_normals()) result.cloud.normals = select(normals, result.source);
   find_normals(result, near, source, input.has_normals(), progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near);
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
