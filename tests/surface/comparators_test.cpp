@@ -49,6 +49,23 @@ TEST_P(Comparators, HaveOutwardNormalsAlongMinusTheGradient) {
   for (Index i = 0; i < test.size(); ++i) EXPECT_LT(jet.gradient.col(i).normalized().dot(test.normals.col(i)), -0.95);
 }
 
+TEST_P(Comparators, AreFiniteWhereNormalsCancelAndSurviveNaN) {
+  PointCloud corners{Points<3>(3, 9), Points<3>(3, 9), {}};
+  for (int i = 0; i < 8; ++i) corners.points.col(i) << i % 2, i / 2 % 2, i / 4;
+  corners.points.col(8).setConstant(0.5);
+  for (int i = 0; i < 9; ++i) corners.normals.col(i) = (i % 2 == 0 ? 1 : -1) * Point<3>::UnitX();
+  for (const Normals source : {Normals::file, Normals::estimate}) {
+    std::shared_ptr<const Field<3>> field;
+    try {
+      field = reconstruct(corners, {.method = GetParam(), .normals = source}).field;
+    } catch (const SolverFailure&) {
+      continue;
+    }
+    EXPECT_TRUE(field->evaluate(corners.points, Derivatives::gradient).value.allFinite());
+    (void)(*field)(Point<3>::Constant(std::numeric_limits<double>::quiet_NaN()));
+  }
+}
+
 TEST_P(Comparators, HaveTheDerivativesOfTheirValues) {
   if (GetParam() == "hoppe") GTEST_SKIP() << "its tangent planes do not meet";
   const Reconstruction surface = by(GetParam(), torus.cloud(1500), few);

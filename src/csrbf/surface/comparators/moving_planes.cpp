@@ -73,6 +73,10 @@ class MovingPlanes : public ValueField, protected Samples {
     Neighborhood near;
     near.count =
         static_cast<std::size_t>(tree_.nearest(x, static_cast<Index>(neighbors), near.ids.data(), near.squared.data()));
+    if (near.count == 0) {  // x is not a number
+      near.position = x;
+      return near;
+    }
     near.radius = std::sqrt(near.squared[near.count - 1]);
     double sum = 0;
     for (std::size_t k = 0; k < near.count; ++k) {
@@ -104,6 +108,7 @@ class ProjectionMls final : public MovingPlanes {
     double distance = 0;
     for (int k = 0; k < projection_steps; ++k) {
       if (k > 0) near = around(foot);
+      if (near.normal.isZero(0)) break;  // normals that cancel, or are not known, leave no plane to project on
       distance = near.normal.dot(x - near.position) - height(near, x);
       foot = x - distance * near.normal;
     }
