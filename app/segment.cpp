@@ -62,6 +62,7 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
                        {"sd", region.sd}});
   session.result = {{"iterations", r.iterations}, {"converged", r.converged},   {"energy", r.energy},
                     {"regions", regions},         {"components", r.components}, {"noise", r.noise}};
+  if (r.speckle) session.result["speckle"] = *r.speckle;
   session.warn(r.warnings);
   for (const RegionReport& region : r.regions)
     if (region.voxels == 0)

@@ -9,7 +9,7 @@ usage: segmentation.py --tools DIR [--data DIR] [--csrbf PROGRAM] [--cases NAME,
   --csrbf PROGRAM  default: build/release/bin/csrbf
   --cases NAMES    default: all of them
   --peers          run scikit-image, too (Debian: python3-skimage)
-  --seeds N        images with other noise of the pictures shape311_30dB, _20dB, _10dB; default: 5
+  --seeds N        images with other noise of the pictures shape311_30dB, _20dB, _10dB and of speckle; default: 5
   --work DIR       keeps the images, which are made once; default: build/segmentation
   --output FILE    default: benchmarks/SEGMENTATION.md
 
@@ -48,6 +48,8 @@ CASES = [
     ("gyroid256_20dB", []),
     ("usim249", []),
     ("usim249", ["--energy", "generalized-gaussian"]),
+    ("speckle_*", []),
+    ("speckle_*", ["--energy", "generalized-gaussian"]),
     ("equal_means", []),
     ("equal_means", ["--energy", "generalized-gaussian"]),
     ("nested_rings", []),
@@ -62,7 +64,8 @@ least of them. **evolve**: the stage of the report, mean. **CPU s**, **peak MB**
 writing included, the memory at least that of this script when it started it. scikit-image and the threshold run in
 Python: their CPU time is of the function alone, and the better of the two sides counts for scikit-image. One run each.
 
-*equal means*: Laplace inside, uniform outside, with the same mean and variance; *nested rings*: a gradient of half the
+*speckle*: other shapes, contrasts, grains and displays than usim249, in turn a flower, a crescent brighter than what
+surrounds it, three cysts with a coarse grain, a weak blob, and an envelope instead of its logarithm; *equal means*: Laplace inside, uniform outside, with the same mean and variance; *nested rings*: a gradient of half the
 contrast across the background, and noise of a tenth of it; *microct100* with no smoothing at all: the energy of
 two-means classification has a known least value, and the column "what it chose" says how far the result is above it.
 """
@@ -86,6 +89,25 @@ def save(work, name, image, mask):
     np.save(work / f"{name}_mask.npy", mask.astype(np.uint8))
 
 
+def speckle(seed, n=249):
+    """Echoes of two mean powers through a Gaussian point spread, as amplitudes or their logarithms; and the mask."""
+    y, x = np.mgrid[0:n, 0:n] - (n - 1) / 2
+    r, angle = np.hypot(x, y), np.arctan2(y, x)
+    mask, inside, outside, spread, logarithm = [
+        (r < n * (0.28 + 0.06 * np.cos(5 * angle + seed)), 0.15, 1, (1, 1.5), True),
+        ((r < 0.35 * n) & (np.hypot(x - 0.15 * n, y) > 0.25 * n), 1, 0.2, (1, 1.8), True),
+        ((r < 0.17 * n) | (np.hypot(x + 0.3 * n, y + 0.25 * n) < 0.1 * n)
+         | (np.hypot(x - 0.3 * n, y - 0.22 * n) < 0.13 * n), 0.1, 1, (1.5, 2.5), True),
+        (r < n * (0.25 + 0.06 * np.cos(2 * angle) + 0.03 * np.sin(3 * angle + seed)), 0.3, 1, (1.2, 2), True),
+        (r < n * (0.28 + 0.05 * np.cos(3 * angle + seed)), 0.2, 1, (1, 1.8), False),
+    ][seed % 5]
+    rng = np.random.default_rng([249, seed])
+    amplitude = np.where(mask, inside, outside)
+    real, imaginary = (ndi.gaussian_filter(amplitude * rng.normal(size=mask.shape), spread) for _ in range(2))
+    envelope = np.hypot(real, imaginary) / np.hypot(real, imaginary).max()
+    return 255 * (np.clip(1 + 20 * np.log10(envelope) / 50, 0, 1) if logarithm else envelope), mask
+
+
 def make_images(work, tools, data, seeds):
     if not (work / "shape311_clean.npy").exists():
         subprocess.run([sys.executable, tools / "make_images.py", work], check=True, stdout=subprocess.DEVNULL)
@@ -96,6 +118,8 @@ def make_images(work, tools, data, seeds):
             rng = np.random.default_rng([level, seed])
             noise = rng.normal(0, np.sqrt(clean.var() / 10 ** (level / 10)), clean.shape)
             save(work, f"shape311_{level}dB_{seed}", clean + noise, mask)
+    for seed in range(seeds):
+        save(work, f"speckle_{seed}", *speckle(seed))
     y, x = np.mgrid[0:311, 0:311]
     np.save(work / "checkerboard.npy", ((x // 20 + y // 20) % 2 == 0).astype(np.uint8))
 

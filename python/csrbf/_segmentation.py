@@ -25,7 +25,8 @@ class Segmentation:
         value each, of which one is positive at every place.
     report : dict
         What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
-        components, noise, options, warnings.
+        components, noise, speckle (the power of the amplitude that the image shows, None when it is not speckle),
+        options, warnings.
 
     Examples
     --------

@@ -1,8 +1,8 @@
 #include "csrbf/levelset/evolve.hpp"
 
-#include "csrbf/core/parallel.hpp"
-#include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/core/simd.hpp"
+#include "csrbf/levelset/coefficient_sums.hpp"
+#include "csrbf/levelset/spectral_descent.hpp"
 
 #include <algorithm>
 #include <array>
@@ -161,29 +161,6 @@ double row_energy(const Profile& profile, bool gradients, const ContourEnergy& e
   return sum;
 }
 
-constexpr Index grain = 1 << 15;  // coefficients that are worth a thread
-
-// Sum of term(i), i < n.
-template <class Term>
-double sum_of(std::size_t n, const Term& term) {
-  return parallel_sum(static_cast<Index>(n), grain, [&](Index begin, Index end) {
-    double sum = 0;
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) sum += term(i);
-    return sum;
-  });
-}
-
-double dot(const std::vector<float>& a, const std::vector<float>& b) {
-  return sum_of(a.size(), [&](std::size_t i) { return static_cast<double>(a[i]) * static_cast<double>(b[i]); });
-}
-
-template <class Body>
-void for_all(std::size_t n, const Body& body) {
-  parallel_for(static_cast<Index>(n), grain, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) body(i);
-  });
-}
-
 // Volume of a voxel in units of its shortest edge.
 template <int Dim>
 double voxel_volume(const Lattice<Dim>& lattice) {
@@ -264,53 +241,14 @@ void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int it
   }
 }
 
-// Birgin, Martinez and Raydan (2000), monotone.
 template <int Dim>
 int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
            std::vector<float>& coefficients, std::vector<double>& energies) {
-  constexpr double enough = 1e-4;  // of the decrease that the slope promises
-  constexpr int most_attempts = 10;
-  const auto limit = static_cast<float>(coefficient_bound(energy));
-  const auto n = static_cast<std::size_t>(lattice.array_size());
-  std::vector<float> gradient(n), next(n), next_gradient(n), step(n);
-  double E = contour_energy(lattice, energy, coefficients.data(), gradient.data());
-  energies.push_back(E);
-  const double first = E;
   // The anchor alone would be solved by about this rate.
-  double rate = 1 / (std::max(energy.anchor, 1e-3) * voxel_volume(lattice) * lattice.coefficient_weight());
-  int used = 1;
-  while (used < iterations) {
-    for_all(n, [&](std::size_t i) {
-      step[i] =
-          std::min(limit, std::max(-limit, coefficients[i] - static_cast<float>(rate) * gradient[i])) - coefficients[i];
-    });
-    const double slope = dot(gradient, step);
-    if (!(slope < 0)) break;
-    double part = 1, E_next = E;
-    bool lower = false;
-    for (int attempt = 0; attempt < most_attempts && !lower; ++attempt, ++used) {
-      for_all(n, [&](std::size_t i) { next[i] = coefficients[i] + static_cast<float>(part) * step[i]; });
-      E_next = contour_energy(lattice, energy, next.data(), next_gradient.data());
-      lower = E_next <= E + enough * part * slope;
-      if (!lower) part *= std::clamp(-0.5 * part * slope / (E_next - E - part * slope), 0.1, 0.5);
-    }
-    if (!lower || !(E_next < E)) break;
-    const double ss = sum_of(n, [&](std::size_t i) {
-      const double s = static_cast<double>(next[i] - coefficients[i]);
-      return s * s;
-    });
-    const double sy = sum_of(n, [&](std::size_t i) {
-      return static_cast<double>(next[i] - coefficients[i]) * static_cast<double>(next_gradient[i] - gradient[i]);
-    });
-    rate = sy > 0 ? ss / sy : 2 * rate;
-    coefficients.swap(next);
-    gradient.swap(next_gradient);
-    const double decrease = E - E_next;
-    E = E_next;
-    energies.push_back(E);
-    if (decrease < tolerance * (first - E)) break;
-  }
-  return used;
+  const double rate = 1 / (std::max(energy.anchor, 1e-3) * voxel_volume(lattice) * lattice.coefficient_weight());
+  return spectral_descent(
+      [&](const float* x, float* derivatives) { return contour_energy(lattice, energy, x, derivatives); },
+      {static_cast<float>(coefficient_bound(energy)), rate, iterations, tolerance}, coefficients, energies);
 }
 
 template <int Dim>

@@ -2,10 +2,12 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/levelset/edge_flow.hpp"
+#include "csrbf/levelset/region_cores.hpp"
 #include "csrbf/levelset/region_forces.hpp"
 #include "csrbf/levelset/region_labels.hpp"
 #include "csrbf/levelset/segment_baselines.hpp"
 #include "csrbf/levelset/segment_fields.hpp"
+#include "csrbf/levelset/speckle_contour.hpp"
 #include "csrbf/levelset/variational.hpp"
 
 #include <algorithm>
@@ -246,6 +248,34 @@ VariationalResult descend(const Lattice<Dim>& lattice, RegionForces<Dim>& forces
   return local ? descend_locally(lattice, source, options, grid, noise, std::move(result.labels)) : result;
 }
 
+// Where the image is speckle, places the contour where its blur says.
+template <int Dim>
+void place_in_speckle(Lattice<Dim>& lattice, std::span<const float> values, const Grid& grid,
+                      const SegmentOptions& options, SegmentOptions& used, VariationalResult& result) {
+  const bool suits = used.energy == SegmentEnergy::generalized_gaussian || used.energy == SegmentEnergy::rayleigh ||
+                     used.energy == SegmentEnergy::gamma;
+  if (!suits || options.force || options.regions > 2) return;
+  std::vector<std::uint8_t> labels = result.labels;
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (!options.mask.empty() && options.mask[i] == 0) labels[i] = no_region;
+  const std::optional<SpeckleModel> speckle = find_speckle<Dim>(values, grid, labels);
+  if (!speckle) return;
+  result.report.speckle = speckle->exponent;
+  if (!options.center_spacing) {
+    used.center_spacing = std::max(*used.center_spacing, spacing_in_speckle<Dim>(*speckle, grid));
+    lattice = Lattice<Dim>(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
+    result.coefficients[0] = coefficients_of_labels(lattice, result.labels);
+  }
+  SpeckleContour<Dim> contour(lattice, *speckle, values, options.mask, options.prior, result.coefficients[0]);
+  std::vector<double> steps;
+  result.coefficients[0] = contour.descend(steps);
+  update_labels(lattice, result.coefficients[0], result.labels.data());
+  // The laws differ by a constant.
+  std::vector<double>& energy = result.report.energy;
+  for (std::size_t i = 1; i < steps.size(); ++i)
+    energy.push_back(energy.back() + (steps[i] - steps[i - 1]) / static_cast<double>(labels.size()));
+}
+
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> make_fields(const Lattice<Dim>& lattice,
                                                            const std::vector<std::vector<float>>& coefficients,
@@ -314,8 +344,9 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     result.labels = std::move(found.labels);
     result.report = std::move(found.report);
   } else {
-    const Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
+    Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
     result = descend(lattice, forces, source, values, grid, noise.size, used, std::move(labels));
+    place_in_speckle(lattice, values, grid, options, used, result);
     fields = make_fields(lattice, result.coefficients, grid);
   }
   if (!options.mask.empty())

@@ -21,7 +21,7 @@ enum class SegmentEnergy {
   gaussian,              ///< means and variances
   generalized_gaussian,  ///< also the shape: tells textures of equal mean apart
   rayleigh,              ///< envelopes of ultrasound
-  gamma,                 ///< the same, compounded
+  gamma,                 ///< the same, compounded; these three undo the blur of speckle where they find it
   edge,                  ///< short contours where the gradient of the image is large; needs a start
 };
 
@@ -60,7 +60,8 @@ struct SegmentOptions {
   SegmentMode mode = SegmentMode::global;
   SegmentMethod method = SegmentMethod::variational;
   int regions = 2;  ///< 2 to 16; more than 2 in global mode of the variational method only
-  /// Distance of the centres in voxels of the shortest edge, at least 1; automatic: 2 to 12, the more the noisier.
+  /// Distance of the centres in voxels of the shortest edge, at least 1; automatic: 2 to 12, the more the noisier; in
+  /// speckle six times its grain.
   std::optional<double> center_spacing = {};
   /// Support radius in center spacings; automatic: 2.5, for collocation 4 as in the thesis.
   std::optional<double> support = {};
@@ -108,11 +109,13 @@ struct SegmentReport {
   int iterations = 0;
   bool converged = false;  ///< labels had stopped changing
   /// After each step, per voxel: 1 is what a voxel costs in the wrong region. Never increases with the variational
-  /// method.
+  /// method. In speckle the last steps are those of its own law.
   std::vector<double> energy;
   std::vector<RegionReport> regions;
   Index components = 0;  ///< connected parts (by faces) of all regions but 0
   double noise = 0;      ///< standard deviation of the noise of the energies over their contrast
+  /// Where the image was found to be speckle: it shows amplitudes to that power; about 0: their logarithms.
+  std::optional<double> speckle = {};
   std::vector<std::string> warnings;
 };
 
