@@ -1,6 +1,7 @@
 #include "csrbf/core/parallel.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/inside_parallel_loop.hpp"
 
 #include <atomic>
 #include <condition_variable>
@@ -132,6 +133,10 @@ int thread_count() {
 void set_thread_count(int threads) {
   require(threads >= 0, "set_thread_count", "threads", threads, "must be 0 (all cores) or positive");
   pool().resize(threads);
+}
+
+bool inside_parallel_loop() {
+  return inside_loop;
 }
 
 void parallel_for(Index n, Index grain, const std::function<void(Index, Index)>& body) {

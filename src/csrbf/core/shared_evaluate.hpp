@@ -1,0 +1,40 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/core/shared_work.hpp"
+
+#include <numeric>
+
+namespace csrbf {
+
+/// field.evaluate(x, derivatives) as shared work: the same blocks of points, so the same bits.
+template <int Dim>
+Jet<Dim> shared_evaluate(const Field<Dim>& field, const std::type_identity_t<PointsRef<Dim>>& x,
+                         Derivatives derivatives = Derivatives::none) {
+  constexpr Index grain = Field<Dim>::block_size;
+  const Index n = x.cols();
+  if (!is_shared(n, grain)) return field.evaluate(x, derivatives);
+  std::vector<Index> order = field.evaluation_order(x);
+  if (order.empty()) {
+    order.resize(static_cast<std::size_t>(n));
+    std::iota(order.begin(), order.end(), Index{0});
+  }
+  const Points<Dim> sorted = x(Eigen::all, order);
+  Jet<Dim> jet(n, derivatives);
+  const bool gradient = derivatives >= Derivatives::gradient, hessian = derivatives >= Derivatives::hessian;
+  const auto compute = [&](Index begin, Index end) {
+    field.evaluate_block(sorted.middleCols(begin, end - begin),
+                         {jet.value.data() + begin, gradient ? jet.gradient.col(begin).data() : nullptr,
+                          hessian ? jet.hessian.col(begin).data() : nullptr});
+  };
+  share_arrays("evaluate", n, grain, compute,
+               {ResultArray::of(jet.value.data()), ResultArray::of(jet.gradient.data(), gradient ? Dim : 0),
+                ResultArray::of(jet.hessian.data(), hessian ? symmetric_size<Dim> : 0)});
+  Jet<Dim> result(n, derivatives);
+  result.value(order) = jet.value;
+  if (gradient) result.gradient(Eigen::all, order) = jet.gradient;
+  if (hessian) result.hessian(Eigen::all, order) = jet.hessian;
+  return result;
+}
+
+}  // namespace csrbf
