@@ -124,6 +124,40 @@ TEST(Evolve, FindsADiscToAFractionOfAVoxel) {
   }
 }
 
+// The sides of a star with sharp corners, which a smooth fit cuts off.
+TEST(SeparateVoxels, BringsThemToTheirSides) {
+  constexpr Index n = 120;
+  const Lattice<2> lattice({n, n, 1}, Point<3>(1, 1, 1), {2.5, 2.5, "wendland-c2"});
+  std::vector<float> force(static_cast<std::size_t>(n * n));
+  const double middle = 0.5 * (n - 1);
+  for (Index y = 0; y < n; ++y)
+    for (Index x = 0; x < n; ++x) {
+      const double dx = static_cast<double>(x) - middle, dy = static_cast<double>(y) - middle;
+      const double d = 35 + 14 * std::cos(7 * std::atan2(dy, dx)) - std::hypot(dx, dy);
+      force[static_cast<std::size_t>(x + n * y)] = static_cast<float>(-std::clamp(2 * d, -2.0, 2.0));
+    }
+  std::fill_n(force.begin(), n * 10, 0.0F);  // these voxels take no part
+  std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
+  fit_target(lattice, {force.data(), 0, 1, 1}, 6, a);
+  std::vector<unsigned char> labels(force.size(), 0);
+  const auto wrong = [&] {
+    update_labels(lattice, a, labels.data());
+    Index count = 0;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      count += force[i] != 0 && (labels[i] != 0) != (force[i] < 0) ? 1 : 0;
+    return count;
+  };
+  EXPECT_GT(wrong(), 20);
+  const int used = separate_voxels(lattice, force.data(), 0.05, 40, a);
+  EXPECT_LE(used, 50);  // the last step may try ten times
+  EXPECT_LE(wrong(), 2);
+  // Where all voxels are on their sides nothing is left to do.
+  const std::vector<float> nothing(force.size(), 0.0F);
+  const std::vector<float> before = a;
+  separate_voxels(lattice, nothing.data(), 0.05, 40, a);
+  EXPECT_EQ(a, before);
+}
+
 // With a length weight L the best disc has force + L kappa = 0 at its border.
 TEST(Evolve, ShrinksADiscByItsCurvature) {
   constexpr Index n = 96;

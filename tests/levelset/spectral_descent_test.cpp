@@ -25,6 +25,14 @@ TEST(SpectralDescent, FindsTheLeastValueWithinTheLimit) {
   for (int i = 0; i < 20; ++i) EXPECT_NEAR(x[static_cast<std::size_t>(i)], std::min(1.2, 0.1 * i), 1e-4);
 }
 
+TEST(SpectralDescent, GoesOnFromBeyondTheLimit) {
+  std::vector<float> x(20, -0.5F);
+  x[3] = 5;
+  std::vector<double> energies;
+  spectral_descent(bowl, {1.2F, 0.01, 200, 0}, x, energies);
+  for (int i = 0; i < 20; ++i) EXPECT_NEAR(x[static_cast<std::size_t>(i)], std::min(1.2, 0.1 * i), 1e-4);
+}
+
 TEST(SpectralDescent, NeverRaisesTheFunctionAndCountsItsEvaluations) {
   for (const double rate : {1e-3, 1.0, 1e3}) {
     int evaluations = 0;

@@ -119,6 +119,25 @@ float length_terms_3(const Profile& by, const float* force, const float* weights
   return length_terms<3>(by, force, weights, n, f, fx, fy, fz);
 }
 
+// Half the squares of what values are short of on the side that their force says, derivatives in place of f.
+CSRBF_SIMD_CLONES
+float shortfalls(float margin, const float* force, Index n, float* f) {
+  Wide sum = {};
+  for (Index i = 0; i < n; i += width) {
+    Wide F, value;
+    load(force + i, F);
+    load(f + i, value);
+    const Wide wanted = F < 0.0F ? -0.5F * F : 0.5F * F;
+    const Wide side = F < 0.0F ? Wide{} + 1.0F : Wide{} - 1.0F;
+    Wide missing = (wanted < margin ? wanted : Wide{} + margin) - side * value;
+    missing = (missing > 0.0F) & (F != 0.0F) ? missing : Wide{};  // 0: outside the mask
+    sum += 0.5F * missing * missing;
+    value = -side * missing;
+    std::memcpy(f + i, &value, sizeof value);
+  }
+  return sum_of_lanes(sum);
+}
+
 using Piece = std::array<float, piece>;
 
 // n values of a row, one after the other, and zeros up to a multiple of `width`.
@@ -176,9 +195,11 @@ double ridge(const Lattice<Dim>& lattice) {
   return share * voxel_volume(lattice) * lattice.coefficient_weight();
 }
 
+constexpr float largest_coefficient = 2;
+
 // With a length |f| must not become so steep that the contour falls between voxels.
-double coefficient_bound(const ContourEnergy& energy) {
-  return energy.length > 0 ? 1 : 2;
+float coefficient_bound(const ContourEnergy& energy) {
+  return energy.length > 0 ? 1 : largest_coefficient;
 }
 
 }  // namespace
@@ -248,7 +269,30 @@ int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterati
   const double rate = 1 / (std::max(energy.anchor, 1e-3) * voxel_volume(lattice) * lattice.coefficient_weight());
   return spectral_descent(
       [&](const float* x, float* derivatives) { return contour_energy(lattice, energy, x, derivatives); },
-      {static_cast<float>(coefficient_bound(energy)), rate, iterations, tolerance}, coefficients, energies);
+      {coefficient_bound(energy), rate, iterations, tolerance}, coefficients, energies);
+}
+
+template <int Dim>
+int separate_voxels(const Lattice<Dim>& lattice, const float* force, double margin, int iterations,
+                    std::vector<float>& coefficients) {
+  constexpr double tolerance = 3e-3;
+  std::vector<double> sums;
+  const auto row_sum = [&](const LatticeRow& row) {
+    double sum = 0;
+    Piece forces, f;
+    for (Index begin = 0; begin < row.count; begin += piece) {
+      const Index n = std::min(piece, row.count - begin);
+      gather(force, row, begin, n, forces);
+      std::copy_n(row.value + begin, n, f.begin());
+      std::fill(f.begin() + n, f.begin() + padded(n), 0.0F);
+      sum += static_cast<double>(shortfalls(static_cast<float>(margin), forces.data(), padded(n), f.data()));
+      std::copy_n(f.begin(), n, row.value + begin);
+    }
+    return sum;
+  };
+  return spectral_descent(
+      [&](const float* x, float* derivatives) { return lattice.sweep(x, false, row_sum, derivatives); },
+      {largest_coefficient, 1 / lattice.coefficient_weight(), iterations, tolerance}, coefficients, sums);
 }
 
 template <int Dim>
@@ -296,6 +340,7 @@ Index update_labels(const Lattice<Dim>& lattice, const std::vector<float>& coeff
   template void fit_target<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, std::vector<float>&);                 \
   template int evolve<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, double, std::vector<float>&,               \
                            std::vector<double>&);                                                                     \
+  template int separate_voxels<Dim>(const Lattice<Dim>&, const float*, double, int, std::vector<float>&);             \
   template double target_residual<Dim>(const Lattice<Dim>&, const ContourEnergy&, const std::vector<float>&, double); \
   template Index update_labels<Dim>(const Lattice<Dim>&, const std::vector<float>&, unsigned char*);
 CSRBF_INSTANTIATE(2)

@@ -43,6 +43,14 @@ template <int Dim>
 int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
            std::vector<float>& coefficients, std::vector<double>& energies);
 
+/// Brings each voxel to the side of the contour that its force says: lowers sum (min(|target|, margin) - s f)^2 over
+/// the voxels where that is positive, s = 1 or -1 the sign of the target, by at most `iterations` evaluations of a
+/// convex function. For images without noise, where the voxels close to the contour are known as well as all others but
+/// count little in E. Returns the evaluations used.
+template <int Dim>
+int separate_voxels(const Lattice<Dim>& lattice, const float* force, double margin, int iterations,
+                    std::vector<float>& coefficients);
+
 /// Root mean square of f - target over the voxels where |f| >= `least`; 0 when there are none.
 template <int Dim>
 double target_residual(const Lattice<Dim>& lattice, const ContourEnergy& energy, const std::vector<float>& coefficients,

@@ -19,8 +19,10 @@ int spectral_descent(const DescentEnergy& energy, const DescentOptions& options,
   double rate = options.rate;
   int used = 1;
   while (used < options.iterations) {
-    for_all(n, [&](std::size_t i) {
-      step[i] = std::min(limit, std::max(-limit, x[i] - static_cast<float>(rate) * gradient[i])) - x[i];
+    for_all(n, [&](std::size_t i) {  // what starts beyond the limit may come back in its own time
+      step[i] =
+          std::clamp(x[i] - static_cast<float>(rate) * gradient[i], std::min(-limit, x[i]), std::max(limit, x[i])) -
+          x[i];
     });
     const double slope = dot(gradient, step);
     if (!(slope < 0)) break;

@@ -9,7 +9,7 @@ namespace csrbf {
 using DescentEnergy = std::function<double(const float* x, float* derivatives)>;
 
 struct DescentOptions {
-  float limit = 1;          ///< |x_i| stays at most that
+  float limit = 1;          ///< |x_i| stays at most that, or gets no larger
   double rate = 1;          ///< of the first step: what the derivatives are multiplied by
   int iterations = 100;     ///< evaluations of the energy at most
   double tolerance = 1e-3;  ///< ends when a step lowers the energy by less than this times the decrease so far

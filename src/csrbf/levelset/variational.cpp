@@ -11,13 +11,16 @@
 namespace csrbf {
 namespace {
 
-constexpr int fit_steps = 6;        // of conjugate gradients: the noise of the voxels comes in with later ones
-constexpr int descent_steps = 4;    // between two estimates of the statistics
-constexpr double still = 3e-4;      // share of labels that may change at rest
-constexpr double little = 0.05;     // share of the decrease so far below which a round is the last
-constexpr double noisy = 0.01;      // above, a share of .01 of the energy is not worth a round, below it is one of .001
-constexpr double least_eps = 0.03;  // below, H is a step for any voxel
-constexpr double noise_to_eps = 3;  // the contour averages voxels that noise alone could move across it
+constexpr int fit_steps = 6;      // of conjugate gradients: the noise of the voxels comes in with later ones
+constexpr int descent_steps = 4;  // between two estimates of the statistics
+constexpr double still = 3e-4;    // share of labels that may change at rest
+constexpr double little = 0.05;   // share of the decrease so far below which a round is the last
+constexpr double noisy = 0.01;    // above, a share of .01 of the energy is not worth a round, below it is one of .001
+constexpr double clean = 0.002;   // noise below: voxels at the contour are as sure as all others
+constexpr double side_margin = 0.05;  // that they then keep from the contour, in values of f
+constexpr int side_steps = 20;        // and the steps to bring them there
+constexpr double least_eps = 0.03;    // below, H is a step for any voxel
+constexpr double noise_to_eps = 3;    // the contour averages voxels that noise alone could move across it
 
 double mean_size(std::span<const float> force) {
   constexpr Index grain = 1 << 16;
@@ -199,6 +202,19 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
     report.converged =
         static_cast<double>(changed) <= (noise > noisy ? still : 0.1 * still) * static_cast<double>(voxels) ||
         energy_before - last <= std::max(little * (first - last), hardly * std::abs(last));
+  }
+  // Without noise the contour needs no anchor any more: each voxel goes to its side, if the rest of the energy allows.
+  if (two && noise < clean && sets[0].energy.length == 0) {
+    const std::vector<float> before = sets[0].coefficients;
+    sets[0].energy.anchor = 0;
+    separate_voxels(lattice, sets[0].force.data(), side_margin, side_steps, sets[0].coefficients);
+    const double next = total();
+    if (next <= energy) {
+      report.energy.push_back(next / static_cast<double>(voxels));
+      label_voxels(lattice, sets, labels);
+    } else {
+      sets[0].coefficients = before;
+    }
   }
   for (LevelSet<Dim>& set : sets) result.coefficients.push_back(std::move(set.coefficients));
   result.labels = std::move(labels);
