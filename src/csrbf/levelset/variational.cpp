@@ -17,8 +17,8 @@ constexpr double still = 3e-4;    // share of labels that may change at rest
 constexpr double little = 0.05;   // share of the decrease so far below which a round is the last
 constexpr double noisy = 0.01;    // above, a share of .01 of the energy is not worth a round, below it is one of .001
 constexpr double clean = 0.002;   // noise below: voxels at the contour are as sure as all others
-constexpr double side_margin = 0.05;  // that they then keep from the contour, in values of f
-constexpr int side_steps = 20;        // and the steps to bring them there
+constexpr double side_margin = 0.02;  // that they then keep from the contour, in values of f
+constexpr int side_steps = 12;        // and the steps to bring them there
 constexpr double least_eps = 0.03;    // below, H is a step for any voxel
 constexpr double noise_to_eps = 3;    // the contour averages voxels that noise alone could move across it
 
