@@ -2,7 +2,7 @@
 
 #include "csrbf/approx/patch_samples.hpp"
 #include "csrbf/core/dimensions.hpp"
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 
 #include <array>
 #include <cmath>
@@ -82,7 +82,7 @@ class CrossValidation {
     const Index most = options.centers < options.samples ? most_targets : fewest_targets;
     const Index targets = std::clamp<Index>(options.samples / 5, 1, std::min(most, cover_.points().cols()));
     Eigen::ArrayXXd error = Eigen::ArrayXXd::Constant(targets, all, std::numeric_limits<double>::quiet_NaN());
-    parallel_for((count + batch_lanes - 1) / batch_lanes, 1, [&](Index begin, Index end) {
+    const auto compute = [&](Index begin, Index end) {
       LocalFitter<Dim> fitter(cover_, values_, weights_, options);
       LocalModels<Dim> models = fitter.models();
       models.resize(batch_lanes);
@@ -101,7 +101,18 @@ class CrossValidation {
           for (Index t = 0; t < targets; ++t) error(t, patch) = mean(lane.row(t));
         }
       }
-    });
+    };
+    const auto for_each_patch = [&](Index begin, Index end, const auto& action) {
+      for (Index k = batch_lanes * begin; k < std::min(count, batch_lanes * end); ++k)
+        action(error.col(chosen[static_cast<std::size_t>(k)]).data());
+    };
+    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+      for_each_patch(begin, end, [&](const double* column) { out.put(column, targets); });
+    };
+    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+      for_each_patch(begin, end, [&](double* column) { in.take(column, targets); });
+    };
+    share_work({"choose options", (count + batch_lanes - 1) / batch_lanes, 1, compute, pack, unpack});
     return error;
   }
 

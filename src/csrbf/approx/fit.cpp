@@ -14,6 +14,7 @@
 #include "csrbf/approx/pca_multiresolution.hpp"
 #include "csrbf/approx/periodic_field.hpp"
 #include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
@@ -213,9 +214,8 @@ class Fitter {
   // Whether every sample is within the tolerance.
   bool holds(const Fields& fields, const Samples<Dim>& samples) const {
     for (std::size_t c = 0; c < fields.size(); ++c) {
-      const Eigen::VectorXd value = fields[c]->evaluate(samples.points).value;
-      const auto error = (value - samples.values.col(static_cast<Index>(c))).cwiseAbs();
-      if (!(error.maxCoeff() <= options_.tolerance)) return false;
+      const Eigen::VectorXd f = shared_evaluate(*fields[c], samples.points).value;
+      if (!((f - samples.values.col(static_cast<Index>(c))).cwiseAbs().maxCoeff() <= options_.tolerance)) return false;
     }
     return true;
   }
@@ -331,8 +331,8 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
   const Points<Dim> points = samples.points(Eigen::all, some);
   Eigen::VectorXd norms(static_cast<Index>(fit.components.size()));
   for (std::size_t c = 0; c < fit.components.size(); ++c) {
-    const Eigen::VectorXd error =
-        fit.components[c]->evaluate(points).value - samples.values.col(static_cast<Index>(c))(some);
+    Eigen::VectorXd error = shared_evaluate(*fit.components[c], points).value;
+    error -= samples.values.col(static_cast<Index>(c))(some);
     norms[static_cast<Index>(c)] = error.stableNorm();
     fit.report.max_error = std::max(fit.report.max_error, error.cwiseAbs().maxCoeff());
   }

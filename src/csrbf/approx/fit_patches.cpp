@@ -1,7 +1,7 @@
 #include "csrbf/approx/fit_patches.hpp"
 
 #include "csrbf/core/dimensions.hpp"
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 
 #include <algorithm>
 #include <array>
@@ -34,6 +34,18 @@ std::vector<Index> wanted_batches(const Cover<Dim>& cover, const Points<Dim>* pl
   return batches;
 }
 
+// All arrays of models [first, first + count): action(first value, number of values).
+template <class Models, class Action>
+void for_each_array(Models& models, Index first, Index count, const Action& action) {
+  const auto part = [&](auto& values) {
+    const Index each = static_cast<Index>(values.size()) / models.size();
+    action(values.data() + each * first, each * count);
+  };
+  part(models.center);
+  part(models.radius);
+  for (auto* values : {&models.metric, &models.position, &models.alpha, &models.polynomial}) part(*values);
+}
+
 }  // namespace
 
 template <int Dim>
@@ -58,15 +70,31 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Sa
   const Index slice = std::max<Index>(1, count / 16);
   for (Index done = 0; done < count; done += slice) {
     report(progress, "fit", static_cast<double>(done) / static_cast<double>(count));
-    parallel_for(std::min(slice, count - done), 8, [&](Index begin, Index end) {
-      LocalFitter<Dim> fitter(cover, values, weights, options);
+    const auto for_each_batch = [&](Index begin, Index end, const auto& action) {
       for (Index k = done + begin; k < done + end; ++k) {
         const Index first = lanes * batches[static_cast<std::size_t>(k)];
+        action(first, std::min(lanes, cover.size() - first));
+      }
+    };
+    const auto compute = [&](Index begin, Index end) {
+      LocalFitter<Dim> fitter(cover, values, weights, options);
+      for_each_batch(begin, end, [&](Index first, Index cells_at_once) {
         std::array<Index, lanes> cells;
         std::iota(cells.begin(), cells.end(), first);
-        fitter.fit(cells.data(), static_cast<int>(std::min(lanes, cover.size() - first)), data->models, first);
-      }
-    });
+        fitter.fit(cells.data(), static_cast<int>(cells_at_once), data->models, first);
+      });
+    };
+    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+      for_each_batch(begin, end, [&](Index first, Index n) {
+        for_each_array(data->models, first, n, [&](const double* array, Index size) { out.put(array, size); });
+      });
+    };
+    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+      for_each_batch(begin, end, [&](Index first, Index n) {
+        for_each_array(data->models, first, n, [&](double* array, Index size) { in.take(array, size); });
+      });
+    };
+    share_work({"fit", std::min(slice, count - done), 8, compute, pack, unpack});
   }
   return data;
 }

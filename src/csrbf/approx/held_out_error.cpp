@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/fit_patches.hpp"
 #include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 namespace csrbf {
@@ -38,7 +39,7 @@ template <int Dim>
 HeldOutError HeldOutSamples<Dim>::error(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const {
   Eigen::MatrixXd error = held_out_.values;
   Index component = 0;
-  for (const auto& field : fields) error.col(component++) -= field->evaluate(held_out_.points).value;
+  for (const auto& field : fields) error.col(component++) -= shared_evaluate(*field, held_out_.points).value;
   return {error.cwiseAbs().mean(), error.stableNorm() / std::sqrt(static_cast<double>(error.size()))};
 }
 

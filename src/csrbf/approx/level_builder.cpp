@@ -1,6 +1,7 @@
 #include "csrbf/approx/level_builder.hpp"
 
 #include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 namespace csrbf {
@@ -139,7 +140,7 @@ std::vector<Index> LevelBuilder<Dim>::violations(double tolerance) {
   const LevelFit<Dim> fit = finish();
   for (Index c = 0; c < residual_.cols(); ++c)
     residual_.col(c) =
-        samples().values.col(c) - fit.fields[static_cast<std::size_t>(c)]->evaluate(samples().points).value;
+        samples().values.col(c) - shared_evaluate(*fit.fields[static_cast<std::size_t>(c)], samples().points).value;
   std::vector<Index> ids;
   for (Index i = 0; i < samples().size(); ++i)
     if (error(i) > tolerance) ids.push_back(i);

@@ -1,5 +1,9 @@
 #include "csrbf/implicit/edge_vertices.hpp"
 
+#include "csrbf/core/shared_work.hpp"
+
+#include <utility>
+
 namespace csrbf::polygonization {
 namespace {
 
@@ -183,6 +187,16 @@ void place_vertices_of_brick(const CellLattice& lattice, const Brick& brick, boo
   }
 }
 
+// The vertices of a brick follow each other: [first, last).
+Index first_vertex(const Brick& brick) {
+  return brick.vertex[*std::begin(all_directions)];
+}
+
+Index last_vertex(const Brick& brick) {
+  const int d = *std::rbegin(all_directions);
+  return brick.vertex[d] + std::popcount(brick.edges[d]);
+}
+
 }  // namespace
 
 Index number_edge_vertices(const std::vector<Brick*>& bricks) {
@@ -204,12 +218,28 @@ void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& 
   const Index part = std::max<Index>(bricks_per_range, total / 16 / bricks_per_range * bricks_per_range);
   for (Index first = 0; first < total; first += part) {
     report(progress, "polygonize", 0.8 + 0.15 * static_cast<double>(first) / static_cast<double>(total));
-    parallel_for(std::min(part, total - first), bricks_per_range, [&](Index begin, Index end) {
+    const auto compute = [&](Index begin, Index end) {
       EdgeBlock block(lattice, sampler, demand, mesh);
       for (Index i = first + begin; i < first + end; ++i)
         place_vertices_of_brick(lattice, *bricks[static_cast<std::size_t>(i)], demand.normals, mesh, block);
       block.flush();
-    });
+    };
+    const auto vertices = [&](Index begin, Index end) {
+      const Index lo = first_vertex(*bricks[static_cast<std::size_t>(first + begin)]),
+                  hi = last_vertex(*bricks[static_cast<std::size_t>(first + end - 1)]);
+      return std::pair{lo, hi - lo};
+    };
+    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+      const auto [lo, count] = vertices(begin, end);
+      out.put(mesh.vertices.data() + 3 * lo, 3 * count);
+      if (demand.normals || demand.sharp) out.put(mesh.normals.data() + 3 * lo, 3 * count);
+    };
+    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+      const auto [lo, count] = vertices(begin, end);
+      in.take(mesh.vertices.data() + 3 * lo, 3 * count);
+      if (demand.normals || demand.sharp) in.take(mesh.normals.data() + 3 * lo, 3 * count);
+    };
+    share_work({"polygonize", std::min(part, total - first), bricks_per_range, compute, pack, unpack});
   }
 }
 

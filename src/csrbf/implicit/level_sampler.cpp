@@ -1,18 +1,19 @@
 #include "csrbf/implicit/level_sampler.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
 
 namespace csrbf::polygonization {
 
 Eigen::VectorXd LevelSampler::values(const PointsRef<3>& points) {
-  Jet<3> jet = field_.evaluate(points);
+  Jet<3> jet = shared_evaluate(field_, points);
   value_count_ += points.cols();
   subtract_level(points, jet.value.data());
   return std::move(jet.value);
 }
 
 Jet<3> LevelSampler::jet(const PointsRef<3>& points) {
-  Jet<3> jet = field_.evaluate(points, Derivatives::gradient);
+  Jet<3> jet = shared_evaluate(field_, points, Derivatives::gradient);
   gradient_count_ += points.cols();
   subtract_level(points, jet.value.data());
   return jet;

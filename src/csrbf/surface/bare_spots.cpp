@@ -1,6 +1,6 @@
 #include "csrbf/surface/bare_spots.hpp"
 
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,7 @@ constexpr std::array<std::array<double, 2>, 8> directions = {{{1, 0},
 std::vector<BareSpot> bare_spots(const Patches& patches) {
   const Index tasks = (patches.size() + patches_per_task - 1) / patches_per_task;
   std::vector<std::vector<BareSpot>> found(static_cast<std::size_t>(tasks));
-  parallel_for(patches.size(), patches_per_task, [&](Index begin, Index end) {
+  const auto compute = [&](Index begin, Index end) {
     std::vector<BareSpot>& spots = found[static_cast<std::size_t>(begin / patches_per_task)];
     std::array<double, directions.size()> W;
     Points<3> probes(3, directions.size());
@@ -46,7 +46,24 @@ std::vector<BareSpot> bare_spots(const Patches& patches) {
         if (W[d] < covered)
           spots.push_back({probes.col(static_cast<Index>(d)), axes.col(2), onward(d), around * patch.radius});
     }
-  });
+  };
+  const auto pack = [&](Index begin, Index /*end*/, ByteWriter& out) {
+    const std::vector<BareSpot>& spots = found[static_cast<std::size_t>(begin / patches_per_task)];
+    out.put(spots.size());
+    for (const BareSpot& spot : spots) {
+      for (const Point<3>* vector : {&spot.middle, &spot.normal, &spot.onward}) out.put(vector->data(), 3);
+      out.put(spot.reach);
+    }
+  };
+  const auto unpack = [&](Index begin, Index /*end*/, ByteReader& in) {
+    std::vector<BareSpot>& spots = found[static_cast<std::size_t>(begin / patches_per_task)];
+    spots.resize(in.take<std::size_t>());
+    for (BareSpot& spot : spots) {
+      for (Point<3>* vector : {&spot.middle, &spot.normal, &spot.onward}) in.take(vector->data(), 3);
+      spot.reach = in.take<double>();
+    }
+  };
+  share_work({"fit", patches.size(), patches_per_task, compute, pack, unpack});
   std::vector<BareSpot> all;
   for (const std::vector<BareSpot>& spots : found) all.insert(all.end(), spots.begin(), spots.end());
   return all;

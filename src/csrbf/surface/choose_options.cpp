@@ -1,6 +1,6 @@
 #include "csrbf/surface/choose_options.hpp"
 
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/patch_fitter.hpp"
 
@@ -99,7 +99,7 @@ class CrossValidation {
   [[nodiscard]] Prediction predict(const CompositeOptions& options, const std::vector<Index>& chosen) const {
     const auto n = static_cast<Index>(chosen.size());
     Prediction result{Eigen::ArrayXd(n), Eigen::ArrayXd(n)};
-    parallel_for(n, 4, [&](Index first, Index last) {
+    const auto compute = [&](Index first, Index last) {
       PatchFitter fitter(cloud_, tree_, options);
       for (Index i = first; i < last; ++i) {
         const auto block = static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)]);
@@ -107,7 +107,9 @@ class CrossValidation {
         result.error[i] = sum.error / sum.samples;
         result.radius[i] = sum.radius / sum.samples;
       }
-    });
+    };
+    share_arrays("choose options", n, 4, compute,
+                 {ResultArray::of(result.error.data()), ResultArray::of(result.radius.data())});
     return result;
   }
 

@@ -1,6 +1,6 @@
 #include "csrbf/surface/composite.hpp"
 
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/bare_spots.hpp"
 #include "csrbf/surface/patch_fitter.hpp"
@@ -13,28 +13,49 @@ namespace {
 
 constexpr Index patches_per_task = 64;
 constexpr Index tasks_per_report = 64;
+constexpr Index most_reports = 32;
 constexpr Index scrap = 8;       // a leaf with fewer than 1 / scrap of the usual points is a scrap
 constexpr double covered = 0.1;  // sum of weights that makes a patch over a scrap superfluous
 
 // One leaf of the final partition with its patch.
 struct Leaf {
   Index begin, end;  // in the order of the partition
+  double area;       // of each sample
   FittedPatch patch;
 };
+
+void pack(const std::vector<Leaf>& leaves, ByteWriter& out) {
+  out.put(leaves.size());
+  for (const Leaf& leaf : leaves) {
+    out.put(leaf.begin);
+    out.put(leaf.end);
+    out.put(leaf.area);
+    leaf.patch.pack(out);
+  }
+}
+
+void unpack(std::vector<Leaf>& leaves, ByteReader& in) {
+  leaves.resize(in.take<std::size_t>());
+  for (Leaf& leaf : leaves) {
+    leaf.begin = in.take<Index>();
+    leaf.end = in.take<Index>();
+    leaf.area = in.take<double>();
+    leaf.patch.unpack(in);
+  }
+}
 
 // Fits leaves; halves them as long as a tolerance is missed. The smallest leaves then all but interpolate the
 // positions.
 class LeafFitter {
  public:
   LeafFitter(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
-             std::vector<Index>& order, Eigen::VectorXd& areas)
+             std::vector<Index>& order)
       : cloud_(cloud),
         tree_(tree),
         options_(options),
         tight_options_(tight(options)),
         covering_options_(covering(options)),
         order_(order),
-        areas_(areas),
         fitter_(cloud, tree, options_),
         tight_fitter_(cloud, tree, tight_options_),
         covering_fitter_(cloud, tree, covering_options_) {}
@@ -51,8 +72,7 @@ class LeafFitter {
       }
       patch = tight_fitter_.fit(ids, end - begin);
     }
-    for (Index k = 0; k < end - begin; ++k) areas_[ids[k]] = fitter_.area_per_sample();
-    leaves.push_back({begin, end, std::move(patch)});
+    leaves.push_back({begin, end, fitter_.area_per_sample(), std::move(patch)});
   }
 
   // The patch over a bare spot: none where it misses a tolerance.
@@ -81,7 +101,6 @@ class LeafFitter {
   const CompositeOptions& options_;
   const CompositeOptions tight_options_, covering_options_;
   std::vector<Index>& order_;
-  Eigen::VectorXd& areas_;
   PatchFitter fitter_, tight_fitter_, covering_fitter_;
   std::vector<Index> around_;
 };
@@ -95,7 +114,7 @@ void add(const FittedPatch& fitted, Patches& patches) {
 void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, const std::vector<Leaf>& scraps,
                 Patches& patches) {
   std::vector<char> needed(scraps.size());
-  parallel_for(static_cast<Index>(scraps.size()), patches_per_task, [&](Index begin, Index end) {
+  const auto compute = [&](Index begin, Index end) {
     double W = 0;
     for (Index i = begin; i < end; ++i) {
       const Leaf& leaf = scraps[static_cast<std::size_t>(i)];
@@ -104,20 +123,70 @@ void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, co
         if (W < covered) needed[static_cast<std::size_t>(i)] = 1;
       }
     }
-  });
+  };
+  share_arrays("fit", static_cast<Index>(scraps.size()), patches_per_task, compute, {ResultArray::of(needed.data())});
   for (std::size_t i = 0; i < scraps.size(); ++i)
     if (needed[i] != 0) add(scraps[i].patch, patches);
+}
+
+// Leaves reported on together: enough of them that many processes get their share.
+Index batch_size(Index leaves) {
+  return patches_per_task * std::max(tasks_per_report, leaves / (patches_per_task * most_reports));
+}
+
+// Fits `count` parts of the partition from part `first` on; leaves of each part.
+template <class MakeFitter>
+std::vector<std::vector<Leaf>> fit_leaves(Partition& parts, Index first, Index count, const CompositeOptions& options,
+                                          const MakeFitter& make_fitter) {
+  std::vector<std::vector<Leaf>> fitted(static_cast<std::size_t>(count));
+  const auto compute = [&](Index begin, Index end) {
+    LeafFitter fitter = make_fitter();
+    for (Index i = begin; i < end; ++i) {
+      const auto part = static_cast<std::size_t>(first + i);
+      fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[static_cast<std::size_t>(i)]);
+    }
+  };
+  // Halving a part for a tolerance changes the order within it.
+  const auto order = [&](Index begin, Index end) {
+    const Index from = parts.begin[static_cast<std::size_t>(first + begin)],
+                to = options.tolerance.size() > 0 ? parts.begin[static_cast<std::size_t>(first + end)] : from;
+    return std::span(parts.order).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
+  };
+  const auto send = [&](Index begin, Index end, ByteWriter& out) {
+    const std::span<const Index> ids = order(begin, end);
+    out.put(ids.data(), static_cast<Index>(ids.size()));
+    for (Index i = begin; i < end; ++i) pack(fitted[static_cast<std::size_t>(i)], out);
+  };
+  const auto receive = [&](Index begin, Index end, ByteReader& in) {
+    const std::span<Index> ids = order(begin, end);
+    in.take(ids.data(), static_cast<Index>(ids.size()));
+    for (Index i = begin; i < end; ++i) unpack(fitted[static_cast<std::size_t>(i)], in);
+  };
+  share_work({"fit", count, patches_per_task, compute, send, receive});
+  return fitted;
 }
 
 // Adds patches over bare spots.
 template <class MakeFitter>
 void cover(const std::vector<BareSpot>& bare, const MakeFitter& make_fitter, Patches& patches) {
   std::vector<std::optional<FittedPatch>> fitted(bare.size());
-  parallel_for(static_cast<Index>(bare.size()), patches_per_task, [&](Index begin, Index end) {
+  const auto compute = [&](Index begin, Index end) {
     LeafFitter fitter = make_fitter();
     for (Index i = begin; i < end; ++i)
       fitted[static_cast<std::size_t>(i)] = fitter.cover(bare[static_cast<std::size_t>(i)]);
-  });
+  };
+  const auto send = [&](Index begin, Index end, ByteWriter& out) {
+    for (Index i = begin; i < end; ++i) {
+      const std::optional<FittedPatch>& patch = fitted[static_cast<std::size_t>(i)];
+      out.put(patch.has_value());
+      if (patch) patch->pack(out);
+    }
+  };
+  const auto receive = [&](Index begin, Index end, ByteReader& in) {
+    for (Index i = begin; i < end; ++i)
+      if (in.take<bool>()) fitted[static_cast<std::size_t>(i)].emplace().unpack(in);
+  };
+  share_work({"fit", static_cast<Index>(bare.size()), patches_per_task, compute, send, receive});
   for (const std::optional<FittedPatch>& patch : fitted)
     if (patch) add(*patch, patches);
 }
@@ -137,26 +206,21 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
   std::vector<Leaf> scraps;
   result.patches.reserve(parts.leaves(), options.centers_per_patch);
-  std::vector<std::vector<Leaf>> fitted(static_cast<std::size_t>(patches_per_task * tasks_per_report));
-  const auto batch = static_cast<Index>(fitted.size());
+  const Index batch = batch_size(parts.leaves());
   for (Index done = 0; done < parts.leaves(); done += batch) {
     const Index count = std::min(parts.leaves() - done, batch);
-    parallel_for(count, patches_per_task, [&](Index begin, Index end) {
-      LeafFitter fitter(cloud, tree, options, parts.order, result.areas);
-      for (Index i = begin; i < end; ++i) {
-        const auto part = static_cast<std::size_t>(done + i);
-        fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[static_cast<std::size_t>(i)]);
-      }
-    });
+    std::vector<std::vector<Leaf>> fitted =
+        fit_leaves(parts, done, count, options, [&] { return LeafFitter(cloud, tree, options, parts.order); });
     for (std::vector<Leaf>& part : fitted) {
       for (Leaf& leaf : part) {
+        for (Index k = leaf.begin; k < leaf.end; ++k)
+          result.areas[parts.order[static_cast<std::size_t>(k)]] = leaf.area;
         if (scrap * (leaf.end - leaf.begin) >= usual_leaf) {
           add(leaf.patch, result.patches);
         } else {
           scraps.push_back(std::move(leaf));
         }
       }
-      part.clear();
     }
     report(progress, "fit", static_cast<double>(done + count) / static_cast<double>(parts.leaves()));
   }
@@ -168,7 +232,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   const std::vector<BareSpot> bare = bare_spots(result.patches);
   if (!bare.empty()) {
     cover(
-        bare, [&] { return LeafFitter(cloud, tree, options, parts.order, result.areas); }, result.patches);
+        bare, [&] { return LeafFitter(cloud, tree, options, parts.order); }, result.patches);
     result.patches.build();
   }
   return result;

@@ -1,7 +1,7 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/local_normal.hpp"
@@ -106,14 +106,15 @@ class Neighborhood {
 double thickness(const Points<3>& points, const KdTree<3>& tree, Index neighbors) {
   const Index count = std::min(sampled_points, points.cols());
   std::vector<double> ratio(static_cast<std::size_t>(count));
-  parallel_for(count, 32, [&](Index begin, Index end) {
+  const auto compute = [&](Index begin, Index end) {
     Neighborhood near(points, tree);
     for (Index s = begin; s < end; ++s) {
       near.query(points.col((2 * s + 1) * points.cols() / (2 * count)), neighbors);
       const Eigen::Vector3d& l = near.frame().eigenvalues;
       ratio[static_cast<std::size_t>(s)] = l[1] > 0 ? std::sqrt(std::max(0.0, l[0]) / l[1]) : 1.0;
     }
-  });
+  };
+  share_arrays(stage, count, 32, compute, {ResultArray::of(ratio.data())});
   const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(ratio.begin(), middle, ratio.end());
   return *middle;
@@ -190,12 +191,16 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
   const Index slice = std::max<Index>(n / 16, 1 << 16) / together * together;
   for (Index first = 0; first < n; first += slice) {
     report(progress, stage, 0.1 + 0.5 * static_cast<double>(first) / static_cast<double>(n));
-    const Index last = std::min(n, first + slice), ranges = (last - first + together - 1) / together;
-    parallel_for(ranges, std::max<Index>(1, 512 / together), [&](Index begin, Index end) {
+    const Index last = std::min(n, first + slice), grain = std::max<Index>(1, 512 / together) * together;
+    const auto compute = [&](Index begin, Index end) {
       Neighborhood near(points, tree);
-      for (Index r = begin; r < end; ++r)
-        fit_range(points, first + r * together, std::min(last, first + (r + 1) * together), neighbors, near, fit);
-    });
+      for (Index i = first + begin; i < first + end; i += together)
+        fit_range(points, i, std::min(first + end, i + together), neighbors, near, fit);
+    };
+    share_arrays(stage, last - first, grain, compute,
+                 {ResultArray::of(fit.normals.col(first).data(), 3),
+                  ResultArray::of(fit.table.index.data() + first * fit.table.k, fit.table.k),
+                  ResultArray::of(fit.table.reach.data() + (fit.table.k > 0 ? first : 0), fit.table.k > 0 ? 1 : 0)});
   }
   return fit;
 }

@@ -1,6 +1,7 @@
 #include "csrbf/surface/medial_axis.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/quadric_fitter.hpp"
 #include "csrbf/surface/slope_penalty.hpp"
@@ -54,7 +55,7 @@ std::vector<Index> every(Index stride, Index n) {
 // than the surface: then areas are made smaller by as much.
 WindingNumber calibrated_winding(WindingNumber::Data centers) {
   WindingNumber winding(centers);
-  Eigen::VectorXd u = winding.evaluate(centers.points).value;
+  Eigen::VectorXd u = shared_evaluate(winding, centers.points).value;
   const Index middle = u.size() / 2;
   std::nth_element(u.begin(), u.begin() + middle, u.end());
   if (u[middle] <= 0) return winding;

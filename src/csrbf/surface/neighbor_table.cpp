@@ -1,6 +1,6 @@
 #include "csrbf/surface/neighbor_table.hpp"
 
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -19,7 +19,7 @@ NeighborTable empty_table(Index n, Index k) {
 // Fills the rows for which `known(i)` is false.
 template <class Known>
 void search(const PointsRef<3>& points, const KdTree<3>& tree, const Known& known, NeighborTable& table) {
-  parallel_for(points.cols(), 1024, [&](Index begin, Index end) {
+  const auto compute = [&](Index begin, Index end) {
     std::vector<Index> ids(static_cast<std::size_t>(table.k + 1));
     std::vector<double> d2(ids.size());
     for (Index i = begin; i < end; ++i) {
@@ -34,7 +34,9 @@ void search(const PointsRef<3>& points, const KdTree<3>& tree, const Known& know
         table.reach[i] = std::sqrt(d2[static_cast<std::size_t>(j)]);
       }
     }
-  });
+  };
+  share_arrays("prepare", points.cols(), 1024, compute,
+               {ResultArray::of(table.index.data(), table.k), ResultArray::of(table.reach.data())});
 }
 
 }  // namespace

@@ -54,6 +54,29 @@ Point<3> FittedPatch::step_to_surface(const Point<3>& x) const {
   return (-f[0] * patch.radius * patch.radius / squared) * (patch.T.transpose() * slope);
 }
 
+void FittedPatch::pack(ByteWriter& out) const {
+  out.put(patch.center.data(), patch.center.size());
+  out.put(patch.T.data(), patch.T.size());
+  out.put(patch.radius);
+  out.put(patch.flatness);
+  out.put(patch.quadric.data(), patch.quadric.size());
+  out.put(alpha.size());
+  out.put(centers.data(), centers.size());
+  out.put(alpha.data(), alpha.size());
+}
+
+void FittedPatch::unpack(ByteReader& in) {
+  in.take(patch.center.data(), patch.center.size());
+  in.take(patch.T.data(), patch.T.size());
+  patch.radius = in.take<double>();
+  patch.flatness = in.take<double>();
+  in.take(patch.quadric.data(), patch.quadric.size());
+  alpha.resize(in.take<Index>());
+  centers.resize(3, alpha.size());
+  in.take(centers.data(), centers.size());
+  in.take(alpha.data(), alpha.size());
+}
+
 double FittedPatch::distance(const Point<3>& x) const {
   const Point<3> target = patch.T * (x - patch.center);
   Point<3> q(target[0], target[1], 0);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/composite.hpp"
 
@@ -23,6 +24,9 @@ struct FittedPatch {
   /// Distance of x to the surface of the patch as found along the patch's normal from the middle of the patch: x itself
   /// has no influence on where the surface is looked for.
   [[nodiscard]] double distance(const Point<3>& x) const;
+
+  void pack(ByteWriter& out) const;
+  void unpack(ByteReader& in);
 
  private:
   /// Value and gradient in local coordinates.

@@ -1,5 +1,7 @@
 #include "csrbf/surface/surface_distances.hpp"
 
+#include "csrbf/core/shared_evaluate.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +13,7 @@ constexpr double smallest_slope = 0.1;  // of f near the surface, where it is ab
 }  // namespace
 
 std::vector<double> surface_distances(const Field<3>& field, const PointsRef<3>& points, double diagonal) {
-  const Jet<3> jet = field.evaluate(points, Derivatives::gradient);
+  const Jet<3> jet = shared_evaluate(field, points, Derivatives::gradient);
   std::vector<double> distance(static_cast<std::size_t>(points.cols()));
   for (std::size_t i = 0; i < distance.size(); ++i) {
     const auto column = static_cast<Index>(i);

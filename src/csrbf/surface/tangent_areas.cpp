@@ -1,6 +1,6 @@
 #include "csrbf/surface/tangent_areas.hpp"
 
-#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 #include <Eigen/Geometry>
@@ -87,7 +87,7 @@ class Neighbors {
 Eigen::VectorXd tangent_areas(const PointsRef<3>& points, const PointsRef<3>& normals, const Eigen::VectorXd& reach) {
   const KdTree<3> tree(points);
   Eigen::VectorXd areas(points.cols());
-  parallel_for(points.cols(), 64, [&](Index begin, Index end) {
+  const auto compute = [&](Index begin, Index end) {
     Cell cell;
     for (Index i = begin; i < end; ++i) {
       const Point<3> p = points.col(i), n = normals.col(i), u = n.unitOrthogonal(), v = n.cross(u);
@@ -102,7 +102,8 @@ Eigen::VectorXd tangent_areas(const PointsRef<3>& points, const PointsRef<3>& no
       }
       areas[i] = cell.area();
     }
-  });
+  };
+  share_arrays("fit", points.cols(), 64, compute, {ResultArray::of(areas.data())});
   return areas;
 }
 
