@@ -138,7 +138,8 @@ ForceSource intensity_source(RegionForces<Dim>& forces, int regions) {
             return true;
           },
           [&forces, before] { forces.set_state(*before); },
-          [&forces](int k, double scale, std::span<float> force) { return forces.force(k, scale, force); }};
+          [&forces](int k, double scale, std::span<float> force) { return forces.force(k, scale, force); },
+          {}};
 }
 
 // What the caller says. The force depends on labels, so it is taken anew with each estimate.
@@ -162,19 +163,8 @@ ForceSource custom_source(const SegmentOptions& options) {
               outside += std::max(0.0, -static_cast<double>(force[i]) * scale);
             }
             return outside;
-          }};
-}
-
-// The source with the prior, which is in units of `scale`.
-ForceSource with_prior(ForceSource source, const std::vector<float>& prior) {
-  if (prior.empty()) return source;
-  source.force = [force = std::move(source.force), &prior](int k, double scale, std::span<float> to) {
-    const double others = force(k, scale, to);
-    if (scale != 1)  // 1: to find the scale
-      for (std::size_t i = 0; i < to.size(); ++i) to[i] += prior[i];
-    return others;
-  };
-  return source;
+          },
+          {}};
 }
 
 ForceNoise measure_noise(const ForceSource& source, const std::vector<std::uint8_t>& labels,
@@ -307,8 +297,8 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   report(options.progress, "prepare", 0);
   const bool local = used.mode == SegmentMode::local;
   RegionForces<Dim> forces(values, grid, options.mask, law_of(options.energy), options.regions);
-  const ForceSource source =
-      with_prior(options.force ? custom_source(options) : intensity_source(forces, options.regions), options.prior);
+  ForceSource source = options.force ? custom_source(options) : intensity_source(forces, options.regions);
+  source.prior = options.prior;
 
   // The noise is that between the two classes of the image: a seed may lie anywhere in them.
   const bool baseline = options.method != SegmentMethod::variational;

@@ -97,6 +97,12 @@ Index label_voxels(const Lattice<Dim>& lattice, const std::vector<LevelSet<Dim>>
 
 }  // namespace
 
+double ForceSource::force_with_prior(int k, double scale, std::span<float> to) const {
+  const double others = force(k, scale, to) / scale;
+  for (std::size_t i = 0; i < prior.size(); ++i) to[i] += prior[i];
+  return others;
+}
+
 ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_t> labels,
                        std::span<const std::uint8_t> mask, const Grid& grid) {
   constexpr std::size_t enough = 50000, far = 3;
@@ -122,7 +128,7 @@ ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_
     if (inside) bends[1].push_back(std::abs(at(i - far) - 2 * at(i) + at(i + far)));
   }
   const double gap = sums[0] / std::max(counts[0], 1.0) - sums[1] / std::max(counts[1], 1.0);
-  if (bends[0].empty() || !(gap > 0)) return {};
+  if (bends[0].empty()) return {};
   const auto deviation = [&](std::vector<double>& values) {
     constexpr double median_of_normal = 0.6745;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -131,6 +137,7 @@ ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_
   };
   constexpr std::size_t few = 200;
   const double near = deviation(bends[0]);
+  if (!(gap > 0)) return {near > 0 ? 1.0 : 0.0, 1};
   if (bends[1].size() < few) return {near / gap, 1};
   const double apart = deviation(bends[1]);
   return {std::max(near, apart) / gap, near > 0 ? std::clamp(std::sqrt(apart / near), 1.0, 3.0) : 1};
@@ -156,7 +163,7 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
   const double scale = force_scale(sets[0].force);
   const auto take_forces = [&] {
     for (std::size_t i = 0; i < sets.size(); ++i)
-      sets[i].others = source.force(two ? 1 : static_cast<int>(i), scale, sets[i].force) / scale;
+      sets[i].others = source.force_with_prior(two ? 1 : static_cast<int>(i), scale, sets[i].force);
   };
   take_forces();
   for (LevelSet<Dim>& set : sets) {
@@ -278,7 +285,7 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   source.fit(labels);
   source.force(1, 1, set.force);
   const double scale = force_scale(set.force);
-  set.others = source.force(1, scale, set.force) / scale;
+  set.others = source.force_with_prior(1, scale, set.force);
   set.energy.eps = step.eps = std::max({0.1, noise_to_eps * noise, least_width(lattice, set.energy)});
   double energy = set.total(lattice);
   report.energy.push_back(energy / static_cast<double>(voxels));
@@ -301,13 +308,13 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
     const Index changed = update_labels(lattice, set.coefficients, labels.data());
     report.converged = static_cast<double>(changed) <= 0.1 * still * static_cast<double>(voxels);
     if (source.fit(labels)) {
-      set.others = source.force(1, scale, set.force) / scale;
+      set.others = source.force_with_prior(1, scale, set.force);
       const double updated = set.total(lattice);
       if (updated <= energy) {
         energy = updated;
       } else {
         source.undo();
-        set.others = source.force(1, scale, set.force) / scale;
+        set.others = source.force_with_prior(1, scale, set.force);
       }
     }
     report.energy.push_back(energy / static_cast<double>(voxels));

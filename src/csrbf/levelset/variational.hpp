@@ -16,6 +16,10 @@ struct ForceSource {
   std::function<void()> undo;
   /// Writes the cost of region k against the others, over `scale`; returns the sum of the least costs of the others.
   std::function<double(int k, double scale, std::span<float> force)> force;
+  std::span<const float> prior = {};  ///< as in SegmentOptions
+
+  /// force() and the prior, whose unit is the scale; returns the sum over `scale`.
+  double force_with_prior(int k, double scale, std::span<float> to) const;
 };
 
 struct VariationalResult {
@@ -31,7 +35,7 @@ struct ForceNoise {
 };
 
 /// From second differences of neighbours along x, and of voxels further apart inside the regions. A large size says
-/// that single voxels cannot tell the regions apart.
+/// that single voxels cannot tell the regions apart; it is 1 when the force contradicts the labels.
 ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_t> labels,
                        std::span<const std::uint8_t> mask, const Grid& grid);
 
