@@ -7,6 +7,8 @@ import csv
 import math
 import os
 import random
+import signal
+import subprocess
 import sys
 import unittest
 
@@ -105,6 +107,22 @@ class Track(CommandLine):
         self.fail_with(2, "one frame", "track", files[0], *out)
         self.fail_with(2, "--format doc", "track", *files, *out, "--format", "doc")
         self.fail_with(2, "is a file", "track", *files, "-o", files[0])
+
+    def test_interruption_gives_130_and_keeps_the_results_of_before(self):
+        files = self.frame_files()
+        self.succeed("track", *files, "-o", self.path("beat"))
+        before = self.measures()
+        process = subprocess.Popen([command_line_test.PROGRAM, "track", *(files * 200), "-o", self.path("beat"),
+                                    "--progress", "always"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for line in process.stderr:
+            if line.startswith("evolve"):
+                break
+        process.send_signal(signal.SIGINT)
+        messages = process.communicate(timeout=120)[1]
+        self.assertEqual(process.returncode, 130, messages)
+        self.assertIn("interrupted", messages)
+        self.assertEqual(self.measures(), before)
+        self.check_results()
 
     def test_a_failure_keeps_the_results_of_before(self):
         files = self.frame_files()
