@@ -63,7 +63,8 @@ void add_cavities(Figure& figure) {
   figure.claims.push_back({"generalised Gaussians over a window (8.32) suit speckle", "yes (picture)",
                            "Dice " + number(means[4], 4) + " (mean of " + std::to_string(seeds) +
                                " seeds); two means over the same window " + number(means[1], 4) + ", without window " +
-                               number(means[0], 4) + (gain < no_difference ? ": the law makes no difference" : ""),
+                               number(means[0], 4) +
+                               (gain < no_difference ? ": the law makes no difference" : ": these laws undo the blur"),
                            verdict(gain >= no_difference)});
   figure.tables = {std::move(table)};
 }

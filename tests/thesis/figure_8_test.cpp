@@ -98,16 +98,16 @@ TEST(Figure_8_10, BordersOfBloodAndTissueAreFoundFromWithinTheCavity) {
   for (unsigned seed = 1; seed <= 3; ++seed) EXPECT_GT(wall_run(speckled_wall(seed), 200).dice, 0.96) << seed;
 }
 
-// Measured with two seeds: .9870 and .9848 over a window of 7 x 7, .9873 and .9852 without, two means .9874 and .9879:
-// once centers are as far apart as the grain of speckle asks for, it is they that smooth.
-TEST(Figure_8_10, NeitherTheWindowNorTheLawMakesTheDifferenceInSpeckle) {
+// Measured with two seeds: .9946 and .9949 over a window of 7 x 7, two means .9884 and .9879: the laws know that
+// speckle is blurred. The window does not matter.
+TEST(Figure_8_10, TheLawMakesTheDifferenceInSpeckleNotTheWindow) {
   for (unsigned seed = 1; seed <= 2; ++seed) {
     const Phantom cavities = speckled_cavities(seed);
     const auto overlap = [&](SegmentEnergy law, int window) { return speckle_run(cavities, law, window).dice; };
     const double with = overlap(SegmentEnergy::generalized_gaussian, 3);
-    EXPECT_GT(with, 0.98);
-    EXPECT_NEAR(with, overlap(SegmentEnergy::generalized_gaussian, 0), 0.005);
-    EXPECT_NEAR(with, overlap(SegmentEnergy::chan_vese, 3), 0.005);
+    EXPECT_GT(with, 0.993);
+    EXPECT_NEAR(with, overlap(SegmentEnergy::generalized_gaussian, 0), 0.002);
+    EXPECT_GT(with, overlap(SegmentEnergy::chan_vese, 3) + 0.004);
   }
 }
 
