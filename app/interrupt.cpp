@@ -20,6 +20,7 @@ void handle(int signal) {
 }  // namespace
 
 void catch_interrupts() {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action {};
     sigaction(signal, nullptr, &action);

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -65,7 +66,11 @@ class Pool {
     if (threads == size()) return;
     stop();
     stopping_ = false;
-    for (int i = 1; i < threads; ++i) workers_.emplace_back([this, seen = generation_] { serve(seen); });
+    try {
+      for (int i = 1; i < threads; ++i) workers_.emplace_back([this, seen = generation_] { serve(seen); });
+    } catch (const std::system_error&) {
+      // The system gives no more threads; fewer do the same.
+    }
   }
 
   void run(Loop& loop) {

@@ -8,8 +8,11 @@
 #include <system_error>
 
 #ifdef _WIN32
+#include <io.h>
 #include <process.h>
 #define getpid _getpid
+#define access _access
+#define W_OK 2
 #else
 #include <unistd.h>
 #endif
@@ -23,11 +26,17 @@ std::string reason(int error) {
   return std::generic_category().message(error);
 }
 
-// A hidden name beside the target, unique among the processes and threads that write there.
+// A hidden name beside the target, unique among the processes and threads that write there now. One that was killed
+// may have left a file of this name.
 std::string temporary_name(const fs::path& target) {
   static std::atomic<unsigned> counter{0};
   const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter++);
   return (target.parent_path() / ("." + target.filename().string() + "." + unique + ".tmp")).string();
+}
+
+// Replacing a file needs no permission to write it, but whoever took that away wants to keep the file.
+bool is_protected(const std::string& path) {
+  return access(path.c_str(), W_OK) != 0;
 }
 
 }  // namespace
@@ -43,9 +52,12 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   if (!in_place) {
     if (fs::exists(status)) target_ = fs::canonical(path, error).string();
     if (target_.empty()) target_ = path;
-    temporary_ = temporary_name(target_);
+    if (fs::exists(status) && is_protected(target_)) fail("write");
   }
-  file_ = std::fopen((in_place ? target_ : temporary_).c_str(), in_place ? "wb" : "wbx");
+  do {
+    if (!in_place) temporary_ = temporary_name(target_);
+    file_ = std::fopen((in_place ? target_ : temporary_).c_str(), in_place ? "wb" : "wbx");
+  } while (file_ == nullptr && !in_place && errno == EEXIST);
   if (file_ == nullptr) {
     temporary_.clear();
     fail("write");
