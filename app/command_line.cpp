@@ -121,7 +121,9 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
   const CLI::App* verb = app_.get_subcommand(first);
   for (const CLI::Option* option : verb->get_options())
     if (!option->get_lnames().empty())
-      common_.flags.push_back({option->get_lnames().front(), option->get_description(), option->count() > 0});
+      common_.flags.push_back({option->get_lnames().front(), option->get_description(), option->count() > 0,
+                               option->count() > 0 ? CLI::detail::join(option->results(), " ") : "",
+                               option->get_group() == common_group});
   return CommandLine{first, common_, taken_.at(first)()};
 }
 

@@ -21,6 +21,8 @@ struct FlagUse {
   std::string name;  ///< without the dashes
   std::string what;
   bool given = false;
+  std::string value = {};  ///< as typed
+  bool common = false;     ///< of every verb
 };
 
 /// Flags of every verb.
@@ -28,6 +30,8 @@ struct CommonOptions {
   int threads = 0;                   ///< 0 = all cores
   std::vector<std::string> reports;  ///< files of the report: .json, .html
   std::string progress = "auto";     ///< auto, always, never, slicer
+  std::string memory;                ///< a size; empty: no cap
+  std::string scratch;               ///< folder for what the cap keeps out of memory; empty: that of the output
   bool quiet = false;
   bool verbose = false;
 
@@ -47,6 +51,7 @@ struct ReconstructCommand {
   int resolution = 0;
   std::string trim = "none";
   std::string model;
+  bool resume = false;
 };
 
 struct EstimateNormalsCommand {
@@ -111,6 +116,7 @@ struct FitCommand {
   FitFlags fit;
   std::string coordinates, values, weights;
   std::string periods;
+  bool resume = false;
 };
 
 struct EvaluateCommand {

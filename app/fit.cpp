@@ -40,6 +40,7 @@ void run(const FitCommand& command, Session& session) {
   if (file_extension(command.output) != ".csrbf")
     throw UsageError("--output " + command.output + ": models are .csrbf");
   session.expect_output(command.output);
+  if (command.resume) session.resume(command.input, command.output);
   SampleTable samples = session.timed("read", [&] {
     return read_samples(command.input, {command.coordinates, command.values, command.weights});
   });

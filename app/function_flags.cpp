@@ -39,6 +39,7 @@ void declare(Verb v, FitCommand& c) {
   v.flag("weights", c.weights, "COLUMN", "none", "column of weights: the inverse variances of the values");
   v.flag("periods", c.periods, "P,P,...", "none",
          "period of each coordinate, 0 for those without: 360,0 for longitude and latitude");
+  v.resume(c.resume);
   v.add_common();
 }
 

@@ -1,9 +1,11 @@
+#include "file_memory.hpp"
 #include "interrupt.hpp"
 #include "verbs.hpp"
 
 #include "csrbf/core/error.hpp"
 
 #include <cstdio>
+#include <filesystem>
 #include <new>
 
 namespace csrbf::app {
@@ -22,16 +24,33 @@ bool is_one_of(const std::exception& error) {
   return ((dynamic_cast<const Types*>(&error) != nullptr) || ...);
 }
 
+// The folder of the output, which has to have room for large files anyway.
+std::string output_folder(const Command& command) {
+  const auto output = [](const auto& c) -> std::string {
+    if constexpr (requires { c.output; }) return c.output;
+    return "";
+  };
+  const std::string folder = std::filesystem::path(std::visit(output, command)).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+std::string not_enough_memory() {
+  const std::string reason = file_memory() != nullptr ? file_memory()->failure() : "";
+  return "not enough memory" + (reason.empty() ? "" : ": " + reason);
+}
+
 int run(const CommandLine& line) {
   try {
-    Session session(line.verb, line.common);
+    CommonOptions common = line.common;
+    if (common.scratch.empty()) common.scratch = output_folder(line.command);
+    Session session(line.verb, common);
     std::visit([&](const auto& command) { app::run(command, session); }, line.command);
     session.finish();
     return success;
   } catch (const std::exception& error) {
     // A signal also breaks off reading and writing, which then fail with errors of their own.
     if (interrupted()) return fail(line.verb, "interrupted", interrupt_exit_code());
-    if (is_one_of<std::bad_alloc>(error)) return fail(line.verb, "not enough memory", no_result);
+    if (is_one_of<std::bad_alloc>(error)) return fail(line.verb, not_enough_memory(), no_result);
     const bool is_input = is_one_of<UsageError, InvalidInput, IoError>(error);
     return fail(line.verb, error.what(), is_input ? bad_input : no_result);
   }

@@ -174,6 +174,7 @@ void run(const ReconstructCommand& command, Session& session) {
   const std::optional<double> trim_distance = parse_word_or_number(command.trim, "none", "--trim");
   if (trim_distance && !(*trim_distance > 0)) throw UsageError("--trim " + command.trim + ": must be positive");
   expect_outputs(command, session);
+  if (command.resume) session.resume(command.input, command.output);
   const bool contours = wants_contours(command);
   if (contours) expect_no_point_flags(command);
   auto [used, surface] = contours ? from_contours(command, session) : from_points(command, session);

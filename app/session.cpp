@@ -18,24 +18,53 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <system_error>
 
 namespace csrbf::app {
 namespace {
+
+constexpr double bytes_per_mb = 1024 * 1024;
 
 double peak_memory_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
 #ifdef __APPLE__
-  constexpr double units_per_mb = 1024 * 1024;
+  constexpr double bytes_per_unit = 1;
 #else
-  constexpr double units_per_mb = 1024;
+  constexpr double bytes_per_unit = 1024;
 #endif
-  return static_cast<double>(usage.ru_maxrss) / units_per_mb;
+  return static_cast<double>(usage.ru_maxrss) * bytes_per_unit / bytes_per_mb;
+}
+
+double in_mb(std::size_t bytes) {
+  return std::round(static_cast<double>(bytes) / bytes_per_mb);
+}
+
+Json describe(const MemoryCap& cap) {
+  return {
+      {"cap_mb", in_mb(cap.bytes())}, {"scratch", cap.scratch()}, {"peak_scratch_mb", in_mb(cap.peak_scratch_bytes())}};
 }
 
 double round_to_ms(double seconds) {
   constexpr double per_second = 1000;
   return std::round(per_second * seconds) / per_second;
+}
+
+Json describe(const ResumeLog& log) {
+  const ResumeLog::Use& use = log.use();
+  return {{"taken_over_mb", in_mb(use.taken_bytes)},
+          {"written_mb", in_mb(use.written_bytes)},
+          {"seconds_saved", round_to_ms(use.seconds_saved)}};
+}
+
+// What determines the results of a run, in lines.
+std::string key_of(const std::string& verb, const CommonOptions& common, const std::string& input) {
+  std::string key = std::string("csrbf ") + CSRBF_VERSION + "\n" + verb + "\n";
+  for (const FlagUse& flag : common.flags)
+    if (flag.given && !flag.common && flag.name != "output" && flag.name != "resume")
+      key += "--" + flag.name + " " + flag.value + "\n";
+  return key + "input of " + std::to_string(std::filesystem::file_size(input)) + " bytes with fingerprint " +
+         std::to_string(fingerprint(input)) + "\n";
 }
 
 enum class ReportForm { json, html, unknown };
@@ -52,6 +81,7 @@ ReportForm report_form(const std::string& path) {
 Session::Session(std::string verb, const CommonOptions& common)
     : verb_(std::move(verb)), common_(common), display_(common.quiet ? "never" : common.progress) {
   set_thread_count(common.threads);
+  if (!common.memory.empty()) memory_cap_.emplace(parse_bytes(common.memory, "--memory"), common.scratch);
   for (const std::string& path : common.reports) {
     if (report_form(path) == ReportForm::unknown)
       throw UsageError("--report " + path + ": unknown extension \"" + file_extension(path) +
@@ -100,6 +130,19 @@ void Session::expect_output(const std::string& path) {
   }
 }
 
+void Session::resume(const std::string& file, const std::string& output) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw UsageError("--resume needs an input that can be read again; give a file instead of " + display_name(file));
+  if (output == "-") throw UsageError("--resume keeps its log beside the output; give a file instead of -");
+  const std::string path = output + ".resume";
+  try {
+    resume_log_.emplace(path, key_of(verb_, common_, file));
+  } catch (const IoError& failure) {
+    throw WriteFailure(failure.what());
+  }
+}
+
 void Session::warn(const std::string& message) {
   warnings_.push_back(message);
   if (common_.quiet) return;
@@ -124,24 +167,41 @@ void Session::note_memory() {
 Json Session::report() const {
   Json time = {{"total", round_to_ms(std::chrono::duration<double>(Clock::now() - start_).count())}};
   time.update(time_);
-  return {{"csrbf", CSRBF_VERSION},
-          {"command", verb_},
-          {"input", input},
-          {"options", options},
-          {"result", result},
-          {"time", time},
-          {"peak_memory_mb", std::round(memory_mb_ > 0 ? memory_mb_ : peak_memory_mb())},
-          {"threads", thread_count()},
-          {"warnings", warnings_}};
+  Json report = {{"csrbf", CSRBF_VERSION},
+                 {"command", verb_},
+                 {"input", input},
+                 {"options", options},
+                 {"result", result},
+                 {"time", time},
+                 {"peak_memory_mb", std::round(memory_mb_ > 0 ? memory_mb_ : peak_memory_mb())},
+                 {"threads", thread_count()},
+                 {"warnings", warnings_}};
+  if (resume_log_) report["resume"] = describe(*resume_log_);
+  if (memory_cap_) report["memory"] = describe(*memory_cap_);
+  return report;
+}
+
+// The results are right, but came about in another way than was asked for.
+void Session::warn_of_means() {
+  if (memory_cap_ && peak_memory_mb() * bytes_per_mb > static_cast<double>(memory_cap_->bytes()))
+    warn("--memory " + common_.memory + " was exceeded: the peak was " + rounded(peak_memory_mb()) + " MiB");
+  if (resume_log_ && resume_log_->use().error != 0)
+    warn("--resume: nothing more could be kept: " + std::generic_category().message(resume_log_->use().error));
 }
 
 void Session::finish() {
+  warn_of_means();
   const Json report = this->report();
   for (const std::string& path : common_.reports) {
     const std::string text = report_form(path) == ReportForm::html
                                  ? html_page({report, common_, summary_, page_})
                                  : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     write([&] { write_file(path, text); });
+  }
+  if (resume_log_) {
+    resume_log_->remove();
+    const double seconds = resume_log_->use().seconds_saved;
+    if (seconds > 0) say("resumed: " + rounded(seconds, 2) + " s of work taken over from the run before");
   }
   display_.clear();
   if (common_.quiet) return;

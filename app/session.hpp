@@ -1,14 +1,17 @@
 #pragma once
 
 #include "command_line.hpp"
+#include "memory_cap.hpp"
 #include "page/page.hpp"
 #include "progress_display.hpp"
+#include "resume_log.hpp"
 
 #include "csrbf/core/progress.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -55,6 +58,9 @@ class Session {
   /// off standard output.
   void expect_output(const std::string& path);
 
+  /// Keeps finished steps in a log beside `output`, and takes over those of a run that was broken off there.
+  void resume(const std::string& input, const std::string& output);
+
   /// Stage "write": turns IoError into WriteFailure.
   template <class Action>
   void write(Action&& action);
@@ -76,9 +82,12 @@ class Session {
   void end_stage(const std::string& stage, Clock::time_point start);
   [[nodiscard]] Json report() const;
   void note_memory();
+  void warn_of_means();
 
   std::string verb_;
   CommonOptions common_;
+  std::optional<MemoryCap> memory_cap_;
+  std::optional<ResumeLog> resume_log_;
   ProgressDisplay display_;
   Clock::time_point start_ = Clock::now();
   Json time_ = Json::object();

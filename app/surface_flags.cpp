@@ -40,6 +40,7 @@ void declare(Verb v, ReconstructCommand& c) {
   v.flag("trim", c.trim, "T", "none",
          "drop surface further than T local point spacings from the data; none: watertight");
   v.flag("model", c.model, "FILE", "", "save the implicit surface: .csrbf");
+  v.resume(c.resume);
   v.add_common();
 }
 

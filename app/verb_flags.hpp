@@ -39,6 +39,13 @@ class Verb {
     app_.add_flag(names, value, what)->group(flag_group);
   }
 
+  void resume(bool& value) {
+    toggle(
+        "--resume", value,
+        "keep finished steps in a file beside the output, named like it with .resume at the end, and go on from there "
+        "after a run that was broken off");
+  }
+
   /// The flags of every verb, last in the help.
   void add_common() {
     constexpr int most_threads = 4096;
@@ -59,6 +66,15 @@ class Verb {
         ->type_name("auto|always|never|slicer")
         ->default_str("auto")
         ->check(CLI::IsMember({"auto", "always", "never", "slicer"}))
+        ->group(common_group);
+    app_.add_option("--memory", common_.memory,
+                    "keep the memory in use under a cap, such as 2GB; what does not fit goes to files")
+        ->type_name("SIZE")
+        ->default_str("no cap")
+        ->group(common_group);
+    app_.add_option("--scratch", common_.scratch, "folder of these files, on a disk with room for them")
+        ->type_name("DIR")
+        ->default_str("that of the output")
         ->group(common_group);
     app_.add_flag("-q,--quiet", common_.quiet, "print errors only")->group(common_group);
     app_.add_flag("-v,--verbose", common_.verbose, "print the options used and the times too")->group(common_group);
