@@ -140,12 +140,19 @@ std::size_t FileMemory::room() const {
   return used < high ? high - used : 0;
 }
 
+// The lock must not be held where text is made: its memory may come from here.
 std::string FileMemory::failure() {
-  const std::lock_guard lock(mutex_);
-  if (failed_error_ == 0) return "";
+  std::size_t bytes = 0;
+  int error = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    bytes = failed_bytes_;
+    error = failed_error_;
+  }
+  if (error == 0) return "";
   constexpr std::size_t mega = 1000 * 1000;
-  return "cannot keep a block of " + std::to_string(failed_bytes_ / mega) + " MB in a file in " + folder_ + ": " +
-         std::generic_category().message(failed_error_) + "; make room there, or give another folder by --scratch";
+  return "cannot keep a block of " + std::to_string(bytes / mega) + " MB in a file in " + folder_ + ": " +
+         std::generic_category().message(error) + "; make room there, or give another folder by --scratch";
 }
 
 }  // namespace csrbf::app
