@@ -29,10 +29,14 @@ int open_nameless(const std::string& folder) {
 }
 
 // Signals must not be taken for a full disk.
-int reserve(int file, std::size_t bytes) noexcept {
+int reserve([[maybe_unused]] int file, [[maybe_unused]] std::size_t bytes) noexcept {
+#ifdef __linux__
   int error = EINTR;
   while (error == EINTR) error = posix_fallocate(file, 0, static_cast<off_t>(bytes));
   return error;
+#else
+  return ENOTSUP;  // file_memory_supported() says so before
+#endif
 }
 
 // Memory in a file of its own; null with errno.
