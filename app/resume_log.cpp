@@ -18,6 +18,7 @@
 #include <cstring>
 #include <sstream>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 namespace csrbf::app {
@@ -49,6 +50,17 @@ std::uint64_t hash(Bytes bytes, std::uint64_t h) {
 
 [[noreturn]] void fail(const std::string& path, int error) {
   throw IoError(path + ": cannot use the file: " + std::generic_category().message(error));
+}
+
+// A run that was just killed needs a moment to vanish.
+bool lock(int file) {
+  constexpr int attempts = 30;
+  for (int i = 0; i < attempts; ++i) {
+    if (flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return true;
+    if (interrupted()) throw Cancelled();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return false;
 }
 
 bool read_all(int file, void* to, std::size_t size, off_t at) {
@@ -113,8 +125,7 @@ ResumeLog::ResumeLog(const std::string& path, const std::string& key)
     : path_(path), file_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
   if (file_ < 0) fail(path, errno);
   try {
-    if (flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-      throw UsageError(path + ": another run is using the file; wait for its end");
+    if (!lock(file_)) throw UsageError(path + ": another run is using the file; wait for its end");
     read_header(key);
     record_ = read_record();
   } catch (...) {

@@ -3,6 +3,7 @@
 usage: resume_test.py PROGRAM [--slow] [unittest options]
 """
 
+import fcntl
 import filecmp
 import json
 import os
@@ -75,7 +76,11 @@ class Resume(base.CommandLine):
         self.assertTrue(self.run_until_log(100000, arguments, model + ".resume"))
         self.succeed(*arguments)
         self.succeed("fit", table, "-o", self.path("whole.csrbf"))
-        self.assert_same(model, self.path("whole.csrbf"))
+        # Models also hold the times of their fit.
+        for name in ("f", "whole"):
+            self.succeed("evaluate", self.path(name + ".csrbf"), "-o", self.path(name + ".npy"), "--grid", "40,40",
+                         "--bounds=-1:1,-1:1", "--gradient")
+        self.assert_same(self.path("f.npy"), self.path("whole.npy"))
 
     def test_many_kills_in_a_row_lose_nothing(self):
         kills, seed = (100, 2) if SLOW else (5, 2)
@@ -116,6 +121,13 @@ class Resume(base.CommandLine):
             file.write("\n")
         self.fail_with(2, "with fingerprint", *self.arguments)
         self.assertEqual(os.path.getsize(self.log), size)
+
+    def test_a_log_that_is_in_use_is_left_alone(self):
+        self.begin()
+        with open(self.log, "r+b") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            self.fail_with(2, "another run is using the file", *self.arguments)
+        self.assertGreater(self.resumed()["seconds_saved"], 0)
 
     def test_a_file_that_is_no_log_is_refused_and_kept(self):
         for content in ("precious", "precious " * 100):
