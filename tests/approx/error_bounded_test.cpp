@@ -125,6 +125,15 @@ TEST(ErrorBounded, SaysThatDuplicatesWithDistantValuesAllowNoFunction) {
   }
 }
 
+TEST(ErrorBounded, SaysThatValuesDoNotHaveTheDigitsOfTheTolerance) {
+  Samples<2> data = noise<2>(random_points<2>(60, 1), 1, 2);
+  data.values *= 1e20;
+  for (const Method<2> method : {Method<2>(by_farthest_points<2>), Method<2>(by_clusters<2>)}) {
+    EXPECT_THROW(method(data, 1), SolverFailure);
+    EXPECT_NO_THROW(method(data, 1e7));
+  }
+}
+
 TEST(ErrorBounded, RefusesBadOptions) {
   const Samples<2> data = sample<2>(random_points<2>(10, 1), franke);
   EXPECT_THROW(error_bounded<2>(data, {.tolerance = -1}), InvalidInput);

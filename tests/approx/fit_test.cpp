@@ -319,6 +319,12 @@ TEST(Fit, RefusesInvalidSamples) {
   bad = good;
   bad.points(0, 3) = HUGE_VAL;
   refused(bad, "points = NaN or infinity");
+  bad = good;
+  bad.values(3) = -1e300;
+  refused(bad, "values = 1e+300: must not exceed 1e250; use another unit");
+  bad = good;
+  bad.points(0, 3) = -1e200;
+  refused(bad, "points = 1e+200: must not exceed 1e150; use another unit");
 }
 
 TEST(Fit, RefusesInvalidOptions) {

@@ -4,12 +4,14 @@
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
+#include <limits>
 #include <sstream>
 
 namespace csrbf {
 namespace {
 
 constexpr const char* function = "error_bounded";
+constexpr double roundings = 8;  // of the largest value: what sums of a few levels lose
 
 void check(const ErrorBoundedOptions& options) {
   require(options.centers >= 0, function, "centers", options.centers, "must not be negative; 0 chooses the number");
@@ -42,6 +44,14 @@ double checked_tolerance(const LevelBuilder<Dim>& builder, std::optional<double>
     std::ostringstream message;
     message << caller << ": tolerance = " << bound << ": samples at the same point differ by " << 2 * builder.spread()
             << ", so no function is within it; allow at least " << builder.spread() << " or merge them";
+    throw SolverFailure(message.str());
+  }
+  const double largest = builder.samples().values.cwiseAbs().maxCoeff();
+  const double rounding = roundings * std::numeric_limits<double>::epsilon() * largest;
+  if (bound > 0 && tolerance && bound < rounding) {
+    std::ostringstream message;
+    message << caller << ": tolerance = " << bound << ": values of up to " << largest
+            << " do not have that many digits; allow at least " << rounding;
     throw SolverFailure(message.str());
   }
   return bound;

@@ -29,7 +29,8 @@ struct ErrorBoundedOptions {
 /// Several samples at one point are replaced by the middle of their range; the bound holds for each of them.
 ///
 /// Throws InvalidInput for samples or options that are not valid; SolverFailure when samples at the same point differ
-/// by more than twice the tolerance, since no function is near to both.
+/// by more than twice the tolerance, since no function is near to both, and when the tolerance is below the last digit
+/// of the largest value.
 template <int Dim>
 LevelFit<Dim> error_bounded(const Samples<Dim>& samples, const ErrorBoundedOptions& options = {});
 

@@ -13,6 +13,7 @@
 #include "csrbf/approx/partition_of_unity.hpp"
 #include "csrbf/approx/pca_multiresolution.hpp"
 #include "csrbf/approx/periodic_field.hpp"
+#include "csrbf/approx/sample_limits.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
@@ -290,9 +291,8 @@ class Fitter {
     return {best.components.begin(), best.components.end()};
   }
 
-  static constexpr Index tested_first = 10'000;
-  static constexpr Index fewest_for_tracks = 1000;  // samples
-  static constexpr double smoother_gain = 0.95;     // of the leave-one-out error, that makes smoothing worth it
+  static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000;  // samples
+  static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
 
   const Samples<Dim>& samples_;
   const FitOptions& options_;
@@ -350,7 +350,7 @@ std::vector<std::string> fit_methods() {
 
 template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
-  require_valid(samples, "fit");
+  require_within_limits(samples, "fit");
   check<Dim>(options);
   csrbf::report(options.progress, "choose", 0);
   auto start = std::chrono::steady_clock::now();
