@@ -1,0 +1,156 @@
+#include "csrbf/approx/fit.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/implicit/polygonize.hpp"
+#include "csrbf/levelset/segment.hpp"
+#include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/reconstruct.hpp"
+
+#include "property/random_cloud.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+/// FNV-1a of bytes, in a row.
+class Hash {
+ public:
+  template <class Matrix>
+  Hash& of(const Matrix& matrix) {
+    return of_bytes(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(*matrix.data()));
+  }
+  [[nodiscard]] std::uint64_t value() const { return value_; }
+
+ private:
+  Hash& of_bytes(const void* data, std::size_t count) {
+    const auto* byte = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < count; ++i) value_ = (value_ ^ byte[i]) * 0x100000001b3U;
+    return *this;
+  }
+
+  std::uint64_t value_ = 0xcbf29ce484222325U;
+};
+
+// Runs `work` with six numbers of threads, four times each with the numbers 0 to 3, and expects the same bits.
+template <class Work>
+void expect_same_bits(Work&& work) {
+  std::uint64_t expected = 0;
+  for (const int threads : {1, 2, 3, 4, 7, 16})
+    for (int order = 0; order < 4; ++order) {
+      set_thread_count(threads);
+      const std::uint64_t bits = work(order);
+      if (threads == 1 && order == 0) expected = bits;
+      EXPECT_EQ(bits, expected) << threads << " threads, order " << order;
+    }
+  set_thread_count(0);
+}
+
+// The numbers 0 to n - 1: ascending, descending, by stride, at random.
+std::vector<Index> order_of(Index n, int order) {
+  std::vector<Index> ids(static_cast<std::size_t>(n));
+  std::iota(ids.begin(), ids.end(), 0);
+  if (order == 1) std::reverse(ids.begin(), ids.end());
+  if (order == 2) std::stable_sort(ids.begin(), ids.end(), [](Index a, Index b) { return a % 37 < b % 37; });
+  if (order == 3) std::shuffle(ids.begin(), ids.end(), std::mt19937_64(1));
+  return ids;
+}
+
+// Values, gradients and Hessians at points asked for in that order, put back into their own.
+template <int Dim>
+std::uint64_t evaluated(const Field<Dim>& field, const Points<Dim>& x, int order) {
+  const std::vector<Index> ids = order_of(x.cols(), order);
+  const Jet<Dim> jet = field.evaluate(x(Eigen::all, ids), Derivatives::hessian);
+  Jet<Dim> sorted = jet;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const auto from = static_cast<Index>(i);
+    sorted.value[ids[i]] = jet.value[from];
+    sorted.gradient.col(ids[i]) = jet.gradient.col(from);
+    sorted.hessian.col(ids[i]) = jet.hessian.col(from);
+  }
+  return Hash().of(sorted.value).of(sorted.gradient).of(sorted.hessian).value();
+}
+
+PointCloud sphere_and_box() {
+  Random random(1);
+  PointCloud cloud{Points<3>(3, 0), Points<3>(3, 0), {}};
+  for (const Shape shape : {onto_sphere, onto_box}) {
+    PointCloud part{random.in_unit_cube<3>(500), Points<3>(3, 500), {}};
+    for (Index i = 0; i < part.size(); ++i) {
+      Point<3> x = part.points.col(i), normal = random.direction<3>();
+      shape(i, part.size(), x, normal);
+      part.points.col(i) = x + 1e-3 * random.direction<3>();
+      part.normals.col(i) = normal;
+    }
+    if (cloud.size() > 0) part.points.array() += 2;
+    append(cloud, part);
+  }
+  return cloud;
+}
+
+TEST(Determinism, OfReconstructAndPolygonize) {
+  const PointCloud cloud = sphere_and_box();
+  expect_same_bits([&](int /*order*/) {
+    const Reconstruction surface = reconstruct(cloud);
+    Hash hash;
+    hash.of(surface.normals);
+    for (const auto method : {PolygonizeMethod::marching_cubes, PolygonizeMethod::adaptive}) {
+      const Mesh mesh = polygonize(*surface.field, {.resolution = 24, .method = method});
+      hash.of(mesh.vertices).of(mesh.triangles).of(mesh.normals);
+    }
+    return hash.value();
+  });
+}
+
+TEST(Determinism, OfEvaluatingASurface) {
+  const Reconstruction surface = reconstruct(sphere_and_box());
+  const Points<3> x = 4 * Random(2).in_unit_cube<3>(1100);
+  expect_same_bits([&](int order) { return evaluated<3>(*surface.field, x, order); });
+}
+
+TEST(Determinism, OfEstimatedNormals) {
+  const Points<3> points = sphere_and_box().points;
+  expect_same_bits([&](int /*order*/) { return Hash().of(estimate_normals(points)).value(); });
+}
+
+class DeterminismOfFit : public testing::TestWithParam<std::string> {};
+
+TEST_P(DeterminismOfFit, AndOfEvaluatingIt) {
+  Random random(3);
+  const Index n = GetParam() == "interpolate" ? 100 : 600;
+  Samples<2> samples{random.in_unit_cube<2>(n), Eigen::VectorXd(n), {}};
+  for (Index i = 0; i < n; ++i)
+    samples.values(i) = std::sin(9 * samples.points(0, i)) + samples.points(1, i) + 0.01 * random.normal();
+  const Points<2> x = random.in_unit_cube<2>(1100);
+  expect_same_bits(
+      [&](int order) { return evaluated<2>(*fit<2>(samples, {.method = GetParam()}).components[0], x, order); });
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, DeterminismOfFit,
+                         testing::Values("interpolate", "partition-of-unity", "fixed-budget", "error-bounded",
+                                         "moving-least-squares"),
+                         [](const auto& method) {
+                           std::string name = method.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(Determinism, OfSegment) {
+  VolumeLayout layout;
+  layout.grid.size = {16, 14, 12};
+  Volume<float> image(layout);
+  Random random(4);
+  const Points<3> x = layout.grid.centers<3>();
+  for (Index i = 0; i < x.cols(); ++i) {
+    const double inside = (x.col(i) - Point<3>(7, 6, 5)).norm() < 4 ? 1 : 0;
+    image.values[static_cast<std::size_t>(i)] = static_cast<float>(inside + 0.3 * random.normal());
+  }
+  expect_same_bits([&](int order) {
+    const Segmentation<3> result = segment<3>(image);
+    return Hash().of(result.labels).value() ^ evaluated<3>(*result.fields[0], x, order);
+  });
+}
+
+}  // namespace
+}  // namespace csrbf
