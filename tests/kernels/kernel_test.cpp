@@ -111,6 +111,23 @@ TEST(Kernel, OfMaternByBesselFunctionsAgreesWithTheClosedForms) {
   }
 }
 
+// Around r = 1e-8, where the limit at the center takes over.
+TEST(Kernel, OfMaternIsThatOfBesselFunctionsNextToTheCenter) {
+  for (const double nu : {.3, .7, .9})
+    for (const double r : {1e-10, 9e-9, 1.1e-8, 1e-6}) {
+      const double bessel = 2 * std::pow(r / 2, nu) * std::cyl_bessel_k(nu, r) / std::tgamma(nu);
+      EXPECT_NEAR(Kernel("matern", 2, nu).value(r), bessel, 1e-12) << nu << " " << r;
+    }
+}
+
+TEST(Kernel, OfMaternAndItsDerivativesVanishFarAway) {
+  for (const double nu : {.3, 1.0, 1.7, 2.0, 3.2})
+    for (const double r : {690.0, 710.0, 1e4, 1e200}) {
+      const Kernel kernel("matern", 2, nu);
+      for (const double part : {kernel.value(r), kernel.g(r), kernel.h(r)}) EXPECT_NEAR(part, 0, 1e-280) << nu;
+    }
+}
+
 TEST(Kernel, DerivativesAreThoseOfFiniteDifferences) {
   constexpr double step = 1e-4;
   for (const Named& named : all_kernels(1)) {
@@ -152,6 +169,9 @@ TEST(Kernel, DerivativesMissingAtTheCenterAreZeroByConvention) {
   for (const char* name :
        {"wendland-c0", "wu-c0", "matern-c0", "linear", "thin-plate", "missing-wendland", "buhmann-c1"})
     EXPECT_EQ(Kernel(name, 2).g(0), 0) << name;
+  for (const char* name : {"wendland-c0", "wendland-c2", "wu-c0", "wu-c2", "matern-c0", "matern-c2", "linear", "cubic",
+                           "thin-plate", "thin-plate-r4", "missing-wendland", "buhmann-c1", "powered-exponential"})
+    EXPECT_EQ(Kernel(name, 2).h(0), 0) << name;
 }
 
 TEST(Kernel, IsOneAtTheCenterOrZeroForPowers) {
