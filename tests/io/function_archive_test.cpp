@@ -338,5 +338,20 @@ TEST(FunctionArchive, RefusesTruncatedFlippedAndFutureFiles) {
       std::string::npos);
 }
 
+TEST(FunctionArchive, RefusesFieldsOfALaterVersion) {
+  const TemporaryFolder folder;
+  Archive archive = to_archive({Function(fit(wavy_samples<2>(100)))});
+  for (const char* entry : {"component0/kind", "component0/inner/kind"}) {
+    Archive later = archive;
+    later.set(entry, std::string("wavelet"));
+    write_archive(folder.file("later.csrbf"), later);
+    EXPECT_NE(io_error([&] {
+                (void)read_function(folder.file("later.csrbf"));
+              }).find("this version knows no field of the kind \"wavelet\""),
+              std::string::npos)
+        << entry;
+  }
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -125,6 +125,15 @@ TEST_F(DamagedModel, OfAnotherKindIsRefused) {
   EXPECT_NE(error.find("bad.csrbf: this is a \"patches\", not a surface"), std::string::npos) << error;
 }
 
+TEST_F(DamagedModel, OfANewerFormatIsRefused) {
+  std::string bytes = content(folder_.file("good.csrbf"));
+  bytes[8] = 2;  // the format, behind the magic; what follows need not be what this program knows
+  bytes.resize(bytes.size() / 2);
+  const std::string newer = folder_.with("newer.csrbf", bytes);
+  EXPECT_EQ(io_error([&] { (void)read_model(newer); }),
+            newer + ": written by a newer csrbf (format 2, this program reads up to 1)");
+}
+
 TEST_F(DamagedModel, WithoutAnEntryIsRefused) {
   for (const auto& [name, value] : archive_.values()) {
     const std::string error = error_after([&, gone = name](Archive& archive) {
