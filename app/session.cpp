@@ -1,7 +1,7 @@
 #include "session.hpp"
 
-#include "interrupt.hpp"
 #include "page/html_page.hpp"
+#include "processes.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
@@ -80,7 +80,7 @@ ReportForm report_form(const std::string& path) {
 
 Session::Session(std::string verb, const CommonOptions& common)
     : verb_(std::move(verb)), common_(common), display_(common.quiet ? "never" : common.progress) {
-  set_thread_count(common.threads);
+  set_thread_count(common.threads > 0 ? common.threads : processes().threads());
   if (!common.memory.empty()) memory_cap_.emplace(parse_bytes(common.memory, "--memory"), common.scratch);
   for (const std::string& path : common.reports) {
     if (report_form(path) == ReportForm::unknown)
@@ -93,12 +93,12 @@ Session::Session(std::string verb, const CommonOptions& common)
 Progress Session::progress() {
   return [this](std::string_view stage, double fraction) {
     display_.update(stage, fraction);
-    return !interrupted();
+    return !processes().interrupted();
   };
 }
 
 void Session::begin_stage(const std::string& stage) {
-  if (interrupted()) throw Cancelled();
+  if (processes().interrupted()) throw Cancelled();
   display_.update(stage, 0);
 #ifdef __GLIBC__
   malloc_trim(0);  // what earlier stages needed goes back before this one asks for more
@@ -107,7 +107,7 @@ void Session::begin_stage(const std::string& stage) {
 
 void Session::end_stage(const std::string& stage, Clock::time_point start) {
   add_time(stage, std::chrono::duration<double>(Clock::now() - start).count());
-  if (interrupted()) throw Cancelled();
+  if (processes().interrupted()) throw Cancelled();
 }
 
 void Session::add_time(const std::string& stage, double seconds) {
@@ -178,6 +178,7 @@ Json Session::report() const {
                  {"warnings", warnings_}};
   if (resume_log_) report["resume"] = describe(*resume_log_);
   if (memory_cap_) report["memory"] = describe(*memory_cap_);
+  processes().describe(report);
   return report;
 }
 

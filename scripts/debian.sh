@@ -17,6 +17,9 @@ python_packages=(python3-dev python3-numpy pybind11-dev)
 python_test_packages=(python3-scipy python3-sklearn python3-tqdm mypy python3-pip python3-venv
   python3-matplotlib python3-yaml)
 
+# What csrbf-mpi needs besides.
+distributed_packages=(libopenmpi-dev openmpi-bin libmumps-dev)
+
 # What the documentation site needs.
 docs_packages=(python3-sphinx python3-myst-parser furo doxygen)
 

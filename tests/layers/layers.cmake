@@ -15,6 +15,10 @@ set(surface_may_include ${shared} approx implicit)
 set(levelset_may_include ${shared} approx implicit)
 set(io_may_include ${shared} approx implicit surface levelset)
 set(app_may_include ${io_may_include} io)
+set(distributed_may_include ${app_may_include} app)
+
+# Only distributed/ knows of several processes.
+set(foreign_to_others "<(mpi|dmumps_c)\\.h>")
 
 # The version header belongs to core, the umbrella header csrbf.hpp to nobody: no file of the project includes it.
 function(module_of path result)
@@ -38,15 +42,19 @@ function(check_file file module)
       if(NOT included IN_LIST allowed)
         string(APPEND violations "\n  ${file}: ${module} may not include ${included}: ${line}")
       endif()
-    elseif(NOT module STREQUAL "app")
+    elseif(NOT module MATCHES "^(app|distributed)$")
       string(APPEND violations "\n  ${file}: write the path from src/, as in \"csrbf/core/types.hpp\": ${line}")
     endif()
   endforeach()
+  file(STRINGS ${SOURCE_DIR}/${file} foreign REGEX "^ *#include ${foreign_to_others}")
+  if(foreign AND NOT module STREQUAL "distributed")
+    string(APPEND violations "\n  ${file}: only distributed may include: ${foreign}")
+  endif()
   set(violations "${violations}" PARENT_SCOPE)
 endfunction()
 
 file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/src/csrbf/*.hpp ${SOURCE_DIR}/src/csrbf/*.cpp
-     ${SOURCE_DIR}/app/*.hpp ${SOURCE_DIR}/app/*.cpp)
+     ${SOURCE_DIR}/app/*.hpp ${SOURCE_DIR}/app/*.cpp ${SOURCE_DIR}/distributed/*.hpp ${SOURCE_DIR}/distributed/*.cpp)
 foreach(file IN LISTS files)
   if(file STREQUAL "src/csrbf/csrbf.hpp")
     continue()

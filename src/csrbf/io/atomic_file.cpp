@@ -1,6 +1,7 @@
 #include "csrbf/io/atomic_file.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/process_files.hpp"
 
 #include <atomic>
 #include <cerrno>
@@ -22,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool discarding = false;
+
 std::string reason(int error) {
   return std::generic_category().message(error);
 }
@@ -41,9 +44,13 @@ bool is_protected(const std::string& path) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
+void discard_files() {
+  discarding = true;
+}
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(discarding ? "/dev/null" : path) {
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
+  const fs::file_status status = fs::status(target_, error);
   if (status.type() == fs::file_type::directory) {
     errno = EISDIR;
     fail("write");

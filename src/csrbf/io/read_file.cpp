@@ -1,6 +1,8 @@
 #include "csrbf/io/read_file.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/inside_parallel_loop.hpp"
+#include "csrbf/io/process_files.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -8,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -22,9 +25,19 @@ struct Close {
   }
 };
 
+std::function<std::string(const std::string&)> reader_in_use;
+
 }  // namespace
 
+void set_file_reader(std::function<std::string(const std::string&)> reader) {
+  reader_in_use = std::move(reader);
+}
+
 std::string read_file(const std::string& path) {
+  return reader_in_use && !inside_parallel_loop() ? reader_in_use(path) : read_file_here(path);
+}
+
+std::string read_file_here(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (path != "-" && fs::is_directory(path, error)) fail(path, EISDIR);

@@ -1,6 +1,8 @@
 #include "csrbf/linalg/sparse_cholesky.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/inside_parallel_loop.hpp"
+#include "csrbf/linalg/sparse_factor.hpp"
 
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
@@ -27,12 +29,19 @@ bool same_pattern(const Matrix& a, const Matrix& b) {
          std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
 }
 
+SparseFactorMaker maker_in_use;
+
 }  // namespace
+
+void set_sparse_factor(SparseFactorMaker maker) {
+  maker_in_use = std::move(maker);
+}
 
 struct SparseCholesky::Impl {
   SparseCholeskyOptions options;
   Matrix N;  // for the iteration and to recognise its pattern
   Factor factor;
+  std::unique_ptr<SparseFactor> other_factor;  // used instead if there is one
   Preconditioner preconditioner;
   bool analyzed = false;
   bool direct = true;
@@ -64,7 +73,10 @@ bool SparseCholesky::factorize(const Matrix& N) {
     if (s.direct) s.factor.analyzePattern(N);
     if (s.options.method == SparseMethod::automatic && s.factor.flops() > s.options.direct_flops) s.direct = false;
     s.analyzed = true;
+    s.other_factor = nullptr;
+    if (s.direct && maker_in_use && !inside_parallel_loop()) s.other_factor = maker_in_use(N);
   }
+  if (s.other_factor) return s.other_factor->factorize(N, known);
   if (s.direct) {
     s.factor.factorize(N);
     return s.factor.info() == Eigen::Success;
@@ -112,6 +124,7 @@ Index SparseCholesky::Impl::conjugate_gradients(const Eigen::VectorXd& b, Eigen:
 }
 
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::Ref<const Eigen::MatrixXd>& b) const {
+  if (impl_->other_factor) return impl_->other_factor->solve(b);
   if (impl_->direct) return impl_->factor.solve(b);
   Eigen::MatrixXd x(b.rows(), b.cols());
   for (Index j = 0; j < b.cols(); ++j) {

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace csrbf::app {
+
+/// The program csrbf: runs the verb on its command line and returns its exit code.
+int run_program(int argc, char** argv);
+
+}  // namespace csrbf::app

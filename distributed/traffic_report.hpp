@@ -1,0 +1,12 @@
+#pragma once
+
+#include "shares.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace csrbf::distributed {
+
+/// For the report: what was shared, by the name of the work.
+nlohmann::ordered_json to_json(const TrafficTable& traffic);
+
+}  // namespace csrbf::distributed
