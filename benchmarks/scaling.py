@@ -30,11 +30,13 @@ NODE_MEMORY = 256e9
 
 
 def torus(n):
+    """With noise of a fifth of the spacing, so that the patches are alike for any number of points."""
+    noise = 0.2 * 4 * np.pi * np.sqrt(0.1 / n)  # R = 1, r = 0.4
     source = np.random.default_rng(1)
     u, v = source.uniform(0, 2 * np.pi, (2, n))
     normals = np.column_stack([np.cos(v) * np.cos(u), np.cos(v) * np.sin(u), np.sin(v)])
     ring = np.column_stack([np.cos(u), np.sin(u), np.zeros(n)])
-    return np.column_stack([ring + (0.4 + source.normal(0, 0.002, n))[:, None] * normals, normals])
+    return np.column_stack([ring + (0.4 + source.normal(0, noise, n))[:, None] * normals, normals])
 
 
 def waves(n):
@@ -57,9 +59,10 @@ class Runner:
         data = self.folder / f"{job}_{n}.npy"
         if not data.exists():
             np.save(data, make(n))
-        command = [str(self.program), "--pretend-ranks", str(ranks)] if pretend else [
-            "mpirun", "-n", str(ranks), "--oversubscribe", "--bind-to", "none",
-            *(["--allow-run-as-root"] if os.geteuid() == 0 else []), str(self.program)]
+        # Through mpirun also for one process: a child of this script would count the memory of its parent as its own.
+        command = ["mpirun", "-n", "1" if pretend else str(ranks), "--oversubscribe", "--bind-to", "none",
+                   *(["--allow-run-as-root"] if os.geteuid() == 0 else []), str(self.program),
+                   *(["--pretend-ranks", str(ranks)] if pretend else [])]
         report = self.folder / "report.json"
         start = time.time()
         subprocess.run([*command, job, str(data), *flags, "--threads", "1", "--report", str(report), "--quiet"],
@@ -81,8 +84,9 @@ def table(head, rows):
 def measured_row(n, ranks, report, before):
     shared = report.get("shared_work") or {}
     busy = report["busy_seconds"]
-    return [f"{n:,}", ranks, f"{busy:.1f}", f"{before / busy:.2f}" if before else "1", f"{total(shared, 'seconds'):.1f}",
-            f"{report['wall']:.1f}", f"{report['peak_memory_mb']:.0f}", f"{total(shared, 'sent_bytes') / 1e6:.1f}",
+    return [f"{n:,}", ranks, f"{busy:.1f}", f"{before / busy:.2f}" if before else "1",
+            f"{total(shared, 'seconds'):.1f}", f"{report['wall']:.1f}", f"{report['peak_memory_mb']:.0f}",
+            f"{total(shared, 'sent_bytes') / 1e6:.1f}",
             f"{total(shared, 'received_bytes') / 1e6:.1f}", total(shared, "rounds")]
 
 
@@ -90,68 +94,82 @@ HEAD = ["points", "ranks", "busy s", "gain", "shared s", "wall s", "peak MB", "s
 
 
 def measure(runner, job, size):
-    text = []
+    """Tables of the runs, and the CPU seconds of one rank by the number of points."""
+    text, alone = [], {}
     for title, sizes in (("Strong", [size] * len(RANKS)), ("Weak", [size // 2 * ranks for ranks in RANKS])):
         rows, first = [], None
         for n, ranks in zip(sizes, RANKS):
             report = runner.run(job, n, ranks)
             rows.append(measured_row(n, ranks, report, first))
             first = first or report["busy_seconds"]
+            if ranks == 1:
+                alone[n] = report["busy_seconds"]
         text.append(f"{title}, `{job}`:\n\n" + table(HEAD, rows))
-    return "\n".join(text)
+    return "\n".join(text), alone
+
+
+class Line:
+    """What grows linearly with the number of points, through two values."""
+
+    def __init__(self, sizes, values):
+        self.slope = max(0.0, (values[1] - values[0]) / (sizes[1] - sizes[0]))
+        self.offset = max(0.0, values[1] - self.slope * sizes[1])
+
+    def __call__(self, n):
+        return self.offset + self.slope * n
+
+    def text(self, scale, digits):
+        """The constant, and what a million points add."""
+        return f"{scale * self.offset:,.{digits}f} + {scale * self.slope * 1e6:,.{digits}f}"
 
 
 class Model:
-    """What one rank does, linear in the number of points: fitted to two pretended runs."""
+    """What one rank does: lines through two runs that pretended to be of many ranks, and two of one rank."""
 
-    def __init__(self, runner, job, size):
+    def __init__(self, runner, job, sizes, alone):
         self.job = job
-        half, full = (runner.run(job, n, NODES, pretend=True) for n in (size // 2, size))
-        self.names = {}
-        step = size - size // 2
-        for name in full["shared_work"][0]:
-            traffic = [[rank[name] for rank in run["shared_work"]] for run in (half, full)]
-            bytes_of = [sum(rank["sent_bytes"] for rank in run) for run in traffic]
-            items = [run[0]["items"] for run in traffic]
-            seconds = sum(rank["seconds"] for rank in traffic[1])
-            self.names[name] = {"items": (items[1] - items[0]) / step, "bytes": (bytes_of[1] - bytes_of[0]) / step,
-                                "seconds": seconds / size, "works": traffic[1][0]["works"],
-                                "rounds": traffic[1][0]["rounds"]}
-        self.memory = 1e6 * (full["peak_memory_mb"] - half["peak_memory_mb"]) / step
-        self.seconds = (full["time"]["total"] - full["time"].get("write", 0)) / size
-        self.shared_seconds = sum(name["seconds"] for name in self.names.values())
+        runs = [runner.run(job, n, NODES, pretend=True) for n in sizes]
+        self.works = {}
+        for name, first in runs[1]["shared_work"][0].items():
+            all_ranks = [[rank[name] for rank in run["shared_work"]] for run in runs]
 
-    def bytes(self, n):
-        return n * sum(name["bytes"] for name in self.names.values())
+            def line(key):
+                return Line(sizes, [sum(traffic[key] for traffic in ranks) for ranks in all_ranks])
 
-    def messages(self, n, ranks):
+            self.works[name] = {"items": Line(sizes, [ranks[0]["items"] for ranks in all_ranks]),
+                                "bytes": line("sent_bytes"), "seconds": line("seconds"), "works": first["works"]}
+        self.memory = Line(sizes, [1e6 * run["peak_memory_mb"] for run in runs])
+        self.other = Line(sizes, [alone[n] - self.sum("seconds", n) for n in sizes])
+
+    def sum(self, key, n):
+        return sum(work[key](n) for work in self.works.values())
+
+    def messages(self, n):
         """Collective calls: an agreement per work, and two per round of 64 MB for all ranks."""
-        works = sum(name["works"] for name in self.names.values())
-        return works + 2 * (works + self.bytes(n) / 2**26)
+        works = sum(work["works"] for work in self.works.values())
+        return works + 2 * (works + self.sum("bytes", n) / 2**26)
 
     def check(self, runner, n):
-        """Largest error of the model's bytes against a count for another number of points."""
+        """Relative error of the model's bytes against a count for another number of points."""
         counted = runner.run(self.job, n, NODES, pretend=True)["shared_work"]
-        sent = sum(total(rank, "sent_bytes") for rank in counted)
-        return self.bytes(n) / sent - 1
+        return self.sum("bytes", n) / sum(total(rank, "sent_bytes") for rank in counted) - 1
 
     def rows(self):
-        for name, w in self.names.items():
-            yield [name, f"{w['items']:.3g}", f"{w['bytes']:.1f}", f"{1e6 * w['seconds']:.2f}", w["works"]]
+        for name, work in self.works.items():
+            yield [name, work["works"], work["items"].text(1, 0), work["bytes"].text(1e-6, 2),
+                   work["seconds"].text(1, 2)]
 
 
 def predict(model):
     rows = []
     for n in (10**7, 10**8, GOAL):
         for ranks in (1, 16, NODES):
-            held = model.memory * n
-            alone = (model.seconds - model.shared_seconds) * n
-            shared = model.shared_seconds * n / ranks
-            received = model.bytes(n) * (ranks - 1) / ranks
+            held, results = model.memory(n), model.sum("bytes", n)
+            received = results * (ranks - 1) / ranks
             rows.append([f"{n:,}", ranks, f"{held / 1e9:.1f}" + (" (too much)" if held > NODE_MEMORY else ""),
-                         f"{shared:,.0f}", f"{alone:,.0f}", f"{model.bytes(n) / ranks / 1e9:.2f}",
-                         f"{received / 1e9:.1f}", f"{received / BANDWIDTH:,.0f}" if ranks > 1 else "0",
-                         f"{model.messages(n, ranks):,.0f}" if ranks > 1 else "0"])
+                         f"{model.sum('seconds', n) / ranks:,.0f}", f"{model.other(n):,.0f}"]
+                        + ([f"{results / ranks / 1e9:.2f}", f"{received / 1e9:.1f}", f"{received / BANDWIDTH:,.1f}",
+                            f"{model.messages(n):,.0f}"] if ranks > 1 else ["0"] * 4))
     return table(["points", "ranks", "held GB", "shared s", "not shared s", "sent GB", "received GB", "transfer s",
                   "messages"], rows)
 
@@ -174,18 +192,22 @@ In the strong runs a perfect gain would be the number of ranks, in the weak ones
 
 ## Model
 
-Per point of the input, from the difference of two runs, {half:,} and {size:,} points, that counted what each of
-{nodes} ranks would exchange (`--pretend-ranks {nodes}`): items of shared work, bytes of their results, and CPU
-microseconds to compute them. The bytes for {other:,} points, counted, differ from the model's by {errors}.
+Per million points of the input, from two runs, {half:,} and {size:,} points, that counted what each of {nodes} ranks
+would exchange (`--pretend-ranks {nodes}`): items of shared work, megabytes of their results, and CPU seconds to compute
+them, each as a constant and what grows with the points. The bytes for {other:,} points, counted, differ from the
+model's by {errors}.
 
 {models}
-With n points and P ranks, b bytes and t seconds of shared work per point, u seconds of other work and m bytes of memory,
-a rank
+With b(n) bytes and t(n) seconds of shared work, u(n) seconds of other work and m(n) bytes of memory for n points, each
+of P ranks
 
-* holds m n bytes, whatever P: points, trees, patches and mesh are replicated;
-* computes t n / P + u n seconds (Amdahl's law);
-* sends b n / P bytes and receives b n (P - 1) / P of them;
-* takes part in an agreement per work and two collective calls per 64 MB of all results.
+* holds m(n) bytes, whatever P: points, trees, patches and mesh are replicated;
+* computes t(n) / P + u(n) seconds (Amdahl's law);
+* sends b(n) / P bytes and receives b(n) (P - 1) / P of them;
+* takes part in an agreement per work and in two collective calls per 64 MB of all results.
+
+A patch of s samples and k unknowns takes about 4 s k^2 flops, most of the work of `fit` (s = 32, k = 26: 87,000). The
+transfer is at {bandwidth:.0f} GB/s per node, and not hidden behind work.
 
 {predictions}
 ## What this means for {goal:,} points on {nodes} nodes
@@ -195,12 +217,13 @@ a rank
 
 
 def verdict(model):
-    held = model.memory * GOAL / 1e9
-    limit = NODE_MEMORY / model.memory
-    share = model.shared_seconds / model.seconds
-    return (f"* `{model.job}`: every rank would hold {held:,.0f} GB. With {NODE_MEMORY / 1e9:.0f} GB per node the "
-            f"replicated data end it at {limit:.1e} points, however many nodes there are. {100 * share:.0f} % of the work is "
-            f"shared: the gain cannot exceed {1 / (1 - share):.1f} at one thread per rank.\n")
+    limit = (NODE_MEMORY - model.memory.offset) / model.memory.slope
+    shared, other = model.sum("seconds", GOAL), model.other(GOAL)
+    return (f"* `{model.job}`: every rank would hold {model.memory(GOAL) / 1e9:,.0f} GB. With "
+            f"{NODE_MEMORY / 1e9:.0f} GB per node the replicated data end it at {limit:.1e} points, however many nodes "
+            f"there are.\n  "
+            f"{100 * shared / (shared + other):.0f} % of the work is shared: the gain cannot exceed "
+            f"{1 + shared / other:.1f} at one thread per rank.\n")
 
 
 ADVICE = """
@@ -221,18 +244,19 @@ def main():
     options = parser.parse_args()
     runner, size = Runner(options.csrbf_mpi.resolve(), options.work.resolve()), options.size
     load = os.getloadavg()[0]
-    measured = "\n".join(measure(runner, job, size) for job in JOBS)
-    models = [Model(runner, job, size) for job in JOBS]
+    measured = {job: measure(runner, job, size) for job in JOBS}
+    models = [Model(runner, job, [size // 2, size], alone) for job, (_, alone) in measured.items()]
     other = size // 4 * 3
     errors = ", ".join(f"{100 * model.check(runner, other):+.1f} % (`{model.job}`)" for model in models)
     model_text = "\n".join(
-        f"`{model.job}`: {1e6 * model.seconds:.1f} microseconds in all and {model.memory:,.0f} bytes held.\n\n"
-        + table(["work", "items", "bytes", "microseconds", "works"], model.rows()) for model in models)
+        f"`{model.job}`; other work {model.other.text(1, 2)} s, memory {model.memory.text(1e-6, 0)} MB:\n\n"
+        + table(["work", "works", "items", "MB", "seconds"], model.rows()) for model in models)
     with open("/proc/cpuinfo") as info:
         machine = next((line.split(":", 1)[1].strip() for line in info if line.startswith("model name")), "unknown")
     options.output.write_text(TEXT.format(
         date=datetime.date.today(), machine=machine, load=load, cores=os.cpu_count(), size=size, half=size // 2,
-        other=other, nodes=NODES, goal=GOAL, errors=errors, measured=measured, models=model_text,
+        other=other, nodes=NODES, goal=GOAL, errors=errors,
+        measured="\n".join(text for text, _ in measured.values()), bandwidth=BANDWIDTH / 1e9, models=model_text,
         predictions="\n".join(f"`{model.job}`:\n\n" + predict(model) for model in models),
         verdict="".join(verdict(model) for model in models) + ADVICE))
 
