@@ -258,7 +258,7 @@ def main():
         other=other, nodes=NODES, goal=GOAL, errors=errors,
         measured="\n".join(text for text, _ in measured.values()), bandwidth=BANDWIDTH / 1e9, models=model_text,
         predictions="\n".join(f"`{model.job}`:\n\n" + predict(model) for model in models),
-        verdict="".join(verdict(model) for model in models) + ADVICE))
+        verdict="".join(verdict(model) for model in models) + ADVICE).rstrip() + "\n")
 
 
 if __name__ == "__main__":
