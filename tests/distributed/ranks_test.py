@@ -122,7 +122,7 @@ class Ranks(unittest.TestCase):
         self.expect_same_mesh("--tolerance", "0.005", shared_work=("evaluate",))
 
     def test_a_partition_of_unity_and_its_values_are_the_same(self):
-        self.write("samples.csv", samples(8000))
+        self.write("samples.csv", samples(60000))
         self.one("fit", "samples.csv", "-o", "one.csrbf", "--method", "partition-of-unity")
         self.four("fit", "samples.csv", "-o", "four.csrbf", "--method", "partition-of-unity")
         places = (row.rsplit(",", 1)[0] for row in samples(5000, 3).split())

@@ -47,10 +47,10 @@ std::map<std::string, Index> shared_by(const PointCloud& cloud, const Reconstruc
 }
 
 TEST(SharedWork, ASurfaceWithNormalsIsTheSameForEveryProcess) {
-  const auto items = shared_by(torus(6000, true), {});
+  const auto items = shared_by(torus(20000, true), {});
   EXPECT_GT(items.at("fit"), 100);
   EXPECT_GT(items.at("choose options"), 100);
-  EXPECT_GT(items.at("evaluate"), 6000);
+  EXPECT_GT(items.at("evaluate"), 20000);
   EXPECT_GT(items.at("polygonize"), 100);
 }
 
