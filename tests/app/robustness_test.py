@@ -251,6 +251,7 @@ class Valgrind(Robustness):
         command = ["valgrind", "-q", "--error-exitcode=99", "--leak-check=full", "--errors-for-leak-kinds=definite",
                    "--soname-synonyms=somalloc=NONE", PROGRAM]
         self.inputs(150)
+        self.write_bytes("image.pgm", square_image(16))
         runs = [arguments + ["-o", self.path(output)] for arguments, output in self.runs()]
         runs += [["info", self.cloud], ["compare", self.mesh, self.mesh],
                  ["track", self.image, self.image, "-o", self.path("frames")]]
