@@ -13,7 +13,7 @@ namespace csrbf::app {
 namespace {
 
 constexpr std::size_t chunk = std::size_t{8} << 20;                 // given back at once
-constexpr std::size_t headroom_share = 6, most_headroom_share = 3;  // of the cap
+constexpr std::size_t headroom_share = 3, most_headroom_share = 2;  // of the cap
 constexpr std::size_t announced_share = 4;  // of the cap: what there is room for before a block is filled
 
 // Files without a name are not known everywhere; elsewhere the name goes at once.
