@@ -188,7 +188,8 @@ benchmarks/scaling.py --size {size}
 ## Measured
 
 {measured}
-In the strong runs a perfect gain would be the number of ranks, in the weak ones 1.
+In the strong runs a perfect gain would be the number of ranks, in the weak ones 1. The cloud has noise of a fifth of
+its spacing, for which fits of patches, which are shared, take long: exact clouds gain less.
 
 ## Model
 
