@@ -82,6 +82,8 @@ TEST(Kernel, HasTheClosedFormOfThePoweredExponential) {
       EXPECT_NEAR(Kernel("powered-exponential", 2, b).value(r) / std::exp(-power), 1, rounding * (1 + power)) << r;
     }
   EXPECT_EQ(Kernel("powered-exponential", 2).parameter(), 1.4);
+  EXPECT_EQ(Kernel("matern", 2).parameter(), 1.5);
+  EXPECT_EQ(Kernel("thin-plate", 2).smoothness(), 1);  // r^2 log r
 }
 
 TEST(Kernel, OfWendlandIsTheClassWendland) {
