@@ -3,18 +3,12 @@
 
 #include "file_memory.hpp"
 
+#include "csrbf/core/sanitized.hpp"
+
 #include <cerrno>
 #include <cstdlib>
 #include <new>
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
-#define CSRBF_SANITIZED
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define CSRBF_SANITIZED
-#endif
 #if defined(__GLIBC__) && !defined(CSRBF_SANITIZED)
 #define CSRBF_OWN_MALLOC
 #include <dlfcn.h>

@@ -189,7 +189,7 @@ benchmarks/scaling.py --size {size}
 
 {measured}
 In the strong runs a perfect gain would be the number of ranks, in the weak ones 1. The cloud has noise of a fifth of
-its spacing, for which fits of patches, which are shared, take long: exact clouds gain less.
+its spacing, for which fits of patches, which are shared, take long: others may gain less.
 
 ## Model
 

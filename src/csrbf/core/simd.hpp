@@ -1,5 +1,7 @@
 #pragma once
 
+#include "csrbf/core/sanitized.hpp"
+
 #include <cstdlib>  // defines __GLIBC__ where the C library is glibc
 
 /// CSRBF_SIMD_CLONES before a non-template function with long arithmetic loops compiles it three times, for plain
@@ -9,22 +11,12 @@
 ///
 /// Empty where the mechanism (GNU indirect functions) is missing, and under sanitizers, whose runtime is not ready when
 /// the loader runs the selectors.
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
-#define CSRBF_SANITIZED
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define CSRBF_SANITIZED
-#endif
-
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && \
     !defined(CSRBF_SANITIZED)
 #define CSRBF_SIMD_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 #else
 #define CSRBF_SIMD_CLONES
 #endif
-#undef CSRBF_SANITIZED
 
 #if defined(__GNUC__) || defined(__clang__)
 #define CSRBF_ALWAYS_INLINE __attribute__((always_inline)) inline

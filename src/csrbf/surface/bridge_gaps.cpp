@@ -95,8 +95,8 @@ std::vector<Index> surroundings(const OrientedPoints& cloud, const KdTree<3>& tr
 }
 
 // Whether two rims look at each other along d.
-bool face(const RimSample& from, const RimSample& to, const Point<3>& d, double least) {
-  return d.dot(from.onward) > least * d.norm() && -d.dot(to.onward) > least * d.norm();
+bool face(const RimSample& from, const RimSample& to, const Point<3>& d) {
+  return d.dot(from.onward) > facing * d.norm() && -d.dot(to.onward) > facing * d.norm();
 }
 
 // Distance to the nearest sample within `reach` on the other rim that looks back and continues the surface.
@@ -105,7 +105,7 @@ std::optional<double> distance_across(const OrientedPoints& cloud, const RimSamp
   std::optional<double> best;
   for (const RimSample& to : others) {
     const Point<3> d = cloud.points.col(to.id) - cloud.points.col(from.id);
-    if (d.norm() < best.value_or(reach) && face(from, to, d, facing) &&
+    if (d.norm() < best.value_or(reach) && face(from, to, d) &&
         cloud.normals.col(from.id).dot(cloud.normals.col(to.id)) > same_side)
       best = d.norm();
   }
@@ -144,7 +144,7 @@ std::optional<Gap> find_gap(const OrientedPoints& cloud, const KdTree<3>& tree, 
   for (const RimSample& sample : others) {
     const auto sees = [&](const RimSample& from) {
       const Point<3> d = cloud.points.col(sample.id) - cloud.points.col(from.id);
-      return d.norm() < gap.length + gap.width && face(from, sample, d, facing);
+      return d.norm() < gap.length + gap.width && face(from, sample, d);
     };
     if (std::any_of(own.begin(), own.end(), sees)) gap.far_rim.push_back(sample.id);
   }
