@@ -23,7 +23,7 @@ std::array<Index, 3> unit_box(const Grid& grid) {
 template <int Dim>
 std::array<std::vector<float>, Dim> slopes_of(std::span<const float> values, const Grid& grid, double unit) {
   std::array<std::vector<float>, Dim> slopes;
-  const auto [nx, ny, nz] = grid.size;
+  const Index nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
   const std::array<Index, 3> strides{1, nx, nx * ny};
   for (std::size_t a = 0; a < Dim; ++a) {
     slopes[a].resize(values.size());

@@ -232,7 +232,7 @@ namespace {
 
 // 1 in voxels at most `width` away (along the axes) from one whose label differs from that of a neighbour, else 0.
 std::vector<float> band_of(const std::vector<std::uint8_t>& labels, const Grid& grid, Index width) {
-  const auto [nx, ny, nz] = grid.size;
+  const Index nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
   std::vector<float> band(labels.size(), 0.0F);
   const std::array<Index, 3> strides{1, nx, nx * ny};
   parallel_for(ny * nz, 16, [&](Index begin, Index end) {
