@@ -56,7 +56,7 @@ struct ReconstructCommand {
 
 struct EstimateNormalsCommand {
   std::string input, output;
-  Index neighbors = 12;
+  Index neighbors = 0;
   std::string orient = "consistent";
 };
 

@@ -37,10 +37,13 @@ void run(const EstimateNormalsCommand& command, Session& session) {
 
   PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
   session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
-  session.options = {{"output", command.output}, {"neighbors", options.neighbors}, {"orient", command.orient}};
-  cloud.normals = session.timed("fit", [&] { return estimate_normals(cloud.points, options); });
-  session.result = {{"points", cloud.size()}};
-  session.say(command.output + ": " + counted(cloud.size(), "point") + " with normals");
+  NormalReport report;
+  cloud.normals = session.timed("fit", [&] { return estimate_normals(cloud.points, options, &report); });
+  session.options = {{"output", command.output}, {"neighbors", report.neighbors}, {"orient", command.orient}};
+  session.result = {
+      {"points", cloud.size()}, {"duplicates", report.duplicates}, {"undetermined", report.undetermined}};
+  session.say(command.output + ": " + counted(cloud.size(), "point") + " with normals from " +
+              std::to_string(report.neighbors) + " neighbours each");
   session.write([&] { write_points(command.output, cloud); });
 }
 

@@ -47,7 +47,8 @@ void declare(Verb v, ReconstructCommand& c) {
 void declare(Verb v, EstimateNormalsCommand& c) {
   v.argument("POINTS", c.input, "points to read: " + points_or_input());
   v.output(c.output, "points to write with their normals: the same formats");
-  v.flag("neighbors", c.neighbors, "K", "12", "points that each normal is estimated from")->check(CLI::Range(3, 1000));
+  v.flag("neighbors", c.neighbors, "K", "from the points", "points that each normal is estimated from")
+      ->check(CLI::Range(3, 1000));
   v.flag("orient", c.orient, "HOW", "consistent",
          "consistent: outwards, as neighbours agree; viewpoint X,Y,Z: towards the scanner; none: either way");
   v.add_common();

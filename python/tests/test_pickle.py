@@ -13,6 +13,11 @@ def again(thing):
     return pickle.loads(pickle.dumps(thing))
 
 
+def timeless(report):
+    """Without what files do not keep."""
+    return {key: value for key, value in report.items() if not key.endswith("_seconds")}
+
+
 def sphere(n):
     x = np.random.default_rng(0).normal(size=(n, 3))
     return x / np.linalg.norm(x, axis=1, keepdims=True)
@@ -35,7 +40,7 @@ class Pickles(unittest.TestCase):
                 f = csrbf.fit(x, np.sin(3 * x[:, 0]) + x[:, 1], method=method, **options)
                 g = again(f)
                 np.testing.assert_array_equal(g(at), f(at))
-                np.testing.assert_equal(g.report, f.report)
+                np.testing.assert_equal(timeless(g.report), timeless(f.report))
                 self.assertEqual(repr(g), repr(f))
 
     def test_surfaces_with_their_points_and_normals(self):

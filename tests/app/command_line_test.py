@@ -570,6 +570,8 @@ class Surfaces(CommandLine):
         for v in rows:
             self.assertGreater(v["x"] * v["nx"] + v["y"] * v["ny"] + v["z"] * v["nz"], 0.95)
         self.assertEqual(self.report()["input"]["points"], 1000)
+        self.assertEqual(self.report()["options"]["neighbors"], 16)  # chosen: there is no noise
+        self.assertEqual(self.report()["result"], {"points": 1000, "duplicates": 0, "undetermined": 0})
         self.succeed("estimate-normals", cloud, "-o", self.path("inwards.ply"), "--orient", "viewpoint", "0,0,0")
         for v in read_ply(self.path("inwards.ply"))[0]:
             self.assertLess(v["x"] * v["nx"] + v["y"] * v["ny"] + v["z"] * v["nz"], -0.95)

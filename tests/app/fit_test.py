@@ -133,6 +133,11 @@ class Fit(Functions):
         self.assertEqual(names, ["x", "y", "value"])
         self.assertAlmostEqual(float(values[2]), plane(0.5, 0.25), places=6)
 
+    def test_the_same_samples_give_the_same_file(self):
+        models = [self.fitted(rows_of(wave, 400), name=name) for name in ("one.csrbf", "two.csrbf")]
+        with open(models[0], "rb") as one, open(models[1], "rb") as two:
+            self.assertEqual(one.read(), two.read())
+
     def test_every_method_is_within_its_means(self):
         rows = rows_of(wave, 400)
         queries = self.write("queries.csv", csv([row[:2] for row in rows_of(wave, 50, seed=2)]))

@@ -65,7 +65,7 @@ struct FitReport {
   double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> axis_scales;  ///< what the coordinates were divided by
   std::vector<std::string> warnings;
-  double choose_seconds = 0, fit_seconds = 0;
+  double choose_seconds = 0, fit_seconds = 0;  ///< of this run: models do not keep them
 };
 
 /// A function fitted to samples: one field per component of their values.

@@ -42,8 +42,6 @@ void for_each_member(Report& report, const Visit& visit) {
   visit("rmse", report.rmse);
   visit("max_error", report.max_error);
   visit("cross_validation_rmse", report.cross_validation_rmse);
-  visit("choose_seconds", report.choose_seconds);
-  visit("fit_seconds", report.fit_seconds);
 }
 
 Archive to_archive(const FitReport& report) {
