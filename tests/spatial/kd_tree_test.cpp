@@ -86,6 +86,7 @@ TYPED_TEST(KdTreeIn, FindsThePointsWithinARadiusOfASearchThroughAllPoints) {
         std::vector<Index> indices{-1, -1};
         tree.within(x.col(q), radius, indices);
         EXPECT_EQ(indices, expected) << name << " " << radius;
+        EXPECT_EQ(tree.any_within(x.col(q), radius), !expected.empty()) << name << " " << radius;
       }
     }
   }
@@ -113,6 +114,7 @@ TEST(KdTree, OfNoPointsFindsNothing) {
   std::vector<Index> indices{7};
   tree.within(Point<3>::Zero(), 1, indices);
   EXPECT_TRUE(indices.empty());
+  EXPECT_FALSE(tree.any_within(Point<3>::Zero(), 1));
 }
 
 TEST(KdTree, FindsNothingWhenAskedForNoNeighbours) {

@@ -43,6 +43,22 @@ class IndexCollector {
   std::vector<Index>& indices_;
 };
 
+// Asks for no more points after the first.
+class Finder {
+ public:
+  explicit Finder(double squared_radius) : squared_radius_(squared_radius) {}
+  bool addPoint(double squared_distance, std::uint32_t /*index*/) {
+    found_ = squared_distance < squared_radius_;
+    return !found_;
+  }
+  [[nodiscard]] double worstDist() const { return squared_radius_; }
+  [[nodiscard]] bool full() const { return found_; }
+
+ private:
+  double squared_radius_;
+  bool found_ = false;
+};
+
 }  // namespace
 
 template <int Dim>
@@ -86,6 +102,14 @@ void KdTree<Dim>::within(const Point<Dim>& x, double radius, std::vector<Index>&
   IndexCollector collector(radius * radius, indices);
   impl_->search.findNeighbors(collector, x.data(), nanoflann::SearchParams());
   std::sort(indices.begin(), indices.end());
+}
+
+template <int Dim>
+bool KdTree<Dim>::any_within(const Point<Dim>& x, double radius) const {
+  if (size() == 0) return false;
+  Finder finder(radius * radius);
+  impl_->search.findNeighbors(finder, x.data(), nanoflann::SearchParams());
+  return finder.full();
 }
 
 template class KdTree<1>;

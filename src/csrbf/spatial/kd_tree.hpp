@@ -27,6 +27,9 @@ class KdTree {
   /// Indices of all points with |p - x| < radius, in ascending index order; replaces the content of `indices`.
   void within(const Point<Dim>& x, double radius, std::vector<Index>& indices) const;
 
+  /// Whether there is a point with |p - x| < radius: ends at the first one.
+  [[nodiscard]] bool any_within(const Point<Dim>& x, double radius) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

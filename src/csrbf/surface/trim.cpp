@@ -173,11 +173,8 @@ std::vector<double> areas(const Mesh& mesh, const std::vector<Index>& label, Ind
 std::vector<Index> ids_within(const KdTree<3>& tree, const PointsRef<3>& x, double distance) {
   std::vector<char> is_near(static_cast<std::size_t>(x.cols()));
   parallel_for(x.cols(), 1024, [&](Index begin, Index end) {
-    std::vector<Index> near;
-    for (Index i = begin; i < end; ++i) {
-      tree.within(x.col(i), distance, near);
-      is_near[static_cast<std::size_t>(i)] = near.empty() ? 0 : 1;
-    }
+    for (Index i = begin; i < end; ++i)
+      is_near[static_cast<std::size_t>(i)] = tree.any_within(x.col(i), distance) ? 1 : 0;
   });
   std::vector<Index> ids;
   for (std::size_t i = 0; i < is_near.size(); ++i)
