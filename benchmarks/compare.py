@@ -1,361 +1,369 @@
 #!/usr/bin/python3
-"""Compares `csrbf reconstruct` with Open3D's screened Poisson reconstruction and writes a page of tables.
+"""Runs csrbf and other libraries on the same work, several times, and writes one table.
 
-usage: compare.py --tools DIR --data DIR [--csrbf PROGRAM] [--cases NAME,NAME,...] [--work DIR] [--output FILE]
+usage: compare.py --tools DIR --data DIR [--csrbf PROGRAM] [--runs N] [--jobs NAME,...] [--work DIR] [--output FILE]
 
-  --tools DIR    holds sample_mesh.py and evaluate_mesh.py, which make the clouds and measure the errors
-  --data DIR     holds armadillo.ply and the scans bunny_scans_362k.ply and dragon_stand_scans.ply
-  --csrbf PROGRAM  default: build/release/bin/csrbf
-  --cases NAMES    default: all of them
-  --work DIR       keeps clouds, which are made once, and meshes; default: build/compare
-  --output FILE    default: benchmarks/RESULTS.md, rewritten after every case
+  --tools DIR      holds sample_mesh.py, evaluate_mesh.py, scattered_cases.py and make_images.py
+  --data DIR       holds the mesh and the scans of surfaces.py; their jobs are left out without it
+  --csrbf PROGRAM  default: build/release/bin/csrbf; the programs alglib_rbf and itk_chan_vese are sought beside it
+  --runs N         of each tool on each job; default: 5
+  --jobs NAMES     default: all of them
+  --work DIR       keeps clouds, samples, images and results; default: build/compare
+  --output FILE    default: benchmarks/RESULTS.md, rewritten after every job
 
-Needs numpy and scipy. Without Open3D (Debian: python3-open3d) its rows are left out.
-
-All work is done in child processes, and this one stays small: the peak memory the system reports for a child includes
-that of its parent when the child was started.
+Needs numpy and scipy. Tools that are not installed are left out: Open3D (Debian: python3-open3d), scikit-image
+(python3-skimage), and the two programs, built with -DCSRBF_BUILD_BENCHMARKS=ON -DCSRBF_BENCHMARK_PEERS=ON (Debian:
+libalglib-dev, libinsighttoolkit5-dev). Leave the machine alone meanwhile.
 """
 
 import argparse
 import datetime
+import importlib.util
 import json
 import os
-import shlex
+import statistics
 import subprocess
 import sys
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import surfaces  # of this folder; imports nothing large
+
 PROJECT = Path(__file__).resolve().parent.parent
-CLOUDS = ["n1m", "n100k", "noise25", "noise50", "nonuni", "holes"]
-SCANS = ["bunny_scans_362k", "dragon_stand_scans"]
-CASES = [f"{shape}_{cloud}" for shape in ("armadillo", "torus") for cloud in CLOUDS] + SCANS
-DEPTHS = [8, 9, 10]  # of the octree of Poisson reconstruction
-HELD_OUT = 0.1  # share of the points of a scan
-SEED = 1
+SURFACES = ["armadillo_n1m", "armadillo_n100k", "armadillo_noise25", "armadillo_holes", "bunny_scans_362k"]
+SCATTERED = ["franke_1e5", "tracks_1e5", "f6d_1e4", "peaks_1e4", "image30", "ship", "franke_noise"]
+IMAGES = ["shape311_20dB", "star446_clean", "usim249", "nested_rings", "equal_means", "gyroid100_20dB"]
+SMOOTHING = {"image30": [0, 1, 100], "franke_noise": [0, 1, 100]}  # noisy: what SciPy is tried with
+PENALTY = {"image30": [1e-5], "franke_noise": [1e-5]}  # and ALGLIB
+QUERIES = 20_000
+LONG = 20  # seconds; what takes longer is run once
+LIMIT = 40  # seconds after which a tool is stopped
 
-TRUTH_COLUMNS = [("chamfer", "chamfer"), ("99 % Hausdorff", "haus99")]
-ANALYTIC_COLUMNS = TRUTH_COLUMNS + [("vertex rms", "vtx_rms")]
-SCAN_COLUMNS = [("mean", "in_mean"), ("median", "in_p50"), ("99 %", "in_p99")]
-COMMON_COLUMNS = [("triangles", "tris"), ("components", "comps"), ("Euler number", "euler"),
-                  ("watertight", "watertight"), ("CPU s", "cpu"), ("wall s", "wall"), ("peak MB", "peak")]
+LEGEND = """Every tool gets the same file and gives back the same thing.
 
-LEGEND = """## Legend
+* **error**: of surfaces the chamfer distance to the true surface, of scans the mean distance of points held out, both
+  in 1e-4 of the diagonal; of scattered samples the root mean square error at {queries:,} queries; of images 1 - Dice.
+* **CPU s**: of all threads, the median of {runs} runs, and the least and the most. For csrbf it is that of whole
+  processes, start, reading and writing included; for the others that of the call of the library alone. What takes more
+  than {long} s is run once, and stopped after {limit} s.
+* **peak MB**: of the process, interpreter and modules included for SciPy, scikit-image and Open3D.
+* **beside csrbf**: error and CPU time divided by those of csrbf; in the rows of csrbf who is better.
 
-Lengths are in 1e-4 of the bounding-box diagonal of the truth, or of all points of a scan. Distances are from points to
-triangles, exact.
+csrbf runs without options. The others get what their manuals advise, and, where that is a matter of trial, the best of
+several tries by the true error:
 
-* **chamfer**: mean distance from 200,000 points of the mesh to the true surface and from as many points of the true
-  surface to the mesh, averaged.
-* **99 % Hausdorff**: 99th percentile of these distances, the larger of the two directions.
-* **vertex rms**: root mean square of the distance from the vertices of the mesh to the true surface, which tells the
-  error of the function from that of flat triangles.
-* **mean, median, 99 %** (scans): distance to the mesh of a tenth of the points, chosen at random and not given to the
-  program. They include the noise of the scanner and stray points.
-* **triangles, components, Euler number** (vertices - edges + triangles): of the mesh. **watertight**: every edge has
-  exactly two triangles.
-* **CPU s**: user and system time of all threads. **wall s**: elapsed time. For csrbf both are those of the whole
-  process, reading and writing files included; for Open3D only of the Poisson call, measured inside the process: its
-  start, the import of Open3D, reading the cloud with its normals and writing the mesh are left out.
-* **peak MB**: largest resident memory of the process (1 MB = 1e6 bytes). For Open3D it includes the interpreter and the
-  modules loaded, as much as is given above.
+* Open3D: all of depths 8, 9 and 10 are shown.
+* SciPy: RBFInterpolator with the cubic kernel and 50 neighbours; for samples with noise (image30, franke_noise) the
+  best smoothing of 0, 1 and 100.
+* ALGLIB: hierarchical, with radii from a quarter of the box down to half the spacing, and thin plate splines by domain
+  decomposition; for samples with noise a penalty of 1e-5.
+* ITK: Chan-Vese on a dense level set, 200 iterations; for flat images the best of two weights of curvature and of a
+  start from one ball or from many.
+* scikit-image: chan_vese with mu 0.1, morphological_chan_vese with 100 iterations, and Otsu's threshold after a
+  Gaussian. They do not say which side is inside: the better one counts, as for ITK.
 
-One run each, with the default number of threads.
+polatory is not in Debian, and so not here.
 """
 
 
-# Hidden sub-commands, each run in a process of its own.
+# Hidden sub-commands, each run in a process of its own: what others do in Python, and the errors.
 
 
-def poisson(cloud, mesh, depth, result):
-    """Reconstructs `cloud` by Open3D and writes the mesh, and the cost of the call alone."""
+def timed(call, result):
     import resource
 
-    import open3d
-
-    points = open3d.io.read_point_cloud(cloud)
-    if not points.has_normals():
-        sys.exit(f"{cloud}: has no normals")
     before, start = resource.getrusage(resource.RUSAGE_SELF), time.monotonic()
-    surface, _ = open3d.geometry.TriangleMesh.create_from_point_cloud_poisson(points, depth=int(depth))
+    value = call()
     wall, after = time.monotonic() - start, resource.getrusage(resource.RUSAGE_SELF)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    if not open3d.io.write_triangle_mesh(mesh, surface):
-        sys.exit(f"{mesh}: cannot be written")
-    write_json(result, {"cpu": cpu, "wall": wall})
+    surfaces.write_json(result, {"cpu": cpu, "wall": wall})
+    return value
 
 
-def hold_out(tools, source, given, held):
-    """Splits a cloud with normals at random into the points given to the programs and those held out."""
-    sys.path.insert(0, tools)
+def scipy_interpolate(kind, smoothing, samples, queries, out, result):
     import numpy
-    import trimesh_io
+    from scipy.interpolate import CloughTocher2DInterpolator, RBFInterpolator
 
-    points, normals = trimesh_io.read_points(source)
-    if normals is None:
-        sys.exit(f"{source}: has no normals")
-    order = numpy.random.default_rng(SEED).permutation(len(points))
-    count = round(HELD_OUT * len(points))
-    for path, chosen in (held, order[:count]), (given, order[count:]):
-        trimesh_io.write_ply_points(path + ".part", points[chosen], normals[chosen])
-        os.replace(path + ".part", path)
+    table, points = numpy.load(samples), numpy.load(queries)
 
+    def call():
+        if kind == "clough-tocher":
+            return CloughTocher2DInterpolator(table[:, :-1], table[:, -1])(points)
+        neighbors = min(50, len(table))
+        return RBFInterpolator(table[:, :-1], table[:, -1], neighbors=neighbors, smoothing=float(smoothing),
+                               kernel="cubic")(points)
 
-def evaluate(tools, truth, source, held, result, *meshes):
-    """Measures meshes against a shape or mesh `truth`, or, if that is "none", the points held out of `source`."""
-    sys.path.insert(0, tools)
-    import evaluate_mesh
-    import trimesh_io
-
-    inputs = trimesh_io.read_points(held)[0] if truth == "none" else None
-    if truth == "none":
-        reference = evaluate_mesh.NoTruth(trimesh_io.read_points(source)[0])
-    else:
-        reference = evaluate_mesh.load_gt(truth)
-    numbers = {}
-    for mesh in meshes:
-        found = evaluate_mesh.evaluate(mesh, reference, inputs=inputs)
-        numbers[mesh] = {name: value if isinstance(value, (bool, int)) else float(value)
-                         for name, value in found.items()}
-    write_json(result, numbers)
+    numpy.save(out, timed(call, result))
 
 
-def versions(module, result):
-    """Version of a Python module, and the memory of a process that has imported it."""
-    import importlib
-    import resource
+def skimage_segment(kind, image, out, result):
+    import numpy
+    from skimage import filters, segmentation
 
-    version = importlib.import_module(module).__version__
-    write_json(result, {"version": version, "memory": megabytes(resource.getrusage(resource.RUSAGE_SELF))})
+    given = numpy.load(image).astype(float)
+
+    def call():
+        unit = (given - given.min()) / numpy.ptp(given)
+        if kind == "chan-vese":
+            return segmentation.chan_vese(unit, mu=0.1)
+        if kind == "morphological":
+            return segmentation.morphological_chan_vese(unit, 100, init_level_set="checkerboard", smoothing=2) != 0
+        smooth = filters.gaussian(unit, 1.5 if unit.ndim == 2 else 1.0)
+        return smooth > filters.threshold_otsu(smooth)
+
+    numpy.save(out, timed(call, result).astype(numpy.uint8))
 
 
-SUBCOMMANDS = {"_poisson": poisson, "_hold_out": hold_out, "_evaluate": evaluate, "_versions": versions}
+def make_samples(tools, case, work):
+    sys.argv = [tools, case, work]
+    subprocess.run([sys.executable, Path(tools) / "scattered_cases.py", case, work], check=True)
+    import numpy
+
+    for part in ("queries", "truth"):
+        values = numpy.load(f"{work}/{case}.{part}.npy")
+        step = max(1, len(values) // QUERIES)
+        numpy.save(f"{work}/{case}.{part}_few.npy", values[::step][:QUERIES])
+
+
+def make_images(tools, data, work):
+    import segmentation
+
+    segmentation.make_images(Path(work), Path(tools), Path(data), 0)
+
+
+def sample_error(truth, result, *outs):
+    import numpy
+
+    expected, errors = numpy.load(truth).ravel(), {}
+    for out in outs:
+        difference = numpy.load(out).ravel() - expected
+        difference = difference[numpy.isfinite(difference)]  # Clough-Tocher has no value outside the hull
+        errors[out] = float(numpy.sqrt((difference**2).mean()))
+    surfaces.write_json(result, errors)
+
+
+def label_error(mask, result, *outs):
+    import numpy
+    import segmentation
+
+    expected, errors = numpy.load(mask) != 0, {}
+    for out in outs:
+        labels = numpy.load(out) != 0
+        sides = [labels] if out.endswith("_csrbf.npy") else [labels, ~labels]
+        errors[out] = 1 - max(segmentation.dice(side, expected) for side in sides)
+    surfaces.write_json(result, errors)
+
+
+SUBCOMMANDS = {"_scipy": scipy_interpolate, "_skimage": skimage_segment, "_make_samples": make_samples,
+               "_make_images": make_images, "_sample_error": sample_error, "_label_error": label_error}
 
 
 # Running and measuring.
 
 
-def write_json(path, content):
-    Path(path).write_text(json.dumps(content))
+@dataclass
+class Tool:
+    name: str
+    out: Path
+    commands: list  # run one after the other
+    own_cost: Path | None = None  # file in which the tool tells the cost of the call alone
+    error: float | None = None
+    runs: list = field(default_factory=list)  # cost of each; empty when it failed
+    problem: str = ""
+
+    def median(self, key):
+        return statistics.median(run[key] for run in self.runs)
 
 
-def megabytes(usage):
-    return usage.ru_maxrss * 1024 / 1e6
+def run_once(tool, log):
+    """Cost of the commands of a tool, or a word about why there is none."""
+    total = {"cpu": 0.0, "wall": 0.0, "peak": 0.0}
+    for command in tool.commands:
+        start = time.monotonic()
+        with open(log, "wb") as output:
+            child = subprocess.Popen(["timeout", str(LIMIT), *map(str, command)], stdout=output,
+                                     stderr=subprocess.STDOUT)
+            _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        if child.returncode != 0:
+            return f"more than {LIMIT} s" if child.returncode == 124 else "failed"
+        total["cpu"] += usage.ru_utime + usage.ru_stime
+        total["wall"] += time.monotonic() - start
+        total["peak"] = max(total["peak"], surfaces.megabytes(usage))
+    if tool.own_cost is not None:
+        total.update(json.loads(tool.own_cost.read_text()))
+    return total
 
 
-def run(command, log):
-    """Runs a command and returns what it cost; None, after telling why, when it failed."""
-    start = time.monotonic()
-    with open(log, "wb") as output:
-        child = subprocess.Popen([str(word) for word in command], stdout=output, stderr=subprocess.STDOUT)
-        _, status, usage = os.wait4(child.pid, 0)
-    wall = time.monotonic() - start
-    child.returncode = os.waitstatus_to_exitcode(status)  # tells Popen that the child has been waited for
-    if child.returncode != 0:
-        last = Path(log).read_text(errors="replace").strip().splitlines()[-1:] or ["no message"]
-        print(f"  {Path(str(command[0])).name} failed ({child.returncode}): {last[0]}", flush=True)
-        return None
-    return {"cpu": usage.ru_utime + usage.ru_stime, "wall": wall, "peak": megabytes(usage)}
+def run_all(tools, log):
+    for tool in tools:
+        if tool.problem or (tool.runs and tool.runs[0]["wall"] > LONG):
+            continue
+        cost = run_once(tool, log)
+        if isinstance(cost, str):
+            tool.problem = cost
+        else:
+            tool.runs.append(cost)
 
 
-def run_self(log, name, *arguments):
-    return run([sys.executable, __file__, name, *arguments], log)
-
-
-def module_version(work, module):
-    result = work / f"{module}.json"
-    if run_self(work / f"{module}.log", "_versions", module, result) is None:
-        return None
+def measured(kind, name, options, tools):
+    """Errors of the results, by file."""
+    outs = [str(tool.out) for tool in tools if not tool.problem]
+    if kind == "surface":
+        errors = surfaces.measure(name, options, outs)
+        return {out: numbers["in_mean" if surfaces.is_scan(name) else "chamfer"] for out, numbers in errors.items()}
+    result = options.work / "errors.json"
+    truth, command = ((options.work / f"{name}.truth_few.npy", "_sample_error") if kind == "samples" else
+                      (options.work / f"{name}_mask.npy", "_label_error"))
+    subprocess.run([sys.executable, __file__, command, truth, result, *outs], check=True)
     return json.loads(result.read_text())
 
 
-def run_csrbf(program, cloud, stem):
+# Jobs: the tools that take part, with their files.
+
+
+def surface_tools(name, options):
+    cloud, stem = surfaces.make_cloud(name, options), options.work / name
     mesh = Path(f"{stem}_csrbf.ply")
-    mesh.unlink(missing_ok=True)
-    command = [program, "reconstruct", cloud, "-o", mesh, "--report", f"{stem}_csrbf.json"]
-    return mesh, run(command, f"{stem}_csrbf.log")
+    tools = [Tool("csrbf", mesh, [[options.csrbf, "reconstruct", cloud, "-o", mesh, "--quiet"]])]
+    if options.has["open3d"]:
+        for depth in surfaces.DEPTHS:
+            out, cost = Path(f"{stem}_poisson{depth}.ply"), Path(f"{stem}_poisson{depth}.json")
+            tools.append(Tool(f"Open3D, Poisson, depth {depth}", out, [[
+                sys.executable, PROJECT / "benchmarks/surfaces.py", "_poisson", cloud, out, depth, cost]], cost))
+    return tools
 
 
-def run_poisson(cloud, stem, depth):
-    base = f"{stem}_poisson{depth}"
-    mesh = Path(f"{base}.ply")
-    mesh.unlink(missing_ok=True)
-    cost = run_self(f"{base}.log", "_poisson", cloud, mesh, depth, f"{base}.json")
-    if cost is not None:
-        cost.update(json.loads(Path(f"{base}.json").read_text()))
-    return mesh, cost
+def sample_tools(name, options):
+    stem = options.work / name
+    samples, queries = f"{stem}.samples.npy", f"{stem}.queries_few.npy"
+    if not Path(queries).exists():
+        subprocess.run([sys.executable, __file__, "_make_samples", options.tools, name, options.work], check=True)
+    model, out = f"{stem}_csrbf.csrbf", Path(f"{stem}_csrbf.npy")
+    tools = [Tool("csrbf", out, [[options.csrbf, "fit", samples, "-o", model, "--quiet"],
+                                 [options.csrbf, "evaluate", model, "--points", queries, "-o", out, "--quiet"]])]
+
+    def add(title, label, command, suffix=""):
+        out, cost = Path(f"{stem}_{label}.npy"), Path(f"{stem}_{label}.json")
+        tools.append(Tool(title + suffix, out, [command(out, cost)], cost))
+
+    for smoothing in SMOOTHING.get(name, [0]):
+        add("SciPy RBFInterpolator", f"scipy_{smoothing}", lambda out, cost: [
+            sys.executable, __file__, "_scipy", "rbf", smoothing, samples, queries, out, cost],
+            f", tried with {smoothing}" if name in SMOOTHING else "")
+    if columns(samples) == 3:
+        add("SciPy Clough-Tocher", "clough", lambda out, cost: [
+            sys.executable, __file__, "_scipy", "clough-tocher", 0, samples, queries, out, cost])
+    if options.has["alglib_rbf"]:
+        for kind in ("hierarchical", "spline"):
+            for penalty in PENALTY.get(name, [0]):
+                add(f"ALGLIB, {kind}", f"alglib_{kind}_{penalty}", lambda out, cost: [
+                    options.csrbf.parent / "alglib_rbf", samples, queries, out, cost, kind, penalty],
+                    f", tried with {penalty}" if name in PENALTY else "")
+    return tools
 
 
-# Cases.
+def columns(path):
+    """Of a .npy file, from its header."""
+    return int(Path(path).read_bytes()[:128].decode("latin1").split("'shape': (")[1].split(")")[0].split(",")[1])
 
 
-def is_scan(case):
-    return case in SCANS
+def image_tools(name, options):
+    stem = options.work / name
+    image = f"{stem}.npy"
+    if not Path(image).exists():
+        subprocess.run([sys.executable, __file__, "_make_images", options.tools, options.data, options.work],
+                       check=True, stdout=subprocess.DEVNULL)
+    out = Path(f"{stem}_csrbf.npy")
+    tools = [Tool("csrbf", out, [[options.csrbf, "segment", image, "-o", out, "--quiet"]])]
+    flat = not name.startswith("gyroid")
+    titles = {"chan-vese": "scikit-image chan_vese", "morphological": "scikit-image morphological_chan_vese",
+              "otsu": "scikit-image Gaussian, Otsu"}
+    for kind in titles if options.has["skimage"] else []:
+        if kind == "chan-vese" and not flat:
+            continue
+        out, cost = Path(f"{stem}_{kind}.npy"), Path(f"{stem}_{kind}.json")
+        tools.append(Tool(titles[kind], out, [[sys.executable, __file__, "_skimage", kind, image, out, cost]], cost))
+    for start in (("ball", "balls") if flat else ("balls",)) if options.has["itk_chan_vese"] else ():
+        for curvature in (100, 1000) if flat else (100,):
+            out, cost = (Path(f"{stem}_itk_{start}_{curvature}{suffix}") for suffix in (".npy", ".json"))
+            tools.append(Tool(f"ITK Chan-Vese, tried with {start}, {curvature}", out, [[
+                options.csrbf.parent / "itk_chan_vese", image, out, cost, start, curvature]], cost))
+    return tools
 
 
-def split(case):
-    """Shape and kind of cloud of a sampled case."""
-    return case.rsplit("_", 1)
+KINDS = [("surface", SURFACES, surface_tools), ("samples", SCATTERED, sample_tools), ("image", IMAGES, image_tools)]
 
 
-def source_file(case, options):
-    """The file of --data that a case is made from; None for analytic shapes."""
-    name = case if is_scan(case) else split(case)[0]
-    return None if name == "torus" else options.data / f"{name}.ply"
+def best_of_tries(tools):
+    """Of tools that differ in what they were "tried with" only, the most accurate."""
+    kept = {}
+    for tool in tools:
+        base = tool.name.split(", tried with ")[0]
+        if base not in kept or (tool.error is not None and (kept[base].error is None or tool.error < kept[base].error)):
+            kept[base] = tool
+    return list(kept.values())
 
 
-def make_cloud(case, options):
-    """The cloud given to the programs, made unless it is there already."""
-    log = options.work / f"{case}_cloud.log"
-    if is_scan(case):
-        cloud, held = options.work / f"{case}_given.ply", options.work / f"{case}_held.ply"
-        if not (cloud.exists() and held.exists()):
-            run_self(log, "_hold_out", options.tools, source_file(case, options), cloud, held)
-    else:
-        cloud = options.work / f"{case}.ply"
-        if not cloud.exists():
-            shape, kind = split(case)
-            unfinished = options.work / "unfinished"
-            sampler = [sys.executable, "-B", options.tools / "sample_mesh.py"]
-            if run([*sampler, source_file(case, options) or shape, kind, unfinished], log) is not None:
-                os.replace(unfinished / cloud.name, cloud)
-    if not cloud.exists():
-        sys.exit(f"compare.py: the cloud of {case} could not be made, see {log}")
-    return cloud
-
-
-def measure(case, options, meshes):
-    """Errors and topology of every mesh, by file name."""
-    result = options.work / f"{case}_errors.json"
-    source, held = source_file(case, options), options.work / f"{case}_held.ply"
-    truth = "none" if is_scan(case) else source or split(case)[0]
-    arguments = [options.tools, truth, source, held, result, *meshes]
-    cost = run_self(options.work / f"{case}_errors.log", "_evaluate", *arguments)
-    if cost is None:
-        sys.exit(f"compare.py: the meshes of {case} could not be measured")
-    return json.loads(result.read_text())
-
-
-def run_case(case, options, with_open3d):
-    """Rows of the table: the name of the tool and its numbers; none when it failed."""
-    cloud = make_cloud(case, options)
-    stem = options.work / case
-    runs = {"csrbf": run_csrbf(options.csrbf, cloud, stem)}
-    if with_open3d:
-        runs.update({f"Poisson, depth {depth}": run_poisson(cloud, stem, depth) for depth in DEPTHS})
-    errors = measure(case, options, [mesh for mesh, cost in runs.values() if cost is not None])
-    return {tool: {**cost, **errors[str(mesh)]} if cost is not None else None for tool, (mesh, cost) in runs.items()}
+def run_job(kind, name, make_tools, options):
+    tools, log = make_tools(name, options), options.work / "log"
+    run_all(tools, log)
+    errors = measured(kind, name, options, tools)
+    for tool in tools:
+        tool.error = errors.get(str(tool.out))
+    tools = best_of_tries(tools)
+    for _ in range(1, options.runs):  # in turns, so that all tools see the same machine
+        run_all(tools, log)
+    return tools
 
 
 # The page.
 
 
-def columns(case):
-    first = SCAN_COLUMNS if is_scan(case) else TRUTH_COLUMNS if source_is_mesh(case) else ANALYTIC_COLUMNS
-    return first + COMMON_COLUMNS
+def verdict(csrbf, others):
+    found = []
+    if better := [tool for tool in others if tool.error < csrbf.error]:
+        best = min(better, key=lambda tool: tool.error)
+        found.append(f"{best.name} is more accurate")
+    if faster := [tool for tool in others if tool.median("cpu") < csrbf.median("cpu")]:
+        found.append("faster: " + ", ".join(tool.name for tool in faster))
+    return "; ".join(found) if found else "leads"
 
 
-def source_is_mesh(case):
-    return split(case)[0] != "torus"
+def rows(name, tools):
+    csrbf, others = tools[0], tools[1:]
+    if csrbf.problem:
+        sys.exit(f"compare.py: csrbf, {name}: {csrbf.problem}")
+    for tool in tools:
+        first = name if tool is csrbf else ""
+        if tool.problem:
+            yield f"| {first} | {tool.name} | | {tool.problem} | | | |"
+            continue
+        cpu = [run["cpu"] for run in tool.runs]
+        spread = "one run" if len(cpu) == 1 else f"{min(cpu):.2f}-{max(cpu):.2f}"
+        told = verdict(csrbf, [other for other in others if not other.problem]) if tool is csrbf else (
+            f"error x {tool.error / csrbf.error:.3g}, time x {tool.median('cpu') / csrbf.median('cpu'):.3g}")
+        yield (f"| {first} | {tool.name} | {tool.error:.3g} | {tool.median('cpu'):.2f} | {spread} | "
+               f"{tool.median('peak'):.0f} | {told} |")
 
 
-def cell(name, value):
-    if value is None:
-        return "-"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, int):
-        return str(value) if name == "euler" else f"{value:,}"
-    return f"{value:.0f}" if name == "peak" else f"{value:.2f}" if name in ("cpu", "wall") else f"{value:.3g}"
+def page(options, lines, leads):
+    version = subprocess.run([options.csrbf, "--version"], capture_output=True, text=True, check=True).stdout
+    head = (f"# csrbf beside others\n\n* {datetime.date.today().isoformat()}; {surfaces.cpu()}, {surfaces.memory()}, "
+            f"load {options.load:.1f} at the start\n* {version.splitlines()[0]}, beside Debian's "
+            f"{', '.join(name for name, there in options.packages.items() if there)}\n\n"
+            "```sh\nbenchmarks/compare.py --tools TOOLS --data DATA\n```\n\n")
+    legend = LEGEND.format(queries=QUERIES, runs=options.runs, long=LONG, limit=LIMIT)
+    table = ("| job | tool | error | CPU s | spread | peak MB | beside csrbf |\n"
+             "|---|---|---:|---:|---|---:|---|\n")
+    return f"{head}{legend}\ncsrbf leads {leads[0]} of {leads[1]} jobs: nobody is more accurate, and nobody faster.\n\n" \
+           f"{table}" + "\n".join(lines) + "\n"
 
 
-def table(case, rows):
-    shown = columns(case)
-    lines = ["| tool | " + " | ".join(title for title, _ in shown) + " |", "|---|" + "---:|" * len(shown)]
-    for tool, numbers in rows.items():
-        if numbers is None:
-            lines.append(f"| {tool} | failed |" + " |" * (len(shown) - 1))
-        else:
-            lines.append(f"| {tool} | " + " | ".join(cell(name, numbers.get(name)) for _, name in shown) + " |")
-    return "\n".join([f"## {case}", "", *lines, ""])
-
-
-def cpu():
-    """Model, cores and threads of this machine."""
-    entries = [line.split(":", 1) for line in Path("/proc/cpuinfo").read_text().splitlines() if ":" in line]
-    pairs = [(name.strip(), value.strip()) for name, value in entries]
-    model = next((value for name, value in pairs if name == "model name"), "unknown processor")
-    sockets = [value for name, value in pairs if name == "physical id"]
-    cores = [value for name, value in pairs if name == "core id"]
-    count = len(set(zip(sockets, cores))) or os.cpu_count()
-    return f"{model}, {count} cores, {os.cpu_count()} threads"
-
-
-def memory():
-    for line in Path("/proc/meminfo").read_text().splitlines():
-        if line.startswith("MemTotal:"):
-            return f"{int(line.split()[1]) * 1024 / 1e9:.1f} GB of memory"
-    return "unknown memory"
-
-
-def environment():
-    """Variables that change how the threads of Open3D work."""
-    found = [f"`{name}={value}`" for name, value in sorted(os.environ.items()) if name.startswith(("OMP_", "GOMP_"))]
-    return [f"* Environment: {', '.join(found)}"] if found else []
-
-
-def describe_open3d(open3d):
-    if open3d is None:
-        return "* Open3D: not installed, its rows are left out"
-    return f"* Open3D {open3d['version']}; interpreter and modules take {open3d['memory']:.0f} MB of its peak"
-
-
-def preamble(options, open3d):
-    csrbf = subprocess.run([options.csrbf, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    tools = ", ".join(f"{name} {module_version(options.work, name)['version']}" for name in ("numpy", "scipy"))
-    command = ["benchmarks/compare.py", "--tools", "TOOLS", "--data", "DATA", "--cases", ",".join(options.cases)]
-    return "\n".join([
-        "# csrbf beside screened Poisson reconstruction", "",
-        f"* {datetime.date.today().isoformat()}; {cpu()}, {memory()}, load {os.getloadavg()[0]:.1f} at the start",
-        f"* {csrbf.splitlines()[0]}", describe_open3d(open3d), f"* Python {sys.version.split()[0]}, {tools}",
-        *environment(), "",
-        "```sh", shlex.join(command), "csrbf reconstruct FILE -o OUT.ply --report R.json", "```", "",
-        "```python", "open3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=8)  # 9, 10",
-        "```", ""])
-
-
-# Command line.
-
-
-def parse(arguments):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--tools", type=Path)
-    parser.add_argument("--data", type=Path)
-    parser.add_argument("--csrbf", type=Path, default=PROJECT / "build/release/bin/csrbf")
-    parser.add_argument("--cases", default=",".join(CASES))
-    parser.add_argument("--work", type=Path, default=PROJECT / "build/compare")
-    parser.add_argument("--output", type=Path, default=PROJECT / "benchmarks/RESULTS.md")
-    options = parser.parse_args(arguments)
-    options.cases = options.cases.split(",")
-    return options
-
-
-def missing(options):
-    """What keeps the comparison from starting, one sentence each."""
-    found = [f"unknown case {case}; there are {', '.join(CASES)}" for case in options.cases if case not in CASES]
-    for name, wanted in ("tools", ["sample_mesh.py", "evaluate_mesh.py"]), ("data", []):
-        folder = getattr(options, name)
-        if folder is None:
-            found.append(f"--{name} DIR is missing" + (f": the folder with {' and '.join(wanted)}" if wanted else
-                         ": the folder with the meshes and scans"))
-        else:
-            found += [f"--{name}: {folder / file} does not exist" for file in wanted if not (folder / file).is_file()]
-    if options.data is not None and not found:
-        files = sorted({source_file(case, options) for case in options.cases} - {None})
-        found += [f"--data: {file} does not exist" for file in files if not file.is_file()]
-    if not os.access(options.csrbf, os.X_OK) or options.csrbf.is_dir():
-        found.append(f"--csrbf: {options.csrbf} is not a program; build it, or give another")
-    return found
+def debian_version(package):
+    found = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", package], capture_output=True, text=True)
+    return found.stdout.split("-")[0].split("+")[0]
 
 
 def main(arguments):
@@ -363,20 +371,46 @@ def main(arguments):
         sys.dont_write_bytecode = True
         SUBCOMMANDS[arguments[0]](*arguments[1:])
         return
-    options = parse(arguments)
-    problems = missing(options)
-    if problems:
-        sys.exit("\n".join(f"compare.py: {problem}" for problem in problems))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tools", type=Path, required=True)
+    parser.add_argument("--data", type=Path, default=Path("none"))
+    parser.add_argument("--csrbf", type=Path, default=PROJECT / "build/release/bin/csrbf")
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--jobs")
+    parser.add_argument("--work", type=Path, default=PROJECT / "build/compare")
+    parser.add_argument("--output", type=Path, default=PROJECT / "benchmarks/RESULTS.md")
+    options = parser.parse_args(arguments)
     options.work.mkdir(parents=True, exist_ok=True)
-    open3d = module_version(options.work, "open3d")
-    if open3d is None:
-        print("Open3D cannot be imported (Debian: apt install python3-open3d): its rows are left out", flush=True)
-    parts = [preamble(options, open3d)]
-    for case in options.cases:
-        print(case, flush=True)
-        parts.append(table(case, run_case(case, options, open3d is not None)))
-        options.output.write_text("\n".join([*parts, LEGEND]))
-    print(f"written: {options.output}")
+    options.load = os.getloadavg()[0]
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # or threads of Open3D spend CPU time waiting for each other
+    options.has = {module: importlib.util.find_spec(module) is not None for module in ("open3d", "skimage")}
+    options.has |= {name: (options.csrbf.parent / name).exists() for name in ("alglib_rbf", "itk_chan_vese")}
+    packages = {"open3d": ("Open3D", "python3-open3d"), "skimage": ("scikit-image", "python3-skimage"),
+                "alglib_rbf": ("ALGLIB", "libalglib-dev"), "itk_chan_vese": ("ITK", "libinsighttoolkit5-dev")}
+    options.packages = {f"{title} {debian_version(package)}": options.has[key]
+                        for key, (title, package) in packages.items()}
+    options.packages[f"SciPy {debian_version('python3-scipy')}"] = True
+
+    known = [name for _, names, _ in KINDS for name in names]
+    wanted = options.jobs.split(",") if options.jobs else known
+    if unknown := set(wanted) - set(known):
+        sys.exit(f"compare.py: unknown jobs {', '.join(sorted(unknown))}; there are {', '.join(known)}")
+    lines, leads = [], [0, 0]
+    for kind, names, make_tools in KINDS:
+        for name in names:
+            if name not in wanted:
+                continue
+            source = surfaces.source_file(name, options) if kind == "surface" else None
+            if source is not None and not source.exists():
+                print(f"{name}: left out, {source} is not there", file=sys.stderr)
+                continue
+            tools = run_job(kind, name, make_tools, options)
+            made = list(rows(name, tools))
+            print(*made, sep="\n", flush=True)
+            lines += made
+            leads[0] += made[0].endswith("| leads |")
+            leads[1] += 1
+            options.output.write_text(page(options, lines, leads))
 
 
 if __name__ == "__main__":
