@@ -51,6 +51,7 @@ TEST(SharedWork, ASurfaceWithNormalsIsTheSameForEveryProcess) {
   EXPECT_GT(items.at("fit"), 100);
   EXPECT_GT(items.at("choose options"), 100);
   EXPECT_GT(items.at("evaluate"), 20000);
+  EXPECT_GT(items.at("partition"), 256);
   EXPECT_GT(items.at("polygonize"), 100);
 }
 

@@ -2,10 +2,13 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
 
 #include <Eigen/Eigenvalues>
 
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -14,6 +17,8 @@ namespace {
 
 constexpr double flat = 0.8;        // length of the mean unit normal of a nearly flat sheet
 constexpr Index axes_sample = 512;  // points that tell the axes of a larger set
+constexpr Index enough_parts = 256;
+constexpr Index fewest_shared = 1 << 14;  // points whose partition takes longer than telling others about it
 
 using Keyed = std::pair<double, Index>;
 
@@ -169,6 +174,73 @@ class Splitter {
   const PartitionOptions& options_;
 };
 
+// Consecutive entries of the order: a leaf, or to be cut further.
+struct Part {
+  Index begin, end;
+  bool leaf = false;
+};
+
+// Cuts a part in at most 2^levels, depth first: what is cut next is still in the cache.
+template <int Dim>
+std::vector<Part> cut(const Splitter<Dim>& splitter, const Part& whole, int levels, std::vector<Index>& order) {
+  std::vector<Part> parts;
+  std::vector<std::pair<Part, int>> stack = {{whole, levels}};
+  while (!stack.empty()) {
+    auto [part, left] = stack.back();
+    stack.pop_back();
+    const Index middle = part.leaf || left == 0 ? part.end : splitter.split(order, part.begin, part.end);
+    if (part.begin < middle && middle < part.end) {
+      stack.push_back({{middle, part.end}, left - 1});
+      stack.push_back({{part.begin, middle}, left - 1});
+    } else {
+      part.leaf = part.leaf || left > 0;
+      parts.push_back(part);
+    }
+  }
+  return parts;
+}
+
+// Cuts all parts, which are independent of each other: once, until there are enough of them for many processes, then
+// down to the leaves.
+template <int Dim>
+std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>& parts, std::vector<Index>& order) {
+  const auto count = static_cast<Index>(parts.size());
+  const int levels = count < enough_parts ? 1 : std::numeric_limits<int>::max();
+  std::vector<std::vector<Part>> smaller(parts.size());
+  const auto compute = [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      smaller[i] = cut(splitter, parts[i], levels, order);
+  };
+  const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      out.put(smaller[i].size());
+      out.put(smaller[i].data(), static_cast<Index>(smaller[i].size()));
+      if (parts[i].leaf) continue;
+      const std::vector<std::uint32_t> ids(order.begin() + parts[i].begin, order.begin() + parts[i].end);
+      out.put(ids.data(), static_cast<Index>(ids.size()));
+    }
+  };
+  const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      smaller[i].resize(in.take<std::size_t>());
+      in.take(smaller[i].data(), static_cast<Index>(smaller[i].size()));
+      if (parts[i].leaf) continue;
+      std::vector<std::uint32_t> ids(static_cast<std::size_t>(parts[i].end - parts[i].begin));
+      in.take(ids.data(), static_cast<Index>(ids.size()));
+      std::copy(ids.begin(), ids.end(), order.begin() + parts[i].begin);
+    }
+  };
+  const Index grain = 1 + count / enough_parts;
+  if (static_cast<Index>(order.size()) < fewest_shared) {
+    parallel_for(count, grain, compute);
+  } else {
+    share_work({"partition", count, grain, compute, pack, unpack});
+  }
+  std::vector<Part> result;
+  for (const std::vector<Part>& some : smaller) result.insert(result.end(), some.begin(), some.end());
+  return result;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -181,42 +253,13 @@ Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
   Partition result;
   result.order.resize(static_cast<std::size_t>(n));
   std::iota(result.order.begin(), result.order.end(), Index{0});
-  if (n == 0) {
-    result.begin = {0};
-    return result;
-  }
-
-  // Level by level: the nodes of a level are independent of each other.
+  result.begin = {0};
+  if (n == 0) return result;
   const Splitter<Dim> splitter(points, normals, spacing, options);
-  std::vector<Index> bounds = {0, n};
-  std::vector<char> is_leaf = {0};
-  for (bool changed = true; changed;) {
-    const auto nodes = static_cast<Index>(is_leaf.size());
-    std::vector<Index> cuts(is_leaf.size());
-    parallel_for(nodes, 1 + nodes / 256, [&](Index first, Index last) {
-      for (Index i = first; i < last; ++i) {
-        const auto node = static_cast<std::size_t>(i);
-        cuts[node] =
-            is_leaf[node] != 0 ? bounds[node + 1] : splitter.split(result.order, bounds[node], bounds[node + 1]);
-      }
-    });
-    changed = false;
-    std::vector<Index> next_bounds = {0};
-    std::vector<char> next_is_leaf;
-    for (std::size_t node = 0; node < is_leaf.size(); ++node) {
-      const bool leaf = cuts[node] == bounds[node + 1] || cuts[node] == bounds[node];
-      if (!leaf) {
-        next_bounds.push_back(cuts[node]);
-        next_is_leaf.push_back(0);
-        changed = true;
-      }
-      next_bounds.push_back(bounds[node + 1]);
-      next_is_leaf.push_back(leaf ? 1 : 0);
-    }
-    bounds = std::move(next_bounds);
-    is_leaf = std::move(next_is_leaf);
-  }
-  result.begin = std::move(bounds);
+  std::vector<Part> parts = {{0, n}};
+  while (std::any_of(parts.begin(), parts.end(), [](const Part& part) { return !part.leaf; }))
+    parts = cut_all(splitter, parts, result.order);
+  for (const Part& part : parts) result.begin.push_back(part.end);
   return result;
 }
 
