@@ -54,8 +54,9 @@ std::vector<Index> distinct_points(const PointCloud& input, Points<3>& normals, 
 
 void require_spread(const Points<3>& y) {
   const Point<3> mean = y.rowwise().mean();
-  const Eigen::Matrix3d covariance =
-      (y.colwise() - mean) * (y.colwise() - mean).transpose() / static_cast<double>(y.cols());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (Index i = 0; i < y.cols(); ++i) covariance += (y.col(i) - mean) * (y.col(i) - mean).transpose();
+  covariance /= static_cast<double>(y.cols());
   const Eigen::Vector3d spread = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
   if (!(spread[1] > 1e-14 * spread[2]))
     throw InvalidInput(
@@ -109,10 +110,12 @@ DisjointSets link(const Points<3>& points, const NeighborTable& near, const std:
   DisjointSets clusters(reach.size());
   for (Index i = 0; i < points.cols(); ++i)
     for (const std::uint32_t other : near.of(i)) {
-      const double shorter = std::min(reach[static_cast<std::size_t>(i)], reach[other]);
+      const auto id = static_cast<std::uint32_t>(i);
+      if (other < id || clusters.find(other) == clusters.find(id)) continue;  // its turn was, or nothing would change
+      const double shorter = std::min(reach[id], reach[other]);
       if ((points.col(i) - points.col(other)).squaredNorm() <= link_length * link_length * shorter * shorter &&
           is_neighbor(near, other, i))
-        clusters.unite(static_cast<std::uint32_t>(i), other);
+        clusters.unite(id, other);
     }
   return clusters;
 }
