@@ -1,6 +1,7 @@
 #include "csrbf/surface/winding_tree.hpp"
 
 #include <array>
+#include <memory>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -73,7 +74,8 @@ struct Item {
 
 class Builder {
  public:
-  explicit Builder(std::vector<Item> items) : items_(std::move(items)), buffer_(items_.size()) {
+  explicit Builder(std::vector<Item> items)
+      : items_(std::move(items)), buffer_(std::make_unique_for_overwrite<Item[]>(items_.size())) {
     nodes_.reserve(items_.size() / 2 + 1);
     build(0, items_.size(), 0);
   }
@@ -128,7 +130,7 @@ class Builder {
       left += is_left ? 1 : 0;
       right += is_left ? 0 : 1;
     }
-    std::copy_n(buffer_.begin(), right, items_.begin() + static_cast<std::ptrdiff_t>(left));
+    std::copy_n(buffer_.get(), right, items_.begin() + static_cast<std::ptrdiff_t>(left));
     return left;
   }
 
@@ -190,7 +192,8 @@ class Builder {
     for (std::size_t k = 0; k < 10; ++k) node.cubic[k] = static_cast<float>(7.5 * s2 * s2 * moments.Q[k]);
   }
 
-  std::vector<Item> items_, buffer_;
+  std::vector<Item> items_;
+  std::unique_ptr<Item[]> buffer_;  // of which only as much takes memory as is written to
   std::vector<Node> nodes_;
 };
 
@@ -223,16 +226,18 @@ Tree make_tree(const SamplesRef& samples) {
     tree.strength[k].resize(padded);
   }
   tree.eps2.resize(padded, 1.0F);
-  tree.points.resize(3, n);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+  std::vector<Index> order(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
     const Item& item = items[i];
     for (std::size_t k = 0; k < 3; ++k) {
       tree.x[k][i] = static_cast<std::int32_t>(std::lround(item.p[k] * Tree::resolution));
       tree.strength[k][i] = item.m[k];
     }
     tree.eps2[i] = item.eps2;
-    tree.points.col(static_cast<Index>(i)) = samples.points.col(item.index);
+    order[i] = item.index;
   }
+  std::vector<Item>().swap(items);  // before there are more points
+  tree.points = samples.points(Eigen::all, order);
   return tree;
 }
 
