@@ -1,6 +1,6 @@
 #include "csrbf/surface/surface_distances.hpp"
 
-#include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/core/shared_work.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +13,17 @@ constexpr double smallest_slope = 0.1;  // of f near the surface, where it is ab
 }  // namespace
 
 std::vector<double> surface_distances(const Field<3>& field, const PointsRef<3>& points, double diagonal) {
-  const Jet<3> jet = shared_evaluate(field, points, Derivatives::gradient);
+  constexpr Index grain = Field<3>::block_size;
   std::vector<double> distance(static_cast<std::size_t>(points.cols()));
-  for (std::size_t i = 0; i < distance.size(); ++i) {
-    const auto column = static_cast<Index>(i);
-    distance[i] = std::abs(jet.value[column]) / std::max(jet.gradient.col(column).norm(), smallest_slope) / diagonal;
-  }
+  const auto compute = [&](Index begin, Index end) {
+    Eigen::Matrix<double, grain, 1> value;
+    Eigen::Matrix<double, 3, grain> gradient;
+    field.evaluate_block(points.middleCols(begin, end - begin), {value.data(), gradient.data(), nullptr});
+    for (Index i = begin; i < end; ++i)
+      distance[static_cast<std::size_t>(i)] =
+          std::abs(value[i - begin]) / std::max(gradient.col(i - begin).norm(), smallest_slope) / diagonal;
+  };
+  share_arrays("evaluate", points.cols(), grain, compute, {ResultArray::of(distance.data())});
   return distance;
 }
 
