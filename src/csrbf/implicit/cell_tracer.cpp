@@ -1,11 +1,15 @@
 #include "csrbf/implicit/cell_tracer.hpp"
 
+#include "csrbf/core/shared_work.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <utility>
 
 namespace csrbf::polygonization {
 namespace {
+
+constexpr Index bricks_per_range = 256;
 
 int bit_of(const Cell& cell) {
   return (cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4;
@@ -23,6 +27,18 @@ Mask upper_ends(const Brick& brick, int k) {
 
 void sort_along_curve(std::vector<Brick*>& bricks) {
   std::sort(bricks.begin(), bricks.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
+}
+
+// The pending cells of a brick that the surface crosses, and which of their faces.
+Crossings crossings_of(const Brick& brick) {
+  const Octet inside = inside_corners(brick);
+  Crossings crossings;
+  crossings.cells = brick.pending & mixed_cells(inside);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      crossings.faces[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)] =
+          crossings.cells & mixed_faces(inside, axis, side);
+  return crossings;
 }
 
 }  // namespace
@@ -102,22 +118,39 @@ void CellTracer::sample(std::span<Brick*> bricks) {
 }
 
 void CellTracer::visit_cells() {
-  for (Brick* brick : front_) {
-    const Octet inside = inside_corners(*brick);
-    const Mask crossed = brick->pending & mixed_cells(inside);
-    brick->visited |= std::exchange(brick->pending, 0);
-    brick->active |= crossed;
-    active_cells_ += std::popcount(crossed);
-    if (crossed != 0) push_across_faces(*brick, inside, crossed);
+  const auto count = static_cast<Index>(front_.size());
+  std::vector<Crossings> crossings(front_.size());
+  const auto compute = [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      crossings[i] = crossings_of(*front_[i]);
+  };
+  const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      out.put(crossings[i].cells);
+      if (crossings[i].cells != 0) out.put(crossings[i].faces);
+    }
+  };
+  const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      crossings[i].cells = in.take<Mask>();
+      if (crossings[i].cells != 0) in.take(&crossings[i].faces, 1);
+    }
+  };
+  share_work({"polygonize", count, bricks_per_range, compute, pack, unpack});
+  for (std::size_t i = 0; i < front_.size(); ++i) {
+    Brick& brick = *front_[i];
+    brick.visited |= std::exchange(brick.pending, 0);
+    brick.active |= crossings[i].cells;
+    active_cells_ += std::popcount(crossings[i].cells);
+    if (crossings[i].cells != 0) push_across_faces(brick, crossings[i].faces);
   }
 }
 
-void CellTracer::push_across_faces(Brick& brick, const Octet& inside, Mask cells) {
+void CellTracer::push_across_faces(Brick& brick, const Faces& faces) {
   for (int axis = 0; axis < 3; ++axis) {
-    const Mask up = cells & mixed_faces(inside, axis, 1);
+    const auto [down, up] = faces[static_cast<std::size_t>(axis)];
     queue(brick, moved_up(up, axis));
     if (const Mask carried = carried_up(up, axis)) queue(grid_.upper(brick, 1 << axis), carried);
-    const Mask down = cells & mixed_faces(inside, axis, 0);
     queue(brick, moved_down(down, axis));
     if (const Mask carried = carried_down(down, axis)) queue(grid_.lower(brick, axis), carried);
   }

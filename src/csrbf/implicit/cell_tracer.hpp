@@ -4,9 +4,19 @@
 #include "csrbf/implicit/brick_grid.hpp"
 #include "csrbf/implicit/level_sampler.hpp"
 
+#include <array>
 #include <span>
 
 namespace csrbf::polygonization {
+
+/// Cells of a brick whose lower and upper faces across each axis the surface crosses.
+using Faces = std::array<std::array<Mask, 2>, 3>;
+
+/// Cells of a brick that the surface crosses.
+struct Crossings {
+  Mask cells = 0;
+  Faces faces{};
+};
 
 /// Follows a surface from cell to cell, across the faces it crosses, in waves. Every corner of a visited cell is
 /// sampled once, the new corners of a wave in large batches along the Morton curve of the bricks. Time and memory
@@ -39,7 +49,7 @@ class CellTracer {
   void sample_corners();
   void sample(std::span<Brick*> bricks);
   void visit_cells();
-  void push_across_faces(Brick& brick, const Octet& inside, Mask cells);
+  void push_across_faces(Brick& brick, const Faces& faces);
   [[nodiscard]] double fraction() const;
 
   BrickGrid grid_;
