@@ -42,6 +42,7 @@ std::map<std::string, Index> shared_by(const Samples<2>& samples, const FitOptio
 
 TEST(SharedWork, APartitionOfUnityIsTheSameForEveryProcess) {
   const auto items = shared_by(waves(60000, 0), {.method = "partition-of-unity"});
+  EXPECT_GE(items.at("cover"), 256);
   EXPECT_GT(items.at("fit"), 10);
   EXPECT_GT(items.at("choose options"), 10);
   EXPECT_GT(items.at("evaluate"), 3000);

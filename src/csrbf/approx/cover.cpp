@@ -1,5 +1,6 @@
 #include "csrbf/approx/cover.hpp"
 
+#include "csrbf/approx/split_into_cells.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
@@ -13,82 +14,7 @@ namespace csrbf {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nearest_end = 0.3;     // of a split to the ends of the side, as a share of it
-constexpr Index median_sample = 63;     // points that tell the median
-constexpr double margin = 1e-9;         // of the extent, around the points
-constexpr double smallest_cell = 1e-9;  // side, as a share of the extent
-constexpr double smallest_side = 64 * std::numeric_limits<double>::epsilon();  // as a share of the coordinates
-
-template <int Dim>
-struct Located {
-  Point<Dim> x;
-  std::uint32_t id;
-};
-
-// A part of the points and its cell, on the way to the leaves.
-template <int Dim>
-struct Part {
-  Index begin, end;
-  Box<Dim> cell;
-  Index axis = -1;
-  double split = 0;
-  Index middle = 0;
-  std::size_t child = 0;  // the lower part, among the parts of the next level
-};
-
-template <int Dim>
-double near_median(const Located<Dim>* points, Index n, Index axis) {
-  std::array<double, median_sample> sample;
-  const Index count = std::min(n, median_sample);
-  for (Index i = 0; i < count; ++i) sample[static_cast<std::size_t>(i)] = points[i * n / count].x[axis];
-  const auto middle = sample.begin() + count / 2;
-  std::nth_element(sample.begin(), middle, sample.begin() + count);
-  return *middle;
-}
-
-template <int Dim>
-void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, Part<Dim>& part) {
-  const Index n = part.end - part.begin;
-  if (n <= leaf_size) return;
-  const Point<Dim> extent = part.cell.extent();
-  Index axis = 0;
-  const double length = extent.maxCoeff(&axis);
-  if (!(length > smallest)) return;  // points that all but coincide
-  Located<Dim>* first = points.data() + part.begin;
-  const double lo = part.cell.lo[axis], hi = part.cell.hi[axis];
-  const double split = std::clamp(near_median(first, n, axis), lo + nearest_end * length, hi - nearest_end * length);
-  part.axis = axis;
-  part.split = split;
-  part.middle =
-      part.begin + (std::partition(first, first + n, [&](const Located<Dim>& p) { return p.x[axis] < split; }) - first);
-}
-
-// Splits level by level: the parts of one level are independent of each other.
-template <int Dim>
-std::vector<std::vector<Part<Dim>>> split_all(std::vector<Located<Dim>>& points, const Box<Dim>& box, Index leaf_size) {
-  std::vector<std::vector<Part<Dim>>> levels = {{{0, static_cast<Index>(points.size()), box}}};
-  const double coordinate = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
-  const double smallest = std::max(smallest_cell * box.extent().maxCoeff(), 4 * smallest_side * coordinate);
-  for (bool more = true; more;) {
-    std::vector<Part<Dim>>& parts = levels.back();
-    const auto count = static_cast<Index>(parts.size());
-    parallel_for(count, 1 + count / 256, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) cut(points, leaf_size, smallest, parts[static_cast<std::size_t>(i)]);
-    });
-    std::vector<Part<Dim>> next;
-    for (Part<Dim>& part : parts) {
-      if (part.axis < 0) continue;
-      part.child = next.size();
-      Part<Dim> lower{part.begin, part.middle, part.cell}, upper{part.middle, part.end, part.cell};
-      lower.cell.hi[part.axis] = upper.cell.lo[part.axis] = part.split;
-      next.push_back(lower);
-      next.push_back(upper);
-    }
-    more = !next.empty();
-    if (more) levels.push_back(std::move(next));
-  }
-  return levels;
-}
+constexpr double margin = 1e-9;  // of the extent, around the points
 
 }  // namespace
 
@@ -108,35 +34,13 @@ Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth) 
     tree_.box.lo[a] -= pad;
     tree_.box.hi[a] += pad;
   }
-  std::vector<Located<Dim>> located(static_cast<std::size_t>(points.cols()));
-  for (Index i = 0; i < points.cols(); ++i)
-    located[static_cast<std::size_t>(i)] = {points.col(i), static_cast<std::uint32_t>(i)};
-  const auto levels = split_all(located, tree_.box, leaf_size);
-
-  // Preorder, so that cells follow each other as their points do.
-  struct Visit {
-    std::size_t level, part;
-    std::ptrdiff_t parent;  // node whose right child this is, or -1
-  };
+  std::vector<Located<Dim>> located;
+  CellNodes nodes = split_into_cells<Dim>(points, tree_.box, leaf_size, located);
+  tree_.axis = std::move(nodes.axis);
+  tree_.split = std::move(nodes.split);
+  tree_.right = std::move(nodes.right);
   begin_ = {0};
-  std::vector<Visit> stack = {{0, 0, -1}};
-  while (!stack.empty()) {
-    const Visit visit = stack.back();
-    stack.pop_back();
-    const Part<Dim>& part = levels[visit.level][visit.part];
-    const auto node = static_cast<std::uint32_t>(tree_.axis.size());
-    if (visit.parent >= 0) tree_.right[static_cast<std::size_t>(visit.parent)] = node;
-    tree_.axis.push_back(static_cast<std::int8_t>(part.axis));
-    tree_.split.push_back(part.split);
-    tree_.right.push_back(0);
-    if (part.axis < 0) {
-      tree_.right.back() = static_cast<std::uint32_t>(begin_.size() - 1);
-      begin_.push_back(part.end);
-    } else {
-      stack.push_back({visit.level + 1, part.child + 1, static_cast<std::ptrdiff_t>(node)});
-      stack.push_back({visit.level + 1, part.child, -1});
-    }
-  }
+  begin_.insert(begin_.end(), nodes.ends.begin(), nodes.ends.end());
   points_.resize(Dim, points.cols());
   order_.resize(located.size());
   for (std::size_t i = 0; i < located.size(); ++i) {

@@ -1,0 +1,227 @@
+#include "csrbf/approx/split_into_cells.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_work.hpp"
+
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr double nearest_end = 0.3;       // of a split to the ends of the side, as a share of it
+constexpr Index median_sample = 63;       // points that tell the median
+constexpr double smallest_cell = 1e-9;    // side, as a share of the extent
+constexpr Index enough_parts = 256;       // for many processes
+constexpr Index fewest_shared = 1 << 14;  // points whose cells take longer than telling others about them
+
+// A part of the points and its cell, on the way to the leaves.
+template <int Dim>
+struct Part {
+  Index begin, end;
+  Box<Dim> cell;
+  Index axis = -1;
+  double split = 0;
+  Index middle = 0;
+  std::size_t child = 0;  // the lower part, among the parts of the next level
+
+  [[nodiscard]] Part lower() const {
+    Part part{begin, middle, cell};
+    part.cell.hi[axis] = split;
+    return part;
+  }
+  [[nodiscard]] Part upper() const {
+    Part part{middle, end, cell};
+    part.cell.lo[axis] = split;
+    return part;
+  }
+};
+
+template <int Dim>
+double near_median(const Located<Dim>* points, Index n, Index axis) {
+  std::array<double, median_sample> sample;
+  const Index count = std::min(n, median_sample);
+  for (Index i = 0; i < count; ++i) sample[static_cast<std::size_t>(i)] = points[i * n / count].x[axis];
+  const auto middle = sample.begin() + count / 2;
+  std::nth_element(sample.begin(), middle, sample.begin() + count);
+  return *middle;
+}
+
+template <int Dim>
+void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, Part<Dim>& part) {
+  const Index n = part.end - part.begin;
+  if (n <= leaf_size) return;
+  const Point<Dim> extent = part.cell.extent();
+  Index axis = 0;
+  const double length = extent.maxCoeff(&axis);
+  if (!(length > smallest)) return;  // points that all but coincide
+  Located<Dim>* first = points.data() + part.begin;
+  const double lo = part.cell.lo[axis], hi = part.cell.hi[axis];
+  const double split = std::clamp(near_median(first, n, axis), lo + nearest_end * length, hi - nearest_end * length);
+  part.axis = axis;
+  part.split = split;
+  part.middle =
+      part.begin + (std::partition(first, first + n, [&](const Located<Dim>& p) { return p.x[axis] < split; }) - first);
+}
+
+// Splits level by level until there are enough parts for many processes: the parts of one level are independent of each
+// other. Those of the last level may be cut further.
+template <int Dim>
+std::vector<std::vector<Part<Dim>>> split_roughly(std::vector<Located<Dim>>& points, const Box<Dim>& box,
+                                                  Index leaf_size, double smallest) {
+  std::vector<std::vector<Part<Dim>>> levels = {{{0, static_cast<Index>(points.size()), box}}};
+  while (static_cast<Index>(levels.back().size()) < enough_parts) {
+    std::vector<Part<Dim>>& parts = levels.back();
+    parallel_for(static_cast<Index>(parts.size()), 1, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) cut(points, leaf_size, smallest, parts[static_cast<std::size_t>(i)]);
+    });
+    std::vector<Part<Dim>> next;
+    for (Part<Dim>& part : parts) {
+      if (part.axis < 0) continue;
+      part.child = next.size();
+      next.push_back(part.lower());
+      next.push_back(part.upper());
+    }
+    if (next.empty()) break;
+    levels.push_back(std::move(next));
+  }
+  return levels;
+}
+
+void add(CellNodes& nodes, const CellNodes& more) {
+  nodes.axis.insert(nodes.axis.end(), more.axis.begin(), more.axis.end());
+  nodes.split.insert(nodes.split.end(), more.split.begin(), more.split.end());
+  nodes.ends.insert(nodes.ends.end(), more.ends.begin(), more.ends.end());
+}
+
+template <int Dim>
+void add(CellNodes& nodes, const Part<Dim>& part) {
+  nodes.axis.push_back(static_cast<std::int8_t>(part.axis));
+  nodes.split.push_back(part.split);
+  if (part.axis < 0) nodes.ends.push_back(part.end);
+}
+
+void pack(const CellNodes& nodes, ByteWriter& out) {
+  out.put(nodes.axis.size());
+  out.put(nodes.ends.size());
+  out.put(nodes.axis.data(), static_cast<Index>(nodes.axis.size()));
+  out.put(nodes.split.data(), static_cast<Index>(nodes.split.size()));
+  out.put(nodes.ends.data(), static_cast<Index>(nodes.ends.size()));
+}
+
+void unpack(CellNodes& nodes, ByteReader& in) {
+  nodes.axis.resize(in.take<std::size_t>());
+  nodes.split.resize(nodes.axis.size());
+  nodes.ends.resize(in.take<std::size_t>());
+  in.take(nodes.axis.data(), static_cast<Index>(nodes.axis.size()));
+  in.take(nodes.split.data(), static_cast<Index>(nodes.split.size()));
+  in.take(nodes.ends.data(), static_cast<Index>(nodes.ends.size()));
+}
+
+// The nodes below a part, itself the first.
+template <int Dim>
+CellNodes split_all(std::vector<Located<Dim>>& points, const Part<Dim>& whole, Index leaf_size, double smallest) {
+  CellNodes branch;
+  std::vector<Part<Dim>> stack = {whole};
+  while (!stack.empty()) {
+    Part<Dim> part = stack.back();
+    stack.pop_back();
+    cut(points, leaf_size, smallest, part);
+    add(branch, part);
+    if (part.axis < 0) continue;
+    stack.push_back(part.upper());
+    stack.push_back(part.lower());
+  }
+  return branch;
+}
+
+template <int Dim>
+std::vector<CellNodes> split_all(std::vector<Located<Dim>>& located, const PointsRef<Dim>& points,
+                                 const std::vector<Part<Dim>>& parts, Index leaf_size, double smallest) {
+  std::vector<CellNodes> branches(parts.size());
+  const auto compute = [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      branches[i] = split_all(located, parts[i], leaf_size, smallest);
+  };
+  const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      csrbf::pack(branches[i], out);
+      for (Index k = parts[i].begin; k < parts[i].end; ++k) out.put(located[static_cast<std::size_t>(k)].id);
+    }
+  };
+  const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      csrbf::unpack(branches[i], in);
+      for (Index k = parts[i].begin; k < parts[i].end; ++k) {
+        const auto id = in.take<std::uint32_t>();
+        located[static_cast<std::size_t>(k)] = {points.col(id), id};
+      }
+    }
+  };
+  const auto count = static_cast<Index>(parts.size());
+  if (points.cols() < fewest_shared) {
+    parallel_for(count, 1, compute);
+  } else {
+    share_work({"cover", count, 1, compute, pack, unpack});
+  }
+  return branches;
+}
+
+// In preorder, the node after a cell is the upper part of the last split that has none yet.
+void link(CellNodes& nodes) {
+  nodes.right.resize(nodes.axis.size());
+  std::vector<std::size_t> open;
+  std::uint32_t cells = 0;
+  for (std::size_t node = 0; node < nodes.axis.size(); ++node) {
+    if (node > 0 && nodes.axis[node - 1] < 0) {
+      nodes.right[open.back()] = static_cast<std::uint32_t>(node);
+      open.pop_back();
+    }
+    if (nodes.axis[node] < 0) {
+      nodes.right[node] = cells++;
+    } else {
+      open.push_back(node);
+    }
+  }
+}
+
+}  // namespace
+
+template <int Dim>
+CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, Index leaf_size,
+                           std::vector<Located<Dim>>& located) {
+  located.resize(static_cast<std::size_t>(points.cols()));
+  for (Index i = 0; i < points.cols(); ++i)
+    located[static_cast<std::size_t>(i)] = {points.col(i), static_cast<std::uint32_t>(i)};
+  const double coordinate = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
+  const double smallest = std::max(smallest_cell * box.extent().maxCoeff(), 4 * smallest_side * coordinate);
+  const auto levels = split_roughly(located, box, leaf_size, smallest);
+  const std::vector<CellNodes> branches = split_all<Dim>(located, points, levels.back(), leaf_size, smallest);
+
+  CellNodes nodes;
+  std::vector<std::pair<std::size_t, std::size_t>> stack = {{0, 0}};  // level and part
+  while (!stack.empty()) {
+    const auto [level, i] = stack.back();
+    stack.pop_back();
+    if (level + 1 == levels.size()) {
+      add(nodes, branches[i]);
+      continue;
+    }
+    const Part<Dim>& part = levels[level][i];
+    add(nodes, part);
+    if (part.axis < 0) continue;
+    stack.push_back({level + 1, part.child + 1});
+    stack.push_back({level + 1, part.child});
+  }
+  link(nodes);
+  return nodes;
+}
+
+#define CSRBF_INSTANTIATE(Dim) \
+  template CellNodes split_into_cells<Dim>(const PointsRef<Dim>&, const Box<Dim>&, Index, std::vector<Located<Dim>>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
