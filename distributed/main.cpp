@@ -65,12 +65,8 @@ int run_on_ranks(int argc, char** argv) {
     MPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
   if (several && argc > 1 && std::strcmp(argv[1], "track") == 0)
     return fail("track writes a folder as it goes, which one process must do alone; run csrbf track");
-  const auto is_for_one = [](const char* argument) {
-    const std::string_view flag = argument;
-    return flag.starts_with("--resume") || flag.starts_with("--memory");
-  };
-  if (several && std::any_of(argv + 1, argv + argc, is_for_one))
-    return fail("--resume and --memory are for one process; run csrbf");
+  const auto is_resume = [](const char* argument) { return std::string_view(argument).starts_with("--resume"); };
+  if (several && std::any_of(argv + 1, argv + argc, is_resume)) return fail("--resume is for one process; run csrbf");
   if (ranks.agreement().rank() > 0) discard_files();
   app::set_processes(&ranks);
   if (several) {

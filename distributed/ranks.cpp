@@ -76,10 +76,14 @@ void Ranks::conclude(const std::function<void()>& work) {
 }
 
 void Ranks::describe(nlohmann::ordered_json& report) const {
-  double busy = cpu_seconds() - waiting_;
-  MPI_Allreduce(MPI_IN_PLACE, &busy, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  const auto largest = [this](double value) {
+    MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    return value;
+  };
+  report["peak_memory_mb"] = largest(report["peak_memory_mb"]);
+  if (report.contains("memory")) report["memory"]["peak_scratch_mb"] = largest(report["memory"]["peak_scratch_mb"]);
   report["ranks"] = agreement_.size();
-  report["busy_seconds"] = busy;
+  report["busy_seconds"] = largest(cpu_seconds() - waiting_);
   report["shared_work"] = to_json(traffic_);
 }
 

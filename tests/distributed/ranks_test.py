@@ -97,7 +97,7 @@ class Ranks(unittest.TestCase):
     def report(self, name):
         return json.loads(self.read(name))
 
-    def expect_same_mesh(self, *flags, shared_work=("fit", "evaluate", "polygonize")):
+    def expect_same_mesh(self, *flags, shared_work=("fit", "evaluate", "partition", "polygonize")):
         self.one("reconstruct", "points.xyz", "-o", "one.ply", *flags)
         self.four("reconstruct", "points.xyz", "-o", "four.ply", "--report", "four.json", *flags)
         self.assertEqual(self.read("one.ply"), self.read("four.ply"))
@@ -114,17 +114,31 @@ class Ranks(unittest.TestCase):
 
     def test_a_surface_with_estimated_normals_has_the_same_mesh(self):
         self.write("points.xyz", torus(10000, False))
-        self.expect_same_mesh("--normals", "estimate")
+        self.expect_same_mesh("--normals", "estimate", shared_work=("fit", "evaluate", "polygonize"))
 
     def test_a_surface_within_a_tolerance_has_the_same_mesh(self):
         self.write("points.xyz", torus(5000, True))
         # There are too few patches and cells for four.
         self.expect_same_mesh("--tolerance", "0.005", shared_work=("evaluate",))
 
+    def test_ranks_that_keep_data_in_files_make_the_same_mesh(self):
+        self.write("points.xyz", torus(60000, True))
+        self.one("reconstruct", "points.xyz", "-o", "one.ply")
+        result = self.run_program([*mpi_command(RANKS), "reconstruct", "points.xyz", "-o", "four.ply", "--threads", "1",
+                                   "--memory", "64MB", "--report", "four.json"])
+        if "these files are kept in memory" in result.stderr:
+            self.skipTest("--memory needs a disk, and temporary files are in memory")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(self.read("one.ply"), self.read("four.ply"))
+        self.assertGreater(self.report("four.json")["memory"]["peak_scratch_mb"], 0)
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ["four.json", "four.ply", "one.ply", "points.xyz"])
+
     def test_a_partition_of_unity_and_its_values_are_the_same(self):
         self.write("samples.csv", samples(60000))
         self.one("fit", "samples.csv", "-o", "one.csrbf", "--method", "partition-of-unity")
-        self.four("fit", "samples.csv", "-o", "four.csrbf", "--method", "partition-of-unity")
+        self.four("fit", "samples.csv", "-o", "four.csrbf", "--method", "partition-of-unity", "--report", "four.json")
+        for name, traffic in self.report("four.json")["shared_work"].items():
+            self.assertLess(traffic["computed"], 0.6 * traffic["items"], name)
         places = (row.rsplit(",", 1)[0] for row in samples(5000, 3).split())
         self.write("places.csv", "\n".join(places) + "\n")
         for flags in (["--grid", "300,200"], ["--points", "places.csv", "--gradient"]):
@@ -163,7 +177,7 @@ class Ranks(unittest.TestCase):
                 (["reconstruct", "points.xyz", "-o", "mesh.ply", "--tolerance", "1e-9"], 1, "tolerance"),
                 (["reconstruct", "points.xyz", "-o", "nowhere/mesh.ply"], 1, "nowhere/mesh.ply"),
                 (["reconstruct", "points.xyz", "-o", "mesh.ply", "--resolution", "-4"], 2, "resolution"),
-                (["reconstruct", "points.xyz", "-o", "mesh.ply", "--memory", "1GB"], 2, "one process"),
+                (["reconstruct", "points.xyz", "-o", "mesh.ply", "--resume"], 2, "one process"),
                 (["track", "points.xyz", "-o", "folder"], 2, "one process")):
             with self.subTest(arguments=arguments):
                 result = self.run_program([*mpi_command(RANKS), *arguments])
