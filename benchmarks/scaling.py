@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """Measures csrbf-mpi on 1, 2 and 4 ranks, counts what more ranks would exchange, and writes a page of tables.
 
-usage: scaling.py [--csrbf-mpi PROGRAM] [--size N] [--work DIR] [--output FILE]
+usage: scaling.py [--csrbf-mpi PROGRAM] [--size N] [--group DIR] [--work DIR] [--output FILE]
 
   --csrbf-mpi PROGRAM  default: build/distributed/bin/csrbf-mpi
   --size N             points of the strong runs; the weak ones have N / 2 per rank (default: 200000)
+  --group DIR          a memory control group (version 1) whose limit may be set: measures what --memory pages where
+                       the node is short of memory; default: it does not
   --work DIR           keeps clouds, samples and reports; default: build/scaling
   --output FILE        default: benchmarks/SCALING.md
 
@@ -15,6 +17,7 @@ import argparse
 import datetime
 import json
 import os
+import resource
 import subprocess
 import time
 from pathlib import Path
@@ -27,6 +30,8 @@ NODES = 64
 GOAL = 10**9
 BANDWIDTH = 1e9  # bytes per second and node of the extrapolation: a network of 10 Gbit/s
 NODE_MEMORY = 256e9
+DISK = 1e9  # bytes per second that a node reads and writes
+CAP_SHARE = 0.9  # of the memory of a node, for --memory
 
 
 def torus(n):
@@ -54,8 +59,8 @@ class Runner:
         self.program, self.folder = program, folder
         folder.mkdir(parents=True, exist_ok=True)
 
-    def run(self, job, n, ranks, pretend=False):
-        make, flags = JOBS[job]
+    def run(self, job, n, ranks, pretend=False, flags=(), group=None):
+        make, job_flags = JOBS[job]
         data = self.folder / f"{job}_{n}.npy"
         if not data.exists():
             np.save(data, make(n))
@@ -64,12 +69,28 @@ class Runner:
                    *(["--allow-run-as-root"] if os.geteuid() == 0 else []), str(self.program),
                    *(["--pretend-ranks", str(ranks)] if pretend else [])]
         report = self.folder / "report.json"
-        start = time.time()
-        subprocess.run([*command, job, str(data), *flags, "--threads", "1", "--report", str(report), "--quiet"],
-                       cwd=self.folder, check=True, env=dict(os.environ, OMP_NUM_THREADS="1"))
-        result = json.loads(report.read_text())
+        start, before = time.time(), resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([*command, job, str(data), *job_flags, *flags, "--threads", "1", "--report", str(report),
+                        "--quiet"], cwd=self.folder, check=True, env=dict(os.environ, OMP_NUM_THREADS="1"),
+                       preexec_fn=group and group.enter)
+        result, after = json.loads(report.read_text()), resource.getrusage(resource.RUSAGE_CHILDREN)
         result["wall"] = time.time() - start
+        result["read"], result["written"] = (512 * (getattr(after, key) - getattr(before, key))
+                                             for key in ("ru_inblock", "ru_oublock"))
         return result
+
+
+class Group:
+    """A memory control group: what its processes use and what the system keeps of their files is limited."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def limit(self, size):
+        (self.folder / "memory.limit_in_bytes").write_text(str(int(size)))
+
+    def enter(self):
+        (self.folder / "cgroup.procs").write_text(str(os.getpid()))
 
 
 def total(shared, key):
@@ -127,7 +148,7 @@ class Model:
     """What one rank does: lines through two runs that pretended to be of many ranks, and two of one rank."""
 
     def __init__(self, runner, job, sizes, alone):
-        self.job = job
+        self.job, self.sizes, self.paged = job, sizes, {}
         runs = [runner.run(job, n, NODES, pretend=True) for n in sizes]
         self.works = {}
         for name, first in runs[1]["shared_work"][0].items():
@@ -153,6 +174,17 @@ class Model:
         """Relative error of the model's bytes against a count for another number of points."""
         counted = runner.run(self.job, n, NODES, pretend=True)["shared_work"]
         return self.sum("bytes", n) / sum(total(rank, "sent_bytes") for rank in counted) - 1
+
+    def page(self, runner, group):
+        """Bytes read, written and kept on disk per point where memory is as short as at the goal, by points."""
+        share = NODE_MEMORY / self.memory(GOAL)
+        if group is None or share >= 1:
+            return
+        for n in (2 * self.sizes[1], 4 * self.sizes[1]):  # enough that a cap is above the least
+            limit = share * self.memory(n)
+            group.limit(limit)
+            run = runner.run(self.job, n, 1, flags=["--memory", f"{CAP_SHARE * limit / 1e6:.0f}MB"], group=group)
+            self.paged[n] = [run["read"] / n, run["written"] / n, run["memory"]["peak_scratch_mb"] * 2**20 / n]
 
     def rows(self):
         for name, work in self.works.items():
@@ -202,7 +234,7 @@ model's by {errors}.
 With b(n) bytes and t(n) seconds of shared work, u(n) seconds of other work and m(n) bytes of memory for n points, each
 of P ranks
 
-* holds m(n) bytes, whatever P: points, trees, patches and mesh are replicated;
+* holds m(n) bytes, whatever P: points, trees, patches and mesh are replicated, in memory or, with `--memory`, on disk;
 * computes t(n) / P + u(n) seconds (Amdahl's law);
 * sends b(n) / P bytes and receives b(n) (P - 1) / P of them;
 * takes part in an agreement per work and in two collective calls per 64 MB of all results.
@@ -221,18 +253,31 @@ def verdict(model):
     limit = (NODE_MEMORY - model.memory.offset) / model.memory.slope
     shared, other = model.sum("seconds", GOAL), model.other(GOAL)
     return (f"* `{model.job}`: every rank would hold {model.memory(GOAL) / 1e9:,.0f} GB. With "
-            f"{NODE_MEMORY / 1e9:.0f} GB per node the replicated data end it at {limit:.1e} points, however many nodes "
-            f"there are.\n  "
+            f"{NODE_MEMORY / 1e9:.0f} GB per node the replicated data end it at {limit:.1e} points without "
+            f"`--memory`, however many nodes there are.\n  "
             f"{100 * shared / (shared + other):.0f} % of the work is shared: the gain cannot exceed "
-            f"{1 + shared / other:.1f} at one thread per rank.\n")
+            f"{1 + shared / other:.1f} at one thread per rank.\n") + paging(model)
+
+
+def paging(model):
+    if not model.paged:
+        return ""
+    read, written, scratch = (GOAL * value for value in model.paged[max(model.paged)])
+    measured = ", ".join(f"{read:.0f} and {written:.0f} bytes per point for {n:,} points"
+                         for n, (read, written, _) in model.paged.items())
+    return (f"  Under `--memory {CAP_SHARE * NODE_MEMORY / 1e9:.0f}GB` a node would read {read / 1e9:,.0f} GB and "
+            f"write {written / 1e9:,.0f} GB, which take {(read + written) / DISK:,.0f} s at {DISK / 1e9:.0f} GB/s, and "
+            f"need {scratch / 1e9:,.0f} GB of room on its disk. Measured where memory, with what the system keeps of "
+            f"files, was short in the same proportion: {measured}.\n")
 
 
 ADVICE = """
 Up to there, ranks save time as long as work that is not shared is the smaller part; give each rank all cores of its
-node, since loops that are not shared work use them too. Beyond, cut the data: tiles of the cloud with a margin of a few
-supports, one run each. To go further in one run, patches would have to live only on the ranks whose region they reach,
-and points with them: the fits need no more than that, but the orientation of normals and the winding number far from
-the points look at everything.
+node, since loops that are not shared work use them too. Beyond, give each rank a cap and a disk of its own
+(`--memory SIZE --scratch DIR`), or cut the data: tiles of the cloud with a margin of a few supports, one run each. To
+go further in one run, patches would have to live only on the ranks whose region they reach, and points with them: the
+fits need no more than that, but the orientation of normals and the winding number far from the points look at
+everything.
 """
 
 
@@ -240,6 +285,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--csrbf-mpi", type=Path, default=PROJECT / "build/distributed/bin/csrbf-mpi")
     parser.add_argument("--size", type=int, default=200000)
+    parser.add_argument("--group", type=Path)
     parser.add_argument("--work", type=Path, default=PROJECT / "build/scaling")
     parser.add_argument("--output", type=Path, default=PROJECT / "benchmarks/SCALING.md")
     options = parser.parse_args()
@@ -247,6 +293,8 @@ def main():
     load = os.getloadavg()[0]
     measured = {job: measure(runner, job, size) for job in JOBS}
     models = [Model(runner, job, [size // 2, size], alone) for job, (_, alone) in measured.items()]
+    for model in models:
+        model.page(runner, options.group and Group(options.group.resolve()))
     other = size // 4 * 3
     errors = ", ".join(f"{100 * model.check(runner, other):+.1f} % (`{model.job}`)" for model in models)
     model_text = "\n".join(
