@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/radix_sort.hpp"
 
 #include <array>
 #include <cmath>
@@ -35,24 +36,6 @@ std::uint64_t morton_code(const Point<Dim>& unit) {
       code |= spread_bytes<Dim>[cell >> (8 * byte) & 255U] << (8 * byte * Dim + axis);
   }
   return code;
-}
-
-struct Keyed {
-  std::uint32_t key, index;
-};
-
-// Stable, by the least significant digit first.
-void radix_sort(std::vector<Keyed>& items) {
-  constexpr int digit_bits = 11;
-  constexpr std::uint32_t mask = (1U << digit_bits) - 1;
-  std::vector<Keyed> sorted(items.size());
-  for (int shift = 0; shift < 32; shift += digit_bits) {
-    std::array<std::uint32_t, mask + 2> next{};
-    for (const Keyed& item : items) ++next[(item.key >> shift & mask) + 1];
-    for (std::size_t d = 1; d < next.size(); ++d) next[d] += next[d - 1];
-    for (const Keyed& item : items) sorted[next[item.key >> shift & mask]++] = item;
-    items.swap(sorted);
-  }
 }
 
 }  // namespace
