@@ -71,6 +71,62 @@ TEST(LaneSums, AreZeroForNoMonomials) {
   EXPECT_EQ(f, std::vector<double>(static_cast<std::size_t>(3 * L), 0.0));
 }
 
+template <int Dim>
+void expect_nested_polynomials(int degree) {
+  const Polynomials<Dim> basis(degree);
+  const Index Q = basis.size();
+  const std::vector<double> x = random_numbers(L * Dim, 1), c = random_numbers(Q, 2);
+  std::vector<double> nested, f(L);
+  for (const Index j : nested_order(basis)) nested.push_back(c[static_cast<std::size_t>(j)]);
+  lane_sums::nested_polynomial(x.data(), Dim, degree, nested.data(), f.data());
+  for (int l = 0; l < L; ++l) {
+    Eigen::RowVectorXd monomials(Q);
+    basis.rows(lane<Dim>(x, l), monomials.data());
+    EXPECT_NEAR(f[static_cast<std::size_t>(l)], monomials * Eigen::Map<const Eigen::VectorXd>(c.data(), Q),
+                100 * rounding)
+        << Dim << " " << degree;
+  }
+}
+
+TEST(LaneSums, EvaluateNestedPolynomials) {
+  for (int degree = 0; degree <= 8; ++degree) {
+    expect_nested_polynomials<1>(degree);
+    expect_nested_polynomials<2>(degree);
+    expect_nested_polynomials<3>(degree);
+  }
+  expect_nested_polynomials<4>(3);
+  expect_nested_polynomials<5>(3);
+  expect_nested_polynomials<6>(3);
+}
+
+// Ranges of every length up to a few lanes, in and out of step with them.
+template <int Dim>
+void expect_points_inside() {
+  constexpr std::uint32_t n = 3 * L;
+  const std::vector<double> x = random_numbers((n + L) * Dim, 1);
+  const Point<Dim> center = Point<Dim>::Constant(.1), half = Point<Dim>::Constant(.8);
+  for (const std::uint32_t begin : {0U, 3U})
+    for (std::uint32_t end = begin; end <= n; ++end) {
+      std::vector<std::uint32_t> found(n + L), expected;
+      found.resize(lane_sums::inside(x.data(), n + L, Dim, begin, end, center.data(), half.data(), found.data()));
+      for (std::uint32_t i = begin; i < end; ++i) {
+        Point<Dim> p;
+        for (std::uint32_t a = 0; a < Dim; ++a) p[a] = x[(n + L) * a + i];
+        if (((p - center).cwiseAbs().array() < half.array()).all()) expected.push_back(i);
+      }
+      EXPECT_EQ(found, expected) << Dim << " " << begin << " " << end;
+    }
+}
+
+TEST(LaneSums, FindThePointsInsideABox) {
+  expect_points_inside<1>();
+  expect_points_inside<2>();
+  expect_points_inside<3>();
+  expect_points_inside<4>();
+  expect_points_inside<5>();
+  expect_points_inside<6>();
+}
+
 // Sums of alpha_j phi_j with given numbers for phi, g and h, lane by lane from the formulas.
 template <int Dim>
 void expect_sums(Index n) {

@@ -34,6 +34,7 @@ Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& out
 
 template <int Dim>
 std::vector<Index> FittedField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
+  if (frame_.periods.isZero() && frame_.scales == Point<Dim>::Ones()) return repeated_->evaluation_order(x);
   Points<Dim> y(Dim, x.cols());
   parallel_for(x.cols(), 4096, [&](Index begin, Index end) {
     std::array<bool, Dim> outside;

@@ -2,6 +2,8 @@
 
 #include "csrbf/core/lanes.hpp"
 
+#include <cmath>
+
 namespace csrbf::lane_sums {
 namespace {
 
@@ -39,7 +41,90 @@ CSRBF_ALWAYS_INLINE void distances_in(int dim, const double* x, const double* ce
   }
 }
 
+// The polynomial of a degree in the first A + 1 variables whose coefficients come next.
+template <int A>
+CSRBF_ALWAYS_INLINE void horner(const double* x, int degree, const double*& c, Lanes& p) {
+  const Lanes variable(x + lanes * A);
+  if constexpr (A == 0) {
+    p = Lanes(*c++);
+    for (int d = 0; d < degree; ++d) {
+      p *= variable;
+      p += *c++;
+    }
+  } else {
+    horner<A - 1>(x, 0, c, p);
+    for (int d = 1; d <= degree; ++d) {
+      Lanes row;
+      horner<A - 1>(x, d, c, row);
+      row.add_product(p, variable);
+      p = row;
+    }
+  }
+}
+
+template <int Dim>
+CSRBF_ALWAYS_INLINE std::size_t inside_in(const double* x, std::size_t stride, std::uint32_t begin, std::uint32_t end,
+                                          const double* center, const double* half, std::uint32_t* found) {
+  std::size_t count = 0;
+  for (std::uint32_t i = begin; i < end; i += lanes) {
+    std::int64_t is_inside[lanes];
+    for (int l = 0; l < lanes; ++l) is_inside[l] = i + static_cast<std::uint32_t>(l) < end ? 1 : 0;
+    for (std::size_t a = 0; a < Dim; ++a) {
+      const double* y = x + stride * a + i;
+      for (int l = 0; l < lanes; ++l) is_inside[l] &= std::abs(y[l] - center[a]) < half[a] ? 1 : 0;
+    }
+    for (int l = 0; l < lanes; ++l) {
+      found[count] = i + static_cast<std::uint32_t>(l);
+      count += static_cast<std::size_t>(is_inside[l]);
+    }
+  }
+  return count;
+}
+
 }  // namespace
+
+CSRBF_SIMD_CLONES void nested_polynomial(const double* x, int dim, int degree, const double* c, double* f) {
+  Lanes p;
+  switch (dim) {
+    case 1:
+      horner<0>(x, degree, c, p);
+      break;
+    case 2:
+      horner<1>(x, degree, c, p);
+      break;
+    case 3:
+      horner<2>(x, degree, c, p);
+      break;
+    case 4:
+      horner<3>(x, degree, c, p);
+      break;
+    case 5:
+      horner<4>(x, degree, c, p);
+      break;
+    default:
+      horner<5>(x, degree, c, p);
+  }
+  p.store(f);
+}
+
+CSRBF_SIMD_CLONES std::size_t inside(const double* x, std::size_t stride, int dim, std::uint32_t begin,
+                                     std::uint32_t end, const double* center, const double* half,
+                                     std::uint32_t* found) {
+  switch (dim) {
+    case 1:
+      return inside_in<1>(x, stride, begin, end, center, half, found);
+    case 2:
+      return inside_in<2>(x, stride, begin, end, center, half, found);
+    case 3:
+      return inside_in<3>(x, stride, begin, end, center, half, found);
+    case 4:
+      return inside_in<4>(x, stride, begin, end, center, half, found);
+    case 5:
+      return inside_in<5>(x, stride, begin, end, center, half, found);
+    default:
+      return inside_in<6>(x, stride, begin, end, center, half, found);
+  }
+}
 
 CSRBF_SIMD_CLONES void polynomial(const double* x, int dim, const std::int16_t* parent, const std::int16_t* axis,
                                   Index n, const double* c, int terms, double* jets, double* f) {

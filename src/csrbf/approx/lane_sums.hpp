@@ -21,6 +21,16 @@ void distances(const double* x, int dim, const double* centers, Index n, double 
 void polynomial(const double* x, int dim, const std::int16_t* parent, const std::int16_t* axis, Index n,
                 const double* c, int terms, double* jets, double* f);
 
+/// p(x) for polynomials of `dim` <= 6 variables and a degree >= 0 in Horner's form, with the coefficients c in the
+/// order of `nested_order`.
+void nested_polynomial(const double* x, int dim, int degree, const double* c, double* f);
+
+/// Writes to `found` the i in [begin, end) with |x_i - center| < half along every axis, ascending, and returns how many
+/// there are; coordinate a of x_i is at x[stride a + i]. Up to 7 numbers behind `end` are read, and behind the last i
+/// found written.
+std::size_t inside(const double* x, std::size_t stride, int dim, std::uint32_t begin, std::uint32_t end,
+                   const double* center, const double* half, std::uint32_t* found);
+
 /// W[i] += w weight[i] and S[i] += w weight[i] p(q[i]) for n values, a multiple of 8, of the polynomial p with the
 /// coefficients c[0 .. degree], that of the constant first; S and W are apart.
 void add_row(const double* q, const double* weight, Index n, const double* c, int degree, double w, double* W,

@@ -59,6 +59,8 @@ LocalEvaluator<Dim>::LocalEvaluator(const LocalModels<Dim>& models) : models_(mo
     parent_.push_back(static_cast<std::int16_t>(step.parent));
     axis_.push_back(static_cast<std::int16_t>(step.axis));
   }
+  nested_order_ = nested_order(basis);
+  nested_.resize(nested_order_.size());
   const auto M = static_cast<std::size_t>(lanes * models.centers_each);
   q_.resize(Dim * lanes);
   monomial_.resize(static_cast<std::size_t>(lanes * terms * basis.size()));
@@ -80,10 +82,19 @@ void LocalEvaluator<Dim>::evaluate(Index i, Index component, const double* x, De
   if (metric != nullptr) into_metric<Dim>(metric, q_.data());
   const double* q = q_.data();
 
-  // The polynomial.
+  // The polynomial; its coefficients are put in order once for all points of a model.
   const Index Q = models_.polynomial_size();
-  const double* c = models_.polynomial.data() + (i * models_.components + component) * Q;
-  lane_sums::polynomial(q, Dim, parent_.data(), axis_.data(), Q, c, wanted, monomial_.data(), f[0]);
+  const Index first = (i * models_.components + component) * Q;
+  const double* c = models_.polynomial.data() + first;
+  if (wanted > 1) lane_sums::polynomial(q, Dim, parent_.data(), axis_.data(), Q, c, wanted, monomial_.data(), f[0]);
+  if (Q == 0) {
+    std::fill_n(f[0], lanes, 0.0);
+  } else {  // the same value, whatever else is wanted
+    if (first != first_)
+      std::transform(nested_order_.begin(), nested_order_.end(), nested_.begin(), [&](Index j) { return c[j]; });
+    first_ = first;
+    lane_sums::nested_polynomial(q, Dim, models_.degree, nested_.data(), f[0]);
+  }
 
   // The radial functions.
   const Index M = models_.centers_each;

@@ -51,6 +51,9 @@ class LocalEvaluator {
  private:
   const LocalModels<Dim>& models_;
   std::vector<std::int16_t> parent_, axis_;  // of the monomials
+  std::vector<Index> nested_order_;
+  std::vector<double> nested_;  // coefficients of the model that was last evaluated ...
+  Index first_ = -1;            // ... and the place of its first one
   std::vector<double> q_, monomial_, r2_, phi_, g_, h_;
 };
 

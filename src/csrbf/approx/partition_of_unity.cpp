@@ -5,6 +5,7 @@
 #include "csrbf/approx/lane_sums.hpp"
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/spatial/radix_sort.hpp"
 
 #include <array>
 #include <cmath>
@@ -70,25 +71,20 @@ class Evaluation {
     const auto n = static_cast<std::size_t>(x.cols()), size = static_cast<std::size_t>(wanted_);
     W_.assign(n * size, 0.0);
     S_.assign(n * size, 0.0);
-    inside_.resize(n);
+    inside_.resize(n + lanes);
     for (std::size_t begin = 0, end = 0; begin < visits_.size(); begin = end) {
-      while (end < visits_.size() && visits_[end].support == visits_[begin].support) ++end;
+      while (end < visits_.size() && visits_[end].key == visits_[begin].key) ++end;
       add_support(begin, end);
     }
     for (std::size_t k = 0; k < n; ++k) {
-      const Index i = order_[k].second;
+      const Index i = order_[k].index;
       std::array<bool, Dim> outside;
-      for (std::size_t a = 0; a < Dim; ++a) outside[a] = x_[n * a + k] != x(static_cast<Index>(a), i);
+      for (std::size_t a = 0; a < Dim; ++a) outside[a] = x_[stride() * a + k] != x(static_cast<Index>(a), i);
       store_quotient<Dim>(W_.data() + size * k, S_.data() + size * k, outside, i, out_);
     }
   }
 
  private:
-  // Points [begin, end) of the order, which are in one cell that the support reaches into.
-  struct Visit {
-    std::uint32_t support, begin, end;
-  };
-
   void sort_by_cell(const PointsRef<Dim>& x) {
     const Cover<Dim>& cover = data_.cover;
     const auto n = static_cast<std::size_t>(x.cols());
@@ -98,43 +94,44 @@ class Evaluation {
       if (i == 0 || !cover.cell(cell).contains(x.col(i))) cell = static_cast<std::uint32_t>(cover.find(x.col(i)));
       order_[static_cast<std::size_t>(i)] = {cell, static_cast<std::uint32_t>(i)};
     }
-    std::sort(order_.begin(), order_.end());
-    x_.resize(Dim * n);
-    for (std::size_t k = 0; k < n; ++k)
-      for (int a = 0; a < Dim; ++a)
-        x_[n * static_cast<std::size_t>(a) + k] =
-            std::clamp(x(a, order_[k].second), cover.box().lo[a], cover.box().hi[a]);
+    const auto before = [](const Keyed& a, const Keyed& b) { return a.key < b.key; };
+    if (!std::is_sorted(order_.begin(), order_.end(), before))
+      radix_sort(order_, static_cast<std::uint32_t>(cover.size()));
+    x_.resize(Dim * (n + lanes));
+    for (std::size_t a = 0; a < Dim; ++a) {
+      const auto axis = static_cast<Index>(a);
+      const double lo = cover.box().lo[axis], hi = cover.box().hi[axis];
+      for (std::size_t k = 0; k < n; ++k) x_[stride() * a + k] = std::clamp(x(axis, order_[k].index), lo, hi);
+      std::fill_n(x_.data() + stride() * a + n, lanes, lo);
+    }
+    runs_.clear();
     visits_.clear();
     for (std::uint32_t begin = 0, end = 0; begin < n; begin = end) {
-      while (end < n && order_[end].first == order_[begin].first) ++end;
-      for (const std::uint32_t support : cover.supports_over(order_[begin].first))
-        visits_.push_back({support, begin, end});
+      while (end < n && order_[end].key == order_[begin].key) ++end;
+      for (const std::uint32_t support : cover.supports_over(order_[begin].key))
+        visits_.push_back({support, static_cast<std::uint32_t>(runs_.size())});
+      runs_.push_back({begin, end});
     }
-    std::sort(visits_.begin(), visits_.end(), [](const Visit& a, const Visit& b) {
-      return a.support != b.support ? a.support < b.support : a.begin < b.begin;
-    });
+    radix_sort(visits_, static_cast<std::uint32_t>(cover.size()));
   }
 
   // All visits to one support.
   void add_support(std::size_t first, std::size_t last) {
-    const std::uint32_t support = visits_[first].support;
+    const std::uint32_t support = visits_[first].key;
     const Box<Dim>& cell = data_.cover.cell(support);
     const Point<Dim> center = cell.center(), half = 0.5 * data_.cover.growth() * cell.extent();
-    const std::size_t n = order_.size();
     std::size_t count = 0;
-    for (std::size_t v = first; v < last; ++v)
-      for (std::uint32_t k = visits_[v].begin; k < visits_[v].end; ++k) {
-        bool is_inside = true;
-        for (int a = 0; a < Dim; ++a)
-          is_inside &= std::abs(x_[n * static_cast<std::size_t>(a) + k] - center[a]) < half[a];
-        inside_[count] = k;
-        count += is_inside ? 1 : 0;
-      }
+    for (std::size_t v = first; v < last; ++v) {
+      const auto [begin, end] = runs_[visits_[v].index];
+      count +=
+          lane_sums::inside(x_.data(), stride(), Dim, begin, end, center.data(), half.data(), inside_.data() + count);
+    }
     for (std::size_t begin = 0; begin < count; begin += lanes) {
       const std::size_t used = std::min<std::size_t>(lanes, count - begin);
-      for (std::size_t l = 0; l < lanes; ++l)
-        for (std::size_t a = 0; a < Dim; ++a)
-          lane_x_[lanes * a + l] = x_[n * a + inside_[begin + std::min(l, used - 1)]];
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const std::uint32_t k = inside_[begin + std::min(l, used - 1)];
+        for (std::size_t a = 0; a < Dim; ++a) lane_x_[lanes * a + l] = x_[stride() * a + k];
+      }
       lane_sums::box_weights(lane_x_, Dim, center.data(), half.data(), wanted_, w_[0]);
       evaluator_.evaluate(support, component_, lane_x_, derivatives_, f_);
       for (std::size_t l = 0; l < used; ++l) {
@@ -144,14 +141,22 @@ class Evaluation {
     }
   }
 
+  // From one coordinate to the next: lanes may read beyond the last point.
+  [[nodiscard]] std::size_t stride() const { return order_.size() + lanes; }
+
+  struct Run {
+    std::uint32_t begin, end;
+  };
+
   const typename PartitionOfUnity<Dim>::Data& data_;
   Index component_;
   JetBlock out_;
   Derivatives derivatives_ = out_.derivatives();
   int wanted_ = derivatives_ == Derivatives::none ? 1 : derivatives_ == Derivatives::gradient ? 1 + Dim : terms<Dim>;
   LocalEvaluator<Dim> evaluator_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> order_;  // cell, point
-  std::vector<Visit> visits_;
+  std::vector<Keyed> order_;           // points by cell
+  std::vector<Run> runs_;              // of points in the same cell
+  std::vector<Keyed> visits_;          // runs, by the supports that reach into their cells
   std::vector<double> x_;              // by coordinate, in order, moved into the box
   std::vector<double> W_, S_;          // sums of the weights and of the weighted functions, point by point
   std::vector<std::uint32_t> inside_;  // points of a support

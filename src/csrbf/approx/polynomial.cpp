@@ -3,6 +3,9 @@
 #include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 namespace csrbf {
 
 template <int Dim>
@@ -81,7 +84,20 @@ void Polynomials<Dim>::rows(const PointsRef<Dim>& x, double* value, double* grad
   }
 }
 
-#define CSRBF_INSTANTIATE(Dim) template class Polynomials<Dim>;
+template <int Dim>
+std::vector<Index> nested_order(const Polynomials<Dim>& basis) {
+  std::vector<Index> order(static_cast<std::size_t>(basis.size()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::sort(order.begin(), order.end(), [&](Index i, Index j) {
+    const auto &a = basis.exponents(i), &b = basis.exponents(j);
+    return std::lexicographical_compare(b.rbegin(), b.rend(), a.rbegin(), a.rend());
+  });
+  return order;
+}
+
+#define CSRBF_INSTANTIATE(Dim)     \
+  template class Polynomials<Dim>; \
+  template std::vector<Index> nested_order<Dim>(const Polynomials<Dim>&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

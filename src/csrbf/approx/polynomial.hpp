@@ -54,4 +54,9 @@ class Polynomials {
   std::vector<Step> steps_;
 };
 
+/// The monomials in the order in which Horner's scheme takes their coefficients: by the power of the last variable, the
+/// highest first, then by that of the one before it, and so on.
+template <int Dim>
+std::vector<Index> nested_order(const Polynomials<Dim>& basis);
+
 }  // namespace csrbf
