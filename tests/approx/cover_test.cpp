@@ -71,6 +71,42 @@ Points<Dim> near_duplicates(Index count) {
   return points;
 }
 
+// The points of each cell, in the order of their numbers.
+template <int Dim>
+std::vector<std::vector<std::uint32_t>> members(const Cover<Dim>& cover) {
+  std::vector<std::vector<std::uint32_t>> cells;
+  Index next = 0;
+  for (Index cell = 0; cell < cover.size(); next += cover.count(cell++)) {
+    const auto first = cover.order().begin() + next;
+    cells.emplace_back(first, first + cover.count(cell));
+    std::sort(cells.back().begin(), cells.back().end());
+  }
+  return cells;
+}
+
+template <int Dim>
+void expect_same_cover_of_sorted_points(const Points<Dim>& points) {
+  constexpr Index leaf_size = 20;
+  const Cover<Dim> direct(points, leaf_size, 1.5);
+  for (const Index other : {1, 7, 20, 90, 1000}) {
+    const Cover<Dim> again(Cover<Dim>(points, other, 1.5, CoverUse::fitting), leaf_size);
+    EXPECT_EQ(again.tree().axis, direct.tree().axis) << other;
+    EXPECT_EQ(again.tree().split, direct.tree().split) << other;
+    EXPECT_EQ(again.tree().right, direct.tree().right) << other;
+    EXPECT_EQ(members(again), members(direct)) << other;
+    for (Index cell = 0; cell < direct.size(); ++cell)
+      EXPECT_TRUE(std::ranges::equal(again.supports_over(cell), direct.supports_over(cell)));
+    for (Index i = 0; i < points.cols(); ++i)
+      EXPECT_EQ(again.points().col(i), points.col(again.order()[static_cast<std::size_t>(i)]));
+  }
+}
+
+TEST(Cover, IsTheSameWhenItsPointsWereSortedIntoOtherCells) {
+  expect_same_cover_of_sorted_points<1>(random_points<1>(500, 1));
+  expect_same_cover_of_sorted_points<2>(clusters<2>(500));
+  expect_same_cover_of_sorted_points<3>(near_duplicates<3>(500));
+}
+
 TEST(Cover, TilesTheBoxOfItsPointsWithCells) {
   expect_cover<1>(random_points<1>(500, 1), 7);
   expect_cover<2>(random_points<2>(500, 1), 7);

@@ -42,10 +42,8 @@ constexpr double fractal_support = 8;
 template <int Dim>
 class CrossValidation {
  public:
-  explicit CrossValidation(const Samples<Dim>& samples)
-      : cover_(samples.points, few, cover_growth<Dim>),
-        values_(samples.size(), samples.components()),
-        weights_(samples.weights.size()) {
+  CrossValidation(const Samples<Dim>& samples, const Cover<Dim>& cover)
+      : cover_(cover), values_(samples.size(), samples.components()), weights_(samples.weights.size()) {
     for (Index i = 0; i < samples.size(); ++i) {
       const Index from = cover_.order()[static_cast<std::size_t>(i)];
       values_.row(i) = samples.values.row(from);
@@ -134,7 +132,7 @@ class CrossValidation {
     }
   }
 
-  Cover<Dim> cover_;
+  const Cover<Dim>& cover_;
   Eigen::MatrixXd values_;
   Eigen::VectorXd weights_;
   std::vector<Index> cells_;
@@ -149,10 +147,10 @@ const double share_of_sample = 1.25 * 0.72 * std::pow(cover_growth<Dim>, Dim);
 template <int Dim>
 class Chooser {
  public:
-  Chooser(const Samples<Dim>& samples, const PartitionOfUnityOptions& given)
+  Chooser(const Samples<Dim>& samples, const Cover<Dim>& cover, const PartitionOfUnityOptions& given)
       : given_(given),
         samples_(samples),
-        validation_(samples),
+        validation_(samples, cover),
         size_(samples.size()),
         range_((samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff()),
         haste_(given.accuracy > 0
@@ -357,12 +355,27 @@ class Chooser {
 }  // namespace
 
 template <int Dim>
-ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const PartitionOfUnityOptions& given) {
-  if (samples.weights.size() == 0) return Chooser<Dim>(samples, given).choose();
-  return Chooser<Dim>(normalize_weights(samples), given).choose();
+Cover<Dim> cover_to_choose_by(const Samples<Dim>& samples) {
+  return {samples.points, few, cover_growth<Dim>, CoverUse::fitting};
 }
 
-#define CSRBF_INSTANTIATE(Dim) \
+template <int Dim>
+ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const Cover<Dim>& cover,
+                                        const PartitionOfUnityOptions& given) {
+  return Chooser<Dim>(samples, cover, given).choose();
+}
+
+template <int Dim>
+ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const PartitionOfUnityOptions& given) {
+  const Cover<Dim> cover = cover_to_choose_by(samples);
+  if (samples.weights.size() == 0) return choose_local_options(samples, cover, given);
+  return choose_local_options(normalize_weights(samples), cover, given);
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                  \
+  template Cover<Dim> cover_to_choose_by<Dim>(const Samples<Dim>&);                             \
+  template ChosenLocalOptions choose_local_options<Dim>(const Samples<Dim>&, const Cover<Dim>&, \
+                                                        const PartitionOfUnityOptions&);        \
   template ChosenLocalOptions choose_local_options<Dim>(const Samples<Dim>&, const PartitionOfUnityOptions&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

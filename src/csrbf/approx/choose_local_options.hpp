@@ -17,4 +17,13 @@ struct ChosenLocalOptions {
 template <int Dim>
 ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const PartitionOfUnityOptions& given);
 
+/// The same with the samples sorted already, see cover_to_choose_by(), and weights of mean 1.
+template <int Dim>
+ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const Cover<Dim>& cover,
+                                        const PartitionOfUnityOptions& given);
+
+/// Cells of a few samples each, among which patches are placed.
+template <int Dim>
+Cover<Dim> cover_to_choose_by(const Samples<Dim>& samples);
+
 }  // namespace csrbf

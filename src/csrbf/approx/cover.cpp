@@ -19,10 +19,9 @@ constexpr double margin = 1e-9;  // of the extent, around the points
 }  // namespace
 
 template <int Dim>
-Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth) {
+Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth, CoverUse use) {
   require(points.cols() > 0, "Cover", "points", 0, "at least one is needed");
   require(points.cols() < (Index{1} << 32), "Cover", "points", points.cols(), "must be fewer than 2^32");
-  require(leaf_size >= 1, "Cover", "leaf_size", leaf_size, "must be at least 1");
   require(growth > 1, "Cover", "growth", growth, "must be above 1, so that supports overlap");
   tree_.growth = growth;
   tree_.box = bounding_box<Dim>(points);
@@ -34,8 +33,26 @@ Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth) 
     tree_.box.lo[a] -= pad;
     tree_.box.hi[a] += pad;
   }
+  build(points, {}, leaf_size, use);
+}
+
+template <int Dim>
+Cover<Dim>::Cover(Cover sorted, Index leaf_size) {
+  tree_.box = sorted.box();
+  tree_.growth = sorted.growth();
+  const CellNodes nodes{std::move(sorted.tree_.axis),
+                        std::move(sorted.tree_.split),
+                        std::move(sorted.tree_.right),
+                        {sorted.begin_.begin() + 1, sorted.begin_.end()}};
+  build(sorted.points_, nodes, leaf_size, CoverUse::evaluation);
+  for (auto& id : order_) id = sorted.order_[id];
+}
+
+template <int Dim>
+void Cover<Dim>::build(const PointsRef<Dim>& points, const CellNodes& sorted, Index leaf_size, CoverUse use) {
+  require(leaf_size >= 1, "Cover", "leaf_size", leaf_size, "must be at least 1");
   std::vector<Located<Dim>> located;
-  CellNodes nodes = split_into_cells<Dim>(points, tree_.box, leaf_size, located);
+  CellNodes nodes = split_into_cells<Dim>(points, tree_.box, leaf_size, located, sorted);
   tree_.axis = std::move(nodes.axis);
   tree_.split = std::move(nodes.split);
   tree_.right = std::move(nodes.right);
@@ -48,6 +65,7 @@ Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth) 
     order_[i] = located[i].id;
   }
   make_cells();
+  if (use == CoverUse::fitting) return;
   make_grid();
   find_supports();
 }

@@ -8,6 +8,11 @@
 
 namespace csrbf {
 
+struct CellNodes;
+
+/// What a cover is for: without evaluation nobody asks for find() and supports_over().
+enum class CoverUse { fitting, evaluation };
+
 /// A cover of the bounding box of scattered points: a kd-tree whose leaves, the cells, tile the box, each with a
 /// support that is the cell grown about its centre, so that supports overlap (thesis 3.3.1 and Algorithm 4, corrected:
 /// cells are split without overlap and grown afterwards, so the box has no holes and no point is counted more often
@@ -19,7 +24,11 @@ template <int Dim>
 class Cover {
  public:
   /// `growth` > 1: side of a support over that of its cell. O(n log n).
-  Cover(const PointsRef<Dim>& points, Index leaf_size, double growth);
+  Cover(const PointsRef<Dim>& points, Index leaf_size, double growth, CoverUse use = CoverUse::evaluation);
+
+  /// The same for the points of another cover, which are sorted already: only the cells that hold too many are split.
+  /// The order of the points in a cell that the other one splits is left as it is.
+  Cover(Cover sorted, Index leaf_size);
 
   /// The cells and tree of a saved cover, see `Tree`, without points.
   struct Tree {
@@ -72,6 +81,7 @@ class Cover {
   template <class Visit>
   void for_each_cell(const Box<Dim>& box, const Visit& visit) const;
   void collect(const Point<Dim>& x, double reach, Search& search) const;
+  void build(const PointsRef<Dim>& points, const CellNodes& sorted, Index leaf_size, CoverUse use);
   void make_cells();
   void make_grid();
   void find_supports();

@@ -46,15 +46,13 @@ void for_each_array(Models& models, Index first, Index count, const Action& acti
   for (auto* values : {&models.metric, &models.position, &models.alpha, &models.polynomial}) part(*values);
 }
 
-}  // namespace
-
 template <int Dim>
-std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples,
-                                                                        const LocalOptions& options,
-                                                                        const Progress& progress,
-                                                                        const Points<Dim>* places) {
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_cover(Cover<Dim> cells, const Samples<Dim>& samples,
+                                                                      const LocalOptions& options,
+                                                                      const Progress& progress,
+                                                                      const Points<Dim>* places) {
   auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
-      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(samples.points, leaf_size<Dim>(options), cover_growth<Dim>), {}});
+      typename PartitionOfUnity<Dim>::Data{std::move(cells), {}});
   const Cover<Dim>& cover = data->cover;
   Eigen::MatrixXd values(samples.size(), samples.components());
   Eigen::VectorXd weights(samples.weights.size());
@@ -79,9 +77,9 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Sa
     const auto compute = [&](Index begin, Index end) {
       LocalFitter<Dim> fitter(cover, values, weights, options);
       for_each_batch(begin, end, [&](Index first, Index cells_at_once) {
-        std::array<Index, lanes> cells;
-        std::iota(cells.begin(), cells.end(), first);
-        fitter.fit(cells.data(), static_cast<int>(cells_at_once), data->models, first);
+        std::array<Index, lanes> batch;
+        std::iota(batch.begin(), batch.end(), first);
+        fitter.fit(batch.data(), static_cast<int>(cells_at_once), data->models, first);
       });
     };
     const auto pack = [&](Index begin, Index end, ByteWriter& out) {
@@ -99,9 +97,29 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Sa
   return data;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                  \
-  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> fit_patches<Dim>( \
-      const Samples<Dim>&, const LocalOptions&, const Progress&, const Points<Dim>*);
+}  // namespace
+
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples,
+                                                                        const LocalOptions& options,
+                                                                        const Progress& progress,
+                                                                        const Points<Dim>* places) {
+  return fit_cover<Dim>({samples.points, leaf_size<Dim>(options), cover_growth<Dim>}, samples, options, progress,
+                        places);
+}
+
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples, Cover<Dim> sorted,
+                                                                        const LocalOptions& options,
+                                                                        const Progress& progress) {
+  return fit_cover<Dim>({std::move(sorted), leaf_size<Dim>(options)}, samples, options, progress, nullptr);
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                                  \
+  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> fit_patches<Dim>(                                 \
+      const Samples<Dim>&, const LocalOptions&, const Progress&, const Points<Dim>*);                           \
+  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> fit_patches<Dim>(const Samples<Dim>&, Cover<Dim>, \
+                                                                               const LocalOptions&, const Progress&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -13,4 +13,10 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Sa
                                                                         const Progress& progress = {},
                                                                         const Points<Dim>* places = nullptr);
 
+/// All patches, of samples sorted by a cover with cells of any size.
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples, Cover<Dim> sorted,
+                                                                        const LocalOptions& options,
+                                                                        const Progress& progress);
+
 }  // namespace csrbf

@@ -217,10 +217,11 @@ PartitionOfUnityFit<Dim> partition_of_unity(const Samples<Dim>& given, const Par
   const Samples<Dim> normalized = given.weights.size() == 0 ? Samples<Dim>{} : normalize_weights(given);
   const Samples<Dim>& samples = given.weights.size() == 0 ? given : normalized;
   PartitionOfUnityFit<Dim> result;
-  const ChosenLocalOptions chosen = choose_local_options(samples, options);
+  Cover<Dim> sorted = cover_to_choose_by(samples);
+  const ChosenLocalOptions chosen = choose_local_options(samples, sorted, options);
   result.report.local = chosen.options;
   result.report.cross_validation_rmse = chosen.rmse;
-  result.data = fit_patches(samples, chosen.options, options.progress);
+  result.data = fit_patches(samples, std::move(sorted), chosen.options, options.progress);
   result.report.patches = result.data->cover.size();
   result.report.centers = result.report.patches * result.data->models.centers_each;
   report(options.progress, "fit", 1);

@@ -17,6 +17,19 @@ constexpr double smallest_cell = 1e-9;    // side, as a share of the extent
 constexpr Index enough_parts = 256;       // for many processes
 constexpr Index fewest_shared = 1 << 14;  // points whose cells take longer than telling others about them
 
+constexpr std::size_t no_node = std::numeric_limits<std::size_t>::max();
+
+bool splits(const CellNodes& nodes, std::size_t node) {
+  return node < nodes.axis.size() && nodes.axis[node] >= 0;
+}
+
+// The first point below a node.
+Index first_point(const CellNodes& nodes, std::size_t node) {
+  while (nodes.axis[node] >= 0) ++node;
+  const std::uint32_t cell = nodes.right[node];
+  return cell == 0 ? 0 : nodes.ends[cell - 1];
+}
+
 // A part of the points and its cell, on the way to the leaves.
 template <int Dim>
 struct Part {
@@ -26,15 +39,18 @@ struct Part {
   double split = 0;
   Index middle = 0;
   std::size_t child = 0;  // the lower part, among the parts of the next level
+  std::size_t node = 0;   // of the tree that the points are sorted by, if it is not below a cell of it
 
-  [[nodiscard]] Part lower() const {
+  [[nodiscard]] Part lower(const CellNodes& sorted) const {
     Part part{begin, middle, cell};
     part.cell.hi[axis] = split;
+    part.node = splits(sorted, node) ? node + 1 : no_node;
     return part;
   }
-  [[nodiscard]] Part upper() const {
+  [[nodiscard]] Part upper(const CellNodes& sorted) const {
     Part part{middle, end, cell};
     part.cell.lo[axis] = split;
+    part.node = splits(sorted, node) ? sorted.right[node] : no_node;
     return part;
   }
 };
@@ -50,9 +66,16 @@ double near_median(const Located<Dim>* points, Index n, Index axis) {
 }
 
 template <int Dim>
-void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, Part<Dim>& part) {
+void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, const CellNodes& sorted,
+         Part<Dim>& part) {
   const Index n = part.end - part.begin;
   if (n <= leaf_size) return;
+  if (splits(sorted, part.node)) {
+    part.axis = sorted.axis[part.node];
+    part.split = sorted.split[part.node];
+    part.middle = first_point(sorted, sorted.right[part.node]);
+    return;
+  }
   const Point<Dim> extent = part.cell.extent();
   Index axis = 0;
   const double length = extent.maxCoeff(&axis);
@@ -70,19 +93,19 @@ void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, Pa
 // other. Those of the last level may be cut further.
 template <int Dim>
 std::vector<std::vector<Part<Dim>>> split_roughly(std::vector<Located<Dim>>& points, const Box<Dim>& box,
-                                                  Index leaf_size, double smallest) {
+                                                  Index leaf_size, double smallest, const CellNodes& sorted) {
   std::vector<std::vector<Part<Dim>>> levels = {{{0, static_cast<Index>(points.size()), box}}};
   while (static_cast<Index>(levels.back().size()) < enough_parts) {
     std::vector<Part<Dim>>& parts = levels.back();
     parallel_for(static_cast<Index>(parts.size()), 1, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) cut(points, leaf_size, smallest, parts[static_cast<std::size_t>(i)]);
+      for (Index i = begin; i < end; ++i) cut(points, leaf_size, smallest, sorted, parts[static_cast<std::size_t>(i)]);
     });
     std::vector<Part<Dim>> next;
     for (Part<Dim>& part : parts) {
       if (part.axis < 0) continue;
       part.child = next.size();
-      next.push_back(part.lower());
-      next.push_back(part.upper());
+      next.push_back(part.lower(sorted));
+      next.push_back(part.upper(sorted));
     }
     if (next.empty()) break;
     levels.push_back(std::move(next));
@@ -122,28 +145,30 @@ void unpack(CellNodes& nodes, ByteReader& in) {
 
 // The nodes below a part, itself the first.
 template <int Dim>
-CellNodes split_all(std::vector<Located<Dim>>& points, const Part<Dim>& whole, Index leaf_size, double smallest) {
+CellNodes split_all(std::vector<Located<Dim>>& points, const Part<Dim>& whole, Index leaf_size, double smallest,
+                    const CellNodes& sorted) {
   CellNodes branch;
   std::vector<Part<Dim>> stack = {whole};
   while (!stack.empty()) {
     Part<Dim> part = stack.back();
     stack.pop_back();
-    cut(points, leaf_size, smallest, part);
+    cut(points, leaf_size, smallest, sorted, part);
     add(branch, part);
     if (part.axis < 0) continue;
-    stack.push_back(part.upper());
-    stack.push_back(part.lower());
+    stack.push_back(part.upper(sorted));
+    stack.push_back(part.lower(sorted));
   }
   return branch;
 }
 
 template <int Dim>
 std::vector<CellNodes> split_all(std::vector<Located<Dim>>& located, const PointsRef<Dim>& points,
-                                 const std::vector<Part<Dim>>& parts, Index leaf_size, double smallest) {
+                                 const std::vector<Part<Dim>>& parts, Index leaf_size, double smallest,
+                                 const CellNodes& sorted) {
   std::vector<CellNodes> branches(parts.size());
   const auto compute = [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      branches[i] = split_all(located, parts[i], leaf_size, smallest);
+      branches[i] = split_all(located, parts[i], leaf_size, smallest, sorted);
   };
   const auto pack = [&](Index begin, Index end, ByteWriter& out) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
@@ -191,14 +216,14 @@ void link(CellNodes& nodes) {
 
 template <int Dim>
 CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, Index leaf_size,
-                           std::vector<Located<Dim>>& located) {
+                           std::vector<Located<Dim>>& located, const CellNodes& sorted) {
   located.resize(static_cast<std::size_t>(points.cols()));
   for (Index i = 0; i < points.cols(); ++i)
     located[static_cast<std::size_t>(i)] = {points.col(i), static_cast<std::uint32_t>(i)};
   const double coordinate = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
   const double smallest = std::max(smallest_cell * box.extent().maxCoeff(), 4 * smallest_side * coordinate);
-  const auto levels = split_roughly(located, box, leaf_size, smallest);
-  const std::vector<CellNodes> branches = split_all<Dim>(located, points, levels.back(), leaf_size, smallest);
+  const auto levels = split_roughly(located, box, leaf_size, smallest, sorted);
+  const std::vector<CellNodes> branches = split_all<Dim>(located, points, levels.back(), leaf_size, smallest, sorted);
 
   CellNodes nodes;
   std::vector<std::pair<std::size_t, std::size_t>> stack = {{0, 0}};  // level and part
@@ -219,8 +244,9 @@ CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, In
   return nodes;
 }
 
-#define CSRBF_INSTANTIATE(Dim) \
-  template CellNodes split_into_cells<Dim>(const PointsRef<Dim>&, const Box<Dim>&, Index, std::vector<Located<Dim>>&);
+#define CSRBF_INSTANTIATE(Dim)                                                                                        \
+  template CellNodes split_into_cells<Dim>(const PointsRef<Dim>&, const Box<Dim>&, Index, std::vector<Located<Dim>>&, \
+                                           const CellNodes&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

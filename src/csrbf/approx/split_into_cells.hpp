@@ -27,9 +27,11 @@ struct CellNodes {
 };
 
 /// Splits a box around points into cells of at most `leaf_size` of them, as Cover says; `located` gets the points in
-/// the order of the cells. Work shared by processes. O(n log n).
+/// the order of the cells. Points in the order of the cells of another tree need not be sorted again: with that tree as
+/// `sorted` only its cells are split, and the order of points in parts that it splits is left as it is. Work shared by
+/// processes. O(n log n).
 template <int Dim>
 CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, Index leaf_size,
-                           std::vector<Located<Dim>>& located);
+                           std::vector<Located<Dim>>& located, const CellNodes& sorted = {});
 
 }  // namespace csrbf
