@@ -81,6 +81,35 @@ CSRBF_ALWAYS_INLINE std::size_t inside_in(const double* x, std::size_t stride, s
   return count;
 }
 
+// The product of the factors b = s^4, b' = -8 t s^3 / half or b'' = 8 s^2 (7 t^2 - 1) / half^2 of the axes, s = 1 -
+// t^2, those of `first` and `second` derived.
+CSRBF_ALWAYS_INLINE void weight_derivative(const double* t, const double* s, int dim, const double* half, int first,
+                                           int second, double* w) {
+  Lanes product(1.0);
+  for (int a = 0; a < dim; ++a, t += lanes, s += lanes) {
+    const double inverse = 1 / half[a];
+    const int derived = (a == first ? 1 : 0) + (a == second ? 1 : 0);
+    Lanes factor(s);
+    factor *= Lanes(s);
+    if (derived == 0) {
+      factor *= factor;
+    } else if (derived == 1) {
+      factor *= Lanes(s);
+      factor *= Lanes(t);
+      factor *= -8 * inverse;
+    } else {
+      Lanes inner(t);
+      inner *= Lanes(t);
+      inner *= 7;
+      inner -= 1;
+      factor *= inner;
+      factor *= 8 * inverse * inverse;
+    }
+    product *= factor;
+  }
+  product.store(w);
+}
+
 }  // namespace
 
 CSRBF_SIMD_CLONES void nested_polynomial(const double* x, int dim, int degree, const double* c, double* f) {
@@ -245,25 +274,9 @@ CSRBF_SIMD_CLONES bool box_weights(const double* x, int dim, const double* cente
     w[l] = square * square;
   }
   if (terms == 1) return true;
-  // Factors b = s^4, b' = -8 t s^3 / half and b'' = 8 s^2 (7 t^2 - 1) / half^2 of the axes, `first` and `second`
-  // derived.
-  const auto product = [&](int first, int second, double* out) {
-    for (int l = 0; l < lanes; ++l) out[l] = 1;
-    for (int a = 0; a < dim; ++a) {
-      const double inverse = 1 / half[a];
-      const int derived = (a == first ? 1 : 0) + (a == second ? 1 : 0);
-      for (int l = 0; l < lanes; ++l) {
-        const double u = t[a][l], v = s[a][l], v2 = v * v;
-        const double factor = derived == 0   ? v2 * v2
-                              : derived == 1 ? -8 * u * v2 * v * inverse
-                                             : 8 * v2 * (7 * u * u - 1) * inverse * inverse;
-        out[l] *= factor;
-      }
-    }
-  };
-  for (int a = 0; a < dim; ++a) product(a, -1, w + lanes * (1 + a));
+  for (int a = 0; a < dim; ++a) weight_derivative(t[0], s[0], dim, half, a, -1, w + lanes * (1 + a));
   for (int a = 0, term = 1 + dim; a < dim && term < terms; ++a)
-    for (int b = a; b < dim; ++b, ++term) product(a, b, w + lanes * term);
+    for (int b = a; b < dim; ++b, ++term) weight_derivative(t[0], s[0], dim, half, a, b, w + lanes * term);
   return true;
 }
 
