@@ -322,6 +322,56 @@ TEST(LocalFit, TakesAllSamplesWhereThereAreFewer) {
     EXPECT_NEAR(plain_value<2>(models, 0, 0, problem.cover.points().col(k)), problem.values(k, 0), solved);
 }
 
+TEST(LocalFit, LeavesTheModelsOfOthersAlone) {
+  constexpr double untouched = 7;
+  const auto problem = random_problem<3>(300);
+  for (const Index centers : {0, 20, 50}) {
+    const LocalOptions options{.degree = 1, .samples = 50, .centers = centers};
+    LocalFitter<3> fitter(problem.cover, problem.values, problem.weights, options);
+    LocalModels<3> models = fitter.models();
+    models.resize(9);
+    const auto parts = [](auto& of) { return std::array{&of.polynomial, &of.alpha, &of.position}; };
+    models.center.setConstant(untouched);
+    models.radius.setConstant(untouched);
+    for (auto* part : parts(models)) std::fill(part->begin(), part->end(), untouched);
+    constexpr Index no_cell = 1'000'000;
+    const std::array<Index, batch_lanes> cells{2, 0, 4, no_cell, no_cell, no_cell, no_cell, no_cell};
+    fitter.fit(cells.data(), 3, models, 4);
+    const LocalModels<3> alone = problem.fit(options, {2, 0, 4});
+    for (Index i = 0; i < 9; ++i) {
+      const bool fitted = i >= 4 && i < 7;
+      EXPECT_EQ(models.center.col(i), fitted ? alone.center.col(i - 4) : Point<3>::Constant(untouched).eval());
+      EXPECT_EQ(models.radius[i], fitted ? alone.radius[i - 4] : untouched);
+      for (std::size_t part = 0; part < 3; ++part) {
+        const auto &all = *parts(models)[part], &expected = *parts(alone)[part];
+        const std::size_t each = all.size() / 9, first = each * static_cast<std::size_t>(i);
+        for (std::size_t k = 0; k < each; ++k)
+          EXPECT_EQ(all[first + k], fitted ? expected[first - 4 * each + k] : untouched);
+      }
+    }
+  }
+}
+
+// In its own coordinates an anisotropic patch spreads evenly, to a distance of one.
+TEST(LocalFit, StretchesLongPatches) {
+  Samples<2> samples = sample<2>(random_points<2>(60, 1), waves<2>);
+  samples.points.row(1) *= 0.2;
+  const Problem<2> problem(samples, 100);  // one cell
+  for (const Index centers : {12, 60}) {
+    const LocalModels<2> models = problem.fit(
+        {.kernel = "wendland-c2", .support = 1, .degree = 1, .samples = 60, .centers = centers, .anisotropy = 1}, {0});
+    ASSERT_TRUE(models.anisotropic);
+    const Eigen::Matrix2d metric = Eigen::Map<const Eigen::Matrix2d>(models.metric.data());
+    const Points<2> q = metric * (problem.cover.points().colwise() - models.center.col(0)) / models.radius[0];
+    EXPECT_NEAR(q.colwise().norm().maxCoeff(), 1, solved);
+    const Eigen::Matrix2d spread = q * q.transpose();
+    EXPECT_NEAR(spread(0, 1), 0, solved * spread(0, 0));
+    EXPECT_NEAR(spread(1, 1), spread(0, 0), solved * spread(0, 0));
+    for (Index k = 0; k < 60 && centers == 60; ++k)
+      EXPECT_NEAR(plain_value<2>(models, 0, 0, problem.cover.points().col(k)), problem.values(k, 0), solved);
+  }
+}
+
 // Two tracks: the nearest samples of a patch are on one of them.
 TEST(LocalFit, LooksFurtherWhereTheNearestSamplesAreLopsided) {
   Points<2> tracks(2, 400);

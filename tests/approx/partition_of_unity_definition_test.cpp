@@ -55,5 +55,27 @@ TEST(PartitionOfUnity, HasTrueDerivatives) {
   expect_derivatives<6>({.degree = 1, .samples_per_patch = 60, .centers_per_patch = 0});
 }
 
+TEST(PartitionOfUnity, HasDetailsOfTheSizeOfItsSmallestPatch) {
+  const auto fit = partition_of_unity<2>(sample<2>(random_points<2>(500, 1), franke), {.degree = 1});
+  EXPECT_EQ(fit.fields()[0]->detail(), fit.data->models.radius.minCoeff());
+  EXPECT_LT(fit.fields()[0]->detail(), fit.data->models.radius.maxCoeff());
+}
+
+TEST(PartitionOfUnity, TakesOptionsAtTheEndsOfTheirRanges) {
+  const PartitionOfUnityOptions plain{
+      .degree = 1, .samples_per_patch = 30, .centers_per_patch = 5, .anisotropy = 0, .smoothing = 0};
+  PartitionOfUnityOptions no_polynomial = plain, high = plain, one_sample = plain, no_centers = plain,
+                          stretched = plain;
+  no_polynomial.degree = -1;
+  high.degree = 8;
+  high.samples_per_patch = 100;
+  one_sample.samples_per_patch = 1;
+  no_centers.centers_per_patch = 0;
+  stretched.anisotropy = 1;
+  const Samples<2> samples = sample<2>(random_points<2>(200, 1), franke);
+  for (const auto& options : {plain, no_polynomial, high, one_sample, no_centers, stretched})
+    EXPECT_TRUE(partition_field<2>(samples, options)->evaluate(random_points<2>(50, 2)).value.allFinite());
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -199,7 +199,8 @@ TEST(EdgeVertices, HaveTheNormalsOfTheirOwnPlaceWhenAsked) {
   const Vertices sharp(ball, lattice_around(off_center, 1.3, 5), {.normals = true, .sharp = true});
   const Vertices bare(ball, lattice_around(off_center, 1.3, 5), {.normals = false, .sharp = true});
   for (const Vertices* vertices : {&sharp, &bare})
-    vertices->for_each([&](int vertex, const Cell&, int) {
+    vertices->for_each([&](int vertex, const Cell& lower, int d) {
+      if (vertices->on_cap(lower, d)) return;
       const Point<3> normal = (vertices->mesh.vertices.col(vertex) - off_center).normalized();
       EXPECT_LT((vertices->mesh.normals.col(vertex) - normal).norm(), rounding);
     });

@@ -29,6 +29,52 @@ TEST(Polygonize, SolidThatFillsItsBoxBecomesTheBox) {
   for (Index i = 0; i < mesh.normals.cols(); ++i) EXPECT_EQ(mesh.normals.col(i).cwiseAbs().sum(), 1);
 }
 
+const Implicit filled([](const Point<3>&, Point<3>& g) { return g.setZero(), 1.0; }, {{-1, 2, 0.5}, {1, 3, 1.04}});
+
+// Cells of 0.1: 20 x 10 x 6, the last ones by rounding up.
+TEST(Polygonize, LatticeHasFourCellsMoreOnEverySideOfTheBoundsOfTheField) {
+  const Mesh mesh = polygonize(filled, {.resolution = 20});
+  const double margin = edge_margin * 0.1;
+  const Point<3> half = (Point<3>(10, 5, 3).array() + 4) * 0.1 + margin;
+  EXPECT_LT((mesh.vertices.rowwise().maxCoeff() - (filled.bounds().center() + half)).norm(), 1e-12);
+  EXPECT_LT((mesh.vertices.rowwise().minCoeff() - (filled.bounds().center() - half)).norm(), 1e-12);
+  EXPECT_EQ(mesh.vertices.cols(), 2 * (29 * 19 + 19 * 15 + 15 * 29));
+}
+
+TEST(Polygonize, GivenBoundsAreDividedIntoWholeCellsOfAboutTheSize) {
+  const auto vertices = [](int x, int y, int z) {
+    return Index{2} * ((x + 1) * (y + 1) + (y + 1) * (z + 1) + (z + 1) * (x + 1));
+  };
+  const Point<3> lo(7, 8, 9);
+  for (const auto& [extent, cells] : {std::pair{Point<3>(2, 1, 0.54), Eigen::Array3i(20, 10, 5)},
+                                      {Point<3>(0.56, 4, 0.01), Eigen::Array3i(6, 40, 1)}}) {
+    const Box<3> bounds{lo, lo + extent};
+    const Mesh mesh = polygonize(filled, {.resolution = 20, .bounds = bounds});
+    const Point<3> margin = edge_margin * extent.cwiseQuotient(cells.matrix().cast<double>());
+    EXPECT_LT((mesh.vertices.rowwise().minCoeff() - (bounds.lo - margin)).norm(), 1e-12);
+    EXPECT_LT((mesh.vertices.rowwise().maxCoeff() - (bounds.hi + margin)).norm(), 1e-12);
+    EXPECT_EQ(mesh.vertices.cols(), vertices(cells[0], cells[1], cells[2]));
+  }
+}
+
+TEST(Polygonize, ChoosesTheResolutionByTheDetailOfTheField) {
+  struct Detailed : Implicit {
+    explicit Detailed(double detail) : Implicit(sphere(1)), detail_(detail) {}
+    [[nodiscard]] double detail() const override { return detail_; }
+    double detail_;
+  };
+  EXPECT_EQ(automatic_resolution(Detailed(2.0 / 100.5)), 101);
+  EXPECT_EQ(automatic_resolution(Detailed(2.0 / 31)), 32);
+  EXPECT_EQ(automatic_resolution(Detailed(1e-9)), 1024);
+  EXPECT_EQ(automatic_resolution(Detailed(0)), 128);
+  EXPECT_TRUE(identical(polygonize(Detailed(0.04)), polygonize(sphere(1), {.resolution = 50})));
+}
+
+TEST(Polygonize, TakesOptionsAtTheEndsOfTheirRanges) {
+  const Box<3> piece{{0.99, -0.01, -0.01}, {1.02, 0.01, 0.01}};
+  EXPECT_EQ(topology(polygonize(sphere(1), {.resolution = 4096, .bounds = piece})).euler, 2);
+}
+
 TEST(Polygonize, SphereSmallerThanACellAroundACornerIsAnOctahedron) {
   const double radius = 0.03;
   const Implicit small = sphere(radius, Point<3>::Zero());

@@ -171,15 +171,16 @@ void check(const PartitionOfUnityOptions& options) {
   if (options.kernel)
     require(Kernel(*options.kernel, Dim).order() == 0, function, "kernel", *options.kernel,
             "is only conditionally positive definite; use another one, such as wendland-c4");
-  const int degree = options.degree.value_or(0);
-  require(degree >= -1 && degree <= 8, function, "degree", degree, "must be -1 (none), 0, ... or 8");
-  const Index samples = options.samples_per_patch.value_or(1), centers = options.centers_per_patch.value_or(0);
-  require(samples >= 1, function, "samples_per_patch", samples, "must be at least 1");
-  require(centers >= 0, function, "centers_per_patch", centers, "must not be negative");
-  const double anisotropy = options.anisotropy.value_or(0);
-  require(anisotropy >= 0 && anisotropy <= 1, function, "anisotropy", anisotropy, "must be from 0 (none) to 1");
-  const double smoothing = options.smoothing.value_or(0);
-  require(smoothing >= 0 && std::isfinite(smoothing), function, "smoothing", smoothing, "must not be negative");
+  if (const auto degree = options.degree)
+    require(*degree >= -1 && *degree <= 8, function, "degree", *degree, "must be -1 (none), 0, ... or 8");
+  if (const auto samples = options.samples_per_patch)
+    require(*samples >= 1, function, "samples_per_patch", *samples, "must be at least 1");
+  if (const auto centers = options.centers_per_patch)
+    require(*centers >= 0, function, "centers_per_patch", *centers, "must not be negative");
+  if (const auto anisotropy = options.anisotropy)
+    require(*anisotropy >= 0 && *anisotropy <= 1, function, "anisotropy", *anisotropy, "must be from 0 (none) to 1");
+  if (const auto smoothing = options.smoothing)
+    require(*smoothing >= 0 && std::isfinite(*smoothing), function, "smoothing", *smoothing, "must not be negative");
 }
 
 }  // namespace

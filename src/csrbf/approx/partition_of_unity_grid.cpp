@@ -113,7 +113,7 @@ class GridEvaluation {
         range.x[at] = x[range.begin + k];
         range.q[at] = (range.x[at] - data_.models.center(axis, support)) * inverse;
         const double t = (range.x[at] - center) / half, square = 1 - t * t;
-        range.weight[at] = square > 0 ? square * square * square * square : 0;
+        range.weight[at] = square * square * square * square;
       }
     }
     const Index Q = data_.models.polynomial_size();
