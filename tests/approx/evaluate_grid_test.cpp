@@ -67,6 +67,8 @@ TEST(EvaluateGrid, EqualsEvaluationAtItsNodesForRadialFunctions) {
   expect_grid_of<3>(options, {20, 33, 9});
   expect_grid_of<2>({.kernel = "wendland-c2", .degree = -1, .samples_per_patch = 30, .smoothing = 0}, {50, 50});
   expect_grid_of<3>({.degree = 1, .samples_per_patch = 30, .anisotropy = .8, .smoothing = 0}, {20, 33, 9});
+  expect_grid_of<2>({.degree = 1, .samples_per_patch = 30, .centers_per_patch = 1, .smoothing = 0}, {50, 50});
+  expect_grid_of<2>(options, {1, 1});
 }
 
 TEST(EvaluateGrid, TakesCoordinatesInAnyOrderAndMoreThanOnce) {

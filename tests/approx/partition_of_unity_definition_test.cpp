@@ -77,5 +77,10 @@ TEST(PartitionOfUnity, TakesOptionsAtTheEndsOfTheirRanges) {
     EXPECT_TRUE(partition_field<2>(samples, options)->evaluate(random_points<2>(50, 2)).value.allFinite());
 }
 
+TEST(PartitionOfUnity, TakesOneSampleOfAnyWeight) {
+  const Samples<2> one{Point<2>(1, 2), Eigen::MatrixXd::Constant(1, 1, 5), Eigen::VectorXd::Constant(1, 3)};
+  EXPECT_NEAR((*partition_field<2>(one))(Point<2>(0, 7)), 5, 1e-12);
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -240,5 +240,23 @@ TEST(CandidateCells, SpreadOverASurfaceOfWhichAPartIsKnown) {
   }
 }
 
+TEST(CandidateCells, ReportHowFarTheyAre) {
+  const EnclosedEllipsoid known = beyond_its_bounds(0.1);
+  const AnalyticField plain([](const AnalyticField::Variables& x) { return x[2] - 0.53; }, unit);
+  const Mesh mesh = triangle({0.31, 0.32, 0.53}, {0.33, 0.32, 0.53}, {0.31, 0.35, 0.53});
+  for (const Field<3>* field : {static_cast<const Field<3>*>(&known), static_cast<const Field<3>*>(&plain)}) {
+    std::vector<double> fractions;
+    const auto listen = [&](std::string_view stage, double fraction) {
+      EXPECT_EQ(stage, "cells");
+      return fractions.push_back(fraction), true;
+    };
+    const CandidateCells cells(*field, tenths, mesh, listen);
+    EXPECT_GT(fractions.size(), 3U);
+    EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+    EXPECT_EQ(fractions.front(), 0);
+    EXPECT_EQ(fractions.back(), 1);
+  }
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -141,6 +141,32 @@ TEST(CellTracer, GivesEdgesInTheDirectionsAskedForOnly) {
     for (const int d : {3, 5, 6, 7}) EXPECT_EQ(brick->edges[d], 0U);
 }
 
+// More bricks in one wave than are sampled in one batch. Inside are single corners: each has eight cells around it.
+TEST(CellTracer, TakesAsManyCellsAtOnceAsThereAre) {
+  const CellLattice large{Point<3>::Zero(), Point<3>::Ones(), Cell::Constant(200)};
+  const auto is_start = [](const Cell& c) { return c[0] % 16 == 4 && c[1] % 8 == 5 && c[2] % 8 == 5; };
+  const Implicit corners(
+      [&](const Point<3>& p, Point<3>&) {
+        const Cell c = p.array().round().cast<int>();
+        return is_start(c) && c.sum() % 3 == 0 ? 1.0 : -1.0;
+      },
+      cube(1));
+  LevelSampler sampler(corners, 0);
+  CellTracer tracer(large, sampler);
+  Index added = 0, inside = 0;
+  for (int z = 5; z < 190; z += 8)
+    for (int y = 5; y < 190; y += 8)
+      for (int x = 4; x < 190; x += 16) {
+        tracer.add({x, y, z});
+        ++added;
+        inside += (x + y + z) % 3 == 0;
+      }
+  tracer.run({});
+  EXPECT_GT(added, 4096);
+  EXPECT_EQ(tracer.active_cells(), 8 * inside);
+  EXPECT_EQ(sampler.value_count(), 27 * inside + 8 * (added - inside));
+}
+
 TEST(CellTracer, ReportsAGrowingShareBelowFourFifths) {
   const Implicit field = sphere(0.8);
   LevelSampler sampler(field, 0);

@@ -91,7 +91,7 @@ class Evaluation {
     order_.resize(n);
     std::uint32_t cell = 0;
     for (Index i = 0; i < x.cols(); ++i) {
-      if (i == 0 || !cover.cell(cell).contains(x.col(i))) cell = static_cast<std::uint32_t>(cover.find(x.col(i)));
+      if (!cover.cell(cell).contains(x.col(i))) cell = static_cast<std::uint32_t>(cover.find(x.col(i)));
       order_[static_cast<std::size_t>(i)] = {cell, static_cast<std::uint32_t>(i)};
     }
     const auto before = [](const Keyed& a, const Keyed& b) { return a.key < b.key; };
