@@ -176,7 +176,7 @@ class Splitter {
 
 // Consecutive entries of the order: a leaf, or to be cut further.
 struct Part {
-  Index begin, end;
+  Index begin = 0, end = 0;
   bool leaf = false;
 };
 
@@ -214,7 +214,10 @@ std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>
   const auto pack = [&](Index begin, Index end, ByteWriter& out) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       out.put(smaller[i].size());
-      out.put(smaller[i].data(), static_cast<Index>(smaller[i].size()));
+      for (const Part& part : smaller[i]) {
+        out.put(part.end);
+        out.put(part.leaf);
+      }
       if (parts[i].leaf) continue;
       const std::vector<std::uint32_t> ids(order.begin() + parts[i].begin, order.begin() + parts[i].end);
       out.put(ids.data(), static_cast<Index>(ids.size()));
@@ -223,7 +226,12 @@ std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>
   const auto unpack = [&](Index begin, Index end, ByteReader& in) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       smaller[i].resize(in.take<std::size_t>());
-      in.take(smaller[i].data(), static_cast<Index>(smaller[i].size()));
+      Index next = parts[i].begin;
+      for (Part& part : smaller[i]) {
+        part.begin = std::exchange(next, in.take<Index>());
+        part.end = next;
+        part.leaf = in.take<bool>();
+      }
       if (parts[i].leaf) continue;
       std::vector<std::uint32_t> ids(static_cast<std::size_t>(parts[i].end - parts[i].begin));
       in.take(ids.data(), static_cast<Index>(ids.size()));
@@ -248,6 +256,7 @@ Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
                     const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options) {
   require(options.leaf_size >= 1, "partition", "leaf_size", options.leaf_size, "must be at least 1");
   const Index n = points.cols();
+  require(n < (Index{1} << 32), "partition", "points", n, "must be fewer than 2^32");
   require(normals.cols() == 0 || normals.cols() == n, "partition", "normals", normals.cols(), "one per point or none");
   require(spacing.size() == 0 || spacing.size() == n, "partition", "spacing", spacing.size(), "one per point or none");
   Partition result;
