@@ -214,7 +214,7 @@ TEXT = """# Scaling of csrbf-mpi
   that of one rank divided by it. **shared s** is the part of it that is shared work of the first rank.
 
 ```sh
-benchmarks/scaling.py --size {size}
+benchmarks/scaling.py --size {size}{group}
 ```
 
 ## Measured
@@ -304,6 +304,7 @@ def main():
         machine = next((line.split(":", 1)[1].strip() for line in info if line.startswith("model name")), "unknown")
     options.output.write_text(TEXT.format(
         date=datetime.date.today(), machine=machine, load=load, cores=os.cpu_count(), size=size, half=size // 2,
+        group=" --group DIR" if options.group else "",
         other=other, nodes=NODES, goal=GOAL, errors=errors,
         measured="\n".join(text for text, _ in measured.values()), bandwidth=BANDWIDTH / 1e9, models=model_text,
         predictions="\n".join(f"`{model.job}`:\n\n" + predict(model) for model in models),
