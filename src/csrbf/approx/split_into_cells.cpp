@@ -186,7 +186,7 @@ std::vector<CellNodes> split_all(std::vector<Located<Dim>>& located, const Point
     }
   };
   const auto count = static_cast<Index>(parts.size());
-  if (points.cols() < fewest_shared) {
+  if (points.cols() < fewest_shared || !sorted.axis.empty()) {  // little is left to do
     parallel_for(count, 1, compute);
   } else {
     share_work({"cover", count, 1, compute, pack, unpack});
