@@ -191,50 +191,6 @@ Index Cover<Dim>::find(const Point<Dim>& x) const {
   return tree_.right[node];
 }
 
-template <int Dim>
-void Cover<Dim>::collect(const Point<Dim>& x, double reach, Search& search) const {
-  search.found.clear();
-  std::array<std::uint32_t, 512> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t node = stack[--depth];
-    const int axis = tree_.axis[node];
-    if (axis >= 0) {
-      if (x[axis] + reach >= tree_.split[node]) stack[depth++] = tree_.right[node];
-      if (x[axis] - reach < tree_.split[node]) stack[depth++] = node + 1;
-      continue;
-    }
-    const auto cell = static_cast<std::size_t>(tree_.right[node]);
-    std::size_t count = search.found.size();
-    search.found.resize(count + static_cast<std::size_t>(begin_[cell + 1] - begin_[cell]));
-    for (Index i = begin_[cell]; i < begin_[cell + 1]; ++i) {  // without branches: nobody can predict them
-      const double d2 = (points_.col(i) - x).squaredNorm();
-      search.found[count] = {d2, static_cast<std::uint32_t>(i)};
-      count += d2 < reach * reach ? 1 : 0;
-    }
-    search.found.resize(count);
-  }
-}
-
-template <int Dim>
-void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& search) const {
-  n = std::min(n, points_.cols());
-  const double farthest = (1 + 1e-12) * ((x - tree_.box.center()).norm() + tree_.box.diagonal());  // 1e-12: rounding
-  reach = std::min(std::max(reach, 1e-12 * farthest), farthest);
-  for (;;) {
-    collect(x, reach, search);
-    const auto found = static_cast<Index>(search.found.size());
-    if (found >= n || reach >= farthest) break;
-    const double missing = static_cast<double>(n) / static_cast<double>(std::max<Index>(found, 1));
-    reach = std::min(farthest, reach * std::clamp(1.1 * std::pow(missing, 1.0 / Dim), 1.15, 2.0));
-  }
-  n = std::min(n, static_cast<Index>(search.found.size()));
-  std::nth_element(search.found.begin(), search.found.begin() + (n - 1), search.found.end());
-  search.found.resize(static_cast<std::size_t>(n));
-  std::sort(search.found.begin(), search.found.end());
-}
-
 #define CSRBF_INSTANTIATE(Dim) template class Cover<Dim>;
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

@@ -71,7 +71,10 @@ class Cover {
 
   /// Work space of `nearest`.
   struct Search {
-    std::vector<std::pair<double, std::uint32_t>> found;
+    std::vector<std::pair<double, std::uint32_t>> found;  ///< squared distances and columns
+
+    std::vector<std::pair<double, std::uint32_t>> near, sorted;
+    std::vector<std::uint32_t> bucket, end;
   };
   /// Columns of points() of the n points nearest to x, sorted by distance; fewer only if there are fewer points.
   /// `reach` is a guess of the distance of the last one.
@@ -80,7 +83,7 @@ class Cover {
  private:
   template <class Visit>
   void for_each_cell(const Box<Dim>& box, const Visit& visit) const;
-  void collect(const Point<Dim>& x, double reach, Search& search) const;
+  std::size_t collect(const Point<Dim>& x, double reach, Search& search) const;
   void build(const PointsRef<Dim>& points, const CellNodes& sorted, Index leaf_size, CoverUse use);
   void make_cells();
   void make_grid();

@@ -65,6 +65,37 @@ double near_median(const Located<Dim>* points, Index n, Index axis) {
   return *middle;
 }
 
+// std::partition by x[axis] < split, with the same result: the first point that is wrong on the left changes places
+// with the last one that is wrong on the right, and so on. Without branches that depend on the points: nobody can
+// predict them.
+template <int Dim>
+Index move_lower_first(Located<Dim>* points, Index n, Index axis, double split) {
+  constexpr Index block = 256;
+  const auto is_lower = [&](Index i) { return points[i].x[axis] < split ? 1 : 0; };
+  Index middle = 0;
+  for (Index i = 0; i < n; ++i) middle += is_lower(i);
+  std::array<Index, block> left, right;  // what is wrong in the blocks before `low` and after `high`
+  std::size_t lefts = 0, rights = 0, next_left = 0, next_right = 0;
+  for (Index low = 0, high = n;;) {
+    while (next_left == lefts && low < middle) {
+      next_left = lefts = 0;
+      for (const Index end = std::min(middle, low + block); low < end; ++low) {
+        left[lefts] = low;
+        lefts += static_cast<std::size_t>(1 - is_lower(low));
+      }
+    }
+    if (next_left == lefts) return middle;
+    while (next_right == rights) {
+      next_right = rights = 0;
+      for (const Index end = std::max(middle, high - block); high > end;) {
+        right[rights] = --high;
+        rights += static_cast<std::size_t>(is_lower(high));
+      }
+    }
+    while (next_left < lefts && next_right < rights) std::swap(points[left[next_left++]], points[right[next_right++]]);
+  }
+}
+
 template <int Dim>
 void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, const CellNodes& sorted,
          Part<Dim>& part) {
@@ -85,8 +116,7 @@ void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, co
   const double split = std::clamp(near_median(first, n, axis), lo + nearest_end * length, hi - nearest_end * length);
   part.axis = axis;
   part.split = split;
-  part.middle =
-      part.begin + (std::partition(first, first + n, [&](const Located<Dim>& p) { return p.x[axis] < split; }) - first);
+  part.middle = part.begin + move_lower_first(first, n, axis, split);
 }
 
 // Splits level by level until there are enough parts for many processes: the parts of one level are independent of each
