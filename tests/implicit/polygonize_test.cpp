@@ -168,6 +168,28 @@ TEST(Polygonize, NormalsComeFromTheTrianglesWhereTheGradientVanishes) {
   EXPECT_GT(outward.minCoeff(), 0);
 }
 
+TEST(Polygonize, NormalsAreMeansOfTheTrianglesAroundWhereSomeGradientsVanish) {
+  const Implicit half_blind(
+      [](const Point<3>& p, Point<3>& g) {
+        const double f = ball(p, off_center, 1, g);
+        if (p[0] > 0.1) g.setZero();
+        return f;
+      },
+      sphere(1).bounds());
+  const Mesh mesh = polygonize(half_blind, {.resolution = 12});
+  Points<3> sum = Points<3>::Zero(3, mesh.vertices.cols());
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3i v = mesh.triangles.col(t);
+    const Point<3> a = mesh.vertices.col(v[0]);
+    const Point<3> area = (mesh.vertices.col(v[1]) - a).cross(mesh.vertices.col(v[2]) - a);
+    for (const int corner : v) sum.col(corner) += area;
+  }
+  for (Index i = 0; i < sum.cols(); ++i) {
+    if (mesh.vertices(0, i) < 0.15) continue;  // gradients of estimates on the other side count
+    EXPECT_LT((mesh.normals.col(i) - sum.col(i).normalized()).norm(), 1e-12);
+  }
+}
+
 TEST(Polygonize, WithoutNormalsThereAreNoneAndTheSurfaceIsTheSame) {
   const Mesh with = polygonize(sphere(1), {.resolution = 40});
   const Mesh without = polygonize(sphere(1), {.resolution = 40, .normals = false});
