@@ -372,14 +372,13 @@ TEST(LocalFit, StretchesLongPatches) {
   }
 }
 
-// Polynomials are the same in stretched coordinates.
 TEST(LocalFit, StretchesForRadialFunctionsOnly) {
   const auto problem = random_problem<2>(100);
   const auto stretched = [&](Index centers, double anisotropy) {
     return problem.fit({.degree = 1, .samples = 30, .centers = centers, .anisotropy = anisotropy}, {0}).anisotropic;
   };
   EXPECT_TRUE(stretched(1, 0.1));
-  EXPECT_FALSE(stretched(0, 1));
+  EXPECT_FALSE(stretched(0, 1));  // polynomials stay the same
   EXPECT_FALSE(stretched(30, 0));
 }
 
