@@ -40,8 +40,7 @@ void run(const EstimateNormalsCommand& command, Session& session) {
   NormalReport report;
   cloud.normals = session.timed("fit", [&] { return estimate_normals(cloud.points, options, &report); });
   session.options = {{"output", command.output}, {"neighbors", report.neighbors}, {"orient", command.orient}};
-  session.result = {
-      {"points", cloud.size()}, {"duplicates", report.duplicates}, {"undetermined", report.undetermined}};
+  session.result = {{"points", cloud.size()}, {"duplicates", report.duplicates}, {"undetermined", report.undetermined}};
   session.say(command.output + ": " + counted(cloud.size(), "point") + " with normals from " +
               std::to_string(report.neighbors) + " neighbours each");
   session.write([&] { write_points(command.output, cloud); });
