@@ -37,9 +37,10 @@ inline int edge_vertex(const CornerRef& corner, int d) {
 /// Starts from linear interpolation of the corner values. With refinement each evaluation narrows the bracket; the next
 /// point is the root of the parabola through the value and slope there and the other end of the bracket. One evaluation
 /// is enough for most vertices of a smooth field: until that root moves by less than 1e-4 of the edge, or differs by
-/// less than that from Newton's (which bounds its error), at most 12. A root within `edge_margin` of a corner is first
-/// held at that margin, then moved onto the surface along the gradient. A vertex of the cap that closes the solid at
-/// the boundary stands `edge_margin` outside its inside corner.
+/// less than that from Newton's, at most 12. Both may agree by chance where the field bends the other way along the
+/// edge: then the vertex may be off by some hundredths of it. A root within `edge_margin` of a corner is first held at
+/// that margin, then moved onto the surface along the gradient. A vertex of the cap that closes the solid at the
+/// boundary stands `edge_margin` outside its inside corner.
 void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& bricks, LevelSampler& sampler,
                          const VertexDemand& demand, Mesh& mesh, const Progress& progress);
 
