@@ -116,7 +116,6 @@ def skimage_segment(kind, image, out, result):
 
 
 def make_samples(tools, case, work):
-    sys.argv = [tools, case, work]
     subprocess.run([sys.executable, Path(tools) / "scattered_cases.py", case, work], check=True)
     import numpy
 
