@@ -5,7 +5,6 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 
-#include <array>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -92,25 +91,6 @@ void Cover<Dim>::make_cells() {
     lower.hi[axis] = upper.lo[axis] = tree_.split[node];
     stack.push_back({tree_.right[node], upper});
     stack.push_back({node + 1, lower});
-  }
-}
-
-// The cells that points of the box fall into.
-template <int Dim>
-template <class Visit>
-void Cover<Dim>::for_each_cell(const Box<Dim>& box, const Visit& visit) const {
-  std::array<std::uint32_t, 512> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t node = stack[--depth];
-    const int axis = tree_.axis[node];
-    if (axis < 0) {
-      visit(tree_.right[node]);
-      continue;
-    }
-    if (box.hi[axis] >= tree_.split[node]) stack[depth++] = tree_.right[node];
-    if (box.lo[axis] < tree_.split[node]) stack[depth++] = node + 1;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/types.hpp"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -81,6 +82,7 @@ class Cover {
   void nearest(const Point<Dim>& x, Index n, double reach, Search& search) const;
 
  private:
+  /// Calls visit(cell) for the cells that points of the box fall into, in order.
   template <class Visit>
   void for_each_cell(const Box<Dim>& box, const Visit& visit) const;
   std::size_t collect(const Point<Dim>& x, double reach, Search& search) const;
@@ -101,5 +103,23 @@ class Cover {
   std::vector<std::uint32_t> order_;
   std::vector<Index> begin_;
 };
+
+template <int Dim>
+template <class Visit>
+void Cover<Dim>::for_each_cell(const Box<Dim>& box, const Visit& visit) const {
+  std::array<std::uint32_t, 512> stack;
+  std::size_t depth = 0;
+  stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t node = stack[--depth];
+    const int axis = tree_.axis[node];
+    if (axis < 0) {
+      visit(tree_.right[node]);
+      continue;
+    }
+    if (box.hi[axis] >= tree_.split[node]) stack[depth++] = tree_.right[node];
+    if (box.lo[axis] < tree_.split[node]) stack[depth++] = node + 1;
+  }
+}
 
 }  // namespace csrbf

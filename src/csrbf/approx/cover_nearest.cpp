@@ -2,7 +2,6 @@
 #include "csrbf/core/dimensions.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -43,18 +42,7 @@ void sort_nearest(std::size_t count, std::size_t n, double reach, typename Cover
 template <int Dim>
 std::size_t Cover<Dim>::collect(const Point<Dim>& x, double reach, Search& search) const {
   std::size_t count = 0;
-  std::array<std::uint32_t, 512> stack;
-  std::size_t depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t node = stack[--depth];
-    const int axis = tree_.axis[node];
-    if (axis >= 0) {
-      if (x[axis] + reach >= tree_.split[node]) stack[depth++] = tree_.right[node];
-      if (x[axis] - reach < tree_.split[node]) stack[depth++] = node + 1;
-      continue;
-    }
-    const auto cell = static_cast<std::size_t>(tree_.right[node]);
+  for_each_cell({x.array() - reach, x.array() + reach}, [&](std::uint32_t cell) {
     const std::size_t most = count + static_cast<std::size_t>(begin_[cell + 1] - begin_[cell]);
     if (search.near.size() < most) search.near.resize(2 * most);
     for (Index i = begin_[cell]; i < begin_[cell + 1]; ++i) {  // without branches: nobody can predict them
@@ -62,7 +50,7 @@ std::size_t Cover<Dim>::collect(const Point<Dim>& x, double reach, Search& searc
       search.near[count] = {d2, static_cast<std::uint32_t>(i)};
       count += d2 < reach * reach ? 1 : 0;
     }
-  }
+  });
   return count;
 }
 

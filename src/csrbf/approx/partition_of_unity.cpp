@@ -94,9 +94,7 @@ class Evaluation {
       if (!cover.cell(cell).contains(x.col(i))) cell = static_cast<std::uint32_t>(cover.find(x.col(i)));
       order_[static_cast<std::size_t>(i)] = {cell, static_cast<std::uint32_t>(i)};
     }
-    const auto before = [](const Keyed& a, const Keyed& b) { return a.key < b.key; };
-    if (!std::is_sorted(order_.begin(), order_.end(), before))
-      radix_sort(order_, static_cast<std::uint32_t>(cover.size()));
+    radix_sort(order_, static_cast<std::uint32_t>(cover.size()));
     x_.resize(Dim * (n + lanes));
     for (std::size_t a = 0; a < Dim; ++a) {
       const auto axis = static_cast<Index>(a);

@@ -16,6 +16,8 @@ constexpr std::size_t fewest_in_part = 1 << 15, most_parts = 64;
 
 // By the least significant digit first. Every part of the items counts its digits, and so knows where its own go.
 void radix_sort(std::vector<Keyed>& items, std::uint32_t limit) {
+  const auto before = [](const Keyed& a, const Keyed& b) { return a.key < b.key; };
+  if (std::is_sorted(items.begin(), items.end(), before)) return;
   const std::size_t n = items.size();
   const std::size_t parts = std::clamp<std::size_t>(n / fewest_in_part, 1, most_parts), each = (n + parts - 1) / parts;
   const int bits = std::bit_width(limit), digits = (bits + most_digit_bits - 1) / most_digit_bits;
