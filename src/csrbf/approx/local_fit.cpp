@@ -83,7 +83,6 @@ LocalFitter<Dim>::LocalFitter(const Cover<Dim>& cover, const Eigen::MatrixXd& va
   const auto n = static_cast<std::size_t>(n_), M = static_cast<std::size_t>(M_), Q = static_cast<std::size_t>(Q_),
              C = static_cast<std::size_t>(C_);
   const std::size_t width = interpolates() ? Q + C : Q + M + C;
-  ids_.resize(L * n);
   q_.resize(L * n * Dim);
   s_.resize(L * n * C);
   weight_.resize(L * n);
@@ -130,7 +129,6 @@ void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& m
     }
     for (Index k = 0; k < n_; ++k) {
       const std::uint32_t id = search_.found[static_cast<std::size_t>(k)].second;
-      ids_[static_cast<std::size_t>(n_ * l + k)] = id;
       Point<Dim> q = (cover_.points().col(id) - center) / radius;
       if (anisotropic_) q = metric * q;
       for (int a = 0; a < Dim; ++a) q_[static_cast<std::size_t>(L * (Dim * k + a) + l)] = q[a];

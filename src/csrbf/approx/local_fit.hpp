@@ -74,7 +74,6 @@ class LocalFitter {
   double inverse_support2_;
   typename Cover<Dim>::Search search_;
   std::vector<Index> center_rows_;  // samples that are centres
-  std::vector<std::uint32_t> ids_;  // n per lane
   // Eight lanes interleaved in everything that follows.
   std::vector<double> q_;              // n x Dim
   std::vector<double> s_;              // C x n, then the residual, then the coefficients alpha
