@@ -240,6 +240,24 @@ TEST(CandidateCells, SpreadOverASurfaceOfWhichAPartIsKnown) {
   }
 }
 
+// Of two planes with a layer of excluded cells between them, the one that the mesh does not know stays out of reach.
+TEST(CandidateCells, DoNotSpreadBeyondExcludedCells) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const double known = 0.5 - 0.25 * sign, other = 0.5 + 0.08 * sign;
+      const AnalyticField field(
+          [=](const AnalyticField::Variables& x) { return (x[axis] - known) * (x[axis] - other); }, unit);
+      const Point<3> ahead = sign * Point<3>::Unit(axis), aside = Point<3>::Ones() - Point<3>::Unit(axis);
+      const Point<3> p = 0.55 * aside + known * Point<3>::Unit(axis);
+      const CandidateCells cells(field, tenths, triangle(p, p, p), {});
+      for (const double shift : {-0.4, 0.0, 0.4}) {
+        const auto along = walk(cells, {p + shift * aside - 3 * ahead, ahead});
+        ASSERT_FALSE(along.empty());
+        EXPECT_NEAR(along.back().end, 3 + 0.15, 1e-12);
+      }
+    }
+}
+
 TEST(CandidateCells, ReportHowFarTheyAre) {
   const EnclosedEllipsoid known = beyond_its_bounds(0.1);
   const AnalyticField plain([](const AnalyticField::Variables& x) { return x[2] - 0.53; }, unit);
