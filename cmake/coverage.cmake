@@ -1,5 +1,14 @@
-# Target `coverage` of the preset of that name: prints the share of lines that the tests ran.
-if(CMAKE_CXX_FLAGS MATCHES "--coverage")
+# With CSRBF_COVERAGE the library and the program count which lines run; the target `coverage` prints the share of those
+# that did. The tests themselves are not counted.
+option(CSRBF_COVERAGE "Count the lines that the tests run (preset coverage)" OFF)
+if(CSRBF_COVERAGE)
+  foreach(target csrbf csrbf-program csrbf-cli)
+    if(TARGET ${target})
+      target_compile_options(${target} PRIVATE -O1 --coverage -fprofile-update=atomic)
+    endif()
+  endforeach()
+  target_link_options(csrbf PUBLIC $<BUILD_INTERFACE:--coverage>)
+
   find_program(GCOVR gcovr)
   mark_as_advanced(GCOVR)
   if(GCOVR)
