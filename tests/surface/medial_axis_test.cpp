@@ -145,7 +145,7 @@ TEST(MedialSupports, HoldEnoughCellsAndEverySample) {
   EXPECT_TRUE((result.scales.array() < result.supports.array()).any());
   EXPECT_TRUE((pi * result.supports.array().square() >= 2.999 * result.areas.array()).all());
   for (Index k = 0; k < plate.size(); ++k) {
-    const auto distance = (centers.colwise() - plate.points.col(k).eval()).colwise().norm();
+    const Eigen::RowVectorXd distance = (centers.colwise() - plate.points.col(k)).colwise().norm();
     EXPECT_GE((distance.transpose().array() < result.supports.array()).count(), 4);
   }
 }
