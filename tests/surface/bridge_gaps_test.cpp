@@ -2,6 +2,7 @@
 
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/surface/reconstruct.hpp"
+#include "surface/oriented_shapes.hpp"
 #include "surface/surface_testing.hpp"
 
 #include <functional>
@@ -112,6 +113,22 @@ TEST(BridgeGaps, KeepsClosedBodiesApart) {
   const PointCloud two = joined(sphere_cloud(5000), sphere_cloud(4000, 2, 1, {2.3, 0, 0}));
   EXPECT_EQ(joined_parts(two), 0);
   expect_closed(polygonize(*reconstruct(two).field), 2, 4);
+}
+
+PointCloud cloud_of(const Shape& shape) {
+  return {shape.points, shape.normals, {}};
+}
+
+// Here and there a random sample has no neighbours on one side.
+TEST(BridgeGaps, KeepsBodiesApartThatAreSampledAtRandom) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const PointCloud pair =
+        cloud_of(join(random_sphere(4000, 2 * seed), random_sphere(4000, 2 * seed + 1, {2.3, 0, 0})));
+    EXPECT_EQ(joined_parts(pair), 0) << seed;
+    PointCloud shell = cloud_of(random_sphere(4000, 2 * seed + 1, Point<3>::Zero(), 0.8));
+    shell.normals *= -1;
+    EXPECT_EQ(joined_parts(joined(cloud_of(random_sphere(4000, 2 * seed)), shell)), 0) << seed;
+  }
 }
 
 TEST(BridgeGaps, KeepsBodiesApartThatAreOpenElsewhere) {

@@ -1,6 +1,7 @@
 #include "csrbf/surface/bridge_gaps.hpp"
 
 #include "csrbf/approx/interpolate.hpp"
+#include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
@@ -10,6 +11,7 @@
 #include <array>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace csrbf {
@@ -17,12 +19,14 @@ namespace {
 
 constexpr Index around = 24;                           // neighbours that tell whether a sample lies on a rim
 constexpr double free_angle = 0.6 * std::numbers::pi;  // without neighbours, seen from a sample on a rim
-constexpr double most_open = 0.4;  // beside sheets more open than half a ball, the winding number is undecided anyway
-constexpr double facing = 0.3;     // cosine between a gap and where a rim looks
-constexpr double same_side = 0.3;  // cosine between normals on both sides of a gap
-constexpr double widest = 4;       // gap, in widths of the opening
-constexpr std::size_t shortest_rim = 6;   // samples
-constexpr double joined_share = 0.25;     // of the rim of an island that must face another rim
+constexpr double most_open = 0.4;    // beside sheets more open than half a ball, the winding number is undecided anyway
+constexpr double facing = 0.3;       // cosine between a gap and where a rim looks
+constexpr double same_side = 0.3;    // cosine between normals on both sides of a gap
+constexpr double widest = 4;         // gap, in widths of the opening
+constexpr double same_way = 0.7;     // cosine between the directions of samples that follow each other on a rim
+constexpr Index shortest_rim = 8;    // samples
+constexpr double fewest_joined = 6;  // samples of the rim of an island that must face another rim ...
+constexpr double joined_share = 0.25;     // ... and their share of it
 constexpr Index spline_samples = 150;     // on each side of a gap
 constexpr double spline_reach = 1.5;      // widths of the opening, from the rim
 constexpr double spline_offset = 0.1;     // widths of the opening
@@ -71,16 +75,41 @@ std::optional<Point<3>> free_direction(const OrientedPoints& cloud, const KdTree
   return std::cos(middle) * u + std::sin(middle) * v;
 }
 
+// Those that form chains along which the direction turns slowly. Samples at random leave single ones, and a few around
+// their larger holes, without a neighbour on some side, all over a surface that has no rim. Samples ascend.
+std::vector<RimSample> chains(const OrientedPoints& cloud, const KdTree<3>& tree,
+                              const std::vector<RimSample>& samples) {
+  DisjointSets sets(samples.size());
+  std::array<Index, around + 1> near;
+  std::array<double, around + 1> d2;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const Index found = tree.nearest(cloud.points.col(samples[k].id), around + 1, near.data(), d2.data());
+    for (const Index i : std::span(near.data(), static_cast<std::size_t>(found))) {
+      const auto at =
+          std::lower_bound(samples.begin(), samples.end(), i, [](const RimSample& a, Index id) { return a.id < id; });
+      if (at == samples.end() || at->id != i || at->onward.dot(samples[k].onward) < same_way) continue;
+      sets.unite(static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(at - samples.begin()));
+    }
+  }
+  std::vector<Index> length(samples.size(), 0);
+  for (std::size_t k = 0; k < samples.size(); ++k) ++length[sets.find(static_cast<std::uint32_t>(k))];
+  std::vector<RimSample> result;
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    if (length[sets.find(static_cast<std::uint32_t>(k))] >= shortest_rim) result.push_back(samples[k]);
+  return result;
+}
+
+// In the order of `ids`, which ascend.
 std::vector<RimSample> rim(const OrientedPoints& cloud, const KdTree<3>& tree, const std::vector<Index>& ids) {
   std::vector<std::optional<Point<3>>> onward(ids.size());
   parallel_for(static_cast<Index>(ids.size()), samples_per_task, [&](Index begin, Index end) {
     for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
       onward[k] = free_direction(cloud, tree, ids[k]);
   });
-  std::vector<RimSample> result;
+  std::vector<RimSample> open;
   for (std::size_t k = 0; k < ids.size(); ++k)
-    if (onward[k]) result.push_back({ids[k], *onward[k]});
-  return result;
+    if (onward[k]) open.push_back({ids[k], *onward[k]});
+  return chains(cloud, tree, open);
 }
 
 // All samples within `reach` of the box of an island, without those on it.
@@ -131,14 +160,15 @@ double mean_spacing(const OrientedPoints& cloud, const std::vector<Index>& ids) 
 // The gap between an island and the rest; none when they do not belong together.
 std::optional<Gap> find_gap(const OrientedPoints& cloud, const KdTree<3>& tree, const std::vector<Index>& island) {
   const std::vector<RimSample> own = rim(cloud, tree, island);
-  if (own.size() < shortest_rim) return std::nullopt;
+  if (own.empty()) return std::nullopt;
   Gap gap{{}, {}, width(cloud, own), 0};
   const double reach = widest * gap.width;
   const std::vector<RimSample> others = rim(cloud, tree, surroundings(cloud, tree, island, reach));
   std::vector<double> distances;
   for (const RimSample& sample : own)
     if (const auto distance = distance_across(cloud, sample, others, reach)) distances.push_back(*distance);
-  if (static_cast<double>(distances.size()) < joined_share * static_cast<double>(own.size())) return std::nullopt;
+  const auto facing_samples = static_cast<double>(distances.size());
+  if (facing_samples < std::max(fewest_joined, joined_share * static_cast<double>(own.size()))) return std::nullopt;
   gap.length = percentile(distances, 0.5);
   for (const RimSample& sample : own) gap.near_rim.push_back(sample.id);
   for (const RimSample& sample : others) {
