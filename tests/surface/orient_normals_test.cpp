@@ -75,6 +75,13 @@ TEST(OrientNormals, OfSeparateSolidsAllPointOutward) {
   EXPECT_LT(report.ambiguity, 0.02);
 }
 
+// Signs that the spanning tree leaves mixed.
+TEST(OrientNormals, OfManySeparateSolidsAllPointOutward) {
+  Shape solids;
+  for (unsigned i = 0; i < 25; ++i) solids = join(solids, random_sphere(300, i, {3.0 * (i % 5), 3.0 * (i / 5), 0}));
+  EXPECT_EQ(share_after(solids), 1);
+}
+
 TEST(OrientNormals, OfACavityPointIntoIt) {
   OrientReport report;
   EXPECT_EQ(share_after(join(random_sphere(6000, 9), inward(random_sphere(1500, 10, {0.1, 0, 0}, 0.5))), &report), 1);

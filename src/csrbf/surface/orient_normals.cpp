@@ -14,7 +14,6 @@ using namespace orientation;
 constexpr Index max_components = 256;
 constexpr Index max_clusters = 400;
 constexpr double convincing = 0.97;  // energy ratio below which the winding number overrules the neighbours
-constexpr double has_inside = 0.1;   // mean winding number on a surface that has an inside and an outside
 
 void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* where) {
   require(normals.cols() == points.cols(), where, "normals.cols()", normals.cols(), "must be the number of points");
@@ -107,7 +106,11 @@ OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighb
     const Energy energy(points, normals, neighbors, graph, components);
     settle_side(energy, normals, neighbors, components, signs);
     const double tree = energy.of(signs);
+    Signs outward = signs;
+    energy.turn_each_outward(outward);
     energy.descend(signs);
+    energy.descend(outward);
+    if (energy.of(outward) < energy.of(signs)) signs = outward;
     result.ambiguity_tree = tree;
     if (signs != components.tree_sign) result.method = OrientMethod::winding_number;
   }

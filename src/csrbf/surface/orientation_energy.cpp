@@ -23,6 +23,7 @@ using Members = std::vector<std::vector<Index>>;
 // Some points of every cluster, at regular intervals of the order; the weights are shares of the area.
 struct Sample {
   std::vector<Index> points;
+  std::vector<std::int32_t> clusters;
   std::vector<double> weights;
 };
 
@@ -40,6 +41,7 @@ Sample draw(const NeighborTable& table, const Members& members) {
     const Index count = std::min(available, std::max(points_per_cluster, share));
     for (Index k = 0; k < count; ++k) {
       sample.points.push_back(members[c][static_cast<std::size_t>((2 * k + 1) * available / (2 * count))]);
+      sample.clusters.push_back(static_cast<std::int32_t>(c));
       sample.weights.push_back(areas[c] / total / static_cast<double>(count));
     }
   }
@@ -75,6 +77,7 @@ Energy::Energy(const Points<3>& points, const Points<3>& normals, const Neighbor
 
   // Probes on the surface, then the others along a Morton curve.
   on_surface_ = static_cast<Index>(sample.points.size());
+  cluster_ = sample.clusters;
   Points<3> probes(3, probes_per_point * on_surface_);
   for (Index s = 0; s < on_surface_; ++s) {
     const Index i = sample.points[static_cast<std::size_t>(s)];
@@ -171,6 +174,17 @@ double Energy::of(const Signs& signs) const {
 
 double Energy::mean_winding(const Signs& signs) const {
   return static_cast<double>(weight_.head(on_surface_).dot(winding(signs).head(on_surface_))) / surface_share;
+}
+
+void Energy::turn_each_outward(Signs& signs) const {
+  std::vector<double> sum(signs.size(), 0), total(signs.size(), 0);
+  for (Index s = 0; s < on_surface_; ++s) {
+    const std::int32_t c = cluster_[static_cast<std::size_t>(s)];
+    sum[static_cast<std::size_t>(c)] += weight_[s] * winding_(s, c);
+    total[static_cast<std::size_t>(c)] += weight_[s];
+  }
+  for (std::size_t c = 0; c < signs.size(); ++c)
+    if (std::abs(sum[c]) > has_inside * total[c]) signs[c] = sum[c] < 0 ? -1 : 1;
 }
 
 void Energy::descend(Signs& signs) const {
