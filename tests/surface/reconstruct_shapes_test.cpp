@@ -3,6 +3,7 @@
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 #include "csrbf/surface/trim.hpp"
+#include "surface/oriented_shapes.hpp"
 #include "surface/surface_testing.hpp"
 
 namespace csrbf {
@@ -95,6 +96,17 @@ TEST(ReconstructShapes, SpheresAFewSpacingsApartStayTwo) {
   const PointCloud cloud = joined(sphere_cloud(2000), sphere_cloud(2000, 2, 1, {2 + gap, 0, 0}));
   expect_closed(mesh_of(cloud), 2, 4);
   expect_closed(mesh_of(without_normals(cloud)), 2, 4);
+}
+
+// Quadrics fit a sphere on patches of any size, but patches that reach the other sphere spoil it.
+TEST(ReconstructShapes, SpheresAreAccurateBesideEachOther) {
+  for (unsigned seed = 0; seed < 3; ++seed)
+    for (const double distance : {2.3, 3.0}) {
+      const Point<3> other(distance, 0, 0);
+      const Shape pair = join(random_sphere(2000, 2 * seed), random_sphere(2000, 2 * seed + 1, other));
+      const Reconstruction result = reconstruct({pair.points, {}, {}});
+      EXPECT_LT(result.report.max_distance, 1e-5) << "seed " << seed << ", distance " << distance;
+    }
 }
 
 TEST(ReconstructShapes, AHollowSphereHasTwoWalls) {

@@ -130,7 +130,7 @@ class CrossValidation {
     std::vector<Index> leaf(static_cast<std::size_t>(leaf_size));
     std::vector<double> distance(leaf.size());
     const Index found = tree_.nearest(center, leaf_size, leaf.data(), distance.data());
-    add(fitter, fitter.fit(leaf.data(), found), ids, sum);
+    add(fitter, fitter.fit(leaf.data(), found), found, ids, sum);
     return sum;
   }
 
@@ -142,13 +142,16 @@ class CrossValidation {
       predict(fitter, leaf_size, ids.subspan(cut), sum);
       return;
     }
-    add(fitter, fitter.fit(ids.data(), n), ids, sum);
+    add(fitter, fitter.fit(ids.data(), n), n, ids, sum);
   }
 
-  static void add(PatchFitter& fitter, const FittedPatch& patch, std::span<const Index> ids, Sum& sum) {
+  // Adds what the patch over a leaf of n samples, among them `ids`, does to these, and their share of what it does to
+  // samples of other sheets.
+  static void add(PatchFitter& fitter, const FittedPatch& patch, Index n, std::span<const Index> ids, Sum& sum) {
     std::vector<double> distance(ids.size());
     fitter.left_out_distances(patch, ids, distance.data());
     for (const double d : distance) sum.error += d;
+    sum.error += fitter.error_on_other_sheets(patch) * static_cast<double>(ids.size()) / static_cast<double>(n);
     sum.radius += patch.patch.radius * static_cast<double>(ids.size());
     sum.samples += static_cast<double>(ids.size());
   }
@@ -220,10 +223,11 @@ ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree,
   const CrossValidation validation(cloud, tree);
   if (validation.size() == 0) return result;
 
-  // Large leaves first, as long as a few of them make up the cloud.
+  // Large leaves first, as long as a few of them make up a body.
+  const Index body = std::max(given.body_size.value_or(cloud.size()), 20 * leaf_sizes.front());
   std::vector<Index> sizes;
   for (auto size = leaf_sizes.rbegin(); size != leaf_sizes.rend(); ++size)
-    if (20 * *size <= cloud.size()) sizes.push_back(*size);
+    if (20 * *size <= std::min(body, cloud.size())) sizes.push_back(*size);
   if (sizes.empty()) return result;
   options.normal_weight = 0.1;
   if (!given.leaf_size) choose(validation, options, &CompositeOptions::leaf_size, sizes, true);

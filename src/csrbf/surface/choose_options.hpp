@@ -18,6 +18,8 @@ struct GivenOptions {
   std::optional<double> smoothing;
   std::optional<Index> leaf_size;
   NormalRows normal_rows = NormalRows::gradient;
+  /// Samples of a body, where the cloud consists of several: patches are to be small beside it. Default: of the cloud.
+  std::optional<Index> body_size = {};
 };
 
 /// Chooses patch size, weight of the normals, number of CSRBF centres and smoothing by leave-one-out cross-validation

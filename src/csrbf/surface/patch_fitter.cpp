@@ -17,6 +17,8 @@ constexpr Index fewest_fit_points = 8;      // twice what a quadric needs
 constexpr double ridge_quadric = 1e-6;      // relative; makes a planar patch planar
 constexpr double round_off = 1e-13;         // relative; keeps the normal matrices positive definite
 constexpr double inner = 0.65;              // squared radius where the blending weight is above 1 / 64
+constexpr double opposite_normals = -0.5;   // cosine
+constexpr double own_weights = 1;           // sum of the weights of a sample's own patches, about
 constexpr double smallest_freedom = 0.01;   // of a sample that decides its own prediction
 constexpr int newton_steps = 3;
 constexpr double flattest = 0.9;         // normal radius of a patch, in units of its radius
@@ -172,6 +174,20 @@ bool PatchFitter::within_tolerance(const FittedPatch& patch) const {
     return q.squaredNorm() >= inner || patch.step_to_surface(cloud_.points.col(i)).norm() <= options_.tolerance[i];
   };
   return std::all_of(support_.begin(), support_.end(), meets) && std::all_of(foreign_.begin(), foreign_.end(), meets);
+}
+
+double PatchFitter::error_on_other_sheets(const FittedPatch& patch) const {
+  const Point<3> normal = patch.patch.T.row(2).normalized();
+  double sum = 0;
+  for (const Index i : foreign_) {
+    if (cloud_.normals.col(i).dot(normal) > opposite_normals) continue;  // noise turns normals that far
+    Point<3> q = patch.patch.T * (cloud_.points.col(i) - patch.patch.center);
+    q[2] *= patch.patch.flatness;
+    const double weight = std::pow(std::max(0.0, 1 - q.squaredNorm()), 4);
+    const double distance = std::min(patch.step_to_surface(cloud_.points.col(i)).norm(), patch.patch.radius);
+    sum += weight / (own_weights + weight) * distance;
+  }
+  return sum;
 }
 
 // The candidates in the support, evenly thinned to the number allowed.

@@ -46,6 +46,10 @@ class PatchFitter {
   /// Whether the last patch meets the tolerance of every sample in the inner part of its support.
   [[nodiscard]] bool within_tolerance(const FittedPatch& patch) const;
 
+  /// How far the last patch draws samples of other sheets in its support off their places, summed over them: a blend of
+  /// it with patches of their own has its error by its share of the weights.
+  [[nodiscard]] double error_on_other_sheets(const FittedPatch& patch) const;
+
   /// Distances of samples to the surface of the last patch, had it been fitted without them (without their positions:
   /// their normals stay); off-surface rows do not count.
   void left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance);

@@ -116,6 +116,22 @@ void check_tolerance(const std::vector<double>& distance, double tolerance, Reco
   throw SolverFailure(message.str());
 }
 
+// Size of the part of the cloud that a sample is on, as a median over all samples.
+Index typical_body(const PreparedCloud& prepared) {
+  std::vector<Index> sizes;
+  Index rest = prepared.cloud.size();
+  for (const std::vector<Index>& island : prepared.islands) {
+    sizes.push_back(static_cast<Index>(island.size()));
+    rest -= sizes.back();
+  }
+  sizes.push_back(rest);
+  std::sort(sizes.begin(), sizes.end());
+  Index below = 0;
+  for (const Index size : sizes)
+    if (2 * (below += size) >= prepared.cloud.size()) return size;
+  return rest;
+}
+
 // The composite options: chosen by cross-validation, within the budget or the tolerance that is asked for.
 ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& options) {
   const OrientedPoints& cloud = prepared.cloud;
@@ -127,6 +143,7 @@ ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& op
     given.leaf_size =
         std::max<Index>(CompositeOptions::smallest_leaf, cloud.size() * centers_per_leaf / options.centers);
   given.normal_rows = options.normal_rows;
+  given.body_size = typical_body(prepared);
   ChosenOptions chosen = choose_options(cloud, *prepared.tree, given);
   if (options.tolerance > 0) {
     chosen.options.tolerance.setConstant(cloud.size(), options.tolerance);
