@@ -167,11 +167,11 @@ TEST(Prepare, KeepsASparseObjectBesideADenseOne) {
 
 TEST(Prepare, TakesNormalsFromTheFile) {
   PointCloud input = sphere_cloud(1000);
-  input.normals *= -3;  // inside out is consistent too
+  input.normals *= 3;
   for (const Normals source : {Normals::file, Normals::automatic}) {
     const PreparedCloud prepared = prepare(input, source);
     EXPECT_EQ(prepared.normals, "file");
-    EXPECT_NEAR(outward(prepared, input), -1, rounding);
+    EXPECT_NEAR(outward(prepared, input), 1, rounding);
     EXPECT_TRUE(prepared.warnings.empty());
   }
 }
@@ -209,6 +209,46 @@ TEST(Prepare, ReorientsNormalsThatContradictEachOther) {
   const PreparedCloud as_given = prepare(input, Normals::file);
   EXPECT_EQ(as_given.normals, "file");
   EXPECT_LT(outward(as_given, input), 0.6);
+}
+
+PointCloud inside_out(PointCloud cloud) {
+  cloud.normals *= -1;
+  return cloud;
+}
+
+TEST(Prepare, TurnsNormalsThatPointInward) {
+  const PointCloud cloud = inside_out(sphere_cloud(3000));
+  const PreparedCloud turned = prepare(cloud, Normals::automatic);
+  EXPECT_TRUE(warns(turned, "point inward: turned"));
+  EXPECT_EQ(turned.normals, "re-oriented");
+  EXPECT_GT(outward(turned, cloud), 0.99);
+  const PreparedCloud kept = prepare(cloud, Normals::file);
+  EXPECT_TRUE(warns(kept, "point inward"));
+  EXPECT_EQ(kept.normals, "file");
+  EXPECT_LT(outward(kept, cloud), -0.99);
+}
+
+TEST(Prepare, TurnsOnlyTheBodyWhoseNormalsPointInward) {
+  const PointCloud good = sphere_cloud(3000), bad = inside_out(sphere_cloud(2000, 2, 1, {3, 0, 0}));
+  const PointCloud cloud = joined(good, bad);
+  const PreparedCloud turned = prepare(cloud, Normals::automatic);
+  EXPECT_TRUE(warns(turned, "point inward on some parts: turned"));
+  for (Index i = 0; i < turned.cloud.size(); ++i) {
+    const Index from = turned.source[static_cast<std::size_t>(i)];
+    const Point<3> center(from < good.size() ? 0 : 3, 0, 0);
+    EXPECT_GT(turned.cloud.normals.col(i).dot(cloud.points.col(from) - center), 0.9);
+  }
+}
+
+TEST(Prepare, KeepsNormalsOfCavitiesAndOpenSheets) {
+  const PointCloud hollow = joined(sphere_cloud(3000), inside_out(sphere_cloud(2000, 2, 0.5)));
+  EXPECT_EQ(prepare(hollow, Normals::automatic).normals, "file");
+  PointCloud bowl = inside_out(sphere_cloud(3000));
+  std::vector<Index> lower;
+  for (Index i = 0; i < bowl.size(); ++i)
+    if (bowl.points(2, i) < 0) lower.push_back(i);
+  bowl = {bowl.points(Eigen::all, lower), bowl.normals(Eigen::all, lower), {}};
+  EXPECT_EQ(prepare(bowl, Normals::automatic).normals, "file");
 }
 
 TEST(Prepare, FillsMissingNormals) {

@@ -4,6 +4,7 @@
 #include "csrbf/spatial/coincident_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/inward_parts.hpp"
 #include "csrbf/surface/neighbor_table.hpp"
 #include "csrbf/surface/orient_normals.hpp"
 
@@ -332,6 +333,25 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
   if (source == Normals::automatic) reorient_if_better(result, near, progress);
 }
 
+// Given normals that consistently point inward are not contradictory, but would make the outside solid.
+void turn_outward(PreparedCloud& result, Normals source) {
+  if (result.normals != "file") return;
+  const std::vector<bool> inward = inward_parts(result.cloud, result.islands);
+  const auto count = std::count(inward.begin(), inward.end(), true);
+  if (count == 0) return;
+  const std::string where = count == static_cast<std::ptrdiff_t>(inward.size()) ? "" : " on some parts";
+  if (source == Normals::file) {
+    result.warnings.push_back("the given normals point inward" + where + ": with automatic normals they are turned");
+    return;
+  }
+  std::vector<signed char> sign(static_cast<std::size_t>(result.cloud.size()), inward.back() ? -1 : 1);
+  for (std::size_t k = 0; k < result.islands.size(); ++k)
+    for (const Index i : result.islands[k]) sign[static_cast<std::size_t>(i)] = inward[k] ? -1 : 1;
+  for (Index i = 0; i < result.cloud.size(); ++i) result.cloud.normals.col(i) *= sign[static_cast<std::size_t>(i)];
+  result.normals = "re-oriented";
+  result.warnings.push_back("the given normals point inward" + where + ": turned");
+}
+
 }  // namespace
 
 PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress) {
@@ -353,6 +373,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   if (input.has_normals()) result.cloud.normals = select(normals, result.source);
   find_normals(result, near, source, input.has_normals(), progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near);
+  turn_outward(result, source);
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
   report(progress, "prepare", 1);
   return result;

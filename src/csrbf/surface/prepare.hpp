@@ -13,7 +13,8 @@ namespace csrbf {
 
 /// Where the normals of a reconstruction come from.
 enum class Normals {
-  automatic,  ///< the given ones when there are any, re-oriented when they contradict each other; else estimated
+  automatic,  ///< the given ones when there are any, re-oriented when they contradict each other and turned where they
+              ///< point inward; else estimated
   file,       ///< the given ones as they are
   estimate,   ///< always estimated
 };
