@@ -88,6 +88,14 @@ TEST(FitAlongTracks, IsChosenWhereTracksDisagree) {
 }
 
 // Every fifth sounding predicted by the others.
+TEST(FitAlongTracks, IsNotChosenForRoundingErrors) {
+  Samples<2> constant = soundings(3000, 0.4);
+  constant.values.setConstant(3.5);
+  const auto result = fit<2>(constant);
+  EXPECT_EQ(result.report.method, "partition-of-unity");
+  EXPECT_LT(result.report.cross_validation_rmse, 1e-12);
+}
+
 TEST(FitAlongTracks, PredictsSoundingsBetterThanPatches) {
   const Samples<2> all = soundings(15000, 0.4);
   const auto kept = Eigen::seqN(0, 12000), rest = Eigen::seqN(12000, 3000);

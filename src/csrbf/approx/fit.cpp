@@ -242,7 +242,8 @@ class Fitter {
   bool tracks_may_matter() const {
     const bool rough = report_.kernel == "wendland-c0" || report_.kernel == "powered-exponential";
     const bool free = options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
-    return Dim > 1 && free && rough && samples_.size() >= fewest_for_tracks;
+    const bool exact = report_.cross_validation_rmse <= rounding * samples_.values.cwiseAbs().maxCoeff();
+    return Dim > 1 && free && rough && !exact && samples_.size() >= fewest_for_tracks;
   }
 
   Fields patches_or_tracks() {
@@ -292,6 +293,7 @@ class Fitter {
   }
 
   static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000;  // samples
+  static constexpr double rounding = 1e-12;
   static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
 
   const Samples<Dim>& samples_;
