@@ -34,7 +34,8 @@ def reconstruct(
     points : array_like (n, 3), PointCloud or file name
         Normals of a cloud or file are used as `normals` are.
     normals : array_like (n, 3), optional
-        Outward; they are turned round where they contradict each other, and estimated when there are none.
+        Outward; they are turned round where they contradict each other or point inward, and estimated when there
+        are none.
     method : str
         "auto", "composite", "medial-axis", ...: a wrong name lists those there are.
     centers : int, optional

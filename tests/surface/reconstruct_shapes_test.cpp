@@ -246,6 +246,15 @@ TEST(ReconstructShapes, FourPointsAreEnough) {
   EXPECT_GT((*result.field)(corners.points.rowwise().mean()), 0);
 }
 
+TEST(ReconstructShapes, WarnWhereTooFewPointsTellNoShape) {
+  PointCloud corners{Points<3>(3, 8), {}, {}};
+  for (Index i = 0; i < 8; ++i) corners.points.col(i) << double(i & 1), double(i >> 1 & 1), double(i >> 2 & 1);
+  const std::vector<std::string> warnings = reconstruct(corners).report.warnings;
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings.front().find("too few"), std::string::npos);
+  EXPECT_TRUE(reconstruct(with_noise(sphere_cloud(2000), 0.05)).report.warnings.empty());
+}
+
 TEST(ReconstructShapes, TheReportTellsWhatWasDone) {
   PointCloud cloud = Torus().cloud(4000);
   cloud.points(0, 9) = std::nan("");

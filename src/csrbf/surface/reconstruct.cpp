@@ -31,6 +31,8 @@ constexpr double far_spacings = 3;         // |f| far from data: about where the
 constexpr Index quadric_coefficients = 10;
 constexpr double coarsest_detail = 1.25;  // spacings: chords of longer cells add to the errors that noise leaves
 
+constexpr double far_from_points = 0.03;  // rms distance; noise that strong leaves no shape
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -226,6 +228,9 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
                         : reconstruct_by(*find_surface_method(options.method), input, prepared, options, out);
   summarize_distances(surface.distance, out);
   check_tolerance(surface.distance, options.tolerance, out);
+  if (out.rms_distance > far_from_points)
+    out.warnings.emplace_back(
+        "the surface is far from the points: they are too few for its shape, or their normals wrong");
 
   out.normals = prepared.normals;
   out.points = input.size();
