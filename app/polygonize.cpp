@@ -27,7 +27,7 @@ void run(const PolygonizeCommand& command, Session& session) {
       {"level", options.level},   {"refine", options.refine}};
   const Mesh mesh = session.timed("polygonize", [&] { return polygonize(*field, options); });
   add_mesh_summary(command.output, mesh, session);
-  session.write([&] { write_mesh(command.output, mesh); });
+  session.write([&] { session.warn(write_mesh(command.output, mesh)); });
 }
 
 }  // namespace csrbf::app

@@ -193,7 +193,7 @@ void run(const ReconstructCommand& command, Session& session) {
   say_quality(surface.report, session);
 
   session.write([&] {
-    write_mesh(command.output, mesh);
+    session.warn(write_mesh(command.output, mesh));
     if (!command.model.empty()) write_model(command.model, *surface.field);
   });
 }

@@ -125,7 +125,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
     labels.type = SampleType::uint8;
     labels.values.assign(segmentation.labels.begin(), segmentation.labels.end());
     write_volume(command.output, labels);
-    if (!command.contour.empty()) contours.write(command.contour);
+    if (!command.contour.empty()) session.warn(contours.write(command.contour));
     if (!command.model.empty()) write_model(command.model, to_function(segmentation));
     if (command.preview.empty()) return;
     std::vector<const Field<Dim>*> fields;

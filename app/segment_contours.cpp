@@ -119,14 +119,15 @@ SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, con
 }
 
 template <>
-void SegmentContours<2>::write(const std::string& path) const {
+std::vector<std::string> SegmentContours<2>::write(const std::string& path) const {
   const ImageContour all = joined(contours_);
   write_contour_lines(path, all.lines, {.placement = all.placement, .view = all.image});
+  return {};
 }
 
 template <>
-void SegmentContours<3>::write(const std::string& path) const {
-  write_mesh(path, joined(contours_, labels_));
+std::vector<std::string> SegmentContours<3>::write(const std::string& path) const {
+  return write_mesh(path, joined(contours_, labels_));
 }
 
 template <>

@@ -14,8 +14,8 @@ class SegmentContours {
  public:
   SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session);
 
-  /// Writes them to one file. Throws IoError.
-  void write(const std::string& path) const;
+  /// Writes them to one file; returns warnings. Throws IoError.
+  std::vector<std::string> write(const std::string& path) const;
 
   /// The surfaces of all of them as one mesh; empty in the plane. Of another resolution when that is not 0.
   [[nodiscard]] Mesh mesh(int resolution) const;

@@ -66,7 +66,7 @@ void bind_mesh(py::module_& m) {
   });
   m.def("write_mesh", [](const std::string& path, const py::tuple& given) {
     const Mesh mesh = mesh_from(given);
-    run([&](const Progress& /*progress*/) { write_mesh(path, mesh); });
+    return run([&](const Progress& /*progress*/) { return write_mesh(path, mesh); });
   });
   m.def("topology", [](const py::tuple& given) {
     const Mesh mesh = mesh_from(given);

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -93,6 +94,9 @@ class Mesh:
     def save(self, path: Path) -> None:
         """Write .ply, .obj, .off or .stl, whichever the name ends with.
 
+        Coordinates are float32 in .ply, or float64 where float32 would move one by more than a millionth of the
+        diagonal of the bounding box; .stl has float32 only, and such a loss is a UserWarning.
+
         Parameters
         ----------
         path : str or path-like
@@ -108,7 +112,8 @@ class Mesh:
         --------
         >>> csrbf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).save("triangle.ply")
         """
-        _csrbf.write_mesh(os.fspath(path), self._arrays())
+        for warning in _csrbf.write_mesh(os.fspath(path), self._arrays()):
+            warnings.warn(warning, stacklevel=2)
 
     def render(
         self,

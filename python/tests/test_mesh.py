@@ -55,6 +55,15 @@ class Files(unittest.TestCase):
         copy = pickle.loads(pickle.dumps(mesh))
         np.testing.assert_array_equal(copy.normals, mesh.normals)
 
+    def test_stl_far_from_the_origin_warns(self):
+        far = csrbf.Mesh(cube().vertices + [500000.3, 5300000.1, 300], cube().faces)
+        with tempfile.TemporaryDirectory() as folder:
+            far.save(os.path.join(folder, "cube.ply"))
+            found = csrbf.read_mesh(os.path.join(folder, "cube.ply"))
+            np.testing.assert_array_equal(found.vertices, far.vertices)
+            with self.assertWarnsRegex(UserWarning, "cube.stl: .stl holds single precision"):
+                far.save(os.path.join(folder, "cube.stl"))
+
     def test_polygonized_surfaces_have_outward_normals(self):
         x = sphere(2000)
         mesh = csrbf.reconstruct(x).polygonize(30)

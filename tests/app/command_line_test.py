@@ -562,6 +562,18 @@ class Surfaces(CommandLine):
         self.assertIn("watertight", done.stderr)
         self.assertEqual(self.files(), [])
 
+    def test_map_coordinates_keep_their_digits_or_a_warning_tells(self):
+        place = (500000, 5300000, 300)
+        cloud = self.write("map.xyz", "".join("%.4f %.4f %.4f\n" % tuple(a + b for a, b in zip(p, place))
+                                              for p in sphere(500)))
+        self.assertNotIn("precision", self.succeed("reconstruct", cloud, "-o", self.path("m.ply")).stderr)
+        self.succeed("estimate-normals", cloud, "-o", self.path("n.ply"))
+        for name in ("m.ply", "n.ply"):
+            for row in read_ply(self.path(name))[0]:
+                self.assertAlmostEqual(math.dist([row[c] for c in "xyz"], place), 1, delta=0.02)
+        run = self.succeed("reconstruct", cloud, "-o", self.path("m.stl"))
+        self.assertRegex(run.stderr, r"m\.stl: \.stl holds single precision, which moves coordinates by up to 0\.\d+ here")
+
     def test_estimate_normals_points_outwards(self):
         cloud = self.write("cloud.xyz", xyz(sphere(1000)))
         self.succeed("estimate-normals", cloud, "-o", self.path("oriented.ply"), "--report", self.path("report.json"))

@@ -55,6 +55,25 @@ TEST(MeshFiles, KeepTheSurfaceThroughStl) {
   EXPECT_EQ(std::filesystem::file_size(folder.file("a.stl")), 84u + 4u * 50u);
 }
 
+TEST(MeshFiles, KeepCoordinatesFarFromTheOriginOrWarn) {
+  const TemporaryFolder folder;
+  Mesh mesh = tetrahedron();
+  for (const std::string name : {"a.ply", "a.obj", "a.off", "a.stl", "a.vtp"})
+    EXPECT_TRUE(write_mesh(folder.file(name), mesh).empty()) << name;
+  mesh.vertices = (mesh.vertices.array() / 3).matrix().colwise() + Point<3>(500000, 5300000, 300);
+  for (const std::string name : {"a.ply", "a.obj", "a.off", "a.vtp"}) {
+    EXPECT_TRUE(write_mesh(folder.file(name), mesh).empty()) << name;
+    EXPECT_EQ(read_mesh(folder.file(name)).vertices, mesh.vertices) << name;
+  }
+  const std::string path = folder.file("a.stl");
+  const std::vector<std::string> warnings = write_mesh(path, mesh);
+  ASSERT_EQ(warnings.size(), 1u);
+  // A third is a sixth from the next multiple of a half, which is what floats above 2^22 are.
+  EXPECT_EQ(without_folder(warnings[0], path, "a.stl"),
+            "a.stl: .stl holds single precision, which moves coordinates by up to 0.17 here; write .ply, .obj or .off, "
+            "or bring the data nearer to the origin");
+}
+
 TEST(MeshFiles, ReadTextStl) {
   const TemporaryFolder folder;
   const std::string text =

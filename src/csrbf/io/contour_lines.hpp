@@ -20,7 +20,7 @@ struct ContourFileOptions {
 ///   filled by the even-odd rule, so that holes stay empty, and one of the open lines, not filled. 9 digits.
 /// - .csv: columns x, y, z, contour (the number of the line, from 0) and, when a line is open, closed (0 or 1). All
 ///   digits. read_polylines() reads it.
-/// - .ply .vtp: curves as write_polylines() writes them, with the vertex property `contour`. float32.
+/// - .ply .vtp: curves as write_polylines() writes them, with the vertex property `contour`.
 /// Throws IoError, also for other extensions; InvalidInput when lines and points do not match or the view is not
 /// finite.
 void write_contour_lines(const std::string& path, const ContourLines& contours, const ContourFileOptions& options = {});

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/atomic_file.hpp"
+#include "csrbf/io/float_coordinates.hpp"
 #include "csrbf/io/obj.hpp"
 #include "csrbf/io/off.hpp"
 #include "csrbf/io/ply.hpp"
@@ -10,6 +11,8 @@
 #include "csrbf/io/stl.hpp"
 #include "csrbf/io/text.hpp"
 #include "csrbf/io/vtp.hpp"
+
+#include <sstream>
 
 namespace csrbf {
 namespace {
@@ -49,6 +52,16 @@ void check(const Mesh& mesh) {
           mesh.triangles.maxCoeff(), "indices must be in [0, number of vertices)");
 }
 
+std::vector<std::string> precision_warnings(const std::string& path, const Points<3>& vertices) {
+  const double loss = float_coordinate_loss(vertices);
+  if (loss == 0) return {};
+  std::ostringstream text;
+  text.precision(2);
+  text << path << ": .stl holds single precision, which moves coordinates by up to " << loss
+       << " here; write .ply, .obj or .off, or bring the data nearer to the origin";
+  return {text.str()};
+}
+
 }  // namespace
 
 Mesh read_mesh(const std::string& path) {
@@ -71,10 +84,11 @@ Mesh read_mesh_or_points(const std::string& path) {
   return mesh;
 }
 
-void write_mesh(const std::string& path, const Mesh& mesh) {
+std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh) {
   const Format& format = checked_format(path);
   check(mesh);
   write_file(path, format.format(mesh));
+  return format.extension == ".stl" ? precision_warnings(path, mesh.vertices) : std::vector<std::string>();
 }
 
 bool is_mesh_file(const std::string& path) {

@@ -15,9 +15,11 @@ Mesh read_mesh(const std::string& path);
 Mesh read_mesh_or_points(const std::string& path);
 
 /// Writes a mesh in the format of the extension, complete or not at all (AtomicFile): binary .ply with float
-/// coordinates and normals and properties of their own type, .vtp of VTK and ParaView with the same, .obj and .off with
-/// normals and colours, binary .stl. "-" writes .off text to standard output. Throws IoError.
-void write_mesh(const std::string& path, const Mesh& mesh);
+/// coordinates (double where float would move one by more than a millionth of the diagonal), float normals and
+/// properties of their own type, .vtp of VTK and ParaView with the same, .obj and .off with normals and colours, binary
+/// .stl, always of float. "-" writes .off text to standard output. Returns warnings: a loss of precision in .stl.
+/// Throws IoError.
+std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh);
 
 /// True when the extension is one of a mesh file.
 bool is_mesh_file(const std::string& path);

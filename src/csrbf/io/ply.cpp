@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/bytes.hpp"
+#include "csrbf/io/float_coordinates.hpp"
 #include "csrbf/io/ply_body.hpp"
 #include "csrbf/io/ply_header.hpp"
 
@@ -231,14 +232,16 @@ struct VertexColumns {
   const Points<3>& positions;
   const Points<3>& normals;
   const std::vector<Property>& properties;
+  PlyType position_type = float_coordinate_loss(positions) > 0 ? PlyType::double_ : PlyType::float_;
 };
 
 std::string format_header(const VertexColumns& columns) {
   const Index vertices = columns.positions.cols();
   require(columns.normals.cols() == 0 || columns.normals.cols() == vertices, "write PLY", "normals",
           columns.normals.cols(), "none or one per vertex is needed");
-  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) +
-                    "\nproperty float x\nproperty float y\nproperty float z\n";
+  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
+  for (const char axis : {'x', 'y', 'z'})
+    out += "property " + std::string(ply_type_name(columns.position_type)) + " " + axis + "\n";
   if (columns.normals.cols() > 0) out += "property float nx\nproperty float ny\nproperty float nz\n";
   for (const Property& p : columns.properties)
     out += "property " + std::string(ply_type_name(checked_type(p, vertices))) + " " + single_word(p.name) + "\n";
@@ -246,15 +249,14 @@ std::string format_header(const VertexColumns& columns) {
 }
 
 void append_vertices(std::string& out, const VertexColumns& columns) {
-  const auto& [positions, normals, properties] = columns;
+  const auto& [positions, normals, properties, position_type] = columns;
   const Index vertices = positions.cols();
-  if ((positions.array().abs() > std::numeric_limits<float>::max() && positions.array().isFinite()).any())
-    throw IoError("a coordinate is too large for the floats of a PLY file; scale the data or write .obj");
+  const Append append_coordinate = appender(position_type);
   std::vector<Append> append;
   for (const Property& p : properties) append.push_back(appender(checked_type(p, vertices)));
-  out.reserve(out.size() + static_cast<std::size_t>(vertices) * (24 + 8 * append.size()));
+  out.reserve(out.size() + static_cast<std::size_t>(vertices) * (36 + 8 * append.size()));
   for (Index i = 0; i < vertices; ++i) {
-    for (int axis = 0; axis < 3; ++axis) append_value<float>(out, positions(axis, i));
+    for (int axis = 0; axis < 3; ++axis) append_coordinate(out, positions(axis, i));
     for (int axis = 0; axis < 3 && normals.cols() > 0; ++axis) append_value<float>(out, normals(axis, i));
     for (std::size_t p = 0; p < append.size(); ++p) append[p](out, properties[p].values(i));
   }

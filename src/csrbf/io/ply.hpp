@@ -19,9 +19,9 @@ Polylines parse_ply_polylines(std::string_view bytes, const std::string& name);
 /// Has the file edges but no faces? False for bytes that are no PLY file.
 bool is_ply_of_polylines(std::string_view bytes);
 
-/// The bytes of a binary little-endian PLY file: float coordinates and normals, properties of their own type, and
-/// faces unless `mesh` has no triangles. Throws IoError when a coordinate is too large for a float, InvalidInput when
-/// normals or properties do not have one entry per vertex.
+/// The bytes of a binary little-endian PLY file: float coordinates, or double where float would move one by more than
+/// a millionth of the diagonal (float_coordinate_loss()), float normals, properties of their own type, and faces unless
+/// `mesh` has no triangles. Throws InvalidInput when normals or properties do not have one entry per vertex.
 std::string format_ply(const Mesh& mesh);
 
 /// The same for curves: an element "edge" with the properties vertex1 and vertex2.

@@ -18,7 +18,8 @@ namespace csrbf {
 PointCloud read_points(const std::string& path);
 
 /// Writes points in the format of the extension, complete or not at all (AtomicFile). .ply: binary, float coordinates
-/// and normals, properties of their own type; .vtp: the same; .csv and .txt: everything under column names; .xyz .pts,
+/// (double where float would move one by more than a millionth of the diagonal) and normals, properties of their own
+/// type; .vtp: the same; .csv and .txt: everything under column names; .xyz .pts,
 /// and "-" for standard output: coordinates and normals; .obj .off: coordinates, normals, colours; .npy: (n, 3) or (n,
 /// 6) doubles. Throws IoError.
 void write_points(const std::string& path, const PointCloud& cloud);

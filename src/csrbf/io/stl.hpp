@@ -11,7 +11,8 @@ namespace csrbf {
 /// order of their first use. Throws IoError.
 Mesh parse_stl(std::string_view bytes, const std::string& name);
 
-/// The bytes of a binary STL file: float coordinates and the normals of the triangles.
+/// The bytes of a binary STL file: float coordinates and the normals of the triangles. Coordinates far from the origin
+/// lose digits: see float_coordinate_loss().
 std::string format_stl(const Mesh& mesh);
 
 }  // namespace csrbf

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/colors.hpp"
+#include "csrbf/io/float_coordinates.hpp"
 #include "csrbf/io/text.hpp"
 #include "csrbf/io/vtk.hpp"
 
@@ -108,7 +109,8 @@ std::string format_vtp(const Points<3>& points, const Points<3>& normals, const 
     counts += std::string(" NumberOf") + kind + "=\"" + std::to_string(kind == element ? indices.cols() : 0) + "\"";
   std::string content = "<PolyData>\n<Piece NumberOfPoints=\"" + std::to_string(points.cols()) + "\"" + counts + ">\n";
   content += point_data(properties, normals, points.cols(), writer);
-  content += "<Points>\n" + writer.array(array_of("Points", SampleType::float32, points)) + "</Points>\n";
+  const SampleType type = float_coordinate_loss(points) > 0 ? SampleType::float64 : SampleType::float32;
+  content += "<Points>\n" + writer.array(array_of("Points", type, points)) + "</Points>\n";
   content += cells(element, indices, writer) + "</Piece>\n</PolyData>\n";
   const FileParts parts = writer.file("PolyData", content);
   return parts.head + parts.body;

@@ -13,8 +13,8 @@ namespace csrbf {
 Mesh parse_vtp(std::string_view bytes, const std::string& name);
 
 /// Points, triangles and properties as polygonal data of VTK; without triangles the points are vertices. float
-/// coordinates and normals (Normals), colours as RGB, properties of their own type; three that are named NAMEx, NAMEy
-/// and NAMEz become the vectors NAME.
+/// coordinates (double where float would move one by more than a millionth of the diagonal) and normals (Normals),
+/// colours as RGB, properties of their own type; three that are named NAMEx, NAMEy and NAMEz become the vectors NAME.
 std::string format_vtp(const Mesh& mesh);
 
 /// The same for curves: an element of Lines for each edge.
