@@ -356,6 +356,8 @@ TEST(Segment, SaysWhatIsWrong) {
   expect_refused(phantom.image, with([](SegmentOptions& o) { o.regions = 1; }), "regions = 1");
   expect_refused(phantom.image, with([](SegmentOptions& o) { o.smoothness = -1; }), "smoothness = -1");
   expect_refused(phantom.image, with([](SegmentOptions& o) { o.center_spacing = 0.2; }), "center_spacing = 0.2");
+  expect_refused(phantom.image, with([](SegmentOptions& o) { o.center_spacing = 17; }),
+                 "center_spacing = 17: must be at most 16 voxels for this image, half its longest side");
   expect_refused(phantom.image, with([](SegmentOptions& o) { o.mask.assign(5, 1); }), "mask size = 5");
   expect_refused(phantom.image, with([](SegmentOptions& o) { o.mask.assign(32 * 32, 0); }), "mask = empty");
   expect_refused(phantom.image, with([](SegmentOptions& o) { o.seed.assign(32 * 32, 0); }), "seed = empty");

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 namespace csrbf {
@@ -43,6 +44,20 @@ void check_options(const SegmentOptions& options) {
     require(!options.seed.empty(), here, "energy", "edge", "needs a seed to start from (init)");
 }
 
+// Beyond half the image centres tell nothing apart; stencils for all places of a voxel between them take S^Dim memory.
+template <int Dim>
+void check_center_spacing(const Grid& grid, double center_spacing) {
+  constexpr double most = Dim == 2 ? 256 : 40;
+  const auto sides = Eigen::Map<const Eigen::Array<Index, 3, 1>>(grid.size.data()).head<Dim>().template cast<double>();
+  const auto edges = grid.spacing.head<Dim>().array();
+  const double half = std::floor((sides * edges).maxCoeff() / edges.minCoeff() / 2);
+  const double largest = std::clamp(half, 1.0, most);
+  std::ostringstream constraint;
+  constraint << "must be at most " << largest << " voxels for this image"
+             << (half <= most ? ", half its longest side" : "") << "; leave it out to have it chosen";
+  require(center_spacing <= largest, here, "center_spacing", center_spacing, constraint.str());
+}
+
 template <int Dim>
 void check_image(const Volume<float>& image, const SegmentOptions& options) {
   const Grid& grid = image.grid;
@@ -53,6 +68,7 @@ void check_image(const Volume<float>& image, const SegmentOptions& options) {
   for (std::size_t a = 0; a < 3; ++a)
     require(a < Dim ? grid.size[a] >= 2 : grid.size[a] == 1, here, "size", grid.size[a],
             a < Dim ? "the image must have at least 2 voxels along each axis" : "the image has too many axes");
+  if (options.center_spacing) check_center_spacing<Dim>(grid, *options.center_spacing);
   const auto check_array = [&](const std::vector<std::uint8_t>& array, const char* name) {
     if (array.empty()) return;
     require(array.size() == voxels, here, std::string(name) + " size", array.size(),

@@ -60,7 +60,8 @@ struct SegmentOptions {
   SegmentMode mode = SegmentMode::global;
   SegmentMethod method = SegmentMethod::variational;
   int regions = 2;  ///< 2 to 16; more than 2 in global mode of the variational method only
-  /// Distance of the centres in voxels of the shortest edge, at least 1; automatic: 2 to 12, the more the noisier; in
+  /// Distance of the centres in voxels of the shortest edge, from 1 to half the longest side of the image, and at most
+  /// 256 in the plane, 40 in space; automatic: 2 to 12, the more the noisier; in
   /// speckle six times its grain.
   std::optional<double> center_spacing = {};
   /// Support radius in center spacings; automatic: 2.5, for collocation 4 as in the thesis.
