@@ -110,10 +110,14 @@ void trace(const Field<3>& field, const CellLattice& lattice, LevelSampler& samp
   if (tracer.active_cells() == 0 && !given)
     trace_from(lattice, cells_by_scan(lattice, sampler, options.progress), tracer, options.progress);
   if (tracer.active_cells() > 0) return;
+  constexpr int coarse = 16;  // fewer cells overlook a surface that is no thin sheet
   std::ostringstream message;
   message << "polygonize: no zero crossing of f - level, level = " << options.level << ", ";
   given ? message << "near any of " << seeds.cols() << " seeds" : message << "in the scanned box";
-  message << "; check the level, the bounds and the seeds, or raise the resolution";
+  if (options.resolution > 0 && options.resolution < coarse)
+    message << "; resolution = " << options.resolution << " is too coarse to find a surface by: raise it";
+  else
+    message << "; check the level, the bounds and the seeds, or raise the resolution";
   throw SolverFailure(message.str());
 }
 
