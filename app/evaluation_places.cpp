@@ -4,6 +4,7 @@
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -61,13 +62,14 @@ std::array<Index, 3> parse_size(const std::string& text, Index dimension) {
 }
 
 Eigen::MatrixXd parse_bounds(const std::string& text, Index dimension) {
+  if (1 + std::count(text.begin(), text.end(), ',') != dimension)
+    throw UsageError("--bounds " + text + ": expected " + std::to_string(dimension) +
+                     (dimension == 1 ? " range LO:HI" : " ranges LO:HI, one per axis"));
   Eigen::MatrixXd bounds(dimension, 2);
   std::string_view rest = text;
   for (Index a = 0; a < dimension; ++a) {
-    const std::size_t end = a + 1 < dimension ? rest.find(',') : rest.size();
-    if (end == std::string_view::npos)
-      throw UsageError("--bounds " + text + ": expected " + std::to_string(dimension) + " ranges LO:HI, one per axis");
-    bounds.row(a) = parse_numbers(std::string(rest.substr(0, end)), ':', 2, "--bounds").transpose();
+    const std::size_t end = std::min(rest.find(','), rest.size());
+    bounds.row(a) = parse_numbers(std::string(rest.substr(0, end)), ':', 2, "--bounds " + text + ":").transpose();
     if (!(bounds(a, 0) < bounds(a, 1))) throw UsageError("--bounds " + text + ": LO must be below HI");
     rest.remove_prefix(std::min(rest.size(), end + 1));
   }

@@ -356,6 +356,10 @@ class Evaluate(Functions):
         self.fail_with(2, "--grid 3,3,3: expected 2", "evaluate", model, "-o", out, "--grid", "3,3,3")
         self.fail_with(2, "--grid 0,3", "evaluate", model, "-o", out, "--grid", "0,3")
         self.fail_with(2, "--bounds 0:1: expected 2", "evaluate", model, "-o", out, "--grid", "3,3", "--bounds", "0:1")
+        self.fail_with(2, "--bounds 0:1,0:1,0:1: expected 2 ranges LO:HI, one per axis", "evaluate", model, "-o", out,
+                       "--grid", "3,3", "--bounds", "0:1,0:1,0:1")
+        self.fail_with(2, "--bounds 0:1,0:x: 0:x: expected 2 numbers", "evaluate", model, "-o", out, "--grid", "3,3",
+                       "--bounds", "0:1,0:x")
         self.fail_with(2, "LO must be below HI", "evaluate", model, "-o", out, "--grid", "3,3", "--bounds", "1:0,0:1")
         self.fail_with(2, "values at points go to", "evaluate", model, "-o", self.path("out.png"), "--points", queries)
         self.fail_with(2, "pictures hold whole numbers", "evaluate", model, "-o", self.path("out.png"), "--grid", "3,3")
