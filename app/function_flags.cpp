@@ -15,9 +15,9 @@ void add_fit_flags(Verb& v, FitFlags& f) {
   v.flag("kernel", f.kernel, "NAME", "auto",
          "radial basis function: wendland-c2, gaussian, cubic, ... (a wrong name lists those there are)");
   v.flag("kernel-parameter", f.kernel_parameter, "P", "of the kernel", "of kernels that have one, such as matern");
-  v.flag("centers", f.centers, "N", "from the data", "budget of RBF centres")->check(CLI::PositiveNumber);
-  v.flag("tolerance", f.tolerance, "E", "none", "largest error allowed at any sample, in the unit of the values")
-      ->check(CLI::PositiveNumber);
+  v.positive_flag("centers", f.centers, "N", "from the data", "budget of RBF centres");
+  v.positive_flag("tolerance", f.tolerance, "E", "none",
+                  "largest error allowed at any sample, in the unit of the values");
   v.flag("smoothing", f.smoothing, "auto|none|L", "auto", "how much noise to smooth away; larger is smoother");
   v.flag("degree", f.degree, "N", "from the data", "degree of the polynomial part")->check(CLI::Range(0, 8));
   v.flag("extrapolation", f.extrapolation, "constant|nan", "constant",

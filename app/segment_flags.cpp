@@ -19,7 +19,7 @@ void declare_segmentation(Verb& v, SegmentFlags& c) {
   v.flag("regions", c.regions, "N", "2", "number of regions, labels 0 to N-1 by ascending intensity")
       ->check(CLI::Range(2, 16));
   v.flag("center-spacing", c.center_spacing, "S", "2 to 12, from the noise",
-         "distance of the centres of the radial functions, in voxels: smaller shows more detail")
+         "distance of the centres of the radial functions, in voxels, up to half the image: smaller shows more detail")
       ->check(CLI::Range(1.0, 1e6));
   v.flag("support", c.support, "RHO", "2.5, collocation 4", "their support radius, in center spacings")
       ->check(CLI::Range(1.1, 16.0));
@@ -72,9 +72,8 @@ void declare(Verb v, TrackCommand& c) {
   v.flag("persistence", c.persistence, "P", "1",
          "how strongly noisy frames are drawn to where their neighbours have the contour; 0: not at all")
       ->check(CLI::Range(0.0, 100.0));
-  v.flag("motion", c.motion, "VOXELS", "a quarter of the depth of the inside",
-         "the farthest that the contour may move from one frame to the next")
-      ->check(CLI::PositiveNumber);
+  v.positive_flag("motion", c.motion, "VOXELS", "a quarter of the depth of the inside",
+                  "the farthest that the contour may move from one frame to the next");
   v.flag("prediction", c.prediction, "P", "1 with one sweep, else 0",
          "where the first sweep expects the contour: 0 where it was, 1 as far again as it moved before")
       ->check(CLI::Range(0.0, 1.0));

@@ -30,11 +30,11 @@ void declare(Verb v, ReconstructCommand& c) {
          "file: as they are; "
          "estimate: always estimated")
       ->check(CLI::IsMember({"auto", "file", "estimate"}));
-  v.flag("centers", c.centers, "N", "from the data", "budget of RBF centres")->check(CLI::PositiveNumber);
-  v.flag("tolerance", c.tolerance, "E", "none",
-         "largest distance from an input point to the surface, as a fraction of the bounding-box diagonal, outliers "
-         "aside; for the method composite")
-      ->check(CLI::PositiveNumber);
+  v.positive_flag("centers", c.centers, "N", "from the data", "budget of RBF centres");
+  v.positive_flag(
+      "tolerance", c.tolerance, "E", "none",
+      "largest distance from an input point to the surface, as a fraction of the bounding-box diagonal, outliers "
+      "aside; for the method composite");
   v.flag("smoothing", c.smoothing, "auto|none|L", "auto", "how much noise to smooth away; larger is smoother");
   v.flag("resolution", c.resolution, "N", "from the sampling", "cells of the mesh along the longest side")
       ->check(CLI::Range(1, 4096));
@@ -64,9 +64,8 @@ void declare(Verb v, PolygonizeCommand& c) {
          "adaptive: "
          "the same with larger triangles where the surface is flat")
       ->check(CLI::IsMember({"marching-cubes", "marching-tetrahedra", "dual-contouring", "adaptive"}));
-  v.flag("tolerance", c.tolerance, "E", "a tenth of a cell",
-         "adaptive: about how far the mesh may be from the surface, as a fraction of the diagonal")
-      ->check(CLI::PositiveNumber);
+  v.positive_flag("tolerance", c.tolerance, "E", "a tenth of a cell",
+                  "adaptive: about how far the mesh may be from the surface, as a fraction of the diagonal");
   v.flag("level", c.level, "V", "0", "the surface where the model has this value; positive values are inside");
   v.toggle("--refine,!--no-refine", c.refine, "move the vertices onto the surface (this is the default)");
   v.add_common();
@@ -105,10 +104,10 @@ void declare(Verb v, CombineCommand& c) {
       ->check(CLI::IsMember({"union", "intersection", "difference", "complement", "blend"}));
   v.argument("MODELS", c.inputs, "models to read: .csrbf");
   v.output(c.output, "model to write: .csrbf");
-  v.flag("radius", c.radius, "R", "blend: 0.05, else none",
-         "range of the blend: surfaces further apart keep their shape; as a fraction of the diagonal of the box of all "
-         "models")
-      ->check(CLI::PositiveNumber);
+  v.positive_flag(
+      "radius", c.radius, "R", "blend: 0.05, else none",
+      "range of the blend: surfaces further apart keep their shape; as a fraction of the diagonal of the box of all "
+      "models");
   v.flag("sharpness", c.sharpness, "B", "3", "how closely the blend follows the edge, from 1 (a chamfer) on")
       ->check(CLI::Range(1.0, 1e6));
   v.flag("blending", c.blending, "NAME", "super-elliptic with a radius, else sharp",

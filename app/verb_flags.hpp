@@ -3,10 +3,13 @@
 #include "command_line.hpp"
 #include "usage.hpp"
 
+#include "csrbf/io/text.hpp"
 #include "csrbf/version.hpp"
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
+#include <optional>
 #include <string>
 
 namespace csrbf::app {
@@ -34,6 +37,18 @@ class Verb {
   CLI::Option* flag(const std::string& name, Value& value, const std::string& type, const std::string& shown_default,
                     const std::string& what) {
     return app_.add_option("--" + name, value, what)->type_name(type)->default_str(shown_default)->group(flag_group);
+  }
+  /// A flag whose value is above 0.
+  template <class Value>
+  CLI::Option* positive_flag(const std::string& name, Value& value, const std::string& type,
+                             const std::string& shown_default, const std::string& what) {
+    const auto check = [name](const std::string& text) {
+      const std::optional<double> number = parse_number(text);
+      if (!number || !(*number > 0) || std::isinf(*number))
+        throw UsageError("--" + name + " " + text + ": must be a positive number");
+      return std::string();
+    };
+    return flag(name, value, type, shown_default, what)->check(CLI::Validator(check, ""));
   }
   void toggle(const std::string& names, bool& value, const std::string& what) {
     app_.add_flag(names, value, what)->group(flag_group);
