@@ -110,6 +110,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
   session.timed("read", [&] {
     if (!command.mask.empty()) options.mask = read_voxels("--mask", command.mask, grid);
   });
+  check_finite(command.input, image, options.mask);
   options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
   const Segmentation<Dim> segmentation = timed_segment<Dim>(image, std::move(options), session);
   add_options(command, segmentation.report.options, session);

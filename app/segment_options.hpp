@@ -16,4 +16,7 @@ void add_segment_options(const SegmentFlags& flags, const SegmentOptions& used, 
 /// the image is called.
 void check_image(const std::string& path, const Volume<float>& image);
 
+/// Throws UsageError for a voxel in the mask (empty: everywhere) whose value is NaN or infinite.
+void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask);
+
 }  // namespace csrbf::app

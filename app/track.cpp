@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 #include <sstream>
 
 namespace csrbf::app {
@@ -25,6 +26,22 @@ std::string numbered(const std::string& stem, Index frame, const std::string& ex
   char number[24];
   std::snprintf(number, sizeof number, "%04lld", static_cast<long long>(frame));
   return stem + number + extension;
+}
+
+// The files that numbered() could have named.
+std::vector<fs::path> numbered_files(const fs::path& folder, const std::string& stem) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const std::size_t end = name.find_first_not_of("0123456789", stem.size());
+    constexpr std::size_t fewest_digits = 4;
+    const bool has_number = name.starts_with(stem) && end != std::string::npos && end >= stem.size() + fewest_digits;
+    const std::string extension = file_extension(name);
+    const bool has_format =
+        is_volume_file(name) || extension == ".raw" || extension == ".zraw" || extension == ".csrbf";
+    if (entry.is_regular_file() && has_number && name[end] == '.' && has_format) files.push_back(entry.path());
+  }
+  return files;
 }
 
 // The folder of the results: files are written beside it and moved into it when all of them are there.
@@ -49,15 +66,22 @@ class ResultFolder {
 
   [[nodiscard]] std::string draft(const std::string& name) const { return (drafts_ / name).string(); }
 
+  // Also removes what an earlier run with more frames, or another format, left.
   void publish() {
     std::error_code error;
+    std::set<fs::path> published;
     fs::create_directories(folder_ / "models", error);
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(drafts_)) {
       if (!entry.is_regular_file()) continue;
       const fs::path to = folder_ / entry.path().lexically_relative(drafts_);
       fs::rename(entry.path(), to, error);
       if (error) throw WriteFailure(to.string() + ": cannot be written: " + error.message());
+      published.insert(to);
     }
+    for (const auto& [folder, stem] : {std::pair(folder_, "labels_"), std::pair(folder_ / "models", "frame_")})
+      for (const fs::path& file : numbered_files(folder, stem))
+        if (!published.contains(file) && !fs::remove(file, error))
+          throw WriteFailure(file.string() + ": of an earlier run, cannot be removed: " + error.message());
   }
 
  private:
@@ -89,11 +113,15 @@ class Frames {
   }
 
   [[nodiscard]] Index count() const { return count_; }
+  /// What frame t is called in messages.
+  [[nodiscard]] std::string name(Index t) const {
+    return paths_.size() > 1 ? paths_[static_cast<std::size_t>(t)] : paths_[0] + ": frame " + std::to_string(t);
+  }
   [[nodiscard]] Volume<float> operator()(Index t) const {
     if (paths_.size() > 1) {
       Volume<float> image = read(static_cast<std::size_t>(t));
       if (image.frames > 1)
-        throw UsageError(paths_[static_cast<std::size_t>(t)] + ": has " + std::to_string(image.frames) +
+        throw UsageError(name(t) + ": has " + std::to_string(image.frames) +
                          " frames; files that are frames have one each");
       return image;
     }
@@ -212,7 +240,16 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
   };
   const TrackReport report = session.timed("evolve", [&] {
     return track<Dim>(
-        frames.count(), [&](Index t) { return frames(t); }, options, take);
+        frames.count(),
+        [&](Index t) {
+          Volume<float> image = frames(t);
+          if (image.grid.size != grid.size)
+            throw UsageError(frames.name(t) + ": has " + size_text(image.grid) + " voxels, " + frames.name(0) + " " +
+                             size_text(grid));
+          check_finite(frames.name(t), image, options.segment.mask);
+          return image;
+        },
+        options, take);
   });
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
     return a.frame != b.frame ? a.frame < b.frame : a.region.label < b.region.label;

@@ -231,7 +231,11 @@ class Errors(Segment):
         constant = self.write_bytes("constant.npy", npy_bytes((4, 5), [3] * 20, "<f4"))
         self.refused("all voxels have the value 3: there is nothing to tell apart", constant)
         nan = self.write_bytes("nan.npy", npy_bytes((4, 5), list(range(19)) + [math.nan], "<f4"))
-        self.refused("not a number in voxel 19; fill such voxels with inpaint() or leave them out by a mask", nan)
+        self.refused("nan.npy: voxel 4, 3 is nan; fill such voxels by csrbf inpaint, or leave them out by --mask", nan)
+
+    def test_center_spacings_beyond_the_image(self):
+        self.refused("center_spacing = 1000: must be at most 32 voxels for this image", self.disc(), "--center-spacing",
+                     "1000")
 
     def test_starts_outside_the_image_or_of_another_form(self):
         image = self.disc()

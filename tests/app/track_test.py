@@ -103,7 +103,11 @@ class Track(CommandLine):
         small = self.write_array("small.npy", frame(0)[: WIDTH * 20], (20, WIDTH))
         out = ("-o", self.path("beat"))
         self.fail_with(2, "frame 3", "track", *files[:3], constant, *out)
-        self.fail_with(2, "size of frame 2 = 48 x 20", "track", *files[:2], small, *out)
+        self.fail_with(2, "small.npy: has 48 x 20 voxels, %s 48 x 40" % files[0], "track", *files[:2], small, *out)
+        values = frame(2)
+        values[5] = math.nan
+        nan = self.write_array("nan.npy", values, (HEIGHT, WIDTH))
+        self.fail_with(2, "nan.npy: voxel 5, 0 is nan", "track", *files[:2], nan, *out)
         self.fail_with(2, "one frame", "track", files[0], *out)
         self.fail_with(2, "--format doc", "track", *files, *out, "--format", "doc")
         self.fail_with(2, "is a file", "track", *files, "-o", files[0])
@@ -123,6 +127,18 @@ class Track(CommandLine):
         self.assertIn("interrupted", messages)
         self.assertEqual(self.measures(), before)
         self.check_results()
+
+    def test_frames_of_a_longer_run_before_are_removed_and_nothing_else(self):
+        files = self.frame_files()
+        self.succeed("track", *files, "-o", self.path("beat"))
+        others = ["labels_0003.txt", "labels_3.npy", "labels_0003_edited.npy", "notes.npy", "models/mine_0003.csrbf"]
+        for name in others:
+            self.write(os.path.join("beat", name), "mine")
+        self.succeed("track", *files[:2], "-o", self.path("beat"), "--format", "nii.gz")
+        expected = ["labels_0000.nii.gz", "labels_0001.nii.gz", "measures.csv", "models", *others[:4]]
+        self.assertEqual(sorted(os.listdir(self.path("beat"))), sorted(expected))
+        self.assertEqual(sorted(os.listdir(os.path.join(self.path("beat"), "models"))),
+                         ["frame_0000.csrbf", "frame_0001.csrbf", "mine_0003.csrbf"])
 
     def test_a_failure_keeps_the_results_of_before(self):
         files = self.frame_files()
