@@ -25,6 +25,19 @@ NormalOptions make_options(const EstimateNormalsCommand& command) {
   return options;
 }
 
+// As `reconstruct` does it; returns how many there were.
+Index drop_non_finite(PointCloud& cloud) {
+  std::vector<Index> kept;
+  for (Index i = 0; i < cloud.size(); ++i)
+    if (cloud.points.col(i).allFinite()) kept.push_back(i);
+  const Index dropped = cloud.size() - static_cast<Index>(kept.size());
+  if (dropped == 0) return 0;
+  for (Property& p : cloud.properties) p.values = p.values(kept).eval();
+  cloud.normals.resize(3, 0);
+  cloud.points = cloud.points(Eigen::all, kept).eval();
+  return dropped;
+}
+
 }  // namespace
 
 void run(const EstimateNormalsCommand& command, Session& session) {
@@ -37,6 +50,8 @@ void run(const EstimateNormalsCommand& command, Session& session) {
 
   PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
   session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
+  const Index dropped = drop_non_finite(cloud);
+  if (dropped > 0) session.warn(std::to_string(dropped) + " points with NaN or infinite coordinates dropped");
   NormalReport report;
   cloud.normals = session.timed("fit", [&] { return estimate_normals(cloud.points, options, &report); });
   session.options = {{"output", command.output}, {"neighbors", report.neighbors}, {"orient", command.orient}};

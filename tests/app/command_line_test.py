@@ -210,6 +210,15 @@ class Usage(CommandLine):
         self.fail_with(2, "--ridges r.obj: only .ply", "curvature", "a.csrbf", "-o", "c.ply", "--ridges", "r.obj")
         self.fail_with(2, "--smoothing some", "reconstruct", "a.ply", "-o", "b.ply", "--smoothing", "some")
 
+    def test_numbers_that_must_be_positive_are_named(self):
+        for verb, flag, value in (("reconstruct", "--tolerance", "-1"), ("reconstruct", "--centers", "0"),
+                                  ("fit", "--tolerance", "0"), ("fit", "--centers", "many"),
+                                  ("inpaint", "--centers", "-5"), ("polygonize", "--tolerance", "nan"),
+                                  ("track", "--motion", "inf")):
+            done = self.run_program(verb, "a", "-o", "b", flag, value)
+            self.assertEqual((done.returncode, done.stderr),
+                             (2, "csrbf: %s %s: must be a positive number\n" % (flag, value)))
+
     def test_unknown_output_formats_give_2(self):
         cloud = self.write("cloud.xyz", xyz(sphere(100)))
         self.fail_with(2, "mesh files are .ply .obj .off .stl .vtp", "reconstruct", cloud, "-o", self.path("mesh.vtk"))
@@ -561,6 +570,13 @@ class Surfaces(CommandLine):
         self.assertTrue(done.stdout.startswith("NOFF\n"))
         self.assertIn("watertight", done.stderr)
         self.assertEqual(self.files(), [])
+
+    def test_estimate_normals_drops_points_that_are_not_finite(self):
+        rows = "".join("%.9g,%.9g,%.9g,%d\n" % (*p, i) for i, p in enumerate(sphere(300)))
+        cloud = self.write("gaps.csv", "x,y,z,number\n" + "nan,1,2,-1\n" + rows + "1,inf,2,-2\n")
+        done = self.succeed("estimate-normals", cloud, "-o", self.path("out.ply"))
+        self.assertIn("2 points with NaN or infinite coordinates dropped", done.stderr)
+        self.assertEqual([row["number"] for row in read_ply(self.path("out.ply"))[0]], list(range(300)))
 
     def test_map_coordinates_keep_their_digits_or_a_warning_tells(self):
         place = (500000, 5300000, 300)
