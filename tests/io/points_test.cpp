@@ -39,6 +39,40 @@ TEST(ReadPoints, UnderstandsTheUsualLayoutsOfTextFiles) {
   for (const auto& [name, text] : files) EXPECT_EQ(read_points(folder.with(name, text)).points, two_points()) << name;
 }
 
+TEST(ReadPoints, TakesQuotedCells) {
+  const TemporaryFolder folder;
+  for (const char* text :
+       {"\"1\",\"2\",\"3\"\n\"4\",\"5\",\"6\"\n", "\"x\",\"y\",\"z\"\r\n\"1\" , 2, \" 3\"\r\n4,\"5\",6,\r\n",
+        "\"x\" \"y\" \"z\"\n\"1\" 2 \"3\"\n4 5 6\n"})
+    EXPECT_EQ(read_points(folder.with("a.csv", text)).points, two_points()) << text;
+  const PointCloud cloud = read_points(folder.with("a.csv", "x,y,z,\"height, \"\"m\"\"\"\n1,2,3,7\n4,5,6,8\n"));
+  EXPECT_EQ(cloud.points, two_points());
+  ASSERT_EQ(cloud.properties.size(), 1u);
+  EXPECT_EQ(cloud.properties[0].name, "height, \"m\"");
+}
+
+TEST(ReadPoints, ReadsTheLineEndsOfOldMacs) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_points(folder.with("a.csv", "x,y,z\r1,2,3\r4,5,6\r")).points, two_points());
+}
+
+TEST(ReadPoints, NamesDecimalCommasAndUtf16) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& text) {
+    const std::string path = folder.with("e.csv", text);
+    return io_error([&] { read_points(path); }).substr(path.size());
+  };
+  EXPECT_EQ(error("0,14;0,51;1,2\n"), ":1: \"0,14;0,51;1,2\" has decimal commas; write numbers with a point, as 0.5");
+  for (const char* row : {"x;y;z\n0,14;0,51;1\n", "x y z\n0,14 0,51 1,2\n", "1 2 3\n511822,5\t4112,25\t1,0\n"})
+    EXPECT_NE(error(row).find("has decimal commas"), std::string::npos) << row;
+  EXPECT_NE(error("511822,5\t4112,25\t1,0\n").find("has decimal commas"), std::string::npos);
+  EXPECT_EQ(error(std::string("\xFF\xFE"
+                              "1\0,\0",
+                              6)),
+            ": the text is UTF-16; save it as UTF-8");
+  EXPECT_EQ(error(std::string("1\0,\0", 4)), ": the text is UTF-16; save it as UTF-8");
+}
+
 TEST(ReadPoints, TellsNormalsFromColours) {
   const TemporaryFolder folder;
   const PointCloud normals = read_points(folder.with("n.xyz", "1 2 3 0 0 1\n4 5 6 1 0 0\n"));

@@ -67,15 +67,15 @@ TEST(ReadSamples, TakesAllOtherColumnsAsCoordinates) {
 TEST(ReadSamples, DropsRowsWhoseNumbersAreMissing) {
   const TemporaryFolder folder;
   const std::string path =
-      folder.with("a.csv", "x,y,v,w\n1,2,3,\n1,,3,1\n0,0,nan,1\n0,NA,1,1\ninf,0,0,1\n1,1,\"\",1\n4,5,6,null\n");
-  EXPECT_NE(io_error([&] { read_samples(path, {.coordinates = "x,y", .values = "v"}); }).find("a.csv:7: \"\"\"\""),
+      folder.with("a.csv", "x,y,v,w\n1,2,3,\n1,,3,1\n0,0,nan,1\n0,NA,1,1\ninf,0,0,1\n1,1,\"five\",1\n4,5,6,null\n");
+  EXPECT_NE(io_error([&] { read_samples(path, {.coordinates = "x,y", .values = "v"}); }).find("a.csv:7: \"five\""),
             std::string::npos);
   const std::string clean =
-      folder.with("b.csv", "x,y,v,w\n1,2,3,\n1,,3,1\n0,0,nan,1\n0,NA,1,1\ninf,0,0,1\n4,5,6,null\n");
+      folder.with("b.csv", "x,y,v,w\n1,2,3,\n1,,3,1\n0,0,nan,1\n0,NA,1,1\ninf,0,0,1\n1,1,\"\",1\n4,5,6,null\n");
   const SampleTable samples = read_samples(clean, {.coordinates = "x,y", .values = "v"});
   EXPECT_EQ(samples.coordinates, two_points());
   EXPECT_EQ(samples.values, Eigen::Vector2d(3, 6));
-  EXPECT_EQ(samples.dropped, 4);
+  EXPECT_EQ(samples.dropped, 5);
 }
 
 TEST(ReadQueries, FindsCoordinatesByNameOrTakesTheFirst) {

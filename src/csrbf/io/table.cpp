@@ -10,13 +10,37 @@ namespace csrbf {
 namespace {
 
 char separator_of(std::string_view line) {
-  for (const char candidate : {';', ','})
-    if (line.find(candidate) != std::string_view::npos) return candidate;
-  return ' ';
+  bool comma = false, quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == ';' && !quoted) return ';';
+    comma = comma || (c == ',' && !quoted);
+  }
+  return comma ? ',' : ' ';
+}
+
+// Takes a cell in double quotes off the line, with the separator behind it, and returns what is between them; nullopt
+// when the next cell has none around it. Quotes inside are doubled (RFC 4180).
+std::optional<std::string_view> take_quoted(std::string_view& line, char separator) {
+  constexpr std::string_view blanks = " \t";
+  const std::size_t begin = line.find_first_not_of(blanks);
+  if (begin == std::string_view::npos || line[begin] != '"') return std::nullopt;
+  std::size_t end = line.find('"', begin + 1);
+  while (end != std::string_view::npos && line.substr(end + 1).starts_with('"')) end = line.find('"', end + 2);
+  if (end == std::string_view::npos) return std::nullopt;
+  std::string_view behind = line.substr(end + 1);
+  const bool blank = !behind.empty() && blanks.find(behind.front()) != std::string_view::npos;
+  behind.remove_prefix(std::min(behind.find_first_not_of(blanks), behind.size()));
+  const bool separated = separator == ' ' ? blank : behind.starts_with(separator);
+  if (!behind.empty() && !separated) return std::nullopt;
+  const std::string_view cell = trimmed(line.substr(begin + 1, end - begin - 1));
+  line = behind.substr(!behind.empty() && separator != ' ' ? 1 : 0);
+  return cell;
 }
 
 // Takes the next cell off the line; nullopt at its end. One separator at the end of a line is ignored.
 std::optional<std::string_view> take_cell(std::string_view& line, char separator) {
+  if (const auto cell = take_quoted(line, separator)) return cell;
   if (separator == ' ') {
     const std::string_view word = take_word(line);
     return word.empty() ? std::nullopt : std::optional(word);
@@ -45,11 +69,37 @@ bool is_missing(std::string_view cell) {
 std::vector<std::string> unquoted(const std::vector<std::string_view>& cells) {
   std::vector<std::string> names;
   for (std::string_view cell : cells) {
-    if (cell.size() >= 2 && (cell.front() == '"' || cell.front() == '\'') && cell.front() == cell.back())
-      cell = cell.substr(1, cell.size() - 2);
-    names.emplace_back(cell);
+    if (cell.size() >= 2 && cell.front() == '\'' && cell.back() == '\'') cell = cell.substr(1, cell.size() - 2);
+    std::string& name = names.emplace_back(cell);
+    for (std::size_t i = 0; (i = name.find("\"\"", i)) != std::string::npos; ++i) name.erase(i, 1);
   }
   return names;
+}
+
+// Is the line made of several numbers, some with decimal commas, between semicolons or blanks?
+bool has_decimal_commas(std::string_view line) {
+  const char separator = line.find(';') != std::string_view::npos ? ';' : ' ';
+  bool any = false;
+  int cells = 0;
+  for (; const auto cell = take_cell(line, separator); ++cells) {
+    std::string number(*cell);
+    const std::size_t comma = number.find(',');
+    if (comma != std::string::npos) number[comma] = '.';
+    if (!is_number(number) || number.ends_with('.')) return false;
+    any = any || comma != std::string::npos;
+  }
+  return any && cells > 1;
+}
+
+// Only '\n' ends lines for what follows; '\r' alone did on old Macs.
+bool has_old_line_ends(std::string_view text) {
+  return text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
+}
+
+// With or without a byte order mark: what is in tables takes one byte and a zero.
+bool is_utf16(std::string_view text) {
+  return text.size() >= 2 &&
+         (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text[0] == '\0' || text[1] == '\0');
 }
 
 class TableParser {
@@ -100,14 +150,17 @@ class TableParser {
       }
     }
     if (std::none_of(cells.begin(), cells.end(), is_number)) {
+      refuse_decimal_commas();
       table_.names = unquoted(cells);
       if (!next_line()) throw IoError(reader_.name() + ": the file holds column names but no rows of numbers");
       if (separator_ == ' ') separator_ = separator_of(line_);
       cells = split(line_, separator_);
       if (cells.size() + 1 == table_.names.size() && last_cell_is_empty()) cells.emplace_back();
-      if (cells.size() != table_.names.size())
+      if (cells.size() != table_.names.size()) {
+        refuse_decimal_commas();
         reader_.fail("expected " + std::to_string(table_.names.size()) + " columns as named, found " +
                      std::to_string(cells.size()));
+      }
     } else {
       take_names_from_comment(cells.size());
     }
@@ -135,9 +188,11 @@ class TableParser {
       values_.push_back(not_a_number("", found));
       ++found;
     }
-    if (found != columns_)
+    if (found != columns_) {
+      refuse_decimal_commas();
       reader_.fail("expected " + std::to_string(columns_) + " columns as in line " + std::to_string(table_.first_line) +
                    ", found " + std::to_string(found));
+    }
   }
 
   // A separator at the end of the line may also stand before an empty cell: when one is missing.
@@ -145,13 +200,20 @@ class TableParser {
     return text_cells_ == TextCells::note && separator_ != ' ' && line_.ends_with(separator_);
   }
 
+  void refuse_decimal_commas() const {
+    if (has_decimal_commas(line_))
+      reader_.fail(in_quotes(line_) + " has decimal commas; write numbers with a point, as 0.5");
+  }
+
   double not_a_number(std::string_view cell, Index column) {
     if (text_cells_ == TextCells::refuse) {
+      refuse_decimal_commas();
       if (cell.empty()) reader_.fail("cell " + std::to_string(column + 1) + " is empty");
       reader_.fail(in_quotes(cell) + " is not a number");
     }
     holds_text_.resize(static_cast<std::size_t>(columns_));
     if (!is_missing(cell) && !holds_text_[static_cast<std::size_t>(column)]) {
+      refuse_decimal_commas();
       holds_text_[static_cast<std::size_t>(column)] = true;
       table_.text_cells.push_back({column, reader_.number(), std::string(cell)});
     }
@@ -173,7 +235,11 @@ class TableParser {
 }  // namespace
 
 Table parse_table(std::string_view text, const std::string& name, TextCells text_cells) {
-  return TableParser(text, name, text_cells).parse();
+  if (is_utf16(text)) throw IoError(name + ": the text is UTF-16; save it as UTF-8");
+  if (!has_old_line_ends(text)) return TableParser(text, name, text_cells).parse();
+  std::string lines(text);
+  std::replace(lines.begin(), lines.end(), '\r', '\n');
+  return TableParser(lines, name, text_cells).parse();
 }
 
 std::string format_table(const std::vector<std::string>& names, const Eigen::Ref<const Eigen::MatrixXd>& values,
