@@ -350,5 +350,17 @@ TEST(Fit, RefusesInvalidOptions) {
   refused({.periods = {360, std::nan("")}}, "fit: periods = nan");
 }
 
+TEST(Fit, WarnsWhereRoundingErrorsExceedTheTolerance) {
+  Samples<1> samples{Points<1>(1, 60), Eigen::MatrixXd(60, 1), {}};
+  for (Index i = 0; i < 60; ++i) {
+    samples.points(0, i) = static_cast<double>(i);
+    samples.values(i, 0) = 1e120 * std::sin(static_cast<double>(i * i));
+  }
+  const auto result = fit<1>(samples, {.method = "multilevel", .tolerance = 1e100});
+  ASSERT_GT(result.report.max_error, 1e100);
+  ASSERT_EQ(result.report.warnings.size(), 1U);
+  EXPECT_EQ(result.report.warnings.front(), "the tolerance does not hold at every sample");
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -15,12 +15,12 @@
 #include "csrbf/approx/periodic_field.hpp"
 #include "csrbf/approx/sample_limits.hpp"
 #include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/seconds_since.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <initializer_list>
 
@@ -30,15 +30,13 @@ namespace {
 constexpr double different_units = 10;      // ratio of the extents of axes that are scaled to equal extent in any case
 constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
 constexpr Index checked_samples = 100'000;  // for the error at the samples
+constexpr double rounding = 1e-12;          // relative
+constexpr const char* tolerance_missed = "the tolerance does not hold at every sample";
 
 // Samples up to which one system for all of them is solved. In four and more dimensions a patch needs hundreds of
 // samples, and smooth functions are met better by orders of magnitude if none of them is out of reach.
 Index few(int dimension) {
   return dimension < 4 ? 500 : 1000;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 std::string join(const std::vector<std::string>& names) {
@@ -99,6 +97,8 @@ void warn(const FitOptions& options, FitReport& report) {
   if (report.levels > 1 && options.centers > 0 && report.centers > options.centers)
     report.warnings.push_back("centers: the levels together have more, " + std::to_string(report.centers));
   if (report.samples == 1) report.warnings.push_back("all samples are at one point: the function is constant");
+  if (report.warnings.empty() && options.tolerance > 0 && !(report.max_error <= (1 + rounding) * options.tolerance))
+    report.warnings.emplace_back(tolerance_missed);
 }
 
 // One fit in scaled coordinates; fills the report.
@@ -164,7 +164,7 @@ class Fitter {
     for (const auto& level : fit.fields.front()->levels()) report_.centers += level->basis().size();
     for (const LevelReport& level : fit.levels) report_.support = std::max(report_.support, level.largest_support);
     report_.smoothing = fit.levels.front().lambda0;
-    if (!fit.converged) report_.warnings.push_back("the tolerance does not hold at every sample");
+    if (!fit.converged) report_.warnings.emplace_back(tolerance_missed);
     return fit.model();
   }
 
@@ -293,7 +293,6 @@ class Fitter {
   }
 
   static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000;  // samples
-  static constexpr double rounding = 1e-12;
   static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
 
   const Samples<Dim>& samples_;
@@ -366,8 +365,8 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   // error_bounded treats duplicates itself: the bound holds for each of them.
   const bool keep_duplicates = options.method == "error-bounded" || options.method == "pca-multiresolution" ||
                                (options.method == "auto" && options.tolerance > 0);
-  const bool periodic = frame.periods.maxCoeff() > 0;
-  Samples<Dim> scaled = periodic ? repeat_periodically<Dim>(samples, frame.periods, frame.box.lo) : samples;
+  Samples<Dim> scaled =
+      frame.periods.maxCoeff() > 0 ? repeat_periodically<Dim>(samples, frame.periods, frame.box.lo) : samples;
   MergedSamples<Dim> merged = merge_duplicates(scaled);
   const auto place = merged.place.begin();  // the samples come before their repetitions
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
@@ -381,7 +380,6 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   scaled.points.array().colwise() /= frame.scales.array();
   report.axis_scales.assign(frame.scales.data(), frame.scales.data() + Dim);
   report.choose_seconds = seconds_since(start);
-
   start = std::chrono::steady_clock::now();
   Fitter<Dim> fitter(scaled, options, report);
   for (auto& field : fitter.fit())
@@ -390,8 +388,8 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   for (auto& field : fitter.variances)
     result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
   report.fit_seconds = seconds_since(start);
-  warn(options, report);
   measure_errors(samples, result);
+  warn(options, report);
   return result;
 }
 

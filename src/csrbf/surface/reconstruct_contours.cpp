@@ -1,12 +1,12 @@
 #include "csrbf/surface/reconstruct_contours.hpp"
 
 #include "csrbf/approx/expansion.hpp"
+#include "csrbf/core/seconds_since.hpp"
 #include "csrbf/implicit/combine.hpp"
 #include "csrbf/surface/contour_fit.hpp"
 #include "csrbf/surface/placed_field.hpp"
 #include "csrbf/surface/surface_distances.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -18,10 +18,6 @@ constexpr double detail = 0.5;   // spacings of the contour points used
 constexpr double rim = 1;        // range of the blend at a lid, in heights of the lid above the last slice
 constexpr double sharpness = 3;
 constexpr double smoothing_of_pixels = 1e-3;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 void check(const ContourOptions& options) {
   require(options.centers >= 16, "reconstruct_contours", "centers", options.centers, "must be at least 16");
