@@ -1,5 +1,6 @@
 #include "csrbf/surface/reconstruct.hpp"
 
+#include "csrbf/core/seconds_since.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/bridge_gaps.hpp"
 #include "csrbf/surface/choose_options.hpp"
@@ -9,7 +10,6 @@
 #include "csrbf/surface/surface_distances.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -32,10 +32,6 @@ constexpr Index quadric_coefficients = 10;
 constexpr double coarsest_detail = 1.25;  // spacings: chords of longer cells add to the errors that noise leaves
 
 constexpr double far_from_points = 0.03;  // rms distance; noise that strong leaves no shape
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 bool composite(const ReconstructOptions& options) {
   return options.method == "auto" || options.method == "composite";
@@ -227,6 +223,9 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
                         ? reconstruct_composite(input, prepared, options, out)
                         : reconstruct_by(*find_surface_method(options.method), input, prepared, options, out);
   summarize_distances(surface.distance, out);
+  if (!std::isfinite(out.rms_distance))
+    throw SolverFailure("reconstruct: method = " + options.method +
+                        " finds no finite surface for these points; use another one, such as auto");
   check_tolerance(surface.distance, options.tolerance, out);
   if (out.rms_distance > far_from_points)
     out.warnings.emplace_back(
