@@ -27,8 +27,7 @@ void declare(Verb v, ReconstructCommand& c) {
   v.flag("method", c.method, "NAME", "auto", methods);
   v.flag("normals", c.normals, "auto|file|estimate", "auto",
          "auto: those of the file if it has any, turned outwards where they contradict each other or point inward; "
-         "file: as they are; "
-         "estimate: always estimated")
+         "file: as they are; estimate: always estimated")
       ->check(CLI::IsMember({"auto", "file", "estimate"}));
   v.positive_flag("centers", c.centers, "N", "from the data", "budget of RBF centres");
   v.positive_flag(

@@ -36,6 +36,13 @@ QuadricRows quadric_rows(const Point<3>& q) {
   return rows;
 }
 
+// d^2, of which the blending weight is (1 - d^2)^4.
+double weight_variable(const Patch& patch, const Point<3>& x) {
+  Point<3> q = patch.T * (x - patch.center);
+  q[2] *= patch.flatness;
+  return q.squaredNorm();
+}
+
 }  // namespace
 
 Eigen::Vector4d FittedPatch::evaluate(const Point<3>& q) const {
@@ -169,9 +176,8 @@ void PatchFitter::thin() {
 // Samples of another sheet count too: there the patch spoils the blend by its distance from them.
 bool PatchFitter::within_tolerance(const FittedPatch& patch) const {
   const auto meets = [&](Index i) {
-    Point<3> q = patch.patch.T * (cloud_.points.col(i) - patch.patch.center);
-    q[2] *= patch.patch.flatness;
-    return q.squaredNorm() >= inner || patch.step_to_surface(cloud_.points.col(i)).norm() <= options_.tolerance[i];
+    return weight_variable(patch.patch, cloud_.points.col(i)) >= inner ||
+           patch.step_to_surface(cloud_.points.col(i)).norm() <= options_.tolerance[i];
   };
   return std::all_of(support_.begin(), support_.end(), meets) && std::all_of(foreign_.begin(), foreign_.end(), meets);
 }
@@ -181,9 +187,7 @@ double PatchFitter::error_on_other_sheets(const FittedPatch& patch) const {
   double sum = 0;
   for (const Index i : foreign_) {
     if (cloud_.normals.col(i).dot(normal) > opposite_normals) continue;  // noise turns normals that far
-    Point<3> q = patch.patch.T * (cloud_.points.col(i) - patch.patch.center);
-    q[2] *= patch.patch.flatness;
-    const double weight = std::pow(std::max(0.0, 1 - q.squaredNorm()), 4);
+    const double weight = std::pow(std::max(0.0, 1 - weight_variable(patch.patch, cloud_.points.col(i))), 4);
     const double distance = std::min(patch.step_to_surface(cloud_.points.col(i)).norm(), patch.patch.radius);
     sum += weight / (own_weights + weight) * distance;
   }
