@@ -128,6 +128,7 @@ struct EvaluateCommand {
   bool hessian = false;
   bool standard_deviation = false;
   bool labels = false;
+  bool float32 = false;
 };
 
 struct InpaintCommand {

@@ -4,9 +4,11 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/read_file.hpp"
 #include "csrbf/io/samples.hpp"
+#include "csrbf/io/volume.hpp"
 #include "csrbf/io/vti.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace csrbf::app {
@@ -40,39 +42,27 @@ std::vector<std::string> column_names(const NamedFunction& model, const Wanted& 
   return names;
 }
 
-constexpr Index slice = Index{1} << 20;
+// Every column of every place: an image with the columns as components.
+template <class Scalar>
+using Answers = Volume<Scalar>;
 
-// Values at the nodes of a grid, some layers of its last axis at a time.
-Eigen::MatrixXd evaluate_grid(const NamedFunction& model, const Places& places, const Progress& progress) {
-  std::vector<Eigen::VectorXd> axes = places.axes;
-  const Eigen::VectorXd last = axes.back();
-  const Index layer = places.count / last.size(), layers = std::max<Index>(1, slice / layer);
-  Eigen::MatrixXd answers(model.function.components(), places.count);
-  for (Index begin = 0; begin < last.size(); begin += layers) {
-    report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(last.size()));
-    axes.back() = last.segment(begin, std::min(layers, last.size() - begin));
-    answers.middleCols(layer * begin, layer * axes.back().size()) = model.function.evaluate_grid(axes).transpose();
-  }
-  return answers;
-}
-
-// Replaces the values by labels: one row.
-void make_labels(Eigen::MatrixXd& answers) {
-  Eigen::MatrixXd labels(1, answers.cols());
-  for (Index i = 0; i < answers.cols(); ++i) {
+template <class Scalar>
+void make_labels(Answers<Scalar>& answers) {
+  VolumeLayout layout = answers;
+  layout.components = 1;
+  Answers<Scalar> labels(layout);
+  for (Index i = 0; i < layout.grid.voxels(); ++i) {
     Index largest = 0;
-    const double value = answers.col(i).maxCoeff(&largest);
-    labels(0, i) = answers.rows() > 1 ? static_cast<double>(largest) : value > 0 ? 1 : 0;
+    const Scalar value = answers.frame().col(i).maxCoeff(&largest);
+    labels.frame()(0, i) = answers.components > 1 ? static_cast<Scalar>(largest) : value > 0 ? 1 : 0;
   }
   answers = std::move(labels);
 }
 
-// columns x places: the memory of an image with the columns as components.
-Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
-                             const Progress& progress) {
-  const bool values_only = wanted.derivatives() == Derivatives::none && !wanted.standard_deviation;
-  if (!places.axes.empty() && values_only) return evaluate_grid(model, places, progress);
-  Eigen::MatrixXd answers(columns, places.count);
+template <class Scalar>
+void evaluate_columns(const NamedFunction& model, const Places& places, const Wanted& wanted, const Progress& progress,
+                      Answers<Scalar>& answers) {
+  constexpr Index slice = Index{1} << 20;
   for (Index begin = 0; begin < places.count; begin += slice) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(places.count));
     const Index n = std::min(slice, places.count - begin);
@@ -80,7 +70,7 @@ Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, c
     const Function::Values values = model.function.evaluate(points, wanted.derivatives());
     Index row = 0;
     const auto put = [&](const Eigen::MatrixXd& part) {
-      answers.block(row, begin, part.cols(), n) = part.transpose();
+      answers.frame().block(row, begin, part.cols(), n) = part.transpose().template cast<Scalar>();
       row += part.cols();
     };
     put(values.value);
@@ -88,48 +78,64 @@ Eigen::MatrixXd evaluate_all(const NamedFunction& model, const Places& places, c
     if (wanted.hessian) put(values.hessian);
     if (wanted.standard_deviation) put(model.function.standard_deviation(points));
   }
+}
+
+template <class Scalar>
+Answers<Scalar> evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
+                             const Progress& progress) {
+  VolumeLayout layout = places.layout;
+  layout.components = columns;
+  Answers<Scalar> answers(layout);
+  const bool values_only = wanted.derivatives() == Derivatives::none && !wanted.standard_deviation;
+  if (!places.axes.empty() && values_only)
+    model.function.evaluate_grid(places.axes, answers.frame(), progress);
+  else
+    evaluate_columns(model, places, wanted, progress, answers);
   return answers;
 }
 
 // The columns as arrays of VTK. Gradients are vectors, of three components in the plane too, as its programs expect.
-std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wanted, SampleType type,
-                                 const std::vector<std::string>& columns, const Eigen::MatrixXd& answers) {
+template <class Scalar>
+std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wanted,
+                                 const std::vector<std::string>& columns, const Answers<Scalar>& answers) {
   const Index k = model.function.components(), d = model.function.dimension();
   std::vector<VtkArray> arrays;
-  for (Index row = 0; row < answers.rows();) {
+  for (Index row = 0; row < answers.components;) {
     const bool is_gradient = wanted.gradient && row >= k && row < k + k * d;
     const Index rows = is_gradient ? d : 1;
-    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(rows == 2 ? 3 : rows, answers.cols());
-    values.topRows(rows) = answers.middleRows(row, rows);
+    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(rows == 2 ? 3 : rows, answers.grid.voxels());
+    values.topRows(rows) = answers.frame().middleRows(row, rows).template cast<double>();
     const std::string name = is_gradient ? model.value_names[static_cast<std::size_t>((row - k) / d)] + "_gradient"
                                          : columns[static_cast<std::size_t>(row)];
-    arrays.push_back({name, type, values.rows(), vtk_bytes(type, values)});
+    arrays.push_back({name, answers.type, values.rows(), vtk_bytes(answers.type, values)});
     row += rows;
   }
   return arrays;
 }
 
+template <class Scalar>
 void write_answers(const std::string& path, const NamedFunction& model, const Places& places, const Wanted& wanted,
-                   const std::vector<std::string>& columns, const Eigen::MatrixXd& answers) {
+                   const std::vector<std::string>& columns, const Answers<Scalar>& answers) {
   if (file_extension(path) == ".vti") {
-    write_vti(path, places.layout.grid, vtk_arrays(model, wanted, places.layout.type, columns, answers));
+    write_vti(path, answers.grid, vtk_arrays(model, wanted, columns, answers));
     return;
   }
   if (places.is_image) {
-    VolumeLayout layout = places.layout;
-    layout.components = answers.rows();
-    write_places(path, layout, answers);
+    write_volume(path, answers);
     return;
   }
   const bool has_coordinates = !path.ends_with(".npy");
   write_table(path, {.coordinate_names = has_coordinates ? model.coordinate_names : std::vector<std::string>{},
                      .value_names = columns,
                      .coordinates = has_coordinates ? places.points(0, places.count) : Eigen::MatrixXd(0, places.count),
-                     .values = answers.transpose()});
+                     .values = answers.frame().transpose().template cast<double>()});
 }
 
-void tell_values(const std::string& output, const Eigen::MatrixXd& values, const std::vector<std::string>& columns,
-                 Session& session) {
+// Of the first `rows` columns.
+template <class Scalar>
+void tell_values(const std::string& output, const Answers<Scalar>& answers, Index rows,
+                 const std::vector<std::string>& columns, Session& session) {
+  const auto values = answers.frame().topRows(rows);
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   Index undefined = 0;
   for (Index i = 0; i < values.cols(); ++i) {
@@ -154,6 +160,34 @@ void tell_values(const std::string& output, const Eigen::MatrixXd& values, const
               (any ? ", values from " + rounded(lo) + " to " + rounded(hi) : ""));
 }
 
+void warn_of_rounding(const NamedFunction& model, Session& session) {
+  const Json& lo = session.result["min"];
+  const Json& hi = session.result["max"];
+  const double error = model.function.report().cross_validation_rmse;
+  if (lo.is_null() || !std::isfinite(error)) return;
+  const double largest = std::max(std::abs(lo.get<double>()), std::abs(hi.get<double>()));
+  const double rounding = 0.5 * std::numeric_limits<float>::epsilon() * largest;
+  if (rounding > error)
+    session.warn("--float32 rounds values by up to " + rounded(rounding) +
+                 ", more than the error of the function, about " + rounded(error) + "; leave it out");
+}
+
+template <class Scalar>
+void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, const Places& places, Session& session) {
+  const Wanted wanted{command.gradient, command.hessian, command.standard_deviation};
+  std::vector<std::string> columns = column_names(model, wanted);
+  Answers<Scalar> answers = session.timed("evaluate", [&] {
+    return evaluate_all<Scalar>(model, places, wanted, static_cast<Index>(columns.size()), session.progress());
+  });
+  if (command.labels) {
+    make_labels(answers);
+    columns = {"label"};
+  }
+  tell_values(command.output, answers, command.labels ? 1 : model.function.components(), columns, session);
+  if (command.float32) warn_of_rounding(model, session);
+  session.write([&] { write_answers(command.output, model, places, wanted, columns, answers); });
+}
+
 }  // namespace
 
 void run(const EvaluateCommand& command, Session& session) {
@@ -171,20 +205,13 @@ void run(const EvaluateCommand& command, Session& session) {
                      {"gradient", command.gradient},
                      {"hessian", command.hessian},
                      {"standard_deviation", command.standard_deviation},
-                     {"labels", command.labels}};
+                     {"labels", command.labels},
+                     {"float32", command.float32}};
   session.options.update(places.options);
-  const Wanted wanted{command.gradient, command.hessian, command.standard_deviation};
-  std::vector<std::string> columns = column_names(model, wanted);
-  Eigen::MatrixXd answers = session.timed("evaluate", [&] {
-    return evaluate_all(model, places, wanted, static_cast<Index>(columns.size()), session.progress());
-  });
-  if (command.labels) {
-    make_labels(answers);
-    columns = {"label"};
-  }
-  const Index values = command.labels ? 1 : model.function.components();
-  tell_values(command.output, answers.topRows(values), columns, session);
-  session.write([&] { write_answers(command.output, model, places, wanted, columns, answers); });
+  if (places.is_image && places.layout.type == SampleType::float32)
+    evaluate_as<float>(command, model, places, session);
+  else
+    evaluate_as<double>(command, model, places, session);
 }
 
 }  // namespace csrbf::app

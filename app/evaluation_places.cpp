@@ -20,8 +20,11 @@ bool is_table_file(const std::string& path) {
 
 Places at_points(const std::string& path, const NamedFunction& model) {
   const auto points = std::make_shared<const Eigen::MatrixXd>(read_queries(path, model.coordinate_names));
+  VolumeLayout layout;
+  layout.grid.size[0] = points->cols();
   return {.count = points->cols(),
-          .points = [points](Index begin, Index n) -> Eigen::MatrixXd { return points->middleCols(begin, n); }};
+          .points = [points](Index begin, Index n) -> Eigen::MatrixXd { return points->middleCols(begin, n); },
+          .layout = layout};
 }
 
 // The nodes of a grid of which the first `dimension` physical coordinates are those of the function.
@@ -133,6 +136,10 @@ void check_places(const EvaluateCommand& command) {
     throw UsageError("--output " + output +
                      ": pictures hold whole numbers; write .tif, .nii.gz, .nrrd or .npy, or give "
                      "--like a picture whose type to take");
+  if (command.float32 && (command.labels || is_picture_file(output)))
+    throw UsageError("--float32: labels and pictures are whole numbers; leave it out");
+  if (command.float32 && (!command.points.empty() || !is_volume_file(output)))
+    throw UsageError("--float32 needs a grid or image, --grid or --like, and a file of one, such as .npy or .nii.gz");
 }
 
 Places make_places(const EvaluateCommand& command, const NamedFunction& model) {
@@ -140,13 +147,8 @@ Places make_places(const EvaluateCommand& command, const NamedFunction& model) {
   Places places = command.grid.empty() ? on_image(command, model) : on_grid(command, model);
   places.is_image = is_volume_file(command.output);
   if (command.labels) places.layout.type = SampleType::uint8;
+  if (command.float32) places.layout.type = SampleType::float32;
   return places;
-}
-
-void write_places(const std::string& path, const VolumeLayout& layout, const Eigen::MatrixXd& answers) {
-  Volume<double> volume(layout);
-  Eigen::Map<Eigen::MatrixXd>(volume.values.data(), answers.rows(), answers.cols()) = answers;
-  write_volume(path, volume);
 }
 
 }  // namespace csrbf::app

@@ -14,9 +14,9 @@ struct Places {
   Index count = 0;
   std::function<Eigen::MatrixXd(Index begin, Index n)> points;  ///< d x n
   std::vector<Eigen::VectorXd> axes =
-      {};                 ///< coordinates along each, where they are the nodes of a grid along the axes
-  bool is_image = false;  ///< the result is an image with this layout
-  VolumeLayout layout = {};
+      {};                         ///< coordinates along each, where they are the nodes of a grid along the axes
+  bool is_image = false;          ///< the result is an image with this layout
+  VolumeLayout layout = {};       ///< one voxel per place
   Json options = Json::object();  ///< of the report
 };
 
@@ -25,8 +25,5 @@ void check_places(const EvaluateCommand& command);
 
 /// Reads or makes the places. Throws UsageError, IoError.
 Places make_places(const EvaluateCommand& command, const NamedFunction& model);
-
-/// Writes answers (components x voxels) as an image. Throws IoError.
-void write_places(const std::string& path, const VolumeLayout& layout, const Eigen::MatrixXd& answers);
 
 }  // namespace csrbf::app

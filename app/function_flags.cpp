@@ -62,6 +62,7 @@ void declare(Verb v, EvaluateCommand& c) {
       "--labels", c.labels,
       "write labels instead of values, as of csrbf segment: 1 where the only component is positive, 0 elsewhere; of "
       "several the number of the largest, from 0");
+  v.toggle("--float32", c.float32, "keep and write the values of a grid or image in single precision: half the memory");
   v.add_common();
 }
 

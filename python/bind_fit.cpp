@@ -67,10 +67,16 @@ py::tuple evaluate(const NamedFunction& f, const Array& at, int order) {
   return py::make_tuple(value, gradient, hessian);
 }
 
-py::array_t<double> evaluate_grid(const NamedFunction& f, const std::vector<Array>& given) {
+template <class Scalar>
+py::array_t<Scalar> evaluate_grid(const NamedFunction& f, const std::vector<Array>& given) {
   std::vector<Eigen::VectorXd> axes;
   for (const Array& axis : given) axes.emplace_back(vector(axis, "axes"));
-  return to_array(run([&](const Progress& /*progress*/) { return f.function.evaluate_grid(axes); }));
+  Index nodes = 1;
+  for (const Eigen::VectorXd& axis : axes) nodes *= axis.size();
+  py::array_t<Scalar> values({nodes, f.function.components()});
+  const Eigen::Map<Eigen::MatrixX<Scalar>> out(values.mutable_data(), f.function.components(), nodes);
+  run([&](const Progress& progress) { f.function.evaluate_grid(axes, out, progress); });
+  return values;
 }
 
 py::array_t<double> standard_deviation(const NamedFunction& f, const Array& at) {
@@ -132,7 +138,8 @@ void bind_fit(py::module_& m) {
       .def_property_readonly("bounds",
                              [](const NamedFunction& f) { return to_array(Eigen::MatrixXd(f.function.bounds())); })
       .def("evaluate", &evaluate)
-      .def("evaluate_grid", &evaluate_grid)
+      .def("evaluate_grid", &evaluate_grid<double>)
+      .def("evaluate_grid_float32", &evaluate_grid<float>)
       .def("standard_deviation", &standard_deviation)
       .def("save", [](const NamedFunction& f,
                       const std::string& path) { run([&](const Progress& /*progress*/) { write_model(path, f); }); })

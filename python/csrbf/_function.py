@@ -4,7 +4,7 @@ import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from csrbf import _csrbf
 from csrbf._arrays import Floats, Path, floats, queries
@@ -126,13 +126,15 @@ class Function:
         """
         return self._evaluate(x, 2)
 
-    def evaluate_grid(self, *axes: ArrayLike) -> Floats:
+    def evaluate_grid(self, *axes: ArrayLike, dtype: DTypeLike = np.float64) -> NDArray[Any]:
         """Values at all nodes of a grid, several times faster than a call with the nodes.
 
         Parameters
         ----------
         *axes : d arrays (n1,), (n2,), ...
             Coordinates along the axes.
+        dtype : numpy.float64 or numpy.float32
+            Type of the values. Single precision, to which they are rounded, takes half the memory.
 
         Returns
         -------
@@ -151,10 +153,16 @@ class Function:
         if len(axes) != self.dimension:
             raise ValueError(f"evaluate_grid: {len(axes)} axes were given; the function has {self.dimension} variables")
         flat = [floats(np.ravel(axis), "axes") for axis in axes]
+        values: NDArray[Any]
+        if np.dtype(dtype) == np.float64:
+            values = self._function.evaluate_grid(flat)
+        elif np.dtype(dtype) == np.float32:
+            values = self._function.evaluate_grid_float32(flat)
+        else:
+            raise ValueError(f"evaluate_grid: dtype = {np.dtype(dtype)}: must be float64 or float32")
         shape = tuple(len(axis) for axis in flat)
-        values = self._function.evaluate_grid(flat)  # (k, nodes), the first axis the fastest
-        grid = np.moveaxis(values.reshape((-1,) + shape[::-1]), 0, -1)
-        grid = np.transpose(grid, tuple(range(len(shape)))[::-1] + (len(shape),))
+        values = values.reshape(shape[::-1] + values.shape[1:])  # the first axis is the fastest
+        grid = np.transpose(values, tuple(range(len(shape)))[::-1] + (len(shape),))
         return grid[..., 0] if self._scalar else grid
 
     def standard_deviation(self, x: ArrayLike) -> Floats:

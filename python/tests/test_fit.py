@@ -91,6 +91,12 @@ class Values(unittest.TestCase):
             grid = f.evaluate_grid(x, y, z)
             self.assertEqual(grid.shape, (7, 5, 2) + v.shape[1:])
             np.testing.assert_allclose(grid, f(nodes), rtol=0, atol=1e-12)
+            single = f.evaluate_grid(x, y, z, dtype=np.float32)
+            self.assertEqual(single.dtype, np.float32)
+            np.testing.assert_array_equal(single, grid.astype(np.float32))
+            self.assertEqual(f.evaluate_grid(x, [], z).shape, (7, 0, 2) + v.shape[1:])
+        with self.assertRaisesRegex(ValueError, "dtype = int64: must be float64 or float32"):
+            f.evaluate_grid(x, y, z, dtype=int)
         with self.assertRaisesRegex(ValueError, "2 axes were given; the function has 3 variables"):
             f.evaluate_grid(x, y)
 

@@ -232,7 +232,7 @@ class InstalledTexts(CommandLine):
     """The man page and the completions that the program prints for the installation."""
 
     def long_flags(self, verb):
-        return set(re.findall(r"--[a-z-]+", self.succeed(verb, "--help").stdout.split("Example:")[0]))
+        return set(re.findall(r"--[a-z0-9-]+", self.succeed(verb, "--help").stdout.split("Example:")[0]))
 
     def completed(self, *words):
         """What bash offers for the last of the words."""

@@ -327,6 +327,25 @@ class Evaluate(Functions):
         self.assertIn("type: double", head)
         self.assertIn("origin", head)
 
+    def test_grids_in_single_precision_are_the_others_rounded(self):
+        model = self.fitted(rows_of(plane))
+        for flags in [], ["--gradient"]:
+            self.succeed("evaluate", model, "-o", self.path("double.npy"), "--grid", "5,3", *flags)
+            done = self.succeed("evaluate", model, "-o", self.path("single.npy"), "--grid", "5,3", "--float32", *flags)
+            shape, kind, values = read_npy(self.path("single.npy"))
+            double_shape, double_kind, doubles = read_npy(self.path("double.npy"))
+            self.assertEqual((shape, kind, double_kind), (double_shape, "<f4", "<f8"))
+            self.assertEqual(values, [struct.unpack("<f", struct.pack("<f", value))[0] for value in doubles])
+        self.assertIn("warning: --float32 rounds values by up to", done.stderr)
+        self.succeed("evaluate", model, "-o", self.path("grid.nrrd"), "--grid", "5,3", "--float32")
+        with open(self.path("grid.nrrd"), "rb") as file:
+            self.assertIn(b"type: float", file.read())
+        for output, flags in (("out.npy", ["--points", "-"]), ("out.csv", ["--grid", "3,3"])):
+            self.fail_with(2, "--float32 needs a grid or image", "evaluate", model, "-o", self.path(output), "--float32",
+                           *flags)
+        self.fail_with(2, "--float32: labels and pictures are whole numbers", "evaluate", model, "-o",
+                       self.path("out.npy"), "--grid", "3,3", "--labels", "--float32")
+
     def test_like_an_image_takes_its_grid(self):
         rows = [(12 * x, 8 * y, plane(x, y)) for x, y, _ in rows_of(plane)]
         model = self.fitted(rows)

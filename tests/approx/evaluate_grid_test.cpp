@@ -134,5 +134,38 @@ TEST(EvaluateGrid, OfAFunctionHasAColumnForEachOfItsValues) {
             "evaluate_grid: number of axes = 1: must be 2, the dimension of the function");
 }
 
+TEST(EvaluateGrid, IntoMemoryOfTheCallerGivesTheSameValuesInSlices) {
+  const Points<2> points = random_points<2>(800, 1);
+  Eigen::MatrixXd values(800, 2);
+  values << points.row(0).transpose(), 2 * points.row(1).transpose();
+  const Function f = fit_function(points, values, Eigen::VectorXd(), {.method = "partition-of-unity"});
+  const GridAxes<2> axes = random_axes<2>({1500, 1400}, 0, 1);  // two slices and a rest
+  const std::vector<Eigen::VectorXd> given{axes[0], axes[1]};
+  const Eigen::MatrixXd expected = f.evaluate_grid(given).transpose();
+  Eigen::MatrixXd out(2, 1500 * 1400);
+  std::vector<double> fractions;
+  f.evaluate_grid(given, out, [&](std::string_view stage, double fraction) {
+    EXPECT_EQ(stage, "evaluate");
+    fractions.push_back(fraction);
+    return true;
+  });
+  EXPECT_EQ(out, expected);
+  EXPECT_EQ(fractions.size(), 3U);
+  Eigen::MatrixXf single(2, 1500 * 1400);
+  f.evaluate_grid(given, single);
+  EXPECT_EQ(single, expected.cast<float>());
+  EXPECT_THROW(f.evaluate_grid(given, out, [](std::string_view, double fraction) { return fraction == 0; }), Cancelled);
+  Eigen::MatrixXd small(2, 3);
+  EXPECT_EQ(invalid_input_message([&] { f.evaluate_grid(given, small); }),
+            "evaluate_grid: columns of values = 3: must be 2100000, the nodes of the grid");
+  Eigen::MatrixXd flat(1, 1500 * 1400);
+  EXPECT_EQ(invalid_input_message([&] { f.evaluate_grid(given, flat); }),
+            "evaluate_grid: rows of values = 1: must be 2, the components of the function");
+  EXPECT_EQ(invalid_input_message([&] { f.evaluate_grid({axes[0]}, out); }),
+            "evaluate_grid: number of axes = 1: must be 2, the dimension of the function");
+  Eigen::MatrixXd none(2, 0);
+  f.evaluate_grid({Eigen::VectorXd(0), axes[1]}, none);
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -81,6 +81,31 @@ Eigen::MatrixXd evaluate_on_grid(const Fit<Dim>& fit, const std::vector<Eigen::V
   return values;
 }
 
+// Some layers of the last axis at a time.
+template <class Scalar>
+void evaluate_slices(const Function& function, std::vector<Eigen::VectorXd> axes,
+                     Eigen::Ref<Eigen::MatrixX<Scalar>> values, const Progress& progress) {
+  constexpr Index most_nodes = Index{1} << 20;
+  const auto d = static_cast<std::size_t>(function.dimension());
+  require(axes.size() == d, "evaluate_grid", "number of axes", axes.size(),
+          "must be " + std::to_string(d) + ", the dimension of the function");
+  Index layer = 1;
+  for (std::size_t a = 0; a + 1 < d; ++a) layer *= axes[a].size();
+  const Eigen::VectorXd last = axes.back();
+  require(values.rows() == function.components(), "evaluate_grid", "rows of values", values.rows(),
+          "must be " + std::to_string(function.components()) + ", the components of the function");
+  require(values.cols() == layer * last.size(), "evaluate_grid", "columns of values", values.cols(),
+          "must be " + std::to_string(layer * last.size()) + ", the nodes of the grid");
+  if (values.cols() == 0) return;
+  const Index layers = std::max<Index>(1, most_nodes / layer);
+  for (Index begin = 0; begin < last.size(); begin += layers) {
+    report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(last.size()));
+    axes.back() = last.segment(begin, std::min(layers, last.size() - begin));
+    values.middleCols(layer * begin, layer * axes.back().size()) =
+        function.evaluate_grid(axes).transpose().template cast<Scalar>();
+  }
+}
+
 template <int Dim>
 Function fit_in(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
                 const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options) {
@@ -103,6 +128,16 @@ Function::Values Function::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x, 
 
 Eigen::MatrixXd Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes) const {
   return visit_fit(fit_, [&](const auto& fit) { return evaluate_on_grid(fit, axes); });
+}
+
+void Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Ref<Eigen::MatrixXd> values,
+                             const Progress& progress) const {
+  evaluate_slices<double>(*this, axes, values, progress);
+}
+
+void Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Ref<Eigen::MatrixXf> values,
+                             const Progress& progress) const {
+  evaluate_slices<float>(*this, axes, values, progress);
 }
 
 Eigen::MatrixXd Function::standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x) const {
