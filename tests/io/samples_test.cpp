@@ -64,6 +64,16 @@ TEST(ReadSamples, TakesAllOtherColumnsAsCoordinates) {
   EXPECT_EQ(read_samples(path, {.coordinates = "1", .values = "2,3"}).value_names, (Names{"value1", "value2"}));
 }
 
+TEST(ReadSamples, FindsCommentsOutsideOfQuotes) {
+  const TemporaryFolder folder;
+  const std::string text =
+      "id,x,depth\n\"hole #1\",1,5 # first\n\"see http://a.org\",2,6\n\"say \"\"#\"\", then\",3,7 // last\n3\" "
+      "pipe,4,8# old\n";
+  const SampleTable samples = read_samples(folder.with("s.csv", text), {.coordinates = "x", .values = "depth"});
+  EXPECT_EQ(samples.coordinates, Eigen::RowVector4d(1, 2, 3, 4));
+  EXPECT_EQ(samples.values, Eigen::Vector4d(5, 6, 7, 8));
+}
+
 TEST(ReadSamples, DropsRowsWhoseNumbersAreMissing) {
   const TemporaryFolder folder;
   const std::string path =

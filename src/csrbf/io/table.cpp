@@ -19,6 +19,18 @@ char separator_of(std::string_view line) {
   return comma ? ',' : ' ';
 }
 
+// Where the comment of a line begins, at # or // outside of cells in double quotes; npos when it has none.
+std::size_t find_comment(std::string_view line) {
+  const std::size_t first = std::min(line.find('#'), line.find("//"));
+  if (first == std::string_view::npos) return first;
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"') quoted = !quoted;
+    if (!quoted && (line[i] == '#' || line.substr(i).starts_with("//"))) return i;
+  }
+  return quoted ? first : std::string_view::npos;  // a single quote is text
+}
+
 // Takes a cell in double quotes off the line, with the separator behind it, and returns what is between them; nullopt
 // when the next cell has none around it. Quotes inside are doubled (RFC 4180).
 std::optional<std::string_view> take_quoted(std::string_view& line, char separator) {
@@ -125,7 +137,7 @@ class TableParser {
   bool next_line() {
     while (reader_.next()) {
       line_ = reader_.line();
-      const std::size_t mark = std::min(line_.find('#'), line_.find("//"));
+      const std::size_t mark = find_comment(line_);
       if (mark == 0) comment_ = trimmed(line_.substr(line_[0] == '#' ? 1 : 2));
       line_ = trimmed(line_.substr(0, mark));
       if (!line_.empty()) return true;

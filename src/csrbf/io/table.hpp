@@ -28,10 +28,10 @@ struct Table {
 };
 
 /// Reads lines of numbers separated by blanks, tabs, commas or semicolons (the first row decides), each of which may
-/// stand in double quotes; separators in quotes are text (names of columns), doubled quotes are quotes. # and // begin
-/// comments. A first line without any number names the columns. One single number on
-/// the first line, before longer rows, is the number of rows (.pts) and must be right. With TextCells::note, cells that
-/// are empty, NA or null are NaN. Throws IoError "name:line: ..." for ragged rows, cells that are no numbers (decimal
+/// stand in double quotes; separators in quotes are text (names of columns), doubled quotes are quotes. # and //
+/// outside of quotes begin comments. A first line without any number names the columns. One single number on the first
+/// line, before longer rows, is the number of rows (.pts) and must be right. With TextCells::note, cells that are
+/// empty, NA or null are NaN. Throws IoError "name:line: ..." for ragged rows, cells that are no numbers (decimal
 /// commas are named), UTF-16 and a text without rows. Line ends are those of Unix, Windows or old Macs.
 Table parse_table(std::string_view text, const std::string& name, TextCells text_cells = TextCells::refuse);
 
