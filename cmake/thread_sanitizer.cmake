@@ -1,0 +1,14 @@
+# With CSRBF_THREAD_SANITIZER the library and the program are watched for data races. The tests themselves are not, so
+# that they need not be compiled again; the library comes before them, because of the functions in headers that both
+# hold the linker takes the first.
+option(CSRBF_THREAD_SANITIZER "Watch library and program for data races (preset tsan)" OFF)
+if(CSRBF_THREAD_SANITIZER)
+  foreach(target csrbf csrbf-program csrbf-cli)
+    if(TARGET ${target})
+      target_compile_options(${target} PRIVATE -fsanitize=thread -fno-omit-frame-pointer)
+    endif()
+  endforeach()
+  target_link_options(
+    csrbf INTERFACE $<BUILD_INTERFACE:-fsanitize=thread>
+    $<BUILD_INTERFACE:LINKER:--whole-archive,$<TARGET_FILE:csrbf>,--no-whole-archive>)
+endif()
