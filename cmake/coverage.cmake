@@ -4,7 +4,7 @@ option(CSRBF_COVERAGE "Count the lines that the tests run (preset coverage)" OFF
 if(CSRBF_COVERAGE)
   foreach(target csrbf csrbf-program csrbf-cli)
     if(TARGET ${target})
-      target_compile_options(${target} PRIVATE -O1 --coverage -fprofile-update=atomic)
+      target_compile_options(${target} PRIVATE -O1 --coverage -fprofile-update=single)
     endif()
   endforeach()
   target_link_options(csrbf PUBLIC $<BUILD_INTERFACE:--coverage>)
