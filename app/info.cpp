@@ -1,6 +1,7 @@
 #include "fit_summary.hpp"
 #include "verbs.hpp"
 
+#include "csrbf/core/joined.hpp"
 #include "csrbf/io/archive.hpp"
 #include "csrbf/io/function_archive.hpp"
 #include "csrbf/io/mesh.hpp"
@@ -77,12 +78,6 @@ struct ValueDescription {
     return {{"rows", array.rows()}, {"columns", array.cols()}};
   }
 };
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
 
 void tell_function(const NamedFunction& named, Session& session) {
   const Function& function = named.function;

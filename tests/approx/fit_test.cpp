@@ -80,6 +80,19 @@ TEST(Fit, SmoothsNoiseWithoutOptions) {
   }
 }
 
+TEST(Fit, DoesNotFollowPureNoise) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise;
+  for (int repetition = 0; repetition < 4; ++repetition) {
+    Samples<3> data{random_points<3>(150, repetition), Eigen::MatrixXd(150, 1), {}};
+    for (double& value : data.values.reshaped()) value = 7 + noise(random);
+    const Fit<3> result = fit<3>(data);
+    const auto mean = [](const Point<3>&) { return 7.; };
+    EXPECT_LE(inner_error<3>(*result.components[0], mean), .3) << repetition;
+    EXPECT_GE(result.report.rmse, .6) << repetition;
+  }
+}
+
 TEST(Fit, HoldsTheToleranceAtEverySample) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> error(0, .05);

@@ -208,6 +208,19 @@ TEST(ChooseSmoothing, SmoothsNoiseAndKeepsExactData) {
   EXPECT_GE(much.free_parameters, 3);
 }
 
+TEST(ChooseSmoothing, LeavesOfPureNoiseThePolynomial) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise;
+  for (const double overlap : {0., .01}) {  // of radial functions, so narrow that all lambdas predict about as well
+    MatrixXd A = MatrixXd::Identity(200, 200);
+    A.diagonal(1).setConstant(overlap);
+    A.diagonal(-1).setConstant(overlap);
+    MatrixXd s(200, 1);
+    for (double& value : s.reshaped()) value = 5 + noise(random);
+    EXPECT_NEAR(choose_smoothing(A, MatrixXd::Ones(200, 1), s).free_parameters, 1, .1) << overlap;
+  }
+}
+
 template <class Exception, class Action>
 std::string message_of(const Action& action) {
   try {

@@ -15,6 +15,7 @@
 #include "csrbf/approx/periodic_field.hpp"
 #include "csrbf/approx/sample_limits.hpp"
 #include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
@@ -39,17 +40,11 @@ Index few(int dimension) {
   return dimension < 4 ? 500 : 1000;
 }
 
-std::string join(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 template <int Dim>
 void check(const FitOptions& options) {
   const std::vector<std::string> methods = fit_methods();
   require(std::find(methods.begin(), methods.end(), options.method) != methods.end(), "fit", "method", options.method,
-          "unknown; use one of " + join(methods));
+          "unknown; use one of " + joined(methods));
   require(options.centers >= 0, "fit", "centers", options.centers, "must be positive, or 0 to let the method decide");
   require(options.tolerance >= 0 && std::isfinite(options.tolerance), "fit", "tolerance", options.tolerance,
           "must be a positive error in the unit of the values, or 0 for none");
@@ -280,7 +275,11 @@ class Fitter {
     if (!options_.smoothing && samples_.size() > 2 * Dim) {
       options.smoothing.reset();
       Interpolation<Dim> smoothed = interpolate(samples_, options);
-      if (smoothed.report.leave_one_out < smoother_gain * best.report.leave_one_out) best = std::move(smoothed);
+      const Eigen::MatrixXd differences = samples_.values.rowwise() - samples_.values.colwise().mean();
+      const double deviation = differences.norm() / std::sqrt(static_cast<double>(differences.size()));
+      const bool is_noise = samples_.size() >= enough_to_tell && best.report.leave_one_out > explained * deviation;
+      const double gain = is_noise ? 1 / smoother_gain : smoother_gain;
+      if (smoothed.report.leave_one_out < gain * best.report.leave_one_out) best = std::move(smoothed);
     }
     report_.kernel = best.report.kernel;
     report_.degree = best.report.degree;
@@ -292,8 +291,9 @@ class Fitter {
     return {best.components.begin(), best.components.end()};
   }
 
-  static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000;  // samples
+  static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000, enough_to_tell = 50;  // samples
   static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
+  static constexpr double explained = 0.9;       // of the deviation of the values; above, samples need not be met
 
   const Samples<Dim>& samples_;
   const FitOptions& options_;

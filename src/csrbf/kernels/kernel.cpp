@@ -1,6 +1,7 @@
 #include "csrbf/kernels/kernel.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/kernels/compact_kernels.hpp"
 #include "csrbf/kernels/global_kernels.hpp"
 
@@ -66,12 +67,6 @@ constexpr Entry entries[] = {
     {"thin-plate", Family::power, 1, any_dimension, 2},
     {"thin-plate-r4", Family::power, 3, any_dimension, 4},
 };
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
-}
 
 const Entry& find(std::string_view name, int dimension) {
   require(dimension >= 1, "Kernel", "dimension", dimension, "must be at least 1; give the dimension of the points");

@@ -283,8 +283,11 @@ SmoothingChoice choose_smoothing(const MatrixRef& A, const MatrixRef& G, const M
   if (!(unit > 0) || spectrum.score(options.largest * unit, options.criterion) == infinity)
     throw SolverFailure("choose_smoothing: A is not positive definite; use a kernel made for this dimension");
   const auto f = [&](double exponent) { return spectrum.score(unit * std::pow(10.0, exponent), options.criterion); };
-  const double lambda =
-      unit * std::pow(10.0, best_exponent(f, std::log10(options.smallest), std::log10(options.largest)));
+  const double strongest = std::log10(options.largest);
+  double exponent = best_exponent(f, std::log10(options.smallest), strongest);
+  // Of pure noise the criterion is flat: what gains less than one parameter should is no reason to follow the samples.
+  if (f(strongest) <= (1 + 1 / n) * f(exponent)) exponent = strongest;
+  const double lambda = unit * std::pow(10.0, exponent);
   choice.lambda = system.unscaled(lambda);
   const double weight = system.root().squaredNorm();
   choice.leave_one_out = std::sqrt(spectrum.leave_one_out(lambda) / (weight * static_cast<double>(s.cols())));

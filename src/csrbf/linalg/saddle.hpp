@@ -55,8 +55,9 @@ struct SmoothingChoice {
 };
 
 /// The lambda of the system of solve_saddle() that minimises the criterion, over a logarithmic grid refined by golden
-/// section. One eigenvalue decomposition, O(9 n^3), then O(n^2) for each of about 60 lambdas and component (O(n) with
-/// generalised cross validation). Throws as solve_saddle().
+/// section; the largest where that is no worse than by a share of 1 / n. One eigenvalue decomposition, O(9 n^3), then
+/// O(n^2) for each of about 60 lambdas and component (O(n) with generalised cross validation). Throws as
+/// solve_saddle().
 SmoothingChoice choose_smoothing(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& G,
                                  const Eigen::Ref<const Eigen::MatrixXd>& s, const SmoothingOptions& options = {});
 
