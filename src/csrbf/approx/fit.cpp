@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/along_tracks.hpp"
 #include "csrbf/approx/choose_local_options.hpp"
+#include "csrbf/approx/deviation.hpp"
 #include "csrbf/approx/error_bounded.hpp"
 #include "csrbf/approx/fitted_field.hpp"
 #include "csrbf/approx/fixed_budget.hpp"
@@ -275,8 +276,7 @@ class Fitter {
     if (!options_.smoothing && samples_.size() > 2 * Dim) {
       options.smoothing.reset();
       Interpolation<Dim> smoothed = interpolate(samples_, options);
-      const Eigen::MatrixXd differences = samples_.values.rowwise() - samples_.values.colwise().mean();
-      const double deviation = differences.norm() / std::sqrt(static_cast<double>(differences.size()));
+      const double deviation = deviation_of(samples_.values);
       const bool is_noise = samples_.size() >= enough_to_tell && best.report.leave_one_out > explained * deviation;
       const double gain = is_noise ? 1 / smoother_gain : smoother_gain;
       if (smoothed.report.leave_one_out < gain * best.report.leave_one_out) best = std::move(smoothed);

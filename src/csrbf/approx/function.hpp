@@ -40,8 +40,8 @@ class Function {
   /// k. Several times faster than evaluate() at the same nodes. Throws InvalidInput for another number of axes.
   [[nodiscard]] Eigen::MatrixXd evaluate_grid(const std::vector<Eigen::VectorXd>& axes) const;
 
-  /// The same into `values`, k x nodes, some 1e6 nodes at a time: besides them it takes 8 MB for each component. Floats
-  /// are the doubles rounded. Throws InvalidInput for another number of axes or another size of `values`.
+  /// The same into `values`, k x nodes, some 1e6 nodes (a layer of the last axis at least) at a time. Floats are the
+  /// doubles rounded. Throws InvalidInput for another number of axes or another size of `values`.
   void evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Ref<Eigen::MatrixXd> values,
                      const Progress& progress = {}) const;
   void evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Ref<Eigen::MatrixXf> values,

@@ -1,6 +1,7 @@
 #include "csrbf/approx/interpolate.hpp"
 
 #include "csrbf/approx/choose_kernel.hpp"
+#include "csrbf/approx/deviation.hpp"
 #include "csrbf/approx/merge_duplicates.hpp"
 #include "csrbf/approx/polynomial_block.hpp"
 #include "csrbf/core/dimensions.hpp"
@@ -239,8 +240,7 @@ Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOpt
   report(options.progress, "choose", 0);
   KernelChoice choice = choose(used, options, metric);
   // The estimate in units of the standard deviations, for sparse systems; dense ones replace it.
-  const Eigen::MatrixXd centered = used.values.rowwise() - used.values.colwise().mean();
-  start.leave_one_out = choice.leave_one_out * std::sqrt(centered.squaredNorm() / static_cast<double>(centered.size()));
+  start.leave_one_out = choice.leave_one_out * deviation_of(used.values);
   report(options.progress, "solve", 0);
   Interpolation<Dim> result = fit(used, choice, options, metric, start);
 
