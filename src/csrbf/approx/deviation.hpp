@@ -6,10 +6,16 @@
 
 namespace csrbf {
 
-/// Root mean square deviation of values (n x k, one component per column) from the means of their columns.
-inline double deviation_of(const Eigen::MatrixXd& values) {
-  const Eigen::MatrixXd centered = values.rowwise() - values.colwise().mean();
-  return std::sqrt(centered.squaredNorm() / static_cast<double>(centered.size()));
+/// Root mean square of errors (n x k, one component per column), each row counted by its weight (n, positive sum).
+inline double weighted_rms(const Eigen::MatrixXd& errors, const Eigen::VectorXd& weights) {
+  return std::sqrt((weights.cwiseSqrt().asDiagonal() * errors).squaredNorm() /
+                   (weights.sum() * static_cast<double>(errors.cols())));
+}
+
+/// The weighted_rms of values after the weighted mean of each column is taken from it.
+inline double weighted_deviation(const Eigen::MatrixXd& values, const Eigen::VectorXd& weights) {
+  const Eigen::RowVectorXd mean = weights.transpose() * values / weights.sum();
+  return weighted_rms(values.rowwise() - mean, weights);
 }
 
 }  // namespace csrbf

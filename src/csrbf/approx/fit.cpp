@@ -276,7 +276,7 @@ class Fitter {
     if (!options_.smoothing && samples_.size() > 2 * Dim) {
       options.smoothing.reset();
       Interpolation<Dim> smoothed = interpolate(samples_, options);
-      const double deviation = deviation_of(samples_.values);
+      const double deviation = weighted_deviation(samples_.values, samples_.all_weights());
       const bool is_noise = samples_.size() >= enough_to_tell && best.report.leave_one_out > explained * deviation;
       const double gain = is_noise ? 1 / smoother_gain : smoother_gain;
       if (smoothed.report.leave_one_out < gain * best.report.leave_one_out) best = std::move(smoothed);

@@ -120,11 +120,6 @@ KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& optio
   return choose_kernel(mapped, choice);
 }
 
-double weighted_rms(const Eigen::MatrixXd& errors, const Eigen::VectorXd& weights) {
-  return std::sqrt((weights.cwiseSqrt().asDiagonal() * errors).squaredNorm() /
-                   (weights.sum() * static_cast<double>(errors.cols())));
-}
-
 // Mean of alpha_k e_k = alpha_k^2 / C_kk (see SaddleSolution) over the samples that can be left out.
 Eigen::VectorXd variance_scale(const SaddleSolution& solution) {
   Eigen::VectorXd scale(solution.alpha.cols());
@@ -240,7 +235,7 @@ Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOpt
   report(options.progress, "choose", 0);
   KernelChoice choice = choose(used, options, metric);
   // The estimate in units of the standard deviations, for sparse systems; dense ones replace it.
-  start.leave_one_out = choice.leave_one_out * deviation_of(used.values);
+  start.leave_one_out = choice.leave_one_out * weighted_deviation(used.values, used.all_weights());
   report(options.progress, "solve", 0);
   Interpolation<Dim> result = fit(used, choice, options, metric, start);
 
