@@ -1,6 +1,7 @@
 #include "csrbf/io/dicom.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/io/dicom_structure.hpp"
 #include "csrbf/io/read_file.hpp"
 
@@ -68,11 +69,11 @@ void check_one_series(const std::vector<Slice>& slices, const std::string& folde
     ++files;
   }
   if (series.size() < 2) return;
-  std::string list;
+  std::vector<std::string> list;
   for (const auto& [uid, value] : series)
-    list += (list.empty() ? "" : ", ") + (value.first.empty() ? "" : value.first + " = ") + uid + " (" +
-            std::to_string(value.second) + (value.second == 1 ? " file)" : " files)");
-  throw IoError(folder + ": the folder holds images of " + std::to_string(series.size()) + " series: " + list +
+    list.push_back((value.first.empty() ? "" : value.first + " = ") + uid + " (" + std::to_string(value.second) +
+                   (value.second == 1 ? " file)" : " files)"));
+  throw IoError(folder + ": the folder holds images of " + std::to_string(series.size()) + " series: " + joined(list) +
                 "; move each to a folder of its own");
 }
 

@@ -1,6 +1,7 @@
 #include "csrbf/io/points.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/io/atomic_file.hpp"
 #include "csrbf/io/npy.hpp"
 #include "csrbf/io/obj.hpp"
@@ -44,9 +45,9 @@ Mesh mesh_of(const PointCloud& cloud) {
 
 PointCloud points_of(const NpyArray& array, const std::string& name) {
   if (array.shape.size() != 2 || (array.shape[1] != 3 && array.shape[1] != 6)) {
-    std::string shape;
-    for (const Index length : array.shape) shape += (shape.empty() ? "" : ", ") + std::to_string(length);
-    throw IoError(name + ": the array has shape (" + shape + "), points need (n, 3), or (n, 6) with normals");
+    std::vector<std::string> shape;
+    for (const Index length : array.shape) shape.push_back(std::to_string(length));
+    throw IoError(name + ": the array has shape (" + joined(shape) + "), points need (n, 3), or (n, 6) with normals");
   }
   const Eigen::Map<const Eigen::MatrixXd> rows(array.values.data(), array.shape[1], array.shape[0]);
   PointCloud cloud;

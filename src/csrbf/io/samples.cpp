@@ -1,6 +1,7 @@
 #include "csrbf/io/samples.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/io/atomic_file.hpp"
 #include "csrbf/io/npy.hpp"
 #include "csrbf/io/read_file.hpp"
@@ -16,9 +17,9 @@ namespace {
 constexpr std::array<std::string_view, 6> extensions{".csv", ".txt", ".tsv", ".dat", ".xyz", ".npy"};
 
 std::string listed(const std::vector<std::string>& words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + in_quotes(word);
-  return list;
+  std::vector<std::string> quoted;
+  for (const std::string& word : words) quoted.push_back(in_quotes(word));
+  return joined(quoted);
 }
 
 Table table_of(const NpyArray& array, const std::string& name) {

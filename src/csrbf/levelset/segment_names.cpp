@@ -1,8 +1,11 @@
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
 #include "csrbf/levelset/segment.hpp"
 
 #include <array>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace csrbf {
 namespace {
@@ -34,12 +37,12 @@ std::string_view name_in(const Names<Enum, n>& names, Enum value) {
 
 template <class Enum, std::size_t n>
 Enum named_in(const Names<Enum, n>& names, std::string_view name, std::string_view what) {
-  std::string known;
+  std::vector<std::string> known;
   for (const auto& [value, its_name] : names) {
     if (its_name == name) return value;
-    known += (known.empty() ? "" : ", ") + std::string(its_name);
+    known.emplace_back(its_name);
   }
-  throw InvalidInput("segment: " + std::string(what) + " = " + std::string(name) + ": must be one of " + known);
+  throw InvalidInput("segment: " + std::string(what) + " = " + std::string(name) + ": must be one of " + joined(known));
 }
 
 }  // namespace
