@@ -1,6 +1,7 @@
 #include "evaluation_places.hpp"
 
 #include "csrbf/io/read_file.hpp"
+#include "csrbf/io/sample_codec.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
@@ -112,11 +113,10 @@ Places on_image(const EvaluateCommand& command, const NamedFunction& model) {
                      " axes, the model " + std::to_string(d) + " variables");
   layout.frames = 1;
   layout.components = 1;
-  const bool is_floating = layout.type == SampleType::float32 || layout.type == SampleType::float64;
-  if (is_picture_file(command.output) && is_floating && !command.labels)
+  if (is_picture_file(command.output) && is_floating(layout.type) && !command.labels)
     throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.like +
                      " does not; write .tif, .nii.gz, .nrrd or .npy");
-  if (!is_picture_file(command.output) && !is_floating) layout.type = SampleType::float64;
+  if (!is_picture_file(command.output) && !is_floating(layout.type)) layout.type = SampleType::float64;
   return at_nodes(layout, d);
 }
 

@@ -5,6 +5,7 @@
 #include "verbs.hpp"
 
 #include "csrbf/io/read_file.hpp"
+#include "csrbf/io/sample_codec.hpp"
 #include "csrbf/io/volume.hpp"
 
 #include <cmath>
@@ -14,10 +15,6 @@ namespace csrbf::app {
 namespace {
 
 using Image = Volume<double>;  // exact for every type of samples
-
-bool is_floating(SampleType type) {
-  return type == SampleType::float32 || type == SampleType::float64;
-}
 
 double parse_missing(const std::string& text) {
   if (text.empty() || text == "nan") return std::numeric_limits<double>::quiet_NaN();
