@@ -112,6 +112,20 @@ TEST(LatticeField, IsZeroFarAwayAndWhereThePointIsNone) {
   EXPECT_EQ(field(Point<2>(1e300, -1e300)), 0);
 }
 
+// The row beside the point is reached at node coordinates that no integer holds.
+TEST(LatticeField, IsZeroBesideNodesThatAreOutOfProportion) {
+  LatticeField<2>::Data data;
+  data.to_lattice.setIdentity();
+  data.step << 1e-306, 1;
+  data.size = {2, 2};
+  data.coefficients = {1, 2, 3, 4};
+  data.bounds = {Point<2>::Zero(), Point<2>::Ones()};
+  const LatticeField<2> field(data);
+  EXPECT_EQ(field(Point<2>(9e305, .5)), 0);
+  EXPECT_EQ(field(Point<2>(-9e305, .5)), 0);
+  EXPECT_GT(field(Point<2>(9e305, 0)), 0);
+}
+
 TEST(LatticeField, HasSeedsBetweenNodesOnDifferentSides) {
   const auto data = random_lattice<3>("wendland-c2");
   const LatticeField<3> field(data);

@@ -2,6 +2,9 @@
 
 #include "csrbf/core/error.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace csrbf {
 
 // The nodes around a point: rows of them along x, one after the other.
@@ -76,8 +79,9 @@ void LatticeField<Dim>::gather(const Point<Dim>& at, Workspace& w) const {
     const double along2 = data_.support * data_.support - beside2;
     if (along2 > 0) {
       const double along = std::sqrt(along2) / step;
-      const auto first = static_cast<Index>(std::ceil(std::max(static_cast<double>(lo[0]), at[0] - along)));
-      const auto last = static_cast<Index>(std::floor(std::min(static_cast<double>(hi[0]), at[0] + along)));
+      const auto low = static_cast<double>(lo[0]), high = static_cast<double>(hi[0]);
+      const auto first = static_cast<Index>(std::ceil(std::clamp(at[0] - along, low, high + 1)));
+      const auto last = static_cast<Index>(std::floor(std::clamp(at[0] + along, low - 1, high)));
       d[0] = (at[0] - static_cast<double>(first)) * step;
       const double* c = data_.coefficients.data() + base;
       const Index begin = w.size;
