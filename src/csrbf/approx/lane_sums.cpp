@@ -2,6 +2,8 @@
 
 #include "csrbf/core/lanes.hpp"
 
+#include <array>
+#include <bit>
 #include <cmath>
 
 namespace csrbf::lane_sums {
@@ -62,21 +64,30 @@ CSRBF_ALWAYS_INLINE void horner(const double* x, int degree, const double*& c, L
   }
 }
 
+// For every set of lanes, as bits, the lanes in it and anything behind them.
+constexpr auto lanes_of = [] {
+  std::array<std::array<std::uint8_t, lanes>, 1 << lanes> table{};
+  for (unsigned set = 0; set < table.size(); ++set)
+    for (std::size_t lane = 0, count = 0; lane < lanes; ++lane)
+      if ((set >> lane & 1U) != 0) table[set][count++] = static_cast<std::uint8_t>(lane);
+  return table;
+}();
+
 template <int Dim>
 CSRBF_ALWAYS_INLINE std::size_t inside_in(const double* x, std::size_t stride, std::uint32_t begin, std::uint32_t end,
                                           const double* center, const double* half, std::uint32_t* found) {
   std::size_t count = 0;
   for (std::uint32_t i = begin; i < end; i += lanes) {
-    std::int64_t is_inside[lanes];
-    for (int l = 0; l < lanes; ++l) is_inside[l] = i + static_cast<std::uint32_t>(l) < end ? 1 : 0;
+    LaneMask inside;
     for (std::size_t a = 0; a < Dim; ++a) {
-      const double* y = x + stride * a + i;
-      for (int l = 0; l < lanes; ++l) is_inside[l] &= std::abs(y[l] - center[a]) < half[a] ? 1 : 0;
+      Lanes d(x + stride * a + i);
+      d -= center[a];
+      inside.and_below(d, half[a]);
     }
-    for (int l = 0; l < lanes; ++l) {
-      found[count] = i + static_cast<std::uint32_t>(l);
-      count += static_cast<std::size_t>(is_inside[l]);
-    }
+    const std::uint32_t left = end - i;
+    const unsigned set = inside.bits() & (left < lanes ? (1U << left) - 1 : ~0U);
+    for (std::size_t l = 0; l < lanes; ++l) found[count + l] = i + lanes_of[set][l];
+    count += static_cast<std::size_t>(std::popcount(set));
   }
   return count;
 }

@@ -3,6 +3,7 @@
 #include "csrbf/core/simd.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 namespace csrbf {
@@ -62,8 +63,30 @@ class Lanes {
   }
 
  private:
+  friend class LaneMask;
   using Half = double __attribute__((vector_size(size / 2 * sizeof(double))));
   Half low_, high_;
+};
+
+/// A condition of each of eight lanes; at first all hold.
+class LaneMask {
+ public:
+  /// And |x| < bound; not for NaN.
+  CSRBF_ALWAYS_INLINE void and_below(const Lanes& x, double bound) {
+    low_ &= (x.low_ < bound) & (x.low_ > -bound);
+    high_ &= (x.high_ < bound) & (x.high_ > -bound);
+  }
+  /// Bit l says whether the condition of lane l holds.
+  [[nodiscard]] CSRBF_ALWAYS_INLINE unsigned bits() const {
+    const Half all = low_ | high_;
+    std::int64_t bit[Lanes::size / 2];
+    std::memcpy(bit, &all, sizeof bit);
+    return static_cast<unsigned>((bit[0] | bit[2]) | (bit[1] | bit[3]));
+  }
+
+ private:
+  using Half = std::int64_t __attribute__((vector_size(Lanes::size / 2 * sizeof(std::int64_t))));
+  Half low_ = {1, 2, 4, 8}, high_ = {16, 32, 64, 128};
 };
 
 /// Stores scale |p - q|^2 for points of `dim` coordinates, eight lanes each.
