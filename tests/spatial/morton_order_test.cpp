@@ -88,5 +88,26 @@ TYPED_TEST(MortonOrderIn, DoesNotDependOnScaleOrPosition) {
   }
 }
 
+TYPED_TEST(MortonOrderIn, RoughIsAPermutationThatKeepsNeighboursTogether) {
+  constexpr int Dim = TypeParam::value;
+  for (const auto& [name, points] : point_sets<Dim>(500)) {
+    std::vector<Index> order = rough_morton_order<Dim>(points);
+    std::sort(order.begin(), order.end());
+    std::vector<Index> expected(static_cast<std::size_t>(points.cols()));
+    std::iota(expected.begin(), expected.end(), Index{0});
+    EXPECT_EQ(order, expected) << name;
+  }
+  const Points<Dim> points = uniform_points<Dim>(20'000, 1);
+  EXPECT_LT(path_length<Dim>(points, rough_morton_order<Dim>(points)),
+            1.3 * path_length<Dim>(points, morton_order<Dim>(points)));
+}
+
+TYPED_TEST(MortonOrderIn, RoughIsExactForAClusterInAWideBox) {
+  constexpr int Dim = TypeParam::value;
+  Points<Dim> points = 1e-6 * uniform_points<Dim>(2000, 1);
+  points.col(7).setOnes();
+  EXPECT_EQ(rough_morton_order<Dim>(points), morton_order<Dim>(points));
+}
+
 }  // namespace
 }  // namespace csrbf

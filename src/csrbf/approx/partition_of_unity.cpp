@@ -192,7 +192,7 @@ void PartitionOfUnity<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlo
 
 template <int Dim>
 std::vector<Index> PartitionOfUnity<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
-  return morton_order<Dim>(x);
+  return rough_morton_order<Dim>(x);  // blocks are sorted by cell
 }
 
 template <int Dim>

@@ -1,10 +1,12 @@
 #include "csrbf/spatial/morton_order.hpp"
 
+#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -13,7 +15,7 @@ namespace csrbf {
 namespace {
 
 template <int Dim>
-constexpr int bits = std::min(32, 63 / Dim);  // per coordinate
+constexpr int most_bits = std::min(32, 63 / Dim);  // per coordinate
 
 // Bytes with Dim - 1 zeros between their bits.
 template <int Dim>
@@ -24,18 +26,44 @@ constexpr std::array<std::uint64_t, 256> spread_bytes = [] {
   return table;
 }();
 
-// Interleaves the bits of all coordinates, those of the first one in the lowest places.
+// Interleaves so many bits of all coordinates, those of the first one in the lowest places.
 template <int Dim>
-std::uint64_t morton_code(const Point<Dim>& unit) {
-  constexpr double cells = static_cast<double>(std::uint64_t{1} << bits<Dim>);
+std::uint64_t morton_code(const Point<Dim>& unit, int bits) {
+  const auto cells = static_cast<double>(std::uint64_t{1} << bits);
   std::uint64_t code = 0;
   for (int axis = 0; axis < Dim; ++axis) {
     const double scaled = unit[axis] * cells;
     const auto cell = scaled > 0 ? static_cast<std::uint64_t>(std::min(scaled, cells - 1)) : 0;  // 0 also for NaN
-    for (int byte = 0; 8 * byte < bits<Dim>; ++byte)
+    for (int byte = 0; 8 * byte < bits; ++byte)
       code |= spread_bytes<Dim>[cell >> (8 * byte) & 255U] << (8 * byte * Dim + axis);
   }
   return code;
+}
+
+// Calls action(i, code) for every point i, on all threads.
+template <int Dim, class Action>
+void for_each_code(const PointsRef<Dim>& points, int bits, const Action& action) {
+  const Box<Dim> box = bounding_box<Dim>(points);
+  const double extent = box.extent().maxCoeff();
+  constexpr Index grain = 8192;
+  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) action(i, morton_code<Dim>((points.col(i) - box.lo) / extent, bits));
+  });
+}
+
+std::vector<Index> indices_of(const std::vector<Keyed>& items) {
+  std::vector<Index> indices(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) indices[i] = items[i].index;
+  return indices;
+}
+
+std::size_t longest_run(const std::vector<Keyed>& sorted) {
+  std::size_t longest = 0;
+  for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
+    while (end < sorted.size() && sorted[end].key == sorted[begin].key) ++end;
+    longest = std::max(longest, end - begin);
+  }
+  return longest;
 }
 
 }  // namespace
@@ -44,18 +72,13 @@ template <int Dim>
 std::vector<Index> morton_order(const PointsRef<Dim>& points) {
   const auto n = static_cast<std::size_t>(points.cols());
   require(n <= std::numeric_limits<std::uint32_t>::max(), "morton_order", "points", n, "must be fewer than 2^32");
-  const Box<Dim> box = bounding_box<Dim>(points);
-  const double extent = box.extent().maxCoeff();
-  constexpr int low_bits = std::max(0, bits<Dim> * Dim - 32);
+  constexpr int low_bits = std::max(0, most_bits<Dim> * Dim - 32);
   std::vector<std::uint64_t> code(n);
   std::vector<Keyed> items(n);
-  constexpr Index grain = 8192;
-  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      code[at] = morton_code<Dim>((points.col(i) - box.lo) / extent);
-      items[at] = {static_cast<std::uint32_t>(code[at] >> low_bits), static_cast<std::uint32_t>(i)};
-    }
+  for_each_code<Dim>(points, most_bits<Dim>, [&](Index i, std::uint64_t its_code) {
+    const auto at = static_cast<std::size_t>(i);
+    code[at] = its_code;
+    items[at] = {static_cast<std::uint32_t>(its_code >> low_bits), static_cast<std::uint32_t>(i)};
   });
   radix_sort(items);
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {  // the few with equal keys by their whole codes
@@ -65,16 +88,28 @@ std::vector<Index> morton_order(const PointsRef<Dim>& points) {
         return std::pair(code[a.index], a.index) < std::pair(code[b.index], b.index);
       });
   }
-  std::vector<Index> order(n);
-  for (std::size_t i = 0; i < n; ++i) order[i] = items[i].index;
-  return order;
+  return indices_of(items);
 }
 
-template std::vector<Index> morton_order<1>(const PointsRef<1>&);
-template std::vector<Index> morton_order<2>(const PointsRef<2>&);
-template std::vector<Index> morton_order<3>(const PointsRef<3>&);
-template std::vector<Index> morton_order<4>(const PointsRef<4>&);
-template std::vector<Index> morton_order<5>(const PointsRef<5>&);
-template std::vector<Index> morton_order<6>(const PointsRef<6>&);
+template <int Dim>
+std::vector<Index> rough_morton_order(const PointsRef<Dim>& points) {
+  constexpr std::size_t most_together = 256;
+  constexpr int finer = 2;  // than a cube for each point
+  const auto n = static_cast<std::size_t>(points.cols());
+  require(n <= std::numeric_limits<std::uint32_t>::max(), "rough_morton_order", "points", n, "must be fewer than 2^32");
+  const int bits = std::clamp((static_cast<int>(std::bit_width(n)) + finer) / Dim, 1, 32 / Dim);
+  std::vector<Keyed> items(n);
+  for_each_code<Dim>(points, bits, [&](Index i, std::uint64_t code) {
+    items[static_cast<std::size_t>(i)] = {static_cast<std::uint32_t>(code), static_cast<std::uint32_t>(i)};
+  });
+  radix_sort(items, static_cast<std::uint32_t>((std::uint64_t{1} << (bits * Dim)) - 1));
+  return longest_run(items) <= most_together ? indices_of(items) : morton_order<Dim>(points);
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                          \
+  template std::vector<Index> morton_order<Dim>(const PointsRef<Dim>&); \
+  template std::vector<Index> rough_morton_order<Dim>(const PointsRef<Dim>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -11,4 +11,9 @@ namespace csrbf {
 template <int Dim>
 std::vector<Index> morton_order(const PointsRef<Dim>& points);
 
+/// Permutation that sorts cubes of a few points along the same curve; points of one cube keep the input order. Where
+/// points are too clustered for cubes of one size, that of morton_order. O(n).
+template <int Dim>
+std::vector<Index> rough_morton_order(const PointsRef<Dim>& points);
+
 }  // namespace csrbf
