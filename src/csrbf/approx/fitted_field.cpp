@@ -11,6 +11,22 @@
 #include <utility>
 
 namespace csrbf {
+namespace {
+
+template <int Dim>
+bool contains(const Box<Dim>& box, const PointsRef<Dim>& x) {
+  for (Index i = 0; i < x.cols(); ++i)
+    if (!box.contains(x.col(i))) return false;
+  return true;
+}
+
+// Whether the coordinates of the inner field are those of the user, but for moving to the box.
+template <int Dim>
+bool is_same_inside(const typename FittedField<Dim>::Frame& frame) {
+  return frame.periods.isZero() && frame.scales == Point<Dim>::Ones();
+}
+
+}  // namespace
 
 template <int Dim>
 FittedField<Dim>::FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame)
@@ -34,7 +50,7 @@ Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& out
 
 template <int Dim>
 std::vector<Index> FittedField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
-  if (frame_.periods.isZero() && frame_.scales == Point<Dim>::Ones()) return repeated_->evaluation_order(x);
+  if (is_same_inside<Dim>(frame_)) return repeated_->evaluation_order(x);
   Points<Dim> y(Dim, x.cols());
   parallel_for(x.cols(), 4096, [&](Index begin, Index end) {
     std::array<bool, Dim> outside;
@@ -45,6 +61,7 @@ std::vector<Index> FittedField<Dim>::evaluation_order(const PointsRef<Dim>& x) c
 
 template <int Dim>
 void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
+  if (is_same_inside<Dim>(frame_) && contains<Dim>(frame_.box, x)) return repeated_->evaluate_block(x, out);
   Points<Dim> y(Dim, x.cols());
   std::vector<std::array<bool, Dim>> outside(static_cast<std::size_t>(x.cols()));
   for (Index i = 0; i < x.cols(); ++i) y.col(i) = map(x.col(i), outside[static_cast<std::size_t>(i)]);
