@@ -27,10 +27,10 @@ void tell_geometry(const Mesh& mesh, Session& session) {
   const bool is_mesh = mesh.triangles.cols() > 0;
   const Box<3> box = bounding_box<3>(mesh.vertices);
   Json properties = Json::array();
-  std::string names;
+  std::vector<std::string> names;
   for (const Property& p : mesh.properties) {
     properties.push_back({{"name", p.name}, {"type", p.type}});
-    names += (names.empty() ? "" : ", ") + p.name + " (" + p.type + ")";
+    names.push_back(p.name + " (" + p.type + ")");
   }
   session.result = {{"kind", is_mesh ? "mesh" : "points"},
                     {is_mesh ? "vertices" : "points", mesh.vertices.cols()},
@@ -42,7 +42,7 @@ void tell_geometry(const Mesh& mesh, Session& session) {
                       : "cloud:       " + counted(mesh.vertices.cols(), "point"));
   session.say("bounds:      " + to_text(box.lo) + " to " + to_text(box.hi) + ", diagonal " + rounded(box.diagonal()));
   session.say(std::string("normals:     ") + (mesh.normals.cols() > 0 ? "yes" : "no"));
-  session.say("properties:  " + (names.empty() ? "none" : names));
+  session.say("properties:  " + (names.empty() ? "none" : joined(names)));
   const Index bad = mesh.vertices.cols() - mesh.vertices.array().isFinite().colwise().all().count();
   session.result["not_finite"] = bad;
   if (bad > 0) session.warn(counted(bad, "point") + " without finite coordinates");
