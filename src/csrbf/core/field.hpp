@@ -4,6 +4,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/types.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -145,11 +146,15 @@ class Field {
   /// Number of points handed to evaluate_block at a time.
   static constexpr Index block_size = 512;
 
+  /// That number for n points in their evaluation_order(): what is at the edges of a block is visited for more than one
+  /// of them, and few blocks keep threads waiting for the last one.
+  static constexpr Index ordered_block_size(Index n) { return std::clamp<Index>(n / 64, block_size, 16 * block_size); }
+
  private:
   [[nodiscard]] Jet<Dim> evaluate_in(const std::vector<Index>& order, const PointsRef<Dim>& x,
                                      Derivatives derivatives) const {
     Jet<Dim> jet(x.cols(), derivatives);
-    parallel_for(x.cols(), block_size, [&](Index begin, Index end) {
+    parallel_for(x.cols(), ordered_block_size(x.cols()), [&](Index begin, Index end) {
       const Index n = end - begin;
       Points<Dim> block(Dim, n);
       Jet<Dim> part(n, derivatives);

@@ -13,6 +13,10 @@ namespace csrbf {
 /// Type of the samples of an image in its file.
 enum class SampleType { uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64 };
 
+[[nodiscard]] constexpr bool is_floating(SampleType type) {
+  return type == SampleType::float32 || type == SampleType::float64;
+}
+
 /// What the physical axes of an image mean: nothing, or those of a patient in mm (x to the left or right, y to the back
 /// or front, z to the head).
 enum class Space { unknown, left_posterior_superior, right_anterior_superior };

@@ -11,10 +11,10 @@ namespace csrbf {
 template <int Dim>
 Jet<Dim> shared_evaluate(const Field<Dim>& field, const std::type_identity_t<PointsRef<Dim>>& x,
                          Derivatives derivatives = Derivatives::none) {
-  constexpr Index grain = Field<Dim>::block_size;
   const Index n = x.cols();
-  if (!is_shared(n, grain)) return field.evaluate(x, derivatives);
+  if (!is_shared(n, Field<Dim>::block_size)) return field.evaluate(x, derivatives);
   std::vector<Index> order = field.evaluation_order(x);
+  const Index grain = order.empty() ? Field<Dim>::block_size : Field<Dim>::ordered_block_size(n);
   if (order.empty()) {
     order.resize(static_cast<std::size_t>(n));
     std::iota(order.begin(), order.end(), Index{0});

@@ -41,10 +41,6 @@ std::size_t sample_size(SampleType type);
 /// "uint8", "int8", ..., "float64".
 std::string_view sample_name(SampleType type);
 
-[[nodiscard]] constexpr bool is_floating(SampleType type) {
-  return type == SampleType::float32 || type == SampleType::float64;
-}
-
 /// Samples of an image file: in the order of Volume, or one component after the other ("planar").
 struct RawVolume {
   VolumeLayout layout;
