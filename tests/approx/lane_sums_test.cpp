@@ -4,6 +4,7 @@
 
 #include "approx/approx_testing.hpp"
 
+#include <cmath>
 #include <vector>
 
 namespace csrbf {
@@ -125,6 +126,58 @@ TEST(LaneSums, FindThePointsInsideABox) {
   expect_points_inside<4>();
   expect_points_inside<5>();
   expect_points_inside<6>();
+}
+
+// The jet of the product over the axes of (1 - t^2)^4, from the derivatives of its factors.
+template <int Dim>
+void expect_box_weights() {
+  constexpr int all = 1 + Dim + symmetric_size<Dim>;
+  const std::vector<double> x = random_numbers(L * Dim, 1);
+  const Point<Dim> center = Point<Dim>::Constant(.1), half = Point<Dim>::LinSpaced(.8, 1.1);
+  for (const int terms : {1, 1 + Dim, all}) {
+    std::vector<double> w(static_cast<std::size_t>(L * all), 77.0);
+    lane_sums::box_weights(x.data(), Dim, center.data(), half.data(), terms, w.data());
+    for (int l = 0; l < L; ++l) {
+      const Point<Dim> t = (lane<Dim>(x, l) - center).cwiseQuotient(half);
+      const auto factor = [&](int a, int order) {
+        const double s = 1 - t[a] * t[a];
+        if (s <= 0) return 0.0;
+        if (order == 0) return std::pow(s, 4);
+        if (order == 1) return -8 * t[a] * std::pow(s, 3) / half[a];
+        return 8 * s * s * (7 * t[a] * t[a] - 1) / (half[a] * half[a]);
+      };
+      const auto derivative = [&](int first, int second) {
+        double product = 1;
+        for (int a = 0; a < Dim; ++a) product *= factor(a, (a == first ? 1 : 0) + (a == second ? 1 : 0));
+        return product;
+      };
+      std::vector<double> expected = {derivative(-1, -1)};
+      for (int a = 0; a < Dim; ++a) expected.push_back(derivative(a, -1));
+      for (int a = 0; a < Dim; ++a)
+        for (int b = a; b < Dim; ++b) expected.push_back(derivative(a, b));
+      for (int k = 0; k < all; ++k)
+        EXPECT_NEAR(w[static_cast<std::size_t>(L * k + l)], k < terms ? expected[static_cast<std::size_t>(k)] : 77,
+                    100 * rounding)
+            << Dim << " " << k;
+    }
+  }
+}
+
+TEST(LaneSums, ComputeTheWeightsOfBoxes) {
+  expect_box_weights<1>();
+  expect_box_weights<2>();
+  expect_box_weights<3>();
+  expect_box_weights<4>();
+  expect_box_weights<5>();
+  expect_box_weights<6>();
+}
+
+TEST(LaneSums, StoreWeightsOfZeroWhereNoPointIsInside) {
+  const std::vector<double> x(L, 2.0), zero(L, 0.0);
+  std::vector<double> w(L, 77.0);
+  const double center = 0, half = 2;
+  lane_sums::box_weights(x.data(), 1, &center, &half, 1, w.data());
+  EXPECT_EQ(w, zero);
 }
 
 // Sums of alpha_j phi_j with given numbers for phi, g and h, lane by lane from the formulas.

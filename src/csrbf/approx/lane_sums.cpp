@@ -263,32 +263,28 @@ CSRBF_SIMD_CLONES void add_hessians(const double* g, const double* h, const doub
     }
 }
 
-CSRBF_SIMD_CLONES bool box_weights(const double* x, int dim, const double* center, const double* half, int terms,
+CSRBF_SIMD_CLONES void box_weights(const double* x, int dim, const double* center, const double* half, int terms,
                                    double* w) {
   constexpr int most = 8;
-  double t[most][lanes], s[most][lanes], inside[lanes];
-  for (int l = 0; l < lanes; ++l) inside[l] = 1;
+  double t[most * lanes], s[most * lanes];
+  Lanes weight(1.0);
   for (int a = 0; a < dim; ++a) {
-    const double inverse = 1 / half[a], c = center[a];
-    for (int l = 0; l < lanes; ++l) {
-      t[a][l] = (x[lanes * a + l] - c) * inverse;
-      const double square = 1 - t[a][l] * t[a][l];
-      s[a][l] = square > 0 ? square : 0;
-      inside[l] *= s[a][l];
-    }
+    Lanes place(x + lanes * a), factor(1.0);
+    place -= center[a];
+    place *= 1 / half[a];
+    factor.subtract_product(place, place);
+    factor.keep_positive();
+    weight *= factor;
+    place.store(t + lanes * a);
+    factor.store(s + lanes * a);
   }
-  double any = 0;
-  for (int l = 0; l < lanes; ++l) any += inside[l];
-  if (!(any > 0)) return false;
-  for (int l = 0; l < lanes; ++l) {
-    const double square = inside[l] * inside[l];
-    w[l] = square * square;
-  }
-  if (terms == 1) return true;
-  for (int a = 0; a < dim; ++a) weight_derivative(t[0], s[0], dim, half, a, -1, w + lanes * (1 + a));
+  weight *= weight;
+  weight *= weight;
+  weight.store(w);
+  if (terms == 1) return;
+  for (int a = 0; a < dim; ++a) weight_derivative(t, s, dim, half, a, -1, w + lanes * (1 + a));
   for (int a = 0, term = 1 + dim; a < dim && term < terms; ++a)
-    for (int b = a; b < dim; ++b, ++term) weight_derivative(t[0], s[0], dim, half, a, b, w + lanes * term);
-  return true;
+    for (int b = a; b < dim; ++b, ++term) weight_derivative(t, s, dim, half, a, b, w + lanes * term);
 }
 
 }  // namespace csrbf::lane_sums

@@ -48,8 +48,8 @@ void add_hessians(const double* g, const double* h, const double* alpha, Index n
                   const double* centers, double scale, double* f);
 
 /// The jet (value, gradient if terms > 1, Hessian if terms > 1 + dim) of the product over the axes of (1 - t^2)^4, t =
-/// (x - center) / half, 0 outside of [-1, 1]; returns false, with nothing stored, when no point is inside. dim <= 8.
-bool box_weights(const double* x, int dim, const double* center, const double* half, int terms, double* w);
+/// (x - center) / half, 0 outside of [-1, 1]. dim <= 8.
+void box_weights(const double* x, int dim, const double* center, const double* half, int terms, double* w);
 
 }  // namespace lane_sums
 }  // namespace csrbf

@@ -52,6 +52,11 @@ class Lanes {
     high_ *= b;
     return *this;
   }
+  /// Negative numbers and NaN become 0.
+  CSRBF_ALWAYS_INLINE void keep_positive() {
+    low_ = low_ > 0 ? low_ : Half{};
+    high_ = high_ > 0 ? high_ : Half{};
+  }
   /// *this += a b
   CSRBF_ALWAYS_INLINE void add_product(const Lanes& a, const Lanes& b) {
     low_ += a.low_ * b.low_;
@@ -60,6 +65,11 @@ class Lanes {
   CSRBF_ALWAYS_INLINE void add_product(double a, const Lanes& b) {
     low_ += a * b.low_;
     high_ += a * b.high_;
+  }
+  /// *this -= a b
+  CSRBF_ALWAYS_INLINE void subtract_product(const Lanes& a, const Lanes& b) {
+    low_ -= a.low_ * b.low_;
+    high_ -= a.high_ * b.high_;
   }
 
  private:
