@@ -367,7 +367,7 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
                                (options.method == "auto" && options.tolerance > 0);
   Samples<Dim> scaled =
       frame.periods.maxCoeff() > 0 ? repeat_periodically<Dim>(samples, frame.periods, frame.box.lo) : samples;
-  MergedSamples<Dim> merged = merge_duplicates(scaled);
+  MergedSamples<Dim> merged = keep_duplicates ? merge_duplicates(scaled) : merge_duplicates(std::move(scaled));
   const auto place = merged.place.begin();  // the samples come before their repetitions
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
   if (!keep_duplicates) scaled = std::move(merged.samples);
@@ -377,7 +377,7 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
           options.kernel_parameter,
           "is for the method interpolate; " + report.method + " uses the default of the kernel");
   frame.scales = choose_scales(scaled, options, report.method);
-  scaled.points.array().colwise() /= frame.scales.array();
+  if ((frame.scales.array() != 1).any()) scaled.points.array().colwise() /= frame.scales.array();
   report.axis_scales.assign(frame.scales.data(), frame.scales.data() + Dim);
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();

@@ -5,21 +5,26 @@
 
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace csrbf {
 
 template <int Dim>
-MergedSamples<Dim> merge_duplicates(const Samples<Dim>& samples, DuplicateValue value) {
+MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const Index n = samples.size();
   const auto& points = samples.points;
   const std::vector<Index> first = first_coincident<Dim>(points);
   Index distinct = 0;
   for (Index i = 0; i < n; ++i) distinct += first[static_cast<std::size_t>(i)] == i ? 1 : 0;
-  MergedSamples<Dim> merged{samples, Eigen::VectorXd::Zero(distinct), std::vector<Index>(first.size())};
-  std::iota(merged.place.begin(), merged.place.end(), Index{0});
-  if (distinct == n) return merged;
+  if (distinct == n) {
+    MergedSamples<Dim> same{std::move(samples), Eigen::VectorXd::Zero(n), std::vector<Index>(first.size())};
+    std::iota(same.place.begin(), same.place.end(), Index{0});
+    return same;
+  }
 
+  MergedSamples<Dim> merged;
+  merged.place.resize(first.size());
   Samples<Dim>& m = merged.samples;
   m = {Points<Dim>(Dim, distinct), Eigen::MatrixXd::Zero(distinct, samples.components()),
        Eigen::VectorXd::Zero(distinct)};
@@ -49,7 +54,7 @@ MergedSamples<Dim> merge_duplicates(const Samples<Dim>& samples, DuplicateValue 
   return merged;
 }
 
-#define CSRBF_INSTANTIATE(Dim) template MergedSamples<Dim> merge_duplicates<Dim>(const Samples<Dim>&, DuplicateValue);
+#define CSRBF_INSTANTIATE(Dim) template MergedSamples<Dim> merge_duplicates<Dim>(Samples<Dim>, DuplicateValue);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -23,6 +23,6 @@ enum class DuplicateValue { mean, midrange };
 /// midrange and the sum of their weights: interpolation at a point given twice is singular, and with the mean least
 /// squares is unchanged but for a constant. Without duplicates the samples, and empty weights, stay as they are. O(N).
 template <int Dim>
-MergedSamples<Dim> merge_duplicates(const Samples<Dim>& samples, DuplicateValue value = DuplicateValue::mean);
+MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value = DuplicateValue::mean);
 
 }  // namespace csrbf

@@ -1,12 +1,19 @@
 #include "csrbf/spatial/coincident_points.hpp"
 
 #include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/radix_sort.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <limits>
 
 namespace csrbf {
 namespace {
+
+constexpr Index grain = 1 << 14;  // points for a thread at a time
 
 // The bits of all coordinates, mixed; adding 0 makes -0 the same as 0.
 template <int Dim>
@@ -17,20 +24,48 @@ std::uint64_t hash(const double* p) {
   return h ^ h >> 32U;
 }
 
+// Points of equal keys are next to each other, in order.
+template <int Dim>
+std::vector<Keyed> sort_by_hash(const PointsRef<Dim>& points) {
+  constexpr int spare_bits = 2;  // few points share their key with others
+  const auto n = static_cast<std::size_t>(points.cols());
+  const int bits = std::min(32, static_cast<int>(std::bit_width(n)) + spare_bits);
+  const auto limit = static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1);
+  std::vector<Keyed> items(n);
+  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Point<Dim> p = points.col(i);
+      items[static_cast<std::size_t>(i)] = {static_cast<std::uint32_t>(hash<Dim>(p.data())) & limit,
+                                            static_cast<std::uint32_t>(i)};
+    }
+  });
+  radix_sort(items, limit);
+  return items;
+}
+
 }  // namespace
 
 template <int Dim>
 std::vector<Index> first_coincident(const PointsRef<Dim>& points) {
   const auto n = static_cast<std::size_t>(points.cols());
-  std::vector<Index> first(n), slot(std::bit_ceil(2 * n + 1), -1);  // an open table
-  const std::size_t mask = slot.size() - 1;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Point<Dim> p = points.col(static_cast<Index>(i));
-    std::size_t s = hash<Dim>(p.data()) & mask;
-    while (slot[s] >= 0 && points.col(slot[s]) != p) s = (s + 1) & mask;
-    if (slot[s] < 0) slot[s] = static_cast<Index>(i);
-    first[i] = slot[s];
-  }
+  require(n <= std::numeric_limits<std::uint32_t>::max(), "first_coincident", "points", n, "must be fewer than 2^32");
+  const std::vector<Keyed> items = sort_by_hash<Dim>(points);
+  std::vector<Index> first(n);
+  parallel_for(points.cols(), grain, [&](Index range_begin, Index range_end) {
+    std::vector<std::uint32_t> distinct;  // points of a key
+    for (auto begin = static_cast<std::size_t>(range_begin); begin < static_cast<std::size_t>(range_end); ++begin) {
+      const std::uint32_t key = items[begin].key;
+      if (begin > 0 && items[begin - 1].key == key) continue;
+      distinct.clear();
+      for (std::size_t k = begin; k < n && items[k].key == key; ++k) {
+        const std::uint32_t i = items[k].index;
+        const auto same = std::find_if(distinct.begin(), distinct.end(),
+                                       [&](std::uint32_t j) { return points.col(j) == points.col(i); });
+        first[i] = same == distinct.end() ? i : *same;
+        if (same == distinct.end()) distinct.push_back(i);
+      }
+    }
+  });
   return first;
 }
 
