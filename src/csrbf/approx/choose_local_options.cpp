@@ -43,12 +43,7 @@ template <int Dim>
 class CrossValidation {
  public:
   CrossValidation(const Samples<Dim>& samples, const Cover<Dim>& cover)
-      : cover_(cover), values_(samples.size(), samples.components()), weights_(samples.weights.size()) {
-    for (Index i = 0; i < samples.size(); ++i) {
-      const Index from = cover_.order()[static_cast<std::size_t>(i)];
-      values_.row(i) = samples.values.row(from);
-      if (weights_.size() > 0) weights_[i] = samples.weights[from];
-    }
+      : cover_(cover), values_(cover.in_order(samples.values)), weights_(cover.in_order(samples.weights)) {
     place([&](Index cell) { return cover_.cell(cell).extent().prod(); });
     volume_cells_ = static_cast<Index>(cells_.size());
     place([&](Index cell) { return static_cast<double>(cover_.count(cell)); });

@@ -13,7 +13,8 @@ namespace csrbf {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double margin = 1e-9;  // of the extent, around the points
+constexpr double margin = 1e-9;   // of the extent, around the points
+constexpr Index grain = 1 << 14;  // points for a thread at a time
 
 }  // namespace
 
@@ -59,10 +60,13 @@ void Cover<Dim>::build(const PointsRef<Dim>& points, const CellNodes& sorted, In
   begin_.insert(begin_.end(), nodes.ends.begin(), nodes.ends.end());
   points_.resize(Dim, points.cols());
   order_.resize(located.size());
-  for (std::size_t i = 0; i < located.size(); ++i) {
-    points_.col(static_cast<Index>(i)) = located[i].x;
-    order_[i] = located[i].id;
-  }
+  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      points_.col(i) = located[at].x;
+      order_[at] = located[at].id;
+    }
+  });
   make_cells();
   if (use == CoverUse::fitting) return;
   make_grid();
@@ -92,6 +96,16 @@ void Cover<Dim>::make_cells() {
     stack.push_back({tree_.right[node], upper});
     stack.push_back({node + 1, lower});
   }
+}
+
+template <int Dim>
+Eigen::MatrixXd Cover<Dim>::in_order(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
+  Eigen::MatrixXd sorted(rows.rows(), rows.cols());
+  parallel_for(rows.rows(), grain, [&](Index begin, Index end) {
+    for (Index column = 0; column < rows.cols(); ++column)
+      for (Index i = begin; i < end; ++i) sorted(i, column) = rows(order_[static_cast<std::size_t>(i)], column);
+  });
+  return sorted;
 }
 
 template <int Dim>

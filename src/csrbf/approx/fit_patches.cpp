@@ -54,13 +54,8 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_cover(Cover<Dim>
   auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
       typename PartitionOfUnity<Dim>::Data{std::move(cells), {}});
   const Cover<Dim>& cover = data->cover;
-  Eigen::MatrixXd values(samples.size(), samples.components());
-  Eigen::VectorXd weights(samples.weights.size());
-  for (Index i = 0; i < samples.size(); ++i) {
-    const Index from = cover.order()[static_cast<std::size_t>(i)];
-    values.row(i) = samples.values.row(from);
-    if (weights.size() > 0) weights[i] = samples.weights[from];
-  }
+  const Eigen::MatrixXd values = cover.in_order(samples.values);
+  const Eigen::VectorXd weights = cover.in_order(samples.weights);
   data->models = LocalFitter<Dim>(cover, values, weights, options).models();
   data->models.resize(cover.size());
   const std::vector<Index> batches = wanted_batches(cover, places);

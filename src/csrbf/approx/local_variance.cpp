@@ -75,10 +75,11 @@ Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Eigen::MatrixXd& valu
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
                                                               const PartitionOfUnityFit<Dim>& fit) {
-  const Samples<Dim> used = normalize_weights(samples);
+  const Samples<Dim> normalized = samples.weights.size() == 0 ? Samples<Dim>{} : normalize_weights(samples);
+  const Samples<Dim>& used = samples.weights.size() == 0 ? samples : normalized;
   const Cover<Dim>& cover = fit.data->cover;
-  const Eigen::MatrixXd values = used.values(cover.order(), Eigen::all);
-  const Eigen::VectorXd weights = used.weights.size() == 0 ? Eigen::VectorXd() : used.weights(cover.order()).eval();
+  const Eigen::MatrixXd values = cover.in_order(used.values);
+  const Eigen::VectorXd weights = cover.in_order(used.weights);
   const Errors<Dim> errors = left_out_errors<Dim>(cover, values, weights, fit.report.local);
 
   auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(

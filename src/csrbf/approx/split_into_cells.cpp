@@ -16,6 +16,7 @@ constexpr Index median_sample = 63;       // points that tell the median
 constexpr double smallest_cell = 1e-9;    // side, as a share of the extent
 constexpr Index enough_parts = 256;       // for many processes
 constexpr Index fewest_shared = 1 << 14;  // points whose cells take longer than telling others about them
+constexpr Index grain = 1 << 14;          // points to copy for a thread at a time
 
 constexpr std::size_t no_node = std::numeric_limits<std::size_t>::max();
 
@@ -248,8 +249,10 @@ template <int Dim>
 CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, Index leaf_size,
                            std::vector<Located<Dim>>& located, const CellNodes& sorted) {
   located.resize(static_cast<std::size_t>(points.cols()));
-  for (Index i = 0; i < points.cols(); ++i)
-    located[static_cast<std::size_t>(i)] = {points.col(i), static_cast<std::uint32_t>(i)};
+  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      located[static_cast<std::size_t>(i)] = {points.col(i), static_cast<std::uint32_t>(i)};
+  });
   const double coordinate = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
   const double smallest = std::max(smallest_cell * box.extent().maxCoeff(), 4 * smallest_side * coordinate);
   const auto levels = split_roughly(located, box, leaf_size, smallest, sorted);

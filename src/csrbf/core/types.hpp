@@ -63,13 +63,6 @@ struct Box {
 
 /// Smallest box that holds all points. O(n).
 template <int Dim>
-Box<Dim> bounding_box(const PointsRef<Dim>& points) {
-  Box<Dim> box;
-  if (points.cols() > 0) {
-    box.lo = points.rowwise().minCoeff();
-    box.hi = points.rowwise().maxCoeff();
-  }
-  return box;
-}
+Box<Dim> bounding_box(const PointsRef<Dim>& points);
 
 }  // namespace csrbf

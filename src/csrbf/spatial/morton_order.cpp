@@ -14,6 +14,8 @@
 namespace csrbf {
 namespace {
 
+constexpr Index grain = 8192;  // points for a thread at a time
+
 template <int Dim>
 constexpr int most_bits = std::min(32, 63 / Dim);  // per coordinate
 
@@ -45,7 +47,6 @@ template <int Dim, class Action>
 void for_each_code(const PointsRef<Dim>& points, int bits, const Action& action) {
   const Box<Dim> box = bounding_box<Dim>(points);
   const double extent = box.extent().maxCoeff();
-  constexpr Index grain = 8192;
   parallel_for(points.cols(), grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) action(i, morton_code<Dim>((points.col(i) - box.lo) / extent, bits));
   });
@@ -53,17 +54,16 @@ void for_each_code(const PointsRef<Dim>& points, int bits, const Action& action)
 
 std::vector<Index> indices_of(const std::vector<Keyed>& items) {
   std::vector<Index> indices(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i) indices[i] = items[i].index;
+  parallel_for(std::ssize(items), grain, [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) indices[i] = items[i].index;
+  });
   return indices;
 }
 
-std::size_t longest_run(const std::vector<Keyed>& sorted) {
-  std::size_t longest = 0;
-  for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
-    while (end < sorted.size() && sorted[end].key == sorted[begin].key) ++end;
-    longest = std::max(longest, end - begin);
-  }
-  return longest;
+bool has_longer_run(const std::vector<Keyed>& sorted, std::size_t length) {
+  for (std::size_t i = length; i < sorted.size(); ++i)
+    if (sorted[i].key == sorted[i - length].key) return true;
+  return false;
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ std::vector<Index> rough_morton_order(const PointsRef<Dim>& points) {
     items[static_cast<std::size_t>(i)] = {static_cast<std::uint32_t>(code), static_cast<std::uint32_t>(i)};
   });
   radix_sort(items, static_cast<std::uint32_t>((std::uint64_t{1} << (bits * Dim)) - 1));
-  return longest_run(items) <= most_together ? indices_of(items) : morton_order<Dim>(points);
+  return has_longer_run(items, most_together) ? morton_order<Dim>(points) : indices_of(items);
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                          \
