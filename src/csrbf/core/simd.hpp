@@ -18,8 +18,30 @@
 #define CSRBF_SIMD_CLONES
 #endif
 
+/// CSRBF_SIMD_WIDE compiles a function for AVX-512 alone, to be called where has_wide_simd(), for loops that want to be
+/// written otherwise for its 32 registers of eight doubles. Empty where compilers cannot say what a processor has.
+#if defined(__x86_64__) && defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__)
+#define CSRBF_SIMD_WIDE __attribute__((target("arch=x86-64-v4")))
+#define CSRBF_HAS_WIDE_SIMD
+#else
+#define CSRBF_SIMD_WIDE
+#endif
+
 #if defined(__GNUC__) || defined(__clang__)
 #define CSRBF_ALWAYS_INLINE __attribute__((always_inline)) inline
 #else
 #define CSRBF_ALWAYS_INLINE inline
 #endif
+
+namespace csrbf {
+
+/// Whether functions marked CSRBF_SIMD_WIDE run here, and are for AVX-512.
+inline bool has_wide_simd() {
+#if defined(CSRBF_HAS_WIDE_SIMD)
+  return __builtin_cpu_supports("x86-64-v4") != 0;
+#else
+  return false;
+#endif
+}
+
+}  // namespace csrbf
