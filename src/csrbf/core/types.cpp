@@ -10,10 +10,12 @@ namespace csrbf {
 template <int Dim>
 Box<Dim> bounding_box(const PointsRef<Dim>& points) {
   constexpr Index grain = 1 << 14;
+  const auto box_of = [](const auto& some) { return Box<Dim>{some.rowwise().minCoeff(), some.rowwise().maxCoeff()}; };
+  if (points.cols() == 0) return {};
+  if (points.cols() <= grain) return box_of(points);
   std::vector<Box<Dim>> parts(static_cast<std::size_t>((points.cols() + grain - 1) / grain));
   parallel_for(points.cols(), grain, [&](Index begin, Index end) {
-    const auto some = points.middleCols(begin, end - begin);
-    parts[static_cast<std::size_t>(begin / grain)] = {some.rowwise().minCoeff(), some.rowwise().maxCoeff()};
+    parts[static_cast<std::size_t>(begin / grain)] = box_of(points.middleCols(begin, end - begin));
   });
   Box<Dim> box;
   for (const Box<Dim>& part : parts) box.add(part);

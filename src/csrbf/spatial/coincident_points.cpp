@@ -59,10 +59,15 @@ std::vector<Index> first_coincident(const PointsRef<Dim>& points) {
       distinct.clear();
       for (std::size_t k = begin; k < n && items[k].key == key; ++k) {
         const std::uint32_t i = items[k].index;
+        first[i] = i;
+        if (points.col(i).hasNaN()) continue;
         const auto same = std::find_if(distinct.begin(), distinct.end(),
                                        [&](std::uint32_t j) { return points.col(j) == points.col(i); });
-        first[i] = same == distinct.end() ? i : *same;
-        if (same == distinct.end()) distinct.push_back(i);
+        if (same == distinct.end()) {
+          distinct.push_back(i);
+        } else {
+          first[i] = *same;
+        }
       }
     }
   });
