@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace csrbf {
 namespace {
@@ -33,6 +36,22 @@ TEST(CoincidentPoints, AgreesWithComparingAllPairs) {
     while (points.col(expected) != points.col(i)) ++expected;
     EXPECT_EQ(first[static_cast<std::size_t>(i)], expected);
   }
+}
+
+// Runs of equal points end before, at and after the ranges that threads take.
+TEST(CoincidentPoints, AgreesWithATableForManyPoints) {
+  for (const Index n : {16383, 16384, 16385, 50000})
+    for (const unsigned places : {1U, 2U, 50U, 1000U}) {
+      std::mt19937_64 random(places);
+      Points<2> points(2, n);
+      for (Index i = 0; i < points.size(); ++i) points(i) = static_cast<double>(random() % places) * 0.25;
+      points.col(n / 3).setConstant(std::numeric_limits<double>::quiet_NaN());
+      std::map<std::pair<double, double>, Index> table;
+      std::vector<Index> expected;
+      for (Index i = 0; i < n; ++i)
+        expected.push_back(i == n / 3 ? i : table.try_emplace({points(0, i), points(1, i)}, i).first->second);
+      EXPECT_EQ(first_coincident<2>(points), expected) << n << " " << places;
+    }
 }
 
 }  // namespace

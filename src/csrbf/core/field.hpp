@@ -143,7 +143,7 @@ class Field {
     return value;
   }
 
-  /// Number of points handed to evaluate_block at a time.
+  /// Number of points handed to evaluate_block at a time, as long as they come in no order of their own.
   static constexpr Index block_size = 512;
 
   /// That number for n points in their evaluation_order(): what is at the edges of a block is visited for more than one

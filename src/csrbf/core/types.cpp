@@ -10,8 +10,11 @@ namespace csrbf {
 template <int Dim>
 Box<Dim> bounding_box(const PointsRef<Dim>& points) {
   constexpr Index grain = 1 << 14;
-  const auto box_of = [](const auto& some) { return Box<Dim>{some.rowwise().minCoeff(), some.rowwise().maxCoeff()}; };
-  if (points.cols() == 0) return {};
+  const auto box_of = [](const auto& some) {
+    Box<Dim> box;
+    for (Index i = 0; i < some.cols(); ++i) box.add(Point<Dim>(some.col(i)));
+    return box;
+  };
   if (points.cols() <= grain) return box_of(points);
   std::vector<Box<Dim>> parts(static_cast<std::size_t>((points.cols() + grain - 1) / grain));
   parallel_for(points.cols(), grain, [&](Index begin, Index end) {
