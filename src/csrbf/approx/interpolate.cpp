@@ -12,6 +12,7 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -41,7 +42,7 @@ Samples<Dim> prepare(const Samples<Dim>& samples, InterpolationReport& report) {
   Samples<Dim> positive = samples;
   if (count < samples.size())
     positive = {samples.points(Eigen::all, used), samples.values(used, Eigen::all), samples.weights(used)};
-  MergedSamples<Dim> merged = merge_duplicates(positive);
+  MergedSamples<Dim> merged = merge_duplicates(std::move(positive));
   report.merged = merged.merged();
   Samples<Dim>& result = merged.samples;
   if (result.weights.size() > 0) result.weights *= static_cast<double>(result.size()) / result.weights.sum();
