@@ -1,6 +1,7 @@
 #include "csrbf/approx/cover.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "core/error_testing.hpp"
 
 #include <numeric>
 
@@ -105,6 +106,15 @@ TEST(Cover, IsTheSameWhenItsPointsWereSortedIntoOtherCells) {
   expect_same_cover_of_sorted_points<1>(random_points<1>(500, 1));
   expect_same_cover_of_sorted_points<2>(clusters<2>(500));
   expect_same_cover_of_sorted_points<3>(near_duplicates<3>(500));
+}
+
+TEST(Cover, PutsRowsOfNumbersInTheOrderOfItsPoints) {
+  const Points<2> points = random_points<2>(50000, 1);
+  const Cover<2> cover(points, 20, 1.5);
+  EXPECT_EQ(cover.in_order(points.transpose()), cover.points().transpose());
+  EXPECT_EQ(cover.in_order(Eigen::MatrixXd(0, 1)).rows(), 0);
+  EXPECT_EQ(invalid_input_message([&] { (void)cover.in_order(Eigen::VectorXd::Zero(49999)); }),
+            "Cover::in_order: rows = 49999: there must be one per point, or none at all");
 }
 
 TEST(Cover, TilesTheBoxOfItsPointsWithCells) {

@@ -228,6 +228,21 @@ TEST(Expansion, ScalesWithTheData) {
   }
 }
 
+TEST(Expansion, AddsItsPolynomialInBlocksOfAnySize) {
+  const PolynomialTail<2> tail{1, {1, 1}, 2, Eigen::Vector3d(5, 4, 2)};
+  const auto f = make_expansion<2>(Kernel("wendland-c2", 2), Points<2>(2, 0), Eigen::VectorXd::Ones(1), {}, tail);
+  for (const Index n : {0, 1, 512, 513, 1031}) {
+    const Points<2> x = random_points<2>(n, 11);
+    Jet<2> jet(n, Derivatives::hessian);
+    f->evaluate_block(x, {jet.value.data(), jet.gradient.data(), jet.hessian.data()});
+    for (Index i = 0; i < n; ++i) {
+      EXPECT_NEAR(jet.value[i], 5 + 4 * (x(0, i) - 1) / 2 + 2 * (x(1, i) - 1) / 2, rounding);
+      EXPECT_LT((jet.gradient.col(i) - Point<2>(2, 1)).norm(), rounding);
+      EXPECT_EQ(jet.hessian.col(i), Eigen::Vector3d::Zero());
+    }
+  }
+}
+
 TEST(Expansion, IsItsPolynomialWithoutCentres) {
   PolynomialTail<2> tail{1, {1, 1}, 2, Eigen::Vector3d(5, 4, 2)};
   const auto f = make_expansion<2>(Kernel("wendland-c2", 2), Points<2>(2, 0), Eigen::VectorXd::Ones(1), {}, tail);

@@ -83,6 +83,28 @@ TEST(Field, EvaluatesPointsInTheOrderItAsksFor) {
   EXPECT_GT(given.descents, 1000);
 }
 
+TEST(Field, TakesLargerBlocksOfManyPointsInOrder) {
+  constexpr Index n = 400000;
+  const Counting ordered(true), given(false);
+  const Points<2> x = scattered(n);
+  expect_jets(ordered.evaluate(x, Derivatives::hessian), x, Derivatives::hessian);
+  expect_jets(given.evaluate(x), x, Derivatives::none);
+  const Index size = Field<2>::ordered_block_size(n);
+  EXPECT_EQ(ordered.blocks, (n + size - 1) / size);
+  EXPECT_EQ(ordered.descents, 0);
+  EXPECT_EQ(given.blocks, (n + Field<2>::block_size - 1) / Field<2>::block_size);
+}
+
+TEST(Field, LeavesWorkForManyThreadsInBlocksOfAnySize) {
+  constexpr Index enough = 256;  // blocks, where there are points for them
+  for (Index n = 1; n < Index{1} << 34; n = 3 * n + 1) {
+    const Index size = Field<2>::ordered_block_size(n);
+    EXPECT_GE(size, Field<2>::block_size);
+    EXPECT_LE(size, 8192);
+    EXPECT_TRUE(size == Field<2>::block_size || n / size >= enough) << n;
+  }
+}
+
 TEST(Field, KeepsTheOrderOfASingleBlock) {
   const Counting field(true);
   (void)field.evaluate(scattered(Field<2>::block_size));

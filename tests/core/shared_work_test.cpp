@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <numeric>
 
 namespace csrbf {
@@ -16,6 +17,8 @@ namespace {
 class Wave : public Field<2> {
  public:
   void evaluate_block(const PointsRef<2>& x, const JetBlock& out) const override {
+    for (Index seen = largest_block; seen < x.cols() && !largest_block.compare_exchange_weak(seen, x.cols());) {
+    }
     for (Index i = 0; i < x.cols(); ++i) {
       out.value[i] = std::sin(x(0, i)) * x(1, i);
       if (out.gradient != nullptr) {
@@ -31,6 +34,8 @@ class Wave : public Field<2> {
     std::sort(order.begin(), order.end(), [&](Index a, Index b) { return x(0, a) > x(0, b); });
     return order;
   }
+
+  mutable std::atomic<Index> largest_block = 0;
 };
 
 std::vector<double> squares(Index n) {
@@ -83,6 +88,21 @@ TEST(SharedWork, AFieldIsEvaluatedAsWithoutSharing) {
       });
   EXPECT_EQ(names.at("evaluate"), 3000);
   EXPECT_TRUE(Wave().evaluate(x).value == shared_evaluate(Wave(), x).value);
+}
+
+TEST(SharedWork, AFieldIsEvaluatedInTheBlocksItIsWithoutSharing) {
+  constexpr Index n = 400000;  // more than blocks of the usual size are made for
+  const Points<2> x = Points<2>::Random(2, n);
+  const Wave field, shared;
+  const Jet<2> expected = field.evaluate(x, Derivatives::gradient);
+  PretendRank::Record record;
+  const PretendRank sharing(record);
+  const Jet<2> jet = shared_evaluate(shared, x, Derivatives::gradient);
+  EXPECT_EQ(sharing.works(), 1);
+  EXPECT_TRUE(jet.value == expected.value);
+  EXPECT_TRUE(jet.gradient == expected.gradient);
+  EXPECT_EQ(shared.largest_block, field.largest_block);
+  EXPECT_EQ(field.largest_block, Field<2>::ordered_block_size(n));
 }
 
 TEST(SharedWork, ValuesComeBackInTheOrderTheyWereWritten) {

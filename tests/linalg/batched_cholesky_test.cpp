@@ -248,30 +248,31 @@ TEST(BatchedCholesky, DoesNotDependOnTheScaleOfTheSystems) {
   }
 }
 
-// The normal equations of random rows, their factor with one lane that fails, and two solutions.
-std::vector<double> solve_normal_equations(Index n, BatchWidth width) {
+// The normal equations of random rows, their factor with one lane that fails, and so many solutions.
+std::vector<double> solve_normal_equations(Index n, Index solutions, BatchWidth width) {
   constexpr Index more_rows = 9;
   std::mt19937_64 random(static_cast<unsigned>(n));
   Batch rows, sides;
   for (Eigen::MatrixXd& F : rows) F = random_matrix(n, n + more_rows, random);
-  for (Eigen::MatrixXd& b : sides) b = random_matrix(n, 2, random);
+  for (Eigen::MatrixXd& b : sides) b = random_matrix(n, solutions, random);
   rows[3].row(n - 1).setZero();
   std::vector<double> A(static_cast<std::size_t>(batch_matrix_size(n))), b = interleave_columns(sides);
   batch_gram(interleave_columns(rows).data(), n + more_rows, n, A.data(), width);
   EXPECT_EQ(batch_cholesky(A.data(), n, rounding, width), 8U) << n;
-  batch_solve(A.data(), n, b.data(), 2, width);
+  batch_solve(A.data(), n, b.data(), solutions, width);
   A.insert(A.end(), b.begin(), b.end());
   return A;
 }
 
 TEST(BatchedCholesky, AgreesByFourAndByEightLanes) {
   if (!has_wide_simd()) GTEST_SKIP() << "no AVX-512 here";
-  for (Index n = 1; n <= 40; ++n) {
-    const std::vector<double> four = solve_normal_equations(n, BatchWidth::four);
-    const std::vector<double> widest = solve_normal_equations(n, BatchWidth::widest);
-    const double size = Eigen::Map<const Eigen::VectorXd>(four.data(), std::ssize(four)).cwiseAbs().maxCoeff();
-    for (std::size_t i = 0; i < four.size(); ++i) EXPECT_NEAR(widest[i], four[i], 1e-10 * size) << n << " " << i;
-  }
+  for (Index n = 1; n <= 60; ++n)
+    for (const Index solutions : {1, 2, 5}) {
+      const std::vector<double> four = solve_normal_equations(n, solutions, BatchWidth::four);
+      const std::vector<double> widest = solve_normal_equations(n, solutions, BatchWidth::widest);
+      const double size = Eigen::Map<const Eigen::VectorXd>(four.data(), std::ssize(four)).cwiseAbs().maxCoeff();
+      for (std::size_t i = 0; i < four.size(); ++i) EXPECT_NEAR(widest[i], four[i], 1e-10 * size) << n << " " << i;
+    }
 }
 
 }  // namespace

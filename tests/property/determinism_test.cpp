@@ -136,6 +136,24 @@ INSTANTIATE_TEST_SUITE_P(Methods, DeterminismOfFit,
                            return name;
                          });
 
+// So many that they are evaluated in larger blocks, each in an order of its own.
+TEST(Determinism, OfEvaluatingManyPoints) {
+  Random random(5);
+  Samples<2> samples{random.in_unit_cube<2>(3000), Eigen::VectorXd(3000), {}};
+  for (Index i = 0; i < samples.size(); ++i) samples.values(i) = std::sin(9 * samples.points(0, i));
+  const Points<2> x = random.in_unit_cube<2>(300000);
+  for (const char* method : {"partition-of-unity", "error-bounded"}) {
+    const auto field = fit<2>(samples, {.method = method}).components[0];
+    const std::uint64_t expected = evaluated<2>(*field, x, 0);
+    for (const int threads : {1, 3})
+      for (const int order : {0, 1, 3}) {
+        set_thread_count(threads);
+        EXPECT_EQ(evaluated<2>(*field, x, order), expected) << method << ", " << threads << " threads, order " << order;
+      }
+    set_thread_count(0);
+  }
+}
+
 TEST(Determinism, OfSegment) {
   VolumeLayout layout;
   layout.grid.size = {16, 14, 12};

@@ -100,6 +100,8 @@ void Cover<Dim>::make_cells() {
 
 template <int Dim>
 Eigen::MatrixXd Cover<Dim>::in_order(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
+  require(rows.rows() == 0 || rows.rows() == std::ssize(order_), "Cover::in_order", "rows", rows.rows(),
+          "there must be one per point, or none at all");
   Eigen::MatrixXd sorted(rows.rows(), rows.cols());
   parallel_for(rows.rows(), grain, [&](Index begin, Index end) {
     for (Index column = 0; column < rows.cols(); ++column)

@@ -65,7 +65,8 @@ class Cover {
   [[nodiscard]] const Points<Dim>& points() const { return points_; }
   /// Their numbers in the input.
   [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
-  /// Rows of numbers that belong to the points in the input, or none, in the order of points().
+  /// Rows of numbers that belong to the points in the input, in the order of points(); none when none are given. Throws
+  /// InvalidInput unless there is a row per point or none.
   [[nodiscard]] Eigen::MatrixXd in_order(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
   /// Number of points in a cell.
   [[nodiscard]] Index count(Index cell) const {

@@ -38,7 +38,9 @@ void Expansion<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out
   if (out.gradient != nullptr) std::fill_n(out.gradient, Dim * n, 0.0);
   if (out.hessian != nullptr) std::fill_n(out.hessian, symmetric_size<Dim> * n, 0.0);
   if (basis_->size() > 0) basis_->add_sums(x, slot_coefficients_, out);
-  if (tail_.degree >= 0) add_tail(x, out);
+  if (tail_.degree < 0) return;
+  for (Index begin = 0; begin < n; begin += this->block_size)  // all monomials of these points are in memory at once
+    add_tail(x.middleCols(begin, std::min(this->block_size, n - begin)), out.template from<Dim>(begin));
 }
 
 template <int Dim>

@@ -37,9 +37,10 @@ struct Errors {
 
 // Of the samples nearest to the middles of some cells, spread over the cover.
 template <int Dim>
-Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
-                            const LocalOptions& options) {
+Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Samples<Dim>& samples, const LocalOptions& options) {
   constexpr Index lanes = batch_lanes;
+  const Eigen::MatrixXd values = cover.in_order(samples.values);
+  const Eigen::VectorXd weights = cover.in_order(samples.weights);
   const Index count = patch_count(cover.size(), options, Dim);
   const Index C = values.cols(), targets = target_count(std::min(options.samples, values.rows()));
   std::vector<Index> cells;
@@ -75,17 +76,15 @@ Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Eigen::MatrixXd& valu
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
                                                               const PartitionOfUnityFit<Dim>& fit) {
-  const Samples<Dim> normalized = samples.weights.size() == 0 ? Samples<Dim>{} : normalize_weights(samples);
-  const Samples<Dim>& used = samples.weights.size() == 0 ? samples : normalized;
-  const Cover<Dim>& cover = fit.data->cover;
-  const Eigen::MatrixXd values = cover.in_order(used.values);
-  const Eigen::VectorXd weights = cover.in_order(used.weights);
-  const Errors<Dim> errors = left_out_errors<Dim>(cover, values, weights, fit.report.local);
+  const auto errors_of = [&](const Samples<Dim>& used) {
+    return left_out_errors<Dim>(fit.data->cover, used, fit.report.local);
+  };
+  const Errors<Dim> errors = samples.weights.size() == 0 ? errors_of(samples) : errors_of(normalize_weights(samples));
 
   auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
       typename PartitionOfUnity<Dim>::Data{Cover<Dim>(errors.points, pooled, cover_growth<Dim>), {}});
   LocalModels<Dim>& models = data->models;  // a constant per cell
-  models.components = values.cols();
+  models.components = samples.components();
   models.resize(data->cover.size());
   typename Cover<Dim>::Search search;
   for (Index i = 0; i < models.size(); ++i) {
@@ -93,7 +92,7 @@ std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>
     models.center.col(i) = cell.center();
     models.radius[i] = .5 * cell.diagonal();
     data->cover.nearest(cell.center(), pooled, cell.diagonal(), search);
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(values.cols());
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(models.components);
     for (const auto& [distance2, id] : search.found) mean += errors.squares.col(data->cover.order()[id]);
     mean /= static_cast<double>(search.found.size());
     std::copy(mean.begin(), mean.end(), models.polynomial.begin() + i * mean.size());

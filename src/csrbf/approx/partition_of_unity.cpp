@@ -181,6 +181,20 @@ void check(const PartitionOfUnityOptions& options) {
     require(*smoothing >= 0 && std::isfinite(*smoothing), function, "smoothing", *smoothing, "must not be negative");
 }
 
+// Samples whose weights have mean 1.
+template <int Dim>
+PartitionOfUnityFit<Dim> fit_normalized(const Samples<Dim>& samples, const PartitionOfUnityOptions& options) {
+  PartitionOfUnityFit<Dim> result;
+  Cover<Dim> sorted = cover_to_choose_by(samples);
+  const ChosenLocalOptions chosen = choose_local_options(samples, sorted, options);
+  result.report.local = chosen.options;
+  result.report.cross_validation_rmse = chosen.rmse;
+  result.data = fit_patches(samples, std::move(sorted), chosen.options, options.progress);
+  result.report.patches = result.data->cover.size();
+  result.report.centers = result.report.patches * result.data->models.centers_each;
+  return result;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -209,20 +223,12 @@ std::vector<std::shared_ptr<const Field<Dim>>> PartitionOfUnityFit<Dim>::fields(
 }
 
 template <int Dim>
-PartitionOfUnityFit<Dim> partition_of_unity(const Samples<Dim>& given, const PartitionOfUnityOptions& options) {
-  require_valid(given, "partition_of_unity");
+PartitionOfUnityFit<Dim> partition_of_unity(const Samples<Dim>& samples, const PartitionOfUnityOptions& options) {
+  require_valid(samples, "partition_of_unity");
   check<Dim>(options);
   report(options.progress, "fit", 0);
-  const Samples<Dim> normalized = given.weights.size() == 0 ? Samples<Dim>{} : normalize_weights(given);
-  const Samples<Dim>& samples = given.weights.size() == 0 ? given : normalized;
-  PartitionOfUnityFit<Dim> result;
-  Cover<Dim> sorted = cover_to_choose_by(samples);
-  const ChosenLocalOptions chosen = choose_local_options(samples, sorted, options);
-  result.report.local = chosen.options;
-  result.report.cross_validation_rmse = chosen.rmse;
-  result.data = fit_patches(samples, std::move(sorted), chosen.options, options.progress);
-  result.report.patches = result.data->cover.size();
-  result.report.centers = result.report.patches * result.data->models.centers_each;
+  PartitionOfUnityFit<Dim> result = samples.weights.size() == 0 ? fit_normalized(samples, options)
+                                                                : fit_normalized(normalize_weights(samples), options);
   report(options.progress, "fit", 1);
   return result;
 }

@@ -42,7 +42,7 @@ void require_valid(const Samples<Dim>& samples, const char* function) {
   require(samples.weights.maxCoeff() > 0, function, "weights", "all zero", "at least one weight must be positive");
 }
 
-/// The samples of positive weight, with weights of mean 1; without weights the samples as they are.
+/// The samples of positive weight, with weights of mean 1; all of them when there are no weights.
 template <int Dim>
 Samples<Dim> normalize_weights(const Samples<Dim>& samples) {
   if (samples.weights.size() == 0) return samples;

@@ -147,8 +147,8 @@ class Field {
   static constexpr Index block_size = 512;
 
   /// That number for n points in their evaluation_order(): what is at the edges of a block is visited for more than one
-  /// of them, and few blocks keep threads waiting for the last one.
-  static constexpr Index ordered_block_size(Index n) { return std::clamp<Index>(n / 64, block_size, 16 * block_size); }
+  /// of them, and few blocks leave threads and processes without work.
+  static constexpr Index ordered_block_size(Index n) { return std::clamp<Index>(n / 256, block_size, 16 * block_size); }
 
  private:
   [[nodiscard]] Jet<Dim> evaluate_in(const std::vector<Index>& order, const PointsRef<Dim>& x,

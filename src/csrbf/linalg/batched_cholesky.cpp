@@ -154,8 +154,7 @@ template <class W>
 CSRBF_ALWAYS_INLINE void factorise_all(double* A, Index n, double tolerance, double* failed) {
   Index i = 0;
   for (; i + W::tile <= n; i += W::tile) factorise_rows<W, W::tile>(A, i, tolerance, failed);
-  if constexpr (W::tile > 3)
-    if (n - i == 3) factorise_rows<W, 3>(A, i, tolerance, failed);
+  if (n - i == 3) factorise_rows<W, 3>(A, i, tolerance, failed);
   if (n - i == 2) factorise_rows<W, 2>(A, i, tolerance, failed);
   if (n - i == 1) factorise_rows<W, 1>(A, i, tolerance, failed);
 }
@@ -215,8 +214,7 @@ CSRBF_ALWAYS_INLINE void solve_rows(const double* L, Index n, double* b) {
   for (int r = 0; r < R; ++r) rows[r] = b + batch_lanes * n * r;
   const Index full = n - n % W::tile;
   for (Index j = 0; j < full; j += W::tile) substitute<W, R, W::tile>(L, j, rows);
-  if constexpr (W::tile > 3)
-    if (n - full == 3) substitute<W, R, 3>(L, full, rows), substitute_back<W, R, 3>(L, full, rows);
+  if (n - full == 3) substitute<W, R, 3>(L, full, rows), substitute_back<W, R, 3>(L, full, rows);
   if (n - full == 2) substitute<W, R, 2>(L, full, rows), substitute_back<W, R, 2>(L, full, rows);
   if (n - full == 1) substitute<W, R, 1>(L, full, rows), substitute_back<W, R, 1>(L, full, rows);
   for (Index j = full - W::tile; j >= 0; j -= W::tile) substitute_back<W, R, W::tile>(L, j, rows);
@@ -226,8 +224,7 @@ template <class W>
 CSRBF_ALWAYS_INLINE void solve_all(const double* L, Index n, double* b, Index count) {
   Index r = 0;
   for (; r + W::tile <= count; r += W::tile) solve_rows<W, W::tile>(L, n, b + batch_lanes * n * r);
-  if constexpr (W::tile > 3)
-    if (count - r == 3) solve_rows<W, 3>(L, n, b + batch_lanes * n * r);
+  if (count - r == 3) solve_rows<W, 3>(L, n, b + batch_lanes * n * r);
   if (count - r == 2) solve_rows<W, 2>(L, n, b + batch_lanes * n * r);
   if (count - r == 1) solve_rows<W, 1>(L, n, b + batch_lanes * n * r);
 }
@@ -276,8 +273,7 @@ template <class W>
 CSRBF_ALWAYS_INLINE void gram_all(const double* F, Index rows, Index n, double* A) {
   Index i = 0;
   for (; i + W::tile <= n; i += W::tile) gram_rows<W, W::tile>(F, rows, n, i, A);
-  if constexpr (W::tile > 3)
-    if (n - i == 3) gram_rows<W, 3>(F, rows, n, i, A);
+  if (n - i == 3) gram_rows<W, 3>(F, rows, n, i, A);
   if (n - i == 2) gram_rows<W, 2>(F, rows, n, i, A);
   if (n - i == 1) gram_rows<W, 1>(F, rows, n, i, A);
 }
@@ -329,7 +325,10 @@ BatchMask batch_cholesky(double* A, Index n, double tolerance, BatchWidth width)
 }
 
 void batch_solve(const double* L, Index n, double* b, Index count, BatchWidth width) {
-  (by_eight(width) ? solve_by_eight : solve_by_four)(L, n, b, count);
+  // Few right-hand sides wait for the factor when it is too large for the first-level cache: so do eight lanes longer.
+  constexpr Index most_in_cache = 48;
+  const bool wide = by_eight(width) && (count >= Wide::tile || n <= most_in_cache);
+  (wide ? solve_by_eight : solve_by_four)(L, n, b, count);
 }
 
 void batch_pad(double* A, Index n, int lane, Index size) {

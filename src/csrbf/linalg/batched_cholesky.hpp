@@ -9,8 +9,7 @@ namespace csrbf {
 /// needs no alignment beyond that of double.
 ///
 /// * A matrix is its lower triangle by rows: entry (i, j), j <= i, of lane s is at `batch_entry(i, j) + s`.
-/// * A right-hand side or solution is n blocks of eight: component i of lane s is at `8 * i + s`. It has the place of
-/// one
+/// * A right-hand side or solution is n blocks of eight: component i of lane s is at `8 * i + s`: the place of one
 ///   more row of the triangle, so that normal equations can be gathered with the data as last column, see `batch_gram`.
 inline constexpr int batch_lanes = 8;
 
