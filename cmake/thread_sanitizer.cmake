@@ -1,6 +1,7 @@
 # With CSRBF_THREAD_SANITIZER the library and the program are watched for data races. The tests themselves are not, so
-# that they need not be compiled again; the library comes before them, because of the functions in headers that both
-# hold the linker takes the first.
+# that what they compute to compare with stays fast; the library comes before them, because of the functions in headers
+# that both hold the linker takes the first. The preset uses clang: loops over small matrices are some three times as
+# fast under its sanitizer as under that of gcc.
 option(CSRBF_THREAD_SANITIZER "Watch library and program for data races (preset tsan)" OFF)
 if(CSRBF_THREAD_SANITIZER)
   foreach(target csrbf csrbf-program csrbf-cli)

@@ -52,6 +52,12 @@ install_packages() {
     </dev/null >/dev/null
 }
 
+# install_clang: clang with its sanitizers.
+install_clang() {
+  install_packages clang
+  install_packages "libclang-rt-$(clang -dumpversion | cut -d . -f 1)-dev"
+}
+
 # update_package_lists: apt-get update, once per run.
 package_lists_are_fresh=no
 update_package_lists() {
