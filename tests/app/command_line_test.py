@@ -124,6 +124,8 @@ def read_png(path):
 
 
 class CommandLine(unittest.TestCase):
+    timeout = 300  # seconds that a run of the program may take
+
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory(prefix="csrbf_test_")
         self.addCleanup(self.folder.cleanup)
@@ -140,8 +142,8 @@ class CommandLine(unittest.TestCase):
         return sorted(os.listdir(self.folder.name))
 
     def run_program(self, *arguments, stdin=None):
-        return subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, input=stdin, timeout=300,
-                              cwd=self.folder.name)
+        return subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, input=stdin,
+                              timeout=self.timeout, cwd=self.folder.name)
 
     def succeed(self, *arguments, stdin=None):
         done = self.run_program(*arguments, stdin=stdin)

@@ -106,6 +106,7 @@ class Memory(base.CommandLine):
     def test_twenty_million_points_fit_into_2_gb(self):
         if not SLOW:
             self.skipTest("slow: run with --slow")
+        self.timeout = 3000
         free, capped = self.compare_with_cap(20000000, 2e9, "2GB")
         self.assertLess(capped["peak_memory_mb"], 2e9 / (1 << 20))
         print("peak %.0f MB, with cap %.0f MB; time %.0f s, with cap %.0f s" %
