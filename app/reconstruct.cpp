@@ -177,7 +177,9 @@ void run(const ReconstructCommand& command, Session& session) {
   if (command.resume) session.resume(command.input, command.output);
   const bool contours = wants_contours(command);
   if (contours) expect_no_point_flags(command);
-  auto [used, surface] = contours ? from_contours(command, session) : from_points(command, session);
+  Made made = contours ? from_contours(command, session) : from_points(command, session);
+  const PointCloud& used = made.used;
+  Reconstruction& surface = made.surface;
   add_report(surface.report, session);
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
   add_options(command, surface.report, resolution, session);

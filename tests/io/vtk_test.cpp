@@ -80,10 +80,10 @@ TEST(VtkFiles, AreReadInEveryEncoding) {
       {"raw, compressed", image_text(zlib, there, appended("raw", header + first + last))},
       {"appended base64", image_text("", there, appended("base64", base64(size + plain)))},
       {"big-endian", image_text("byte_order=\"BigEndian\"", there, appended("raw", big))}};
-  for (const auto& [what, text] : files) {
-    SCOPED_TRACE(what);
+  for (const auto& file : files) {
+    SCOPED_TRACE(file.first);
     Volume<double> read;
-    ASSERT_EQ(io_error([&] { read = read_volume<double>(folder.with("a.vti", text)); }), "no exception");
+    ASSERT_EQ(io_error([&] { read = read_volume<double>(folder.with("a.vti", file.second)); }), "no exception");
     EXPECT_EQ(read.values, six);
     EXPECT_EQ(read.type, SampleType::float32);
     EXPECT_EQ(read.grid.size, (std::array<Index, 3>{3, 2, 1}));
