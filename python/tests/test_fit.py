@@ -27,6 +27,9 @@ def timeless(report):
 # A fit that takes no time to choose its kernel, for tests of everything else.
 QUICK = {"kernel": "quintic"}
 
+# Background jobs ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 class Values(unittest.TestCase):
     def test_samples_of_a_smooth_function_come_back(self):

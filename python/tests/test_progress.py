@@ -52,6 +52,10 @@ def works(scale=1):
     }
 
 
+# Background jobs ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 class Functions(unittest.TestCase):
     def test_are_told_stages_and_fractions(self):
         for name, work in works().items():

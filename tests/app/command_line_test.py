@@ -16,6 +16,9 @@ import tempfile
 import unittest
 import zlib
 
+# Background jobs ignore it, and so do the programs they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 PROGRAM = ""
 VERBS = ["reconstruct", "estimate-normals", "polygonize", "render", "curvature", "combine", "fit", "evaluate"]
 VERBS += ["inpaint", "segment", "track", "compare", "info"]

@@ -98,9 +98,10 @@ TEST(ReconstructShapes, SpheresAFewSpacingsApartStayTwo) {
   expect_closed(mesh_of(without_normals(cloud)), 2, 4);
 }
 
-// Quadrics fit a sphere on patches of any size, but patches that reach the other sphere spoil it.
+// Quadrics fit a sphere on patches of any size, but patches that reach the other sphere spoil it. Those of the
+// cross-validation do not reach it with the seeds 2 (by plain x86-64), 29, 51 and 59 (by AVX-512) at distance 3.
 TEST(ReconstructShapes, SpheresAreAccurateBesideEachOther) {
-  for (unsigned seed = 0; seed < 3; ++seed)
+  for (const unsigned seed : {0U, 1U, 2U, 29U, 51U, 59U})
     for (const double distance : {2.3, 3.0}) {
       const Point<3> other(distance, 0, 0);
       const Shape pair = join(random_sphere(2000, 2 * seed), random_sphere(2000, 2 * seed + 1, other));

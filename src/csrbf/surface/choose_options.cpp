@@ -224,10 +224,10 @@ ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree,
   if (validation.size() == 0) return result;
 
   // Large leaves first, as long as a few of them make up a body.
-  const Index body = std::max(given.body_size.value_or(cloud.size()), 20 * leaf_sizes.front());
+  const Index body = std::max(given.body_size.value_or(cloud.size()), leaves_of_body * leaf_sizes.front());
   std::vector<Index> sizes;
   for (auto size = leaf_sizes.rbegin(); size != leaf_sizes.rend(); ++size)
-    if (20 * *size <= std::min(body, cloud.size())) sizes.push_back(*size);
+    if (leaves_of_body * *size <= std::min(body, cloud.size())) sizes.push_back(*size);
   if (sizes.empty()) return result;
   options.normal_weight = 0.1;
   if (!given.leaf_size) choose(validation, options, &CompositeOptions::leaf_size, sizes, true);

@@ -13,6 +13,8 @@ struct ChosenOptions {
   double cross_validation_error = 0;
 };
 
+inline constexpr Index leaves_of_body = 20;  ///< least number of patches that make up a body
+
 /// What is decided already.
 struct GivenOptions {
   std::optional<double> smoothing;

@@ -11,6 +11,7 @@
 #include "csrbf/surface/surface_method.hpp"
 
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -28,6 +29,8 @@ constexpr int tolerance_attempts = 6;      // each asks half the error where the
 constexpr double outlier_share = 0.001;    // of the samples that may miss the tolerance
 constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between samples
 constexpr double far_spacings = 3;         // |f| far from data: about where the patches end
+constexpr double disagreement = 3;         // distance of samples to the surface against that of cross-validation
+constexpr double too_small_to_see = 1e-5;  // of the diagonal
 constexpr Index quadric_coefficients = 10;
 constexpr double coarsest_detail = 1.25;  // spacings: chords of longer cells add to the errors that noise leaves
 
@@ -131,7 +134,7 @@ Index typical_body(const PreparedCloud& prepared) {
 }
 
 // The composite options: chosen by cross-validation, within the budget or the tolerance that is asked for.
-ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& options) {
+ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& options, Index body_size) {
   const OrientedPoints& cloud = prepared.cloud;
   GivenOptions given;
   given.smoothing = options.smoothing;
@@ -141,7 +144,7 @@ ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& op
     given.leaf_size =
         std::max<Index>(CompositeOptions::smallest_leaf, cloud.size() * centers_per_leaf / options.centers);
   given.normal_rows = options.normal_rows;
-  given.body_size = typical_body(prepared);
+  given.body_size = body_size;
   ChosenOptions chosen = choose_options(cloud, *prepared.tree, given);
   if (options.tolerance > 0) {
     chosen.options.tolerance.setConstant(cloud.size(), options.tolerance);
@@ -163,33 +166,65 @@ struct Surface {
   std::vector<double> distance;
 };
 
-Surface reconstruct_composite(const PointCloud& input, const PreparedCloud& prepared, const ReconstructOptions& options,
-                              ReconstructReport& out) {
-  auto start = std::chrono::steady_clock::now();
-  ChosenOptions chosen = choose(prepared, options);
-  out.fit_seconds = seconds_since(start);
+// That of the composite method, with its options.
+struct CompositeSurface {
+  ChosenOptions chosen;
   std::shared_ptr<const CompositeField> field;
-  std::vector<double> distance;
+  std::vector<double> distance;  // of the points used
+
+  [[nodiscard]] double mean_distance() const {
+    return std::accumulate(distance.begin(), distance.end(), 0.0) / static_cast<double>(distance.size());
+  }
+
+  // Whether the surface is much farther from its own samples than patches are from those they were fitted without: they
+  // spoil each other, as when some reach another body and those of the cross-validation happen not to.
+  [[nodiscard]] bool patches_disagree() const {
+    return mean_distance() > std::max(disagreement * chosen.cross_validation_error, too_small_to_see) &&
+           chosen.cross_validation_error > 0 && chosen.options.leaf_size > finest_leaf;
+  }
+};
+
+CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepared, const ReconstructOptions& options,
+                             Index body_size, ReconstructReport& out) {
+  CompositeSurface result;
+  auto start = std::chrono::steady_clock::now();
+  result.chosen = choose(prepared, options, body_size);
+  out.fit_seconds += seconds_since(start);
   for (int attempt = 0; attempt < tolerance_attempts; ++attempt) {
     start = std::chrono::steady_clock::now();
-    field = std::make_shared<const CompositeField>(build_field(prepared, chosen.options, options.progress));
+    result.field =
+        std::make_shared<const CompositeField>(build_field(prepared, result.chosen.options, options.progress));
     out.fit_seconds += seconds_since(start);
     start = std::chrono::steady_clock::now();
-    distance = surface_distances(*field, input.points(Eigen::all, prepared.source), prepared.scale);
+    result.distance = surface_distances(*result.field, input.points(Eigen::all, prepared.source), prepared.scale);
     out.evaluate_seconds += seconds_since(start);
-    if (within_tolerance(distance, options.tolerance)) break;
-    for (std::size_t i = 0; i < distance.size(); ++i)
-      if (distance[i] > options.tolerance) chosen.options.tolerance[static_cast<Index>(i)] /= 2;
+    if (within_tolerance(result.distance, options.tolerance)) break;
+    for (std::size_t i = 0; i < result.distance.size(); ++i)
+      if (result.distance[i] > options.tolerance) result.chosen.options.tolerance[static_cast<Index>(i)] /= 2;
   }
-  const Patches& finest = field->data().levels.front();
+  return result;
+}
+
+Surface reconstruct_composite(const PointCloud& input, const PreparedCloud& prepared, const ReconstructOptions& options,
+                              ReconstructReport& out) {
+  CompositeSurface best = fit_surface(input, prepared, options, typical_body(prepared), out);
+  const bool free_to_choose = options.tolerance == 0 && options.centers == 0 && options.smoothing != 0.0;
+  while (free_to_choose && best.patches_disagree()) {
+    const Index half_as_large = leaves_of_body * best.chosen.options.leaf_size / 2;
+    CompositeSurface smaller = fit_surface(input, prepared, options, half_as_large, out);
+    if (smaller.mean_distance() > best.mean_distance() / 2) break;
+    best = std::move(smaller);
+  }
+  const ChosenOptions& chosen = best.chosen;
+  const Patches& finest = best.field->data().levels.front();
   out.method = "composite";
   out.centers = chosen.options.centers.empty() ? finest.centers() : static_cast<Index>(chosen.options.centers.size());
   out.patches = finest.size();
-  out.levels = static_cast<Index>(field->data().levels.size());
+  out.levels = static_cast<Index>(best.field->data().levels.size());
   out.options = chosen.options;
   out.smoothing = chosen.options.smoothing;
   out.cross_validation_error = chosen.cross_validation_error;
-  return {field, std::move(distance)};
+  return {best.field, std::move(best.distance)};
 }
 
 Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, const PreparedCloud& prepared,
