@@ -5,6 +5,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -150,7 +151,7 @@ void Cover<Dim>::make_grid() {
   parts_ = std::max<Index>(1, static_cast<Index>(std::pow(static_cast<double>(size()), 1.0 / Dim)));
   const Point<Dim> side = box().extent() / static_cast<double>(parts_);
   parts_per_length_ = side.cwiseInverse();
-  start_.resize(static_cast<std::size_t>(std::pow(static_cast<double>(parts_), Dim) + 0.5));
+  start_.resize(static_cast<std::size_t>(std::llround(std::pow(static_cast<double>(parts_), Dim))));
   parallel_for(static_cast<Index>(start_.size()), 256, [&](Index begin, Index end) {
     for (Index part = begin; part < end; ++part) {
       Point<Dim> lo;
