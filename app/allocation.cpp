@@ -41,13 +41,14 @@ FileMemory& use_file_memory(const std::string& folder, std::size_t cap) {
 #ifdef CSRBF_OWN_MALLOC
 
 extern "C" {
-// What malloc and the others of glibc are called besides. NOLINTBEGIN(bugprone-reserved-identifier)
+// What malloc and the others of glibc are called besides.
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);
 void* __libc_realloc(void* block, std::size_t bytes);
 void* __libc_memalign(std::size_t alignment, std::size_t bytes);
 void __libc_free(void* block);
-// NOLINTEND(bugprone-reserved-identifier)
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 }
 
 namespace csrbf::app {
