@@ -27,7 +27,7 @@ def timeless(report):
 # A fit that takes no time to choose its kernel, for tests of everything else.
 QUICK = {"kernel": "quintic"}
 
-# Background jobs ignore it.
+# Background jobs ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

@@ -52,7 +52,7 @@ def works(scale=1):
     }
 
 
-# Background jobs ignore it.
+# Background jobs ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

@@ -16,7 +16,7 @@ import tempfile
 import unittest
 import zlib
 
-# Background jobs ignore it, and so do the programs they start.
+# Background jobs ignore Ctrl-C, and so do the programs they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 PROGRAM = ""

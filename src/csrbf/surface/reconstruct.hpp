@@ -66,9 +66,10 @@ struct Reconstruction {
 };
 
 /// Implicit surface through (or, under noise, near) a point cloud. Closed wherever the data are open: use polygonize()
-/// for the watertight mesh, and trim() to open it again far from data. O(n log n). Throws InvalidInput for bad options,
-/// fewer than four distinct points, collinear points, or missing normals when normals = file; SolverFailure when no
-/// surface comes out or the tolerance cannot be reached.
+/// for the watertight mesh, and trim() to open it again far from data. Where a surface turns out much farther from its
+/// points than cross-validation promised, it is fitted again with smaller patches. O(n log n). Throws InvalidInput for
+/// bad options, fewer than four distinct points, collinear points, or missing normals when normals = file;
+/// SolverFailure when no surface comes out or the tolerance cannot be reached.
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {});
 
 }  // namespace csrbf
