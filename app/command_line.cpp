@@ -1,12 +1,12 @@
 #include "command_line.hpp"
 
-#include "completion.hpp"
-#include "help_formatter.hpp"
-#include "man_page.hpp"
-#include "slicer_module.hpp"
-#include "verb_flags.hpp"
+#include "commands/command_flags.hpp"
+#include "help/completion.hpp"
+#include "help/help_formatter.hpp"
+#include "help/man_page.hpp"
+#include "help/slicer_module.hpp"
 
-#include "csrbf/io/text.hpp"
+#include "csrbf/io/files/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,12 +30,12 @@ std::string shell_word(const std::string& argument) {
   return quoted + "'";
 }
 
-// The program's arguments: one struct per verb, of which the parsed one is taken.
+// The program's arguments: one struct per command, of which the parsed one is taken.
 class Parser {
  public:
   Parser() : app_("Smooth functions and surfaces from scattered data and images", "csrbf") {
     app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version");
-    app_.set_help_flag("-h,--help", "print this; csrbf VERB --help says more about a verb");
+    app_.set_help_flag("-h,--help", "print this; csrbf COMMAND --help says more about a command");
     app_.require_subcommand(1);
     app_.formatter(std::make_shared<HelpFormatter>());
     app_.footer("Example:\n  csrbf reconstruct bunny.xyz -o bunny.ply");
@@ -71,17 +71,17 @@ class Parser {
   std::optional<CommandLine> parse(std::vector<std::string> arguments);
 
  private:
-  template <class VerbCommand>
+  template <class AnyCommand>
   void add(const std::string& name, const std::string& what, const std::string& example) {
-    const auto command = std::make_shared<VerbCommand>();
-    declare(Verb(app_, common_, name, what, example), *command);
+    const auto command = std::make_shared<AnyCommand>();
+    declare(CommandFlags(app_, common_, name, what, example), *command);
     taken_[name] = [command] { return Command(*command); };
   }
   void add_installed_texts();
 
   CLI::App app_;
   CommonOptions common_;
-  std::map<std::string, std::function<Command()>> taken_;  // what was parsed, by verb
+  std::map<std::string, std::function<Command()>> taken_;  // what was parsed, by command
 };
 
 // What the installation writes beside the program and other programs ask for; the empty group hides these flags.
@@ -90,8 +90,8 @@ void Parser::add_installed_texts() {
     std::cout << text;
     throw CLI::Success();
   };
-  for (CLI::App* verb : app_.get_subcommands([](const CLI::App* v) { return is_slicer_module(v->get_name()); }))
-    verb->add_flag_callback("--xml", [=] { print(slicer_module(usage_of(*verb))); })->group("");
+  for (CLI::App* subcommand : app_.get_subcommands([](const CLI::App* v) { return is_slicer_module(v->get_name()); }))
+    subcommand->add_flag_callback("--xml", [=] { print(slicer_module(usage_of(*subcommand))); })->group("");
   app_.add_flag_callback("--print-man", [=, this] { print(man_page(usage_of(app_))); })->group("");
   app_.add_option_function<std::string>(
           "--print-completion", [=, this](const std::string& shell) { print(completion(usage_of(app_), shell)); })
@@ -100,12 +100,12 @@ void Parser::add_installed_texts() {
 }
 
 std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
-  if (arguments.empty()) throw UsageError("a verb is required; csrbf --help lists them");
-  const bool is_verb = !arguments.front().empty() && arguments.front().front() != '-';
-  const std::string first = is_verb ? arguments.front() : "";
-  const auto names_it = [&](const CLI::App* verb) { return verb->get_name() == first; };
-  if (is_verb && app_.get_subcommands(names_it).empty())
-    throw UsageError("unknown verb " + in_quotes(first) + "; csrbf --help lists them");
+  if (arguments.empty()) throw UsageError("a command is required; csrbf --help lists them");
+  const bool is_subcommand = !arguments.front().empty() && arguments.front().front() != '-';
+  const std::string first = is_subcommand ? arguments.front() : "";
+  const auto names_it = [&](const CLI::App* subcommand) { return subcommand->get_name() == first; };
+  if (is_subcommand && app_.get_subcommands(names_it).empty())
+    throw UsageError("unknown command " + in_quotes(first) + "; csrbf --help lists them");
   common_.command = "csrbf";
   for (const std::string& argument : arguments) common_.command += " " + shell_word(argument);
   try {
@@ -118,8 +118,8 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
     const std::string name = first.empty() ? "csrbf" : "csrbf " + first;
     throw UsageError(std::string(error.what()) + "\nTry " + name + " --help");
   }
-  const CLI::App* verb = app_.get_subcommand(first);
-  for (const CLI::Option* option : verb->get_options())
+  const CLI::App* subcommand = app_.get_subcommand(first);
+  for (const CLI::Option* option : subcommand->get_options())
     if (!option->get_lnames().empty())
       common_.flags.push_back({option->get_lnames().front(), option->get_description(), option->count() > 0,
                                option->count() > 0 ? CLI::detail::join(option->results(), " ") : "",

@@ -16,16 +16,16 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A flag of the verb.
+/// A flag of the command.
 struct FlagUse {
   std::string name;  ///< without the dashes
   std::string what;
   bool given = false;
   std::string value = {};  ///< as typed
-  bool common = false;     ///< of every verb
+  bool common = false;     ///< of every command
 };
 
-/// Flags of every verb.
+/// Flags of every command.
 struct CommonOptions {
   int threads = 0;                   ///< 0 = all cores
   std::vector<std::string> reports;  ///< files of the report: .json, .html
@@ -36,10 +36,10 @@ struct CommonOptions {
   bool verbose = false;
 
   std::string command;         ///< as typed
-  std::vector<FlagUse> flags;  ///< all that the verb has
+  std::vector<FlagUse> flags;  ///< all that the command has
 };
 
-// One struct per verb: what was typed, checked for its form only. Empty values mean "not given".
+// One struct per command: what was typed, checked for its form only. Empty values mean "not given".
 
 struct ReconstructCommand {
   std::string input, output;
@@ -178,7 +178,7 @@ using Command = std::variant<ReconstructCommand, EstimateNormalsCommand, Polygon
                              CompareCommand, InfoCommand, SegmentCommand, TrackCommand>;
 
 struct CommandLine {
-  std::string verb;
+  std::string subcommand;
   CommonOptions common;
   Command command;
 };

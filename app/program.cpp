@@ -1,9 +1,9 @@
 #include "program.hpp"
 
-#include "file_memory.hpp"
-#include "interrupt.hpp"
-#include "processes.hpp"
-#include "verbs.hpp"
+#include "commands/commands.hpp"
+#include "process/file_memory.hpp"
+#include "process/interrupt.hpp"
+#include "process/processes.hpp"
 
 #include "csrbf/core/error.hpp"
 
@@ -16,8 +16,8 @@ namespace {
 
 enum ExitCode { success = 0, no_result = 1, bad_input = 2 };
 
-int fail(const std::string& verb, const std::string& message, int code) {
-  const std::string name = verb.empty() ? "csrbf" : "csrbf " + verb;
+int fail(const std::string& subcommand, const std::string& message, int code) {
+  const std::string name = subcommand.empty() ? "csrbf" : "csrbf " + subcommand;
   std::fprintf(stderr, "%s: %s\n", name.c_str(), message.c_str());
   return code;
 }
@@ -47,17 +47,17 @@ int run(const CommandLine& line) {
     CommonOptions common = line.common;
     if (common.scratch.empty()) common.scratch = output_folder(line.command);
     processes().conclude([&] {
-      Session session(line.verb, common);
+      Session session(line.subcommand, common);
       std::visit([&](const auto& command) { app::run(command, session); }, line.command);
       session.finish();
     });
     return success;
   } catch (const std::exception& error) {
     // A signal also breaks off reading and writing, which then fail with errors of their own.
-    if (interrupted()) return fail(line.verb, "interrupted", interrupt_exit_code());
-    if (is_one_of<std::bad_alloc>(error)) return fail(line.verb, not_enough_memory(), no_result);
+    if (interrupted()) return fail(line.subcommand, "interrupted", interrupt_exit_code());
+    if (is_one_of<std::bad_alloc>(error)) return fail(line.subcommand, not_enough_memory(), no_result);
     const bool is_input = is_one_of<UsageError, InvalidInput, IoError>(error);
-    return fail(line.verb, error.what(), is_input ? bad_input : no_result);
+    return fail(line.subcommand, error.what(), is_input ? bad_input : no_result);
   }
 }
 

@@ -1,12 +1,12 @@
 #include "session.hpp"
 
-#include "page/html_page.hpp"
-#include "processes.hpp"
+#include "process/processes.hpp"
+#include "report/html_page.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/io/atomic_file.hpp"
-#include "csrbf/io/read_file.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
 #include "csrbf/version.hpp"
 
 #ifdef __GLIBC__
@@ -58,8 +58,8 @@ Json describe(const ResumeLog& log) {
 }
 
 // What determines the results of a run, in lines.
-std::string key_of(const std::string& verb, const CommonOptions& common, const std::string& input) {
-  std::string key = std::string("csrbf ") + CSRBF_VERSION + "\n" + verb + "\n";
+std::string key_of(const std::string& subcommand, const CommonOptions& common, const std::string& input) {
+  std::string key = std::string("csrbf ") + CSRBF_VERSION + "\n" + subcommand + "\n";
   for (const FlagUse& flag : common.flags)
     if (flag.given && !flag.common && flag.name != "output" && flag.name != "resume")
       key += "--" + flag.name + " " + flag.value + "\n";
@@ -78,8 +78,8 @@ ReportForm report_form(const std::string& path) {
 
 }  // namespace
 
-Session::Session(std::string verb, const CommonOptions& common)
-    : verb_(std::move(verb)), common_(common), display_(common.quiet ? "never" : common.progress) {
+Session::Session(std::string subcommand, const CommonOptions& common)
+    : command_(std::move(subcommand)), common_(common), display_(common.quiet ? "never" : common.progress) {
   set_thread_count(common.threads > 0 ? common.threads : processes().threads());
   if (!common.memory.empty()) memory_cap_.emplace(parse_bytes(common.memory, "--memory"), common.scratch);
   for (const std::string& path : common.reports) {
@@ -137,7 +137,7 @@ void Session::resume(const std::string& file, const std::string& output) {
   if (output == "-") throw UsageError("--resume keeps its log beside the output; give a file instead of -");
   const std::string path = output + ".resume";
   try {
-    resume_log_.emplace(path, key_of(verb_, common_, file));
+    resume_log_.emplace(path, key_of(command_, common_, file));
   } catch (const IoError& failure) {
     throw WriteFailure(failure.what());
   }
@@ -147,7 +147,7 @@ void Session::warn(const std::string& message) {
   warnings_.push_back(message);
   if (common_.quiet) return;
   display_.clear();
-  std::fprintf(stderr, "csrbf %s: warning: %s\n", verb_.c_str(), message.c_str());
+  std::fprintf(stderr, "csrbf %s: warning: %s\n", command_.c_str(), message.c_str());
 }
 
 void Session::warn(const std::vector<std::string>& messages) {
@@ -168,7 +168,7 @@ Json Session::report() const {
   Json time = {{"total", round_to_ms(std::chrono::duration<double>(Clock::now() - start_).count())}};
   time.update(time_);
   Json report = {{"csrbf", CSRBF_VERSION},
-                 {"command", verb_},
+                 {"command", command_},
                  {"input", input},
                  {"options", options},
                  {"result", result},

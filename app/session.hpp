@@ -1,10 +1,10 @@
 #pragma once
 
 #include "command_line.hpp"
-#include "memory_cap.hpp"
-#include "page/page.hpp"
+#include "process/memory_cap.hpp"
+#include "process/resume_log.hpp"
 #include "progress_display.hpp"
-#include "resume_log.hpp"
+#include "report/page.hpp"
 
 #include "csrbf/core/progress.hpp"
 
@@ -27,16 +27,16 @@ class WriteFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One run of a verb: its report, summary, times, progress and interruption.
+/// One run of a command: its report, summary, times, progress and interruption.
 class Session {
  public:
-  Session(std::string verb, const CommonOptions& common);
+  Session(std::string subcommand, const CommonOptions& common);
 
   Json input = Json::object();    ///< parts of the report
   Json options = Json::object();  ///< every option with the value used
   Json result = Json::object();
 
-  /// Stage "report": lets `action(page)` make what the verb adds to a report in HTML; nothing is done when none was
+  /// Stage "report": lets `action(page)` make what the command adds to a report in HTML; nothing is done when none was
   /// asked for.
   template <class Action>
   void add_to_page(Action&& action);
@@ -84,7 +84,7 @@ class Session {
   void note_memory();
   void warn_of_means();
 
-  std::string verb_;
+  std::string command_;
   CommonOptions common_;
   std::optional<MemoryCap> memory_cap_;
   std::optional<ResumeLog> resume_log_;

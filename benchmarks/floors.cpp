@@ -3,14 +3,14 @@
 // Prints a table in Markdown.
 
 #include "csrbf/approx/fit.hpp"
-#include "csrbf/approx/partition_of_unity.hpp"
+#include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "csrbf/core/lanes.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/levelset/lattice.hpp"
 #include "csrbf/levelset/segment.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
-#include "csrbf/surface/composite_field.hpp"
+#include "csrbf/surface/composite/composite_field.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 
 #include <algorithm>
@@ -223,7 +223,7 @@ void surface_rows(const Rates& rates) {
   Reconstruction result;
   const Time fit_time = time_of([&] { result = reconstruct(cloud); });
   const auto& data = dynamic_cast<const CompositeField&>(*result.field).data();
-  const CompositeOptions& options = result.report.options;
+  const CompositeSettings& options = result.report.composite->settings;
   const double n = options.overlap * static_cast<double>(options.leaf_size);
   double operations = 0, model = 0;
   for (const Patches& level : data.levels) {

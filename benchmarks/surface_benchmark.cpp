@@ -5,9 +5,9 @@
 #include "csrbf/csrbf.hpp"
 #include "csrbf/linalg/gram.hpp"
 #include "csrbf/spatial/partition.hpp"
-#include "csrbf/surface/composite.hpp"
-#include "csrbf/surface/prepare.hpp"
-#include "csrbf/surface/winding_number.hpp"
+#include "csrbf/surface/composite/composite.hpp"
+#include "csrbf/surface/prepare/prepare.hpp"
+#include "csrbf/surface/winding/winding_number.hpp"
 
 #include <benchmark/benchmark.h>
 

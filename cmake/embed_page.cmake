@@ -19,7 +19,7 @@ if(SCRIPT)
 endif()
 file(READ ${SOURCE_DIR}/LICENSE terms)
 
-file(WRITE ${OUTPUT} "#include \"page/page_files.hpp\"
+file(WRITE ${OUTPUT} "#include \"report/page_files.hpp\"
 
 namespace csrbf::app {
 

@@ -1,7 +1,7 @@
 #include "agreement.hpp"
 
 #include "command_line.hpp"
-#include "interrupt.hpp"
+#include "process/interrupt.hpp"
 
 #include "csrbf/core/error.hpp"
 

@@ -4,8 +4,8 @@
 #include "ranks.hpp"
 #include "traffic_report.hpp"
 
-#include "csrbf/io/process_files.hpp"
-#include "csrbf/io/text.hpp"
+#include "csrbf/io/files/process_files.hpp"
+#include "csrbf/io/files/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include <cstring>
 #include <string_view>
 
-// csrbf-mpi: the program csrbf on the ranks of MPI. `csrbf-mpi --pretend-ranks N VERB ...`, on one rank, computes
+// csrbf-mpi: the program csrbf on the ranks of MPI. `csrbf-mpi --pretend-ranks N COMMAND ...`, on one rank, computes
 // everything itself and reports what each of N ranks would exchange.
 
 namespace csrbf::distributed {

@@ -3,7 +3,7 @@
 #include "traffic_report.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/process_files.hpp"
+#include "csrbf/io/files/process_files.hpp"
 
 #ifdef __linux__
 #include <sched.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "agreement.hpp"
-#include "processes.hpp"
+#include "process/processes.hpp"
 #include "shares.hpp"
 
 #include <span>

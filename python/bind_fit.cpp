@@ -1,7 +1,8 @@
 #include "fit_options.hpp"
 
 #include "csrbf/approx/function.hpp"
-#include "csrbf/io/function_archive.hpp"
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/models/function_archive.hpp"
 
 #include <memory>
 #include <optional>

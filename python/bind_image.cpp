@@ -1,5 +1,5 @@
 #include "csrbf/approx/inpaint.hpp"
-#include "csrbf/io/sample_codec.hpp"
+#include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/levelset/compare_labels.hpp"
 

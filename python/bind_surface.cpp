@@ -6,7 +6,7 @@
 #include "csrbf/implicit/raycast.hpp"
 #include "csrbf/implicit/ridges.hpp"
 #include "csrbf/io/model.hpp"
-#include "csrbf/io/surface_archive.hpp"
+#include "csrbf/io/models/surface_archive.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 #include "csrbf/surface/reconstruct_contours.hpp"
 #include "csrbf/surface/trim.hpp"
@@ -26,13 +26,16 @@ struct Surface {
 
 py::dict to_dict(const ReconstructReport& r) {
   using namespace py::literals;
-  return py::dict(
-      "method"_a = r.method, "normals"_a = r.normals, "points"_a = r.points, "points_used"_a = r.points_used,
-      "centers"_a = r.centers, "patches"_a = r.patches, "levels"_a = r.levels, "smoothing"_a = r.smoothing,
-      "contours"_a = r.contours, "slices"_a = r.slices, "lids"_a = r.lids,
-      "cross_validation_error"_a = r.cross_validation_error, "rms_distance"_a = r.rms_distance,
-      "p99_distance"_a = r.p99_distance, "max_distance"_a = r.max_distance, "prepare_seconds"_a = r.prepare_seconds,
-      "fit_seconds"_a = r.fit_seconds, "evaluate_seconds"_a = r.evaluate_seconds, "warnings"_a = r.warnings);
+  const CompositeReport composite = r.composite.value_or(CompositeReport{});
+  const ContoursReport contours = r.contours.value_or(ContoursReport{});
+  return py::dict("method"_a = r.method, "normals"_a = name_of(r.normals), "points"_a = r.points,
+                  "points_used"_a = r.points_used, "centers"_a = r.centers, "patches"_a = composite.patches,
+                  "levels"_a = composite.levels, "smoothing"_a = r.smoothing, "contours"_a = contours.contours,
+                  "slices"_a = contours.slices, "caps"_a = contours.caps,
+                  "cross_validation_error"_a = composite.cross_validation_error, "rms_distance"_a = r.rms_distance,
+                  "p99_distance"_a = r.p99_distance, "max_distance"_a = r.max_distance,
+                  "prepare_seconds"_a = r.prepare_seconds, "fit_seconds"_a = r.fit_seconds,
+                  "evaluate_seconds"_a = r.evaluate_seconds, "warnings"_a = r.warnings);
 }
 
 py::tuple reconstruct_arrays(const Array& given, const std::optional<Array>& normals, const std::string& method,

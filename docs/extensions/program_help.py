@@ -1,4 +1,4 @@
-"""The directive `program-help VERB`: what `csrbf VERB --help` prints, asked of the program while the site is built."""
+"""The directive `program-help COMMAND`: what `csrbf COMMAND --help` prints, asked of the program while the site is built."""
 
 import os
 import subprocess

@@ -1,6 +1,6 @@
 #include "curve.hpp"
 
-#include "csrbf/io/atomic_file.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "shapes.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/implicit/mesh_distance.hpp"
-#include "csrbf/implicit/optimize_mesh.hpp"
+#include "csrbf/implicit/mesh/mesh_distance.hpp"
+#include "csrbf/implicit/mesh/optimize_mesh.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/implicit/sample_particles.hpp"
 #include "csrbf/io/mesh.hpp"

@@ -1,7 +1,7 @@
 #include "figure_1_1.hpp"
 
-#include "csrbf/approx/interpolate.hpp"
-#include "csrbf/approx/partition_of_unity.hpp"
+#include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "signals.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "figure_2_1.hpp"
 
-#include "csrbf/approx/polynomial.hpp"
+#include "csrbf/approx/basis/polynomial.hpp"
 #include "csrbf/kernels/kernel.hpp"
 #include "signals.hpp"
 

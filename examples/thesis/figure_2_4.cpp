@@ -1,6 +1,6 @@
 #include "figure_2_4.hpp"
 
-#include "csrbf/approx/interpolate.hpp"
+#include "csrbf/approx/global/interpolate.hpp"
 #include "signals.hpp"
 
 #include <Eigen/Eigenvalues>

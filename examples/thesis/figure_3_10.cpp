@@ -1,6 +1,6 @@
 #include "figure_3_10.hpp"
 
-#include "csrbf/approx/fixed_budget.hpp"
+#include "csrbf/approx/levels/fixed_budget.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "signals.hpp"

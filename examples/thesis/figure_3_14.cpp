@@ -1,7 +1,7 @@
 #include "figure_3_14.hpp"
 
 #include "csrbf/approx/fit.hpp"
-#include "csrbf/approx/fixed_budget.hpp"
+#include "csrbf/approx/levels/fixed_budget.hpp"
 #include "signals.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "figure_3_16.hpp"
 
-#include "csrbf/approx/error_bounded.hpp"
+#include "csrbf/approx/levels/error_bounded.hpp"
 #include "signals.hpp"
 
 namespace csrbf::thesis {

@@ -1,6 +1,6 @@
 #include "figure_3_4.hpp"
 
-#include "csrbf/approx/pca_multiresolution.hpp"
+#include "csrbf/approx/levels/pca_multiresolution.hpp"
 #include "signals.hpp"
 
 #include <algorithm>

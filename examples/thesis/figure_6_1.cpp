@@ -1,6 +1,6 @@
 #include "figure_6_1.hpp"
 
-#include "csrbf/approx/interpolate.hpp"
+#include "csrbf/approx/global/interpolate.hpp"
 #include "signals.hpp"
 
 #include <cmath>

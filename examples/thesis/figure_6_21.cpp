@@ -1,7 +1,7 @@
 #include "figure_6_21.hpp"
 
-#include "csrbf/surface/medial_axis.hpp"
-#include "csrbf/surface/slope_penalty.hpp"
+#include "csrbf/surface/medial/medial_axis.hpp"
+#include "csrbf/surface/medial/slope_penalty.hpp"
 #include "models.hpp"
 
 #include <Eigen/Eigenvalues>

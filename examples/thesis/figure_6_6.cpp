@@ -1,8 +1,8 @@
 #include "figure_6_6.hpp"
 
-#include "csrbf/surface/choose_options.hpp"
-#include "csrbf/surface/composite_field.hpp"
-#include "csrbf/surface/medial_axis.hpp"
+#include "csrbf/surface/composite/choose_options.hpp"
+#include "csrbf/surface/composite/composite_field.hpp"
+#include "csrbf/surface/medial/medial_axis.hpp"
 #include "models.hpp"
 
 namespace csrbf::thesis {
@@ -26,7 +26,7 @@ std::shared_ptr<const Field<3>> composite(const PreparedCloud& prepared, const s
   const Eigen::VectorXd smoothing = winding_smoothing * fit.areas.cwiseSqrt();
   data.winding = WindingNumber(cloud.points, cloud.normals, fit.areas, smoothing);
   data.far_value = far_spacings * std::sqrt(fit.areas.mean());
-  data.detail = std::sqrt(fit.areas.mean());
+  data.feature_size = std::sqrt(fit.areas.mean());
   data.bounds = bounding_box<3>(cloud.points);
   return std::make_shared<const CompositeField>(std::move(data));
 }

@@ -1,7 +1,7 @@
 #include "gallery.hpp"
 
+#include "baselines.hpp"
 #include "chapter_5.hpp"
-#include "comparators.hpp"
 #include "csrbf/core/error.hpp"
 #include "dimensions.hpp"
 #include "figure_1_1.hpp"
@@ -52,7 +52,7 @@ const std::vector<Work>& all_work() {
   static const std::vector<Work> all = {
       {"introduction", alone(introduction)},
       {"k-space", alone(k_space)},
-      {"chapter-1", alone(comparators)},
+      {"chapter-1", alone(baselines)},
       {"figure-1.1", alone(figure_1_1)},
       {"figure-1.2", alone(figure_1_2)},
       {"figure-2.1", alone(figure_2_1)},

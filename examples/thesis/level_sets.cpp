@@ -25,7 +25,7 @@ class DiscField final : public Field<2> {
     }
   }
   [[nodiscard]] Box<2> bounds() const override { return bounds_; }
-  [[nodiscard]] double detail() const override { return 0.1 * radius_; }
+  [[nodiscard]] double feature_size() const override { return 0.1 * radius_; }
 
  private:
   Point<2> center_;

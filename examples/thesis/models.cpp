@@ -1,11 +1,11 @@
 #include "models.hpp"
 
+#include "csrbf/implicit/mesh/sample_surface.hpp"
 #include "csrbf/implicit/polygonize.hpp"
-#include "csrbf/implicit/sample_surface.hpp"
-#include "csrbf/io/deflate.hpp"
-#include "csrbf/io/off.hpp"
-#include "csrbf/io/point_table.hpp"
-#include "csrbf/io/read_file.hpp"
+#include "csrbf/io/files/deflate.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/geometry/off.hpp"
+#include "csrbf/io/geometry/point_table.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 
 #include <Eigen/Geometry>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "csrbf/approx/level_sum.hpp"
-#include "csrbf/approx/samples.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
+#include "csrbf/approx/samples/samples.hpp"
 
 #include <chrono>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "table_2_4.hpp"
 
-#include "csrbf/approx/expansion.hpp"
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/linalg/sparse_cholesky.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "signals.hpp"

@@ -111,7 +111,7 @@ void say_errors(const csrbf::Mesh& mesh) {
   double sum = 0, largest = 0;
   Index count = 0;
   for (const auto& p : mesh.vertices.colwise()) {
-    if (p.z() > base) continue;  // the lid
+    if (p.z() > base) continue;  // the cap
     const double error = std::min(std::abs(depth(epicardium, p)), std::abs(depth(endocardium, p)));
     sum += error * error;
     largest = std::max(largest, error);
@@ -139,9 +139,10 @@ void run(const std::filesystem::path& folder) {
 
   const csrbf::Topology topology = csrbf::topology(mesh);
   std::printf("%lld points on %lld contours in %lld slices: %s, %lld component(s), Euler characteristic %lld\n",
-              static_cast<long long>(wall.report.points), static_cast<long long>(wall.report.contours),
-              static_cast<long long>(wall.report.slices), topology.watertight() ? "watertight" : "not watertight",
-              static_cast<long long>(topology.components), static_cast<long long>(topology.euler));
+              static_cast<long long>(wall.report.points), static_cast<long long>(wall.report.contours->contours),
+              static_cast<long long>(wall.report.contours->slices),
+              topology.watertight() ? "watertight" : "not watertight", static_cast<long long>(topology.components),
+              static_cast<long long>(topology.euler));
   say_errors(mesh);
 }
 

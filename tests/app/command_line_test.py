@@ -20,8 +20,8 @@ import zlib
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 PROGRAM = ""
-VERBS = ["reconstruct", "estimate-normals", "polygonize", "render", "curvature", "combine", "fit", "evaluate"]
-VERBS += ["inpaint", "segment", "track", "compare", "info"]
+COMMANDS = ["reconstruct", "estimate-normals", "polygonize", "render", "curvature", "combine", "fit", "evaluate"]
+COMMANDS += ["inpaint", "segment", "track", "compare", "info"]
 REPORT_KEYS = ["csrbf", "command", "input", "options", "result", "time", "peak_memory_mb", "threads", "warnings"]
 
 
@@ -173,15 +173,15 @@ class CommandLine(unittest.TestCase):
 
 
 class Usage(CommandLine):
-    def test_help_lists_the_verbs(self):
+    def test_help_lists_the_commands(self):
         text = self.succeed("--help").stdout
-        for verb in VERBS:
-            self.assertIn(verb, text)
+        for command in COMMANDS:
+            self.assertIn(command, text)
 
-    def test_help_of_each_verb_has_an_example_and_the_common_flags(self):
-        for verb in VERBS:
-            text = self.succeed(verb, "--help").stdout
-            self.assertIn("Example:\n  csrbf " + verb, text)
+    def test_help_of_each_command_has_an_example_and_the_common_flags(self):
+        for command in COMMANDS:
+            text = self.succeed(command, "--help").stdout
+            self.assertIn("Example:\n  csrbf " + command, text)
             for flag in ("--threads", "--report", "--progress", "--quiet", "--verbose", "--version", "--help"):
                 self.assertIn(flag, text)
             self.assertIn("default: all cores", text)
@@ -192,8 +192,8 @@ class Usage(CommandLine):
         self.assertRegex(self.succeed("info", "--version").stdout, r"^csrbf \d+\.\d+\.\d+\n$")
 
     def test_bad_usage_gives_2_and_says_why(self):
-        self.fail_with(2, "a verb is required")
-        self.fail_with(2, "unknown verb \"frobnicate\"", "frobnicate")
+        self.fail_with(2, "a command is required")
+        self.fail_with(2, "unknown command \"frobnicate\"", "frobnicate")
         self.fail_with(2, "--output is required", "reconstruct", "points.xyz")
         self.fail_with(2, "csrbf info --help", "info")
         self.fail_with(2, "not expected", "info", "a.ply", "--frobnicate")
@@ -216,11 +216,11 @@ class Usage(CommandLine):
         self.fail_with(2, "--smoothing some", "reconstruct", "a.ply", "-o", "b.ply", "--smoothing", "some")
 
     def test_numbers_that_must_be_positive_are_named(self):
-        for verb, flag, value in (("reconstruct", "--tolerance", "-1"), ("reconstruct", "--centers", "0"),
+        for command, flag, value in (("reconstruct", "--tolerance", "-1"), ("reconstruct", "--centers", "0"),
                                   ("fit", "--tolerance", "0"), ("fit", "--centers", "many"),
                                   ("inpaint", "--centers", "-5"), ("polygonize", "--tolerance", "nan"),
                                   ("track", "--motion", "inf")):
-            done = self.run_program(verb, "a", "-o", "b", flag, value)
+            done = self.run_program(command, "a", "-o", "b", flag, value)
             self.assertEqual((done.returncode, done.stderr),
                              (2, "csrbf: %s %s: must be a positive number\n" % (flag, value)))
 
@@ -236,8 +236,8 @@ class Usage(CommandLine):
 class InstalledTexts(CommandLine):
     """The man page and the completions that the program prints for the installation."""
 
-    def long_flags(self, verb):
-        return set(re.findall(r"--[a-z0-9-]+", self.succeed(verb, "--help").stdout.split("Example:")[0]))
+    def long_flags(self, command):
+        return set(re.findall(r"--[a-z0-9-]+", self.succeed(command, "--help").stdout.split("Example:")[0]))
 
     def completed(self, *words):
         """What bash offers for the last of the words."""
@@ -247,13 +247,13 @@ class InstalledTexts(CommandLine):
         self.assertEqual(done.stderr, "")
         return done.stdout.split()
 
-    def test_man_page_has_every_verb_and_flag(self):
+    def test_man_page_has_every_command_and_flag(self):
         page = self.succeed("--print-man").stdout.replace("\\-", "-")
-        for title in ("NAME", "SYNOPSIS", "DESCRIPTION", "VERBS", "EXIT STATUS", "FORMATS", "EXAMPLES"):
+        for title in ("NAME", "SYNOPSIS", "DESCRIPTION", "COMMANDS", "EXIT STATUS", "FORMATS", "EXAMPLES"):
             self.assertIn(".SH %s\n" % title, page)
-        for verb in VERBS:
-            self.assertIn(".SS %s\n.B csrbf %s\n" % (verb, verb), page)
-            for flag in self.long_flags(verb):
+        for command in COMMANDS:
+            self.assertIn(".SS %s\n.B csrbf %s\n" % (command, command), page)
+            for flag in self.long_flags(command):
                 self.assertIn("\\fB%s\\fR" % flag, page)
         self.assertNotIn("--print", page + self.succeed("--help").stdout)
 
@@ -264,12 +264,12 @@ class InstalledTexts(CommandLine):
         done = subprocess.run(["groff", "-man", "-ww", "-z", page], capture_output=True, text=True, timeout=60)
         self.assertEqual((done.returncode, done.stdout + done.stderr), (0, ""))
 
-    def test_completions_have_every_verb_and_flag(self):
+    def test_completions_have_every_command_and_flag(self):
         for shell, dashes in (("bash", "--"), ("zsh", "--"), ("fish", "-l ")):
             script = self.succeed("--print-completion", shell).stdout
-            for verb in VERBS:
-                self.assertIn(verb, script)
-                for flag in self.long_flags(verb):
+            for command in COMMANDS:
+                self.assertIn(command, script)
+                for flag in self.long_flags(command):
                     self.assertIn(dashes + flag[2:], script)
 
     def test_shells_accept_their_completions(self):
@@ -279,14 +279,14 @@ class InstalledTexts(CommandLine):
             self.assertEqual(done.returncode, 0, done.stderr)
         self.fail_with(2, "tcsh", "--print-completion", "tcsh")
 
-    def test_bash_completes_verbs_flags_and_words_and_leaves_files_to_readline(self):
+    def test_bash_completes_commands_flags_and_words_and_leaves_files_to_readline(self):
         self.assertEqual(self.completed("csrbf", "rec"), ["reconstruct"])
-        self.assertLessEqual(set(VERBS), set(self.completed("csrbf", "")))
+        self.assertLessEqual(set(COMMANDS), set(self.completed("csrbf", "")))
         self.assertEqual(self.completed("csrbf", "reconstruct", "--tr"), ["--trim"])
         self.assertEqual(self.completed("csrbf", "reconstruct", "a.ply", "--normals", ""), ["auto", "file", "estimate"])
         self.assertEqual(self.completed("csrbf", "reconstruct", "-o", ""), [])
-        for verb in VERBS:
-            self.assertEqual(set(self.completed("csrbf", verb, "--")), self.long_flags(verb))
+        for command in COMMANDS:
+            self.assertEqual(set(self.completed("csrbf", command, "--")), self.long_flags(command))
 
 
 class Input(CommandLine):

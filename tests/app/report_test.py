@@ -137,7 +137,7 @@ class Reports(CommandLine):
         return {**data, "vertices": vertices, "corners": corners}
 
 
-class Verbs(Reports):
+class Commands(Reports):
     def test_reconstruct_shows_the_surface_and_the_distances(self):
         cloud = self.write("cloud.xyz", xyz(sphere(600)))
         text, document = self.page("reconstruct", cloud, "-o", self.path("mesh.ply"), "--resolution", "40")
@@ -220,7 +220,7 @@ class Verbs(Reports):
             for vertex in data["vertices"]:
                 self.assertAlmostEqual(math.dist(vertex, (10, 9, 10)), 6, delta=0.8)
 
-    def test_every_other_verb_writes_a_page(self):
+    def test_every_other_command_writes_a_page(self):
         cloud = self.write("cloud.ply", ply(sphere(400)))
         mesh = self.write("mesh.off", OCTAHEDRON)
         model = self.path("model.csrbf")

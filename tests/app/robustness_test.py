@@ -3,7 +3,7 @@ result, and the next run is not disturbed.
 
 usage: robustness_test.py PROGRAM [--slow] [unittest options]
 
-With --slow: many more kills, and valgrind on every verb.
+With --slow: many more kills, and valgrind on every command.
 """
 
 import os
@@ -49,7 +49,7 @@ class Robustness(base.CommandLine):
             return file.read()
 
     def inputs(self, points):
-        """Something for every verb to work on."""
+        """Something for every command to work on."""
         self.cloud = self.write("cloud.ply", ply(sphere(points)))
         self.table = self.write("samples.csv", samples(points))
         self.image = self.write_bytes("image.pgm", square_image(64))
@@ -59,7 +59,7 @@ class Robustness(base.CommandLine):
         self.succeed("fit", self.table, "-o", self.function, "-q")
 
     def runs(self, extensive=False):
-        """A run of every verb that writes a file: arguments up to the output, and the output."""
+        """A run of every command that writes a file: arguments up to the output, and the output."""
         small = [] if extensive else ["--resolution", "24"]
         grid = "700,700" if extensive else "9,9"
         return [
@@ -97,7 +97,7 @@ class MemoryLimit(Robustness):
         before, refused = self.files(), set()
         for arguments, output in self.runs(extensive=True):
             for megabytes in limits:
-                with self.subTest(verb=arguments[0], megabytes=megabytes):
+                with self.subTest(command=arguments[0], megabytes=megabytes):
                     done = self.limited(megabytes, *arguments, "-o", self.path(output))
                     if done.returncode == 0:
                         os.remove(self.path(output))
@@ -127,7 +127,7 @@ class FullDisk(Robustness):
         self.inputs(300)
         before = self.files()
         for arguments, output in self.outputs():
-            with self.subTest(verb=arguments[0], output=output):
+            with self.subTest(command=arguments[0], output=output):
                 done = self.run_limited(resource.RLIMIT_FSIZE, 64, *arguments, "-o", self.path(output))
                 self.assertEqual(done.returncode, 1, done.stderr)
                 self.assertIn(output + ": cannot write the file: File too large", done.stderr)
@@ -242,7 +242,7 @@ class Kill(Robustness):
 
 
 class Valgrind(Robustness):
-    def test_no_verb_misuses_memory(self):
+    def test_no_command_misuses_memory(self):
         if not SLOW:
             self.skipTest("slow: run with --slow")
         if not shutil.which("valgrind"):
@@ -256,7 +256,7 @@ class Valgrind(Robustness):
         runs += [["info", self.cloud], ["compare", self.mesh, self.mesh],
                  ["track", self.image, self.image, "-o", self.path("frames")]]
         for arguments in runs:
-            with self.subTest(verb=arguments[0]):
+            with self.subTest(command=arguments[0]):
                 done = subprocess.run(command + arguments + ["--threads", "2"], capture_output=True, text=True,
                                       timeout=1800)
                 self.assertEqual(done.returncode, 0, done.stderr)

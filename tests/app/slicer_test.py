@@ -122,7 +122,7 @@ class Slicer(Segment):
         self.run_module("csrbf-inpaint", self.arguments(description, files, missing="10"))
         self.assertTrue(os.path.getsize(self.path("filled.nrrd")))
 
-    def test_only_its_verbs_describe_themselves(self):
+    def test_only_its_commands_describe_themselves(self):
         self.fail_with(2, "--xml", "fit", "a.csv", "-o", "b.csrbf", "--xml")
 
 

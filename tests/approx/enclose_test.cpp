@@ -1,6 +1,6 @@
 #include "csrbf/approx/fit.hpp"
-#include "csrbf/approx/fitted_field.hpp"
-#include "csrbf/approx/level_sum.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
+#include "csrbf/approx/samples/fitted_field.hpp"
 #include "implicit/analytic_fields.hpp"
 
 #include <gtest/gtest.h>
@@ -48,8 +48,8 @@ TEST(Enclose, TightensAsTheSquareOfTheBox) {
   for (const double half : {0.01, 0.001}) {
     const Enclosure e = field->enclose(box_around(p, Point<3>::Constant(half))).value();
     const double r = std::sqrt(3) * half;
-    EXPECT_LE(0.5 * (e.hi - e.lo), slope * r + e.bend * r * r);
-    EXPECT_LE(e.slope, (slope + e.bend * r) * (1 + 1e-12));
+    EXPECT_LE(0.5 * (e.hi - e.lo), slope * r + e.hessian_bound * r * r);
+    EXPECT_LE(e.lipschitz, (slope + e.hessian_bound * r) * (1 + 1e-12));
   }
 }
 

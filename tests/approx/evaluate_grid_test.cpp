@@ -1,5 +1,5 @@
-#include "csrbf/approx/fitted_field.hpp"
 #include "csrbf/approx/function.hpp"
+#include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include "approx/partition_testing.hpp"

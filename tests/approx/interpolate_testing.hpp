@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/approx/samples.hpp"
+#include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/core/field.hpp"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/approx/partition_of_unity.hpp"
+#include "csrbf/approx/unity/partition_of_unity.hpp"
 
 #include "approx/approx_testing.hpp"
 

@@ -125,7 +125,7 @@ TEST(Field, HasNoOrderSeedsOrDetailUnlessItKnows) {
   const Counting field(false);
   EXPECT_TRUE(field.evaluation_order(scattered(10)).empty());
   EXPECT_EQ(field.seeds().cols(), 0);
-  EXPECT_EQ(field.detail(), 0);
+  EXPECT_EQ(field.feature_size(), 0);
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ def stands_for_file(source, column, name):
         places = [f"tests/{name}_test.cpp", f"tests/levelset/{name}_test.cpp"]
     else:
         places = [f"src/csrbf/{name}.hpp", f"src/csrbf/{name}.cpp", f"{name}.cpp", f"{name}.py", name,
-                  f"src/csrbf/surface/comparators/{name}.cpp"]
+                  f"src/csrbf/surface/baselines/{name}.cpp"]
     return any((source / place).exists() for place in places)
 
 

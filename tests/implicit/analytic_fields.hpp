@@ -23,8 +23,8 @@ class AnalyticField : public Field<3> {
   using Expression = std::function<Taylor<3>(const Variables& x)>;
 
   AnalyticField(Expression expression, const Box<3>& bounds, const Points<3>& seeds = Points<3>(3, 0),
-                double detail = 0)
-      : expression_(std::move(expression)), bounds_(bounds), seeds_(seeds), detail_(detail) {}
+                double feature_size = 0)
+      : expression_(std::move(expression)), bounds_(bounds), seeds_(seeds), feature_size_(feature_size) {}
 
   void evaluate_block(const PointsRef<3>& p, const JetBlock& out) const override {
     for (Index i = 0; i < p.cols(); ++i) {
@@ -43,13 +43,13 @@ class AnalyticField : public Field<3> {
   }
   [[nodiscard]] Box<3> bounds() const override { return bounds_; }
   [[nodiscard]] Points<3> seeds() const override { return seeds_; }
-  [[nodiscard]] double detail() const override { return detail_; }
+  [[nodiscard]] double feature_size() const override { return feature_size_; }
 
  private:
   Expression expression_;
   Box<3> bounds_;
   Points<3> seeds_;
-  double detail_;
+  double feature_size_;
 };
 
 inline Taylor<3> square_root(const Taylor<3>& x) {
@@ -99,15 +99,15 @@ class EnclosedBall : public AnalyticField {
 };
 
 /// The signed distance to a sphere near it that does not grow beyond 3 details: 3 d tanh((R - |x - c|) / (3 d)).
-inline AnalyticField saturated_ball(double R, const Point<3>& c, double detail) {
+inline AnalyticField saturated_ball(double R, const Point<3>& c, double feature_size) {
   return {[=](const AnalyticField::Variables& x) {
             Taylor<3> s;
             for (int k = 0; k < 3; ++k) s = s + (x[k] - c[k]) * (x[k] - c[k]);
-            const Taylor<3> d = (1 / (3 * detail)) * (R - square_root(s));
+            const Taylor<3> d = (1 / (3 * feature_size)) * (R - square_root(s));
             const double t = std::tanh(d.value), u = 1 - t * t;
-            return (3 * detail) * apply(d, t, u, -2 * t * u);
+            return (3 * feature_size) * apply(d, t, u, -2 * t * u);
           },
-          box_around(c, Point<3>::Constant(R)), c + Point<3>(R, 0, 0), detail};
+          box_around(c, Point<3>::Constant(R)), c + Point<3>(R, 0, 0), feature_size};
 }
 
 /// Torus about the z axis, the signed distance.

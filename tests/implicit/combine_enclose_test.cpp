@@ -35,7 +35,7 @@ TEST(CombineEnclose, IsThatOfOnePartWhereItIsAlone) {
     const Enclosure found = joined->enclose(near_a).value();
     EXPECT_EQ(found.lo, alone.lo);
     EXPECT_EQ(found.hi, alone.hi);
-    EXPECT_EQ(found.bend, alone.bend);
+    EXPECT_EQ(found.hessian_bound, alone.hessian_bound);
   }
 }
 

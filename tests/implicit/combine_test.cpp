@@ -1,7 +1,7 @@
 #include "csrbf/implicit/combine.hpp"
 
 #include "core/error_testing.hpp"
-#include "csrbf/implicit/extend_distance.hpp"
+#include "csrbf/implicit/combine/extend_distance.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "implicit/analytic_fields.hpp"
 
@@ -242,9 +242,9 @@ TEST(Combine, KnowsSeedsAndDetailWhenItsSolidsDo) {
   const Solid coarse = solid({[](const AnalyticField::Variables& x) { return x[1]; }, around, Point<3>(1, 0, 0), 0.1});
   const Solid unknown = solid({[](const AnalyticField::Variables& x) { return x[2]; }, around});
   EXPECT_EQ((fine | coarse)->seeds().cols(), 2);
-  EXPECT_EQ((fine | coarse)->detail(), 0.01);
+  EXPECT_EQ((fine | coarse)->feature_size(), 0.01);
   EXPECT_EQ((fine | unknown)->seeds().cols(), 0);
-  EXPECT_EQ((fine | unknown)->detail(), 0.01);
+  EXPECT_EQ((fine | unknown)->feature_size(), 0.01);
 }
 
 TEST(Combine, GrowsWithTheSolids) {

@@ -14,8 +14,8 @@ class PlaneField : public Field<2> {
   using Variable = Taylor<2>;
   using Expression = std::function<Taylor<2>(const Variable& x, const Variable& y)>;
 
-  PlaneField(Expression expression, const Box<2>& bounds, double detail = 0)
-      : expression_(std::move(expression)), bounds_(bounds), detail_(detail) {}
+  PlaneField(Expression expression, const Box<2>& bounds, double feature_size = 0)
+      : expression_(std::move(expression)), bounds_(bounds), feature_size_(feature_size) {}
 
   void evaluate_block(const PointsRef<2>& p, const JetBlock& out) const override {
     for (Index i = 0; i < p.cols(); ++i) {
@@ -30,12 +30,12 @@ class PlaneField : public Field<2> {
     }
   }
   [[nodiscard]] Box<2> bounds() const override { return bounds_; }
-  [[nodiscard]] double detail() const override { return detail_; }
+  [[nodiscard]] double feature_size() const override { return feature_size_; }
 
  private:
   Expression expression_;
   Box<2> bounds_;
-  double detail_;
+  double feature_size_;
 };
 
 inline Box<2> square_box(double half) {

@@ -1,5 +1,5 @@
 #include "core/error_testing.hpp"
-#include "polygonize_fields.hpp"
+#include "implicit/polygonize_fields.hpp"
 
 namespace csrbf {
 namespace {

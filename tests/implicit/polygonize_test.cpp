@@ -1,6 +1,6 @@
 #include "csrbf/implicit/polygonize.hpp"
 
-#include "polygonize_fields.hpp"
+#include "implicit/polygonize_fields.hpp"
 
 namespace csrbf {
 namespace {
@@ -59,9 +59,9 @@ TEST(Polygonize, GivenBoundsAreDividedIntoWholeCellsOfAboutTheSize) {
 
 TEST(Polygonize, ChoosesTheResolutionByTheDetailOfTheField) {
   struct Detailed : Implicit {
-    explicit Detailed(double detail) : Implicit(sphere(1)), detail_(detail) {}
-    [[nodiscard]] double detail() const override { return detail_; }
-    double detail_;
+    explicit Detailed(double feature_size) : Implicit(sphere(1)), feature_size_(feature_size) {}
+    [[nodiscard]] double feature_size() const override { return feature_size_; }
+    double feature_size_;
   };
   EXPECT_EQ(automatic_resolution(Detailed(2.0 / 100.5)), 101);
   EXPECT_EQ(automatic_resolution(Detailed(2.0 / 31)), 32);

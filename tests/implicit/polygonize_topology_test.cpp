@@ -1,4 +1,4 @@
-#include "polygonize_fields.hpp"
+#include "implicit/polygonize_fields.hpp"
 
 namespace csrbf {
 namespace {

@@ -1,7 +1,7 @@
 #include "csrbf/implicit/raycast.hpp"
 
 #include "core/error_testing.hpp"
-#include "csrbf/approx/expansion.hpp"
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/combine.hpp"
 #include "implicit/analytic_fields.hpp"

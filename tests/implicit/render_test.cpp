@@ -1,8 +1,8 @@
 #include "csrbf/implicit/render.hpp"
 
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/implicit/mesh_scene.hpp"
-#include "csrbf/implicit/render_tile.hpp"
+#include "csrbf/implicit/render/mesh_scene.hpp"
+#include "csrbf/implicit/render/render_tile.hpp"
 #include "implicit/mesh_testing.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "csrbf/implicit/sample_particles.hpp"
 
 #include "core/error_testing.hpp"
-#include "polygonize_fields.hpp"
+#include "implicit/polygonize_fields.hpp"
 
 #include "csrbf/spatial/kd_tree.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "core/error_testing.hpp"
 #include "csrbf/io/polylines.hpp"
-#include "io_testing.hpp"
+#include "io/io_testing.hpp"
 
 #include <regex>
 

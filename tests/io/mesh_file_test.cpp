@@ -1,9 +1,9 @@
 #include "csrbf/io/mesh.hpp"
 
-#include "csrbf/io/bytes.hpp"
+#include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/image.hpp"
 
-#include "io_testing.hpp"
+#include "io/io_testing.hpp"
 
 namespace csrbf {
 namespace {

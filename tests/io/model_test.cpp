@@ -1,6 +1,6 @@
 #include "csrbf/io/model.hpp"
 
-#include "csrbf/io/archive.hpp"
+#include "csrbf/io/models/archive.hpp"
 #include "io/io_testing.hpp"
 #include "surface/composite_field_testing.hpp"
 
@@ -66,7 +66,7 @@ TEST(Model, KeepsValuesGradientsAndHessiansBitForBit) {
   EXPECT_EQ(read->bounds().lo, field.bounds().lo);
   EXPECT_EQ(read->bounds().hi, field.bounds().hi);
   EXPECT_EQ(read->seeds(), field.seeds());
-  EXPECT_EQ(read->detail(), field.detail());
+  EXPECT_EQ(read->feature_size(), field.feature_size());
 }
 
 TEST(Model, IsTheSameFileWhenWrittenAgain) {

@@ -1,9 +1,9 @@
 #include "csrbf/io/points.hpp"
 
-#include "csrbf/io/bytes.hpp"
-#include "csrbf/io/npy.hpp"
+#include "csrbf/io/files/bytes.hpp"
+#include "csrbf/io/files/npy.hpp"
 
-#include "io_testing.hpp"
+#include "io/io_testing.hpp"
 
 namespace csrbf {
 namespace {

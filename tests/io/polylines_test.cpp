@@ -1,9 +1,9 @@
 #include "csrbf/io/polylines.hpp"
 
 #include "core/error_testing.hpp"
-#include "csrbf/io/bytes.hpp"
-#include "csrbf/io/ply.hpp"
-#include "io_testing.hpp"
+#include "csrbf/io/files/bytes.hpp"
+#include "csrbf/io/geometry/ply.hpp"
+#include "io/io_testing.hpp"
 
 namespace csrbf {
 namespace {

@@ -1,8 +1,8 @@
 #include "csrbf/io/samples.hpp"
 
-#include "csrbf/io/npy.hpp"
+#include "csrbf/io/files/npy.hpp"
 
-#include "io_testing.hpp"
+#include "io/io_testing.hpp"
 
 namespace csrbf {
 namespace {

@@ -1,7 +1,7 @@
-#include "csrbf/io/npy.hpp"
+#include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/volume.hpp"
 
-#include "io_testing.hpp"
+#include "io/io_testing.hpp"
 
 namespace csrbf {
 namespace {

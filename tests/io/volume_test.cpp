@@ -3,7 +3,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/io/image.hpp"
 
-#include "io_testing.hpp"
+#include "io/io_testing.hpp"
 
 namespace csrbf {
 namespace {

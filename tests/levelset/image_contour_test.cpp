@@ -16,7 +16,8 @@ constexpr double pi = std::numbers::pi;
 template <int Dim>
 class Ball final : public Field<Dim> {
  public:
-  Ball(const Point<Dim>& center, double radius, double detail) : center_(center), radius_(radius), detail_(detail) {}
+  Ball(const Point<Dim>& center, double radius, double feature_size)
+      : center_(center), radius_(radius), feature_size_(feature_size) {}
   void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override {
     for (Index i = 0; i < x.cols(); ++i) {
       const Point<Dim> d = x.col(i) - center_;
@@ -25,11 +26,11 @@ class Ball final : public Field<Dim> {
     }
   }
   [[nodiscard]] Box<Dim> bounds() const override { return {}; }
-  [[nodiscard]] double detail() const override { return detail_; }
+  [[nodiscard]] double feature_size() const override { return feature_size_; }
 
  private:
   Point<Dim> center_;
-  double radius_, detail_;
+  double radius_, feature_size_;
 };
 
 // A volume of 40 x 32 x 12 with axes that are turned in space and partly mirrored.
@@ -109,7 +110,7 @@ TEST(ImageContour, OfAllOrNothingHasNoMesh) {
       if (out.gradient != nullptr) std::fill_n(out.gradient, 3 * x.cols(), 0.0);
     }
     [[nodiscard]] Box<3> bounds() const override { return {}; }
-    [[nodiscard]] double detail() const override { return 1; }
+    [[nodiscard]] double feature_size() const override { return 1; }
 
    private:
     double value_;

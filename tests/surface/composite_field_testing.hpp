@@ -1,7 +1,7 @@
 #pragma once
 
 #include "csrbf/spatial/farthest_points.hpp"
-#include "csrbf/surface/composite_field.hpp"
+#include "csrbf/surface/composite/composite_field.hpp"
 #include "surface/surface_testing.hpp"
 
 namespace csrbf {
@@ -17,8 +17,8 @@ inline CompositeField composite_field(const PointCloud& cloud, double area, cons
   area /= data.scale * data.scale;
   const CompositeFit finest = fit_composite(oriented(unit, area), options);
   data.winding = WindingNumber(unit.points, unit.normals, finest.areas, 0.7 * finest.areas.cwiseSqrt());
-  data.detail = std::sqrt(finest.areas.mean());
-  data.far_value = 3 * data.detail;
+  data.feature_size = std::sqrt(finest.areas.mean());
+  data.far_value = 3 * data.feature_size;
   data.levels.push_back(finest.patches);
   while (unit.size() >= 400) {
     const std::vector<Index> kept = farthest_points<3>(unit.points, unit.size() / 4).indices;

@@ -1,8 +1,8 @@
 #include "csrbf/surface/reconstruct_contours.hpp"
 
-#include "contour_testing.hpp"
 #include "csrbf/implicit/polygonize.hpp"
-#include "surface_testing.hpp"
+#include "surface/contour_testing.hpp"
+#include "surface/surface_testing.hpp"
 
 namespace csrbf {
 namespace {
@@ -85,9 +85,9 @@ TEST(ReconstructContours, MeetsTheContoursWithNormalsOutwards) {
   const Built built = build(contours);
   const ReconstructReport& report = built.surface.report;
   EXPECT_EQ(report.method, "contours");
-  EXPECT_EQ(report.contours, 8);
-  EXPECT_EQ(report.slices, 8);
-  EXPECT_EQ(report.lids, 0);
+  EXPECT_EQ(report.contours->contours, 8);
+  EXPECT_EQ(report.contours->slices, 8);
+  EXPECT_EQ(report.contours->caps, 0);
   EXPECT_EQ(report.smoothing, 0);
   EXPECT_EQ(report.points_used, contours.vertices.cols());
   EXPECT_LT(report.max_distance, 2e-5);  // what needs no correction
@@ -110,8 +110,8 @@ TEST(ReconstructContours, FindsAnEllipsoidThatIsTiltedAgainstTheSlices) {
 TEST(ReconstructContours, JoinsTwoCurvesOfASliceIntoATorus) {
   const double top = Torus{}.major + Torus{}.minor;
   const Built coarse = build(cut(torus, -top, top, 8)), fine = build(cut(torus, -top, top, 14), {.centers = 1400});
-  EXPECT_EQ(fine.surface.report.slices, 14);
-  EXPECT_GT(fine.surface.report.contours, 14);
+  EXPECT_EQ(fine.surface.report.contours->slices, 14);
+  EXPECT_GT(fine.surface.report.contours->contours, 14);
   expect_closed(coarse.mesh, 1, 0);
   expect_closed(fine.mesh, 1, 0);
   EXPECT_LT(rms(coarse, torus), 3e-3);
@@ -122,7 +122,7 @@ TEST(ReconstructContours, MakesAHoleOfACurveWithinAnother) {
   // Around z every slice is a ring.
   const auto ring = [](const Point<3>& p) { return Torus{}.depth(p); };
   const Built built = build(cut(ring, -Torus{}.minor, Torus{}.minor, 6, 1.5));
-  EXPECT_EQ(built.surface.report.contours, 12);
+  EXPECT_EQ(built.surface.report.contours->contours, 12);
   expect_closed(built.mesh, 1, 0);
   EXPECT_LT(rms(built, ring), 2e-3);
 }
@@ -130,7 +130,7 @@ TEST(ReconstructContours, MakesAHoleOfACurveWithinAnother) {
 TEST(ReconstructContours, BuildsAVentricleWithACavityAndALidAroundIt) {
   const Built built = build(cut(cup, -1.5, 0.1, 10, 1.4));
   expect_closed(built.mesh, 1, 2);
-  EXPECT_GE(built.surface.report.lids, 1);
+  EXPECT_GE(built.surface.report.contours->caps, 1);
   EXPECT_LT(rms(built, cup, -1.3, 0), 5e-3);
   EXPECT_LT((*built.surface.field)({-0.15, 0, -0.5}), 0);   // in the cavity
   EXPECT_GT((*built.surface.field)({-0.35, 0, -1.25}), 0);  // below it
@@ -139,7 +139,7 @@ TEST(ReconstructContours, BuildsAVentricleWithACavityAndALidAroundIt) {
 TEST(ReconstructContours, LetsOneCurveBecomeTwo) {
   const Built built = build(cut(branches, -1, 1, 10));
   expect_closed(built.mesh, 1, 2);
-  EXPECT_EQ(built.surface.report.lids, 2);
+  EXPECT_EQ(built.surface.report.contours->caps, 2);
   EXPECT_LT(rms(built, branches, -0.9, 0.9), 8e-3);  // its crotch is a sharp crease
 }
 
@@ -170,8 +170,8 @@ TEST(ReconstructContours, TakesSlicesOfDifferentDirections) {
   for (const double angle : {0.0, pi / 3, 2 * pi / 3})
     cuts.push_back({{0, 0, 0}, {std::cos(angle), std::sin(angle), 0}});
   const Built built = build(ContourCutter(ellipsoid, 1.8, cells)(cuts));
-  EXPECT_EQ(built.surface.report.slices, 7);
-  EXPECT_EQ(built.surface.report.lids, 0);
+  EXPECT_EQ(built.surface.report.contours->slices, 7);
+  EXPECT_EQ(built.surface.report.contours->caps, 0);
   expect_closed(built.mesh, 1, 2);
   EXPECT_LT(rms(built, ellipsoid), 2e-3);
 }

@@ -141,8 +141,9 @@ TEST(Reconstruct, KeepsTheTolerance) {
   for (const double tolerance : {1e-3, 1e-5}) {
     const ReconstructReport report = reconstruct(cloud, {.tolerance = tolerance}).report;
     EXPECT_LE(report.max_distance, tolerance);
-    EXPECT_GT(report.patches, last) << "a smaller tolerance takes more patches";
-    last = report.patches;
+    ASSERT_TRUE(report.composite);
+    EXPECT_GT(report.composite->patches, last) << "a smaller tolerance takes more patches";
+    last = report.composite->patches;
   }
 }
 
@@ -150,7 +151,7 @@ TEST(Reconstruct, EstimatesNormalsThatAreNotGiven) {
   PointCloud cloud = sphere(2000);
   cloud.normals.resize(3, 0);
   const Reconstruction result = reconstruct(cloud);
-  EXPECT_EQ(result.report.normals, "estimated");
+  EXPECT_EQ(result.report.normals, NormalSource::estimated);
   const Mesh mesh = polygonize(*result.field);
   expect_closed(mesh, 1, 2);
   EXPECT_LT(largest_sphere_error(mesh), sphere_accuracy);
@@ -177,7 +178,7 @@ TEST(Reconstruct, TurnsAFlippedPatchOfNormals) {
   for (Index i = 0; i < cloud.size(); ++i)
     if (cloud.points(0, i) > 0.5) cloud.normals.col(i) *= -1;
   const Reconstruction result = reconstruct(cloud);
-  EXPECT_EQ(result.report.normals, "re-oriented");
+  EXPECT_EQ(result.report.normals, NormalSource::reoriented);
   expect_closed(polygonize(*result.field), 1, 2);
 }
 

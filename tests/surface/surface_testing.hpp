@@ -2,7 +2,7 @@
 
 #include "core/error_testing.hpp"
 #include "csrbf/core/mesh.hpp"
-#include "csrbf/surface/composite.hpp"
+#include "csrbf/surface/composite/composite.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>

@@ -1,6 +1,6 @@
 #include "csrbf/approx/rbf_interpolator.hpp"
 
-#include "csrbf/approx/local_interpolants.hpp"
+#include "csrbf/approx/global/local_interpolants.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <utility>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "csrbf/approx/nearest_samples.hpp"
-#include "csrbf/approx/rbf_system.hpp"
+#include "csrbf/approx/global/rbf_system.hpp"
+#include "csrbf/approx/samples/nearest_samples.hpp"
 #include "csrbf/core/progress.hpp"
 
 #include <limits>

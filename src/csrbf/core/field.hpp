@@ -57,9 +57,9 @@ struct JetBlock {
 
 /// Bounds that hold at every point of a box.
 struct Enclosure {
-  double lo = 0, hi = 0;  ///< lo <= f <= hi
-  double slope = 0;       ///< |f(p) - f(q)| <= slope |p - q|: bound of the gradient
-  double bend = 0;        ///< |t.H t| <= bend for unit vectors t; infinite where the gradient may jump
+  double lo = 0, hi = 0;     ///< lo <= f <= hi
+  double lipschitz = 0;      ///< |f(p) - f(q)| <= lipschitz |p - q|: bound of the gradient
+  double hessian_bound = 0;  ///< |t.H t| <= hessian_bound for unit vectors t; infinite where the gradient may jump
 };
 
 /// A smooth scalar function on R^Dim; the only interface between the parts of the library.
@@ -85,7 +85,7 @@ class Field {
   [[nodiscard]] virtual Points<Dim> seeds() const { return Points<Dim>(Dim, 0); }
 
   /// Length of the smallest detail the field can hold, for choosing a cell size; 0 when nothing is known.
-  [[nodiscard]] virtual double detail() const { return 0; }
+  [[nodiscard]] virtual double feature_size() const { return 0; }
 
   /// An order in which points are fast to evaluate; empty when the given one will do.
   [[nodiscard]] virtual std::vector<Index> evaluation_order(const PointsRef<Dim>& /*x*/) const { return {}; }

@@ -1,7 +1,7 @@
 #include "csrbf/implicit/combine.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/implicit/extend_distance.hpp"
+#include "csrbf/implicit/combine/extend_distance.hpp"
 
 #include <algorithm>
 #include <array>
@@ -86,8 +86,8 @@ Solid combine(Operation operation, const std::vector<Solid>& solids, const Combi
     data.range = options.radius * box_of(solids).diagonal();
   for (std::size_t i = 0; i < solids.size(); ++i) {
     const bool complemented = operation == Operation::intersect || (operation == Operation::subtract && i == 0);
-    const double detail = solids[i]->detail();
-    const bool far_reaching = detail > 0 && detail < data.range;
+    const double feature_size = solids[i]->feature_size();
+    const bool far_reaching = feature_size > 0 && feature_size < data.range;
     data.terms.push_back(
         {far_reaching ? extend_distance(solids[i], data.range, options.progress) : solids[i], complemented});
   }
@@ -150,11 +150,11 @@ Points<3> CombinedField::seeds() const {
   return seeds;
 }
 
-double CombinedField::detail() const {
+double CombinedField::feature_size() const {
   double smallest = 0;
   for (const Term& term : data_.terms) {
-    const double detail = term.solid->detail();
-    if (detail > 0 && (smallest == 0 || detail < smallest)) smallest = detail;
+    const double feature_size = term.solid->feature_size();
+    if (feature_size > 0 && (smallest == 0 || feature_size < smallest)) smallest = feature_size;
   }
   return smallest;
 }

@@ -55,9 +55,9 @@ struct CombineOptions {
 };
 
 /// The union, intersection, difference or complement of solids, which is a solid again: with exact derivatives, the box
-/// of the result, and seeds and detail when all solids have them. Its values are those of a distance where those of the
-/// solids are; blends need that within their range, and see to it by extend_distance() for solids that know their
-/// detail.
+/// of the result, and seeds and feature size when all solids have them. Its values are those of a distance where those
+/// of the solids are; blends need that within their range, and see to it by extend_distance() for solids that know
+/// their feature size.
 ///
 /// Throws InvalidInput for fewer than two solids (complement: other than one), null pointers, and options outside the
 /// above; whatever extend_distance() throws.
@@ -92,7 +92,7 @@ class CombinedField final : public Field<3> {
   /// Those of all solids: some may be far from the surface of the result.
   [[nodiscard]] Points<3> seeds() const override;
   /// The smallest of the solids.
-  [[nodiscard]] double detail() const override;
+  [[nodiscard]] double feature_size() const override;
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<3>& x) const override;
 
   /// From those of the solids, if all have some.

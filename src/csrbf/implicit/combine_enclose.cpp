@@ -8,7 +8,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 Enclosure complement_of(const Enclosure& e) {
-  return {-e.hi, -e.lo, e.slope, e.bend};
+  return {-e.hi, -e.lo, e.lipschitz, e.hessian_bound};
 }
 
 // Of max f_i: where only one of them can be the largest, it is that one; else gradients may jump.
@@ -22,10 +22,10 @@ Enclosure sharp_union(const std::vector<Enclosure>& parts) {
   for (const Enclosure& part : parts) {
     if (part.hi < result.lo) continue;
     ++possible;
-    result.slope = std::max(result.slope, part.slope);
-    result.bend = std::max(result.bend, part.bend);
+    result.lipschitz = std::max(result.lipschitz, part.lipschitz);
+    result.hessian_bound = std::max(result.hessian_bound, part.hessian_bound);
   }
-  if (possible > 1) result.bend = infinite;
+  if (possible > 1) result.hessian_bound = infinite;
   return result;
 }
 
@@ -38,10 +38,10 @@ double smallest_magnitude(const Enclosure& e) {
 // are at most 1 / rho.
 Enclosure r_union(const Enclosure& f, const Enclosure& g) {
   const double rho = std::hypot(smallest_magnitude(f), smallest_magnitude(g));
-  const double slopes = f.slope * f.slope + g.slope * g.slope;
+  const double slopes = f.lipschitz * f.lipschitz + g.lipschitz * g.lipschitz;
   const auto value = [](double a, double b) { return a + b + std::hypot(a, b); };
-  return {value(f.lo, g.lo), value(f.hi, g.hi), 2 * (f.slope + g.slope),
-          rho > 0 ? 2 * (f.bend + g.bend) + slopes / rho : infinite};
+  return {value(f.lo, g.lo), value(f.hi, g.hi), 2 * (f.lipschitz + g.lipschitz),
+          rho > 0 ? 2 * (f.hessian_bound + g.hessian_bound) + slopes / rho : infinite};
 }
 
 double super_elliptic(const std::vector<double>& f, double R, double b) {
@@ -67,13 +67,13 @@ Enclosure super_elliptic_union(const std::vector<Enclosure>& parts, double R, do
   for (const Enclosure& part : parts) {
     lo.push_back(part.lo);
     hi.push_back(part.hi);
-    slope = std::max(slope, part.slope);
-    bend = std::max(bend, part.bend);
-    squares += part.slope * part.slope;
+    slope = std::max(slope, part.lipschitz);
+    bend = std::max(bend, part.hessian_bound);
+    squares += part.lipschitz * part.lipschitz;
   }
   const double factor = std::pow(static_cast<double>(parts.size()), 1 / b);
   Enclosure result{super_elliptic(lo, R, b), super_elliptic(hi, R, b), factor * slope, infinite};
-  if (b >= 2 && result.lo > -R) result.bend = factor * bend + (b - 1) / (R + result.lo) * squares;
+  if (b >= 2 && result.lo > -R) result.hessian_bound = factor * bend + (b - 1) / (R + result.lo) * squares;
   return result;
 }
 
@@ -88,12 +88,12 @@ Enclosure log_sum_exp_union(const std::vector<Enclosure>& parts, double R, doubl
   };
   result.lo = value(&Enclosure::lo);
   result.hi = value(&Enclosure::hi);
-  result.slope = result.bend = 0;
+  result.lipschitz = result.hessian_bound = 0;
   for (const Enclosure& part : parts) {
-    result.slope = std::max(result.slope, part.slope);
-    result.bend = std::max(result.bend, part.bend);
+    result.lipschitz = std::max(result.lipschitz, part.lipschitz);
+    result.hessian_bound = std::max(result.hessian_bound, part.hessian_bound);
   }
-  result.bend += b / R * result.slope * result.slope;
+  result.hessian_bound += b / R * result.lipschitz * result.lipschitz;
   return result;
 }
 

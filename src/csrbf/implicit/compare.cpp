@@ -3,9 +3,9 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
-#include "csrbf/implicit/sample_surface.hpp"
-#include "csrbf/implicit/triangle_geometry.hpp"
-#include "csrbf/implicit/triangle_tree.hpp"
+#include "csrbf/implicit/mesh/sample_surface.hpp"
+#include "csrbf/implicit/mesh/triangle_geometry.hpp"
+#include "csrbf/implicit/mesh/triangle_tree.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,7 +1,7 @@
 #include "csrbf/implicit/contour_lines.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/implicit/contour_network.hpp"
+#include "csrbf/implicit/curves/contour_network.hpp"
 
 #include <algorithm>
 
@@ -176,7 +176,7 @@ int automatic_resolution(const Field<2>& field) {
   constexpr double fewest = 32;
   constexpr double most = 2048;
   constexpr int unknown = 256;
-  const double cells = field.bounds().extent().maxCoeff() / field.detail();
+  const double cells = field.bounds().extent().maxCoeff() / field.feature_size();
   return std::isfinite(cells) && cells > 0 ? static_cast<int>(std::clamp(std::ceil(cells), fewest, most)) : unknown;
 }
 

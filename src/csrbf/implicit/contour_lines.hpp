@@ -50,8 +50,8 @@ struct ContourLines {
   double area_error = 0;
 };
 
-/// Cells along the longest side that show the detail of the field: cells as long as its detail, between 32 and 2048 of
-/// them; 256 when the field does not know its detail.
+/// Cells along the longest side that show the smallest features of the field: cells of its feature size, between 32 and
+/// 2048 of them; 256 when the field does not know its feature size.
 int automatic_resolution(const Field<2>& field);
 
 /// The curves f = level in the plane, with points on them to about 1e-7 of a cell: marching squares, with the

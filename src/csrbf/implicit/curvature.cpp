@@ -2,7 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
-#include "csrbf/implicit/tangents.hpp"
+#include "csrbf/implicit/curves/tangents.hpp"
 
 namespace csrbf {
 namespace {

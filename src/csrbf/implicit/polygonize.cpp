@@ -1,14 +1,14 @@
 #include "csrbf/implicit/polygonize.hpp"
 
-#include "csrbf/implicit/cell_tetrahedra.hpp"
-#include "csrbf/implicit/cell_tracer.hpp"
-#include "csrbf/implicit/cell_triangles.hpp"
-#include "csrbf/implicit/center_vertices.hpp"
-#include "csrbf/implicit/dual_triangles.hpp"
-#include "csrbf/implicit/edge_collapse.hpp"
-#include "csrbf/implicit/edge_vertices.hpp"
-#include "csrbf/implicit/merge_cells.hpp"
-#include "csrbf/implicit/start_cells.hpp"
+#include "csrbf/implicit/polygonize/cell_tetrahedra.hpp"
+#include "csrbf/implicit/polygonize/cell_tracer.hpp"
+#include "csrbf/implicit/polygonize/cell_triangles.hpp"
+#include "csrbf/implicit/polygonize/center_vertices.hpp"
+#include "csrbf/implicit/polygonize/dual_triangles.hpp"
+#include "csrbf/implicit/polygonize/edge_collapse.hpp"
+#include "csrbf/implicit/polygonize/edge_vertices.hpp"
+#include "csrbf/implicit/polygonize/merge_cells.hpp"
+#include "csrbf/implicit/polygonize/start_cells.hpp"
 
 #include <Eigen/Geometry>
 
@@ -218,7 +218,7 @@ int automatic_resolution(const Field<3>& field) {
   constexpr double fewest = 32;
   constexpr double most = 1024;
   constexpr int unknown = 128;
-  const double cells = field.bounds().extent().maxCoeff() / field.detail();
+  const double cells = field.bounds().extent().maxCoeff() / field.feature_size();
   return std::isfinite(cells) && cells > 0 ? static_cast<int>(std::clamp(std::ceil(cells), fewest, most)) : unknown;
 }
 

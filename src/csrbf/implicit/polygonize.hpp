@@ -71,8 +71,8 @@ struct PolygonizeOptions {
   PolygonizeStatistics* statistics = nullptr;  ///< filled when not null
 };
 
-/// Cells along the longest side that show the detail of the field: cells as long as its detail, between 32 and 1024 of
-/// them; 128 when the field does not know its detail.
+/// Cells along the longest side that show the smallest features of the field: cells of its feature size, between 32 and
+/// 1024 of them; 128 when the field does not know its feature size.
 int automatic_resolution(const Field<3>& field);
 
 /// Triangle mesh of the surface f = level, by every method closed, manifold and oriented by construction. Surfaces that

@@ -2,7 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
-#include "csrbf/implicit/plane_section.hpp"
+#include "csrbf/implicit/curves/plane_section.hpp"
 
 namespace csrbf {
 namespace {

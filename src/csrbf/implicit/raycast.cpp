@@ -2,7 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/implicit/polygonize.hpp"
-#include "csrbf/implicit/ray_search.hpp"
+#include "csrbf/implicit/rays/ray_search.hpp"
 
 namespace csrbf {
 namespace {

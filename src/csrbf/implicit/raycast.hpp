@@ -1,7 +1,7 @@
 #pragma once
 
-#include "csrbf/implicit/candidate_cells.hpp"
-#include "csrbf/implicit/ray.hpp"
+#include "csrbf/implicit/rays/candidate_cells.hpp"
+#include "csrbf/implicit/rays/ray.hpp"
 
 #include <limits>
 #include <span>

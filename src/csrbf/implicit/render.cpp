@@ -2,9 +2,9 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/implicit/field_scene.hpp"
-#include "csrbf/implicit/mesh_scene.hpp"
-#include "csrbf/implicit/render_tile.hpp"
+#include "csrbf/implicit/render/field_scene.hpp"
+#include "csrbf/implicit/render/mesh_scene.hpp"
+#include "csrbf/implicit/render/render_tile.hpp"
 
 namespace csrbf {
 namespace {

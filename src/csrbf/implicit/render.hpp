@@ -3,65 +3,9 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/image.hpp"
 #include "csrbf/core/mesh.hpp"
-#include "csrbf/core/progress.hpp"
-
-#include <array>
+#include "csrbf/implicit/render_options.hpp"
 
 namespace csrbf {
-
-/// What the colour of a surface says.
-enum class RenderColor {
-  plain,               ///< the material, or the vertex colours (properties red, green, blue) of a mesh
-  normal,              ///< the outward normal as (n + 1) / 2 in red, green and blue, without light
-  mean_curvature,      ///< blue - white - red for concave - flat - convex
-  gaussian_curvature,  ///< blue - white - red for saddle - parabolic - elliptic
-  error,               ///< distance to the mesh `reference`: dark blue (none) to yellow
-};
-
-/// How the triangles of a mesh are shaded.
-enum class MeshShading {
-  smooth,  ///< by the mesh's vertex normals; without, by normals averaged over edges flatter than 40 degrees
-  flat,    ///< by the triangles' own normals
-};
-
-/// What the surface stands on.
-enum class Ground {
-  none,
-  shadow,  ///< a plane below the lowest point that shows only where the surface keeps light away
-};
-
-enum class UpAxis { x, y, z };
-
-/// Red, green and blue in sRGB, each in [0, 1].
-using Rgb = std::array<float, 3>;
-
-struct RenderOptions {
-  int width = 800;   ///< pixels, at most 32768
-  int height = 600;  ///< pixels, at most 32768
-
-  std::array<double, 2> view{30, 20};  ///< where the camera stands, degrees: azimuth about the up axis (about z from x
-                                       ///< towards y), elevation from the horizontal plane upwards, in [-90, 90]
-  UpAxis up = UpAxis::z;
-  double field_of_view = 20;  ///< degrees across the shorter side of the picture, in [0, 150]; 0 = orthographic
-  double margin = 0.06;       ///< empty border on each side, fraction of the picture, in [0, 0.5)
-  Box<3> frame = {};          ///< what the camera frames; empty = the surface itself
-
-  RenderColor color = RenderColor::plain;
-  const Mesh* reference = nullptr;  ///< of RenderColor::error
-  double color_limit = 0;  ///< value at the ends of the colour scale, in units of the diagonal D of the surface's box:
-                           ///< mean curvature times D, Gaussian curvature times D^2, error / (diagonal of the
-                           ///< reference); 0 = chosen so that 95 % of the visible surface lies within (error: 99 %)
-  Rgb material{0.80F, 0.76F, 0.71F};
-  Rgb background{1, 1, 1};
-  MeshShading shading = MeshShading::smooth;
-  Ground ground = Ground::shadow;
-
-  int samples = 2;             ///< antialiasing: samples x samples rays per pixel, in [1, 8]
-  int occlusion_rays = 16;     ///< rays per pixel for ambient occlusion and soft shadows, in [0, 1024]; 0 = none
-  int field_resolution = 256;  ///< cells along the longest side of a field's bounds, in [4, 1024]: see render(field)
-
-  Progress progress = {};  ///< stage "render"
-};
 
 /// Ray-traced picture of a mesh. The picture depends on the mesh and the options only and is invariant under a common
 /// similarity of mesh, frame and reference. Curvature colours are read from the vertex properties mean_curvature and

@@ -1,7 +1,7 @@
 #include "csrbf/implicit/sample_particles.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/implicit/hash_random.hpp"
+#include "csrbf/implicit/mesh/hash_random.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 #include <vector>

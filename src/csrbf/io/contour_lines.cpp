@@ -1,10 +1,10 @@
 #include "csrbf/io/contour_lines.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/atomic_file.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/polylines.hpp"
-#include "csrbf/io/read_file.hpp"
-#include "csrbf/io/text.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
 #include "csrbf/io/image.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/atomic_file.hpp"
-#include "csrbf/io/png.hpp"
-#include "csrbf/io/read_file.hpp"
-#include "csrbf/io/text.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/text.hpp"
+#include "csrbf/io/images/png.hpp"
 
 namespace csrbf {
 

@@ -1,16 +1,16 @@
 #include "csrbf/io/mesh.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/atomic_file.hpp"
-#include "csrbf/io/float_coordinates.hpp"
-#include "csrbf/io/obj.hpp"
-#include "csrbf/io/off.hpp"
-#include "csrbf/io/ply.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/text.hpp"
+#include "csrbf/io/geometry/float_coordinates.hpp"
+#include "csrbf/io/geometry/obj.hpp"
+#include "csrbf/io/geometry/off.hpp"
+#include "csrbf/io/geometry/ply.hpp"
+#include "csrbf/io/geometry/stl.hpp"
 #include "csrbf/io/points.hpp"
-#include "csrbf/io/read_file.hpp"
-#include "csrbf/io/stl.hpp"
-#include "csrbf/io/text.hpp"
-#include "csrbf/io/vtp.hpp"
+#include "csrbf/io/vtk/vtp.hpp"
 
 #include <sstream>
 

@@ -1,9 +1,9 @@
 #include "csrbf/io/model.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/archive.hpp"
-#include "csrbf/io/function_archive.hpp"
-#include "csrbf/io/surface_archive.hpp"
+#include "csrbf/io/models/archive.hpp"
+#include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/io/models/surface_archive.hpp"
 #include "csrbf/levelset/lattice_field.hpp"
 #include "csrbf/levelset/segment_fields.hpp"
 

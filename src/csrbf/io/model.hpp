@@ -1,7 +1,7 @@
 #pragma once
 
-#include "csrbf/approx/function.hpp"
 #include "csrbf/core/field.hpp"
+#include "csrbf/io/named_function.hpp"
 #include "csrbf/levelset/segment.hpp"
 
 #include <memory>
@@ -17,13 +17,6 @@ void write_model(const std::string& path, const Field<3>& field);
 /// Reads the implicit surface of a .csrbf file; a function of three variables with one component counts as one. Throws
 /// IoError for files that are missing, damaged, of another kind or from the future.
 std::shared_ptr<const Field<3>> read_model(const std::string& path);
-
-/// A fitted function and the names of the columns that its samples had.
-struct NamedFunction {
-  Function function;
-  std::vector<std::string> coordinate_names = {};  ///< empty: x y z, or x1 x2 ... from four on
-  std::vector<std::string> value_names = {};       ///< empty: value, or value1 value2 ...
-};
 
 /// The level sets of a segmentation as a function of two or three variables, for write_model(): of two regions the one
 /// component `level_set`, positive in region 1; of more one for each, `region0`, `region1`, ..., of which one is

@@ -1,13 +1,13 @@
 #include "csrbf/io/polylines.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/atomic_file.hpp"
-#include "csrbf/io/obj.hpp"
-#include "csrbf/io/ply.hpp"
-#include "csrbf/io/point_table.hpp"
-#include "csrbf/io/read_file.hpp"
-#include "csrbf/io/text.hpp"
-#include "csrbf/io/vtp.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/text.hpp"
+#include "csrbf/io/geometry/obj.hpp"
+#include "csrbf/io/geometry/ply.hpp"
+#include "csrbf/io/geometry/point_table.hpp"
+#include "csrbf/io/vtk/vtp.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,11 +2,11 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
-#include "csrbf/io/atomic_file.hpp"
-#include "csrbf/io/npy.hpp"
-#include "csrbf/io/read_file.hpp"
-#include "csrbf/io/table.hpp"
-#include "csrbf/io/text.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/npy.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/table.hpp"
+#include "csrbf/io/files/text.hpp"
 
 #include <algorithm>
 #include <array>

@@ -29,10 +29,10 @@ std::vector<std::string> default_coordinate_names(Index d);
 std::vector<std::string> default_value_names(Index k);
 
 /// Reads samples: .csv .txt .tsv .dat .xyz and "-" for standard input (numbers separated by commas, semicolons, tabs or
-/// blanks, with a line of column names or without, see io/table.hpp) or .npy (an (n, d+1) array). Columns that are not
-/// used may hold text; empty cells, NA and null are missing numbers. Columns without names get the default ones. Throws
-/// IoError "file:line: ..." for what cannot be read, for unknown columns (naming those there are), negative weights and
-/// when no row is left.
+/// blanks, with a line of column names or without, see io/files/table.hpp) or .npy (an (n, d+1) array). Columns that
+/// are not used may hold text; empty cells, NA and null are missing numbers. Columns without names get the default
+/// ones. Throws IoError "file:line: ..." for what cannot be read, for unknown columns (naming those there are),
+/// negative weights and when no row is left.
 SampleTable read_samples(const std::string& path, const SampleColumns& columns = {});
 
 /// Reads points to evaluate at, in the formats of samples: the columns of these names when the file has all of them,

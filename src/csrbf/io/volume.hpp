@@ -10,8 +10,8 @@ namespace csrbf {
 /// - .png, .pgm, .ppm: pictures of 8 and 16 bits; .tif, .tiff: pages are slices.
 /// - .nii, .nii.gz, .nrrd, .mha, .mhd: with spacing, origin and direction. Lengths are mm where the file says its unit.
 /// - .vti: images of VTK and ParaView, with spacing, origin and direction as they are in the file.
-/// - .npy: [x], [y, x], [z, y, x] or [t, z, y, x]; see io/npy_volume.hpp for axes of components.
-/// - .dcm, other DICOM files and folders of them, when built with GDCM: see io/dicom.hpp.
+/// - .npy: [x], [y, x], [z, y, x] or [t, z, y, x]; see io/images/npy_volume.hpp for axes of components.
+/// - .dcm, other DICOM files and folders of them, when built with GDCM: see io/images/dicom.hpp.
 /// Without a header voxels have size 1 and the first is centred at the origin. Samples with a scale (NIfTI) become
 /// floats; NaN is a value like others. Throws IoError naming the file and the place; takes memory only when the file
 /// can hold what its header promises.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/approx/expansion.hpp"
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/levelset/force_update.hpp"
 #include "csrbf/levelset/nodes.hpp"

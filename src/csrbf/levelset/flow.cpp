@@ -1,6 +1,6 @@
 #include "csrbf/levelset/flow.hpp"
 
-#include "csrbf/approx/spacing.hpp"
+#include "csrbf/approx/samples/spacing.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/levelset/node_system.hpp"
 

@@ -42,7 +42,7 @@ class InImage final : public Field<Dim> {
     }
   }
   [[nodiscard]] Box<Dim> bounds() const override { return box_; }
-  [[nodiscard]] double detail() const override { return field_.detail(); }
+  [[nodiscard]] double feature_size() const override { return field_.feature_size(); }
   [[nodiscard]] const Map& to_physical() const { return to_physical_; }
 
  private:

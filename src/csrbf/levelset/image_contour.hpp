@@ -8,7 +8,7 @@ namespace csrbf {
 
 struct ImageContourOptions {
   int resolution =
-      0;  ///< cells along the longest side of the image; 0: the detail of the level set, in the plane half of it
+      0;  ///< cells along the longest side of the image; 0: the feature size of the level set, in the plane half of it
   Progress progress = {};  ///< stages of contour_lines() and polygonize()
 };
 

@@ -32,7 +32,7 @@ class LatticeField final : public Field<Dim> {
   /// Between neighbouring nodes inside the bounds on different sides of the zero set: parts of it that lie within one
   /// cell of the lattice are left out. One value per node.
   [[nodiscard]] Points<Dim> seeds() const override;
-  [[nodiscard]] double detail() const override { return data_.step.minCoeff(); }
+  [[nodiscard]] double feature_size() const override { return data_.step.minCoeff(); }
   [[nodiscard]] const Data& data() const { return data_; }
 
  private:

@@ -1,6 +1,6 @@
 #include "csrbf/levelset/node_system.hpp"
 
-#include "csrbf/approx/polynomial_block.hpp"
+#include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/sparse_cholesky.hpp"
 #include "csrbf/linalg/toeplitz_system.hpp"

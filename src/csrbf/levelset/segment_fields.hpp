@@ -30,7 +30,7 @@ class LargestField final : public Field<Dim> {
 
   void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
   [[nodiscard]] Box<Dim> bounds() const override { return fields_[k_]->bounds(); }
-  [[nodiscard]] double detail() const override { return fields_[k_]->detail(); }
+  [[nodiscard]] double feature_size() const override { return fields_[k_]->feature_size(); }
   [[nodiscard]] const Fields& fields() const { return fields_; }
   [[nodiscard]] std::size_t number() const { return k_; }
 

@@ -4,7 +4,7 @@
 #include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
-#include "csrbf/surface/local_normal.hpp"
+#include "csrbf/surface/normals/local_normal.hpp"
 
 #include <Eigen/Eigenvalues>
 

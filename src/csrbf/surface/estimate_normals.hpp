@@ -2,7 +2,7 @@
 
 #include "csrbf/core/progress.hpp"
 #include "csrbf/core/types.hpp"
-#include "csrbf/surface/orient_normals.hpp"
+#include "csrbf/surface/normals/orient_normals.hpp"
 
 namespace csrbf {
 

@@ -1,13 +1,13 @@
 #include "csrbf/surface/reconstruct.hpp"
 
 #include "csrbf/core/seconds_since.hpp"
+#include "csrbf/implicit/combine/transformed_field.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
-#include "csrbf/surface/bridge_gaps.hpp"
-#include "csrbf/surface/choose_options.hpp"
-#include "csrbf/surface/composite_field.hpp"
-#include "csrbf/surface/decimate.hpp"
-#include "csrbf/surface/placed_field.hpp"
-#include "csrbf/surface/surface_distances.hpp"
+#include "csrbf/surface/check/surface_distances.hpp"
+#include "csrbf/surface/composite/choose_options.hpp"
+#include "csrbf/surface/composite/composite_field.hpp"
+#include "csrbf/surface/prepare/bridge_gaps.hpp"
+#include "csrbf/surface/prepare/decimate.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
 #include <cmath>
@@ -57,7 +57,7 @@ void check(const ReconstructOptions& options) {
 }
 
 // Patches with fewer coefficients than samples smooth: they hold no detail as small as the spacing of the samples.
-double detail(double spacing, const CompositeOptions& options) {
+double feature_size(double spacing, const CompositeOptions& options) {
   if (options.tolerance.size() > 0) return spacing;
   const auto samples = options.overlap * static_cast<double>(options.leaf_size);
   const auto coefficients = static_cast<double>(quadric_coefficients + options.centers_per_patch);
@@ -73,7 +73,7 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   const OrientedPoints& cloud = prepared.cloud;
   CompositeFit finest = fit_composite(cloud, *prepared.tree, options, progress);
   const double spacing = std::sqrt(finest.areas.mean());
-  data.detail = detail(spacing, options);
+  data.feature_size = feature_size(spacing, options);
   data.far_value = far_spacings * spacing;
   data.levels.push_back(std::move(finest.patches));
   CompositeOptions coarse_options = options;
@@ -121,8 +121,8 @@ void check_tolerance(const std::vector<double>& distance, double tolerance, Reco
 Index typical_body(const PreparedCloud& prepared) {
   std::vector<Index> sizes;
   Index rest = prepared.cloud.size();
-  for (const std::vector<Index>& island : prepared.islands) {
-    sizes.push_back(static_cast<Index>(island.size()));
+  for (const std::vector<Index>& component : prepared.components) {
+    sizes.push_back(static_cast<Index>(component.size()));
     rest -= sizes.back();
   }
   sizes.push_back(rest);
@@ -219,11 +219,11 @@ Surface reconstruct_composite(const PointCloud& input, const PreparedCloud& prep
   const Patches& finest = best.field->data().levels.front();
   out.method = "composite";
   out.centers = chosen.options.centers.empty() ? finest.centers() : static_cast<Index>(chosen.options.centers.size());
-  out.patches = finest.size();
-  out.levels = static_cast<Index>(best.field->data().levels.size());
-  out.options = chosen.options;
   out.smoothing = chosen.options.smoothing;
-  out.cross_validation_error = chosen.cross_validation_error;
+  out.composite = {.patches = finest.size(),
+                   .levels = static_cast<Index>(best.field->data().levels.size()),
+                   .settings = chosen.options,
+                   .cross_validation_error = chosen.cross_validation_error};
   return {best.field, std::move(best.distance)};
 }
 
@@ -231,7 +231,7 @@ Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, con
                        const ReconstructOptions& options, ReconstructReport& out) {
   auto start = std::chrono::steady_clock::now();
   const MethodFit fit = method.fit(prepared, {options.centers, options.smoothing, options.progress});
-  const auto field = std::make_shared<const PlacedField>(PlacedField::Data{
+  const auto field = std::make_shared<const TransformedField>(TransformedField::Data{
       fit.field, prepared.origin, prepared.scale, prepared.scale * prepared.cloud.spacing.mean(), prepared.bounds});
   out.fit_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
@@ -245,6 +245,13 @@ Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, con
 
 }  // namespace
 
+void ReconstructReport::set_distances(const std::vector<double>& distance) {
+  const DistanceSummary summary = summarize_distances(distance);
+  rms_distance = summary.rms;
+  p99_distance = summary.p99;
+  max_distance = summary.max;
+}
+
 Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& options) {
   check(options);
   Reconstruction result;
@@ -257,7 +264,7 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   Surface surface = composite(options)
                         ? reconstruct_composite(input, prepared, options, out)
                         : reconstruct_by(*find_surface_method(options.method), input, prepared, options, out);
-  summarize_distances(surface.distance, out);
+  out.set_distances(surface.distance);
   if (!std::isfinite(out.rms_distance))
     throw SolverFailure("reconstruct: method = " + options.method +
                         " finds no finite surface for these points; use another one, such as auto");

@@ -2,8 +2,7 @@
 
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/mesh.hpp"
-#include "csrbf/core/progress.hpp"
-#include "csrbf/surface/prepare.hpp"
+#include "csrbf/surface/reconstruct_options.hpp"
 
 #include <memory>
 #include <optional>
@@ -12,49 +11,41 @@
 
 namespace csrbf {
 
-/// How reconstruct() turns a cloud into a surface. Lengths are relative to the data; results turn, move and scale with
-/// it.
-struct ReconstructOptions {
-  /// "auto" or "composite" (partition of unity with CSRBF residual, thesis 6.1), or the name of one of
-  /// surface_methods(): "medial-axis" (a budget of CSRBFs with supports adapted to the medial axis, thesis 6.2), ...
-  std::string method = "auto";
-  /// Where normals come from.
-  Normals normals = Normals::automatic;
-  /// Budget of CSRBF centres; 0 lets the data decide. Methods without centres ignore it.
-  Index centers = 0;
-  /// Largest distance from an input point to the surface, as a fraction of the bounding-box diagonal; 0 = no bound
-  /// asked. For the composite method only.
-  double tolerance = 0;
-  /// Weight of the method's penalty (of the composite method: ridge of the CSRBF residual): 0 = none, larger is
-  /// smoother; not set = chosen from the data by cross-validation.
-  std::optional<double> smoothing = {};
-  /// How the fit is told about the normals.
-  NormalRows normal_rows = NormalRows::gradient;
-  Progress progress = {};
+/// Of surfaces by the composite method.
+struct CompositeReport {
+  Index patches = 0;                  ///< of the finest level
+  Index levels = 0;                   ///< of patches, finest included
+  CompositeSettings settings = {};    ///< of the finest level, also those chosen automatically
+  double cross_validation_error = 0;  ///< mean distance of left-out points to the surface, fraction of the diagonal
+};
+
+/// Of surfaces made from contours.
+struct ContoursReport {
+  Index contours = 0;  ///< closed curves used
+  Index slices = 0;    ///< planes that they lie in
+  Index caps = 0;      ///< ends of stacks that had to be closed
 };
 
 /// What was found, chosen and measured by reconstruct().
 struct ReconstructReport {
-  std::string method;                 ///< the one used
-  std::string normals;                ///< "file", "estimated" or "re-oriented"
-  Index points = 0;                   ///< given
-  Index points_used = 0;              ///< after cleaning
-  Index centers = 0;                  ///< CSRBF centres of the finest level
-  double smoothing = 0;               ///< used or chosen
-  Index patches = 0;                  ///< composite: patches of the finest level
-  Index levels = 0;                   ///< composite: levels of patches, finest included
-  Index contours = 0;                 ///< contours: closed curves used
-  Index slices = 0;                   ///< contours: planes that they lie in
-  Index lids = 0;                     ///< contours: ends of stacks that had to be closed
-  CompositeOptions options;           ///< composite: of the finest level, also where chosen automatically
-  double cross_validation_error = 0;  ///< mean distance of left-out points to the surface, fraction of the diagonal
-  double rms_distance = 0;            ///< of the points used to the surface, fraction of the diagonal
-  double p99_distance = 0;            ///< 99th percentile of the same
-  double max_distance = 0;            ///< largest of the same
+  std::string method;  ///< the one used
+  NormalSource normals = NormalSource::file;
+  Index points = 0;         ///< given
+  Index points_used = 0;    ///< after cleaning
+  Index centers = 0;        ///< CSRBF centres of the finest level
+  double smoothing = 0;     ///< used or chosen
+  double rms_distance = 0;  ///< of the points used to the surface, fraction of the diagonal
+  double p99_distance = 0;  ///< 99th percentile of the same
+  double max_distance = 0;  ///< largest of the same
   double prepare_seconds = 0;
   double fit_seconds = 0;
   double evaluate_seconds = 0;  ///< of the distances above
+  std::optional<CompositeReport> composite = {};
+  std::optional<ContoursReport> contours = {};
   std::vector<std::string> warnings;
+
+  /// Fills in rms_distance, p99_distance and max_distance from those of the points used.
+  void set_distances(const std::vector<double>& distance);
 };
 
 /// An implicit surface with the cloud it was made from.

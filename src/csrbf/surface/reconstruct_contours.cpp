@@ -1,11 +1,11 @@
 #include "csrbf/surface/reconstruct_contours.hpp"
 
-#include "csrbf/approx/expansion.hpp"
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/implicit/combine.hpp"
-#include "csrbf/surface/contour_fit.hpp"
-#include "csrbf/surface/placed_field.hpp"
-#include "csrbf/surface/surface_distances.hpp"
+#include "csrbf/implicit/combine/transformed_field.hpp"
+#include "csrbf/surface/check/surface_distances.hpp"
+#include "csrbf/surface/contours/contour_fit.hpp"
 
 #include <cmath>
 #include <utility>
@@ -13,9 +13,9 @@
 namespace csrbf {
 namespace {
 
-constexpr double margin = 0.05;  // of the diagonal: surfaces bulge between slices
-constexpr double detail = 0.5;   // spacings of the contour points used
-constexpr double rim = 1;        // range of the blend at a lid, in heights of the lid above the last slice
+constexpr double margin = 0.05;       // of the diagonal: surfaces bulge between slices
+constexpr double feature_size = 0.5;  // spacings of the contour points used
+constexpr double rim = 1;             // range of the blend at a cap, in heights of the cap above the last slice
 constexpr double sharpness = 3;
 constexpr double smoothing_of_pixels = 1e-3;
 
@@ -56,35 +56,35 @@ double choose_smoothing(const PreparedContours& prepared, std::vector<std::strin
   return smoothing_of_pixels;
 }
 
-// height of the lid - height above the last slice: a field that is linear everywhere.
-std::shared_ptr<const Field<3>> below(const Lid& lid, const Box<3>& bounds) {
-  const PolynomialTail<3> plane{1, lid.position, 1,
-                                Eigen::Vector4d(0, -lid.outward.x(), -lid.outward.y(), -lid.outward.z())};
-  const auto nothing = std::make_shared<const RadialBasis<3>>(Kernel("wendland-c2", 3), lid.position,
-                                                              Eigen::VectorXd::Constant(1, lid.height));
+// height of the cap - height above the last slice: a field that is linear everywhere.
+std::shared_ptr<const Field<3>> below(const Cap& cap, const Box<3>& bounds) {
+  const PolynomialTail<3> plane{1, cap.position, 1,
+                                Eigen::Vector4d(0, -cap.outward.x(), -cap.outward.y(), -cap.outward.z())};
+  const auto nothing = std::make_shared<const RadialBasis<3>>(Kernel("wendland-c2", 3), cap.position,
+                                                              Eigen::VectorXd::Constant(1, cap.height));
   return std::make_shared<const Expansion<3>>(nothing, Eigen::VectorXd::Zero(1), plane, bounds);
 }
 
 std::shared_ptr<const Field<3>> closed(const ContourFit& fit, const PreparedContours& prepared) {
   const double scale = prepared.box.diagonal();
   Box<3> bounds = fit.field->bounds().inflated(margin);
-  for (const Lid& lid : fit.lids) bounds.add(lid.position);
+  for (const Cap& cap : fit.caps) bounds.add(cap.position);
   const auto place = [&](std::shared_ptr<const Field<3>> field, const Points<3>& seeds) {
     const Point<3> origin = prepared.box.center();
     Box<3> box;
     box.add(scale * bounds.lo + origin);
     box.add(scale * bounds.hi + origin);
-    return std::make_shared<const PlacedField>(PlacedField::Data{
-        std::move(field), origin, scale, scale * detail * fit.spacing, box, (scale * seeds).colwise() + origin});
+    return std::make_shared<const TransformedField>(TransformedField::Data{
+        std::move(field), origin, scale, scale * feature_size * fit.spacing, box, (scale * seeds).colwise() + origin});
   };
   const auto surface = place(fit.field, fit.seeds);
-  if (fit.lids.empty()) return surface;
-  // The intersection with what is below the lids: the complement of the union of the complements.
+  if (fit.caps.empty()) return surface;
+  // The intersection with what is below the caps: the complement of the union of the complements.
   CombinedField::Data data{{{surface, true}}, true, Blending::super_elliptic, 0, sharpness};
-  double lowest = fit.lids.front().height;
-  for (const Lid& lid : fit.lids) {
-    data.terms.push_back({place(below(lid, bounds), lid.position), true});
-    lowest = std::min(lowest, lid.height);
+  double lowest = fit.caps.front().height;
+  for (const Cap& cap : fit.caps) {
+    data.terms.push_back({place(below(cap, bounds), cap.position), true});
+    lowest = std::min(lowest, cap.height);
   }
   data.range = scale * rim * lowest;
   return std::make_shared<const CombinedField>(std::move(data));
@@ -112,17 +112,17 @@ Reconstruction reconstruct_contours(const Polylines& contours, const ContourOpti
   start = std::chrono::steady_clock::now();
   const Points<3> used = contours.vertices(Eigen::all, prepared.source);
   result.normals = outward_normals(*result.field, used);
-  summarize_distances(surface_distances(*result.field, used, prepared.box.diagonal()), out);
+  out.set_distances(surface_distances(*result.field, used, prepared.box.diagonal()));
   out.evaluate_seconds = seconds_since(start);
 
   out.method = "contours";
-  out.normals = "within the slices";
+  out.normals = NormalSource::within_slices;
   out.points = contours.vertices.cols();
   out.points_used = used.cols();
   out.centers = fit.centers;
-  out.contours = static_cast<Index>(prepared.loops.size());
-  out.slices = static_cast<Index>(prepared.slices.slices.size());
-  out.lids = static_cast<Index>(fit.lids.size());
+  out.contours = {.contours = static_cast<Index>(prepared.loops.size()),
+                  .slices = static_cast<Index>(prepared.slices.slices.size()),
+                  .caps = static_cast<Index>(fit.caps.size())};
   result.source = std::move(prepared.source);
   return result;
 }

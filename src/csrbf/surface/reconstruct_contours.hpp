@@ -27,7 +27,7 @@ struct ContourOptions {
 ///
 /// Between slices the surface is that of a triharmonic spline (see fit_contours()), smooth across them. Where all
 /// contours of a stack of parallel slices end, it goes on as it came and closes within one more spacing, if it can;
-/// otherwise it is cut off by a flat lid with a rounded rim: half a spacing beyond the last slice where the
+/// otherwise it is cut off by a flat cap with a rounded rim: half a spacing beyond the last slice where the
 /// cross-section does not get smaller, further beyond where it does. Without smoothing the contours themselves are met.
 ///
 /// `contours`: curves by their edges, each vertex with two; open ones are closed by a straight segment. In the result

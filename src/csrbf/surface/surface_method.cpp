@@ -1,7 +1,7 @@
 #include "csrbf/surface/surface_method.hpp"
 
-#include "csrbf/surface/comparators/comparators.hpp"
-#include "csrbf/surface/medial_axis.hpp"
+#include "csrbf/surface/baselines/baselines.hpp"
+#include "csrbf/surface/medial/medial_axis.hpp"
 
 #include <algorithm>
 
@@ -18,7 +18,7 @@ MethodFit medial_axis(const PreparedCloud& prepared, const MethodOptions& option
 }  // namespace
 
 const std::vector<SurfaceMethod>& surface_methods() {
-  namespace c = comparators;
+  namespace c = baselines;
   static const std::vector<SurfaceMethod> methods = {
       {"medial-axis", "quadrics and CSRBFs with supports adapted to the medial axis (Gelas 2006)", true, medial_axis},
       {"multilevel", "levels of quadrics and CSRBFs (Ohtake 2003)", true, c::multilevel},

@@ -1,0 +1,123 @@
+#pragma once
+
+#include "command_line.hpp"
+#include "help/usage.hpp"
+
+#include "csrbf/io/files/text.hpp"
+#include "csrbf/version.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+namespace csrbf::app {
+
+/// A command of the program with its flags bound to one of the command structs.
+class CommandFlags {
+ public:
+  CommandFlags(CLI::App& parent, CommonOptions& common, const std::string& name, const std::string& what,
+               const std::string& example)
+      : app_(*parent.add_subcommand(name, what)), common_(common) {
+    app_.footer("Example:\n  " + example);
+    app_.set_help_flag();
+    app_.group("Commands");
+  }
+
+  template <class Value>
+  CLI::Option* argument(const std::string& name, Value& value, const std::string& what) {
+    return app_.add_option(name, value, what)->required()->type_name("FILE");
+  }
+  void output(std::string& value, const std::string& what) {
+    app_.add_option("-o,--output", value, what)->required()->type_name("FILE")->group(flag_group);
+  }
+  /// A flag with a value; `shown_default` says what happens without it.
+  template <class Value>
+  CLI::Option* flag(const std::string& name, Value& value, const std::string& type, const std::string& shown_default,
+                    const std::string& what) {
+    return app_.add_option("--" + name, value, what)->type_name(type)->default_str(shown_default)->group(flag_group);
+  }
+  /// A flag whose value is above 0.
+  template <class Value>
+  CLI::Option* positive_flag(const std::string& name, Value& value, const std::string& type,
+                             const std::string& shown_default, const std::string& what) {
+    const auto check = [name](const std::string& text) {
+      const std::optional<double> number = parse_number(text);
+      if (!number || !(*number > 0) || std::isinf(*number))
+        throw UsageError("--" + name + " " + text + ": must be a positive number");
+      return std::string();
+    };
+    return flag(name, value, type, shown_default, what)->check(CLI::Validator(check, ""));
+  }
+  void toggle(const std::string& names, bool& value, const std::string& what) {
+    app_.add_flag(names, value, what)->group(flag_group);
+  }
+
+  void resume(bool& value) {
+    toggle(
+        "--resume", value,
+        "keep finished steps in a file beside the output, named like it with .resume at the end, and go on from there "
+        "after a run that was broken off");
+  }
+
+  /// The flags of every command, last in the help.
+  void add_common() {
+    constexpr int most_threads = 4096;
+    app_.add_option("--threads", common_.threads, "threads to use")
+        ->type_name("N")
+        ->default_str("all cores")
+        ->check(CLI::Range(1, most_threads))
+        ->group(common_group);
+    app_.add_option("--report", common_.reports,
+                    "write options, results, times and warnings: .json, or .html, a page to look at; may be repeated")
+        ->type_name("FILE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->group(common_group);
+    app_.add_option("--progress", common_.progress,
+                    "show the progress on standard error; auto: on a terminal; slicer: on standard output, as 3D "
+                    "Slicer reads it")
+        ->type_name("auto|always|never|slicer")
+        ->default_str("auto")
+        ->check(CLI::IsMember({"auto", "always", "never", "slicer"}))
+        ->group(common_group);
+    app_.add_option("--memory", common_.memory,
+                    "keep the memory in use under a cap, such as 2GB; what does not fit goes to files")
+        ->type_name("SIZE")
+        ->default_str("no cap")
+        ->group(common_group);
+    app_.add_option("--scratch", common_.scratch, "folder of these files, on a disk with room for them")
+        ->type_name("DIR")
+        ->default_str("that of the output")
+        ->group(common_group);
+    app_.add_flag("-q,--quiet", common_.quiet, "print errors only")->group(common_group);
+    app_.add_flag("-v,--verbose", common_.verbose, "print the options used and the times too")->group(common_group);
+    app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version")->group(common_group);
+    app_.set_help_flag("-h,--help", "print this")->group(common_group);
+  }
+
+ private:
+  static constexpr const char* flag_group = "Flags";
+
+  CLI::App& app_;
+  CommonOptions& common_;
+};
+
+// What the command line of each command looks like: its flags are bound to the struct.
+
+void declare(CommandFlags v, ReconstructCommand& c);
+void declare(CommandFlags v, EstimateNormalsCommand& c);
+void declare(CommandFlags v, PolygonizeCommand& c);
+void declare(CommandFlags v, RenderCommand& c);
+void declare(CommandFlags v, CurvatureCommand& c);
+void declare(CommandFlags v, CombineCommand& c);
+void declare(CommandFlags v, CompareCommand& c);
+void declare(CommandFlags v, InfoCommand& c);
+void declare(CommandFlags v, FitCommand& c);
+void declare(CommandFlags v, EvaluateCommand& c);
+void declare(CommandFlags v, InpaintCommand& c);
+void declare(CommandFlags v, SegmentCommand& c);
+void declare(CommandFlags v, TrackCommand& c);
+
+}  // namespace csrbf::app

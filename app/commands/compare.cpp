@@ -1,0 +1,163 @@
+#include "commands/commands.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/implicit/compare.hpp"
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/volume.hpp"
+#include "csrbf/levelset/compare_labels.hpp"
+
+#include <set>
+
+namespace csrbf::app {
+namespace {
+
+Json described(const std::string& path, const Mesh& mesh) {
+  return {{"file", path}, {"points", mesh.vertices.cols()}, {"triangles", mesh.triangles.cols()}};
+}
+
+Json described(const DistanceStatistics& d) {
+  return {{"mean", d.mean}, {"rms", d.rms}, {"p99", d.p99}, {"max", d.max}};
+}
+
+PointCloud points_of(Mesh&& mesh) {
+  return {std::move(mesh.vertices), std::move(mesh.normals), std::move(mesh.properties)};
+}
+
+void add_topology(const Topology& topology, Json& result) {
+  result["watertight"] = topology.watertight();
+  result["manifold"] = topology.manifold();
+  result["components"] = topology.components;
+  result["euler"] = topology.euler;
+  result["boundary_edges"] = topology.boundary_edges;
+}
+
+std::string describe(const Topology& t) {
+  return std::string("mesh:                ") + (t.watertight() ? "watertight, " : "not watertight, ") +
+         (t.manifold() ? "manifold, " : "not manifold, ") + counted(t.components, "component");
+}
+
+void compare_meshes(const Mesh& mesh, const Mesh& reference, Session& session) {
+  const CompareOptions options{.progress = session.progress()};
+  session.options = {{"samples", options.samples}, {"seed", options.seed}};
+  const MeshComparison c = session.timed("evaluate", [&] { return compare(mesh, reference, options); });
+  session.result = {{"chamfer_mean", c.chamfer_mean},
+                    {"hausdorff99", c.hausdorff99},
+                    {"normal_error_deg", c.normal_error_deg},
+                    {"accuracy", described(c.accuracy)},
+                    {"completeness", described(c.completeness)},
+                    {"diagonal", c.diagonal}};
+  add_topology(c.topology, session.result);
+  session.say("distances are fractions of the diagonal of the reference (" + rounded(c.diagonal) + ")");
+  session.say("chamfer mean:        " + rounded(c.chamfer_mean));
+  session.say("hausdorff 99 %:      " + rounded(c.hausdorff99));
+  session.say("A to B:              mean " + rounded(c.accuracy.mean) + ", largest " + rounded(c.accuracy.max));
+  session.say("B to A:              mean " + rounded(c.completeness.mean) + ", largest " + rounded(c.completeness.max));
+  session.say("normals:             " + rounded(c.normal_error_deg) + " degrees");
+  session.say(describe(c.topology));
+}
+
+void compare_points(const Mesh& mesh, const PointCloud& points, Session& session) {
+  const PointComparison c =
+      session.timed("evaluate", [&] { return compare(mesh, points, {.progress = session.progress()}); });
+  session.result = {{"chamfer_mean", c.distance.mean},
+                    {"hausdorff99", c.distance.p99},
+                    {"normal_error_deg", c.normal_error_deg},
+                    {"distance", described(c.distance)},
+                    {"diagonal", c.diagonal}};
+  add_topology(c.topology, session.result);
+  session.say("distances from the points to the mesh, fractions of the diagonal of the points (" + rounded(c.diagonal) +
+              ")");
+  session.say("mean:                " + rounded(c.distance.mean));
+  session.say("rms:                 " + rounded(c.distance.rms));
+  session.say("99 %:                " + rounded(c.distance.p99));
+  session.say("largest:             " + rounded(c.distance.max));
+  if (points.has_normals()) session.say("normals:             " + rounded(c.normal_error_deg) + " degrees");
+  session.say(describe(c.topology));
+}
+
+Json described(const std::string& path, const Volume<float>& image) {
+  Json size = Json::array();
+  for (int a = 0; a < image.grid.axes; ++a) size.push_back(image.grid.size[static_cast<std::size_t>(a)]);
+  return {{"file", path}, {"size", size}};
+}
+
+Json described(const LabelAgreement& agreement) {
+  return {{"dice", agreement.dice}, {"jaccard", agreement.jaccard}, {"hausdorff95", agreement.hausdorff95}};
+}
+
+// Nothing is known about the place of the image: its format holds none.
+bool has_no_place(const Grid& grid) {
+  return grid.space == Space::unknown && grid.spacing == Point<3>::Ones() && grid.origin == Point<3>::Zero() &&
+         grid.direction == Eigen::Matrix3d::Identity();
+}
+
+// Pictures and arrays take the place of the other image.
+void share_place(const CompareCommand& command, Grid& a, Grid& b, Session& session) {
+  if (a.size != b.size || has_no_place(a) == has_no_place(b)) return;
+  const bool first = has_no_place(a);
+  (first ? a : b) = first ? b : a;
+  session.warn((first ? command.first : command.second) +
+               " does not say where its voxels are: they are taken to be those of " +
+               (first ? command.second : command.first));
+}
+
+// Do both images mark one region, by different numbers?
+bool mark_alike(const Volume<float>& a, const Volume<float>& b) {
+  const auto mark_of = [](const Volume<float>& image) {
+    float mark = 0;
+    for (const float value : image.values) {
+      if (value == 0 || value == mark) continue;
+      if (mark != 0) return 0.0F;
+      mark = value;
+    }
+    return mark;
+  };
+  const float in_a = mark_of(a), in_b = mark_of(b);
+  return in_a != 0 && in_b != 0 && in_a != in_b;
+}
+
+void compare_images(const CompareCommand& command, Session& session) {
+  Volume<float> a = session.timed("read", [&] { return read_volume(command.first); });
+  Volume<float> b = session.timed("read", [&] { return read_volume(command.second); });
+  session.input = {{"a", described(command.first, a)}, {"b", described(command.second, b)}};
+  share_place(command, a.grid, b.grid, session);
+  const CompareLabelsOptions options{.inside_only = mark_alike(a, b), .progress = session.progress()};
+  if (options.inside_only) session.warn("the images mark one region each, by different numbers: taken for the same");
+  session.options = {{"inside_only", options.inside_only}};
+  const LabelsComparison c = session.timed("evaluate", [&] { return compare_labels(a, b, options); });
+  session.result = described(c);
+  Json& labels = session.result["labels"] = Json::array();
+  for (const LabelComparison& one : c.labels) {
+    Json entry = {{"label", one.label}, {"voxels", one.voxels}, {"reference_voxels", one.reference_voxels}};
+    entry.update(described(static_cast<const LabelAgreement&>(one)));
+    labels.push_back(entry);
+  }
+  session.say("dice:                " + rounded(c.dice));
+  session.say("jaccard:             " + rounded(c.jaccard));
+  session.say("hausdorff 95 %:      " + rounded(c.hausdorff95) + " (units of the voxel size)");
+  constexpr std::size_t most_lines = 6;
+  if (c.labels.size() < 2) return;
+  for (std::size_t i = 0; i < std::min(c.labels.size(), most_lines); ++i)
+    session.say("label " + std::to_string(c.labels[i].label) + ":             dice " + rounded(c.labels[i].dice) +
+                ", hausdorff 95 % " + rounded(c.labels[i].hausdorff95));
+  if (c.labels.size() > most_lines)
+    session.say("and " + counted(static_cast<Index>(c.labels.size() - most_lines), "more label"));
+}
+
+}  // namespace
+
+void run(const CompareCommand& command, Session& session) {
+  if (is_readable_volume(command.first) && is_readable_volume(command.second)) return compare_images(command, session);
+  Mesh a = session.timed("read", [&] { return read_mesh_or_points(command.first); });
+  Mesh b = session.timed("read", [&] { return read_mesh_or_points(command.second); });
+  session.input = {{"a", described(command.first, a)}, {"b", described(command.second, b)}};
+  if (a.triangles.cols() == 0) std::swap(a, b);
+  if (a.triangles.cols() == 0)
+    throw IoError(command.first + " and " + command.second + " are both points; one must be a mesh");
+  if (b.triangles.cols() > 0)
+    compare_meshes(a, b, session);
+  else
+    compare_points(a, points_of(std::move(b)), session);
+}
+
+}  // namespace csrbf::app

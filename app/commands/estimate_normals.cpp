@@ -1,0 +1,64 @@
+#include "csrbf/surface/estimate_normals.hpp"
+
+#include "commands/commands.hpp"
+#include "commands/formats.hpp"
+
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/points.hpp"
+
+namespace csrbf::app {
+namespace {
+
+constexpr std::string_view viewpoint_word = "viewpoint";
+
+NormalOptions make_options(const EstimateNormalsCommand& command) {
+  NormalOptions options;
+  options.neighbors = command.neighbors;
+  if (command.orient == "none") {
+    options.orient = Orient::none;
+  } else if (command.orient.starts_with(viewpoint_word) && command.orient.size() > viewpoint_word.size()) {
+    options.orient = Orient::viewpoint;
+    options.viewpoint = parse_numbers(command.orient.substr(viewpoint_word.size() + 1), ',', 3, "--orient viewpoint");
+  } else if (command.orient != "consistent") {
+    throw UsageError("--orient " + command.orient + ": unknown; use consistent, viewpoint X,Y,Z or none");
+  }
+  return options;
+}
+
+// As `reconstruct` does it; returns how many there were.
+Index drop_non_finite(PointCloud& cloud) {
+  std::vector<Index> kept;
+  for (Index i = 0; i < cloud.size(); ++i)
+    if (cloud.points.col(i).allFinite()) kept.push_back(i);
+  const Index dropped = cloud.size() - static_cast<Index>(kept.size());
+  if (dropped == 0) return 0;
+  for (Property& p : cloud.properties) p.values = p.values(kept).eval();
+  cloud.normals.resize(3, 0);
+  cloud.points = cloud.points(Eigen::all, kept).eval();
+  return dropped;
+}
+
+}  // namespace
+
+void run(const EstimateNormalsCommand& command, Session& session) {
+  NormalOptions options = make_options(command);
+  options.progress = session.progress();
+  if (!is_point_file(command.output))
+    throw UsageError("--output " + command.output + ": unknown extension \"" + file_extension(command.output) +
+                     "\"; point files are " + point_formats);
+  session.expect_output(command.output);
+
+  PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
+  session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
+  const Index dropped = drop_non_finite(cloud);
+  if (dropped > 0) session.warn(std::to_string(dropped) + " points with NaN or infinite coordinates dropped");
+  NormalReport report;
+  cloud.normals = session.timed("fit", [&] { return estimate_normals(cloud.points, options, &report); });
+  session.options = {{"output", command.output}, {"neighbors", report.neighbors}, {"orient", command.orient}};
+  session.result = {{"points", cloud.size()}, {"duplicates", report.duplicates}, {"undetermined", report.undetermined}};
+  session.say(command.output + ": " + counted(cloud.size(), "point") + " with normals from " +
+              std::to_string(report.neighbors) + " neighbours each");
+  session.write([&] { write_points(command.output, cloud); });
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,217 @@
+#include "commands/commands.hpp"
+#include "commands/evaluation_places.hpp"
+
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/samples.hpp"
+#include "csrbf/io/volume.hpp"
+#include "csrbf/io/vtk/vti.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace csrbf::app {
+namespace {
+
+struct Wanted {
+  bool gradient = false;
+  bool hessian = false;
+  bool standard_deviation = false;
+
+  [[nodiscard]] Derivatives derivatives() const {
+    if (hessian) return Derivatives::hessian;
+    return gradient ? Derivatives::gradient : Derivatives::none;
+  }
+};
+
+// value, then value_x value_y, then value_x_x value_x_y value_y_y, then value_standard_deviation, for all components
+// each.
+std::vector<std::string> column_names(const NamedFunction& model, const Wanted& wanted) {
+  std::vector<std::string> names = model.value_names;
+  const std::vector<std::string>& axes = model.coordinate_names;
+  if (wanted.gradient)
+    for (const std::string& value : model.value_names)
+      for (const std::string& axis : axes) names.push_back(value + "_" + axis);
+  if (wanted.hessian)
+    for (const std::string& value : model.value_names)
+      for (std::size_t a = 0; a < axes.size(); ++a)
+        for (std::size_t b = a; b < axes.size(); ++b) names.push_back(value + "_" + axes[a] + "_" + axes[b]);
+  if (wanted.standard_deviation)
+    for (const std::string& value : model.value_names) names.push_back(value + "_standard_deviation");
+  return names;
+}
+
+// Every column of every place: an image with the columns as components.
+template <class Scalar>
+using Answers = Volume<Scalar>;
+
+template <class Scalar>
+void make_labels(Answers<Scalar>& answers) {
+  VolumeLayout layout = answers;
+  layout.components = 1;
+  Answers<Scalar> labels(layout);
+  for (Index i = 0; i < layout.grid.voxels(); ++i) {
+    Index largest = 0;
+    const Scalar value = answers.frame().col(i).maxCoeff(&largest);
+    labels.frame()(0, i) = answers.components > 1 ? static_cast<Scalar>(largest) : value > 0 ? 1 : 0;
+  }
+  answers = std::move(labels);
+}
+
+template <class Scalar>
+void evaluate_columns(const NamedFunction& model, const Places& places, const Wanted& wanted, const Progress& progress,
+                      Answers<Scalar>& answers) {
+  constexpr Index slice = Index{1} << 20;
+  for (Index begin = 0; begin < places.count; begin += slice) {
+    report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(places.count));
+    const Index n = std::min(slice, places.count - begin);
+    const Eigen::MatrixXd points = places.points(begin, n);
+    const Function::Values values = model.function.evaluate(points, wanted.derivatives());
+    Index row = 0;
+    const auto put = [&](const Eigen::MatrixXd& part) {
+      answers.frame().block(row, begin, part.cols(), n) = part.transpose().template cast<Scalar>();
+      row += part.cols();
+    };
+    put(values.value);
+    if (wanted.gradient) put(values.gradient);
+    if (wanted.hessian) put(values.hessian);
+    if (wanted.standard_deviation) put(model.function.standard_deviation(points));
+  }
+}
+
+template <class Scalar>
+Answers<Scalar> evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
+                             const Progress& progress) {
+  VolumeLayout layout = places.layout;
+  layout.components = columns;
+  Answers<Scalar> answers(layout);
+  const bool values_only = wanted.derivatives() == Derivatives::none && !wanted.standard_deviation;
+  if (!places.axes.empty() && values_only)
+    model.function.evaluate_grid(places.axes, answers.frame(), progress);
+  else
+    evaluate_columns(model, places, wanted, progress, answers);
+  return answers;
+}
+
+// The columns as arrays of VTK. Gradients are vectors, of three components in the plane too, as its programs expect.
+template <class Scalar>
+std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wanted,
+                                 const std::vector<std::string>& columns, const Answers<Scalar>& answers) {
+  const Index k = model.function.components(), d = model.function.dimension();
+  std::vector<VtkArray> arrays;
+  for (Index row = 0; row < answers.components;) {
+    const bool is_gradient = wanted.gradient && row >= k && row < k + k * d;
+    const Index rows = is_gradient ? d : 1;
+    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(rows == 2 ? 3 : rows, answers.grid.voxels());
+    values.topRows(rows) = answers.frame().middleRows(row, rows).template cast<double>();
+    const std::string name = is_gradient ? model.value_names[static_cast<std::size_t>((row - k) / d)] + "_gradient"
+                                         : columns[static_cast<std::size_t>(row)];
+    arrays.push_back({name, answers.type, values.rows(), vtk_bytes(answers.type, values)});
+    row += rows;
+  }
+  return arrays;
+}
+
+template <class Scalar>
+void write_answers(const std::string& path, const NamedFunction& model, const Places& places, const Wanted& wanted,
+                   const std::vector<std::string>& columns, const Answers<Scalar>& answers) {
+  if (file_extension(path) == ".vti") {
+    write_vti(path, answers.grid, vtk_arrays(model, wanted, columns, answers));
+    return;
+  }
+  if (places.is_image) {
+    write_volume(path, answers);
+    return;
+  }
+  const bool has_coordinates = !path.ends_with(".npy");
+  write_table(path, {.coordinate_names = has_coordinates ? model.coordinate_names : std::vector<std::string>{},
+                     .value_names = columns,
+                     .coordinates = has_coordinates ? places.points(0, places.count) : Eigen::MatrixXd(0, places.count),
+                     .values = answers.frame().transpose().template cast<double>()});
+}
+
+// Of the first `rows` columns.
+template <class Scalar>
+void report_values(const std::string& output, const Answers<Scalar>& answers, Index rows,
+                   const std::vector<std::string>& columns, Session& session) {
+  const auto values = answers.frame().topRows(rows);
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  Index undefined = 0;
+  for (Index i = 0; i < values.cols(); ++i) {
+    bool defined = true;
+    for (const double value : values.col(i)) {
+      defined = defined && std::isfinite(value);
+      if (!std::isfinite(value)) continue;
+      lo = std::min(lo, value);
+      hi = std::max(hi, value);
+    }
+    if (!defined) ++undefined;
+  }
+  const bool any = lo <= hi;
+  session.result = {{"points", values.cols()},
+                    {"columns", columns},
+                    {"undefined", undefined},
+                    {"min", any ? Json(lo) : Json(nullptr)},
+                    {"max", any ? Json(hi) : Json(nullptr)}};
+  if (undefined > 0)
+    session.warn(counted(undefined, "point") + " without a value: coordinates are missing or beyond the samples");
+  session.say(output + ": " + counted(values.cols(), "point") +
+              (any ? ", values from " + rounded(lo) + " to " + rounded(hi) : ""));
+}
+
+void warn_of_rounding(const NamedFunction& model, Session& session) {
+  const Json& lo = session.result["min"];
+  const Json& hi = session.result["max"];
+  const double error = model.function.report().cross_validation_rmse;
+  if (lo.is_null() || !std::isfinite(error)) return;
+  const double largest = std::max(std::abs(lo.get<double>()), std::abs(hi.get<double>()));
+  const double rounding = 0.5 * std::numeric_limits<float>::epsilon() * largest;
+  if (rounding > error)
+    session.warn("--float32 rounds values by up to " + rounded(rounding) +
+                 ", more than the error of the function, about " + rounded(error) + "; leave it out");
+}
+
+template <class Scalar>
+void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, const Places& places, Session& session) {
+  const Wanted wanted{command.gradient, command.hessian, command.standard_deviation};
+  std::vector<std::string> columns = column_names(model, wanted);
+  Answers<Scalar> answers = session.timed("evaluate", [&] {
+    return evaluate_all<Scalar>(model, places, wanted, static_cast<Index>(columns.size()), session.progress());
+  });
+  if (command.labels) {
+    make_labels(answers);
+    columns = {"label"};
+  }
+  report_values(command.output, answers, command.labels ? 1 : model.function.components(), columns, session);
+  if (command.float32) warn_of_rounding(model, session);
+  session.write([&] { write_answers(command.output, model, places, wanted, columns, answers); });
+}
+
+}  // namespace
+
+void run(const EvaluateCommand& command, Session& session) {
+  check_places(command);
+  if (command.labels && (command.gradient || command.hessian || command.standard_deviation))
+    throw UsageError("--labels: labels have no derivatives or deviations; leave those flags out");
+  session.expect_output(command.output);
+  const NamedFunction model = session.timed("read", [&] { return read_function(command.input); });
+  const Places places = session.timed("read", [&] { return make_places(command, model); });
+  session.input = {
+      {"file", command.input}, {"dimension", model.function.dimension()}, {"components", model.function.components()}};
+  session.options = {{"output", command.output},
+                     {"points", command.points.empty() ? Json(nullptr) : Json(command.points)},
+                     {"like", command.like.empty() ? Json(nullptr) : Json(command.like)},
+                     {"gradient", command.gradient},
+                     {"hessian", command.hessian},
+                     {"standard_deviation", command.standard_deviation},
+                     {"labels", command.labels},
+                     {"float32", command.float32}};
+  session.options.update(places.options);
+  if (places.is_image && places.layout.type == SampleType::float32)
+    evaluate_as<float>(command, model, places, session);
+  else
+    evaluate_as<double>(command, model, places, session);
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,13 @@
+#pragma once
+
+namespace csrbf::app {
+
+// Extensions of the files that the commands read and write, as help and messages list them.
+inline constexpr const char* point_formats = ".ply .xyz .pts .txt .csv .obj .off .npy .vtp";
+inline constexpr const char* mesh_formats = ".ply .obj .off .stl .vtp";
+inline constexpr const char* image_formats = ".png .pgm .ppm .tif .nii .nii.gz .nrrd .mha .mhd .npy .vti";
+inline constexpr const char* label_formats = ".png .pgm .tif .nii .nii.gz .nrrd .mha .mhd .npy .vti";
+inline constexpr const char* plane_contour_formats = ".svg .csv .ply .vtp";
+inline constexpr const char* sample_formats = ".csv .txt .tsv .dat .xyz .npy, or - for text on standard input";
+
+}  // namespace csrbf::app

@@ -1,0 +1,78 @@
+#include "commands/command_flags.hpp"
+#include "commands/formats.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+
+#include <string>
+
+namespace csrbf::app {
+namespace {
+
+void add_fit_flags(CommandFlags& v, FitFlags& f) {
+  v.flag("method", f.method, "NAME", "auto",
+         "auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget, "
+         "error-bounded, moving-least-squares or along-tracks; auto chooses from the data");
+  v.flag("kernel", f.kernel, "NAME", "auto",
+         "radial basis function: wendland-c2, gaussian, cubic, ... (a wrong name lists those there are)");
+  v.flag("kernel-parameter", f.kernel_parameter, "P", "of the kernel", "of kernels that have one, such as matern");
+  v.positive_flag("centers", f.centers, "N", "from the data", "budget of RBF centres");
+  v.positive_flag("tolerance", f.tolerance, "E", "none",
+                  "largest error allowed at any sample, in the unit of the values");
+  v.flag("smoothing", f.smoothing, "auto|none|L", "auto", "how much noise to smooth away; larger is smoother");
+  v.flag("degree", f.degree, "N", "from the data", "degree of the polynomial part")->check(CLI::Range(0, 8));
+  v.flag("extrapolation", f.extrapolation, "constant|nan", "constant",
+         "outside the box of the samples: the value at the nearest point of the box, or none")
+      ->check(CLI::IsMember({"constant", "nan"}));
+}
+
+}  // namespace
+
+void declare(CommandFlags v, FitCommand& c) {
+  v.argument(
+      "SAMPLES", c.input,
+      std::string("samples to read, one per row: coordinates, then the value in the last column; ") + sample_formats);
+  v.output(c.output, "model to write: .csrbf");
+  add_fit_flags(v, c.fit);
+  v.flag("coordinates", c.coordinates, "COLUMNS", "all others",
+         "names or numbers (from 1) of the columns of coordinates, separated by commas");
+  v.flag("values", c.values, "COLUMNS", "the last one", "names or numbers of the columns of values");
+  v.flag("weights", c.weights, "COLUMN", "none", "column of weights: the inverse variances of the values");
+  v.flag("periods", c.periods, "P,P,...", "none",
+         "period of each coordinate, 0 for those without: 360,0 for longitude and latitude");
+  v.resume(c.resume);
+  v.add_common();
+}
+
+void declare(CommandFlags v, EvaluateCommand& c) {
+  v.argument("MODEL", c.input, "model to read: .csrbf, of csrbf fit or csrbf segment");
+  v.output(c.output, std::string("values to write: .csv .txt .npy, or - for text on standard output; grids also as "
+                                 "images: ") +
+                         image_formats);
+  v.flag("points", c.points, "FILE", "", std::string("points to evaluate at, one per row: ") + sample_formats);
+  v.flag("grid", c.grid, "NX[,NY[,NZ]]", "",
+         "evaluate at the nodes of a grid, so many along each axis; one number counts for all axes");
+  v.flag("bounds", c.bounds, "LO:HI,...", "box of the samples", "first and last node of the grid along each axis");
+  v.flag("like", c.like, "FILE", "",
+         "evaluate at the voxels of this image, in its physical coordinates; the result has its grid");
+  v.toggle("--gradient", c.gradient, "write the gradient behind the values");
+  v.toggle("--hessian", c.hessian, "write the upper triangle of the Hessian behind them");
+  v.toggle("--standard-deviation", c.standard_deviation,
+           "write last by how much a sample there would differ from the value (interpolate and partition-of-unity)");
+  v.toggle(
+      "--labels", c.labels,
+      "write labels instead of values, as of csrbf segment: 1 where the only component is positive, 0 elsewhere; of "
+      "several the number of the largest, from 0");
+  v.toggle("--float32", c.float32, "keep and write the values of a grid or image in single precision: half the memory");
+  v.add_common();
+}
+
+void declare(CommandFlags v, InpaintCommand& c) {
+  v.argument("IMAGE", c.input, std::string("image to read: ") + image_formats + ", or DICOM (a file or folder)");
+  v.output(c.output, std::string("image to write: ") + image_formats);
+  v.flag("mask", c.mask, "FILE", "", "image of the same size that is not 0 where values are missing or unreliable");
+  v.flag("missing", c.missing, "VALUE", "nan", "value of pixels that are missing; NaN always is");
+  add_fit_flags(v, c.fit);
+  v.add_common();
+}
+
+}  // namespace csrbf::app

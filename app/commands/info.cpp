@@ -1,0 +1,191 @@
+#include "commands/commands.hpp"
+#include "commands/fit_summary.hpp"
+
+#include "csrbf/core/joined.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/images/sample_codec.hpp"
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/models/archive.hpp"
+#include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/io/volume.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace csrbf::app {
+namespace {
+
+Json to_json(const Point<3>& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+std::string to_text(const Point<3>& p) {
+  return rounded(p.x()) + " " + rounded(p.y()) + " " + rounded(p.z());
+}
+
+void report_geometry(const Mesh& mesh, Session& session) {
+  const bool is_mesh = mesh.triangles.cols() > 0;
+  const Box<3> box = bounding_box<3>(mesh.vertices);
+  Json properties = Json::array();
+  std::vector<std::string> names;
+  for (const Property& p : mesh.properties) {
+    properties.push_back({{"name", p.name}, {"type", p.type}});
+    names.push_back(p.name + " (" + p.type + ")");
+  }
+  session.result = {{"kind", is_mesh ? "mesh" : "points"},
+                    {is_mesh ? "vertices" : "points", mesh.vertices.cols()},
+                    {"normals", mesh.normals.cols() > 0},
+                    {"properties", properties},
+                    {"bounds", {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}}}};
+  session.say(is_mesh ? "mesh:        " + counted(mesh.vertices.cols(), "vertex") + ", " +
+                            counted(mesh.triangles.cols(), "triangle")
+                      : "cloud:       " + counted(mesh.vertices.cols(), "point"));
+  session.say("bounds:      " + to_text(box.lo) + " to " + to_text(box.hi) + ", diagonal " + rounded(box.diagonal()));
+  session.say(std::string("normals:     ") + (mesh.normals.cols() > 0 ? "yes" : "no"));
+  session.say("properties:  " + (names.empty() ? "none" : joined(names)));
+  const Index bad = mesh.vertices.cols() - mesh.vertices.array().isFinite().colwise().all().count();
+  session.result["not_finite"] = bad;
+  if (bad > 0) session.warn(counted(bad, "point") + " without finite coordinates");
+}
+
+void report_topology(const Mesh& mesh, Session& session) {
+  const Topology t = session.timed("evaluate", [&] { return topology(mesh); });
+  session.result.update({{"triangles", t.triangles},
+                         {"edges", t.edges},
+                         {"components", t.components},
+                         {"watertight", t.watertight()},
+                         {"manifold", t.manifold()},
+                         {"euler", t.euler},
+                         {"boundary_edges", t.boundary_edges},
+                         {"nonmanifold_edges", t.nonmanifold_edges},
+                         {"nonmanifold_vertices", t.nonmanifold_vertices},
+                         {"inconsistent_edges", t.inconsistent_edges}});
+  session.say("topology:    " + counted(t.components, "component") + ", Euler characteristic " +
+              std::to_string(t.euler) + ", " + (t.watertight() ? "watertight" : "not watertight") +
+              (t.manifold() ? ", manifold" : ", not manifold"));
+  if (!t.watertight())
+    session.say("edges:       " + std::to_string(t.boundary_edges) + " on the boundary, " +
+                std::to_string(t.nonmanifold_edges) + " with more than two triangles, " +
+                std::to_string(t.inconsistent_edges) + " between triangles of opposite orientation");
+}
+
+struct ValueDescription {
+  Json operator()(double value) const { return value; }
+  Json operator()(std::int64_t value) const { return value; }
+  Json operator()(const std::string& value) const { return value; }
+  template <class T>
+  Json operator()(const ArchiveArray<T>& array) const {
+    return {{"rows", array.rows()}, {"columns", array.cols()}};
+  }
+};
+
+void report_function(const NamedFunction& named, Session& session) {
+  const Function& function = named.function;
+  const Eigen::MatrixXd bounds = function.bounds();
+  const Eigen::VectorXd lo = bounds.col(0), hi = bounds.col(1);
+  const FitReport& r = function.report();
+  session.result.update(
+      {{"dimension", function.dimension()},
+       {"components", function.components()},
+       {"coordinates", named.coordinate_names},
+       {"values", named.value_names},
+       {"bounds",
+        {{"lo", std::vector<double>(lo.begin(), lo.end())}, {"hi", std::vector<double>(hi.begin(), hi.end())}}},
+       {"samples", r.samples},
+       {"method", r.method},
+       {"kernel", r.kernel},
+       {"centers", r.centers},
+       {"smoothing", r.smoothing},
+       {"rmse", r.rmse},
+       {"max_error", r.max_error},
+       {"cross_validation_rmse", r.cross_validation_rmse}});
+  std::string box;
+  for (Index a = 0; a < lo.size(); ++a)
+    box += (a > 0 ? ", " : "") + named.coordinate_names[static_cast<std::size_t>(a)] + " from " + rounded(lo[a]) +
+           " to " + rounded(hi[a]);
+  if (r.method == "segment") {
+    session.say("model:       " + counted(function.components(), "level set") + " of " +
+                joined(named.coordinate_names) + ", of an image of " + counted(r.samples, "voxel"));
+    session.say("bounds:      " + box);
+    session.say("centers:     " + counted(r.centers, "center") + " of " + r.kernel + ", support " + rounded(r.support));
+    return;
+  }
+  session.say("model:       function " + joined(named.value_names) + " of " + joined(named.coordinate_names) +
+              ", fitted to " + counted(r.samples, "sample"));
+  session.say("bounds:      " + box);
+  say_fit(r, session);
+}
+
+void report_model(const Archive& archive, Session& session) {
+  Json contents = Json::object();
+  for (const auto& [name, value] : archive.values()) contents[name] = std::visit(ValueDescription{}, value);
+  session.result = {{"kind", "model"}, {"model", archive.kind}, {"format", archive_format}, {"contents", contents}};
+  if (archive.kind == function_kind) {
+    report_function(function_from(archive), session);
+    return;
+  }
+  session.say("model:       " + archive.kind);
+  constexpr std::size_t most_lines = 8;
+  std::size_t shown = 0;
+  for (const auto& [name, value] : contents.items()) {
+    if (++shown > most_lines) break;
+    const bool is_array = value.is_object();
+    session.say("  " + name + ": " +
+                (is_array ? value["rows"].dump() + " x " + value["columns"].dump() : value.dump()));
+  }
+  if (contents.size() > most_lines)
+    session.say("  and " + std::to_string(contents.size() - most_lines) + " more entries (all in the report)");
+}
+
+void report_image(const std::string& path, Session& session) {
+  const Volume<float> image = session.timed("read", [&] { return read_volume(path); });
+  const auto& size = image.grid.size;
+  const Point<3>&spacing = image.grid.spacing, &origin = image.grid.origin;
+  Index undefined = 0;
+  float lo = std::numeric_limits<float>::infinity(), hi = -lo;
+  for (const float value : image.values) {
+    if (std::isnan(value)) ++undefined;
+    lo = std::min(lo, std::isnan(value) ? lo : value);
+    hi = std::max(hi, std::isnan(value) ? hi : value);
+  }
+  session.result = {{"kind", "image"},
+                    {"size", size},
+                    {"frames", image.frames},
+                    {"components", image.components},
+                    {"type", sample_name(image.type)},
+                    {"spacing", to_json(spacing)},
+                    {"origin", to_json(origin)},
+                    {"not_a_number", undefined}};
+  session.result["min"] = lo <= hi ? Json(lo) : Json(nullptr);
+  session.result["max"] = lo <= hi ? Json(hi) : Json(nullptr);
+  std::string text;
+  for (int a = 0; a < image.grid.axes; ++a)
+    text += (a > 0 ? " x " : "") + std::to_string(size[static_cast<std::size_t>(a)]);
+  session.say("image:       " + text + " pixels of " + std::to_string(image.components) + " " +
+              std::string(sample_name(image.type)) + ", " + counted(image.frames, "frame"));
+  session.say("spacing:     " + to_text(spacing) + ", origin " + to_text(origin));
+  if (lo <= hi)
+    session.say("values:      from " + rounded(lo) + " to " + rounded(hi) +
+                (undefined > 0 ? ", " + counted(undefined, "NaN") : ""));
+}
+
+}  // namespace
+
+void run(const InfoCommand& command, Session& session) {
+  session.input = {{"file", command.input}};
+  if (file_extension(command.input) == ".csrbf") {
+    const Archive archive = session.timed("read", [&] { return read_archive(command.input); });
+    report_model(archive, session);
+    return;
+  }
+  // .npy files hold points more often than images.
+  if (is_readable_volume(command.input) && file_extension(command.input) != ".npy") {
+    report_image(command.input, session);
+    return;
+  }
+  const Mesh mesh = session.timed("read", [&] { return read_mesh_or_points(command.input); });
+  report_geometry(mesh, session);
+  if (mesh.triangles.cols() > 0) report_topology(mesh, session);
+}
+
+}  // namespace csrbf::app

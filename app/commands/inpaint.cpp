@@ -1,0 +1,105 @@
+#include "csrbf/approx/inpaint.hpp"
+
+#include "commands/commands.hpp"
+#include "commands/fit_summary.hpp"
+#include "commands/formats.hpp"
+
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/images/sample_codec.hpp"
+#include "csrbf/io/volume.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace csrbf::app {
+namespace {
+
+using Image = Volume<double>;  // exact for every type of samples
+
+double parse_missing(const std::string& text) {
+  if (text.empty() || text == "nan") return std::numeric_limits<double>::quiet_NaN();
+  return parse_numbers(text, ',', 1, "--missing")[0];
+}
+
+void check_output(const std::string& path, Session& session) {
+  if (!is_volume_file(path))
+    throw UsageError("--output " + path + ": unknown extension \"" + file_extension(path) + "\"; images are " +
+                     image_formats);
+  session.expect_output(path);
+}
+
+std::string size_text(const VolumeLayout& image) {
+  std::string text;
+  for (int a = 0; a < image.grid.axes; ++a)
+    text += (a > 0 ? " x " : "") + std::to_string(image.grid.size[static_cast<std::size_t>(a)]);
+  return text + (image.frames > 1 ? " x " + std::to_string(image.frames) + " frames" : "");
+}
+
+Image read_mask(const std::string& path, const Image& image) {
+  Image mask = read_volume<double>(path);
+  if (mask.components != 1)
+    throw UsageError("--mask " + path + ": a mask has one value per pixel, this image " +
+                     std::to_string(mask.components));
+  if (mask.grid.size != image.grid.size || (mask.frames != 1 && mask.frames != image.frames))
+    throw UsageError("--mask " + path + ": the mask has " + size_text(mask) + " pixels, the image " + size_text(image));
+  return mask;
+}
+
+// Marks the voxels of every frame that are missing in all components.
+void mark_value(double value, const Image& image, std::vector<unsigned char>& missing) {
+  // The file holds the nearest number of its type.
+  const double stored = image.type == SampleType::float32 ? static_cast<double>(static_cast<float>(value)) : value;
+  const auto components = static_cast<std::size_t>(image.components);
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    bool all = true;
+    for (std::size_t c = 0; c < components; ++c) all = all && image.values[components * i + c] == stored;
+    if (all) missing[i] = 1;
+  }
+}
+
+std::vector<unsigned char> missing_voxels(const InpaintCommand& command, double value, const Image& image) {
+  std::vector<unsigned char> missing(static_cast<std::size_t>(image.grid.voxels() * image.frames), 0);
+  if (!command.mask.empty()) {
+    const Image mask = read_mask(command.mask, image);
+    for (std::size_t i = 0; i < missing.size(); ++i) missing[i] = mask.values[i % mask.values.size()] != 0 ? 1 : 0;
+  }
+  if (!std::isnan(value)) mark_value(value, image, missing);
+  return missing;
+}
+
+}  // namespace
+
+void run(const InpaintCommand& command, Session& session) {
+  const FitOptions options = make_fit_options(command.fit, session);
+  const double value = parse_missing(command.missing);
+  check_output(command.output, session);
+  Image image = session.timed("read", [&] { return read_volume<double>(command.input); });
+  if (is_floating(image.type) && is_picture_file(command.output))
+    throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.input +
+                     " does not; write .tif, .nii.gz, .nrrd or .npy");
+  if (options.extrapolation == Extrapolation::nan && !is_floating(image.type))
+    throw UsageError("--extrapolation nan: the image holds whole numbers, which cannot be NaN");
+  const std::vector<unsigned char> missing =
+      session.timed("read", [&] { return missing_voxels(command, value, image); });
+  session.input = {{"file", command.input},
+                   {"size", image.grid.size},
+                   {"frames", image.frames},
+                   {"components", image.components},
+                   {"spacing", {image.grid.spacing.x(), image.grid.spacing.y(), image.grid.spacing.z()}}};
+
+  const InpaintReport report = session.timed("inpaint", [&] { return inpaint(image, missing, options); });
+  session.options = {{"output", command.output},
+                     {"mask", or_null(!command.mask.empty(), command.mask)},
+                     {"missing", or_null(!std::isnan(value), value)}};
+  session.result = {{"missing", report.missing}, {"known", report.known}};
+  session.say(command.output + ": " + size_text(image) + " pixels, " + counted(report.missing, "value") + " filled");
+  if (report.missing > 0) {
+    add_fit_report(command.fit, report.fit, session);
+    say_fit(report.fit, session);
+  } else {
+    session.warn("nothing is missing: give --mask FILE or --missing VALUE");
+  }
+  session.write([&] { write_volume(command.output, image); });
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,30 @@
+#include "commands/mesh_summary.hpp"
+
+#include "commands/formats.hpp"
+
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/mesh.hpp"
+
+namespace csrbf::app {
+
+void expect_mesh_output(const std::string& path, Session& session) {
+  if (!is_mesh_file(path))
+    throw UsageError("--output " + path + ": unknown extension \"" + file_extension(path) + "\"; mesh files are " +
+                     mesh_formats);
+  session.expect_output(path);
+}
+
+void add_mesh_summary(const std::string& path, const Mesh& mesh, Session& session) {
+  const Topology t = session.timed("polygonize", [&] { return topology(mesh); });
+  session.result.update({{"vertices", mesh.vertices.cols()},
+                         {"triangles", mesh.triangles.cols()},
+                         {"components", t.components},
+                         {"watertight", t.watertight()},
+                         {"manifold", t.manifold()},
+                         {"euler", t.euler}});
+  session.say((path == "-" ? "standard output" : path) + ": " + counted(mesh.vertices.cols(), "vertex") + ", " +
+              counted(mesh.triangles.cols(), "triangle") + ", " + counted(t.components, "component") + ", " +
+              (t.watertight() ? "watertight" : "not watertight"));
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,33 @@
+#include "csrbf/implicit/polygonize.hpp"
+
+#include "commands/commands.hpp"
+#include "commands/mesh_summary.hpp"
+
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/model.hpp"
+
+namespace csrbf::app {
+
+void run(const PolygonizeCommand& command, Session& session) {
+  expect_mesh_output(command.output, session);
+  if (command.tolerance > 0 && command.method != name_of(PolygonizeMethod::adaptive))
+    throw UsageError("--tolerance: " + command.method + " has none; use --method adaptive");
+  session.input = {{"file", command.input}};
+  const std::shared_ptr<const Field<3>> field = session.timed("read", [&] { return read_model(command.input); });
+  const PolygonizeOptions options{
+      .resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*field),
+      .method = polygonize_method_named(command.method).value(),
+      .tolerance = command.tolerance,
+      .level = command.level,
+      .refine = command.refine,
+      .progress = session.progress()};
+  session.options = {
+      {"output", command.output}, {"resolution", options.resolution},
+      {"method", command.method}, {"tolerance", options.tolerance > 0 ? Json(options.tolerance) : Json()},
+      {"level", options.level},   {"refine", options.refine}};
+  const Mesh mesh = session.timed("polygonize", [&] { return polygonize(*field, options); });
+  add_mesh_summary(command.output, mesh, session);
+  session.write([&] { session.warn(write_mesh(command.output, mesh)); });
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,205 @@
+#include "csrbf/surface/reconstruct.hpp"
+
+#include "commands/commands.hpp"
+#include "commands/mesh_summary.hpp"
+#include "report/reconstruct_page.hpp"
+
+#include "csrbf/implicit/polygonize.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/points.hpp"
+#include "csrbf/io/polylines.hpp"
+#include "csrbf/surface/prepare/transfer_properties.hpp"
+#include "csrbf/surface/reconstruct_contours.hpp"
+#include "csrbf/surface/surface_method.hpp"
+#include "csrbf/surface/trim.hpp"
+
+#include <utility>
+
+namespace csrbf::app {
+namespace {
+
+Normals parse_normals(const std::string& text) {
+  if (text == "file") return Normals::file;
+  return text == "estimate" ? Normals::estimate : Normals::automatic;
+}
+
+ReconstructOptions make_options(const ReconstructCommand& command, Session& session) {
+  return {.method = command.method,
+          .normals = parse_normals(command.normals),
+          .centers = command.centers,
+          .tolerance = command.tolerance,
+          .smoothing = parse_smoothing(command.smoothing),
+          .progress = session.progress()};
+}
+
+bool wants_contours(const ReconstructCommand& command) {
+  if (command.method == "contours") return true;
+  return command.method == "auto" && holds_polylines(command.input);
+}
+
+// Contours have no use for what says how to treat points.
+void expect_no_point_flags(const ReconstructCommand& command) {
+  const auto refuse = [&](const char* flag) {
+    throw UsageError(std::string(flag) + " is for points, not for contours; leave it out, or give --method composite");
+  };
+  if (command.normals != "auto") refuse("--normals");
+  if (command.tolerance > 0) refuse("--tolerance");
+  if (command.trim != "none") refuse("--trim");
+}
+
+void expect_outputs(const ReconstructCommand& command, Session& session) {
+  expect_mesh_output(command.output, session);
+  if (command.model.empty()) return;
+  if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
+  const SurfaceMethod* method = find_surface_method(command.method);
+  if (method != nullptr && !method->has_model)
+    throw UsageError("--model " + command.model + ": surfaces of the method " + command.method + " cannot be saved");
+  session.expect_output(command.model);
+}
+
+void add_report(const ReconstructReport& r, Session& session) {
+  session.add_time("prepare", r.prepare_seconds);
+  session.add_time("fit", r.fit_seconds);
+  session.add_time("evaluate", r.evaluate_seconds);
+  session.warn(r.warnings);
+  session.result = {{"points", r.points},
+                    {"points_used", r.points_used},
+                    {"normals", name_of(r.normals)},
+                    {"centers", r.centers},
+                    {"method", r.method},
+                    {"rms_distance", r.rms_distance},
+                    {"p99_distance", r.p99_distance},
+                    {"max_distance", r.max_distance}};
+  if (r.contours) {
+    session.result["contours"] = r.contours->contours;
+    session.result["slices"] = r.contours->slices;
+    session.result["caps"] = r.contours->caps;
+  }
+  if (!r.composite) return;
+  session.result["patches"] = r.composite->patches;
+  session.result["levels"] = r.composite->levels;
+  session.result["cross_validation_error"] = r.composite->cross_validation_error;
+}
+
+// What was asked for, replaced by what was chosen.
+void add_options(const ReconstructCommand& command, const ReconstructReport& r, int resolution, Session& session) {
+  const auto or_null = [](bool given, const Json& value) { return given ? value : Json(nullptr); };
+  session.options = {{"output", command.output},
+                     {"method", r.method},
+                     {"normals", name_of(r.normals)},
+                     {"centers", or_null(command.centers > 0, command.centers)},
+                     {"tolerance", or_null(command.tolerance > 0, command.tolerance)},
+                     {"smoothing", r.smoothing},
+                     {"resolution", resolution},
+                     {"trim", command.trim},
+                     {"model", or_null(!command.model.empty(), command.model)}};
+  if (!r.composite) return;
+  const CompositeSettings& used = r.composite->settings;
+  session.options["leaf_size"] = used.leaf_size;
+  session.options["overlap"] = used.overlap;
+  session.options["centers_per_patch"] = used.centers_per_patch;
+  session.options["normal_weight"] = used.normal_weight;
+}
+
+void say_quality(const ReconstructReport& r, Session& session) {
+  const std::string used = r.contours ? counted(r.contours->contours, "contour") + " on " +
+                                            counted(r.contours->slices, "slice") +
+                                            " used; ends closed by a cap: " + std::to_string(r.contours->caps)
+                                      : counted(r.points_used, "point") + " used; normals: " + name_of(r.normals);
+  session.say(counted(r.points, "point") + " given, " + used + "; method: " + r.method + " with " +
+              counted(r.centers, "center"));
+  session.say("distance of the points to the surface, fractions of the diagonal: rms " + rounded(r.rms_distance) +
+              ", 99 % " + rounded(r.p99_distance) + ", largest " + rounded(r.max_distance));
+}
+
+// The points that the surface was made from, with the normals used and their properties.
+PointCloud used_points(const PointCloud& cloud, Reconstruction& surface) {
+  PointCloud used;
+  used.points = cloud.points(Eigen::all, surface.source);
+  used.normals = std::move(surface.normals);
+  for (const Property& p : cloud.properties) used.properties.push_back({p.name, p.type, p.values(surface.source)});
+  return used;
+}
+
+// What the surface is made from, and the surface.
+struct Made {
+  PointCloud used;
+  Reconstruction surface;
+};
+
+Made from_points(const ReconstructCommand& command, Session& session) {
+  const ReconstructOptions options = make_options(command, session);
+  PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
+  session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
+  Made made;
+  made.surface = reconstruct(cloud, options);
+  made.used = used_points(cloud, made.surface);
+  return made;
+}
+
+Made from_contours(const ReconstructCommand& command, Session& session) {
+  ContourOptions options{.smoothing = parse_smoothing(command.smoothing), .progress = session.progress()};
+  if (command.centers > 0) options.centers = command.centers;
+  Polylines contours = session.timed("read", [&] { return read_polylines(command.input); });
+  session.input = {{"file", command.input}, {"points", contours.vertices.cols()}, {"edges", contours.edges.cols()}};
+  Made made;
+  made.surface = reconstruct_contours(contours, options);
+  made.used.points = contours.vertices(Eigen::all, made.surface.source);
+  made.used.normals = std::move(made.surface.normals);
+  return made;
+}
+
+// The parts of the mesh that there are data for.
+DataComponents with_data(Mesh mesh, const PointCloud& used, std::optional<double> trim_distance) {
+  if (trim_distance) mesh = trim(mesh, used.points, *trim_distance, used.normals);
+  return keep_components_with_data(std::move(mesh), used.points);
+}
+
+Mesh make_mesh(const Field<3>& field, const PointCloud& used, int resolution, std::optional<double> trim_distance,
+               Session& session) {
+  Mesh mesh = session.timed(
+      "polygonize", [&] { return polygonize(field, {.resolution = resolution, .progress = session.progress()}); });
+  session.timed("evaluate", [&] {
+    DataComponents kept = with_data(std::move(mesh), used, trim_distance);
+    if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");
+    mesh = std::move(kept.mesh);
+    mesh.properties = transfer_properties(used.points, used.properties, mesh.vertices);
+  });
+  return mesh;
+}
+
+}  // namespace
+
+void run(const ReconstructCommand& command, Session& session) {
+  const std::optional<double> trim_distance = parse_word_or_number(command.trim, "none", "--trim");
+  if (trim_distance && !(*trim_distance > 0)) throw UsageError("--trim " + command.trim + ": must be positive");
+  expect_outputs(command, session);
+  if (command.resume) session.resume(command.input, command.output);
+  const bool contours = wants_contours(command);
+  if (contours) expect_no_point_flags(command);
+  Made made = contours ? from_contours(command, session) : from_points(command, session);
+  const PointCloud& used = made.used;
+  Reconstruction& surface = made.surface;
+  add_report(surface.report, session);
+  const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
+  add_options(command, surface.report, resolution, session);
+  const Mesh mesh = make_mesh(*surface.field, used, resolution, trim_distance, session);
+  session.add_to_page([&](Page& page) {
+    const auto mesh_at = [&](int cells) {
+      return with_data(polygonize(*surface.field, {.resolution = cells}), used, trim_distance).mesh;
+    };
+    show({surface, used, mesh, resolution, mesh_at}, page);
+  });
+  if (command.model.empty()) surface.field.reset();  // its memory is needed
+  add_mesh_summary(command.output, mesh, session);
+  say_quality(surface.report, session);
+
+  session.write([&] {
+    session.warn(write_mesh(command.output, mesh));
+    if (!command.model.empty()) write_model(command.model, *surface.field);
+  });
+}
+
+}  // namespace csrbf::app

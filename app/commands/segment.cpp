@@ -1,0 +1,158 @@
+#include "csrbf/levelset/segment.hpp"
+
+#include "commands/commands.hpp"
+#include "commands/formats.hpp"
+#include "commands/segment_contours.hpp"
+#include "commands/segment_options.hpp"
+#include "commands/segment_start.hpp"
+#include "report/segment_page.hpp"
+
+#include "csrbf/implicit/preview.hpp"
+#include "csrbf/io/contour_lines.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/image.hpp"
+#include "csrbf/io/images/sample_codec.hpp"
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/volume.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace csrbf::app {
+namespace {
+
+void expect_outputs(const SegmentCommand& command, Session& session) {
+  if (!is_volume_file(command.output) || file_extension(command.output) == ".ppm")
+    throw UsageError("--output " + command.output + ": unknown extension \"" + file_extension(command.output) +
+                     "\"; label images are " + label_formats);
+  session.expect_output(command.output);
+  if (!command.contour.empty()) {
+    if (!is_contour_lines_file(command.contour) && !is_mesh_file(command.contour))
+      throw UsageError("--contour " + command.contour + ": unknown extension \"" + file_extension(command.contour) +
+                       "\"; contours are " + plane_contour_formats + " in the plane, " + mesh_formats + " in space");
+    session.expect_output(command.contour);
+  }
+  if (!command.model.empty()) {
+    if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
+    session.expect_output(command.model);
+  }
+  if (!command.preview.empty()) {
+    if (file_extension(command.preview) != ".png")
+      throw UsageError("--preview " + command.preview + ": pictures are .png");
+    session.expect_output(command.preview);
+  }
+}
+
+void add_options(const SegmentCommand& command, const SegmentOptions& used, Session& session) {
+  session.options = {{"output", command.output}};
+  add_segment_options(command, used, session);
+  session.options.update({{"contour", command.contour.empty() ? Json(nullptr) : Json(command.contour)},
+                          {"model", command.model.empty() ? Json(nullptr) : Json(command.model)},
+                          {"preview", command.preview.empty() ? Json(nullptr) : Json(command.preview)}});
+}
+
+void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, Session& session) {
+  Json regions = Json::array();
+  for (const RegionReport& region : r.regions)
+    regions.push_back({{"label", region.label},
+                       {"voxels", region.voxels},
+                       {"volume", region.volume},
+                       {"mean", region.mean},
+                       {"sd", region.sd}});
+  session.result = {{"iterations", r.iterations}, {"converged", r.converged},   {"energy", r.energy},
+                    {"regions", regions},         {"components", r.components}, {"noise", r.noise}};
+  if (r.speckle) session.result["speckle"] = *r.speckle;
+  session.warn(r.warnings);
+  for (const RegionReport& region : r.regions)
+    if (region.voxels == 0)
+      session.warn("label " + std::to_string(region.label) +
+                   " has no voxel: the start or the energy does not suit the image");
+  session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
+              ", the inside in " + counted(r.components, "component"));
+  session.say("energy: " + std::string(name_of(r.options.energy)) + ", " + std::string(name_of(r.options.mode)) + "; " +
+              counted(r.iterations, "iteration") + (r.converged ? ", converged" : ", not converged") +
+              (r.options.center_spacing ? "; centers every " + rounded(*r.options.center_spacing) + " voxels" : ""));
+  constexpr std::size_t most_lines = 5;
+  for (std::size_t i = 0; i < std::min(r.regions.size(), most_lines); ++i) {
+    const RegionReport& region = r.regions[i];
+    session.say("label " + std::to_string(region.label) + ": " + counted(region.voxels, "voxel") +
+                (grid.dimension() == 3 ? ", volume " : ", area ") + rounded(region.volume, 6) + ", mean " +
+                rounded(region.mean) + ", sd " + rounded(region.sd));
+  }
+  if (r.regions.size() > most_lines)
+    session.say("and " + counted(static_cast<Index>(r.regions.size() - most_lines), "more label"));
+}
+
+// Runs segment(), telling the time of preparing from that of evolving.
+template <int Dim>
+Segmentation<Dim> timed_segment(const Volume<float>& image, SegmentOptions options, Session& session) {
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [](Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+  };
+  const auto start = Clock::now();
+  auto evolving = start;
+  options.progress = [&, watch = session.progress()](std::string_view stage, double fraction) {
+    if (stage == "evolve" && evolving == start) evolving = Clock::now();
+    return watch(stage, fraction);
+  };
+  Segmentation<Dim> segmentation = segment<Dim>(image, options);
+  session.add_time("prepare", seconds(start, evolving));
+  session.add_time("evolve", seconds(evolving, Clock::now()));
+  return segmentation;
+}
+
+template <int Dim>
+void run_segment(const SegmentCommand& command, SegmentOptions options, const Volume<float>& image, Session& session) {
+  const Grid& grid = image.grid;
+  if (!command.contour.empty()) check_contour_file(command.contour, Dim);
+  session.timed("read", [&] {
+    if (!command.mask.empty()) options.mask = read_voxels("--mask", command.mask, grid);
+  });
+  check_finite(command.input, image, options.mask);
+  options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
+  const Segmentation<Dim> segmentation = timed_segment<Dim>(image, std::move(options), session);
+  add_options(command, segmentation.report.options, session);
+  add_result(command, segmentation.report, grid, session);
+  const SegmentContours<Dim> contours(segmentation, grid, session);
+  session.add_to_page([&](Page& page) {
+    const auto mesh_at = [&](int resolution) { return contours.mesh(resolution); };
+    show<Dim>(image, segmentation, session.result["contour"], mesh_at, page);
+  });
+  session.write([&] {
+    Volume<float> labels;
+    static_cast<VolumeLayout&>(labels) = image;
+    labels.type = SampleType::uint8;
+    labels.values.assign(segmentation.labels.begin(), segmentation.labels.end());
+    write_volume(command.output, labels);
+    if (!command.contour.empty()) session.warn(contours.write(command.contour));
+    if (!command.model.empty()) write_model(command.model, to_function(segmentation));
+    if (command.preview.empty()) return;
+    std::vector<const Field<Dim>*> fields;
+    for (std::size_t k = segmentation.fields.size() > 1 ? 1 : 0; k < segmentation.fields.size(); ++k)
+      fields.push_back(segmentation.fields[k].get());
+    write_png(command.preview, preview<Dim>(image, fields));
+  });
+}
+
+}  // namespace
+
+void run(const SegmentCommand& command, Session& session) {
+  const SegmentOptions options = make_segment_options(command);
+  expect_outputs(command, session);
+  const Volume<float> image = session.timed("read", [&] { return read_volume(command.input); });
+  check_image(command.input, image);
+  const Grid& grid = image.grid;
+  session.input = {{"file", command.input},
+                   {"size", grid.size},
+                   {"type", sample_name(image.type)},
+                   {"spacing", {grid.spacing.x(), grid.spacing.y(), grid.spacing.z()}},
+                   {"origin", {grid.origin.x(), grid.origin.y(), grid.origin.z()}}};
+  if (grid.dimension() == 2)
+    run_segment<2>(command, options, image, session);
+  else
+    run_segment<3>(command, options, image, session);
+}
+
+}  // namespace csrbf::app

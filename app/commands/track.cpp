@@ -1,0 +1,287 @@
+#include "csrbf/levelset/track.hpp"
+
+#include "commands/commands.hpp"
+#include "commands/segment_options.hpp"
+#include "commands/segment_start.hpp"
+
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/volume.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+#include <sstream>
+
+namespace csrbf::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string numbered(const std::string& stem, Index frame, const std::string& extension) {
+  char number[24];
+  std::snprintf(number, sizeof number, "%04lld", static_cast<long long>(frame));
+  return stem + number + extension;
+}
+
+// The files that numbered() could have named.
+std::vector<fs::path> numbered_files(const fs::path& folder, const std::string& stem) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const std::size_t end = name.find_first_not_of("0123456789", stem.size());
+    constexpr std::size_t fewest_digits = 4;
+    const bool has_number = name.starts_with(stem) && end != std::string::npos && end >= stem.size() + fewest_digits;
+    const std::string extension = file_extension(name);
+    const bool has_format =
+        is_volume_file(name) || extension == ".raw" || extension == ".zraw" || extension == ".csrbf";
+    if (entry.is_regular_file() && has_number && name[end] == '.' && has_format) files.push_back(entry.path());
+  }
+  return files;
+}
+
+// The folder of the results: files are written beside it and moved into it when all of them are there.
+class ResultFolder {
+ public:
+  explicit ResultFolder(const std::string& path)
+      : folder_(path), drafts_(folder_ / (".csrbf-" + std::to_string(getpid()))) {
+    std::error_code error;
+    existed_ = fs::exists(folder_, error);
+    if (existed_ && !fs::is_directory(folder_, error))
+      throw UsageError("--output " + path + ": is a file; track writes a folder");
+    fs::create_directories(drafts_ / "models", error);
+    if (error) throw WriteFailure(path + ": cannot make the folder: " + error.message());
+  }
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+  ~ResultFolder() {
+    std::error_code ignored;
+    fs::remove_all(drafts_, ignored);
+    if (!existed_) fs::remove(folder_, ignored);  // when it is empty
+  }
+
+  [[nodiscard]] std::string draft(const std::string& name) const { return (drafts_ / name).string(); }
+
+  // Also removes what an earlier run with more frames, or another format, left.
+  void publish() {
+    std::error_code error;
+    std::set<fs::path> published;
+    fs::create_directories(folder_ / "models", error);
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(drafts_)) {
+      if (!entry.is_regular_file()) continue;
+      const fs::path to = folder_ / entry.path().lexically_relative(drafts_);
+      fs::rename(entry.path(), to, error);
+      if (error) throw WriteFailure(to.string() + ": cannot be written: " + error.message());
+      published.insert(to);
+    }
+    for (const auto& [folder, stem] : {std::pair(folder_, "labels_"), std::pair(folder_ / "models", "frame_")})
+      for (const fs::path& file : numbered_files(folder, stem))
+        if (!published.contains(file) && !fs::remove(file, error))
+          throw WriteFailure(file.string() + ": of an earlier run, cannot be removed: " + error.message());
+  }
+
+ private:
+  fs::path folder_, drafts_;
+  bool existed_ = false;
+};
+
+// The frames, from one file or from many, of which one is held at a time.
+class Frames {
+ public:
+  explicit Frames(const TrackCommand& command) : paths_(command.inputs), flat_(command.slices_are_frames) {
+    if (paths_.size() > 1) {
+      count_ = static_cast<Index>(paths_.size());
+      return;
+    }
+    sequence_ = read(0);
+    if (flat_) {
+      if (sequence_.frames > 1 || sequence_.grid.axes < 3)
+        throw UsageError("--slices-are-frames: " + paths_[0] + " has no third axis, or a time axis already");
+      sequence_.frames = sequence_.grid.size[2];
+      sequence_.grid.size[2] = 1;
+      sequence_.grid.axes = 2;
+    }
+    count_ = sequence_.frames;
+    if (count_ < 2)
+      throw UsageError(paths_[0] +
+                       ": has one frame; give an image with a time axis, several files in their order, or " +
+                       "--slices-are-frames when its third axis is time");
+  }
+
+  [[nodiscard]] Index count() const { return count_; }
+  /// What frame t is called in messages.
+  [[nodiscard]] std::string name(Index t) const {
+    return paths_.size() > 1 ? paths_[static_cast<std::size_t>(t)] : paths_[0] + ": frame " + std::to_string(t);
+  }
+  [[nodiscard]] Volume<float> operator()(Index t) const {
+    if (paths_.size() > 1) {
+      Volume<float> image = read(static_cast<std::size_t>(t));
+      if (image.frames > 1)
+        throw UsageError(name(t) + ": has " + std::to_string(image.frames) +
+                         " frames; files that are frames have one each");
+      return image;
+    }
+    VolumeLayout layout = sequence_;
+    layout.frames = 1;
+    Volume<float> image(layout);
+    std::copy_n(sequence_.values.begin() + t * sequence_.values_per_frame(), image.values.size(), image.values.begin());
+    return image;
+  }
+
+ private:
+  [[nodiscard]] Volume<float> read(std::size_t i) const { return read_volume(paths_[i]); }
+
+  std::vector<std::string> paths_;
+  bool flat_;
+  Index count_ = 0;
+  Volume<float> sequence_;
+};
+
+// The extension of the labels: as asked, or as the input where labels can be written so.
+std::string label_extension(const TrackCommand& command) {
+  if (!command.format.empty()) {
+    const std::string extension = (command.format[0] == '.' ? "" : ".") + command.format;
+    const std::string name = "labels" + extension;
+    if (!is_volume_file(name) || extension == ".ppm")
+      throw UsageError("--format " + command.format +
+                       ": unknown; label images are png pgm tif nii nii.gz nrrd mha mhd npy");
+    return extension;
+  }
+  std::string name = fs::path(command.inputs[0]).filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (name.ends_with(".nii.gz")) return ".nii.gz";
+  const std::string extension = file_extension(command.inputs[0]);
+  if (extension == ".mhd") return ".mha";  // one file each
+  if (extension == ".ppm") return ".pgm";
+  return is_volume_file("labels" + extension) ? extension : ".nii.gz";
+}
+
+struct Row {
+  Index frame;
+  RegionMeasure region;
+  int iterations;
+};
+
+void write_measures(const std::string& path, const std::vector<Row>& rows) {
+  std::ostringstream table;
+  table.precision(12);
+  table << "frame,region,voxels,volume,area,mean\n";
+  for (const Row& row : rows)
+    table << row.frame << ',' << row.region.label << ',' << row.region.voxels << ',' << row.region.volume << ','
+          << row.region.area << ',' << row.region.mean << '\n';
+  write_file(path, table.str());
+}
+
+void add_result(const TrackCommand& command, const std::vector<Row>& rows, Index frames, const Grid& grid,
+                const TrackReport& report, Session& session) {
+  session.options = {{"output", command.output}};
+  add_segment_options(command, report.options.segment, session);
+  const TrackOptions& used = report.options;
+  const bool limited = used.motion && std::isfinite(*used.motion);
+  session.options.update({{"persistence", used.persistence},
+                          {"motion", limited ? Json(*used.motion) : Json(nullptr)},
+                          {"prediction", used.prediction.value_or(0)},
+                          {"sweeps", used.sweeps},
+                          {"format", label_extension(command).substr(1)},
+                          {"slices_are_frames", command.slices_are_frames}});
+  Json measures = Json::array();
+  for (const Row& row : rows)
+    measures.push_back({{"frame", row.frame},
+                        {"region", row.region.label},
+                        {"voxels", row.region.voxels},
+                        {"volume", row.region.volume},
+                        {"area", row.region.area},
+                        {"mean", row.region.mean},
+                        {"iterations", row.iterations}});
+  session.result = {{"frames", frames}, {"measures", measures}};
+  session.warn(report.warnings);
+  session.say(command.output + ": " + counted(frames, "frame") + " of " + size_text(grid) + " voxels");
+  constexpr int most_lines = 5;
+  for (int label = 1; label < std::min(used.segment.regions, most_lines + 1); ++label) {
+    const Row *least = nullptr, *most = nullptr;
+    for (const Row& row : rows) {
+      if (row.region.label != label) continue;
+      if (least == nullptr || row.region.volume < least->region.volume) least = &row;
+      if (most == nullptr || row.region.volume > most->region.volume) most = &row;
+    }
+    if (least == nullptr) continue;
+    session.say("label " + std::to_string(label) + (grid.dimension() == 3 ? ": volume " : ": area ") +
+                rounded(least->region.volume, 6) + " (frame " + std::to_string(least->frame) + ") to " +
+                rounded(most->region.volume, 6) + " (frame " + std::to_string(most->frame) + ")");
+  }
+}
+
+template <int Dim>
+void run_track(const TrackCommand& command, TrackOptions options, const Frames& frames, const Volume<float>& first,
+               Session& session) {
+  const Grid& grid = first.grid;
+  if (!command.mask.empty())
+    options.segment.mask = session.timed("read", [&] { return read_voxels("--mask", command.mask, grid); });
+  options.segment.seed =
+      session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
+  options.progress = session.progress();
+  const std::string extension = label_extension(command);
+  ResultFolder folder(command.output);
+  std::vector<Row> rows;
+  const auto take = [&](Index t, TrackedFrame<Dim>&& frame) {
+    for (const RegionMeasure& region : frame.regions) rows.push_back({t, region, frame.segmentation.report.iterations});
+    session.write([&] {
+      Volume<float> labels;
+      static_cast<VolumeLayout&>(labels) = first;
+      labels.type = SampleType::uint8;
+      labels.values.assign(frame.segmentation.labels.begin(), frame.segmentation.labels.end());
+      write_volume(folder.draft(numbered("labels_", t, extension)), labels);
+      write_model(folder.draft(numbered("models/frame_", t, ".csrbf")), to_function(frame.segmentation));
+    });
+  };
+  const TrackReport report = session.timed("evolve", [&] {
+    return track<Dim>(
+        frames.count(),
+        [&](Index t) {
+          Volume<float> image = frames(t);
+          if (image.grid.size != grid.size)
+            throw UsageError(frames.name(t) + ": has " + size_text(image.grid) + " voxels, " + frames.name(0) + " " +
+                             size_text(grid));
+          check_finite(frames.name(t), image, options.segment.mask);
+          return image;
+        },
+        options, take);
+  });
+  std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
+    return a.frame != b.frame ? a.frame < b.frame : a.region.label < b.region.label;
+  });
+  add_result(command, rows, frames.count(), grid, report, session);
+  session.write([&] {
+    write_measures(folder.draft("measures.csv"), rows);
+    folder.publish();
+  });
+}
+
+}  // namespace
+
+void run(const TrackCommand& command, Session& session) {
+  TrackOptions options;
+  options.segment = make_segment_options(command);
+  options.persistence = command.persistence;
+  options.motion = command.motion;
+  options.prediction = command.prediction;
+  options.sweeps = command.sweeps;
+  label_extension(command);
+  const Frames frames = session.timed("read", [&] { return Frames(command); });
+  const Volume<float> first = session.timed("read", [&] { return frames(0); });
+  check_image(command.inputs[0], first);
+  session.input = {{"files", command.inputs},
+                   {"frames", frames.count()},
+                   {"size", first.grid.size},
+                   {"spacing", {first.grid.spacing.x(), first.grid.spacing.y(), first.grid.spacing.z()}}};
+  if (first.grid.dimension() == 2)
+    run_track<2>(command, std::move(options), frames, first, session);
+  else
+    run_track<3>(command, std::move(options), frames, first, session);
+}
+
+}  // namespace csrbf::app

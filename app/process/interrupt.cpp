@@ -1,0 +1,51 @@
+#include "process/interrupt.hpp"
+
+#include <unistd.h>
+
+#include <csignal>
+#include <initializer_list>
+
+namespace csrbf::app {
+namespace {
+
+volatile std::sig_atomic_t received = 0;
+
+constexpr int signal_base = 128;
+
+void handle(int signal) {
+  if (received != 0) _exit(signal_base + signal);
+  received = signal;
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    sigaction(signal, nullptr, &action);
+    if (action.sa_handler == SIG_IGN) continue;  // nohup and shell background jobs
+    action.sa_handler = handle;
+    action.sa_flags = 0;
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+bool interrupted() {
+  return received != 0;
+}
+
+int interrupt_signal() {
+  return received;
+}
+
+void interrupt_by(int signal) {
+  received = signal;
+}
+
+int interrupt_exit_code() {
+  return signal_base + (received != 0 ? received : SIGINT);
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,89 @@
+#include "report/drawing.hpp"
+
+#include "report/html.hpp"
+
+#include <utility>
+
+namespace csrbf::app {
+
+Drawing::Drawing(Axis x, Axis y, std::string_view description, double width, double height)
+    : x_(std::move(x)), y_(std::move(y)), description_(description), width_(width), height_(height) {}
+
+void Drawing::add_text(double x, double y, std::string_view style, std::string_view text) {
+  add("<text class=\"" + std::string(style) + "\" x=\"" + coordinate(x) + "\" y=\"" + coordinate(y) + "\">" +
+      escaped(text) + "</text>");
+}
+
+void Drawing::add_labels() {
+  constexpr double gap = 8, half_letter = 4.5, number_line = 17, name_line = 37;
+  const double low = top + height_;
+  for (const double tick : x_.ticks) add_text(x(tick), low + number_line, "tick middle", x_.text(tick));
+  for (const double tick : y_.ticks) add_text(left - gap, y(tick) + half_letter, "tick end", y_.text(tick));
+  if (!x_.label.empty()) add_text(left + width_ / 2, low + name_line, "name middle", x_.label);
+  if (!y_.label.empty()) add_text(left - gap, top - gap, "name", y_.label);
+}
+
+void Drawing::add_grid() {
+  for (const double tick : y_.ticks)
+    add("<path class=\"grid\" d=\"M" + coordinate(left) + " " + coordinate(y(tick)) + "h" + coordinate(width_) +
+        "\"/>");
+  add_labels();
+}
+
+void Drawing::add_frame() {
+  add("<rect class=\"frame\" x=\"" + coordinate(left) + "\" y=\"" + coordinate(top) + "\" width=\"" +
+      coordinate(width_) + "\" height=\"" + coordinate(height_) + "\"/>");
+  add_labels();
+}
+
+void Drawing::add_mark(double value, const std::string& text) {
+  add("<path class=\"mark\" d=\"M" + coordinate(x(value)) + " " + coordinate(top) + "v" + coordinate(height_) + "\"/>");
+  const bool to_the_left = x_.at(value) > 0.6;
+  constexpr double gap = 5, line = 12;
+  add_text(x(value) + (to_the_left ? -gap : gap), top + line, to_the_left ? "note end" : "note", text);
+}
+
+void Drawing::add_color_bar(const Axis& scale, const std::string& address) {
+  constexpr double gap = 8, thickness = 9, number_line = 24, more = 56;
+  const double low = top + height_ + bottom_ + gap;
+  const double from = left + width_ / 8, length = width_ * 3 / 4;
+  add("<image href=\"" + address + "\" x=\"" + coordinate(from) + "\" y=\"" + coordinate(low) + "\" width=\"" +
+      coordinate(length) + "\" height=\"" + coordinate(thickness) + "\" preserveAspectRatio=\"none\"/>");
+  for (const double tick : scale.ticks)
+    add_text(from + length * scale.at(tick), low + number_line, "tick middle", scale.text(tick));
+  if (!scale.label.empty()) add_text(from + length / 2, low + 2 * number_line - 6, "name middle", scale.label);
+  bottom_ += scale.label.empty() ? more - 18 : more;
+}
+
+void Drawing::add_line(const PointsRef<2>& points, std::string_view style, bool closed) {
+  std::string path;
+  bool pen_down = false;
+  for (Index i = 0; i < points.cols(); ++i) {
+    if (!points.col(i).allFinite()) {
+      pen_down = false;
+      continue;
+    }
+    path += (pen_down ? "L" : "M") + coordinate(x(points(0, i))) + " " + coordinate(y(points(1, i)));
+    pen_down = true;
+  }
+  if (path.empty()) return;
+  add("<path class=\"" + std::string(style) + "\" d=\"" + path + (closed ? "Z" : "") + "\"/>");
+}
+
+void Drawing::add_dots(const PointsRef<2>& points, double radius, std::string_view style) {
+  if (points.cols() == 0) return;
+  // Lines of no length with round ends: one short element instead of one for each dot.
+  std::string path;
+  for (Index i = 0; i < points.cols(); ++i)
+    if (points.col(i).allFinite()) path += "M" + coordinate(x(points(0, i))) + " " + coordinate(y(points(1, i))) + "h0";
+  add("<path class=\"dots " + std::string(style) + "\" style=\"stroke-width:" + coordinate(2 * radius) + "\" d=\"" +
+      path + "\"/>");
+}
+
+std::string Drawing::svg() const {
+  return "<svg viewBox=\"0 0 " + coordinate(left + width_ + right) + " " + coordinate(top + height_ + bottom_) +
+         "\" role=\"img\" aria-label=\"" + escaped(description_) + "\" xmlns=\"http://www.w3.org/2000/svg\">\n" +
+         body_ + "</svg>";
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,278 @@
+#include "report/fit_page.hpp"
+
+#include "report/axis.hpp"
+#include "report/near_points.hpp"
+#include "report/plots.hpp"
+#include "report/surface_view.hpp"
+#include "session.hpp"
+
+#include "csrbf/core/percentile.hpp"
+
+#include <cmath>
+
+namespace csrbf::app {
+namespace {
+
+constexpr Index most_samples = 200000;  // that errors are shown of
+
+std::string text(double value, int digits = 3) {
+  return readable(value, digits);
+}
+
+// Box of the samples and the names of the axes.
+struct Domain {
+  Eigen::MatrixXd bounds;  // d x 2
+  const NamedFunction& model;
+
+  [[nodiscard]] double lo(Index a) const { return bounds(a, 0); }
+  [[nodiscard]] double hi(Index a) const { return bounds(a, 1); }
+  [[nodiscard]] double extent(Index a) const { return hi(a) - lo(a); }
+  [[nodiscard]] const std::string& name(Index a) const { return model.coordinate_names[static_cast<std::size_t>(a)]; }
+  [[nodiscard]] const std::string& value() const { return model.value_names.front(); }
+  // Are both lengths, as far as one can see?
+  [[nodiscard]] bool to_scale(Index a, Index b) const {
+    constexpr double most = 3;
+    return extent(a) < most * extent(b) && extent(b) < most * extent(a);
+  }
+};
+
+void add_facts(const FitReport& r, const Domain& domain, Page& page) {
+  const std::string samples = counted(r.samples, "sample");
+  page.facts = {{samples.substr(0, samples.find(' ')), "samples"},
+                {text(r.rmse), "error at the samples, root mean square"},
+                {text(r.max_error), "largest error at a sample"}};
+  if (std::isfinite(r.cross_validation_rmse))
+    page.facts.push_back({text(r.cross_validation_rmse), "error at samples left out"});
+  if (std::isfinite(r.cross_validation_rmse))
+    page.findings.push_back("Samples of " + domain.value() + " that were left out of trial fits were missed by " +
+                            text(r.cross_validation_rmse) +
+                            " (root mean square): expect this error between the samples.");
+  page.findings.push_back(r.smoothing > 0
+                              ? "The function does not pass through every sample: some of what they say was taken for "
+                                "noise and smoothed away (smoothing " +
+                                    text(r.smoothing) + ")."
+                              : "The function passes through the samples: nothing was smoothed away.");
+  if (domain.model.value_names.size() > 1)
+    page.findings.push_back("The pictures show " + domain.value() + ", the first of " +
+                            counted(static_cast<Index>(domain.model.value_names.size()), "value") + ".");
+  if (r.merged_duplicates > 0)
+    page.findings.push_back(counted(r.merged_duplicates, "sample") + " merged with others at the same place.");
+}
+
+Figure error_histogram(const Eigen::VectorXd& error, const FitReport& r, const Domain& domain) {
+  std::vector<double> sizes;
+  for (const double value : error)
+    if (std::isfinite(value)) sizes.push_back(std::abs(value));
+  constexpr double most = 0.99, more = 1.25;
+  const double limit = sizes.empty() ? 1 : more * percentile(sizes, most);
+  Histogram histogram{.values = {error.begin(), error.end()},
+                      .lo = -limit,
+                      .hi = limit,
+                      .label = "sample − function, in the unit of " + domain.value(),
+                      .counted = "samples"};
+  std::string caption = "The outermost bars hold all samples that are further off.";
+  if (error.size() < r.samples) caption += " Of " + counted(error.size(), "sample") + ", evenly chosen.";
+  return {"Errors at the samples", draw(histogram), caption};
+}
+
+Figure curve(const Domain& domain, const SampleTable& samples, const std::vector<Index>& chosen) {
+  constexpr Index places = 600, most = 2000;
+  Eigen::MatrixXd x = Eigen::RowVectorXd::LinSpaced(places, domain.lo(0), domain.hi(0));
+  Curve plot{.x_label = domain.name(0), .y_label = domain.value()};
+  plot.line.resize(2, places);
+  plot.line.row(0) = x;
+  plot.line.row(1) = domain.model.function.evaluate(x).value.col(0);
+  const std::vector<Index> dots = spread_indices(static_cast<Index>(chosen.size()), most);
+  plot.dots.resize(2, static_cast<Index>(dots.size()));
+  for (std::size_t i = 0; i < dots.size(); ++i) {
+    const Index sample = chosen[static_cast<std::size_t>(dots[i])];
+    plot.dots.col(static_cast<Index>(i)) << samples.coordinates(0, sample), samples.values(sample, 0);
+  }
+  return {"The function", draw(plot), "The curve is the function, the dots are samples."};
+}
+
+// Values on the plane of two axes through the middle of the others.
+Eigen::MatrixXd plane_values(const Domain& domain, Index a, Index b, const Eigen::VectorXd& x,
+                             const Eigen::VectorXd& y) {
+  std::vector<Eigen::VectorXd> axes;
+  for (Index k = 0; k < domain.bounds.rows(); ++k)
+    axes.push_back(k == a ? x : k == b ? y : Eigen::VectorXd::Constant(1, 0.5 * (domain.lo(k) + domain.hi(k))));
+  const Eigen::MatrixXd values = domain.model.function.evaluate_grid(axes);
+  return Eigen::Map<const Eigen::MatrixXd>(values.data(), x.size(), y.size()).transpose();
+}
+
+PlaneMap plane_map(const Domain& domain, Index a, Index b) {
+  constexpr Index longest = 260;
+  const bool to_scale = domain.to_scale(a, b);
+  const double longer = std::max(domain.extent(a), domain.extent(b));
+  const auto nodes = [&](Index axis) {
+    return to_scale ? std::max<Index>(2, std::lround(longest * domain.extent(axis) / longer)) : longest;
+  };
+  PlaneMap map{.values = plane_values(domain, a, b, Eigen::VectorXd::LinSpaced(nodes(a), domain.lo(a), domain.hi(a)),
+                                      Eigen::VectorXd::LinSpaced(nodes(b), domain.lo(b), domain.hi(b))),
+               .x_label = domain.name(a),
+               .y_label = domain.name(b),
+               .to_scale = to_scale,
+               .description = domain.value() + " by " + domain.name(a) + " and " + domain.name(b)};
+  map.box.lo << domain.lo(a), domain.lo(b);
+  map.box.hi << domain.hi(a), domain.hi(b);
+  return map;
+}
+
+void set_range(const std::string& label, std::vector<PlaneMap>& maps) {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  for (const PlaneMap& map : maps)
+    for (const double value : map.values.reshaped())
+      if (std::isfinite(value)) {
+        lo = std::min(lo, value);
+        hi = std::max(hi, value);
+      }
+  if (!(lo < hi)) lo = lo - 1, hi = lo + 2;
+  for (PlaneMap& map : maps) map.scale = {lo, hi, false, label};
+}
+
+Figure map_of_plane(const Domain& domain, const SampleTable& samples, const std::vector<Index>& chosen) {
+  std::vector<PlaneMap> maps{plane_map(domain, 0, 1)};
+  set_range(domain.value(), maps);
+  constexpr Index most = 3000;
+  const std::vector<Index> dots = spread_indices(static_cast<Index>(chosen.size()), most);
+  maps[0].dots.resize(2, static_cast<Index>(dots.size()));
+  for (std::size_t i = 0; i < dots.size(); ++i)
+    maps[0].dots.col(static_cast<Index>(i)) = samples.coordinates.col(chosen[static_cast<std::size_t>(dots[i])]);
+  std::string caption = "Colours are the function, dots the places of samples";
+  caption += maps[0].dots.cols() < samples.coordinates.cols()
+                 ? " (" + counted(maps[0].dots.cols(), "of them shown") + ")."
+                 : ".";
+  return {"The function", draw(maps[0]), caption};
+}
+
+Figure maps_of_space(const Domain& domain) {
+  std::vector<PlaneMap> maps;
+  for (const auto& [a, b] : {std::pair<Index, Index>{0, 1}, {0, 2}, {1, 2}}) {
+    maps.push_back(plane_map(domain, a, b));
+    maps.back().width = 250;
+  }
+  set_range(domain.value(), maps);
+  std::vector<std::string> drawings;
+  for (const PlaneMap& map : maps) drawings.push_back(draw(map));
+  return {"The function on planes through the middle", side_by_side(drawings),
+          "Each plane spans two coordinates; the others are in the middle of their range.", true};
+}
+
+// The function of two variables as a landscape over the unit square (or the rectangle of the samples).
+class Landscape {
+ public:
+  explicit Landscape(const Domain& domain) : domain_(domain) {
+    constexpr Index nodes = 200;
+    const double longer = std::max(domain.extent(0), domain.extent(1));
+    const bool to_scale = domain.to_scale(0, 1);
+    for (Index a = 0; a < 2; ++a) {
+      scale_[a] = 1 / (to_scale ? longer : domain.extent(a));
+      axes_[static_cast<std::size_t>(a)] = Eigen::VectorXd::LinSpaced(nodes, domain.lo(a), domain.hi(a));
+    }
+    values_ = plane_values(domain, 0, 1, axes_[0], axes_[1]);
+    lo_ = values_.minCoeff();
+    hi_ = values_.maxCoeff();
+    constexpr double height = 0.4;
+    scale_[2] = hi_ > lo_ ? height / (hi_ - lo_) : 1;
+  }
+
+  [[nodiscard]] bool is_finite() const { return values_.allFinite(); }
+  [[nodiscard]] double lo() const { return lo_; }
+  [[nodiscard]] double hi() const { return hi_; }
+
+  [[nodiscard]] Point<3> place(double x, double y, double value) const {
+    return {scale_[0] * (x - domain_.lo(0)), scale_[1] * (y - domain_.lo(1)), scale_[2] * (value - lo_)};
+  }
+
+  [[nodiscard]] Mesh mesh() const {
+    const Index columns = values_.cols(), rows = values_.rows();
+    Mesh mesh;
+    mesh.vertices.resize(3, columns * rows);
+    mesh.normals.resize(3, columns * rows);
+    mesh.triangles.resize(3, 2 * (columns - 1) * (rows - 1));
+    Index triangle = 0;
+    for (Index j = 0; j < rows; ++j)
+      for (Index i = 0; i < columns; ++i) {
+        mesh.vertices.col(j * columns + i) = place(axes_[0][i], axes_[1][j], values_(j, i));
+        mesh.normals.col(j * columns + i) = normal(i, j);
+        if (i + 1 == columns || j + 1 == rows) continue;
+        const auto v = static_cast<std::int32_t>(j * columns + i), up = static_cast<std::int32_t>(v + columns);
+        mesh.triangles.col(triangle++) << v, v + 1, up + 1;
+        mesh.triangles.col(triangle++) << v, up + 1, up;
+      }
+    return mesh;
+  }
+
+  // In the order of the vertices.
+  [[nodiscard]] Eigen::VectorXd values() const { return values_.transpose().reshaped(); }
+
+ private:
+  [[nodiscard]] Point<3> normal(Index i, Index j) const {
+    const Index left = std::max<Index>(i - 1, 0), right = std::min(i + 1, values_.cols() - 1);
+    const Index low = std::max<Index>(j - 1, 0), high = std::min(j + 1, values_.rows() - 1);
+    const double dx =
+        (values_(j, right) - values_(j, left)) * scale_[2] / (scale_[0] * (axes_[0][right] - axes_[0][left]));
+    const double dy = (values_(high, i) - values_(low, i)) * scale_[2] / (scale_[1] * (axes_[1][high] - axes_[1][low]));
+    return Point<3>(-dx, -dy, 1).normalized();
+  }
+
+  const Domain& domain_;
+  GridAxes<2> axes_;
+  Eigen::MatrixXd values_;
+  Point<3> scale_ = Point<3>::Ones();
+  double lo_ = 0, hi_ = 1;
+};
+
+Figure landscape_view(const Landscape& landscape, const Domain& domain, const SampleTable& samples,
+                      const std::vector<Index>& chosen, const Eigen::VectorXd& error) {
+  SurfaceView view;
+  view.shown = "0";
+  view.mesh = landscape.mesh();
+  Points<3> places(3, static_cast<Index>(chosen.size()));
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const auto x = samples.coordinates.col(chosen[i]);
+    places.col(static_cast<Index>(i)) = landscape.place(x[0], x[1], samples.values(chosen[i], 0));
+  }
+  const std::vector<Index> points = spread_indices(places.cols(), SurfaceView::most_points);
+  view.points = places(Eigen::all, points);
+  const Eigen::VectorXd size = error.cwiseAbs();
+  Eigen::VectorXd sample_values(static_cast<Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    sample_values[static_cast<Index>(i)] = samples.values(chosen[static_cast<std::size_t>(points[i])], 0);
+  view.colors.push_back(
+      {domain.value(), domain.value(), landscape.lo(), landscape.hi(), false, landscape.values(), sample_values});
+  std::vector<double> sizes(size.begin(), size.end());
+  constexpr double most = 0.99;
+  view.colors.push_back({"error at the samples", "Error at the samples (grey: none near)", 0, percentile(sizes, most),
+                         false, values_near(places, size, view.mesh.vertices), size(points)});
+  view.caption = "Heights are values of " + domain.value() + ", scaled to be seen.";
+  Figure figure = surface_figure(view);
+  figure.title = "The function as a landscape";
+  return figure;
+}
+
+}  // namespace
+
+void show(const NamedFunction& model, const SampleTable& samples, Page& page) {
+  const Domain domain{model.function.bounds(), model};
+  const FitReport& r = model.function.report();
+  add_facts(r, domain, page);
+  const std::vector<Index> chosen = spread_indices(samples.coordinates.cols(), most_samples);
+  const Eigen::VectorXd error =
+      samples.values(chosen, 0) - model.function.evaluate(samples.coordinates(Eigen::all, chosen)).value.col(0);
+  const bool has_extent = (domain.bounds.col(1) - domain.bounds.col(0)).minCoeff() > 0;
+  const int dimension = model.function.dimension();
+  if (dimension == 2 && has_extent) {
+    const Landscape landscape(domain);
+    if (landscape.is_finite() && landscape.hi() > landscape.lo())
+      page.figures.push_back(landscape_view(landscape, domain, samples, chosen, error));
+  }
+  if (has_extent)
+    page.figures.push_back(dimension == 1   ? curve(domain, samples, chosen)
+                           : dimension == 2 ? map_of_plane(domain, samples, chosen)
+                                            : maps_of_space(domain));
+  page.figures.push_back(error_histogram(error, r, domain));
+}
+
+}  // namespace csrbf::app

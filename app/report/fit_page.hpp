@@ -1,0 +1,13 @@
+#pragma once
+
+#include "report/page.hpp"
+
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/samples.hpp"
+
+namespace csrbf::app {
+
+/// The function, and how far it is from its samples.
+void show(const NamedFunction& model, const SampleTable& samples, Page& page);
+
+}  // namespace csrbf::app

@@ -1,0 +1,86 @@
+#include "report/html.hpp"
+
+#include "csrbf/io/images/png.hpp"
+
+#include <array>
+#include <cstdio>
+
+namespace csrbf::app {
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  result.reserve(text.size());
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        // Other control characters have no place in a document; a report must not fail over the name of a file.
+        result += static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' ? '?' : c;
+    }
+  }
+  return result;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string result;
+  result.reserve(4 * (bytes.size() / 3 + 1));
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k) result += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63U] : '=';
+  }
+  return result;
+}
+
+std::string png_address(const RgbImage& picture) {
+  VolumeLayout layout;
+  layout.grid.axes = 2;
+  layout.grid.size = {picture.width, picture.height, 1};
+  layout.components = 3;
+  layout.type = SampleType::uint8;
+  const std::string_view samples(reinterpret_cast<const char*>(picture.pixels.data()), picture.pixels.size());
+  return "data:image/png;base64," + base64(format_png(layout, samples, "picture of the report").head);
+}
+
+std::string picture_element(const RgbImage& picture, std::string_view description) {
+  return "<img src=\"" + png_address(picture) + "\" width=\"" + std::to_string(picture.width) + "\" height=\"" +
+         std::to_string(picture.height) + "\" alt=\"" + escaped(description) + "\">";
+}
+
+std::string script_text(const nlohmann::ordered_json& data) {
+  std::string text;
+  for (const char c : data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  }
+  return text;
+}
+
+std::string coordinate(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.2f", value);
+  std::string result = text.data();
+  while (result.ends_with('0')) result.pop_back();
+  if (result.ends_with('.')) result.pop_back();
+  return result == "-0" ? "0" : result;
+}
+
+}  // namespace csrbf::app

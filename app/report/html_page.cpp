@@ -1,0 +1,121 @@
+#include "report/html_page.hpp"
+
+#include "report/html.hpp"
+#include "report/option_table.hpp"
+#include "report/page_files.hpp"
+#include "report/value_table.hpp"
+#include "session.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace csrbf::app {
+namespace {
+
+// The browser itself sees to it that nothing is loaded from anywhere.
+constexpr std::string_view policy =
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+
+std::string element(std::string_view name, const std::string& content) {
+  return "<" + std::string(name) + ">" + content + "</" + std::string(name) + ">\n";
+}
+
+std::string section(const std::string& title, const std::string& content) {
+  if (content.empty()) return "";
+  std::string id = title;
+  std::transform(id.begin(), id.end(), id.begin(), [](char c) { return c == ' ' ? '-' : static_cast<char>(c | ' '); });
+  return "<section id=\"" + id + "\">\n<h2>" + escaped(title) + "</h2>\n" + content + "</section>\n";
+}
+
+std::string file_name(const Json& path) {
+  return path.is_string() ? std::filesystem::path(path.get<std::string>()).filename().string() : "";
+}
+
+std::string input_name(const Json& report) {
+  const Json& input = report["input"];
+  for (const char* key : {"file", "first", "files", "inputs"})
+    if (input.contains(key)) return input[key].is_array() ? file_name(input[key].front()) : file_name(input[key]);
+  return "";
+}
+
+std::string heading(const Json& report) {
+  const std::string from = input_name(report), to = file_name(report["options"].value("output", Json()));
+  std::string text = from;
+  if (!to.empty()) text += (text.empty() ? "" : " → ") + to;
+  return text.empty() ? report["command"].get<std::string>() : text;
+}
+
+std::string warnings(const Json& report) {
+  std::string items;
+  for (const Json& warning : report["warnings"]) items += element("li", escaped(warning.get<std::string>()));
+  if (items.empty()) return "";
+  return "<section id=\"warnings\" class=\"warnings\">\n<h2>Warnings</h2>\n<ul>\n" + items + "</ul>\n</section>\n";
+}
+
+std::string facts(const PageContent& content) {
+  std::vector<Fact> all = content.page.facts;
+  all.push_back({seconds_text(content.report["time"]["total"]), "time"});
+  all.push_back({rounded(content.report["peak_memory_mb"], 3) + " MB", "memory at most"});
+  std::string items;
+  for (const Fact& fact : all)
+    items += "<div><dd>" + escaped(fact.value) + "</dd><dt>" + escaped(fact.label) + "</dt></div>\n";
+  return "<dl class=\"facts\">\n" + items + "</dl>\n";
+}
+
+std::string summary(const PageContent& content) {
+  std::string text;
+  for (const std::string& finding : content.page.findings) text += element("p", escaped(finding));
+  if (!text.empty()) return text;
+  for (const std::string& line : content.summary) text += element("li", escaped(line));
+  return text.empty() ? "" : "<ul class=\"lines\">\n" + text + "</ul>\n";
+}
+
+std::string figures(const Page& page) {
+  std::string text;
+  for (const Figure& figure : page.figures) {
+    text += std::string("<div class=\"panel") + (figure.wide ? " wide" : "") + "\">\n<h2>" + escaped(figure.title) +
+            "</h2>\n" + figure.body + "\n";
+    if (!figure.caption.empty()) text += "<p class=\"caption\">" + escaped(figure.caption) + "</p>\n";
+    text += "</div>\n";
+  }
+  return text.empty() ? "" : "<div class=\"panels\">\n" + text + "</div>\n";
+}
+
+std::string details(const std::string& title, const std::string& text) {
+  return "<details>\n<summary>" + escaped(title) + "</summary>\n<pre>" + escaped(text) + "</pre>\n</details>\n";
+}
+
+}  // namespace
+
+std::string html_page(const PageContent& content) {
+  const Json& report = content.report;
+  const std::string subcommand = report["command"], title = heading(report);
+  const bool has_surface =
+      std::any_of(content.page.figures.begin(), content.page.figures.end(),
+                  [](const Figure& figure) { return figure.body.find("surface-data") != std::string::npos; });
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+  page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
+  page += "<meta name=\"color-scheme\" content=\"light dark\">\n";
+  page += "<meta http-equiv=\"Content-Security-Policy\" content=\"" + std::string(policy) + "\">\n";
+  page += "<title>" + escaped(title) + " · csrbf " + escaped(subcommand) + "</title>\n";
+  page += "<style>\n" + std::string(page_style) + "</style>\n</head>\n<body>\n<header>\n<p class=\"command\">csrbf " +
+          escaped(subcommand) + "</p>\n<h1>" + escaped(title) + "</h1>\n</header>\n<main>\n";
+  page += facts(content) + warnings(report);
+  const std::string told = summary(content);
+  if (!told.empty()) page += "<div class=\"summary\">\n" + told + "</div>\n";
+  page += figures(content.page);
+  page += section("Options", option_table(report, content.common.flags));
+  page += "<div class=\"columns\">\n" + section("Results", value_table(report["result"])) + "<div>\n" +
+          section("Time and memory", time_table(report)) + section("Input", value_table(report["input"])) +
+          "</div>\n</div>\n";
+  page += section("Command", "<pre class=\"command\">" + escaped(content.common.command) + "</pre>\n");
+  const std::string json = report.dump(2, ' ', false, Json::error_handler_t::replace);
+  page += details("The report as JSON", json) + details("Licences", std::string(page_licence));
+  page += "</main>\n<footer>Made by csrbf " + escaped(report["csrbf"].get<std::string>()) +
+          ". This file needs no network and no other file.</footer>\n";
+  page += "<script type=\"application/json\" id=\"report\">" + script_text(report) + "</script>\n";
+  if (has_surface) page += "<script>\n" + std::string(page_script) + "</script>\n";
+  return page + "</body>\n</html>\n";
+}
+
+}  // namespace csrbf::app

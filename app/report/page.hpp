@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace csrbf::app {
+
+/// A number to see first.
+struct Fact {
+  std::string value;
+  std::string label;
+};
+
+/// A plot or picture, as HTML, with its title and what it shows (plain text).
+struct Figure {
+  std::string title;
+  std::string body;
+  std::string caption;
+  bool wide = false;  ///< takes the whole width of the page
+};
+
+/// What a command adds to its report when that is a page to look at.
+struct Page {
+  std::vector<Fact> facts;
+  std::vector<std::string> findings;  ///< sentences in plain words
+  std::vector<Figure> figures;
+};
+
+}  // namespace csrbf::app

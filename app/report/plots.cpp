@@ -1,0 +1,184 @@
+#include "report/plots.hpp"
+
+#include "report/drawing.hpp"
+#include "report/html.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace csrbf::app {
+namespace {
+
+constexpr int series_colors = 6;  // of the style sheet
+
+// The colours as a picture: `width` of them from low to high.
+std::string bar_address(const ColorScale& scale) {
+  constexpr int width = 128;
+  RgbImage bar(width, 1);
+  for (int i = 0; i < width; ++i) {
+    const LinearRgb color = scale(scale.lo + (scale.hi - scale.lo) * i / (width - 1));
+    for (int c = 0; c < 3; ++c)
+      bar.pixels[static_cast<std::size_t>(3 * i + c)] =
+          static_cast<std::uint8_t>(std::lround(255 * srgb_from_linear(color[c])));
+  }
+  return png_address(bar);
+}
+
+std::string picture_address(const Eigen::MatrixXd& values, const ColorScale& scale) {
+  constexpr std::uint8_t none = 160;
+  RgbImage picture(static_cast<int>(values.cols()), static_cast<int>(values.rows()));
+  std::uint8_t* out = picture.pixels.data();
+  for (Index row = values.rows() - 1; row >= 0; --row)
+    for (Index column = 0; column < values.cols(); ++column) {
+      const double value = values(row, column);
+      const LinearRgb color = scale(value);
+      for (int c = 0; c < 3; ++c)
+        *out++ = std::isnan(value) ? none : static_cast<std::uint8_t>(std::lround(255 * srgb_from_linear(color[c])));
+    }
+  return png_address(picture);
+}
+
+}  // namespace
+
+std::string draw(const Histogram& histogram) {
+  constexpr int bins = 40;
+  const Axis x = axis(histogram.lo, histogram.hi, histogram.label);
+  std::vector<double> count(bins, 0);
+  for (const double value : histogram.values) {
+    if (std::isnan(value)) continue;
+    const double place = std::clamp(std::floor(bins * x.at(value)), 0.0, bins - 1.0);
+    ++count[static_cast<std::size_t>(place)];
+  }
+  const double most = *std::max_element(count.begin(), count.end());
+  Drawing drawing(x, round_axis(0, std::max(most, 1.0), histogram.counted, 4),
+                  "Histogram: " + histogram.counted + " by " + histogram.label);
+  drawing.add_grid();
+  const double width = drawing.width() / bins;
+  std::string path;
+  for (int i = 0; i < bins; ++i) {
+    const double height = drawing.y(0) - drawing.y(count[static_cast<std::size_t>(i)]);
+    if (height > 0)
+      path += "M" + coordinate(Drawing::left + i * width + 0.5) + " " + coordinate(drawing.y(0)) + "v" +
+              coordinate(-height) + "h" + coordinate(width - 1) + "v" + coordinate(height) + "z";
+  }
+  drawing.add("<path class=\"bars\" d=\"" + path + "\"/>");
+  for (const Mark& mark : histogram.marks)
+    if (mark.value >= x.lo && mark.value <= x.hi) drawing.add_mark(mark.value, mark.text);
+  return drawing.svg();
+}
+
+std::string draw(const std::vector<Distribution>& distributions, double lo, double hi, const std::string& label,
+                 const std::string& counted) {
+  double most = 1;
+  for (const Distribution& d : distributions)
+    most = std::max(most, *std::max_element(d.counts.begin(), d.counts.end()));
+  Drawing drawing(axis(lo, hi, label), round_axis(0, most, counted, 4), "Histograms: " + counted + " by " + label);
+  drawing.add_grid();
+  for (std::size_t i = 0; i < distributions.size(); ++i) {
+    const std::vector<double>& counts = distributions[i].counts;
+    const auto n = static_cast<Index>(counts.size());
+    Points<2> steps(2, 2 * n + 2);
+    steps.col(0) << lo, 0;
+    for (Index k = 0; k < n; ++k) {
+      const double width = (hi - lo) / static_cast<double>(n), from = lo + width * static_cast<double>(k);
+      steps.col(2 * k + 1) << from, counts[static_cast<std::size_t>(k)];
+      steps.col(2 * k + 2) << from + width, counts[static_cast<std::size_t>(k)];
+    }
+    steps.col(2 * n + 1) << hi, 0;
+    const std::string series = "series" + std::to_string(i % series_colors);
+    drawing.add_line(steps, "area " + series, true);
+    constexpr double line = 17, key_width = 14;
+    const double y = Drawing::top + 12 + line * static_cast<double>(i);
+    const double x = Drawing::left + drawing.width() - 10;
+    drawing.add("<path class=\"key " + series + "\" d=\"M" + coordinate(x - key_width) + " " + coordinate(y - 4) + "h" +
+                coordinate(key_width) + "\"/>");
+    drawing.add_text(x - key_width - 6, y, "note end", distributions[i].name);
+  }
+  return drawing.svg();
+}
+
+std::string draw(const Course& course) {
+  const auto n = static_cast<Index>(course.values.size());
+  const auto [lo, hi] = std::minmax_element(course.values.begin(), course.values.end());
+  Drawing drawing(axis(0, static_cast<double>(std::max<Index>(n - 1, 1)), course.counted),
+                  round_axis(*lo, *hi, course.label, 4), course.label + " by " + course.counted);
+  drawing.add_grid();
+  Points<2> points(2, n);
+  for (Index i = 0; i < n; ++i) points.col(i) << static_cast<double>(i), course.values[static_cast<std::size_t>(i)];
+  drawing.add_line(points, "curve");
+  constexpr Index few = 40;
+  if (n <= few) drawing.add_dots(points, 3, "accent");
+  return drawing.svg();
+}
+
+LinearRgb ColorScale::operator()(double value) const {
+  const double t = hi > lo ? (value - lo) / (hi - lo) : 0.5;
+  return diverging ? diverging_color(2 * t - 1) : sequential_color(t);
+}
+
+std::vector<std::string> color_stops(bool diverging) {
+  constexpr int count = 17;
+  constexpr std::string_view digits = "0123456789abcdef";
+  const ColorScale scale{.diverging = diverging};
+  std::vector<std::string> stops;
+  for (int i = 0; i < count; ++i) {
+    const LinearRgb color = scale(static_cast<double>(i) / (count - 1));
+    std::string text = "#";
+    for (int c = 0; c < 3; ++c) {
+      const auto byte = static_cast<unsigned>(std::lround(255 * srgb_from_linear(color[c])));
+      text += {digits[byte >> 4U], digits[byte & 15U]};
+    }
+    stops.push_back(text);
+  }
+  return stops;
+}
+
+std::string draw(const PlaneMap& map) {
+  constexpr double narrow = 300;
+  const Point<2> extent = map.box.extent();
+  double width = map.width;
+  double height = map.to_scale ? width * extent.y() / extent.x() : 0.75 * width;
+  const double tallest = 1.1 * width;
+  if (height > tallest) {
+    width *= tallest / height;
+    height = tallest;
+  }
+  const Axis x = axis(map.box.lo.x(), map.box.hi.x(), map.x_label, width > narrow ? 5 : 3);
+  Drawing drawing(x, axis(map.box.lo.y(), map.box.hi.y(), map.y_label, height > narrow / 2 ? 5 : 2), map.description,
+                  width, height);
+  drawing.add("<image href=\"" + picture_address(map.values, map.scale) + "\" x=\"" + coordinate(Drawing::left) +
+              "\" y=\"" + coordinate(Drawing::top) + "\" width=\"" + coordinate(width) + "\" height=\"" +
+              coordinate(height) + "\" preserveAspectRatio=\"none\"/>");
+  for (const ContourLine& line : map.lines.lines)
+    drawing.add_line(map.lines.points.middleCols(line.begin, line.size), "contour", line.closed);
+  constexpr Index many = 1500;
+  drawing.add_dots(map.dots, map.dots.cols() > many ? 0.7 : 1.4, "samples");
+  drawing.add_frame();
+  drawing.add_color_bar(axis(map.scale.lo, map.scale.hi, map.scale.label, width > narrow ? 5 : 3),
+                        bar_address(map.scale));
+  return drawing.svg();
+}
+
+std::string side_by_side(const std::vector<std::string>& drawings) {
+  std::string text = "<div class=\"trio\">\n";
+  for (const std::string& drawing : drawings) text += drawing + "\n";
+  return text + "</div>";
+}
+
+std::string draw(const Curve& curve) {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  for (const Points<2>* points : {&curve.line, &curve.dots})
+    for (Index i = 0; i < points->cols(); ++i)
+      if (std::isfinite((*points)(1, i))) {
+        lo = std::min(lo, (*points)(1, i));
+        hi = std::max(hi, (*points)(1, i));
+      }
+  Drawing drawing(axis(curve.line.row(0).minCoeff(), curve.line.row(0).maxCoeff(), curve.x_label),
+                  round_axis(lo, hi, curve.y_label), curve.y_label + " by " + curve.x_label);
+  drawing.add_grid();
+  drawing.add_dots(curve.dots, 1.8, "faint");
+  drawing.add_line(curve.line, "curve");
+  return drawing.svg();
+}
+
+}  // namespace csrbf::app

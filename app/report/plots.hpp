@@ -1,0 +1,84 @@
+#pragma once
+
+#include "report/axis.hpp"
+
+#include "csrbf/core/image.hpp"
+#include "csrbf/core/types.hpp"
+#include "csrbf/implicit/contour_lines.hpp"
+#include "csrbf/implicit/render/color_map.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace csrbf::app {
+
+/// A place on an axis that a plot points out.
+struct Mark {
+  double value = 0;
+  std::string text;
+};
+
+/// How often values occur: an SVG drawing. Values beyond the axis count in its outermost bars, whose ends then say so.
+struct Histogram {
+  std::vector<double> values = {};
+  double lo = 0, hi = 1;  ///< of the axis
+  std::string label;      ///< of the axis
+  std::string counted;    ///< what is counted, plural
+  std::vector<Mark> marks = {};
+};
+std::string draw(const Histogram& histogram);
+
+/// Several distributions over one axis, each a curve of its own colour.
+struct Distribution {
+  std::string name;
+  std::vector<double> counts;  ///< in equal parts of the axis
+};
+std::string draw(const std::vector<Distribution>& distributions, double lo, double hi, const std::string& label,
+                 const std::string& counted);
+
+/// Values at 0, 1, 2, ...: a curve with a dot at each while they are few.
+struct Course {
+  std::vector<double> values = {};
+  std::string label;    ///< of the values
+  std::string counted;  ///< of the numbers
+};
+std::string draw(const Course& course);
+
+/// Colours for values from lo to hi.
+struct ColorScale {
+  double lo = 0, hi = 1;
+  bool diverging = false;  ///< else sequential
+  std::string label = {};
+
+  [[nodiscard]] LinearRgb operator()(double value) const;
+};
+
+/// "#rrggbb" of evenly spaced places on a colour map.
+std::vector<std::string> color_stops(bool diverging);
+
+/// Values on a plane in colours, with lines and dots on top.
+struct PlaneMap {
+  Eigen::MatrixXd values = {};  ///< columns along x, ascending; rows along y; NaN: none
+  Box<2> box = {};
+  std::string x_label = {}, y_label = {};
+  ColorScale scale = {};
+  Points<2> dots{2, 0};
+  ContourLines lines = {};
+  bool to_scale = true;  ///< both axes have the same unit
+  double width = 410;    ///< of the plot
+  std::string description = {};
+};
+std::string draw(const PlaneMap& map);
+
+/// Drawings side by side.
+std::string side_by_side(const std::vector<std::string>& drawings);
+
+/// A function of one variable: a curve through (x, y), and dots.
+struct Curve {
+  Points<2> line{2, 0}, dots{2, 0};
+  std::string x_label = {}, y_label = {};
+};
+std::string draw(const Curve& curve);
+
+}  // namespace csrbf::app

@@ -1,0 +1,182 @@
+#include "report/reconstruct_page.hpp"
+
+#include "report/axis.hpp"
+#include "report/near_points.hpp"
+#include "report/plots.hpp"
+#include "report/surface_view.hpp"
+#include "session.hpp"
+
+#include "csrbf/core/percentile.hpp"
+#include "csrbf/implicit/curvature.hpp"
+#include "csrbf/implicit/curves/plane_section.hpp"
+#include "csrbf/surface/check/surface_distances.hpp"
+
+#include <cmath>
+
+namespace csrbf::app {
+namespace {
+
+constexpr double percent = 100;
+
+std::string percent_text(double fraction) {
+  return readable(percent * fraction, 2) + " %";
+}
+
+double share_below(const Eigen::VectorXd& values, double share) {
+  std::vector<double> finite;
+  for (const double value : values)
+    if (std::isfinite(value)) finite.push_back(std::abs(value));
+  return finite.empty() ? 0 : percentile(finite, share);
+}
+
+void add_facts(const ReconstructionShown& shown, Page& page) {
+  const ReconstructReport& r = shown.surface.report;
+  const Topology t = topology(shown.mesh);
+  page.facts = {{counted(r.points_used, "point").substr(0, counted(r.points_used, "point").find(' ')), "points used"},
+                {percent_text(r.p99_distance), "of the diagonal: distance that 99 % of the points keep"},
+                {counted(t.triangles, "").substr(0, counted(t.triangles, "").find(' ')), "triangles"},
+                {t.watertight() ? "closed" : "open", "surface (" + counted(t.components, "component") + ")"}};
+}
+
+void add_findings(const ReconstructionShown& shown, double diagonal, Page& page) {
+  const ReconstructReport& r = shown.surface.report;
+  page.findings.push_back("99 of 100 points lie within " + readable(r.p99_distance * diagonal, 3) +
+                          " of the surface, in the unit of the file; that is " + percent_text(r.p99_distance) +
+                          " of the diagonal of their box. The farthest one is " +
+                          readable(r.max_distance * diagonal, 3) + " away.");
+  if (r.composite && r.composite->cross_validation_error > 0)
+    page.findings.push_back("Points that were left out of a trial fit were missed by " +
+                            percent_text(r.composite->cross_validation_error) +
+                            " of the diagonal on average: expect this error between the points.");
+  if (r.points_used < r.points)
+    page.findings.push_back(counted(r.points - r.points_used, "point") +
+                            " of the file left out: repeated, or far from all others.");
+  if (r.normals == NormalSource::estimated)
+    page.findings.push_back(
+        "The file has no normals. They were estimated, and so was which side is the outside: look "
+        "whether the surface is inside out, or bridges gaps that should be open.");
+}
+
+// Curvature is shown in units of one over the diagonal: 2 is a ball as large as the box.
+SurfaceColors curvature_colors(const Field<3>& field, const Mesh& mesh, double diagonal) {
+  const Eigen::VectorXd mean = diagonal * curvature(field, mesh.vertices).mean();
+  constexpr double shown = 0.95;
+  const double limit = share_below(mean, shown);
+  return {"mean curvature", "Mean curvature × diagonal: blue concave, red convex", -limit, limit, true, mean};
+}
+
+SurfaceColors distance_colors(const ReconstructionShown& shown, const Eigen::VectorXd& distance, const Mesh& mesh,
+                              const std::vector<Index>& points) {
+  constexpr double most = 0.99;
+  return {"distance of the points",
+          "Distance of the points, % of the diagonal (grey: no points)",
+          0,
+          share_below(distance, most),
+          false,
+          values_near(shown.used.points, distance, mesh.vertices),
+          distance(points)};
+}
+
+Figure view(const ReconstructionShown& shown, const Eigen::VectorXd& distance, double diagonal) {
+  SurfaceView view;
+  view.mesh = mesh_to_show(shown.mesh, shown.resolution, shown.mesh_at);
+  const std::vector<Index> points = spread_indices(shown.used.size(), SurfaceView::most_points);
+  view.points = shown.used.points(Eigen::all, points);
+  view.colors.push_back(distance_colors(shown, distance, view.mesh, points));
+  view.colors.push_back(curvature_colors(*shown.surface.field, view.mesh, diagonal));
+  if (view.mesh.triangles.cols() < shown.mesh.triangles.cols())
+    view.caption = "Shown with " + counted(view.mesh.triangles.cols(), "triangle") + "; the file has " +
+                   counted(shown.mesh.triangles.cols(), "triangle") + ". ";
+  if (view.points.cols() < shown.used.size())
+    view.caption += "Of the points, " + counted(view.points.cols(), "point") + " can be shown.";
+  return surface_figure(view);
+}
+
+Figure distance_histogram(const ReconstructReport& r, const Eigen::VectorXd& distance) {
+  constexpr double most = 1.25;  // of what 99 % of the points keep
+  Histogram histogram{.values = {distance.begin(), distance.end()},
+                      .hi = most * percent * r.p99_distance,
+                      .label = "distance to the surface, % of the diagonal",
+                      .counted = "points"};
+  histogram.marks = {{percent * r.rms_distance, "root mean square"}, {percent * r.p99_distance, "99 %"}};
+  return {"Distance of the points to the surface", draw(histogram),
+          "The last bar holds all points that are further away."};
+}
+
+// The plane through the centre of the box across an axis, as a map of the function.
+PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across) {
+  const std::array<int, 2> axes{across == 0 ? 1 : 0, across == 2 ? 1 : 2};
+  Box<2> plane;
+  PlaneSection<3>::Across columns = PlaneSection<3>::Across::Zero();
+  Point<3> origin = Point<3>::Zero();
+  origin[across] = box.center()[across];
+  for (int k = 0; k < 2; ++k) {
+    plane.lo[k] = box.lo[axes[static_cast<std::size_t>(k)]];
+    plane.hi[k] = box.hi[axes[static_cast<std::size_t>(k)]];
+    columns(axes[static_cast<std::size_t>(k)], k) = 1;
+  }
+  const PlaneSection<3> field(*shown.surface.field, origin, columns, plane);
+  constexpr Index longest = 220;
+  const double cell = plane.extent().maxCoeff() / longest;
+  GridAxes<2> grid;
+  for (int k = 0; k < 2; ++k)
+    grid[static_cast<std::size_t>(k)] =
+        Eigen::VectorXd::LinSpaced(std::max<Index>(2, std::lround(plane.extent()[k] / cell)), plane.lo[k], plane.hi[k]);
+  const Eigen::VectorXd values = field.evaluate_grid(grid);
+  PlaneMap map{.values = Eigen::Map<const Eigen::MatrixXd>(values.data(), grid[0].size(), grid[1].size()).transpose(),
+               .box = plane,
+               .x_label = std::string(1, "xyz"[axes[0]]),
+               .y_label = std::string(1, "xyz"[axes[1]]),
+               .width = 250,
+               .description = "The function on the plane across " + std::string(1, "xyz"[across])};
+  map.lines = contour_lines(field, {.resolution = static_cast<int>(longest)});
+  std::vector<Index> near;
+  const double thickness = 0.004 * box.diagonal();
+  for (Index i = 0; i < shown.used.size(); ++i)
+    if (std::abs(shown.used.points(across, i) - origin[across]) < thickness) near.push_back(i);
+  constexpr Index most = 800;
+  std::vector<Index> kept;
+  for (const Index i : spread_indices(static_cast<Index>(near.size()), most))
+    kept.push_back(near[static_cast<std::size_t>(i)]);
+  map.dots.resize(2, static_cast<Index>(kept.size()));
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    for (int k = 0; k < 2; ++k)
+      map.dots(k, static_cast<Index>(i)) = shown.used.points(axes[static_cast<std::size_t>(k)], kept[i]);
+  return map;
+}
+
+Figure sections(const ReconstructionShown& shown, const Box<3>& box) {
+  constexpr double margin = 0.04;  // of the diagonal
+  std::vector<PlaneMap> maps;
+  for (const int across : {2, 1, 0}) maps.push_back(section(shown, box.inflated(margin * box.diagonal()), across));
+  double limit = 0;
+  constexpr double most = 0.98;
+  for (const PlaneMap& map : maps) limit = std::max(limit, share_below(map.values.reshaped(), most));
+  limit = round_axis(0, limit, "", 1).hi;
+  std::vector<std::string> drawings;
+  for (PlaneMap& map : maps) {
+    map.scale = {-limit, limit, true};
+    drawings.push_back(draw(map));
+  }
+  return {"The function on three planes through the middle", side_by_side(drawings),
+          "Positive inside (red), negative outside (blue), zero on the surface (black line). Dots are the points next "
+          "to the plane.",
+          true};
+}
+
+}  // namespace
+
+void show(const ReconstructionShown& shown, Page& page) {
+  const Box<3> box = bounding_box<3>(shown.used.points);
+  const double diagonal = box.diagonal();
+  const std::vector<double> fractions = surface_distances(*shown.surface.field, shown.used.points, diagonal);
+  const Eigen::VectorXd distance =
+      percent * Eigen::Map<const Eigen::VectorXd>(fractions.data(), static_cast<Index>(fractions.size()));
+  add_facts(shown, page);
+  add_findings(shown, diagonal, page);
+  if (shown.mesh.triangles.cols() > 0) page.figures.push_back(view(shown, distance, diagonal));
+  page.figures.push_back(distance_histogram(shown.surface.report, distance));
+  page.figures.push_back(sections(shown, box));
+}
+
+}  // namespace csrbf::app

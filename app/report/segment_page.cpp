@@ -1,0 +1,135 @@
+#include "report/segment_page.hpp"
+
+#include "report/axis.hpp"
+#include "report/html.hpp"
+#include "report/plots.hpp"
+#include "report/surface_view.hpp"
+#include "session.hpp"
+
+#include "csrbf/core/percentile.hpp"
+#include "csrbf/implicit/polygonize.hpp"
+#include "csrbf/implicit/preview.hpp"
+
+#include <cctype>
+#include <cmath>
+
+namespace csrbf::app {
+namespace {
+
+std::string with_error(const Json& measures, const std::string& name) {
+  return readable(measures[name], 5) + " ± " + readable(measures[name + "_error"], 1);
+}
+
+std::string region_name(const RegionReport& region) {
+  return "label " + std::to_string(region.label) + (region.label == 0 ? " (outside)" : "");
+}
+
+std::string capitalized(std::string text) {
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+void add_facts(const SegmentReport& r, const Json& measures, bool is_volume, Page& page) {
+  page.facts = {{std::to_string(r.options.regions), "regions"},
+                {with_error(measures, is_volume ? "volume" : "area"), is_volume ? "volume inside" : "area inside"},
+                {with_error(measures, is_volume ? "area" : "length"),
+                 is_volume ? "area of the surface" : "length of the contour"},
+                {std::to_string(r.components), "connected parts inside"}};
+  page.findings.push_back(r.converged ? "The contour came to rest after " + counted(r.iterations, "iteration") + "."
+                                      : "The contour had not come to rest after " + counted(r.iterations, "iteration") +
+                                            ": more may help (--iterations).");
+  for (const RegionReport& region : r.regions)
+    page.findings.push_back(capitalized(region_name(region)) + " has " +
+                            counted(region.voxels, is_volume ? "voxel" : "pixel") + " with a mean of " +
+                            readable(region.mean, 4) + " and a standard deviation of " + readable(region.sd, 4) + ".");
+  constexpr double strong = 0.5;
+  if (r.noise > strong)
+    page.findings.push_back("The noise is strong: its standard deviation is " + rounded(r.noise, 2) +
+                            " times the contrast between the regions. Look closely at small parts.");
+}
+
+Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& labels, const SegmentReport& r) {
+  constexpr std::size_t parts = 64, most_curves = 6;
+  constexpr double least = 0.002;
+  std::vector<float> values;
+  for (const float value : image.values)
+    if (std::isfinite(value)) values.push_back(value);
+  const double lo = percentile(values, least), hi = percentile(values, 1 - least);
+  const double width = hi > lo ? (hi - lo) / parts : 1;
+  std::vector<Distribution> distributions;
+  for (const RegionReport& region : r.regions)
+    if (distributions.size() < most_curves)
+      distributions.push_back({region_name(region), std::vector<double>(parts, 0)});
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] >= distributions.size() || !std::isfinite(image.values[i])) continue;
+    const double place = std::clamp(std::floor((image.values[i] - lo) / width), 0.0, parts - 1.0);
+    ++distributions[labels[i]].counts[static_cast<std::size_t>(place)];
+  }
+  return {"Intensities of the regions",
+          draw(distributions, lo, lo + width * parts, "intensity", image.grid.dimension() == 3 ? "voxels" : "pixels"),
+          "The less the curves overlap, the more certain the labels. The ends hold all values beyond them."};
+}
+
+Figure descent(const SegmentReport& r) {
+  return {"Descent of the energy", draw(Course{.values = r.energy, .label = "energy per voxel", .counted = "step"}),
+          r.converged ? "It ends where labels stopped changing." : "Labels were still changing at the end."};
+}
+
+template <int Dim>
+std::vector<const Field<Dim>*> inside_fields(const Segmentation<Dim>& segmentation) {
+  std::vector<const Field<Dim>*> fields;
+  for (std::size_t k = segmentation.fields.size() > 1 ? 1 : 0; k < segmentation.fields.size(); ++k)
+    fields.push_back(segmentation.fields[k].get());
+  return fields;
+}
+
+template <int Dim>
+Figure pictures(const Volume<float>& image, const Segmentation<Dim>& segmentation) {
+  const std::vector<const Field<Dim>*> fields = inside_fields(segmentation);
+  if (Dim == 2) {
+    constexpr int size = 900;
+    return {"The contour on the image",
+            picture_element(preview<Dim>(image, fields, {.size = size}), "The image with the contour"), "", true};
+  }
+  std::vector<std::string> slices;
+  constexpr int size = 420;
+  for (const int axis : {2, 1, 0})
+    slices.push_back(picture_element(preview<Dim>(image, fields, {.axis = axis, .size = size}),
+                                     "Slice across " + std::string(1, "xyz"[axis]) + " with the contour"));
+  return {"The contour on slices of the image", side_by_side(slices),
+          "Across z, y and x: of each, the slice with the largest area inside.", true};
+}
+
+Figure surface(const std::function<Mesh(int)>& mesh_at, int resolution) {
+  const Mesh mesh = mesh_at(0);
+  SurfaceView view;
+  view.mesh = mesh_to_show(mesh, resolution, mesh_at);
+  if (!view.mesh.properties.empty()) {
+    const Eigen::VectorXd& labels = view.mesh.properties.front().values;
+    view.colors.push_back({"label", "Label of the region", 0, labels.maxCoeff(), false, labels});
+  }
+  if (view.mesh.triangles.cols() < mesh.triangles.cols())
+    view.caption = "Shown with " + counted(view.mesh.triangles.cols(), "triangle") + " instead of " +
+                   counted(mesh.triangles.cols(), "triangle") + ".";
+  return surface_figure(view);
+}
+
+}  // namespace
+
+template <int Dim>
+void show(const Volume<float>& image, const Segmentation<Dim>& segmentation, const Json& measures,
+          const std::function<Mesh(int)>& mesh_at, Page& page) {
+  const SegmentReport& r = segmentation.report;
+  add_facts(r, measures, Dim == 3, page);
+  page.figures.push_back(pictures<Dim>(image, segmentation));
+  if constexpr (Dim == 3)
+    if (measures["triangles"].template get<Index>() > 0)
+      page.figures.push_back(surface(mesh_at, automatic_resolution(*segmentation.fields.back())));
+  page.figures.push_back(intensities(image, segmentation.labels, r));
+  if (r.energy.size() > 1) page.figures.push_back(descent(r));
+}
+
+template void show(const Volume<float>&, const Segmentation<2>&, const Json&, const std::function<Mesh(int)>&, Page&);
+template void show(const Volume<float>&, const Segmentation<3>&, const Json&, const std::function<Mesh(int)>&, Page&);
+
+}  // namespace csrbf::app

@@ -1,0 +1,69 @@
+#pragma once
+
+#include "csrbf/core/progress.hpp"
+#include "csrbf/core/types.hpp"
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+/// What a function is outside the box of its samples.
+enum class Extrapolation {
+  constant,  ///< its value at the nearest point of the box: bounded and continuous
+  nan,       ///< NaN
+};
+
+struct FitOptions {
+  /// auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget,
+  /// error-bounded, moving-least-squares or along-tracks, which is that with weights that follow tracks. auto: for a
+  /// tolerance partition-of-unity, of as many samples as it takes, and error-bounded where that does not meet it;
+  /// fixed-budget for a budget of centres, interpolate with a kernel chosen by leave-one-out for few samples without
+  /// noise, else partition-of-unity, or along-tracks where that predicts rough values on tracks better.
+  std::string method = "auto";
+  /// A name of kernels/kernel.hpp, or auto.
+  std::string kernel = "auto";
+  /// Of kernels that have one, for the method interpolate; NaN: the default of the kernel.
+  double kernel_parameter = std::numeric_limits<double>::quiet_NaN();
+  /// Budget of centres, of multilevel that of the last level and of error-bounded that of the first; 0: the method
+  /// decides. Options that a method has no use for are named in the warnings of the report.
+  Index centers = 0;
+  /// Largest error allowed at any sample, in the unit of the values; 0: none asked for. A loose one saves time
+  /// and memory.
+  double tolerance = 0;
+  /// 0: interpolate; larger: smoother; unset: chosen by cross-validation.
+  std::optional<double> smoothing = {};
+  /// Degree of the polynomial part; unset: chosen.
+  std::optional<int> degree = {};
+  /// Period of every axis, 0 for none (longitude: 360); empty: no axis is periodic.
+  std::vector<double> periods = {};
+  Extrapolation extrapolation = Extrapolation::constant;
+  /// Whether axes of different units may be scaled; false where all coordinates are lengths of one unit, as in images.
+  bool scale_axes = true;
+  Progress progress = {};
+};
+
+/// What a fit did: the options used, also those chosen, and how well it went.
+struct FitReport {
+  std::string method, kernel;
+  Index samples = 0;            ///< used
+  Index samples_fitted = 0;     ///< of them; the others, if any, are within the tolerance all the same
+  Index merged_duplicates = 0;  ///< samples that were merged with others at the same place
+  Index centers = 0;            ///< radial functions
+  Index levels = 1;
+  Index patches = 0;  ///< of a partition of unity
+  Index samples_per_patch = 0;
+  int degree = -1;
+  double support = 0;     ///< of the (largest) radial functions, in the unit of the scaled points; 0: see patches
+  double anisotropy = 0;  ///< of the metrics of patches, see LocalOptions
+  double smoothing = 0;
+  double rmse = 0, max_error = 0;  ///< at the samples used
+  double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> axis_scales;  ///< what the coordinates were divided by
+  std::vector<std::string> warnings;
+  double choose_seconds = 0, fit_seconds = 0;  ///< of this run: models do not keep them
+};
+
+}  // namespace csrbf

@@ -1,0 +1,284 @@
+#include "csrbf/approx/global/choose_kernel.hpp"
+
+#include "csrbf/approx/basis/polynomial_block.hpp"
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/linalg/saddle.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double rescue = 1e-9;
+constexpr double grid_step = 1.8;
+
+struct Candidate {
+  Kernel kernel;
+  int degree;
+  std::vector<double> supports;
+};
+
+struct Trial {
+  double support = 1;
+  double smoothing = 0;
+  double score = infinity;
+};
+
+// A neighbourhood: samples nearest first, so that the first `core` of them have neighbours on all sides.
+struct Patch {
+  Eigen::MatrixXd r2;      // squared distances
+  Eigen::MatrixXd values;  // in units of the standard deviations of all
+  Eigen::VectorXd weights;
+  Index core = 0;
+  std::vector<Eigen::MatrixXd> G;  // by degree + 1
+};
+
+template <int Dim>
+double median_spacing(const Points<Dim>& points, const KdTree<Dim>& tree) {
+  constexpr Index at_most = 1000;
+  const Index step = std::max<Index>(1, points.cols() / at_most);
+  std::vector<double> spacings;
+  for (Index i = 0; i < points.cols(); i += step) {
+    Index indices[2];
+    double r2[2];
+    if (tree.nearest(points.col(i), 2, indices, r2) == 2) spacings.push_back(std::sqrt(r2[1]));
+  }
+  if (spacings.empty()) return 1;
+  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  return *middle;
+}
+
+template <int Dim>
+Patch make_patch(const Samples<Dim>& samples, const std::vector<Index>& indices, Index core,
+                 const Eigen::RowVectorXd& units, int largest_degree) {
+  const auto n = static_cast<Index>(indices.size());
+  const Points<Dim> x = samples.points(Eigen::all, indices);
+  Patch patch;
+  patch.r2 = Eigen::MatrixXd::Zero(n, n);
+  for (Index j = 0; j < n; ++j)
+    for (int a = 0; a < Dim; ++a) patch.r2.col(j).array() += (x.row(a).array() - x(a, j)).square().transpose();
+  patch.values = samples.values(indices, Eigen::all) * units.cwiseInverse().asDiagonal();
+  patch.weights.resize(n);
+  for (Index i = 0; i < n; ++i) patch.weights[i] = samples.weight(indices[static_cast<std::size_t>(i)]);
+  patch.core = core;
+  for (int degree = -1; degree <= largest_degree; ++degree)
+    patch.G.push_back(polynomial_block<Dim>(x, degree, RankDeficiency::reduce).G);
+  return patch;
+}
+
+// Root mean square deviation of every component; 1 for constants.
+Eigen::RowVectorXd deviations(const Eigen::MatrixXd& values) {
+  Eigen::RowVectorXd units = (values.rowwise() - values.colwise().mean()).cwiseAbs2().colwise().mean().cwiseSqrt();
+  const Eigen::RowVectorXd sizes = values.cwiseAbs().colwise().maxCoeff();
+  for (Index c = 0; c < units.size(); ++c)
+    if (!(units[c] > 1e-14 * sizes[c])) units[c] = sizes[c] > 0 ? sizes[c] : 1;
+  return units;
+}
+
+template <int Dim>
+std::vector<Patch> make_patches(const Samples<Dim>& samples, const KdTree<Dim>& tree, Index size, int largest_degree) {
+  const Index n = samples.size();
+  const Eigen::RowVectorXd units = deviations(samples.values);
+  std::vector<Patch> patches;
+  if (n <= size) {
+    std::vector<Index> all(static_cast<std::size_t>(n));
+    std::iota(all.begin(), all.end(), Index{0});
+    patches.push_back(make_patch(samples, all, n, units, largest_degree));
+    return patches;
+  }
+  constexpr Index count = 3;
+  std::vector<double> r2(static_cast<std::size_t>(size));
+  for (Index k = 0; k < count; ++k) {
+    std::vector<Index> indices(static_cast<std::size_t>(size));
+    tree.nearest(samples.points.col((2 * k + 1) * n / (2 * count)), size, indices.data(), r2.data());
+    patches.push_back(make_patch(samples, indices, size / 2, units, largest_degree));
+  }
+  return patches;
+}
+
+class Judge {
+ public:
+  Judge(std::vector<Patch> patches, const ChooseKernelOptions& options)
+      : patches_(std::move(patches)), options_(options) {}
+
+  [[nodiscard]] Trial judge(const Candidate& candidate, double support) const {
+    Trial trial{support, options_.smoothing.value_or(0), infinity};
+    double squares = 0;
+    double weights = 0;
+    double log_smoothing = 0;
+    const int columns = candidate.degree + 1;  // of polynomials, by degree
+    try {
+      for (const Patch& patch : patches_) {
+        const Eigen::MatrixXd& G = patch.G[static_cast<std::size_t>(columns)];
+        const Eigen::MatrixXd A = matrix(candidate.kernel, patch, support);
+        SaddleOptions saddle{.lambda = trial.smoothing, .weights = patch.weights, .largest_rescue = rescue};
+        if (!options_.smoothing) {
+          saddle.lambda =
+              choose_smoothing(A, G, patch.values, {.criterion = options_.criterion, .weights = patch.weights}).lambda;
+          log_smoothing += std::log(saddle.lambda) / static_cast<double>(patches_.size());
+        }
+        const Eigen::MatrixXd errors = solve_saddle(A, G, patch.values, saddle).leave_one_out.topRows(patch.core);
+        const Eigen::VectorXd w = patch.weights.head(patch.core);
+        squares += (w.cwiseSqrt().asDiagonal() * errors).squaredNorm();
+        weights += w.sum() * static_cast<double>(errors.cols());
+      }
+    } catch (const SolverFailure&) {
+      return trial;
+    }
+    const double score = std::sqrt(squares / weights);
+    if (!options_.smoothing) trial.smoothing = std::exp(log_smoothing);
+    if (std::isfinite(score)) trial.score = score;
+    return trial;
+  }
+
+ private:
+  static Eigen::MatrixXd matrix(const Kernel& kernel, const Patch& patch, double support) {
+    const Index n = patch.r2.rows();
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd r2(n);
+    for (Index j = 0; j < n; ++j) {
+      r2.head(n - j) = patch.r2.col(j).tail(n - j) / (support * support);
+      kernel.values(r2.data(), n - j, &A(j, j));
+    }
+    return A;
+  }
+
+  std::vector<Patch> patches_;
+  const ChooseKernelOptions& options_;
+};
+
+// Golden section between the neighbours of the best support of the grid.
+Trial refine(const Judge& judge, const Candidate& candidate, Trial best) {
+  constexpr double ratio = 0.6180339887498949;
+  constexpr int steps = 6;  // to some per cent of the support
+  double a = std::log(best.support / grid_step);
+  double b = std::log(std::min(best.support * grid_step, candidate.supports.back()));
+  const auto at = [&](double exponent) {
+    const Trial trial = judge.judge(candidate, std::exp(exponent));
+    if (trial.score < best.score) best = trial;
+    return trial.score;
+  };
+  double left = b - ratio * (b - a);
+  double right = a + ratio * (b - a);
+  double f_left = at(left);
+  double f_right = at(right);
+  for (int step = 0; step < steps; ++step) {
+    const bool lower = f_left <= f_right;
+    (lower ? b : a) = lower ? right : left;
+    (lower ? right : left) = lower ? left : right;
+    (lower ? f_right : f_left) = lower ? f_left : f_right;
+    double& moved = lower ? left : right;
+    moved = lower ? b - ratio * (b - a) : a + ratio * (b - a);
+    (lower ? f_left : f_right) = at(moved);
+  }
+  return best;
+}
+
+std::vector<double> supports_of(const Kernel& kernel, const ChooseKernelOptions& options, double spacing,
+                                double diagonal) {
+  if (options.support > 0) return {options.support};
+  if (!kernel.has_scale()) return {};
+  const double largest = options.largest_support > 0 ? options.largest_support : 2 * diagonal;
+  double support = std::min(largest, spacing * (kernel.compact() ? 3 : 1));
+  std::vector<double> supports;
+  for (; support < largest; support *= grid_step) supports.push_back(support);
+  supports.push_back(largest);
+  return supports;
+}
+
+template <int Dim>
+std::vector<Candidate> make_candidates(const Samples<Dim>& samples, const ChooseKernelOptions& options,
+                                       const KdTree<Dim>& tree) {
+  std::vector<std::string> names = options.names;
+  if (names.empty())
+    names = {"gaussian", "inverse-multiquadric", "multiquadric", "matern-c2", "matern-c6",
+             "linear",   "thin-plate",           "cubic",        "quintic"};
+  const Box<Dim> box = bounding_box<Dim>(samples.points);
+  const double half = .5 * box.extent().maxCoeff();
+  const double spacing = median_spacing<Dim>(samples.points, tree);
+  const double diagonal = box.diagonal() > 0 ? box.diagonal() : 1;
+  std::vector<Candidate> candidates;
+  for (const std::string& name : names) {
+    Candidate candidate{Kernel(name, Dim, options.parameter), 0, {}};
+    candidate.degree = options.degree == -2 ? default_degree(candidate.kernel) : options.degree;
+    if (names.size() > 1 && candidate.degree < candidate.kernel.order() - 1) continue;
+    if (names.size() > 1 && 2 * Polynomials<Dim>::size(candidate.degree) > samples.size()) continue;
+    candidate.supports = supports_of(candidate.kernel, options, spacing, diagonal);
+    if (candidate.supports.empty()) candidate.supports = {half > 0 ? half : 1};
+    candidates.push_back(std::move(candidate));
+  }
+  if (candidates.empty()) {  // too few samples to choose
+    const Kernel kernel(options.degree == -1 ? "matern-c2" : "linear", Dim);
+    const double support = kernel.has_scale() ? diagonal : (half > 0 ? half : 1);
+    candidates.push_back({kernel, options.degree == -1 ? -1 : 0, {options.support > 0 ? options.support : support}});
+  }
+  return candidates;
+}
+
+// The best trial over the grid of supports, which ends where rounding has taken over.
+Trial search_grid(const Judge& judge, const Candidate& candidate) {
+  constexpr double hopeless = 30;  // times the best score
+  Trial best;
+  best.support = candidate.supports[candidate.supports.size() / 2];  // without any finite score
+  for (const double support : candidate.supports) {
+    const Trial trial = judge.judge(candidate, support);
+    if (trial.score < best.score) best = trial;
+    if (trial.score > hopeless * best.score) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+int default_degree(const Kernel& kernel) {
+  return std::max(kernel.order() - 1, 0);
+}
+
+template <int Dim>
+KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOptions& options) {
+  require_valid(samples, "choose_kernel");
+  require(options.support >= 0 && options.support < infinity, "choose_kernel", "support", options.support,
+          "must be positive and finite, or 0 to have it chosen");
+  const KdTree<Dim> tree(samples.points);
+  const std::vector<Candidate> candidates = make_candidates(samples, options, tree);
+  int largest_degree = 0;
+  for (const Candidate& candidate : candidates) largest_degree = std::max(largest_degree, candidate.degree);
+  const Judge judge(
+      make_patches<Dim>(samples, tree, options.smoothing ? options.patch : options.smoothing_patch, largest_degree),
+      options);
+  const auto count = static_cast<Index>(candidates.size());
+  std::vector<Trial> best(candidates.size());
+  parallel_for(count, 1, [&](Index begin, Index end) {
+    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
+      best[k] = search_grid(judge, candidates[k]);
+  });
+
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return best[a].score < best[b].score; });
+  constexpr Index finalists = 2;
+  parallel_for(std::min(finalists, count), 1, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) {
+      const std::size_t i = order[static_cast<std::size_t>(k)];
+      if (candidates[i].supports.size() > 1 && best[i].score > 0 && best[i].score < infinity)
+        best[i] = refine(judge, candidates[i], best[i]);
+    }
+  });
+  const auto winner = static_cast<std::size_t>(
+      std::min_element(best.begin(), best.end(), [](const Trial& a, const Trial& b) { return a.score < b.score; }) -
+      best.begin());
+  const Trial& trial = best[winner];
+  return {candidates[winner].kernel, trial.support, trial.smoothing, trial.score};
+}
+
+#define CSRBF_INSTANTIATE(Dim) \
+  template KernelChoice choose_kernel<Dim>(const Samples<Dim>&, const ChooseKernelOptions&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,264 @@
+#include "csrbf/approx/global/interpolate.hpp"
+
+#include "csrbf/approx/basis/polynomial_block.hpp"
+#include "csrbf/approx/global/choose_kernel.hpp"
+#include "csrbf/approx/samples/deviation.hpp"
+#include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/linalg/saddle.hpp"
+#include "csrbf/linalg/sparse_cholesky.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double rescue = 1e-9;          // largest lambda that may save a system from its roundings
+constexpr Index always_dense = 1500;     // number of samples
+constexpr Index spectrum_limit = 1500;   // number of samples up to which lambda is chosen on all of them
+constexpr Index sparse_neighbors = 100;  // per support, where the support of a sparse system is chosen
+constexpr double sparse_enough = .1;     // fraction of entries that are not zero
+
+// The coefficients of the kernel and of the functions of the polynomial block, and the scale of the variance.
+struct Coefficients {
+  Eigen::MatrixXd alpha;
+  Eigen::MatrixXd pi;
+  Eigen::VectorXd sigma2;
+};
+
+// Distinct points of positive weight, of mean 1.
+template <int Dim>
+Samples<Dim> prepare(const Samples<Dim>& samples, InterpolationReport& report) {
+  require_valid(samples, "interpolate");
+  std::vector<Index> used;
+  for (Index i = 0; i < samples.size(); ++i)
+    if (samples.weight(i) > 0) used.push_back(i);
+  const auto count = static_cast<Index>(used.size());
+  Samples<Dim> positive = samples;
+  if (count < samples.size())
+    positive = {samples.points(Eigen::all, used), samples.values(used, Eigen::all), samples.weights(used)};
+  MergedSamples<Dim> merged = merge_duplicates(std::move(positive));
+  report.merged = merged.merged();
+  Samples<Dim>& result = merged.samples;
+  if (result.weights.size() > 0) result.weights *= static_cast<double>(result.size()) / result.weights.sum();
+  return std::move(result);
+}
+
+template <int Dim>
+bool periodic(const RadialMetric<Dim>& metric) {
+  return (metric.periods.array() > 0).any();
+}
+
+template <int Dim>
+void check(const Samples<Dim>& samples, const InterpolateOptions& options, const RadialMetric<Dim>& metric) {
+  const double lambda = options.smoothing.value_or(0);
+  require(lambda >= 0 && std::isfinite(lambda), "interpolate", "smoothing", lambda,
+          "must be finite and not negative; leave it empty to have it chosen");
+  require(options.support >= 0 && std::isfinite(options.support), "interpolate", "support", options.support,
+          "must be positive and finite, or 0 to have it chosen");
+  require(options.degree >= -2, "interpolate", "degree", options.degree,
+          "must be -2 (by the kernel), -1 (none), 0, 1, ...");
+  require(metric.transforms.size() <= 1, "interpolate", "metric.transforms", metric.transforms.size(),
+          "interpolation needs one metric for all centres; use least squares for one per centre");
+  if (options.kernel == "auto") return;
+  const Kernel kernel(options.kernel, Dim, options.parameter);
+  require(options.degree == -2 || options.degree >= kernel.order() - 1, "interpolate", "degree", options.degree,
+          options.kernel + " needs at least degree " + std::to_string(kernel.order() - 1));
+  require(kernel.compact() || !periodic(metric), "interpolate", "kernel", options.kernel,
+          "periodic axes need a compactly supported kernel");
+  require(kernel.compact() || samples.size() <= options.dense_limit, "interpolate", "number of samples", samples.size(),
+          "is above dense_limit; use a compactly supported kernel, such as wendland-c2, or a partition of unity");
+}
+
+// Median distance to the k-th neighbour.
+template <int Dim>
+double neighbor_distance(const Points<Dim>& points, Index k) {
+  const KdTree<Dim> tree(points);
+  constexpr Index at_most = 1000;
+  std::vector<Index> indices(static_cast<std::size_t>(k));
+  std::vector<double> r2(static_cast<std::size_t>(k));
+  std::vector<double> distances;
+  for (Index i = 0; i < points.cols(); i += std::max<Index>(1, points.cols() / at_most)) {
+    const Index found = tree.nearest(points.col(i), k, indices.data(), r2.data());
+    distances.push_back(std::sqrt(r2[static_cast<std::size_t>(found - 1)]));
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+template <int Dim>
+KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& options, const RadialMetric<Dim>& metric) {
+  const bool sparse = samples.size() > options.dense_limit;
+  ChooseKernelOptions choice{.parameter = options.parameter,
+                             .support = options.support,
+                             .smoothing = options.smoothing,
+                             .criterion = options.criterion,
+                             .degree = options.degree};
+  if (options.kernel != "auto") {
+    choice.names = {options.kernel};
+  } else if (sparse || periodic(metric)) {
+    choice.names = {"wendland-c2", "wendland-c4", "wendland-c6"};
+    choice.parameter = nan;
+  }
+  Samples<Dim> mapped = samples;
+  if (metric.transforms.size() == 1) mapped.points = metric.transforms[0] * samples.points;
+  if (sparse) choice.largest_support = neighbor_distance<Dim>(mapped.points, sparse_neighbors);
+  // One combination only: nothing to compare.
+  if (options.kernel != "auto" && options.smoothing) {
+    const Kernel kernel(options.kernel, Dim, options.parameter);
+    if (options.support > 0) return {kernel, options.support, *options.smoothing, nan};
+    if (!kernel.has_scale()) {
+      const double half = .5 * bounding_box<Dim>(mapped.points).extent().maxCoeff();
+      return {kernel, half > 0 ? half : 1, *options.smoothing, nan};
+    }
+  }
+  return choose_kernel(mapped, choice);
+}
+
+// Mean of alpha_k e_k = alpha_k^2 / C_kk (see SaddleSolution) over the samples that can be left out.
+Eigen::VectorXd variance_scale(const SaddleSolution& solution) {
+  Eigen::VectorXd scale(solution.alpha.cols());
+  for (Index c = 0; c < scale.size(); ++c) {
+    double sum = 0;
+    Index count = 0;
+    for (Index k = 0; k < solution.alpha.rows(); ++k) {
+      if (!std::isfinite(solution.leave_one_out(k, c))) continue;
+      sum += solution.alpha(k, c) * solution.leave_one_out(k, c);
+      ++count;
+    }
+    scale[c] = count > 0 ? sum / static_cast<double>(count) : nan;
+  }
+  return scale;
+}
+
+template <int Dim>
+Coefficients solve_dense(const Samples<Dim>& samples, const RadialBasis<Dim>& basis, const Eigen::MatrixXd& G,
+                         const InterpolateOptions& options, InterpolationReport& report) {
+  const Eigen::MatrixXd A = basis.dense_matrix(samples.points);
+  const Eigen::VectorXd weights = samples.all_weights();
+  if (!options.smoothing && samples.size() <= spectrum_limit) {
+    report.smoothing =
+        choose_smoothing(A, G, samples.values, {.criterion = options.criterion, .weights = weights}).lambda;
+  }
+  SaddleSolution solution =
+      solve_saddle(A, G, samples.values, {.lambda = report.smoothing, .weights = weights, .largest_rescue = rescue});
+  report.smoothing = solution.lambda;
+  report.leave_one_out = weighted_rms(solution.leave_one_out, weights);
+  report.condition = solution.condition;
+  report.solver = InterpolationSolver::dense;
+  const Eigen::VectorXd sigma2 = variance_scale(solution);
+  return {std::move(solution.alpha), std::move(solution.pi), sigma2};
+}
+
+// By the Schur complement of the polynomial: compactly supported kernels are positive definite.
+template <int Dim>
+Coefficients solve_sparse(const Samples<Dim>& samples, Eigen::SparseMatrix<double> A, const Eigen::MatrixXd& G,
+                          const InterpolateOptions& options, InterpolationReport& report) {
+  SparseCholesky solver({.progress = options.progress});
+  const Eigen::VectorXd inverse_weights = samples.all_weights().cwiseInverse();
+  double added = report.smoothing;
+  A.diagonal() += added * inverse_weights;
+  for (double next = 1e-15; !solver.factorize(A); next *= 10) {
+    if (next > rescue) {
+      throw SolverFailure("interpolate: the system of " + std::to_string(samples.size()) +
+                          " samples is singular; give smoothing > 0 or a smaller support");
+    }
+    A.diagonal() += std::max(0.0, next - added) * inverse_weights;
+    added = std::max(added, next);
+  }
+  const Index k = samples.components();
+  Eigen::MatrixXd b(samples.size(), k + G.cols());
+  b << samples.values, G;
+  const Eigen::MatrixXd solved = solver.solve(b);
+  const auto K_s = solved.leftCols(k);
+  const auto K_G = solved.rightCols(G.cols());
+  Coefficients c;
+  c.pi = G.cols() == 0 ? Eigen::MatrixXd(0, k) : (G.transpose() * K_G).ldlt().solve(G.transpose() * K_s).eval();
+  c.alpha = K_s - K_G * c.pi;
+  c.sigma2 = c.alpha.cwiseProduct(samples.values).colwise().sum() / static_cast<double>(samples.size() - G.cols());
+  report.smoothing = added;
+  report.condition = nan;
+  report.solver = solver.direct() ? InterpolationSolver::sparse_direct : InterpolationSolver::sparse_iterative;
+  return c;
+}
+
+template <int Dim>
+Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, const InterpolateOptions& options,
+                       const RadialMetric<Dim>& metric, InterpolationReport report) {
+  const int degree = options.degree == -2 ? default_degree(choice.kernel) : options.degree;
+  const PolynomialBlock<Dim> block = polynomial_block<Dim>(
+      samples.points, degree, options.degree == -2 ? RankDeficiency::reduce : RankDeficiency::keep);
+  const auto basis = std::make_shared<const RadialBasis<Dim>>(choice.kernel, samples.points,
+                                                              Eigen::VectorXd::Constant(1, choice.support), metric);
+  report.kernel = choice.kernel.name();
+  report.support = choice.support;
+  report.smoothing = choice.smoothing;
+  report.degree = degree;
+
+  const Index n = samples.size();
+  Coefficients c;
+  Eigen::SparseMatrix<double> A;
+  if (choice.kernel.compact() && n > always_dense) A = basis->matrix(samples.points);
+  const double entries = static_cast<double>(n) * static_cast<double>(n);
+  if (A.nonZeros() > 0 && (n > options.dense_limit || static_cast<double>(A.nonZeros()) < sparse_enough * entries)) {
+    c = solve_sparse(samples, std::move(A), block.G, options, report);
+  } else {
+    c = solve_dense(samples, *basis, block.G, options, report);
+  }
+  Interpolation<Dim> result;
+  const Box<Dim> box = bounding_box<Dim>(samples.points);
+  for (Index k = 0; k < samples.components(); ++k) {
+    result.components.push_back(
+        std::make_shared<const Expansion<Dim>>(basis, c.alpha.col(k), block.tail(c.pi.col(k)), box));
+  }
+  result.report = report;
+  if (n > options.dense_limit || !c.sigma2.allFinite()) return result;
+  const auto power = std::make_shared<const PowerFunction<Dim>>(basis, degree, report.smoothing, samples.weights);
+  for (const double sigma2 : c.sigma2)
+    result.variances.push_back(std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box));
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOptions& options,
+                               const RadialMetric<Dim>& metric) {
+  InterpolationReport start;
+  const Samples<Dim> used = prepare(samples, start);
+  check(used, options, metric);
+  report(options.progress, "choose", 0);
+  KernelChoice choice = choose(used, options, metric);
+  // The estimate in units of the standard deviations, for sparse systems; dense ones replace it.
+  start.leave_one_out = choice.leave_one_out * weighted_deviation(used.values, used.all_weights());
+  report(options.progress, "solve", 0);
+  Interpolation<Dim> result = fit(used, choice, options, metric, start);
+
+  // A support chosen on neighbourhoods may be too wide for all samples together, when the system is close to singular.
+  constexpr double worse = 3;
+  const bool adjustable =
+      options.support == 0 && choice.kernel.has_scale() && used.size() > ChooseKernelOptions{}.patch;
+  for (int attempt = 0; adjustable && attempt < 3; ++attempt) {
+    if (!(result.report.leave_one_out > worse * start.leave_one_out)) break;
+    choice.support /= 1.4;
+    Interpolation<Dim> narrower = fit(used, choice, options, metric, start);
+    if (!(narrower.report.leave_one_out < result.report.leave_one_out)) break;
+    result = std::move(narrower);
+  }
+  report(options.progress, "solve", 1);
+  return result;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                 \
+  template Interpolation<Dim> interpolate<Dim>(const Samples<Dim>&, const InterpolateOptions&, \
+                                               const RadialMetric<Dim>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

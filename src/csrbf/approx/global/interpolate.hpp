@@ -1,0 +1,86 @@
+#pragma once
+
+#include "csrbf/approx/basis/expansion.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/samples/samples.hpp"
+#include "csrbf/core/progress.hpp"
+#include "csrbf/linalg/ridge.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+struct InterpolateOptions {
+  /// A name of Kernel, or "auto": the kernel with the smallest leave-one-out error (see choose_kernel()); beyond
+  /// `dense_limit` samples and on periodic axes a Wendland function.
+  std::string kernel = "auto";
+  double parameter = std::numeric_limits<double>::quiet_NaN();  ///< of the kernel; NaN: its default
+
+  /// Support radius or length scale sigma in units of the points, 1 / epsilon elsewhere. 0: by leave-one-out; for
+  /// kernels without a scale half the largest extent of the data, which only changes the meaning of `smoothing`.
+  double support = 0;
+
+  /// lambda >= 0 of A + lambda W^-1 with weights of mean 1 (for kernels of value 1 at 0 the noise variance over that of
+  /// the data, roughly); 0 interpolates; empty: chosen from the data.
+  std::optional<double> smoothing = 0;
+  LambdaCriterion criterion = LambdaCriterion::leave_one_out;  ///< by which lambda is chosen
+
+  /// Degree of the polynomial: at least the order of the kernel minus 1; -1: none; -2: order - 1, but at least 0.
+  int degree = -2;
+
+  Index dense_limit = 4000;  ///< largest number of distinct samples for dense systems
+  Progress progress = {};    ///< stages "choose", "solve"
+};
+
+enum class InterpolationSolver { dense, sparse_direct, sparse_iterative };
+
+struct InterpolationReport {
+  std::string kernel;    ///< its name
+  double support = 0;    ///< used or chosen
+  double smoothing = 0;  ///< used or chosen; positive also where rounding made the system singular
+  int degree = -1;       ///< of the polynomial
+  /// Weighted root mean square of the leave-one-out errors, over all components: exact for dense systems, estimated on
+  /// neighbourhoods for sparse ones whose support was chosen, NaN otherwise.
+  double leave_one_out = 0;
+  double condition = 0;  ///< estimate for dense systems; NaN otherwise
+  Index merged = 0;      ///< samples at the place of another one
+  InterpolationSolver solver = InterpolationSolver::dense;
+};
+
+template <int Dim>
+struct Interpolation {
+  std::vector<std::shared_ptr<const Expansion<Dim>>> components;  ///< one per column of the values
+  /// Of the difference between samples of mean weight and the components; none beyond `dense_limit` samples and
+  /// where no sample can be left out. Their scale is sigma^2 = mean_k alpha_k e_k, with which the leave-one-out errors
+  /// e_k are as large as predicted (Bachoc 2013); for sparse systems that of the (restricted) likelihood,
+  /// alpha^T s / (n - r) with r coefficients of the polynomial.
+  std::vector<std::shared_ptr<const KrigingVariance<Dim>>> variances = {};
+  InterpolationReport report;
+};
+
+/// Interpolation, or smoothing, by one basis function per sample and a polynomial (thesis eqs. 2.5-2.13): the symmetric
+/// positive definite system of a kernel of order 0 or the saddle point system of a conditionally positive definite one,
+/// with one factorisation for all components.
+///
+/// Samples of weight 0 are left out; those at the same point are replaced by their weighted mean. Points on a line, or
+/// fewer than the polynomial has coefficients: with degree -2 it is restricted to what the points determine. Constant
+/// data give a constant. Results do not depend on the units of points, values and weights.
+///
+/// Dense systems, O(n^3), for kernels that are not compact and up to 1500 samples, and up to `dense_limit` when the
+/// matrix is not sparse; sparse ones for compact kernels beyond, direct or iterative by size. A chosen support of a
+/// sparse system holds at most about 100 samples, which limits the accuracy: for many samples a multilevel fit or a
+/// partition of unity is better.
+///
+/// `metric`: at most one transform (for anisotropic data); periods need a compact kernel.
+///
+/// Throws InvalidInput for invalid samples, unknown kernels and kernels for other dimensions, a degree below order - 1,
+/// metrics with a transform per centre, and more than `dense_limit` samples with a kernel that is not compact;
+/// SolverFailure when the system is singular beyond rescue.
+template <int Dim>
+Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOptions& options = {},
+                               const RadialMetric<Dim>& metric = {});
+
+}  // namespace csrbf

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "csrbf/approx/basis/radial_basis.hpp"
+
+#include <memory>
+#include <mutex>
+#include <utility>
+
+namespace csrbf {
+
+/// Squared power function of interpolation by radial basis functions and a polynomial, plus lambda:
+///
+///     P^2(x) + lambda = phi(0) - b(x)^T M^-1 b(x) + lambda,   b = (phi_j(x), g_q(x)),   M the matrix of the system
+///
+/// (Schaback 1993). 0 at the samples for lambda = 0, and growing with the
+/// distance to them. The system is factorised at the first evaluation, O(n^3 / 3); then O(n^2) per point. Thread safe.
+template <int Dim>
+class PowerFunction {
+ public:
+  /// Of the system that interpolate() solved: one centre per sample; `degree` of the polynomial; `smoothing` lambda and
+  /// `weights` (n, or empty) in A + lambda diag(1 / weights).
+  PowerFunction(std::shared_ptr<const RadialBasis<Dim>> basis, int degree, double smoothing, Eigen::VectorXd weights);
+  PowerFunction(const PowerFunction&) = delete;
+  PowerFunction& operator=(const PowerFunction&) = delete;
+  ~PowerFunction();
+
+  /// Never negative. Rounding limits it to about 1e-16 of phi(0), or of the largest |phi| between samples.
+  [[nodiscard]] Eigen::VectorXd evaluate(const PointsRef<Dim>& x) const;
+
+  [[nodiscard]] std::shared_ptr<const RadialBasis<Dim>> basis() const { return basis_; }
+  [[nodiscard]] int degree() const { return degree_; }
+  [[nodiscard]] double smoothing() const { return smoothing_; }
+  [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; }
+
+ private:
+  struct System;
+  const System& system() const;
+
+  std::shared_ptr<const RadialBasis<Dim>> basis_;
+  int degree_;
+  double smoothing_;
+  Eigen::VectorXd weights_;
+  mutable std::once_flag once_;
+  mutable std::unique_ptr<const System> system_;
+};
+
+/// Variance sigma^2 (P^2 + lambda) of the difference between a sample of weight 1 and the interpolant, seen as the best
+/// linear unbiased prediction of a random function with (generalised) covariance sigma^2 phi from values with noise of
+/// variance sigma^2 lambda. Its derivatives, which nothing needs, are NaN.
+template <int Dim>
+class KrigingVariance : public Field<Dim> {
+ public:
+  KrigingVariance(std::shared_ptr<const PowerFunction<Dim>> power, double sigma2, const Box<Dim>& bounds)
+      : power_(std::move(power)), sigma2_(sigma2), bounds_(bounds) {}
+
+  void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
+  [[nodiscard]] Box<Dim> bounds() const override { return bounds_; }
+
+  [[nodiscard]] const PowerFunction<Dim>& power() const { return *power_; }
+  [[nodiscard]] double sigma2() const { return sigma2_; }
+
+ private:
+  std::shared_ptr<const PowerFunction<Dim>> power_;
+  double sigma2_;
+  Box<Dim> bounds_;
+};
+
+}  // namespace csrbf

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "csrbf/approx/levels/level_builder.hpp"
+#include "csrbf/approx/samples/samples.hpp"
+
+#include <string>
+
+namespace csrbf {
+
+/// A center set with supports adapted to it.
+template <int Dim>
+struct BudgetCenters {
+  std::vector<Index> ids;  ///< which points, in the order of farthest point sampling
+  Eigen::VectorXd scales;  ///< smallest radii that cover the bounded Voronoi cells
+};
+
+struct FixedBudgetOptions {
+  std::string kernel = "wendland-c2";    ///< compactly supported
+  Index centers = 0;                     ///< the budget; 0: a tenth of the samples
+  double support = 4;                    ///< support radius in scales of the centre, above 1
+  std::optional<double> lambda0 = 1e-6;  ///< regularisation (see sparse_least_squares); empty: chosen from the data
+  Progress progress = {};                ///< stages "farthest points", "voronoi cells", "choose smoothing", "solve"
+};
+
+/// Farthest points and the scales of their Voronoi cells bounded by the box of the points (thesis Algorithm 2): exact
+/// cells up to four dimensions, cells over the points beyond, where empty cells get the distance to the nearest centre.
+template <int Dim>
+BudgetCenters<Dim> budget_centers(const PointsRef<Dim>& points, Index count, const Progress& progress = {});
+
+/// Approximation with a given number of centres (thesis section 3.2): farthest points of the samples, supports
+/// proportional to the size of their bounded Voronoi cells (eq. 3.6, so that they cover the box), coefficients by
+/// regularised least squares, since matrices with a support per centre may be singular. Duplicates are merged.
+///
+/// Supports that shrink with the cells keep the cost per centre, not the order: beyond some hundred centres the error
+/// falls slowly or stalls, as that of every stationary scheme. Where accuracy matters more than the number of centres
+/// use `multilevel` or `error_bounded`.
+///
+/// Throws InvalidInput for samples that are not valid, a negative budget, support <= 1 (the supports would leave gaps)
+/// and kernels without compact support; SolverFailure from sparse_least_squares.
+template <int Dim>
+LevelFit<Dim> fixed_budget(const Samples<Dim>& samples, const FixedBudgetOptions& options = {});
+
+}  // namespace csrbf

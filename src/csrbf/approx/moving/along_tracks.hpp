@@ -1,0 +1,19 @@
+#pragma once
+
+#include "csrbf/approx/moving/moving_least_squares.hpp"
+#include "csrbf/approx/unity/held_out_error.hpp"
+
+#include <optional>
+
+namespace csrbf {
+
+/// Moving least squares whose weights follow the tracks of the samples.
+inline const MovingLeastSquaresOptions along_tracks{.tracks = true};
+
+/// The error with which that predicts samples held back, if it is clearly less than that of a partition of unity with
+/// the local fits `patches`: rough values along tracks often differ from one track to the next, by more than the
+/// function does.
+template <int Dim>
+std::optional<HeldOutError> better_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches);
+
+}  // namespace csrbf

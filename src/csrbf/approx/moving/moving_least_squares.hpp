@@ -1,0 +1,81 @@
+#pragma once
+
+#include "csrbf/approx/basis/polynomial.hpp"
+#include "csrbf/approx/basis/support_tree.hpp"
+#include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/core/field.hpp"
+#include "csrbf/kernels/kernel.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+struct MovingLeastSquaresOptions {
+  std::string kernel = "wendland-c4";  ///< the weight function, compactly supported
+  int degree = 1;                      ///< of the local polynomials; 0 is Shepard's method
+  double support = 1.5;                ///< radius of a sample's weight, in distances to its `neighbors`-th neighbour
+  Index neighbors = 0;                 ///< 0: twice the number of monomials, at least 2 Dim; with tracks 24
+  bool tracks = false;                 ///< whether the weights follow the tracks of the samples; of degree 1
+};
+
+/// Moving least squares (Lancaster and Salkauskas 1981; thesis eqs. 1.6-1.9): f(p) is the value at p of the polynomial
+/// that minimises sum_i w_i phi(|p - p_i| / h_i) (g(p_i) - s_i)^2. Every sample has its own radius h_i, so that f is
+/// smooth where the sampling density varies. Reproduces polynomials of the degree. Gradients and Hessians are those of
+/// f, not of the local polynomials.
+///
+/// With tracks the weights are w_i phi(|d| / h_i) (|d|_i^2 / h_i^2 + eps^2)^(-5/2), d = p - p_i, where the metric |.|_i
+/// counts what is across the track of the sample (track_directions()) five times. f then all but meets the samples, for
+/// the weights are all but infinite there, and between two neighbours of a track it is nearly linear, whatever other
+/// tracks say. Slopes v cost 1e-4 h_i^2 |v|^2 for each weight: the samples next to a point are often on one line.
+///
+/// Where the samples around p do not determine a polynomial of the degree a lower one is used, where there is none at
+/// all the value of the nearest sample, with derivatives 0: f is not continuous there, but defined everywhere. Costs a
+/// dense solve per point: O(k Q^2), k samples around the point, Q monomials.
+template <int Dim>
+class MovingLeastSquares : public Field<Dim> {
+ public:
+  void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
+  [[nodiscard]] Box<Dim> bounds() const override;
+
+  struct Data;
+  MovingLeastSquares(std::shared_ptr<const Data> data, Index component);
+
+  [[nodiscard]] const Data& data() const { return *data_; }
+  [[nodiscard]] Index component() const { return component_; }
+
+ private:
+  std::shared_ptr<const Data> data_;
+  Index component_;
+};
+
+/// What the fields of all components share.
+template <int Dim>
+struct MovingLeastSquares<Dim>::Data {
+  Samples<Dim> samples;  ///< at distinct points
+  Kernel kernel;
+  Eigen::VectorXd radii;                ///< of the weights
+  Points<Dim> directions{Dim, 0};       ///< of the tracks, or none
+  std::vector<Polynomials<Dim>> bases;  ///< of degree 0, 1, ...
+  KdTree<Dim> nearest;
+  SupportTree<Dim> supports;
+
+  Data(Samples<Dim> s, const Kernel& k, int degree) : samples(std::move(s)), kernel(k), nearest(samples.points) {
+    for (int d = 0; d <= degree; ++d) bases.emplace_back(d);
+  }
+  void set_radii(Eigen::VectorXd values) {
+    radii = std::move(values);
+    supports = SupportTree<Dim>(samples.points, radii);
+  }
+};
+
+/// One field per component; they share the samples. Duplicates are merged; samples of weight 0 take no part.
+/// Throws InvalidInput for samples that are not valid, degree < 0 or > 5 (with tracks other than 1), support <= 0,
+/// negative neighbors and kernels without compact support, or without the two derivatives that a Hessian needs.
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> moving_least_squares(const Samples<Dim>& samples,
+                                                                    const MovingLeastSquaresOptions& options = {});
+
+}  // namespace csrbf

@@ -1,0 +1,121 @@
+#include "csrbf/approx/samples/fitted_field.hpp"
+
+#include "csrbf/approx/samples/periodic_field.hpp"
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+template <int Dim>
+bool contains(const Box<Dim>& box, const PointsRef<Dim>& x) {
+  for (Index i = 0; i < x.cols(); ++i)
+    if (!box.contains(x.col(i))) return false;
+  return true;
+}
+
+// Whether the coordinates of the inner field are those of the user, but for moving to the box.
+template <int Dim>
+bool is_same_inside(const typename FittedField<Dim>::Frame& frame) {
+  return frame.periods.isZero() && frame.scales == Point<Dim>::Ones();
+}
+
+}  // namespace
+
+template <int Dim>
+FittedField<Dim>::FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame)
+    : inner_(std::move(inner)), repeated_(inner_), frame_(frame) {
+  for (int a = 0; a < Dim; ++a)
+    if (frame.periods[a] > 0)
+      repeated_ = std::make_shared<const PeriodicField<Dim>>(repeated_, a, frame.box.lo[a] / frame.scales[a],
+                                                             frame.periods[a] / frame.scales[a]);
+}
+
+template <int Dim>
+Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& outside) const {
+  Point<Dim> y;
+  for (int a = 0; a < Dim; ++a) {
+    const double inside = frame_.periods[a] > 0 ? x[a] : std::clamp(x[a], frame_.box.lo[a], frame_.box.hi[a]);
+    outside[static_cast<std::size_t>(a)] = inside != x[a];
+    y[a] = inside / frame_.scales[a];
+  }
+  return y;
+}
+
+template <int Dim>
+std::vector<Index> FittedField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
+  if (is_same_inside<Dim>(frame_)) return repeated_->evaluation_order(x);
+  Points<Dim> y(Dim, x.cols());
+  parallel_for(x.cols(), 4096, [&](Index begin, Index end) {
+    std::array<bool, Dim> outside;
+    for (Index i = begin; i < end; ++i) y.col(i) = map(x.col(i), outside);
+  });
+  return repeated_->evaluation_order(y);
+}
+
+template <int Dim>
+void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
+  if (is_same_inside<Dim>(frame_) && contains<Dim>(frame_.box, x)) return repeated_->evaluate_block(x, out);
+  Points<Dim> y(Dim, x.cols());
+  std::vector<std::array<bool, Dim>> outside(static_cast<std::size_t>(x.cols()));
+  for (Index i = 0; i < x.cols(); ++i) y.col(i) = map(x.col(i), outside[static_cast<std::size_t>(i)]);
+  repeated_->evaluate_block(y, out);
+  for (Index i = 0; i < x.cols(); ++i) {
+    const std::array<bool, Dim>& moved = outside[static_cast<std::size_t>(i)];
+    const bool any = std::find(moved.begin(), moved.end(), true) != moved.end();
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const bool undefined = !x.col(i).allFinite() || (any && frame_.extrapolation == Extrapolation::nan);
+    if (undefined) out.value[i] = nan;
+    // A coordinate that was moved to the box has no influence.
+    const auto factor = [&](int a) { return moved[static_cast<std::size_t>(a)] ? 0.0 : 1 / frame_.scales[a]; };
+    if (out.gradient != nullptr)
+      for (int a = 0; a < Dim; ++a) out.gradient[Dim * i + a] = undefined ? nan : out.gradient[Dim * i + a] * factor(a);
+    if (out.hessian == nullptr) continue;
+    double* entry = out.hessian + symmetric_size<Dim> * i;
+    for (int a = 0; a < Dim; ++a)
+      for (int b = a; b < Dim; ++b, ++entry) *entry = undefined ? nan : *entry * factor(a) * factor(b);
+  }
+}
+
+// The coordinates of the inner field along an axis depend on those along that axis only.
+template <int Dim>
+Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const {
+  if (frame_.extrapolation == Extrapolation::nan) return Field<Dim>::evaluate_grid(axes);
+  GridAxes<Dim> mapped = axes;
+  for (std::size_t a = 0; a < Dim; ++a)
+    for (double& coordinate : mapped[a]) {
+      if (!std::isfinite(coordinate)) return Field<Dim>::evaluate_grid(axes);
+      std::array<bool, Dim> outside;
+      coordinate = map(Point<Dim>::Constant(coordinate), outside)[static_cast<Index>(a)];
+    }
+  return repeated_->evaluate_grid(mapped);
+}
+
+template <int Dim>
+std::optional<Enclosure> FittedField<Dim>::enclose(const Box<Dim>& box) const {
+  if (!frame_.periods.isZero() || frame_.extrapolation != Extrapolation::constant) return std::nullopt;
+  const auto mapped = [&](const Point<Dim>& x) -> Point<Dim> {
+    return x.cwiseMax(frame_.box.lo).cwiseMin(frame_.box.hi).cwiseQuotient(frame_.scales);
+  };
+  std::optional<Enclosure> enclosure = inner_->enclose({mapped(box.lo), mapped(box.hi)});
+  if (!enclosure) return std::nullopt;
+  const double scale = frame_.scales.minCoeff();
+  enclosure->lipschitz /= scale;
+  enclosure->hessian_bound /= scale * scale;
+  // The gradient jumps at the faces of the frame.
+  if (!(frame_.box.contains(box.lo) && frame_.box.contains(box.hi)))
+    enclosure->hessian_bound = std::numeric_limits<double>::infinity();
+  return enclosure;
+}
+
+#define CSRBF_INSTANTIATE(Dim) template class FittedField<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

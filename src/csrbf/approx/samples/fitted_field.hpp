@@ -1,0 +1,46 @@
+#pragma once
+
+#include "csrbf/approx/fit_options.hpp"
+#include "csrbf/core/field.hpp"
+
+#include <array>
+#include <memory>
+
+namespace csrbf {
+
+/// A field in the coordinates of the user: f(x) = inner(y), y_a = x_a / scale_a, repeated along periodic axes (see
+/// PeriodicField), and what it is outside the box of the samples.
+template <int Dim>
+class FittedField : public Field<Dim> {
+ public:
+  struct Frame {
+    Point<Dim> scales = Point<Dim>::Ones();
+    Point<Dim> periods = Point<Dim>::Zero();  ///< 0 for axes that are not periodic; the first period starts at box.lo
+    Box<Dim> box;                             ///< of the samples, in the coordinates of the user
+    Extrapolation extrapolation = Extrapolation::constant;
+  };
+
+  FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame);
+
+  void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
+  [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<Dim>& x) const override;
+  [[nodiscard]] Eigen::VectorXd evaluate_grid(const GridAxes<Dim>& axes) const override;
+  [[nodiscard]] Box<Dim> bounds() const override { return frame_.box; }
+  [[nodiscard]] double feature_size() const override { return inner_->feature_size() * frame_.scales.minCoeff(); }
+
+  /// That of the inner field, where there are no periods and values are constant outside.
+  [[nodiscard]] std::optional<Enclosure> enclose(const Box<Dim>& box) const override;
+
+  [[nodiscard]] const Field<Dim>& inner() const { return *inner_; }
+  [[nodiscard]] const Frame& frame() const { return frame_; }
+
+ private:
+  // Coordinates of the inner field; `outside[a]` says whether coordinate a was moved to the box.
+  Point<Dim> map(const Point<Dim>& x, std::array<bool, Dim>& outside) const;
+
+  std::shared_ptr<const Field<Dim>> inner_;
+  std::shared_ptr<const Field<Dim>> repeated_;  // inner_ along the periodic axes
+  Frame frame_;
+};
+
+}  // namespace csrbf

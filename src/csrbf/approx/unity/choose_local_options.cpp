@@ -1,0 +1,378 @@
+#include "csrbf/approx/unity/choose_local_options.hpp"
+
+#include "csrbf/approx/unity/patch_samples.hpp"
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/shared_work.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+constexpr Index patches = 256;  // half of them spread over the volume, half over the samples
+constexpr Index fewest_targets =
+    12;  // samples predicted in each, at most; more where a patch is large, because noise ...
+constexpr Index most_targets = 1200;   // ... hides small differences
+constexpr Index few = 16;              // samples per cell of the cover that places the patches
+constexpr double exact = 1e-10;        // error, as a share of the range of the values, below which less is no gain
+constexpr double exact_uneven = 5e-9;  // the same for unevenly spread samples, far from which errors are larger
+constexpr double noticeable = 1e-6;    // error, likewise, that may be due to noise
+// Time of one sample and one evaluation, in that of one more radial function in every evaluation (about 7 ns).
+constexpr double point_cost = 250;  // of what is the same for all local functions
+constexpr double monomial_cost = 0.4;
+constexpr double flop_cost = 0.01;
+constexpr double little_work = 4e8;  // flops of a trial on all patches
+constexpr double most_work = 2e9;    // of one on every fourth patch; on fewer if it is more
+constexpr Index usual_stride = 4, largest_stride = 16;
+constexpr double kernel_work = 25;  // flops of a radial function
+constexpr double most_haste = 4;
+constexpr double leisurely = 1e4;    // samples up to which time does not matter
+constexpr double most_cost = 1e5;    // where the error is not small, so that it counts before the cost
+constexpr double even_share = 0.05;  // of lopsided patches among evenly spread samples
+constexpr std::array<double, 5> smoothings = {1e-6, 1e-4, 1e-2, 1e-1, 1};
+constexpr std::array<double, 5> strong_smoothings = {1e-2, 1e-1, 1, 10, 100};
+constexpr std::array<Index, 5> large_patches = {250, 700, 1500, 3000, 6000};
+constexpr Index many_centers = 48;
+constexpr const char* fractal_kernel = "powered-exponential";  // close to r^1.4 within a patch
+constexpr double fractal_support = 8;
+
+// Samples in patches spread over the data, each predicted by the patch fitted without it.
+template <int Dim>
+class CrossValidation {
+ public:
+  CrossValidation(const Samples<Dim>& samples, const Cover<Dim>& cover)
+      : cover_(cover), values_(cover.in_order(samples.values)), weights_(cover.in_order(samples.weights)) {
+    place([&](Index cell) { return cover_.cell(cell).extent().prod(); });
+    volume_cells_ = static_cast<Index>(cells_.size());
+    place([&](Index cell) { return static_cast<double>(cover_.count(cell)); });
+  }
+
+  // Share of the patches spread over the volume whose samples are lopsided.
+  [[nodiscard]] double lopsided_share(Index samples) const {
+    typename Cover<Dim>::Search search;
+    Index lopsided_patches = 0;
+    for (Index i = 0; i < volume_cells_; ++i) {
+      const Box<Dim>& cell = cover_.cell(cells_[static_cast<std::size_t>(i)]);
+      cover_.nearest(cell.center(), samples, cell.diagonal(), search);
+      if (lopsided<Dim>(cover_.points(), search.found)) ++lopsided_patches;
+    }
+    return static_cast<double>(lopsided_patches) / static_cast<double>(volume_cells_);
+  }
+
+  // A mean over the components of the error at each target of each patch, nearest to its center first: targets x
+  // patches. NaN for patches left out because those of this size take long.
+  template <class Mean>
+  [[nodiscard]] Eigen::ArrayXXd errors(const LocalOptions& options, double work, const Mean& mean) const {
+    const auto all = static_cast<Index>(cells_.size()), components = values_.cols();
+    Index stride = work * static_cast<double>(patches) <= little_work ? 1 : usual_stride;
+    while (stride < largest_stride && work * static_cast<double>(patches) > most_work * static_cast<double>(stride))
+      stride *= 2;
+    std::vector<Index> chosen;
+    for (Index i = 0; i < all; i += stride) chosen.push_back(i);
+    const auto count = static_cast<Index>(chosen.size());
+    const Index most = options.centers < options.samples ? most_targets : fewest_targets;
+    const Index targets = std::clamp<Index>(options.samples / 5, 1, std::min(most, cover_.points().cols()));
+    Eigen::ArrayXXd error = Eigen::ArrayXXd::Constant(targets, all, std::numeric_limits<double>::quiet_NaN());
+    const auto compute = [&](Index begin, Index end) {
+      LocalFitter<Dim> fitter(cover_, values_, weights_, options);
+      LocalModels<Dim> models = fitter.models();
+      models.resize(batch_lanes);
+      std::vector<double> left_out(static_cast<std::size_t>(batch_lanes * components * targets));
+      for (Index b = begin; b < end; ++b) {
+        const int used = static_cast<int>(std::min<Index>(batch_lanes, count - batch_lanes * b));
+        std::array<Index, batch_lanes> cells{};
+        for (int l = 0; l < used; ++l)
+          cells[static_cast<std::size_t>(l)] =
+              cells_[static_cast<std::size_t>(chosen[static_cast<std::size_t>(batch_lanes * b + l)])];
+        fitter.fit(cells.data(), used, models, 0);
+        fitter.left_out_errors(targets, left_out.data());
+        for (int l = 0; l < used; ++l) {
+          const Eigen::Map<const Eigen::ArrayXXd> lane(left_out.data() + components * targets * l, targets, components);
+          const Index patch = chosen[static_cast<std::size_t>(batch_lanes * b + l)];
+          for (Index t = 0; t < targets; ++t) error(t, patch) = mean(lane.row(t));
+        }
+      }
+    };
+    const auto for_each_patch = [&](Index begin, Index end, const auto& action) {
+      for (Index k = batch_lanes * begin; k < std::min(count, batch_lanes * end); ++k)
+        action(error.col(chosen[static_cast<std::size_t>(k)]).data());
+    };
+    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+      for_each_patch(begin, end, [&](const double* column) { out.put(column, targets); });
+    };
+    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+      for_each_patch(begin, end, [&](double* column) { in.take(column, targets); });
+    };
+    share_work({"choose options", (count + batch_lanes - 1) / batch_lanes, 1, compute, pack, unpack});
+    return error;
+  }
+
+ private:
+  // Systematic sampling of cells in proportion to their weight.
+  template <class Weight>
+  void place(Weight weight) {
+    double total = 0;
+    for (Index c = 0; c < cover_.size(); ++c) total += weight(c);
+    double reached = 0;
+    Index next = 0;
+    const Index wanted = std::min(patches / 2, cover_.size());
+    for (Index c = 0; c < cover_.size() && next < wanted; ++c) {
+      reached += weight(c);
+      if (reached < total * (static_cast<double>(next) + 0.5) / static_cast<double>(wanted)) continue;
+      cells_.push_back(c);
+      while (next < wanted && reached >= total * (static_cast<double>(next) + 0.5) / static_cast<double>(wanted))
+        ++next;
+    }
+  }
+
+  const Cover<Dim>& cover_;
+  Eigen::MatrixXd values_;
+  Eigen::VectorXd weights_;
+  std::vector<Index> cells_;
+  Index volume_cells_ = 0;
+};
+
+// Of the work on a patch that one sample in it accounts for: supports overlap, and the ball of samples is larger.
+template <int Dim>
+const double share_of_sample = 1.25 * 0.72 * std::pow(cover_growth<Dim>, Dim);
+
+// Searches the options step by step; each step keeps the best trial so far.
+template <int Dim>
+class Chooser {
+ public:
+  Chooser(const Samples<Dim>& samples, const Cover<Dim>& cover, const PartitionOfUnityOptions& given)
+      : given_(given),
+        samples_(samples),
+        validation_(samples, cover),
+        size_(samples.size()),
+        range_((samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff()),
+        haste_(given.accuracy > 0
+                   ? most_haste
+                   : std::clamp(2 * std::log10(static_cast<double>(samples.size()) / leisurely), 0.0, most_haste)),
+        uneven_(validation_.lopsided_share(base_samples) > even_share),
+        accuracy_(given.accuracy > 0 ? given.accuracy : (uneven_ ? exact_uneven : exact) * range_) {}
+
+  ChosenLocalOptions choose() {
+    try_interpolants();
+    if (!given_.samples_per_patch) try_larger_patches();
+    if (size_ > too_few && mean(best_.errors, best_.errors) > noticeable * range_) {
+      if (!given_.smoothing) try_smoothings(smoothings);
+      try_least_squares();
+      if (!given_.smoothing) refine_smoothing();
+    }
+    const double range = range_ > 0 ? range_ : 1;  // squares neither overflow nor vanish
+    const Eigen::ArrayXXd squares =
+        validation_.errors(best_.options, best_.work, [&](const auto& e) { return (e / range).square().mean(); });
+    ChosenLocalOptions chosen{best_.options, mean(best_.errors, best_.errors),
+                              range * std::sqrt(mean(squares, squares))};
+    return chosen;
+  }
+
+ private:
+  struct Trial {
+    LocalOptions options;
+    Eigen::ArrayXXd errors = {};
+    double work = 0;
+    double cost = 0;
+  };
+
+  static constexpr Index too_few = 2 * Dim;  // samples to tell noise
+  static constexpr Index base_samples = std::array<Index, 6>{16, 60, 100, 160, 200, 250}[std::min(Dim, 6) - 1];
+
+  static Index monomials(int degree) { return Polynomials<Dim>::size(degree); }
+
+  // Evaluates options, with what is given put in, and keeps them if they are better than the best.
+  bool attempt(LocalOptions options) {
+    if (given_.kernel) options.kernel = *given_.kernel;
+    if (given_.degree) options.degree = *given_.degree;
+    const bool everywhere = options.centers == options.samples;
+    if (given_.samples_per_patch) options.samples = *given_.samples_per_patch;
+    options.samples = std::min(options.samples, size_);
+    options.centers = everywhere ? options.samples : std::min(options.centers, options.samples - 1);
+    if (given_.centers_per_patch) options.centers = std::min(*given_.centers_per_patch, options.samples);
+    if (given_.anisotropy) options.anisotropy = *given_.anisotropy;
+    if (given_.smoothing) options.smoothing = *given_.smoothing;
+    while (!given_.degree && options.degree > 0 && 2 * monomials(options.degree) > options.samples) --options.degree;
+    if (best_.errors.size() > 0 && options == best_.options) return false;
+    const double n = static_cast<double>(options.samples), M = static_cast<double>(options.centers),
+                 Q = static_cast<double>(monomials(options.degree));
+    const double work = options.centers == options.samples ? n * n * n / 3 + n * Q * Q + 10 * n * n
+                                                           : n * (Q + M) * (Q + M) + kernel_work * n * M;
+    // Of an evaluation, and of the share of one sample in the fit.
+    const double cost = point_cost + M + monomial_cost * Q + work * share_of_sample<Dim> / n * flop_cost;
+    const Eigen::ArrayXXd errors = validation_.errors(options, work, [](const auto& e) { return e.abs().mean(); });
+    if (best_.errors.size() == 0) {
+      best_ = {options, errors, work, cost};
+      return true;
+    }
+    const double before = score(best_.errors, errors, best_.cost), now = score(errors, best_.errors, cost);
+    if (!(now < before)) return false;
+    best_ = {options, errors, work, cost};
+    return true;
+  }
+
+  // Mean error at the targets that both trials have; its product with the cost where it is small.
+  double score(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others, double cost) const {
+    const double error = mean(errors, others);
+    return error <= std::max(noticeable * range_, accuracy_) ? std::max(error, accuracy_) * std::pow(cost, haste_)
+                                                             : error * std::pow(most_cost, haste_);
+  }
+
+  static double mean(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others) {
+    const Index targets = std::min(errors.rows(), others.rows());
+    double sum = 0, count = 0;
+    for (Index patch = 0; patch < errors.cols(); ++patch) {
+      if (std::isnan(errors(0, patch)) || std::isnan(others(0, patch))) continue;
+      sum += errors.col(patch).head(targets).sum();
+      count += static_cast<double>(targets);
+    }
+    return sum / count;
+  }
+
+  // Smooth functions want high degrees, rough ones low degrees and rough kernels.
+  void try_interpolants() {
+    struct Model {
+      const char* kernel;
+      int degree;
+    };
+    constexpr std::array<Model, 9> models = {{{"wendland-c0", 0},
+                                              {"wendland-c2", 1},
+                                              {"wendland-c4", 2},
+                                              {"wendland-c6", 3},
+                                              {"wendland-c6", 4},
+                                              {"wendland-c6", 5},
+                                              {"wendland-c6", 6},
+                                              {"wendland-c6", 7},
+                                              {"wendland-c0", 1}}};
+    for (const Model& model : models) {
+      LocalOptions options;
+      options.kernel = model.kernel;
+      options.degree = model.degree;
+      options.samples = options.centers = std::max(base_samples, (uneven_ ? 10 : 5) * monomials(model.degree) / 2);
+      if (options.samples <= largest_interpolant) attempt(options);
+    }
+    if (is_rough() && !given_.kernel) {
+      LocalOptions options = best_.options;
+      options.kernel = fractal_kernel;
+      options.support = fractal_support;
+      options.degree = 0;
+      attempt(options);
+    }
+    if (uneven_) return;
+    for (int degree = 2; degree <= 6; ++degree) {  // polynomials alone are cheapest, but need samples all around
+      LocalOptions options;
+      options.degree = degree;
+      options.samples = 3 * monomials(degree);
+      options.centers = 0;
+      if (options.samples <= std::min(largest_interpolant, size_)) attempt(options);
+    }
+  }
+
+  void try_larger_patches() {
+    const LocalOptions first = best_.options;
+    if (first.centers == 0) return;
+    for (const double factor : {0.5, 1.6, 2.5, 4.0}) {
+      if (factor < 1 && uneven_) continue;
+      LocalOptions options = first;
+      options.samples = options.centers =
+          std::max(std::min(size_, fewest_samples), static_cast<Index>(factor * static_cast<double>(first.samples)));
+      if (options.samples > std::min(largest_interpolant, size_)) break;
+      if (!attempt(options) && factor > 1) break;
+    }
+  }
+
+  template <class Values>
+  void try_smoothings(const Values& values) {
+    LocalOptions options = best_.options;
+    if (options.centers == 0) return;
+    for (const double smoothing : values) {
+      options.smoothing = smoothing;
+      attempt(options);
+    }
+  }
+
+  // Half a decade is what a smoothing between too weak and too strong is told by; where patches are large, a decade.
+  void refine_smoothing() {
+    if (!(best_.options.smoothing > 0) || best_.options.centers != best_.options.samples) return;
+    for (const double step : {10.0, std::sqrt(10.0)}) {
+      LocalOptions options = best_.options;
+      const double middle = options.smoothing;
+      for (const double smoothing : {middle / step, middle * step}) {
+        options.smoothing = smoothing;
+        if (attempt(options)) break;
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_rough() const {
+    const LocalOptions& best = best_.options;
+    return best.centers == best.samples && (best.kernel == "wendland-c0" || best.kernel == fractal_kernel);
+  }
+
+  // Under noise many samples per unknown win.
+  void try_least_squares() {
+    if (given_.centers_per_patch && given_.samples_per_patch) return;
+    int misses = 0;
+    for (const Index samples : large_patches) {
+      if (4 * samples > size_ || misses == 2) break;
+      LocalOptions polynomial;
+      polynomial.degree = 4;
+      polynomial.samples = samples;
+      polynomial.centers = 0;
+      LocalOptions radial = polynomial;
+      radial.degree = 3;
+      radial.centers = many_centers;
+      radial.smoothing = best_.options.centers == many_centers ? best_.options.smoothing : 1;
+      const bool better = attempt(polynomial);
+      misses = attempt(radial) || better ? 0 : misses + 1;
+    }
+    if (best_.options.centers == many_centers && !given_.smoothing) try_smoothings(strong_smoothings);
+  }
+
+  static constexpr Index fewest_samples = 2 * Dim + 2;  // of an interpolant
+
+  // An evaluation takes a few microseconds at most.
+  static constexpr Index largest_interpolant = std::array<Index, 6>{100, 200, 250, 250, 400, 550}[std::min(Dim, 6) - 1];
+
+  PartitionOfUnityOptions given_;
+  const Samples<Dim>& samples_;
+  CrossValidation<Dim> validation_;
+  Index size_;
+  double range_;
+  double haste_;  // exponent of the cost
+  bool uneven_;
+  double accuracy_;  // error below which less is no gain
+  Trial best_;
+};
+
+}  // namespace
+
+template <int Dim>
+Cover<Dim> cover_to_choose_by(const Samples<Dim>& samples) {
+  return {samples.points, few, cover_growth<Dim>, CoverUse::fitting};
+}
+
+template <int Dim>
+ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const Cover<Dim>& cover,
+                                        const PartitionOfUnityOptions& given) {
+  return Chooser<Dim>(samples, cover, given).choose();
+}
+
+template <int Dim>
+ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const PartitionOfUnityOptions& given) {
+  const Cover<Dim> cover = cover_to_choose_by(samples);
+  if (samples.weights.size() == 0) return choose_local_options(samples, cover, given);
+  return choose_local_options(normalize_weights(samples), cover, given);
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                  \
+  template Cover<Dim> cover_to_choose_by<Dim>(const Samples<Dim>&);                             \
+  template ChosenLocalOptions choose_local_options<Dim>(const Samples<Dim>&, const Cover<Dim>&, \
+                                                        const PartitionOfUnityOptions&);        \
+  template ChosenLocalOptions choose_local_options<Dim>(const Samples<Dim>&, const PartitionOfUnityOptions&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

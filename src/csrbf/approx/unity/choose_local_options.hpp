@@ -1,0 +1,29 @@
+#pragma once
+
+#include "csrbf/approx/unity/partition_of_unity.hpp"
+
+namespace csrbf {
+
+/// Options of the local functions of a partition of unity and what speaks for them.
+struct ChosenLocalOptions {
+  LocalOptions options;
+  /// Mean absolute error of samples predicted by patches fitted without them, all components together.
+  double error = 0;
+  double rmse = 0;  ///< their root mean square error
+};
+
+/// Chooses kernel, degree, number of samples and centres per patch and smoothing by leave-one-out cross-validation of
+/// some patches spread over the samples. Its time does not depend on their number, but for finding the patches.
+template <int Dim>
+ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const PartitionOfUnityOptions& given);
+
+/// The same with the samples sorted already, see cover_to_choose_by(), and weights of mean 1.
+template <int Dim>
+ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const Cover<Dim>& cover,
+                                        const PartitionOfUnityOptions& given);
+
+/// Cells of a few samples each, among which patches are placed.
+template <int Dim>
+Cover<Dim> cover_to_choose_by(const Samples<Dim>& samples);
+
+}  // namespace csrbf

@@ -1,0 +1,78 @@
+#include "csrbf/approx/unity/cover.hpp"
+#include "csrbf/core/dimensions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+// The n smallest of the first `count` numbers in `near`, in order, to `found`. By buckets of equal volume, which hold
+// about as many each where points are evenly spread.
+template <int Dim>
+void sort_nearest(std::size_t count, std::size_t n, double reach, typename Cover<Dim>::Search& search) {
+  constexpr std::size_t per_bucket = 4;
+  const std::size_t buckets = count / per_bucket + 1;
+  const double last = static_cast<double>(buckets - 1), scale = 1 / (reach * reach);
+  search.end.assign(buckets, 0);
+  search.bucket.resize(std::max(search.bucket.size(), count));
+  search.sorted.resize(std::max(search.sorted.size(), count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = search.near[i].first * scale;
+    double volume = Dim % 2 == 0 ? 1 : std::sqrt(t);
+    for (int d = 1; d < Dim; d += 2) volume *= t;
+    const double place = volume * static_cast<double>(buckets);
+    search.bucket[i] = static_cast<std::uint32_t>(place < last ? place : last);
+    ++search.end[search.bucket[i]];
+  }
+  std::exclusive_scan(search.end.begin(), search.end.end(), search.end.begin(), std::uint32_t{0});
+  for (std::size_t i = 0; i < count; ++i) search.sorted[search.end[search.bucket[i]]++] = search.near[i];
+  std::size_t begin = 0;
+  for (std::size_t b = 0; begin < n; begin = search.end[b++]) {
+    const auto first = search.sorted.begin();
+    std::sort(first + static_cast<std::ptrdiff_t>(begin), first + search.end[b]);
+  }
+  search.found.assign(search.sorted.begin(), search.sorted.begin() + static_cast<std::ptrdiff_t>(n));
+}
+
+}  // namespace
+
+// Those closer than `reach` come first in `near`; returns how many they are.
+template <int Dim>
+std::size_t Cover<Dim>::collect(const Point<Dim>& x, double reach, Search& search) const {
+  std::size_t count = 0;
+  for_each_cell({x.array() - reach, x.array() + reach}, [&](std::uint32_t cell) {
+    const std::size_t most = count + static_cast<std::size_t>(begin_[cell + 1] - begin_[cell]);
+    if (search.near.size() < most) search.near.resize(2 * most);
+    for (Index i = begin_[cell]; i < begin_[cell + 1]; ++i) {  // without branches: nobody can predict them
+      const double d2 = (points_.col(i) - x).squaredNorm();
+      search.near[count] = {d2, static_cast<std::uint32_t>(i)};
+      count += d2 < reach * reach ? 1 : 0;
+    }
+  });
+  return count;
+}
+
+template <int Dim>
+void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& search) const {
+  n = std::min(n, points_.cols());
+  const double farthest = (1 + 1e-12) * ((x - tree_.box.center()).norm() + tree_.box.diagonal());  // 1e-12: rounding
+  reach = std::min(std::max(reach, 1e-12 * farthest), farthest);
+  std::size_t count = 0;
+  for (;;) {
+    count = collect(x, reach, search);
+    const auto found = static_cast<Index>(count);
+    if (found >= n || reach >= farthest) break;
+    const double missing = static_cast<double>(n) / static_cast<double>(std::max<Index>(found, 1));
+    reach = std::min(farthest, reach * std::clamp(1.1 * std::pow(missing, 1.0 / Dim), 1.15, 2.0));
+  }
+  sort_nearest<Dim>(count, std::min(count, static_cast<std::size_t>(n)), reach, search);
+}
+
+#define CSRBF_INSTANTIATE(Dim) \
+  template void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& search) const;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

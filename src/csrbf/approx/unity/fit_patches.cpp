@@ -1,0 +1,121 @@
+#include "csrbf/approx/unity/fit_patches.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/shared_work.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+constexpr Index lanes = batch_lanes;
+
+// Cells hold about .72 of their leaf size, supports growth^Dim times that, and the ball of the samples is a little
+// larger than the support. A metric is that of the middle of a cell: half as many samples keep it close to all of them.
+template <int Dim>
+Index leaf_size(const LocalOptions& options) {
+  const double share = 1.25 * std::pow(cover_growth<Dim>, Dim) * 0.72 * (options.anisotropy > 0 ? 2 : 1);
+  return std::max<Index>(1, static_cast<Index>(static_cast<double>(options.samples) / share));
+}
+
+// Batches of cells to fit.
+template <int Dim>
+std::vector<Index> wanted_batches(const Cover<Dim>& cover, const Points<Dim>* places) {
+  std::vector<Index> batches(static_cast<std::size_t>((cover.size() + lanes - 1) / lanes));
+  std::iota(batches.begin(), batches.end(), Index{0});
+  if (places == nullptr) return batches;
+  std::vector<bool> wanted(batches.size(), false);
+  for (const auto& x : places->colwise())
+    for (const std::uint32_t support : cover.supports_over(cover.find(x))) wanted[support / lanes] = true;
+  std::erase_if(batches, [&](Index b) { return !wanted[static_cast<std::size_t>(b)]; });
+  return batches;
+}
+
+// All arrays of models [first, first + count): action(first value, number of values).
+template <class Models, class Action>
+void for_each_array(Models& models, Index first, Index count, const Action& action) {
+  const auto part = [&](auto& values) {
+    const Index each = static_cast<Index>(values.size()) / models.size();
+    action(values.data() + each * first, each * count);
+  };
+  part(models.center);
+  part(models.radius);
+  for (auto* values : {&models.metric, &models.position, &models.alpha, &models.polynomial}) part(*values);
+}
+
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_cover(Cover<Dim> cells, const Samples<Dim>& samples,
+                                                                      const LocalOptions& options,
+                                                                      const Progress& progress,
+                                                                      const Points<Dim>* places) {
+  auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
+      typename PartitionOfUnity<Dim>::Data{std::move(cells), {}});
+  const Cover<Dim>& cover = data->cover;
+  const Eigen::MatrixXd values = cover.in_order(samples.values);
+  const Eigen::VectorXd weights = cover.in_order(samples.weights);
+  data->models = LocalFitter<Dim>(cover, values, weights, options).models();
+  data->models.resize(cover.size());
+  const std::vector<Index> batches = wanted_batches(cover, places);
+  const auto count = static_cast<Index>(batches.size());
+  const Index slice = std::max<Index>(1, count / 16);
+  for (Index done = 0; done < count; done += slice) {
+    report(progress, "fit", static_cast<double>(done) / static_cast<double>(count));
+    const auto for_each_batch = [&](Index begin, Index end, const auto& action) {
+      for (Index k = done + begin; k < done + end; ++k) {
+        const Index first = lanes * batches[static_cast<std::size_t>(k)];
+        action(first, std::min(lanes, cover.size() - first));
+      }
+    };
+    const auto compute = [&](Index begin, Index end) {
+      LocalFitter<Dim> fitter(cover, values, weights, options);
+      for_each_batch(begin, end, [&](Index first, Index cells_at_once) {
+        std::array<Index, lanes> batch;
+        std::iota(batch.begin(), batch.end(), first);
+        fitter.fit(batch.data(), static_cast<int>(cells_at_once), data->models, first);
+      });
+    };
+    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+      for_each_batch(begin, end, [&](Index first, Index n) {
+        for_each_array(data->models, first, n, [&](const double* array, Index size) { out.put(array, size); });
+      });
+    };
+    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+      for_each_batch(begin, end, [&](Index first, Index n) {
+        for_each_array(data->models, first, n, [&](double* array, Index size) { in.take(array, size); });
+      });
+    };
+    share_work({"fit", std::min(slice, count - done), 8, compute, pack, unpack});
+  }
+  return data;
+}
+
+}  // namespace
+
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples,
+                                                                        const LocalOptions& options,
+                                                                        const Progress& progress,
+                                                                        const Points<Dim>* places) {
+  return fit_cover<Dim>({samples.points, leaf_size<Dim>(options), cover_growth<Dim>}, samples, options, progress,
+                        places);
+}
+
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples, Cover<Dim> sorted,
+                                                                        const LocalOptions& options,
+                                                                        const Progress& progress) {
+  return fit_cover<Dim>({std::move(sorted), leaf_size<Dim>(options)}, samples, options, progress, nullptr);
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                                  \
+  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> fit_patches<Dim>(                                 \
+      const Samples<Dim>&, const LocalOptions&, const Progress&, const Points<Dim>*);                           \
+  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> fit_patches<Dim>(const Samples<Dim>&, Cover<Dim>, \
+                                                                               const LocalOptions&, const Progress&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

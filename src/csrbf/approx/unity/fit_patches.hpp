@@ -1,0 +1,22 @@
+#pragma once
+
+#include "csrbf/approx/unity/partition_of_unity.hpp"
+
+namespace csrbf {
+
+/// A partition of unity whose local functions have the given options; what partition_of_unity() does once they are
+/// chosen. `places`: only the patches that evaluation there needs are fitted, the others are left undefined. Weights
+/// must have the mean 1. Internal.
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples,
+                                                                        const LocalOptions& options,
+                                                                        const Progress& progress = {},
+                                                                        const Points<Dim>* places = nullptr);
+
+/// All patches, of samples sorted by a cover with cells of any size.
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples, Cover<Dim> sorted,
+                                                                        const LocalOptions& options,
+                                                                        const Progress& progress);
+
+}  // namespace csrbf

@@ -1,0 +1,50 @@
+#include "csrbf/approx/unity/held_out_error.hpp"
+
+#include "csrbf/approx/unity/fit_patches.hpp"
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/spatial/morton_order.hpp"
+
+namespace csrbf {
+namespace {
+
+constexpr Index one_of = 10;  // samples is held back ...
+constexpr Index most = 5000;
+
+}  // namespace
+
+template <int Dim>
+HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
+  const std::vector<Index> order = morton_order<Dim>(samples.points);
+  const Index stride = std::max(one_of, samples.size() / most);
+  std::vector<Index> kept, held_out;
+  for (Index i = 0; i < samples.size(); ++i)
+    (i % stride == stride / 2 ? held_out : kept).push_back(order[static_cast<std::size_t>(i)]);
+  const auto take = [&](const std::vector<Index>& chosen) {
+    Samples<Dim> some{samples.points(Eigen::all, chosen), samples.values(chosen, Eigen::all), {}};
+    if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
+    return some;
+  };
+  kept_ = take(kept);
+  held_out_ = take(held_out);
+}
+
+template <int Dim>
+HeldOutError HeldOutSamples<Dim>::error(const LocalOptions& options) const {
+  const PartitionOfUnityFit<Dim> fit{fit_patches<Dim>(kept_, options, {}, &held_out_.points), {}};
+  return error(fit.fields());
+}
+
+template <int Dim>
+HeldOutError HeldOutSamples<Dim>::error(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const {
+  Eigen::MatrixXd error = held_out_.values;
+  Index component = 0;
+  for (const auto& field : fields) error.col(component++) -= shared_evaluate(*field, held_out_.points).value;
+  return {error.cwiseAbs().mean(), error.stableNorm() / std::sqrt(static_cast<double>(error.size()))};
+}
+
+#define CSRBF_INSTANTIATE(Dim) template class HeldOutSamples<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

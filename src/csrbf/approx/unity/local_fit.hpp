@@ -1,0 +1,86 @@
+#pragma once
+
+#include "csrbf/approx/unity/cover.hpp"
+#include "csrbf/approx/unity/local_models.hpp"
+#include "csrbf/linalg/batched_cholesky.hpp"
+
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+/// The local functions of a partition of unity: polynomials of a degree plus CSRBF sums.
+struct LocalOptions {
+  std::string kernel = "wendland-c4";
+  double support = 4;  ///< of the kernel, in units of the radius of a patch
+  int degree = 2;      ///< -1: no polynomial
+  Index samples = 40;  ///< a patch is fitted to this many samples
+  Index centers = 40;  ///< radial functions per patch, centred at samples spread over it; `samples`: at all of them
+  /// 0: distances are Euclidean. Up to 1: those across the direction in which the samples of a patch lie, as on a track
+  /// of soundings, count for more; for 1 as if they spread evenly. For radial functions only.
+  double anisotropy = 0;
+  double smoothing = 0;  ///< lambda: sum_k w_k (f - s)^2 + lambda alpha^T A alpha is minimised
+
+  bool operator==(const LocalOptions&) const = default;
+};
+
+/// Fits local functions to samples around the middles of cells (see find_patch_samples), eight at a time:
+///
+/// * with a centre at every sample, a least squares polynomial, whose residual is interpolated by radial functions (for
+///   smoothing = 0; thesis sections 1.3 and 3.1);
+/// * with fewer centres, polynomial and radial functions together by least squares.
+///
+/// Work arrays are kept: one fitter per thread. O(samples^3 / 3) per patch, or O(samples (Q + centers)^2).
+template <int Dim>
+class LocalFitter {
+ public:
+  static constexpr int lanes = batch_lanes;
+
+  /// values (N x components) and weights (N, positive, of mean 1, or empty) in the order of cover.points(); all must
+  /// outlive the fitter.
+  LocalFitter(const Cover<Dim>& cover, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
+              const LocalOptions& options);
+
+  /// An empty collection of models as this fitter fits them.
+  [[nodiscard]] LocalModels<Dim> models() const;
+
+  /// Fits `count` <= 8 models: model first + s of `models` for cell cells[s].
+  void fit(const Index* cells, int count, LocalModels<Dim>& models, Index first);
+
+  /// Prediction errors of the `targets` samples nearest to the middle of each of the patches last fitted, each by the
+  /// fit without it: error[(lane * components + component) * targets + k]. For radial functions at all samples the
+  /// polynomial is taken as part of the interpolant (Rippa 1999), else the fit is a linear smoother.
+  void left_out_errors(Index targets, double* error);
+
+  [[nodiscard]] Index samples() const { return n_; }
+
+ private:
+  void gather(const Index* cells, int count, LocalModels<Dim>& models, Index first);
+  void polynomial_rows(Index width);
+  void fit_interpolant(LocalModels<Dim>& models, Index first, int count);
+  void fit_least_squares(LocalModels<Dim>& models, Index first, int count);
+  void interpolant_errors(Index targets, double* error);
+  void least_squares_errors(Index targets, double* error);
+  [[nodiscard]] bool interpolates() const { return M_ == n_; }
+
+  const Cover<Dim>& cover_;
+  const Eigen::MatrixXd& values_;
+  const Eigen::VectorXd& weights_;
+  LocalOptions options_;
+  Kernel kernel_;
+  Polynomials<Dim> basis_;
+  Index n_, M_, Q_, C_;
+  bool anisotropic_;
+  double inverse_support2_;
+  typename Cover<Dim>::Search search_;
+  std::vector<Index> center_rows_;  // samples that are centres
+  // Eight lanes interleaved in everything that follows.
+  std::vector<double> q_;              // n x Dim
+  std::vector<double> s_;              // C x n, then the residual, then the coefficients alpha
+  std::vector<double> weight_;         // n, square roots
+  std::vector<double> F_;              // rows of the least squares system
+  std::vector<double> G_;              // its normal equations
+  std::vector<double> r2_, A_, work_;  // kernel matrix of the samples
+};
+
+}  // namespace csrbf

@@ -1,0 +1,109 @@
+#include "csrbf/approx/unity/local_variance.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+constexpr Index most_patches = 1024;
+constexpr Index fewest_patches = 16;
+constexpr double most_work = 1e9;  // multiplications: some hundredths of a second
+constexpr Index pooled = 48;       // errors that make up a variance: tells a standard deviation to a tenth
+
+// Samples left out per patch, those nearest to its middle: half of them lie all over its cell.
+Index target_count(Index samples) {
+  return std::clamp<Index>(samples / 2, 1, 64);
+}
+
+Index patch_count(Index cells, const LocalOptions& options, int dimension) {
+  double polynomials = 1;
+  for (int a = 1; a <= dimension; ++a) polynomials *= static_cast<double>(options.degree + a) / a;
+  const auto n = static_cast<double>(options.samples);
+  const double unknowns = options.centers < options.samples ? polynomials + static_cast<double>(options.centers) : n;
+  const double work = unknowns * unknowns * (n + static_cast<double>(target_count(options.samples)));
+  return std::min(cells, std::clamp(static_cast<Index>(most_work / work), fewest_patches, most_patches));
+}
+
+// Squared errors of samples that were left out.
+template <int Dim>
+struct Errors {
+  Points<Dim> points;
+  Eigen::MatrixXd squares;  // components x points
+};
+
+// Of the samples nearest to the middles of some cells, spread over the cover.
+template <int Dim>
+Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Samples<Dim>& samples, const LocalOptions& options) {
+  constexpr Index lanes = batch_lanes;
+  const Eigen::MatrixXd values = cover.in_order(samples.values);
+  const Eigen::VectorXd weights = cover.in_order(samples.weights);
+  const Index count = patch_count(cover.size(), options, Dim);
+  const Index C = values.cols(), targets = target_count(std::min(options.samples, values.rows()));
+  std::vector<Index> cells;
+  for (Index i = 0; i < count; ++i) cells.push_back(i * cover.size() / count);
+  Errors<Dim> errors{Points<Dim>(Dim, count * targets), Eigen::MatrixXd(C, count * targets)};
+  parallel_for((count + lanes - 1) / lanes, 4, [&](Index begin, Index end) {
+    LocalFitter<Dim> fitter(cover, values, weights, options);
+    LocalModels<Dim> models = fitter.models();
+    models.resize(lanes);
+    typename Cover<Dim>::Search search;
+    std::vector<double> error(static_cast<std::size_t>(lanes * C * targets));
+    for (Index first = lanes * begin; first < std::min(count, lanes * end); first += lanes) {
+      const Index used = std::min(lanes, count - first);
+      fitter.fit(cells.data() + first, static_cast<int>(used), models, 0);
+      fitter.left_out_errors(targets, error.data());
+      for (Index l = 0; l < used; ++l) {
+        const Box<Dim>& cell = cover.cell(cells[static_cast<std::size_t>(first + l)]);
+        cover.nearest(cell.center(), targets, cell.diagonal(), search);
+        for (Index t = 0; t < targets; ++t) {
+          const Index k = (first + l) * targets + t;
+          errors.points.col(k) = cover.points().col(search.found[static_cast<std::size_t>(t)].second);
+          for (Index c = 0; c < C; ++c)
+            errors.squares(c, k) = std::pow(error[static_cast<std::size_t>((l * C + c) * targets + t)], 2);
+        }
+      }
+    }
+  });
+  return errors;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
+                                                              const PartitionOfUnityFit<Dim>& fit) {
+  const auto errors_of = [&](const Samples<Dim>& used) {
+    return left_out_errors<Dim>(fit.data->cover, used, fit.report.local);
+  };
+  const Errors<Dim> errors = samples.weights.size() == 0 ? errors_of(samples) : errors_of(normalize_weights(samples));
+
+  auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
+      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(errors.points, pooled, cover_growth<Dim>), {}});
+  LocalModels<Dim>& models = data->models;  // a constant per cell
+  models.components = samples.components();
+  models.resize(data->cover.size());
+  typename Cover<Dim>::Search search;
+  for (Index i = 0; i < models.size(); ++i) {
+    const Box<Dim>& cell = data->cover.cell(i);
+    models.center.col(i) = cell.center();
+    models.radius[i] = .5 * cell.diagonal();
+    data->cover.nearest(cell.center(), pooled, cell.diagonal(), search);
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(models.components);
+    for (const auto& [distance2, id] : search.found) mean += errors.squares.col(data->cover.order()[id]);
+    mean /= static_cast<double>(search.found.size());
+    std::copy(mean.begin(), mean.end(), models.polynomial.begin() + i * mean.size());
+  }
+  return PartitionOfUnityFit<Dim>{data, {}}.fields();
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                     \
+  template std::vector<std::shared_ptr<const Field<Dim>>> local_variance<Dim>(const Samples<Dim>&, \
+                                                                              const PartitionOfUnityFit<Dim>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

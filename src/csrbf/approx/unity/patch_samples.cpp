@@ -1,0 +1,112 @@
+#include "csrbf/approx/unity/patch_samples.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+constexpr double even_spread = 0.35;  // smallest variance against that of a ball, for samples to count as evenly spread
+constexpr double flat = 1e-10;        // the same for samples on a line or plane
+constexpr Index most_spread = 400;    // larger patches reach far enough as they are
+constexpr Index widened = 4, widest = 16;  // times as many samples are looked at where they are not
+constexpr double narrowest = 1e-2;         // of the variances that a metric tells apart, in that of the largest
+
+// Keeps the n / 2 nearest samples, and of the others those that are farthest from all kept before.
+template <int Dim>
+void spread(const Points<Dim>& points, Index n, std::vector<std::pair<double, std::uint32_t>>& found) {
+  const auto near = static_cast<std::size_t>(n / 2), wanted = static_cast<std::size_t>(n);
+  std::vector<double> distance(found.size(), std::numeric_limits<double>::infinity());
+  const auto keep = [&](std::size_t k) {
+    for (std::size_t i = k + 1; i < found.size(); ++i)
+      distance[i] = std::min(distance[i], (points.col(found[i].second) - points.col(found[k].second)).squaredNorm());
+  };
+  for (std::size_t k = 0; k < near; ++k) keep(k);
+  for (std::size_t k = near; k < wanted; ++k) {
+    const auto farthest = std::max_element(distance.begin() + static_cast<std::ptrdiff_t>(k), distance.end());
+    const auto at = static_cast<std::size_t>(farthest - distance.begin());
+    std::swap(found[k], found[at]);
+    std::swap(distance[k], distance[at]);
+    keep(k);
+  }
+  found.resize(wanted);
+  std::sort(found.begin(), found.end());
+}
+
+// Whether the smallest variance is below a share of that of a filled ball.
+template <int Dim>
+bool narrower(double share, const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
+  const auto n = static_cast<double>(chosen.size());
+  Point<Dim> mean = Point<Dim>::Zero();
+  double reach2 = 0;
+  for (const auto& [d2, id] : chosen) {
+    mean += points.col(id) / n;
+    reach2 = std::max(reach2, d2);
+  }
+  Eigen::Matrix<double, Dim, Dim> covariance = Eigen::Matrix<double, Dim, Dim>::Zero();
+  for (const auto& [d2, id] : chosen) covariance += (points.col(id) - mean) * (points.col(id) - mean).transpose() / n;
+  // LL^T of covariance - threshold fails when an eigenvalue is below the threshold.
+  covariance.diagonal().array() -= share * reach2 / (Dim + 2);
+  return covariance.llt().info() != Eigen::Success;
+}
+
+// See find_patch_samples.
+template <int Dim>
+Eigen::Matrix<double, Dim, Dim> metric_of(const Points<Dim>& points, const Point<Dim>& center, double anisotropy,
+                                          const std::vector<std::pair<double, std::uint32_t>>& nearest) {
+  using Matrix = Eigen::Matrix<double, Dim, Dim>;
+  const double reach2 = nearest.back().first;
+  if (!(anisotropy > 0 && reach2 > 0)) return Matrix::Identity();
+  Matrix covariance = Matrix::Zero();
+  for (const auto& [d2, id] : nearest)
+    covariance += (points.col(id) - center) * (points.col(id) - center).transpose() / reach2;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance);
+  const Point<Dim> variances = eigen.eigenvalues().cwiseMax(narrowest * eigen.eigenvalues()[Dim - 1]);
+  const Point<Dim> scales = variances.array().pow(-0.5 * anisotropy);
+  return eigen.eigenvectors() * scales.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+template <int Dim>
+bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen) {
+  return narrower<Dim>(even_spread, points, chosen);
+}
+
+template <int Dim>
+Eigen::Matrix<double, Dim, Dim> find_patch_samples(const Cover<Dim>& cover, Index cell_index, Index n,
+                                                   double anisotropy, typename Cover<Dim>::Search& search) {
+  const Box<Dim>& cell = cover.cell(cell_index);
+  const Point<Dim> center = cell.center();
+  const double crowd = static_cast<double>(n) / static_cast<double>(std::max<Index>(1, cover.count(cell_index)));
+  const double reach = 0.45 * cell.diagonal() * std::pow(crowd, 1.0 / Dim);
+  cover.nearest(center, n, reach, search);
+  const Eigen::Matrix<double, Dim, Dim> metric = metric_of<Dim>(cover.points(), center, anisotropy, search.found);
+  for (Index wide = widened; n <= most_spread && wide <= widest && lopsided<Dim>(cover.points(), search.found);
+       wide *= widened) {
+    cover.nearest(center, wide * n, 2 * reach, search);
+    spread<Dim>(cover.points(), n, search.found);
+    if (!narrower<Dim>(flat, cover.points(), search.found)) continue;
+    // All on a line or plane: those nearest to a cell beside it are only a part of those that its support reaches.
+    const double support = 0.5 * cover.growth() * cell.diagonal();
+    cover.nearest(center, wide * n, reach, search);
+    while (std::ssize(search.found) > n && search.found.back().first > support * support) search.found.pop_back();
+    spread<Dim>(cover.points(), n, search.found);
+  }
+  return metric;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                              \
+  template bool lopsided<Dim>(const Points<Dim>&, const std::vector<std::pair<double, std::uint32_t>>&);    \
+  template Eigen::Matrix<double, Dim, Dim> find_patch_samples<Dim>(const Cover<Dim>&, Index, Index, double, \
+                                                                   typename Cover<Dim>::Search&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

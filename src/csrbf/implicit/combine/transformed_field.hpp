@@ -1,0 +1,39 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+
+#include <memory>
+#include <utility>
+
+namespace csrbf {
+
+/// A field moved and scaled: f(x) = scale * inner((x - origin) / scale). Slopes stay, so that a field close to the
+/// signed distance stays so in the new unit.
+class TransformedField final : public Field<3> {
+ public:
+  struct Data {
+    std::shared_ptr<const Field<3>> inner;
+    Point<3> origin = Point<3>::Zero();
+    double scale = 1;
+    double feature_size = 0;  ///< as Field::feature_size()
+    Box<3> bounds;            ///< as Field::bounds()
+    Points<3> seeds{3, 0};    ///< as Field::seeds(); none: those of the inner field
+  };
+
+  explicit TransformedField(Data data) : data_(std::move(data)) {}
+
+  void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
+  [[nodiscard]] Box<3> bounds() const override { return data_.bounds; }
+  [[nodiscard]] double feature_size() const override { return data_.feature_size; }
+  [[nodiscard]] Points<3> seeds() const override;
+  [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<3>& x) const override;
+
+  [[nodiscard]] const Data& data() const { return data_; }
+
+ private:
+  [[nodiscard]] Points<3> to_inner(const PointsRef<3>& x) const { return (x.colwise() - data_.origin) / data_.scale; }
+
+  Data data_;
+};
+
+}  // namespace csrbf

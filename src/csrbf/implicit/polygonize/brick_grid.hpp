@@ -1,0 +1,131 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+#include "csrbf/implicit/polygonize/brick_masks.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace csrbf::polygonization {
+
+/// Integer coordinates of a corner, of a cell (those of its lowest corner) or of a brick.
+using Cell = Eigen::Array3i;
+
+/// Edges run from their lower corner to the one at the offset (d & 1, d >> 1 & 1, d >> 2 & 1); d is their direction.
+inline constexpr std::array<int, 3> axis_directions{1, 2, 4};
+inline constexpr std::array<int, 7> all_directions{1, 2, 3, 4, 5, 6, 7};  ///< also diagonals of faces and cells
+
+/// The offset of direction d.
+inline Cell offset(int d) {
+  return {d & 1, d >> 1 & 1, d >> 2 & 1};
+}
+
+/// Share of a cell edge that stays between a vertex and the ends of its edge, so that no two vertices coincide.
+inline constexpr double edge_margin = 1e-3;
+
+/// A regular lattice of box-shaped cells. The outermost corners count as outside whatever the field says there, so that
+/// every surface closes within the lattice.
+struct CellLattice {
+  Point<3> origin;   ///< position of corner (0, 0, 0)
+  Point<3> spacing;  ///< edge lengths of a cell
+  Cell cells;        ///< number of cells along each axis; corners run from 0 to cells inclusive
+
+  [[nodiscard]] Point<3> position(const Cell& corner) const {
+    return origin + spacing.cwiseProduct(corner.matrix().cast<double>());
+  }
+  /// The box of the corners that are sampled, and a little more: the outer sides of the caps.
+  [[nodiscard]] Box<3> capped_box() const {
+    const Point<3> beyond = edge_margin * spacing;
+    return {position(Cell::Ones()) - beyond, position(cells - 1) + beyond};
+  }
+  [[nodiscard]] bool on_boundary(const Cell& corner) const { return (corner <= 0).any() || (corner >= cells).any(); }
+  /// The cell that holds p, or the nearest one that does not touch the boundary.
+  [[nodiscard]] Cell cell_at(const Point<3>& p) const;
+};
+
+/// Largest number of cells along an axis.
+inline constexpr int max_cells = 1 << 20;
+
+/// Position of a cell or brick along a Morton curve; coordinates below 2^21.
+std::uint64_t morton_key(const Cell& cell);
+
+/// 4^3 corners and the 4^3 cells that have them as lowest corners. What a wave works with shares one cache line.
+struct alignas(64) Brick {
+  std::uint64_t key = 0;          ///< Morton key of the brick's coordinates
+  Mask inside = 0;                ///< known corners with value >= 0
+  Mask known = 0;                 ///< corners whose value is known
+  Mask needed = 0;                ///< corners to be sampled in this wave
+  Mask queued = 0;                ///< cells of the next wave
+  Mask pending = 0;               ///< cells of this wave
+  Mask visited = 0;               ///< cells of earlier waves
+  Mask active = 0;                ///< visited cells that the surface crosses
+  std::array<Brick*, 8> upper{};  ///< itself and the upper neighbours as far as they are known
+  std::array<Brick*, 3> lower{};  ///< lower face neighbours as far as they are known
+  Cell first = Cell::Zero();      ///< its lowest corner
+  std::array<int, 8> vertex{};    ///< number of the first vertex on an edge in each direction
+  Octet edges{};                  ///< crossed edges of active cells, by direction, at their lower corners
+  std::array<double, 64> value;   ///< field minus level at the known corners; 0 on the boundary of the lattice
+
+  [[nodiscard]] Cell corner(int bit) const { return first + Cell(bit & 3, bit >> 2 & 3, bit >> 4); }
+};
+
+/// A corner as seen by the brick that holds it.
+struct CornerRef {
+  const Brick& brick;
+  int bit;
+
+  [[nodiscard]] double value() const { return brick.value[bit]; }
+};
+
+/// The corner at the offset (d & 1, d >> 1 & 1, d >> 2 & 1) from corner `bit` of a brick whose neighbours there are
+/// known.
+inline CornerRef corner_at(const Brick& brick, int bit, int d) {
+  const int x = (bit & 3) + (d & 1);
+  const int y = (bit >> 2 & 3) + (d >> 1 & 1);
+  const int z = (bit >> 4) + (d >> 2);
+  return {*brick.upper[(x >> 2) | (y >> 2) << 1 | (z >> 2) << 2], (x & 3) | (y & 3) << 2 | (z & 3) << 4};
+}
+
+/// The inside masks of a brick seen from the eight corners of its cells. Right for visited cells.
+Octet inside_corners(const Brick& brick);
+
+/// The bricks near the surface, found by coordinates. Addresses never change. Not thread safe.
+class BrickGrid {
+ public:
+  explicit BrickGrid(const CellLattice& lattice);
+
+  [[nodiscard]] const CellLattice& lattice() const { return lattice_; }
+
+  /// The brick that holds a corner or cell; null when there is none.
+  [[nodiscard]] Brick* find(const Cell& cell) const;
+
+  /// The same, made when there is none.
+  Brick& at(const Cell& cell);
+
+  /// The neighbour at offset k in {0, 1}^3, or below along an axis, made when there is none.
+  Brick& upper(Brick& brick, int k);
+  Brick& lower(Brick& brick, int axis);
+
+  /// All bricks along the Morton curve.
+  [[nodiscard]] std::vector<Brick*> sorted() const;
+
+ private:
+  struct Slot {
+    std::uint64_t key = 0;
+    Brick* brick = nullptr;
+  };
+
+  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const;
+  Brick& add(std::uint64_t key, std::size_t slot, const Cell& coordinates);
+  void grow();
+
+  static constexpr std::size_t chunk_size = 256;
+
+  CellLattice lattice_;
+  std::vector<std::unique_ptr<Brick[]>> chunks_;
+  std::size_t size_ = 0;
+  std::vector<Slot> slots_;  // open addressing, a power of two, at most half full
+  int hash_shift_ = 0;
+};
+
+}  // namespace csrbf::polygonization

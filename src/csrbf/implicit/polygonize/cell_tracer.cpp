@@ -1,0 +1,187 @@
+#include "csrbf/implicit/polygonize/cell_tracer.hpp"
+
+#include "csrbf/core/shared_work.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace csrbf::polygonization {
+namespace {
+
+constexpr Index bricks_per_range = 256;
+
+int bit_of(const Cell& cell) {
+  return (cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4;
+}
+
+// Edges of a brick that end in its neighbour at offset k.
+Mask upper_ends(const Brick& brick, int k) {
+  Mask edges = 0;
+  for (const int d : all_directions)
+    if ((d & k) == k) edges |= brick.edges[d];
+  for (int axis = 0; axis < 3; ++axis)
+    if (k >> axis & 1) edges &= last_layer(axis);
+  return edges;
+}
+
+void sort_along_curve(std::vector<Brick*>& bricks) {
+  std::sort(bricks.begin(), bricks.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
+}
+
+// The pending cells of a brick that the surface crosses, and which of their faces.
+Crossings crossings_of(const Brick& brick) {
+  const Octet inside = inside_corners(brick);
+  Crossings crossings;
+  crossings.cells = brick.pending & mixed_cells(inside);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      crossings.faces[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)] =
+          crossings.cells & mixed_faces(inside, axis, side);
+  return crossings;
+}
+
+}  // namespace
+
+void CellTracer::add(const Cell& cell) {
+  queue(grid_.at(cell), Mask{1} << bit_of(cell));
+}
+
+bool CellTracer::active(const Cell& cell) const {
+  const Brick* brick = grid_.find(cell);
+  return brick != nullptr && (brick->active >> bit_of(cell) & 1);
+}
+
+void CellTracer::run(const Progress& progress) {
+  while (!queue_.empty()) {
+    begin_wave();
+    sample_corners();
+    visit_cells();
+    ++waves_;
+    report(progress, "polygonize", fraction());
+  }
+}
+
+void CellTracer::queue(Brick& brick, Mask cells) {
+  cells &= ~(brick.visited | brick.pending);
+  if (cells == 0) return;
+  if (brick.queued == 0) queue_.push_back(&brick);
+  brick.queued |= cells;
+}
+
+void CellTracer::begin_wave() {
+  std::swap(front_, queue_);
+  queue_.clear();
+  sort_along_curve(front_);
+  for (Brick* brick : front_) brick->pending = std::exchange(brick->queued, 0);
+}
+
+void CellTracer::sample_corners() {
+  sampled_.clear();
+  for (Brick* brick : front_) {
+    Octet needed{brick->pending};
+    for (int axis = 0; axis < 3; ++axis) dilate(needed, axis);
+    for (int k = 0; k < 8; ++k) {
+      if (needed[k] == 0) continue;
+      Brick& holder = grid_.upper(*brick, k);
+      const Mask fresh = needed[k] & ~(holder.known | holder.needed);
+      if (fresh == 0) continue;
+      if (holder.needed == 0) sampled_.push_back(&holder);
+      holder.needed |= fresh;
+    }
+  }
+  sort_along_curve(sampled_);
+
+  points_.resize(3, 64 * std::min(slice_bricks, static_cast<Index>(sampled_.size())));
+  const std::span<Brick*> bricks(sampled_);
+  for (std::size_t done = 0; done < bricks.size(); done += slice_bricks)
+    sample(bricks.subspan(done, std::min<std::size_t>(slice_bricks, bricks.size() - done)));
+}
+
+// Samples the needed corners of some bricks in one batch.
+void CellTracer::sample(std::span<Brick*> bricks) {
+  Index count = 0;
+  for (const Brick* brick : bricks)
+    for (Mask left = brick->needed; left != 0; left &= left - 1)
+      points_.col(count++) = grid_.lattice().position(brick->corner(std::countr_zero(left)));
+  const Eigen::VectorXd values = sampler_.values(points_.leftCols(count));
+
+  Index next = 0;
+  for (Brick* brick : bricks) {
+    for (Mask left = brick->needed; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      brick->value[bit] = values[next++];
+      if (brick->value[bit] >= 0) brick->inside |= Mask{1} << bit;
+    }
+    brick->known |= std::exchange(brick->needed, 0);
+  }
+}
+
+void CellTracer::visit_cells() {
+  const auto count = static_cast<Index>(front_.size());
+  std::vector<Crossings> crossings(front_.size());
+  const auto compute = [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      crossings[i] = crossings_of(*front_[i]);
+  };
+  const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      out.put(crossings[i].cells);
+      if (crossings[i].cells != 0) out.put(crossings[i].faces);
+    }
+  };
+  const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      crossings[i].cells = in.take<Mask>();
+      if (crossings[i].cells != 0) in.take(&crossings[i].faces, 1);
+    }
+  };
+  share_work({"polygonize", count, bricks_per_range, compute, pack, unpack});
+  for (std::size_t i = 0; i < front_.size(); ++i) {
+    Brick& brick = *front_[i];
+    brick.visited |= std::exchange(brick.pending, 0);
+    brick.active |= crossings[i].cells;
+    active_cells_ += std::popcount(crossings[i].cells);
+    if (crossings[i].cells != 0) push_across_faces(brick, crossings[i].faces);
+  }
+}
+
+void CellTracer::push_across_faces(Brick& brick, const Faces& faces) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [down, up] = faces[static_cast<std::size_t>(axis)];
+    queue(brick, moved_up(up, axis));
+    if (const Mask carried = carried_up(up, axis)) queue(grid_.upper(brick, 1 << axis), carried);
+    queue(brick, moved_down(down, axis));
+    if (const Mask carried = carried_down(down, axis)) queue(grid_.lower(brick, axis), carried);
+  }
+}
+
+std::vector<Brick*> CellTracer::finish(std::span<const int> directions) {
+  std::vector<Brick*> bricks = grid_.sorted();
+  for (const Brick* brick : bricks) {
+    for (const int d : directions) {
+      Octet edges{brick->active};
+      for (int axis = 0; axis < 3; ++axis)
+        if ((d >> axis & 1) == 0) dilate(edges, axis);
+      for (int k = 0; k < 8; ++k)
+        if (edges[k] != 0) brick->upper[k]->edges[d] |= edges[k];
+    }
+  }
+  for (Brick* brick : bricks) {
+    for (int k = 1; k < 8; ++k)
+      if (upper_ends(*brick, k) != 0) grid_.upper(*brick, k);
+    const Octet inside = inside_corners(*brick);
+    for (const int d : directions) brick->edges[d] &= brick->inside ^ inside[d];
+  }
+  return bricks;
+}
+
+// The surface has about as many cells as the faces of its bounding box; unknown in advance, so the estimate only tends
+// to the 0.8 at which the vertices take over.
+double CellTracer::fraction() const {
+  const Eigen::Array3d n = grid_.lattice().cells.cast<double>();
+  const double expected = 2 * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]);
+  return 0.8 * static_cast<double>(active_cells_) / (static_cast<double>(active_cells_) + expected);
+}
+
+}  // namespace csrbf::polygonization

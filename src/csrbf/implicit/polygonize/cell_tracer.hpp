@@ -1,0 +1,65 @@
+#pragma once
+
+#include "csrbf/core/progress.hpp"
+#include "csrbf/implicit/polygonize/brick_grid.hpp"
+#include "csrbf/implicit/polygonize/level_sampler.hpp"
+
+#include <array>
+#include <span>
+
+namespace csrbf::polygonization {
+
+/// Cells of a brick whose lower and upper faces across each axis the surface crosses.
+using Faces = std::array<std::array<Mask, 2>, 3>;
+
+/// Cells of a brick that the surface crosses.
+struct Crossings {
+  Mask cells = 0;
+  Faces faces{};
+};
+
+/// Follows a surface from cell to cell, across the faces it crosses, in waves. Every corner of a visited cell is
+/// sampled once, the new corners of a wave in large batches along the Morton curve of the bricks. Time and memory
+/// proportional to the number of cells visited.
+class CellTracer {
+ public:
+  CellTracer(const CellLattice& lattice, LevelSampler& sampler) : grid_(lattice), sampler_(sampler) {}
+
+  /// Queues a cell that does not touch the lattice's boundary from outside: coordinates in [0, cells).
+  void add(const Cell& cell);
+
+  /// Visits queued cells and all that is connected to those the surface crosses. Reports after every wave.
+  void run(const Progress& progress);
+
+  /// Whether a cell was visited and is crossed by the surface.
+  [[nodiscard]] bool active(const Cell& cell) const;
+
+  /// Marks the crossed edges of the active cells in the given directions, and makes known to each brick the neighbours
+  /// that hold the upper ends; nothing may be added afterwards. Returns all bricks along the curve.
+  std::vector<Brick*> finish(std::span<const int> directions);
+
+  [[nodiscard]] Index active_cells() const { return active_cells_; }
+  [[nodiscard]] Index waves() const { return waves_; }
+
+ private:
+  static constexpr Index slice_bricks = 4096;  // of a batch
+
+  void queue(Brick& brick, Mask cells);
+  void begin_wave();
+  void sample_corners();
+  void sample(std::span<Brick*> bricks);
+  void visit_cells();
+  void push_across_faces(Brick& brick, const Faces& faces);
+  [[nodiscard]] double fraction() const;
+
+  BrickGrid grid_;
+  LevelSampler& sampler_;
+  std::vector<Brick*> queue_;    // bricks with queued cells
+  std::vector<Brick*> front_;    // bricks with pending cells
+  std::vector<Brick*> sampled_;  // bricks with needed corners
+  Points<3> points_{3, 0};       // a batch, kept for its memory
+  Index active_cells_ = 0;
+  Index waves_ = 0;
+};
+
+}  // namespace csrbf::polygonization

@@ -1,0 +1,68 @@
+#include "csrbf/implicit/polygonize/center_vertices.hpp"
+
+#include "csrbf/implicit/polygonize/edge_vertices.hpp"
+
+namespace csrbf::polygonization {
+namespace {
+
+constexpr int newton_steps = 3;
+constexpr double range = 0.25;        // of the shortest side of a cell
+constexpr double short_step = 1e-3;   // of the same; what is left after such a step is its square
+constexpr double same_normal = 0.95;  // cosine
+
+struct Moving {
+  Index vertex;
+  Point<3> start;
+  Point<3> best;  // where |f| was least
+  double value;   // |f| there
+};
+
+// Takes in f and its gradient at a vertex and moves the vertex on. Returns whether it is to be looked at again.
+bool advance(Moving& moving, double f, const Point<3>& gradient, double cell, bool last, Mesh& mesh) {
+  auto vertex = mesh.vertices.col(moving.vertex);
+  if (!(std::abs(f) < moving.value)) {
+    vertex = moving.best;
+    return false;
+  }
+  moving.value = std::abs(f);
+  moving.best = vertex;
+  if (mesh.normals.cols() > 0) {
+    const Point<3> normal = outward_normal(gradient), known = mesh.normals.col(moving.vertex);
+    if (known.isZero() || normal.dot(known) > same_normal) mesh.normals.col(moving.vertex) = normal;
+  }
+  const double slope = gradient.norm();
+  const Point<3> step = -f / slope * (gradient / slope);
+  if (last || !step.allFinite()) return false;
+  const Point<3> shift = moving.best + step - moving.start;
+  vertex = moving.start + std::min(1.0, range * cell / shift.norm()) * shift;
+  return !(step.norm() <= short_step * cell);
+}
+
+}  // namespace
+
+void place_center_vertices(const CellLattice& lattice, LevelSampler& sampler, Index first, bool refine, Mesh& mesh) {
+  if (!refine && mesh.normals.cols() == 0) return;
+  const double cell = lattice.spacing.minCoeff();
+  const Box<3> capped = lattice.capped_box();
+  std::vector<Moving> open;
+  const Box<3> sampled{lattice.position(Cell::Ones()), lattice.position(lattice.cells - 1)};
+  for (Index v = first; v < mesh.vertices.cols(); ++v)
+    if (sampled.contains(mesh.vertices.col(v)))
+      open.push_back({v, mesh.vertices.col(v), mesh.vertices.col(v), std::numeric_limits<double>::infinity()});
+  for (int step = 0; step <= newton_steps && !open.empty(); ++step) {
+    Points<3> points(3, static_cast<Index>(open.size()));
+    for (std::size_t i = 0; i < open.size(); ++i) points.col(static_cast<Index>(i)) = mesh.vertices.col(open[i].vertex);
+    const Jet<3> jet = sampler.jet(points);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      const auto k = static_cast<Index>(i);
+      const Index v = open[i].vertex;
+      if (advance(open[i], jet.value[k], jet.gradient.col(k), cell, !refine || step == newton_steps, mesh))
+        open[kept++] = open[i];
+      mesh.vertices.col(v) = mesh.vertices.col(v).cwiseMax(capped.lo).cwiseMin(capped.hi);
+    }
+    open.resize(kept);
+  }
+}
+
+}  // namespace csrbf::polygonization

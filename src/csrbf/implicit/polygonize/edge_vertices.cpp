@@ -1,0 +1,246 @@
+#include "csrbf/implicit/polygonize/edge_vertices.hpp"
+
+#include "csrbf/core/shared_work.hpp"
+
+#include <utility>
+
+namespace csrbf::polygonization {
+namespace {
+
+constexpr double step_tolerance = 1e-4;     // shares of an edge
+constexpr double longest_last_step = 0.05;  // the normal belongs to the point before the last step
+constexpr int most_evaluations = 12;
+constexpr Index bricks_per_range = 32;
+constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+
+// The root t of the field along one edge of unit length, with a bracket lo < t < hi.
+struct EdgeRoot {
+  int vertex;
+  Point<3> corner;
+  Point<3> edge;  // to the other corner
+  double t;
+  double lo;
+  double hi;
+  double f_lo;
+  double f_hi;
+};
+
+// Root of f + slope s + c s^2 between 0 and `end`, where the parabola takes the value f_end of the other sign.
+double parabola_root(double f, double slope, double end, double f_end) {
+  const double c = ((f_end - f) / end - slope) / end;
+  const double root_of_discriminant = std::sqrt(std::max(0.0, slope * slope - 4 * c * f));
+  const double q = -0.5 * (slope + std::copysign(root_of_discriminant, slope));
+  const double near = f / q;
+  return near * end >= 0 && std::abs(near) <= std::abs(end) ? near : q / c;
+}
+
+// Takes in the value and slope at t and moves t to the next estimate. Returns whether that is good enough.
+bool advance(EdgeRoot& root, double f, double slope, bool may_bisect) {
+  const double width = root.hi - root.lo;
+  if (!std::isfinite(slope)) {
+    const double below = (f - root.f_lo) / (root.t - root.lo);
+    const double above = (root.f_hi - f) / (root.hi - root.t);
+    slope = below + (above - below) * (root.t - root.lo) / width;
+  }
+  const bool root_is_above = (f >= 0) == (root.f_lo >= 0);
+  const double end = (root_is_above ? root.hi : root.lo) - root.t;
+  const double secant = -f * end / ((root_is_above ? root.f_hi : root.f_lo) - f);
+  double step = parabola_root(f, slope, end, root_is_above ? root.f_hi : root.f_lo);
+  if (!(step * end >= 0 && std::abs(step) <= std::abs(end))) step = std::isfinite(secant) ? secant : 0.5 * end;
+  const double newton = -f / slope;
+  (root_is_above ? root.lo : root.hi) = root.t;
+  (root_is_above ? root.f_lo : root.f_hi) = f;
+
+  const bool settled = std::abs(step) <= step_tolerance ||
+                       (std::abs(step) <= longest_last_step && std::abs(step - newton) <= step_tolerance);
+  root.t += step;
+  if (!settled && may_bisect && root.hi - root.lo > 0.5 * width) root.t = 0.5 * (root.lo + root.hi);
+  return settled;
+}
+
+// Places the vertices of up to Field::block_size edges at a time, on the calling thread.
+class EdgeBlock {
+ public:
+  EdgeBlock(const CellLattice& lattice, LevelSampler& sampler, const VertexDemand& demand, Mesh& mesh)
+      : lattice_(lattice), sampler_(sampler), demand_(demand), mesh_(mesh) {
+    roots_.reserve(capacity);
+  }
+
+  void add(const EdgeRoot& root) {
+    roots_.push_back(root);
+    if (roots_.size() == capacity) flush();
+  }
+
+  void flush() {
+    if (roots_.empty()) return;
+    open_.clear();
+    for (EdgeRoot& root : roots_) open_.push_back(&root);
+    if (demand_.refine) {
+      solve();
+    } else if (demand_.normals) {
+      sample(true);
+      for (std::size_t i = 0; i < open_.size(); ++i)
+        mesh_.normals.col(open_[i]->vertex) = outward_normal(gradient_.col(static_cast<Index>(i)));
+    }
+    for (EdgeRoot& root : roots_) {
+      root.t = std::clamp(root.t, edge_margin, 1 - edge_margin);
+      mesh_.vertices.col(root.vertex) = position(root);
+    }
+    if (demand_.refine) settle_near_corners();
+    if (demand_.sharp) take_normals();
+    roots_.clear();
+  }
+
+ private:
+  static constexpr std::size_t capacity = Field<3>::block_size;
+
+  [[nodiscard]] Point<3> position(const EdgeRoot& root) const { return root.corner + root.t * root.edge; }
+
+  // The field at the current estimates of the open roots.
+  void sample(bool gradient) {
+    const auto n = static_cast<Index>(open_.size());
+    for (Index i = 0; i < n; ++i) points_.col(i) = position(*open_[static_cast<std::size_t>(i)]);
+    sampler_.sample_block(points_.leftCols(n), value_.data(), gradient ? gradient_.data() : nullptr);
+  }
+
+  void solve() {
+    for (int evaluation = 0; evaluation < most_evaluations && !open_.empty(); ++evaluation) {
+      sample(demand_.normals);
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < open_.size(); ++i) {
+        EdgeRoot& root = *open_[i];
+        double slope = not_known;
+        if (demand_.normals) {
+          const Point<3> gradient = gradient_.col(static_cast<Index>(i));
+          mesh_.normals.col(root.vertex) = outward_normal(gradient);
+          slope = gradient.dot(root.edge);
+        }
+        if (!advance(root, value_[static_cast<Index>(i)], slope, evaluation > 0)) open_[kept++] = &root;
+      }
+      open_.resize(kept);
+    }
+  }
+
+  void take_normals() {
+    const auto n = static_cast<Index>(roots_.size());
+    for (Index i = 0; i < n; ++i) points_.col(i) = mesh_.vertices.col(roots_[static_cast<std::size_t>(i)].vertex);
+    sampler_.sample_block(points_.leftCols(n), value_.data(), gradient_.data());
+    for (Index i = 0; i < n; ++i)
+      mesh_.normals.col(roots_[static_cast<std::size_t>(i)].vertex) = outward_normal(gradient_.col(i));
+  }
+
+  // Vertices held back at the margin of their edge go the rest of the way along the gradient.
+  void settle_near_corners() {
+    open_.clear();
+    for (EdgeRoot& root : roots_)
+      if (root.t == edge_margin || root.t == 1 - edge_margin) open_.push_back(&root);
+    if (open_.empty()) return;
+    sample(true);
+    const double longest = 2 * edge_margin * lattice_.spacing.minCoeff();
+    for (std::size_t i = 0; i < open_.size(); ++i) {
+      const Point<3> gradient = gradient_.col(static_cast<Index>(i));
+      const double slope = gradient.norm();
+      const double step = -value_[static_cast<Index>(i)] / slope;
+      if (slope > 0 && std::abs(step) <= longest) mesh_.vertices.col(open_[i]->vertex) += step * (gradient / slope);
+      if (demand_.normals) mesh_.normals.col(open_[i]->vertex) = outward_normal(gradient);
+    }
+  }
+
+  const CellLattice& lattice_;
+  LevelSampler& sampler_;
+  VertexDemand demand_;
+  Mesh& mesh_;
+  std::vector<EdgeRoot> roots_;
+  std::vector<EdgeRoot*> open_;
+  Points<3> points_{3, capacity};
+  Eigen::VectorXd value_{capacity};
+  Points<3> gradient_{3, capacity};
+};
+
+// Places a vertex of the cap. Returns false for an edge whose ends were both sampled.
+bool place_on_cap(const CellLattice& lattice, const Cell& lower, int d, int vertex, bool normals, Mesh& mesh) {
+  const Cell upper = lower + offset(d);
+  const bool at_lower = lattice.on_boundary(lower);
+  if (!at_lower && !lattice.on_boundary(upper)) return false;
+  const Cell out = (upper >= lattice.cells).cast<int>() - (lower <= 0).cast<int>();
+  const Point<3> inner = lattice.position(at_lower ? upper : lower);
+  const Point<3> outer = lattice.position(at_lower ? lower : upper);
+  mesh.vertices.col(vertex) = inner + edge_margin * (outer - inner);
+  if (normals) mesh.normals.col(vertex) = out.matrix().cast<double>().normalized();
+  return true;
+}
+
+void place_vertices_of_brick(const CellLattice& lattice, const Brick& brick, bool normals, Mesh& mesh,
+                             EdgeBlock& block) {
+  for (const int d : all_directions) {
+    int vertex = brick.vertex[d];
+    const Point<3> edge = lattice.spacing.cwiseProduct(offset(d).matrix().cast<double>());
+    for (Mask left = brick.edges[d]; left != 0; left &= left - 1, ++vertex) {
+      const int bit = std::countr_zero(left);
+      const Cell corner = brick.corner(bit);
+      if (place_on_cap(lattice, corner, d, vertex, normals, mesh)) continue;
+      const double f_lo = brick.value[bit];
+      const double f_hi = corner_at(brick, bit, d).value();
+      const double secant = std::clamp(f_lo / (f_lo - f_hi), edge_margin, 1 - edge_margin);
+      block.add({vertex, lattice.position(corner), edge, secant, 0, 1, f_lo, f_hi});
+    }
+  }
+}
+
+// The vertices of a brick follow each other: [first, last).
+Index first_vertex(const Brick& brick) {
+  return brick.vertex[*std::begin(all_directions)];
+}
+
+Index last_vertex(const Brick& brick) {
+  const int d = *std::rbegin(all_directions);
+  return brick.vertex[d] + std::popcount(brick.edges[d]);
+}
+
+}  // namespace
+
+Index number_edge_vertices(const std::vector<Brick*>& bricks) {
+  Index count = 0;
+  for (Brick* brick : bricks) {
+    for (const int d : all_directions) {
+      brick->vertex[d] = static_cast<int>(count);
+      count += std::popcount(brick->edges[d]);
+    }
+    if (count > std::numeric_limits<int>::max())
+      throw SolverFailure("polygonize: more than 2^31 vertices; lower the resolution");
+  }
+  return count;
+}
+
+void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& bricks, LevelSampler& sampler,
+                         const VertexDemand& demand, Mesh& mesh, const Progress& progress) {
+  const auto total = static_cast<Index>(bricks.size());
+  const Index part = std::max<Index>(bricks_per_range, total / 16 / bricks_per_range * bricks_per_range);
+  for (Index first = 0; first < total; first += part) {
+    report(progress, "polygonize", 0.8 + 0.15 * static_cast<double>(first) / static_cast<double>(total));
+    const auto compute = [&](Index begin, Index end) {
+      EdgeBlock block(lattice, sampler, demand, mesh);
+      for (Index i = first + begin; i < first + end; ++i)
+        place_vertices_of_brick(lattice, *bricks[static_cast<std::size_t>(i)], demand.normals, mesh, block);
+      block.flush();
+    };
+    const auto vertices = [&](Index begin, Index end) {
+      const Index lo = first_vertex(*bricks[static_cast<std::size_t>(first + begin)]),
+                  hi = last_vertex(*bricks[static_cast<std::size_t>(first + end - 1)]);
+      return std::pair{lo, hi - lo};
+    };
+    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
+      const auto [lo, count] = vertices(begin, end);
+      out.put(mesh.vertices.data() + 3 * lo, 3 * count);
+      if (demand.normals || demand.sharp) out.put(mesh.normals.data() + 3 * lo, 3 * count);
+    };
+    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
+      const auto [lo, count] = vertices(begin, end);
+      in.take(mesh.vertices.data() + 3 * lo, 3 * count);
+      if (demand.normals || demand.sharp) in.take(mesh.normals.data() + 3 * lo, 3 * count);
+    };
+    share_work({"polygonize", std::min(part, total - first), bricks_per_range, compute, pack, unpack});
+  }
+}
+
+}  // namespace csrbf::polygonization

@@ -1,0 +1,116 @@
+#include "csrbf/io/files/atomic_file.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/files/process_files.hpp"
+
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#ifdef _WIN32
+#include <io.h>
+#include <process.h>
+#define getpid _getpid
+#define access _access
+#define W_OK 2
+#else
+#include <unistd.h>
+#endif
+
+namespace csrbf {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool discarding = false;
+
+std::string reason(int error) {
+  return std::generic_category().message(error);
+}
+
+// A hidden name beside the target, unique among the processes and threads that write there now. One that was killed
+// may have left a file of this name.
+std::string temporary_name(const fs::path& target) {
+  static std::atomic<unsigned> counter{0};
+  const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter++);
+  return (target.parent_path() / ("." + target.filename().string() + "." + unique + ".tmp")).string();
+}
+
+// Replacing a file needs no permission to write it, but whoever took that away wants to keep the file.
+bool is_protected(const std::string& path) {
+  return access(path.c_str(), W_OK) != 0;
+}
+
+}  // namespace
+
+void discard_files() {
+  discarding = true;
+}
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(discarding ? "/dev/null" : path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(target_, error);
+  if (status.type() == fs::file_type::directory) {
+    errno = EISDIR;
+    fail("write");
+  }
+  const bool in_place = fs::exists(status) && status.type() != fs::file_type::regular;
+  if (!in_place) {
+    if (fs::exists(status)) target_ = fs::canonical(path, error).string();
+    if (target_.empty()) target_ = path;
+    if (fs::exists(status) && is_protected(target_)) fail("write");
+  }
+  do {
+    if (!in_place) temporary_ = temporary_name(target_);
+    file_ = std::fopen((in_place ? target_ : temporary_).c_str(), in_place ? "wb" : "wbx");
+  } while (file_ == nullptr && !in_place && errno == EEXIST);
+  if (file_ == nullptr) {
+    temporary_.clear();
+    fail("write");
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ != nullptr) std::fclose(file_);
+  if (!temporary_.empty()) std::remove(temporary_.c_str());
+}
+
+void AtomicFile::write(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("write");
+}
+
+void AtomicFile::commit() {
+  std::FILE* file = file_;
+  file_ = nullptr;
+  const bool flushed = std::fflush(file) == 0;
+  const int flush_error = errno;
+  const bool closed = std::fclose(file) == 0;
+  if (!flushed) errno = flush_error;
+  if (!flushed || !closed) fail("write");
+  if (temporary_.empty()) return;
+  std::error_code error;
+  fs::rename(temporary_, target_, error);
+  if (error) {
+    errno = error.value();
+    fail("replace");
+  }
+  temporary_.clear();
+}
+
+void AtomicFile::fail(const char* action) const {
+  const int error = errno;
+  throw IoError(path_ + ": cannot " + action + " the file: " + reason(error));
+}
+
+void write_file(const std::string& path, std::string_view bytes) {
+  if (path != "-") {
+    AtomicFile file(path);
+    file.write(bytes);
+    file.commit();
+  } else if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() || std::fflush(stdout) != 0) {
+    throw IoError("standard output: cannot write: " + reason(errno));
+  }
+}
+
+}  // namespace csrbf

@@ -1,0 +1,171 @@
+#include "csrbf/io/files/npy.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/files/bytes.hpp"
+#include "csrbf/io/files/text.hpp"
+
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+constexpr std::string_view magic = "\x93NUMPY";
+
+using Load = double (*)(const char*, std::endian);
+
+template <class T>
+double load_as_double(const char* bytes, std::endian order) {
+  return static_cast<double>(load_scalar<T>(bytes, order));
+}
+
+struct Scalar {
+  std::string_view code;
+  std::size_t size;
+  Load load;
+};
+
+constexpr Scalar scalars[] = {
+    {"f4", 4, load_as_double<float>},         {"f8", 8, load_as_double<double>},
+    {"i1", 1, load_as_double<std::int8_t>},   {"i2", 2, load_as_double<std::int16_t>},
+    {"i4", 4, load_as_double<std::int32_t>},  {"i8", 8, load_as_double<std::int64_t>},
+    {"u1", 1, load_as_double<std::uint8_t>},  {"u2", 2, load_as_double<std::uint16_t>},
+    {"u4", 4, load_as_double<std::uint32_t>}, {"u8", 8, load_as_double<std::uint64_t>},
+    {"b1", 1, load_as_double<std::uint8_t>},
+};
+
+const Scalar& scalar_of(const NpyHeader& header) {
+  return *std::find_if(std::begin(scalars), std::end(scalars), [&](const Scalar& s) { return s.code == header.type; });
+}
+
+[[noreturn]] void fail(const std::string& name, const std::string& message) {
+  throw IoError(name + ": " + message);
+}
+
+// The text behind 'key': in the dictionary of the header.
+std::string_view value_of(std::string_view dictionary, std::string_view key, const std::string& name) {
+  const std::size_t found = dictionary.find("'" + std::string(key) + "'");
+  const std::size_t colon = found == std::string_view::npos ? found : dictionary.find(':', found);
+  if (colon == std::string_view::npos) fail(name, "the .npy header has no entry " + in_quotes(key));
+  return trimmed(dictionary.substr(colon + 1));
+}
+
+void parse_type(std::string_view text, const std::string& name, NpyHeader& header) {
+  const std::size_t end = text.find('\'', 1);
+  if (text.empty() || text[0] != '\'' || end == std::string_view::npos || end < 2)
+    fail(name, "arrays of records are not supported; save a plain array of float64");
+  const std::string_view type = text.substr(1, end - 1);
+  header.order = type[0] == '>' ? std::endian::big : std::endian::little;
+  header.type = type.substr(1);
+  if (std::none_of(std::begin(scalars), std::end(scalars), [&](const Scalar& s) { return s.code == header.type; }))
+    fail(name, "elements of type " + in_quotes(type) + " are not supported; save float64");
+}
+
+void parse_shape(std::string_view text, const std::string& name, NpyHeader& header) {
+  const std::size_t end = text.find(')');
+  if (text.empty() || text[0] != '(' || end == std::string_view::npos) fail(name, "the .npy header has no valid shape");
+  std::string_view list = text.substr(1, end - 1);
+  while (!trimmed(list).empty()) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    const auto length = parse_integer(trimmed(list.substr(0, comma)));
+    if (!length || *length < 0) fail(name, "the .npy header has no valid shape");
+    header.shape.push_back(static_cast<Index>(*length));
+    list.remove_prefix(std::min(list.size(), comma + 1));
+  }
+}
+
+// Number of elements; refuses shapes that the data cannot fill, however large their product.
+std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const std::string& name) {
+  const std::size_t room = data_bytes / scalar_of(header).size;
+  const auto check = [&](bool fits) {
+    if (!fits) fail(name, "the file is truncated: it holds " + std::to_string(room) + " elements");
+  };
+  std::size_t size = 1;
+  for (const Index length : header.shape) {
+    const auto n = static_cast<std::size_t>(length);
+    check(n == 0 || size <= room / n);
+    size *= n;
+  }
+  check(size <= room);  // a number without axes is one element
+  return size;
+}
+
+// Position in C order of the k-th element in Fortran order.
+std::size_t fortran_to_c(std::size_t k, const std::vector<Index>& shape) {
+  std::size_t position = 0;
+  std::size_t stride = std::accumulate(shape.begin(), shape.end(), std::size_t{1},
+                                       [](std::size_t a, Index n) { return a * static_cast<std::size_t>(n); });
+  for (const Index length : shape) {
+    const auto n = static_cast<std::size_t>(length);
+    stride /= n;
+    position += (k % n) * stride;
+    k /= n;
+  }
+  return position;
+}
+
+}  // namespace
+
+NpyHeader parse_npy_header(std::string_view& bytes, const std::string& name) {
+  if (bytes.empty()) fail(name, "the file is empty");
+  if (!bytes.starts_with(magic) || bytes.size() < 12) fail(name, "not a .npy file");
+  const int version = bytes[6];
+  if (version < 1 || version > 3)
+    fail(name, "written in .npy format " + std::to_string(version) + ", this program reads 1 to 3");
+  const std::size_t prefix = version == 1 ? 10 : 12;
+  const std::size_t length =
+      version == 1 ? load_scalar<std::uint16_t>(bytes.data() + 8) : load_scalar<std::uint32_t>(bytes.data() + 8);
+  if (length > bytes.size() - prefix) fail(name, "the file ends within its header");
+  const std::string_view dictionary = bytes.substr(prefix, length);
+  bytes.remove_prefix(prefix + length);
+  NpyHeader header;
+  parse_type(value_of(dictionary, "descr", name), name, header);
+  parse_shape(value_of(dictionary, "shape", name), name, header);
+  header.fortran = value_of(dictionary, "fortran_order", name).starts_with("True");
+  return header;
+}
+
+std::string npy_bytes_in_c_order(const NpyHeader& header, std::string_view data, const std::string& name) {
+  const std::size_t size = scalar_of(header).size;
+  const std::size_t count = checked_size(header, data.size(), name);
+  std::string bytes(count * size, '\0');
+  for (std::size_t k = 0; k < count; ++k)
+    data.copy(bytes.data() + fortran_to_c(k, header.shape) * size, size, k * size);
+  return bytes;
+}
+
+NpyArray parse_npy(std::string_view bytes, const std::string& name) {
+  const NpyHeader header = parse_npy_header(bytes, name);
+  const Scalar& scalar = scalar_of(header);
+  NpyArray array;
+  array.shape = header.shape;
+  array.values.resize(checked_size(header, bytes.size(), name));
+  for (std::size_t k = 0; k < array.values.size(); ++k) {
+    const double value = scalar.load(bytes.data() + k * scalar.size, header.order);
+    array.values[header.fortran ? fortran_to_c(k, header.shape) : k] = value;
+  }
+  return array;
+}
+
+std::string format_npy_header(std::string_view type, const std::vector<Index>& lengths) {
+  std::string shape;
+  for (const Index length : lengths) shape += std::to_string(length) + ",";
+  std::string dictionary = "{'descr': '" + std::string(type.back() == '1' ? "|" : "<") + std::string(type) +
+                           "', 'fortran_order': False, 'shape': (" + shape + "), }";
+  constexpr std::size_t prefix = 10;
+  constexpr std::size_t alignment = 64;
+  dictionary.append(alignment - 1 - (prefix + dictionary.size()) % alignment, ' ');
+  dictionary += '\n';
+  std::string out(magic);
+  out += {'\x01', '\x00'};
+  append_scalar(out, static_cast<std::uint16_t>(dictionary.size()));
+  return out + dictionary;
+}
+
+std::string format_npy(const NpyArray& array) {
+  std::string out = format_npy_header("f8", array.shape);
+  out.reserve(out.size() + 8 * array.values.size());
+  for (const double value : array.values) append_scalar(out, value);
+  return out;
+}
+
+}  // namespace csrbf

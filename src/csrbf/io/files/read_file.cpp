@@ -1,0 +1,75 @@
+#include "csrbf/io/files/read_file.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/inside_parallel_loop.hpp"
+#include "csrbf/io/files/process_files.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+[[noreturn]] void fail(const std::string& path, int error) {
+  throw IoError(display_name(path) + ": cannot read the file: " + std::generic_category().message(error));
+}
+
+struct Close {
+  void operator()(std::FILE* file) const {
+    if (file != stdin) std::fclose(file);
+  }
+};
+
+std::function<std::string(const std::string&)> reader_in_use;
+
+}  // namespace
+
+void set_file_reader(std::function<std::string(const std::string&)> reader) {
+  reader_in_use = std::move(reader);
+}
+
+std::string read_file(const std::string& path) {
+  return reader_in_use && !inside_parallel_loop() ? reader_in_use(path) : read_file_here(path);
+}
+
+std::string read_file_here(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (path != "-" && fs::is_directory(path, error)) fail(path, EISDIR);
+  const std::unique_ptr<std::FILE, Close> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
+  if (!file) fail(path, errno);
+
+  // One read when the size is known; pipes say nothing and grow as they go.
+  constexpr std::size_t first_guess = std::size_t{1} << 16;
+  std::size_t capacity = first_guess;
+  if (path != "-" && fs::is_regular_file(path, error)) capacity = static_cast<std::size_t>(fs::file_size(path)) + 1;
+  std::string content;
+  std::size_t size = 0;
+  while (true) {
+    content.resize(capacity);
+    size += std::fread(content.data() + size, 1, capacity - size, file.get());
+    if (std::ferror(file.get()) != 0) fail(path, errno);
+    if (size < capacity) break;
+    capacity *= 2;
+  }
+  content.resize(size);
+  return content;
+}
+
+std::string display_name(const std::string& path) {
+  return path == "-" ? "standard input" : path;
+}
+
+std::string file_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,272 @@
+#include "csrbf/io/files/table.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/files/text.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace csrbf {
+namespace {
+
+char separator_of(std::string_view line) {
+  bool comma = false, quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == ';' && !quoted) return ';';
+    comma = comma || (c == ',' && !quoted);
+  }
+  return comma ? ',' : ' ';
+}
+
+// Where the comment of a line begins, at # or // outside of cells in double quotes; npos when it has none.
+std::size_t find_comment(std::string_view line) {
+  const std::size_t first = std::min(line.find('#'), line.find("//"));
+  if (first == std::string_view::npos) return first;
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"') quoted = !quoted;
+    if (!quoted && (line[i] == '#' || line.substr(i).starts_with("//"))) return i;
+  }
+  return quoted ? first : std::string_view::npos;  // a single quote is text
+}
+
+// Takes a cell in double quotes off the line, with the separator behind it, and returns what is between them; nullopt
+// when the next cell has none around it. Quotes inside are doubled (RFC 4180).
+std::optional<std::string_view> take_quoted(std::string_view& line, char separator) {
+  constexpr std::string_view blanks = " \t";
+  const std::size_t begin = line.find_first_not_of(blanks);
+  if (begin == std::string_view::npos || line[begin] != '"') return std::nullopt;
+  std::size_t end = line.find('"', begin + 1);
+  while (end != std::string_view::npos && line.substr(end + 1).starts_with('"')) end = line.find('"', end + 2);
+  if (end == std::string_view::npos) return std::nullopt;
+  std::string_view behind = line.substr(end + 1);
+  const bool blank = !behind.empty() && blanks.find(behind.front()) != std::string_view::npos;
+  behind.remove_prefix(std::min(behind.find_first_not_of(blanks), behind.size()));
+  const bool separated = separator == ' ' ? blank : behind.starts_with(separator);
+  if (!behind.empty() && !separated) return std::nullopt;
+  const std::string_view cell = trimmed(line.substr(begin + 1, end - begin - 1));
+  line = behind.substr(!behind.empty() && separator != ' ' ? 1 : 0);
+  return cell;
+}
+
+// Takes the next cell off the line; nullopt at its end. One separator at the end of a line is ignored.
+std::optional<std::string_view> take_cell(std::string_view& line, char separator) {
+  if (const auto cell = take_quoted(line, separator)) return cell;
+  if (separator == ' ') {
+    const std::string_view word = take_word(line);
+    return word.empty() ? std::nullopt : std::optional(word);
+  }
+  if (line.empty()) return std::nullopt;
+  const std::size_t end = std::min(line.find(separator), line.size());
+  const std::string_view cell = trimmed(line.substr(0, end));
+  line.remove_prefix(std::min(line.size(), end + 1));
+  return cell;
+}
+
+std::vector<std::string_view> split(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  while (const auto cell = take_cell(line, separator)) cells.push_back(*cell);
+  return cells;
+}
+
+bool is_number(std::string_view cell) {
+  return parse_number(cell).has_value();
+}
+
+bool is_missing(std::string_view cell) {
+  return cell.empty() || cell == "NA" || cell == "null" || cell == "NULL";
+}
+
+std::vector<std::string> unquoted(const std::vector<std::string_view>& cells) {
+  std::vector<std::string> names;
+  for (std::string_view cell : cells) {
+    if (cell.size() >= 2 && cell.front() == '\'' && cell.back() == '\'') cell = cell.substr(1, cell.size() - 2);
+    std::string& name = names.emplace_back(cell);
+    for (std::size_t i = 0; (i = name.find("\"\"", i)) != std::string::npos; ++i) name.erase(i, 1);
+  }
+  return names;
+}
+
+// Is the line made of several numbers, some with decimal commas, between semicolons or blanks?
+bool has_decimal_commas(std::string_view line) {
+  const char separator = line.find(';') != std::string_view::npos ? ';' : ' ';
+  bool any = false;
+  int cells = 0;
+  for (; const auto cell = take_cell(line, separator); ++cells) {
+    std::string number(*cell);
+    const std::size_t comma = number.find(',');
+    if (comma != std::string::npos) number[comma] = '.';
+    if (!is_number(number) || number.ends_with('.')) return false;
+    any = any || comma != std::string::npos;
+  }
+  return any && cells > 1;
+}
+
+// Only '\n' ends lines for what follows; '\r' alone did on old Macs.
+bool has_old_line_ends(std::string_view text) {
+  return text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
+}
+
+// With or without a byte order mark: what is in tables takes one byte and a zero.
+bool is_utf16(std::string_view text) {
+  return text.size() >= 2 &&
+         (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text[0] == '\0' || text[1] == '\0');
+}
+
+class TableParser {
+ public:
+  TableParser(std::string_view text, const std::string& name, TextCells text_cells)
+      : text_size_(text.size()), reader_(text, name), text_cells_(text_cells) {}
+
+  Table parse() {
+    read_head();
+    do {
+      read_row();
+    } while (next_line());
+    const Index rows = columns_ > 0 ? static_cast<Index>(values_.size()) / columns_ : 0;
+    if (promised_rows_ && *promised_rows_ != rows)
+      throw IoError(reader_.name() + ": the first line promises " + std::to_string(*promised_rows_) + " rows, found " +
+                    std::to_string(rows));
+    table_.values = Eigen::Map<const Eigen::MatrixXd>(values_.data(), columns_, rows);
+    return std::move(table_);
+  }
+
+ private:
+  // Moves to the next line that holds something besides a comment; keeps the last whole-line comment.
+  bool next_line() {
+    while (reader_.next()) {
+      line_ = reader_.line();
+      const std::size_t mark = find_comment(line_);
+      if (mark == 0) comment_ = trimmed(line_.substr(line_[0] == '#' ? 1 : 2));
+      line_ = trimmed(line_.substr(0, mark));
+      if (!line_.empty()) return true;
+    }
+    return false;
+  }
+
+  // Row count, column names and the shape of the first row.
+  void read_head() {
+    if (!next_line()) throw IoError(reader_.name() + ": the file holds no rows of numbers");
+    separator_ = separator_of(line_);
+    std::vector<std::string_view> cells = split(line_, separator_);
+    if (const auto count = parse_integer(line_); cells.size() == 1 && count && *count >= 0) {
+      const LineReader before = reader_;
+      if (next_line() && split(line_, separator_of(line_)).size() > 1) {
+        promised_rows_ = *count;
+        separator_ = separator_of(line_);
+        cells = split(line_, separator_);
+      } else {
+        reader_ = before;
+        line_ = reader_.line();
+      }
+    }
+    if (std::none_of(cells.begin(), cells.end(), is_number)) {
+      refuse_decimal_commas();
+      table_.names = unquoted(cells);
+      if (!next_line()) throw IoError(reader_.name() + ": the file holds column names but no rows of numbers");
+      if (separator_ == ' ') separator_ = separator_of(line_);
+      cells = split(line_, separator_);
+      if (cells.size() + 1 == table_.names.size() && last_cell_is_empty()) cells.emplace_back();
+      if (cells.size() != table_.names.size()) {
+        refuse_decimal_commas();
+        reader_.fail("expected " + std::to_string(table_.names.size()) + " columns as named, found " +
+                     std::to_string(cells.size()));
+      }
+    } else {
+      take_names_from_comment(cells.size());
+    }
+    columns_ = static_cast<Index>(cells.size());
+    table_.first_line = reader_.number();
+    values_.reserve(cells.size() * (1 + text_size_ / (reader_.line().size() + 1)));
+  }
+
+  void take_names_from_comment(std::size_t columns) {
+    const std::vector<std::string_view> cells = split(comment_, separator_of(comment_));
+    if (cells.size() != columns || std::any_of(cells.begin(), cells.end(), is_number)) return;
+    table_.names = unquoted(cells);
+    table_.names_from_comment = true;
+  }
+
+  void read_row() {
+    std::string_view rest = line_;
+    Index found = 0;
+    while (const auto cell = take_cell(rest, separator_)) {
+      if (++found > columns_) continue;
+      const std::optional<double> value = parse_number(*cell);
+      values_.push_back(value ? *value : not_a_number(*cell, found - 1));
+    }
+    if (found + 1 == columns_ && last_cell_is_empty()) {
+      values_.push_back(not_a_number("", found));
+      ++found;
+    }
+    if (found != columns_) {
+      refuse_decimal_commas();
+      reader_.fail("expected " + std::to_string(columns_) + " columns as in line " + std::to_string(table_.first_line) +
+                   ", found " + std::to_string(found));
+    }
+  }
+
+  // A separator at the end of the line may also stand before an empty cell: when one is missing.
+  [[nodiscard]] bool last_cell_is_empty() const {
+    return text_cells_ == TextCells::note && separator_ != ' ' && line_.ends_with(separator_);
+  }
+
+  void refuse_decimal_commas() const {
+    if (has_decimal_commas(line_))
+      reader_.fail(in_quotes(line_) + " has decimal commas; write numbers with a point, as 0.5");
+  }
+
+  double not_a_number(std::string_view cell, Index column) {
+    if (text_cells_ == TextCells::refuse) {
+      refuse_decimal_commas();
+      if (cell.empty()) reader_.fail("cell " + std::to_string(column + 1) + " is empty");
+      reader_.fail(in_quotes(cell) + " is not a number");
+    }
+    holds_text_.resize(static_cast<std::size_t>(columns_));
+    if (!is_missing(cell) && !holds_text_[static_cast<std::size_t>(column)]) {
+      refuse_decimal_commas();
+      holds_text_[static_cast<std::size_t>(column)] = true;
+      table_.text_cells.push_back({column, reader_.number(), std::string(cell)});
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+  std::size_t text_size_;
+  LineReader reader_;
+  TextCells text_cells_;
+  std::string_view line_, comment_;
+  char separator_ = ' ';
+  Index columns_ = 0;
+  std::optional<std::int64_t> promised_rows_;
+  std::vector<double> values_;
+  std::vector<bool> holds_text_;  // columns with a text cell
+  Table table_;
+};
+
+}  // namespace
+
+Table parse_table(std::string_view text, const std::string& name, TextCells text_cells) {
+  if (is_utf16(text)) throw IoError(name + ": the text is UTF-16; save it as UTF-8");
+  if (!has_old_line_ends(text)) return TableParser(text, name, text_cells).parse();
+  std::string lines(text);
+  std::replace(lines.begin(), lines.end(), '\r', '\n');
+  return TableParser(lines, name, text_cells).parse();
+}
+
+std::string format_table(const std::vector<std::string>& names, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                         char separator, std::string_view head) {
+  std::string out(names.empty() ? "" : head);
+  for (const std::string& name : names) out.append(single_word(name)) += separator;
+  if (!names.empty()) out.back() = '\n';
+  for (Index row = 0; row < values.cols(); ++row) {
+    for (Index column = 0; column < values.rows(); ++column) {
+      append_number(out, values(column, row));
+      out += separator;
+    }
+    out.back() = '\n';
+  }
+  return out;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,125 @@
+#include "csrbf/io/files/text.hpp"
+
+#include "csrbf/core/error.hpp"
+
+#include <charconv>
+#include <cstring>
+
+namespace csrbf {
+namespace {
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+std::string_view without_plus(std::string_view word) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-' && word[1] != '+') word.remove_prefix(1);
+  return word;
+}
+
+template <class Number>
+std::errc parse_whole(std::string_view word, Number& value) {
+  const char* end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  if (stop != end || word.empty()) return std::errc::invalid_argument;
+  return error;
+}
+
+}  // namespace
+
+LineReader::LineReader(std::string_view text, std::string name, char comment)
+    : text_(text), name_(std::move(name)), comment_(comment) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text_.starts_with(byte_order_mark)) text_.remove_prefix(byte_order_mark.size());
+}
+
+bool LineReader::next() {
+  while (position_ < text_.size()) {
+    const char* begin = text_.data() + position_;
+    const std::size_t left = text_.size() - position_;
+    const void* found = std::memchr(begin, '\n', left);
+    const std::size_t length =
+        found != nullptr ? static_cast<std::size_t>(static_cast<const char*>(found) - begin) : left;
+    position_ += std::min(left, length + 1);
+    ++number_;
+    line_ = std::string_view(begin, length);
+    if (comment_ != '\0') line_ = line_.substr(0, line_.find(comment_));
+    line_ = trimmed(line_);
+    if (!line_.empty()) return true;
+  }
+  line_ = {};
+  return false;
+}
+
+bool LineReader::can_hold(Index items, std::size_t values_each) const {
+  // A value takes a digit and a separator. The slack lets files that lack a few values reach the line in question.
+  constexpr std::size_t slack = std::size_t{1} << 16;
+  return static_cast<std::size_t>(items) <= (rest().size() + slack) / (2 * values_each);
+}
+
+void LineReader::fail(const std::string& message) const {
+  throw IoError(name_ + ":" + std::to_string(number_) + ": " + message);
+}
+
+std::string_view take_word(std::string_view& rest) {
+  std::size_t begin = 0;
+  while (begin < rest.size() && is_blank(rest[begin])) ++begin;
+  std::size_t end = begin;
+  while (end < rest.size() && !is_blank(rest[end])) ++end;
+  const std::string_view word = rest.substr(begin, end - begin);
+  rest.remove_prefix(end);
+  return word;
+}
+
+Index count_words(std::string_view rest) {
+  Index words = 0;
+  while (!take_word(rest).empty()) ++words;
+  return words;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string single_word(std::string_view text) {
+  std::string word(text.empty() ? "_" : text);
+  for (char& c : word)
+    if (static_cast<unsigned char>(c) <= ' ' || c == ',' || c == ';' || c == '#' || c == '"') c = '_';
+  return word;
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t longest = 40;
+  std::string out = "\"";
+  for (const char c : text.substr(0, longest)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  return out + (text.size() > longest ? "...\"" : "\"");
+}
+
+std::optional<double> parse_number(std::string_view word) {
+  word = without_plus(word);
+  double value = 0;
+  const std::errc error = parse_whole(word, value);
+  if (error == std::errc()) return value;
+  if (error != std::errc::result_out_of_range) return std::nullopt;
+  // Too large or too small for a double: the wider type tells which.
+  long double wide = 0;
+  if (parse_whole(word, wide) != std::errc()) return std::nullopt;
+  const double magnitude = std::abs(wide) > 1 ? std::numeric_limits<double>::infinity() : 0.0;
+  return wide < 0 ? -magnitude : magnitude;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view word) {
+  std::int64_t value = 0;
+  if (parse_whole(without_plus(word), value) != std::errc()) return std::nullopt;
+  return value;
+}
+
+void append_number(std::string& out, double value) {
+  char buffer[32];
+  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
+  out.append(buffer, end);
+}
+
+}  // namespace csrbf

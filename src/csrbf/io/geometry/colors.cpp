@@ -1,0 +1,48 @@
+#include "csrbf/io/geometry/colors.hpp"
+
+namespace csrbf {
+namespace {
+
+constexpr double brightest = 255;
+
+// Colours of floating-point type are parts of one.
+double byte_of(const Property& p, Index i) {
+  const bool unit = p.type == "float" || p.type == "double";
+  return std::clamp(unit ? brightest * p.values(i) : p.values(i), 0.0, brightest);
+}
+
+}  // namespace
+
+Point<3> ColorColumns::rgb(Index i) const {
+  return {byte_of(*red, i), byte_of(*green, i), byte_of(*blue, i)};
+}
+
+Point<3> ColorColumns::unit_rgb(Index i) const {
+  constexpr double steps = 1e4;
+  return (rgb(i).array() / brightest * steps).round() / steps;
+}
+
+ColorColumns find_colors(const std::vector<Property>& properties) {
+  ColorColumns columns;
+  for (const Property& p : properties) {
+    if (p.name == "red") columns.red = &p;
+    if (p.name == "green") columns.green = &p;
+    if (p.name == "blue") columns.blue = &p;
+  }
+  return columns;
+}
+
+void add_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts, std::vector<Property>& properties) {
+  const double scale = (parts.array() > 1).any() ? 1 : brightest;
+  const char* names[] = {"red", "green", "blue"};
+  for (int part = 0; part < 3; ++part)
+    properties.push_back(
+        {names[part], "uchar", (scale * parts.row(part).transpose().array()).round().max(0).min(brightest)});
+}
+
+bool are_byte_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts) {
+  const auto values = parts.array();
+  return (values >= 0).all() && (values <= brightest).all() && (values == values.round()).all() && (values > 1).any();
+}
+
+}  // namespace csrbf

@@ -1,0 +1,133 @@
+#include "csrbf/io/geometry/ply_header.hpp"
+
+#include "csrbf/core/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+struct TypeNames {
+  std::string_view traditional, sized;
+  std::size_t size;
+};
+
+constexpr std::array<TypeNames, 8> types{{{"char", "int8", 1},
+                                          {"uchar", "uint8", 1},
+                                          {"short", "int16", 2},
+                                          {"ushort", "uint16", 2},
+                                          {"int", "int32", 4},
+                                          {"uint", "uint32", 4},
+                                          {"float", "float32", 4},
+                                          {"double", "float64", 8}}};
+
+const TypeNames& names_of(PlyType type) {
+  return types[static_cast<std::size_t>(type)];
+}
+
+PlyType read_type(const LineReader& reader, std::string_view& rest) {
+  const std::string_view word = take_word(rest);
+  const std::optional<PlyType> type = ply_type(word);
+  if (!type) reader.fail("unknown type " + in_quotes(word) + " in the header");
+  return *type;
+}
+
+PlyEncoding read_encoding(const LineReader& reader, std::string_view rest) {
+  const std::string_view word = take_word(rest);
+  if (word == "ascii") return PlyEncoding::ascii;
+  if (word == "binary_little_endian") return PlyEncoding::little_endian;
+  if (word == "binary_big_endian") return PlyEncoding::big_endian;
+  reader.fail("unknown format " + in_quotes(word) + "; known are ascii, binary_little_endian and binary_big_endian");
+}
+
+PlyElement read_element(const LineReader& reader, std::string_view rest) {
+  PlyElement element;
+  element.name = take_word(rest);
+  const std::string_view word = take_word(rest);
+  const std::optional<std::int64_t> count = parse_integer(word);
+  if (!count || *count < 0) reader.fail(in_quotes(word) + " is not a number of elements");
+  element.count = static_cast<Index>(*count);
+  return element;
+}
+
+PlyProperty read_property(const LineReader& reader, std::string_view rest) {
+  PlyProperty property;
+  std::string_view after_list = rest;
+  if (take_word(after_list) == "list") {
+    rest = after_list;
+    property.count_type = read_type(reader, rest);
+    if (*property.count_type >= PlyType::float_) reader.fail("the length of a list must be an integer");
+  }
+  property.type = read_type(reader, rest);
+  property.name = take_word(rest);
+  if (property.name.empty()) reader.fail("a property without a name");
+  return property;
+}
+
+void add_property(const LineReader& reader, std::vector<PlyElement>& elements, PlyProperty property) {
+  if (elements.empty()) reader.fail("a property before the first element");
+  std::vector<PlyProperty>& properties = elements.back().properties;
+  const auto same_name = [&](const PlyProperty& other) { return other.name == property.name; };
+  if (std::any_of(properties.begin(), properties.end(), same_name))
+    reader.fail("property " + in_quotes(property.name) + " is declared twice");
+  properties.push_back(std::move(property));
+}
+
+}  // namespace
+
+std::optional<PlyType> ply_type(std::string_view name) {
+  for (std::size_t i = 0; i < types.size(); ++i)
+    if (name == types[i].traditional || name == types[i].sized) return static_cast<PlyType>(i);
+  return std::nullopt;
+}
+
+std::string_view ply_type_name(PlyType type) {
+  return names_of(type).traditional;
+}
+
+std::size_t ply_type_size(PlyType type) {
+  return names_of(type).size;
+}
+
+bool PlyElement::has_lists() const {
+  return std::any_of(properties.begin(), properties.end(),
+                     [](const PlyProperty& p) { return p.count_type.has_value(); });
+}
+
+std::size_t PlyElement::smallest_binary_size() const {
+  std::size_t size = 0;
+  for (const PlyProperty& p : properties) size += ply_type_size(p.count_type.value_or(p.type));
+  return size;
+}
+
+PlyHeader parse_ply_header(LineReader& reader) {
+  if (!reader.next()) throw IoError(reader.name() + ": the file is empty");
+  if (reader.line() != "ply") reader.fail("not a PLY file: the first line must be \"ply\"");
+  PlyHeader header;
+  bool has_format = false;
+  while (reader.next()) {
+    std::string_view rest = reader.line();
+    const std::string_view keyword = take_word(rest);
+    if (keyword == "end_header") {
+      if (!has_format) reader.fail("the header has no format line");
+      // An element without properties takes no room in the body.
+      std::erase_if(header.elements, [](const PlyElement& element) { return element.properties.empty(); });
+      return header;
+    }
+    if (keyword == "format") {
+      header.encoding = read_encoding(reader, rest);
+      has_format = true;
+    } else if (keyword == "element") {
+      header.elements.push_back(read_element(reader, rest));
+    } else if (keyword == "property") {
+      add_property(reader, header.elements, read_property(reader, rest));
+    } else if (keyword != "comment" && keyword != "obj_info") {
+      reader.fail("unknown header line " + in_quotes(reader.line()));
+    }
+  }
+  reader.fail("the header has no end_header line");
+}
+
+}  // namespace csrbf

@@ -1,0 +1,83 @@
+#include "csrbf/io/images/npy_volume.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/files/npy.hpp"
+
+#include <algorithm>
+
+namespace csrbf {
+namespace {
+
+struct TypeCode {
+  std::string_view code;
+  SampleType type;
+};
+
+constexpr std::array<TypeCode, 11> type_codes{{{"u1", SampleType::uint8},
+                                               {"i1", SampleType::int8},
+                                               {"u2", SampleType::uint16},
+                                               {"i2", SampleType::int16},
+                                               {"u4", SampleType::uint32},
+                                               {"i4", SampleType::int32},
+                                               {"u8", SampleType::uint64},
+                                               {"i8", SampleType::int64},
+                                               {"f4", SampleType::float32},
+                                               {"f8", SampleType::float64},
+                                               {"b1", SampleType::uint8}}};
+
+bool has_components(const std::vector<Index>& shape) {
+  constexpr Index most = 4;
+  const Index last = shape.empty() ? 0 : shape.back();
+  if (shape.size() == 3) return (last == 3 || last == most) && shape[0] > most && shape[1] > most;
+  return shape.size() == 5 || (shape.size() == 4 && last >= 2 && last <= most);
+}
+
+void set_shape(VolumeLayout& layout, std::vector<Index> shape, const std::string& name) {
+  if (shape.empty() || shape.size() > 5)
+    throw IoError(name + ": an array of " + std::to_string(shape.size()) +
+                  " axes is no image; images are [x], [y, x], [z, y, x] or [t, z, y, x], then components");
+  if (has_components(shape)) {
+    layout.components = shape.back();
+    shape.pop_back();
+  }
+  if (shape.size() == 4) {
+    layout.frames = shape.front();
+    shape.erase(shape.begin());
+  }
+  layout.grid.axes = static_cast<int>(shape.size());
+  std::copy(shape.rbegin(), shape.rend(), layout.grid.size.begin());
+}
+
+}  // namespace
+
+RawVolume parse_npy_volume(std::string bytes, const std::string& name) {
+  std::string_view data = bytes;
+  const NpyHeader header = parse_npy_header(data, name);
+  RawVolume raw;
+  set_shape(raw.layout, header.shape, name);
+  raw.layout.type = std::find_if(type_codes.begin(), type_codes.end(), [&](const TypeCode& t) {
+                      return t.code == header.type;
+                    })->type;
+  raw.order = header.order;
+  checked_sample_bytes(raw.layout, data.size(), name);
+  if (header.fortran && header.shape.size() > 1) {
+    raw.bytes = npy_bytes_in_c_order(header, data, name);
+  } else {
+    raw.offset = bytes.size() - data.size();
+    raw.bytes = std::move(bytes);
+  }
+  return raw;
+}
+
+FileParts format_npy_volume(const VolumeLayout& layout, std::string samples) {
+  std::vector<Index> shape;
+  if (layout.frames > 1) shape.push_back(layout.frames);
+  for (int axis = layout.grid.axes - 1; axis >= 0; --axis)
+    shape.push_back(layout.grid.size[static_cast<std::size_t>(axis)]);
+  if (layout.components > 1) shape.push_back(layout.components);
+  const auto* code =
+      std::find_if(type_codes.begin(), type_codes.end(), [&](const TypeCode& t) { return t.type == layout.type; });
+  return {format_npy_header(code->code, shape), std::move(samples)};
+}
+
+}  // namespace csrbf

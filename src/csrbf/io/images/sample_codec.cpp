@@ -1,0 +1,110 @@
+#include "csrbf/io/images/sample_codec.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/io/files/bytes.hpp"
+
+namespace csrbf {
+namespace {
+
+// Some 100 us of work per block.
+constexpr Index grain = Index{1} << 16;
+
+template <class T, class Scalar>
+void decode_as(const RawVolume& raw, Volume<Scalar>& volume) {
+  const char* bytes = raw.bytes.data() + raw.offset;
+  const bool scaled = raw.slope != 1 || raw.intercept != 0;
+  const Index components = raw.layout.components;
+  const Index voxels = raw.layout.grid.voxels() * raw.layout.frames;
+  parallel_for(static_cast<Index>(volume.values.size()), grain, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Index source = raw.planar ? (i % components) * voxels + i / components : i;
+      const T sample = load_scalar<T>(bytes + static_cast<std::size_t>(source) * sizeof(T), raw.order);
+      volume.values[static_cast<std::size_t>(i)] =
+          scaled ? static_cast<Scalar>(raw.slope * static_cast<double>(sample) + raw.intercept)
+                 : static_cast<Scalar>(sample);
+    }
+  });
+}
+
+}  // namespace
+
+std::size_t sample_size(SampleType type) {
+  return with_sample_type(type, [](auto sample) { return sizeof(sample); });
+}
+
+std::string_view sample_name(SampleType type) {
+  constexpr std::array<std::string_view, 10> names{"uint8", "int8",   "uint16", "int16",   "uint32",
+                                                   "int32", "uint64", "int64",  "float32", "float64"};
+  return names[static_cast<std::size_t>(type)];
+}
+
+template <class Scalar>
+Volume<Scalar> decode_samples(const RawVolume& raw) {
+  Volume<Scalar> volume(raw.layout);
+  with_sample_type(raw.layout.type, [&](auto sample) { decode_as<decltype(sample)>(raw, volume); });
+  // Scaled samples are no integers of their type any more.
+  if ((raw.slope != 1 || raw.intercept != 0) && !is_floating(volume.type))
+    volume.type = sample_size(volume.type) < 4 ? SampleType::float32 : SampleType::float64;
+  return volume;
+}
+
+template <class Scalar>
+std::string encode_samples(const Volume<Scalar>& volume, SampleType sample_type) {
+  std::string bytes(volume.values.size() * sample_size(sample_type), '\0');
+  with_sample_type(sample_type, [&](auto type) {
+    using T = decltype(type);
+    parallel_for(static_cast<Index>(volume.values.size()), grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        store_scalar(bytes.data() + at * sizeof(T), narrow_scalar<T>(static_cast<double>(volume.values[at])));
+      }
+    });
+  });
+  return bytes;
+}
+
+template Volume<float> decode_samples(const RawVolume&);
+template Volume<double> decode_samples(const RawVolume&);
+template std::string encode_samples(const Volume<float>&, SampleType);
+template std::string encode_samples(const Volume<double>&, SampleType);
+
+std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t available, const std::string& name) {
+  constexpr std::size_t most = std::size_t{1} << 40;
+  const auto& size = layout.grid.size;
+  std::size_t samples = 1;
+  for (const Index length : {size[0], size[1], size[2], layout.frames, layout.components}) {
+    if (length < 1) throw IoError(name + ": the image has an axis of " + std::to_string(length) + " samples");
+    if (static_cast<std::size_t>(length) > most / samples)
+      throw IoError(name + ": the header promises more than 2^40 samples");
+    samples *= static_cast<std::size_t>(length);
+  }
+  const std::size_t bytes = samples * sample_size(layout.type);
+  if (bytes > available)
+    throw IoError(name + ": the file is truncated: its header promises " + std::to_string(bytes) +
+                  " bytes of samples, it can hold " + std::to_string(available));
+  return bytes;
+}
+
+std::size_t checked_deflated_bytes(const VolumeLayout& layout, std::size_t compressed, const std::string& name) {
+  constexpr std::size_t largest_ratio = 1100;
+  return checked_sample_bytes(layout, compressed * largest_ratio, name);
+}
+
+void set_axes(Grid& grid, const Eigen::Matrix3d& linear, const std::string& name) {
+  if (!linear.allFinite() || !grid.origin.allFinite())
+    throw IoError(name + ": the position of the image in space is not finite");
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = linear.col(axis).norm();
+    grid.spacing(axis) = length > 0 ? length : 1;
+    grid.direction.col(axis) = linear.col(axis) / grid.spacing(axis);
+  }
+  // A slice may leave its normal open.
+  if (linear.col(2).isZero(0) && grid.size[2] == 1)
+    grid.direction.col(2) = Point<3>(grid.direction.col(0).cross(grid.direction.col(1))).normalized();
+  constexpr double singular = 1e-6;
+  if (!(std::abs(grid.direction.determinant()) > singular))
+    throw IoError(name + ": the axes of the image lie in one plane: its directions are singular");
+}
+
+}  // namespace csrbf

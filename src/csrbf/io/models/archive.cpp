@@ -1,0 +1,210 @@
+#include "csrbf/io/models/archive.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/bytes.hpp"
+#include "csrbf/io/files/read_file.hpp"
+
+#include <zlib.h>
+
+namespace csrbf {
+namespace {
+
+// The control characters are damaged by transfers in text mode.
+constexpr std::string_view magic{"CSRBF\r\n\x1a", 8};
+constexpr std::size_t size_offset = magic.size() + 4;
+constexpr std::size_t head_size = size_offset + 8;
+constexpr std::size_t checksum_size = 4;
+
+std::uint32_t checksum(std::string_view bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+void append_text(std::string& out, const std::string& text) {
+  append_scalar(out, static_cast<std::uint32_t>(text.size()));
+  out += text;
+}
+
+struct ValueWriter {
+  std::string& out;
+
+  void operator()(double value) const { append_scalar(out, value); }
+  void operator()(std::int64_t value) const { append_scalar(out, value); }
+  void operator()(const std::string& value) const { append_text(out, value); }
+  template <class T>
+  void operator()(const ArchiveArray<T>& array) const {
+    append_scalar(out, static_cast<std::uint64_t>(array.rows()));
+    append_scalar(out, static_cast<std::uint64_t>(array.cols()));
+    if constexpr (std::endian::native == std::endian::little)
+      out.append(reinterpret_cast<const char*>(array.data()), sizeof(T) * static_cast<std::size_t>(array.size()));
+    else
+      for (Index i = 0; i < array.size(); ++i) append_scalar(out, array.data()[i]);
+  }
+};
+
+// Reads values and never beyond the end.
+class Reader {
+ public:
+  Reader(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
+
+  template <class T>
+  T scalar() {
+    return load_scalar<T>(take(sizeof(T)).data());
+  }
+  std::string text() {
+    const std::size_t size = scalar<std::uint32_t>();
+    return std::string(take(size));
+  }
+  template <class T>
+  ArchiveArray<T> array() {
+    const auto rows = scalar<std::uint64_t>();
+    const auto cols = scalar<std::uint64_t>();
+    const std::size_t room = bytes_.size() / sizeof(T);
+    // An empty array may have one long side, but none that an index cannot hold.
+    constexpr auto longest = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()) * 1024;
+    if (rows > longest || cols > longest || (rows > 0 && cols > room / rows)) fail("an array is larger than the file");
+    ArchiveArray<T> array(static_cast<Index>(rows), static_cast<Index>(cols));
+    const std::string_view data = take(sizeof(T) * rows * cols);
+    if constexpr (std::endian::native == std::endian::little) {
+      if (!data.empty()) std::memcpy(array.data(), data.data(), data.size());
+    } else {
+      for (Index i = 0; i < array.size(); ++i) array.data()[i] = load_scalar<T>(data.data() + sizeof(T) * i);
+    }
+    return array;
+  }
+  [[nodiscard]] bool at_end() const { return bytes_.empty(); }
+  [[noreturn]] void fail(const std::string& what) const { throw IoError(name_ + ": the file is damaged: " + what); }
+
+ private:
+  std::string_view take(std::size_t size) {
+    if (size > bytes_.size()) fail("an entry runs over its end");
+    const std::string_view taken = bytes_.substr(0, size);
+    bytes_.remove_prefix(size);
+    return taken;
+  }
+
+  std::string_view bytes_;
+  std::string name_;
+};
+
+template <std::size_t Type = 0>
+Archive::Value read_value(Reader& reader, std::size_t type) {
+  if constexpr (Type == std::variant_size_v<Archive::Value>) {
+    reader.fail("an entry is of an unknown type");
+  } else {
+    using T = std::variant_alternative_t<Type, Archive::Value>;
+    if (type != Type) return read_value<Type + 1>(reader, type);
+    if constexpr (std::is_arithmetic_v<T>)
+      return reader.scalar<T>();
+    else if constexpr (std::is_same_v<T, std::string>)
+      return reader.text();
+    else
+      return reader.array<typename T::Scalar>();
+  }
+}
+
+// Everything that can be said before the entries are looked at.
+void check_file(std::string_view bytes, const std::string& name) {
+  if (bytes.empty()) throw IoError(name + ": the file is empty");
+  if (!bytes.starts_with(magic)) throw IoError(name + ": not a csrbf model");
+  if (bytes.size() < head_size + checksum_size) throw IoError(name + ": the file is truncated");
+  const auto format = load_scalar<std::uint32_t>(bytes.data() + magic.size());
+  if (format > static_cast<std::uint32_t>(archive_format))
+    throw IoError(name + ": written by a newer csrbf (format " + std::to_string(format) +
+                  ", this program reads up to " + std::to_string(archive_format) + ")");
+  const auto size = load_scalar<std::uint64_t>(bytes.data() + size_offset);
+  if (size > bytes.size())
+    throw IoError(name + ": the file is truncated: " + std::to_string(bytes.size()) + " of " + std::to_string(size) +
+                  " bytes");
+  const std::size_t checked = bytes.size() - checksum_size;
+  if (format == 0 || size != bytes.size() ||
+      checksum(bytes.substr(0, checked)) != load_scalar<std::uint32_t>(bytes.data() + checked))
+    throw IoError(name + ": the file is damaged: its checksum does not match");
+}
+
+}  // namespace
+
+void Archive::set(const std::string& prefix, Archive part) {
+  for (auto& [name, value] : part.values_) values_[prefix + "/" + name] = std::move(value);
+  values_[prefix + "/kind"] = std::move(part.kind);
+}
+
+std::int64_t Archive::integer(const std::string& name, std::int64_t lo, std::int64_t hi) const {
+  const std::int64_t value = integer(name);
+  if (value < lo || value > hi)
+    fail("entry \"" + name + "\" = " + std::to_string(value) + " is not in [" + std::to_string(lo) + ", " +
+         std::to_string(hi) + "]");
+  return value;
+}
+
+const ArchiveArray<double>& Archive::numbers(const std::string& name, Index rows, Index cols) const {
+  const ArchiveArray<double>& found = array<double>(name, rows, cols);
+  if (!found.allFinite()) fail("\"" + name + "\" holds NaN or infinity");
+  return found;
+}
+
+Archive Archive::part(const std::string& prefix) const {
+  const std::string start = prefix + "/";
+  Archive found;
+  found.kind = text(start + "kind");
+  found.source = source;
+  for (auto it = values_.lower_bound(start); it != values_.end() && it->first.starts_with(start); ++it)
+    if (it->first != start + "kind") found.values_[it->first.substr(start.size())] = it->second;
+  return found;
+}
+
+void Archive::fail(const std::string& message) const {
+  throw IoError((source.empty() ? "model" : source) + ": " + message);
+}
+
+void Archive::check_shape(const std::string& name, Index rows, Index cols, Index expected_rows,
+                          Index expected_cols) const {
+  const bool fits = (expected_rows < 0 || rows == expected_rows) && (expected_cols < 0 || cols == expected_cols);
+  const auto side = [](Index n) { return n < 0 ? std::string("any") : std::to_string(n); };
+  if (!fits)
+    fail("entry \"" + name + "\" has " + std::to_string(rows) + " x " + std::to_string(cols) + " values, expected " +
+         side(expected_rows) + " x " + side(expected_cols));
+}
+
+std::string format_archive(const Archive& archive) {
+  std::string out(magic);
+  append_scalar(out, static_cast<std::uint32_t>(archive_format));
+  append_scalar(out, std::uint64_t{0});
+  append_text(out, archive.kind);
+  append_scalar(out, static_cast<std::uint64_t>(archive.values().size()));
+  for (const auto& [name, value] : archive.values()) {
+    append_text(out, name);
+    append_scalar(out, static_cast<std::uint8_t>(value.index()));
+    std::visit(ValueWriter{out}, value);
+  }
+  std::string size;
+  append_scalar(size, static_cast<std::uint64_t>(out.size() + checksum_size));
+  out.replace(size_offset, size.size(), size);
+  append_scalar(out, checksum(out));
+  return out;
+}
+
+Archive parse_archive(std::string_view bytes, const std::string& name) {
+  check_file(bytes, name);
+  Reader reader(bytes.substr(head_size, bytes.size() - head_size - checksum_size), name);
+  Archive archive;
+  archive.source = name;
+  archive.kind = reader.text();
+  const auto entries = reader.scalar<std::uint64_t>();
+  for (std::uint64_t i = 0; i < entries; ++i) {
+    const std::string entry = reader.text();
+    archive.insert(entry, read_value(reader, reader.scalar<std::uint8_t>()));
+  }
+  if (!reader.at_end()) reader.fail("there are bytes after the last entry");
+  return archive;
+}
+
+void write_archive(const std::string& path, const Archive& archive) {
+  write_file(path, format_archive(archive));
+}
+
+Archive read_archive(const std::string& path) {
+  return parse_archive(read_file(path), display_name(path));
+}
+
+}  // namespace csrbf

@@ -1,0 +1,266 @@
+#include "csrbf/io/models/field_archive.hpp"
+
+#include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
+#include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/models/field_parts.hpp"
+#include "csrbf/io/models/lattice_archive.hpp"
+#include "csrbf/levelset/segment_fields.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr const char* expansion_kind = "expansion";
+constexpr const char* level_sum_kind = "level sum";
+constexpr const char* partition_kind = "partition of unity";
+constexpr const char* moving_kind = "moving least squares";
+constexpr const char* track_kind = "moving least squares along tracks";
+constexpr const char* fitted_kind = "fitted field";
+constexpr const char* variance_kind = "kriging variance";
+constexpr const char* power_kind = "power function";
+constexpr const char* largest_kind = "largest level set";
+constexpr std::int64_t most_regions = 256;
+constexpr std::int64_t most_levels = 1024;
+
+template <int Dim>
+std::shared_ptr<const Expansion<Dim>> expansion_from(const Archive& archive,
+                                                     std::shared_ptr<const RadialBasis<Dim>> basis) {
+  PolynomialTail<Dim> tail;
+  tail.degree = static_cast<int>(archive.integer("tail_degree", -1, most_degree));
+  tail.origin = archive.numbers("tail_origin", Dim, 1);
+  tail.scale = positive_number(archive, "tail_scale");
+  tail.coefficients = archive.numbers("tail_coefficients", -1, 1);
+  const Eigen::VectorXd coefficients = archive.numbers("coefficients", basis->size(), 1);
+  return std::make_shared<const Expansion<Dim>>(std::move(basis), coefficients, std::move(tail), box_of<Dim>(archive));
+}
+
+// The archive of an expansion but for its basis.
+template <int Dim>
+Archive to_archive(const Expansion<Dim>& field) {
+  Archive archive;
+  archive.kind = expansion_kind;
+  archive.set("coefficients", field.coefficients());
+  archive.set("tail_degree", field.tail().degree);
+  archive.set("tail_origin", field.tail().origin);
+  archive.set("tail_scale", field.tail().scale);
+  archive.set("tail_coefficients", field.tail().coefficients);
+  set_box(archive, field.bounds());
+  return archive;
+}
+
+// The archive of a power function but for its basis.
+template <int Dim>
+Archive to_archive(const PowerFunction<Dim>& power) {
+  Archive archive;
+  archive.kind = power_kind;
+  archive.set("degree", power.degree());
+  archive.set("smoothing", power.smoothing());
+  archive.set("weights", power.weights());
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const PowerFunction<Dim>> power_from(const Archive& archive,
+                                                     std::shared_ptr<const RadialBasis<Dim>> basis) {
+  const double smoothing = archive.number("smoothing");
+  const Eigen::VectorXd weights = archive.numbers("weights", -1, 1);
+  if (!(smoothing >= 0) || !(weights.size() == 0 || weights.minCoeff() > 0)) archive.fail("the smoothing is damaged");
+  const auto degree = static_cast<int>(archive.integer("degree", -1, most_degree));
+  return std::make_shared<const PowerFunction<Dim>>(std::move(basis), degree, smoothing, weights);
+}
+
+// The archive of a fitted field but for the field inside.
+template <int Dim>
+Archive to_archive(const typename FittedField<Dim>::Frame& frame) {
+  Archive archive;
+  archive.kind = fitted_kind;
+  archive.set("scales", frame.scales);
+  archive.set("periods", frame.periods);
+  set_box(archive, frame.box);
+  archive.set("extrapolation", frame.extrapolation == Extrapolation::nan ? "nan" : "constant");
+  return archive;
+}
+
+template <int Dim>
+typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
+  typename FittedField<Dim>::Frame frame;
+  frame.scales = archive.numbers("scales", Dim, 1);
+  frame.periods = archive.numbers("periods", Dim, 1);
+  frame.box = box_of<Dim>(archive);
+  const std::string& beyond = archive.text("extrapolation");
+  if (beyond != "nan" && beyond != "constant") archive.fail("unknown extrapolation \"" + beyond + "\"");
+  frame.extrapolation = beyond == "nan" ? Extrapolation::nan : Extrapolation::constant;
+  if (!(frame.scales.minCoeff() > 0) || !(frame.periods.minCoeff() >= 0) || frame.box.empty() ||
+      !frame.box.extent().allFinite())
+    archive.fail("the frame is damaged");
+  return frame;
+}
+
+}  // namespace
+
+bool is_field_kind(const std::string& kind) {
+  return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
+         kind == track_kind || kind == fitted_kind || kind == lattice_kind || kind == largest_kind;
+}
+
+template <int Dim>
+std::int64_t FieldWriter<Dim>::share(const void* object, const std::function<Archive()>& to_archive) {
+  const auto [entry, is_new] = numbers_.try_emplace(object, static_cast<std::int64_t>(shared_.size()));
+  if (is_new) shared_.push_back(to_archive());
+  return entry->second;
+}
+
+template <int Dim>
+Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
+  Archive archive;
+  if (const auto* fitted = dynamic_cast<const FittedField<Dim>*>(&field)) {
+    archive = to_archive<Dim>(fitted->frame());
+    archive.set("inner", this->field(fitted->inner()));
+  } else if (const auto* expansion = dynamic_cast<const Expansion<Dim>*>(&field)) {
+    archive = to_archive(*expansion);
+    const RadialBasis<Dim>& basis = expansion->basis();
+    archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
+  } else if (const auto* sum = dynamic_cast<const LevelSum<Dim>*>(&field)) {
+    archive.kind = level_sum_kind;
+    set_box(archive, sum->bounds());
+    archive.set("levels", sum->levels().size());
+    for (std::size_t i = 0; i < sum->levels().size(); ++i)
+      archive.set("level" + std::to_string(i), this->field(*sum->levels()[i]));
+  } else if (const auto* partition = dynamic_cast<const PartitionOfUnity<Dim>*>(&field)) {
+    archive.kind = partition_kind;
+    archive.set("component", partition->component());
+    archive.set("data", share(&partition->data(), [&] { return patches_to_archive<Dim>(partition->data()); }));
+  } else if (const auto* moving = dynamic_cast<const MovingLeastSquares<Dim>*>(&field)) {
+    archive.kind = moving->data().directions.cols() > 0 ? track_kind : moving_kind;
+    archive.set("component", moving->component());
+    archive.set("data", share(&moving->data(), [&] { return samples_to_archive<Dim>(moving->data()); }));
+  } else if (const auto* variance = dynamic_cast<const KrigingVariance<Dim>*>(&field)) {
+    archive.kind = variance_kind;
+    archive.set("sigma2", variance->sigma2());
+    set_box(archive, variance->bounds());
+    const PowerFunction<Dim>& power = variance->power();
+    const RadialBasis<Dim>& basis = *power.basis();
+    archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
+    archive.set("power", share(&power, [&] { return to_archive(power); }));
+  } else if (!level_set(field, archive)) {
+    throw InvalidInput("write_model: field: this kind of field has no file form");
+  }
+  return archive;
+}
+
+// The archive of a level set of a segmentation, if the field is one.
+template <int Dim>
+bool FieldWriter<Dim>::level_set(const Field<Dim>& field, Archive& archive) {
+  if constexpr (Dim == 2 || Dim == 3) {
+    if (const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(&field)) {
+      archive = to_archive(*lattice);
+      return true;
+    }
+    if (const auto* largest = dynamic_cast<const LargestField<Dim>*>(&field)) {
+      archive.kind = largest_kind;
+      archive.set("number", largest->number());
+      archive.set("fields", largest->fields().size());
+      for (std::size_t i = 0; i < largest->fields().size(); ++i) {
+        const Field<Dim>& one = *largest->fields()[i];
+        archive.set("field" + std::to_string(i), share(&one, [&] { return this->field(one); }));
+      }
+      return true;
+    }
+  }
+  return false;
+}
+
+template <int Dim>
+void FieldWriter<Dim>::store_shared(Archive& archive) {
+  for (std::size_t i = 0; i < shared_.size(); ++i) archive.set("shared" + std::to_string(i), std::move(shared_[i]));
+  shared_.clear();
+  numbers_.clear();
+}
+
+template <int Dim>
+template <class T>
+std::shared_ptr<const T> FieldReader<Dim>::shared(
+    const Archive& user, const std::string& name, const char* kind,
+    const std::function<std::shared_ptr<const T>(const Archive&)>& from_archive) {
+  const std::int64_t number = user.integer(name);
+  const std::string prefix = "shared" + std::to_string(number);
+  if (archive_.text(prefix + "/kind") != kind) archive_.fail("\"" + prefix + "\" is not a " + kind);
+  std::shared_ptr<const void>& object = read_[number];
+  if (!object) object = from_archive(archive_.part(prefix));
+  return std::static_pointer_cast<const T>(object);  // its kind says its type
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive) {
+  using Patches = typename PartitionOfUnity<Dim>::Data;
+  using Moving = typename MovingLeastSquares<Dim>::Data;
+  if (archive.kind == fitted_kind) {
+    const Archive inner = archive.part("inner");
+    if (inner.kind == fitted_kind) archive.fail("a fitted field is inside another one");
+    return std::make_shared<const FittedField<Dim>>(field(inner), frame_from<Dim>(archive));
+  }
+  const auto expansion = [this](const Archive& part) {
+    return expansion_from<Dim>(part, shared<RadialBasis<Dim>>(part, "basis", basis_kind, basis_from<Dim>));
+  };
+  if (archive.kind == expansion_kind) return expansion(archive);
+  if (archive.kind == level_sum_kind) {
+    std::vector<std::shared_ptr<const Expansion<Dim>>> levels;
+    for (std::int64_t i = 0, count = archive.integer("levels", 0, most_levels); i < count; ++i) {
+      levels.push_back(expansion(archive.part("level" + std::to_string(i))));
+    }
+    return std::make_shared<const LevelSum<Dim>>(std::move(levels), box_of<Dim>(archive));
+  }
+  if (archive.kind == partition_kind) {
+    const auto data = shared<Patches>(archive, "data", patches_kind, patches_from<Dim>);
+    const Index component = archive.integer("component", 0, data->models.components - 1);
+    return std::make_shared<const PartitionOfUnity<Dim>>(data, component);
+  }
+  if (archive.kind == moving_kind || archive.kind == track_kind) {
+    const auto data = shared<Moving>(archive, "data", samples_kind, samples_from<Dim>);
+    if ((data->directions.cols() > 0) != (archive.kind == track_kind))
+      archive.fail("directions of tracks belong to the kind \"" + std::string(track_kind) + "\" and to no other");
+    const Index component = archive.integer("component", 0, data->samples.components() - 1);
+    return std::make_shared<const MovingLeastSquares<Dim>>(data, component);
+  }
+  if (archive.kind == variance_kind) {
+    const auto basis = shared<RadialBasis<Dim>>(archive, "basis", basis_kind, basis_from<Dim>);
+    const auto power = shared<PowerFunction<Dim>>(archive, "power", power_kind,
+                                                  [&](const Archive& part) { return power_from<Dim>(part, basis); });
+    const double sigma2 = archive.number("sigma2");
+    if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
+    return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive));
+  }
+  if (auto level_set = this->level_set(archive)) return level_set;
+  archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
+}
+
+// The level set of a segmentation, if the archive holds one.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> FieldReader<Dim>::level_set(const Archive& archive) {
+  if constexpr (Dim == 2 || Dim == 3) {
+    if (archive.kind == lattice_kind) return lattice_field_from<Dim>(archive);
+    if (archive.kind == largest_kind) {
+      typename LargestField<Dim>::Fields fields;
+      const std::int64_t count = archive.integer("fields", 2, most_regions);
+      for (std::int64_t i = 0; i < count; ++i)
+        fields.push_back(
+            shared<LatticeField<Dim>>(archive, "field" + std::to_string(i), lattice_kind, lattice_field_from<Dim>));
+      const std::int64_t number = archive.integer("number", 0, count - 1);
+      return std::make_shared<const LargestField<Dim>>(std::move(fields), static_cast<std::size_t>(number));
+    }
+  }
+  return nullptr;
+}
+
+#define CSRBF_INSTANTIATE(Dim)     \
+  template class FieldWriter<Dim>; \
+  template class FieldReader<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

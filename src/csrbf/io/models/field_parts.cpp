@@ -1,0 +1,209 @@
+#include "csrbf/io/models/field_parts.hpp"
+
+#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/error.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+template <class T>
+auto column_of(const std::vector<T>& values) {
+  return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(values.data(), static_cast<Index>(values.size()));
+}
+
+std::vector<double> numbers_of(const Archive& archive, const std::string& name, Index size) {
+  const auto& array = archive.numbers(name, size, 1);
+  return {array.data(), array.data() + array.size()};
+}
+
+void set_kernel(Archive& archive, const Kernel& kernel) {
+  archive.set("kernel", kernel.name());
+  archive.set("kernel_dimension", kernel.dimension());
+  archive.set("kernel_parameter", kernel.parameter());
+}
+
+Kernel kernel_of(const Archive& archive) {
+  constexpr int most_dimensions = 64;
+  return Kernel(archive.text("kernel"), static_cast<int>(archive.integer("kernel_dimension", 1, most_dimensions)),
+                archive.number("kernel_parameter"));
+}
+
+// Whether the nodes are a tree in preorder whose splits lie inside the cells that they divide.
+template <int Dim>
+bool is_tree(const typename Cover<Dim>::Tree& tree) {
+  const std::size_t n = tree.axis.size();
+  std::vector<std::pair<std::uint32_t, Box<Dim>>> upper;  // parts that are still to come
+  Box<Dim> cell = tree.box;
+  std::uint32_t cells = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const int axis = tree.axis[i];
+    if (axis >= 0) {
+      const double split = tree.split[i];
+      if (axis >= Dim || !(split > cell.lo[axis] && split < cell.hi[axis])) return false;
+      upper.emplace_back(tree.right[i], cell);
+      upper.back().second.lo[axis] = cell.hi[axis] = split;
+      continue;
+    }
+    if (tree.right[i] != cells++) return false;
+    if (upper.empty()) return i + 1 == n;
+    if (upper.back().first != i + 1) return false;
+    cell = upper.back().second;
+    upper.pop_back();
+  }
+  return false;
+}
+
+template <int Dim>
+typename Cover<Dim>::Tree tree_from(const Archive& archive) {
+  const auto& nodes = archive.array<std::int64_t>("tree", 2);
+  const auto& splits = archive.numbers("tree_splits", nodes.cols(), 1);
+  typename Cover<Dim>::Tree tree;
+  tree.box = box_of<Dim>(archive);
+  tree.growth = archive.number("growth");
+  for (Index i = 0; i < nodes.cols(); ++i) {
+    if (nodes(0, i) < -1 || nodes(0, i) >= Dim || nodes(1, i) < 0 || nodes(1, i) > nodes.cols())
+      archive.fail("the tree is damaged");
+    tree.axis.push_back(static_cast<std::int8_t>(nodes(0, i)));
+    tree.right.push_back(static_cast<std::uint32_t>(nodes(1, i)));
+    tree.split.push_back(splits(i, 0));
+  }
+  const bool has_volume = (tree.box.lo.array() < tree.box.hi.array()).all() && tree.box.extent().allFinite();
+  if (!has_volume || !(tree.growth > 1) || !is_tree<Dim>(tree)) archive.fail("the tree is damaged");
+  return tree;
+}
+
+template <int Dim>
+void set_tree(Archive& archive, const typename Cover<Dim>::Tree& tree) {
+  set_box(archive, tree.box);
+  archive.set("growth", tree.growth);
+  Eigen::Matrix<std::int64_t, 2, Eigen::Dynamic> nodes(2, static_cast<Index>(tree.axis.size()));
+  nodes.row(0) = column_of(tree.axis).template cast<std::int64_t>().transpose();
+  nodes.row(1) = column_of(tree.right).template cast<std::int64_t>().transpose();
+  archive.set("tree", nodes);
+  archive.set("tree_splits", column_of(tree.split));
+}
+
+}  // namespace
+
+double positive_number(const Archive& archive, const std::string& name) {
+  const double value = archive.number(name);
+  if (!(value > 0 && std::isfinite(value))) archive.fail("entry \"" + name + "\" is not positive");
+  return value;
+}
+
+template <int Dim>
+Archive to_archive(const RadialBasis<Dim>& basis) {
+  Archive archive;
+  archive.kind = basis_kind;
+  set_kernel(archive, basis.kernel());
+  archive.set("centers", basis.centers());
+  archive.set("supports", basis.supports());
+  const auto& transforms = basis.metric().transforms;
+  Eigen::MatrixXd columns(Dim * Dim, static_cast<Index>(transforms.size()));
+  for (Index j = 0; j < columns.cols(); ++j) columns.col(j) = transforms[static_cast<std::size_t>(j)].reshaped();
+  archive.set("transforms", columns);
+  archive.set("periods", basis.metric().periods);
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const RadialBasis<Dim>> basis_from(const Archive& archive) {
+  RadialMetric<Dim> metric;
+  const auto& columns = archive.numbers("transforms", Dim * Dim);
+  for (Index j = 0; j < columns.cols(); ++j) metric.transforms.emplace_back(columns.col(j).reshaped(Dim, Dim));
+  metric.periods = archive.numbers("periods", Dim, 1);
+  const Points<Dim> centers = archive.numbers("centers", Dim);
+  const Eigen::VectorXd supports = archive.numbers("supports", -1, 1);
+  return std::make_shared<const RadialBasis<Dim>>(kernel_of(archive), centers, supports, metric);
+}
+
+template <int Dim>
+Archive patches_to_archive(const typename PartitionOfUnity<Dim>::Data& data) {
+  Archive archive;
+  archive.kind = patches_kind;
+  set_tree<Dim>(archive, data.cover.tree());
+  const LocalModels<Dim>& models = data.models;
+  set_kernel(archive, models.kernel);
+  archive.set("degree", models.degree);
+  archive.set("support", models.support);
+  archive.set("centers_each", models.centers_each);
+  archive.set("components", models.components);
+  archive.set("center", models.center);
+  archive.set("radius", models.radius);
+  if (models.anisotropic) archive.set("metrics", column_of(models.metric));
+  archive.set("positions", column_of(models.position));
+  archive.set("coefficients", column_of(models.alpha));
+  archive.set("polynomials", column_of(models.polynomial));
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> patches_from(const Archive& archive) {
+  using Data = typename PartitionOfUnity<Dim>::Data;
+  auto data = std::make_shared<Data>(Data{Cover<Dim>(tree_from<Dim>(archive)), {}});
+  LocalModels<Dim>& models = data->models;
+  const Index cells = data->cover.size();
+  // The products below cannot overflow, and the monomials have 16-bit numbers.
+  constexpr Index most = std::numeric_limits<std::int16_t>::max();
+  models.kernel = kernel_of(archive);
+  models.degree = static_cast<int>(archive.integer("degree", -1, most_degree));
+  models.support = positive_number(archive, "support");
+  models.centers_each = archive.integer("centers_each", 0, most);
+  models.components = archive.integer("components", 1, most);
+  if (models.polynomial_size() > most) archive.fail("the degree is too high");
+  models.center = archive.numbers("center", Dim, cells);
+  models.radius = archive.numbers("radius", cells, 1);
+  if (!(models.radius.minCoeff() > 0)) archive.fail("a radius is not positive");
+  models.anisotropic = archive.has("metrics");
+  if (models.anisotropic) models.metric = numbers_of(archive, "metrics", Dim * Dim * cells);
+  models.position = numbers_of(archive, "positions", Dim * models.centers_each * cells);
+  models.alpha = numbers_of(archive, "coefficients", models.components * models.centers_each * cells);
+  models.polynomial = numbers_of(archive, "polynomials", models.components * models.polynomial_size() * cells);
+  return data;
+}
+
+template <int Dim>
+Archive samples_to_archive(const typename MovingLeastSquares<Dim>::Data& data) {
+  Archive archive;
+  archive.kind = samples_kind;
+  set_kernel(archive, data.kernel);
+  if (data.directions.cols() > 0) archive.set("directions", data.directions);
+  archive.set("degree", data.bases.back().degree());
+  archive.set("points", data.samples.points);
+  archive.set("values", data.samples.values);
+  archive.set("weights", data.samples.weights);
+  archive.set("radii", data.radii);
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const typename MovingLeastSquares<Dim>::Data> samples_from(const Archive& archive) {
+  Samples<Dim> samples;
+  samples.points = archive.numbers("points", Dim);
+  samples.values = archive.numbers("values", samples.size());
+  samples.weights = archive.numbers("weights", -1, 1);
+  require_valid(samples, "read_model");
+  const auto& radii = archive.numbers("radii", samples.size(), 1);
+  if (!(radii.minCoeff() > 0)) archive.fail("a radius is not positive");
+  auto data = std::make_shared<typename MovingLeastSquares<Dim>::Data>(
+      std::move(samples), kernel_of(archive), static_cast<int>(archive.integer("degree", 0, most_degree)));
+  data->set_radii(radii);
+  if (archive.has("directions")) data->directions = archive.numbers("directions", Dim, data->samples.size());
+  return data;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                   \
+  template Archive to_archive(const RadialBasis<Dim>&);                                          \
+  template std::shared_ptr<const RadialBasis<Dim>> basis_from(const Archive&);                   \
+  template Archive patches_to_archive<Dim>(const PartitionOfUnity<Dim>::Data&);                  \
+  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> patches_from<Dim>(const Archive&); \
+  template Archive samples_to_archive<Dim>(const MovingLeastSquares<Dim>::Data&);                \
+  template std::shared_ptr<const MovingLeastSquares<Dim>::Data> samples_from<Dim>(const Archive&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

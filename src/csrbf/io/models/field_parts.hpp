@@ -1,0 +1,53 @@
+#pragma once
+
+#include "csrbf/approx/basis/radial_basis.hpp"
+#include "csrbf/approx/moving/moving_least_squares.hpp"
+#include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/io/models/archive.hpp"
+
+#include <memory>
+
+namespace csrbf {
+
+/// What several fields share, as archives, and back. Reading throws IoError or InvalidInput for entries that are
+/// missing or do not fit together.
+
+template <int Dim>
+Archive to_archive(const RadialBasis<Dim>& basis);
+template <int Dim>
+std::shared_ptr<const RadialBasis<Dim>> basis_from(const Archive& archive);
+
+template <int Dim>
+Archive patches_to_archive(const typename PartitionOfUnity<Dim>::Data& data);
+template <int Dim>
+std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> patches_from(const Archive& archive);
+
+template <int Dim>
+Archive samples_to_archive(const typename MovingLeastSquares<Dim>::Data& data);
+template <int Dim>
+std::shared_ptr<const typename MovingLeastSquares<Dim>::Data> samples_from(const Archive& archive);
+
+/// The kind of the archives above.
+inline constexpr const char* basis_kind = "radial basis";
+inline constexpr const char* patches_kind = "cover and local functions";
+inline constexpr const char* samples_kind = "samples";
+
+/// Largest degree of a polynomial.
+inline constexpr int most_degree = 20;
+
+/// A number that must be positive and finite.
+double positive_number(const Archive& archive, const std::string& name);
+
+template <int Dim>
+void set_box(Archive& archive, const Box<Dim>& box) {
+  archive.set("lower_bounds", box.lo);
+  archive.set("upper_bounds", box.hi);
+}
+
+/// A box, which may be empty.
+template <int Dim>
+Box<Dim> box_of(const Archive& archive) {
+  return {archive.array<double>("lower_bounds", Dim, 1), archive.array<double>("upper_bounds", Dim, 1)};
+}
+
+}  // namespace csrbf

@@ -1,0 +1,161 @@
+#include "csrbf/io/models/function_archive.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/models/field_archive.hpp"
+#include "csrbf/io/samples.hpp"
+
+#include <optional>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr std::int64_t most_names = 1 << 20;
+
+void set_texts(Archive& archive, const std::string& name, const std::vector<std::string>& texts) {
+  archive.set(name + "s", texts.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) archive.set(name + std::to_string(i), texts[i]);
+}
+
+std::vector<std::string> texts_of(const Archive& archive, const std::string& name) {
+  std::vector<std::string> texts;
+  for (std::int64_t i = 0, count = archive.integer(name + "s", 0, most_names); i < count; ++i)
+    texts.push_back(archive.text(name + std::to_string(i)));
+  return texts;
+}
+
+// Calls visit(name, member) for the numbers and names of a report.
+template <class Report, class Visit>
+void for_each_member(Report& report, const Visit& visit) {
+  visit("method", report.method);
+  visit("kernel", report.kernel);
+  visit("samples", report.samples);
+  visit("samples_fitted", report.samples_fitted);
+  visit("merged_duplicates", report.merged_duplicates);
+  visit("centers", report.centers);
+  visit("levels", report.levels);
+  visit("patches", report.patches);
+  visit("samples_per_patch", report.samples_per_patch);
+  visit("degree", report.degree);
+  visit("support", report.support);
+  visit("smoothing", report.smoothing);
+  visit("rmse", report.rmse);
+  visit("max_error", report.max_error);
+  visit("cross_validation_rmse", report.cross_validation_rmse);
+}
+
+Archive to_archive(const FitReport& report) {
+  Archive archive;
+  archive.kind = "report";
+  for_each_member(report, [&](const char* name, const auto& member) { archive.set(name, member); });
+  archive.set("anisotropy", report.anisotropy);
+  archive.set("axis_scales", Eigen::Map<const Eigen::VectorXd>(report.axis_scales.data(),
+                                                               static_cast<Index>(report.axis_scales.size())));
+  set_texts(archive, "warning", report.warnings);
+  return archive;
+}
+
+struct MemberReader {
+  const Archive& archive;
+
+  void operator()(const char* name, std::string& member) const { member = archive.text(name); }
+  void operator()(const char* name, double& member) const { member = archive.number(name); }
+  void operator()(const char* name, Index& member) const { member = archive.integer(name); }
+  void operator()(const char* name, int& member) const {
+    constexpr int most = std::numeric_limits<int>::max();
+    member = static_cast<int>(archive.integer(name, -most, most));
+  }
+};
+
+FitReport report_from(const Archive& archive) {
+  FitReport report;
+  for_each_member(report, MemberReader{archive});
+  if (archive.has("anisotropy")) report.anisotropy = archive.number("anisotropy");  // older models have none
+  const auto& scales = archive.numbers("axis_scales", -1, 1);
+  report.axis_scales.assign(scales.data(), scales.data() + scales.size());
+  report.warnings = texts_of(archive, "warning");
+  return report;
+}
+
+template <int Dim>
+void set_components(Archive& archive, const Fit<Dim>& fit) {
+  FieldWriter<Dim> writer;
+  for (std::size_t i = 0; i < fit.components.size(); ++i)
+    archive.set("component" + std::to_string(i), writer.field(*fit.components[i]));
+  archive.set("variances", fit.variances.size());
+  for (std::size_t i = 0; i < fit.variances.size(); ++i)
+    archive.set("variance" + std::to_string(i), writer.field(*fit.variances[i]));
+  writer.store_shared(archive);
+}
+
+template <int Dim>
+Function make_function(const Archive& archive, std::int64_t components) {
+  Fit<Dim> fit;
+  FieldReader<Dim> reader(archive);
+  for (std::int64_t i = 0; i < components; ++i)
+    fit.components.push_back(reader.field(archive.part("component" + std::to_string(i))));
+  const std::int64_t variances = archive.integer("variances", 0, components);
+  for (std::int64_t i = 0; i < variances; ++i)
+    fit.variances.push_back(reader.field(archive.part("variance" + std::to_string(i))));
+  if (variances != 0 && variances != components) archive.fail("there is not one variance per component");
+  fit.report = report_from(archive.part("report"));
+  return Function(std::move(fit));
+}
+
+// The function of the dimension that is known at run time only.
+template <int Dim = 1>
+Function make_function(const Archive& archive, std::int64_t dimension, std::int64_t components) {
+  if constexpr (Dim > std::variant_size_v<Function::Fits> - 1)
+    archive.fail("functions of " + std::to_string(dimension) + " variables are beyond this version");
+  else
+    return dimension == Dim ? make_function<Dim>(archive, components)
+                            : make_function<Dim + 1>(archive, dimension, components);
+}
+
+std::vector<std::string> names_or(std::vector<std::string> names, std::vector<std::string> defaults) {
+  return names.empty() ? std::move(defaults) : std::move(names);
+}
+
+}  // namespace
+
+Archive to_archive(const NamedFunction& named) {
+  const Function& function = named.function;
+  const auto fits = [](const auto& names, Index count) {
+    return names.empty() || static_cast<Index>(names.size()) == count;
+  };
+  require(fits(named.coordinate_names, function.dimension()), "write_model", "coordinate_names",
+          named.coordinate_names.size(), "there must be one per coordinate, or none");
+  require(fits(named.value_names, function.components()), "write_model", "value_names", named.value_names.size(),
+          "there must be one per component, or none");
+  Archive archive;
+  archive.kind = function_kind;
+  archive.set("dimension", function.dimension());
+  archive.set("components", function.components());
+  set_texts(archive, "coordinate_name",
+            names_or(named.coordinate_names, default_coordinate_names(function.dimension())));
+  set_texts(archive, "value_name", names_or(named.value_names, default_value_names(function.components())));
+  archive.set("report", to_archive(function.report()));
+  std::visit(
+      [&](const auto& fit) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(fit)>, std::monostate>) set_components(archive, fit);
+      },
+      function.fits());
+  return archive;
+}
+
+NamedFunction function_from(const Archive& archive) {
+  if (archive.kind != function_kind) archive.fail("this is a \"" + archive.kind + "\", not a fitted function");
+  try {
+    const std::int64_t components = archive.integer("components", 1, most_names);
+    NamedFunction named{make_function(archive, archive.integer("dimension", 1, most_names), components),
+                        texts_of(archive, "coordinate_name"), texts_of(archive, "value_name")};
+    if (static_cast<Index>(named.coordinate_names.size()) != named.function.dimension() ||
+        static_cast<Index>(named.value_names.size()) != components)
+      archive.fail("the names do not fit the function");
+    return named;
+  } catch (const InvalidInput& error) {
+    archive.fail(std::string("the model is damaged: ") + error.what());
+  }
+}
+
+}  // namespace csrbf

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "csrbf/io/models/archive.hpp"
+#include "csrbf/io/named_function.hpp"
+
+namespace csrbf {
+
+/// What archives of functions are a kind of.
+inline constexpr const char* function_kind = "function";
+
+/// Throws InvalidInput for fields that have no file form, and when numbers of names do not match.
+Archive to_archive(const NamedFunction& function);
+
+/// Throws IoError unless it is a complete archive of a function.
+NamedFunction function_from(const Archive& archive);
+
+}  // namespace csrbf

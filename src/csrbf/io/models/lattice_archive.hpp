@@ -1,0 +1,21 @@
+#pragma once
+
+#include "csrbf/io/models/archive.hpp"
+#include "csrbf/levelset/lattice_field.hpp"
+
+#include <memory>
+
+namespace csrbf {
+
+/// What archives of level sets on a lattice are a kind of.
+inline constexpr const char* lattice_kind = "lattice";
+
+template <int Dim>
+Archive to_archive(const LatticeField<Dim>& field);
+
+/// The field gives the same values, bit for bit. Throws IoError, or InvalidInput, for entries that are missing or do
+/// not fit together.
+template <int Dim>
+std::shared_ptr<const LatticeField<Dim>> lattice_field_from(const Archive& archive);
+
+}  // namespace csrbf

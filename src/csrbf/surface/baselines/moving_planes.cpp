@@ -1,0 +1,167 @@
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/surface/baselines/baselines.hpp"
+#include "csrbf/surface/baselines/value_field.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include <array>
+#include <utility>
+
+namespace csrbf::baselines {
+namespace {
+
+constexpr double difference_step = 1e-3;  // spacings
+constexpr Index plane_neighbors = 12;     // of Hoppe's tangent planes
+constexpr std::size_t neighbors = 24;     // of the moving methods
+constexpr int projection_steps = 3;
+constexpr double projection_reach = 3;  // spacings
+
+double step(const PreparedCloud& cloud) {
+  return difference_step * cloud.cloud.spacing.mean();
+}
+
+// The points and normals of a cloud with a tree.
+class Samples {
+ public:
+  Samples(Points<3> points, Points<3> normals)
+      : points_(std::move(points)), normals_(std::move(normals)), tree_(points_) {}
+
+ protected:
+  Points<3> points_, normals_;
+  KdTree<3> tree_;
+};
+
+class Hoppe final : public ValueField, private Samples {
+ public:
+  Hoppe(const PreparedCloud& cloud, Points<3> origins)
+      : ValueField(bounding_box<3>(cloud.cloud.points), step(cloud)),
+        Samples(std::move(origins), cloud.cloud.normals) {}
+
+  [[nodiscard]] double value(const Point<3>& x) const override {
+    Index i = 0;
+    double squared = 0;
+    tree_.nearest(x, 1, &i, &squared);
+    return -normals_.col(i).dot(x - points_.col(i));
+  }
+};
+
+// Neighbours of a point with weights that end at the farthest one.
+struct Neighborhood {
+  std::size_t count = 0;
+  std::array<Index, neighbors> ids{};
+  std::array<double, neighbors> squared{};
+  std::array<double, neighbors> weight{};
+  double radius = 0;
+  Point<3> position = Point<3>::Zero();  // weighted mean
+  Point<3> normal = Point<3>::Zero();    // likewise, unit
+};
+
+class MovingPlanes : public ValueField, protected Samples {
+ public:
+  explicit MovingPlanes(const PreparedCloud& cloud)
+      : ValueField(bounding_box<3>(cloud.cloud.points), step(cloud)),
+        Samples(cloud.cloud.points, cloud.cloud.normals) {}
+
+  [[nodiscard]] double value(const Point<3>& x) const override {
+    const Neighborhood near = around(x);
+    return near.normal.dot(near.position - x);
+  }
+
+ protected:
+  [[nodiscard]] Neighborhood around(const Point<3>& x) const {
+    Neighborhood near;
+    near.count =
+        static_cast<std::size_t>(tree_.nearest(x, static_cast<Index>(neighbors), near.ids.data(), near.squared.data()));
+    if (near.count == 0) {  // x is not a number
+      near.position = x;
+      return near;
+    }
+    near.radius = std::sqrt(near.squared[near.count - 1]);
+    double sum = 0;
+    for (std::size_t k = 0; k < near.count; ++k) {
+      // Far from the surface all distances are alike: what counts is how much they exceed the smallest.
+      const double t = (std::sqrt(near.squared[k]) - std::sqrt(near.squared[0])) /
+                       (near.radius - std::sqrt(near.squared[0]) + 1e-300);
+      near.weight[k] = (1 - t * t) * (1 - t * t);
+      sum += near.weight[k];
+      near.position += near.weight[k] * points_.col(near.ids[k]);
+      near.normal += near.weight[k] * normals_.col(near.ids[k]);
+    }
+    near.position /= sum;
+    near.normal.normalize();
+    return near;
+  }
+};
+
+class ProjectionMls final : public MovingPlanes {
+ public:
+  explicit ProjectionMls(const PreparedCloud& cloud)
+      : MovingPlanes(cloud), reach_(projection_reach * cloud.cloud.spacing.mean()) {}
+
+  // Distance to h(u, v) over the plane at the mean of the neighbours of the foot of x, found step by step. Far from the
+  // samples, where there is no projection, distance to the moving plane.
+  [[nodiscard]] double value(const Point<3>& x) const override {
+    Neighborhood near = around(x);
+    if (near.squared[0] > reach_ * reach_) return near.normal.dot(near.position - x);
+    Point<3> foot = x;
+    double distance = 0;
+    for (int k = 0; k < projection_steps; ++k) {
+      if (k > 0) near = around(foot);
+      if (near.normal.isZero(0)) break;  // normals that cancel, or are not known, leave no plane to project on
+      distance = near.normal.dot(x - near.position) - height(near, x);
+      foot = x - distance * near.normal;
+    }
+    return -distance;
+  }
+
+ private:
+  // Of the polynomial of degree 2 above the foot of x.
+  [[nodiscard]] double height(const Neighborhood& near, const Point<3>& x) const {
+    const Point<3> u = near.normal.unitOrthogonal(), v = near.normal.cross(u);
+    using Column = Eigen::Matrix<double, 6, 1>;
+    Eigen::Matrix<double, 6, 6> M = 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
+    Column b = Column::Zero();
+    const auto monomials = [&](const Point<3>& p) {
+      const double s = u.dot(p - near.position) / near.radius, t = v.dot(p - near.position) / near.radius;
+      return Column{1, s, t, s * s, s * t, t * t};
+    };
+    for (std::size_t k = 0; k < near.count; ++k) {
+      const Point<3> p = points_.col(near.ids[k]);
+      const Column m = monomials(p);
+      M += near.weight[k] * m * m.transpose();
+      b += near.weight[k] * near.normal.dot(p - near.position) * m;
+    }
+    return M.ldlt().solve(b).dot(monomials(x));
+  }
+
+  double reach_;
+};
+
+}  // namespace
+
+MethodFit hoppe(const PreparedCloud& cloud, const MethodOptions& /*options*/) {
+  const Points<3>& points = cloud.cloud.points;
+  Points<3> origins(3, points.cols());
+  parallel_for(points.cols(), 256, [&](Index begin, Index end) {
+    std::array<Index, plane_neighbors> ids;
+    std::array<double, plane_neighbors> squared;
+    for (Index i = begin; i < end; ++i) {
+      const Index found = cloud.tree->nearest(points.col(i), plane_neighbors, ids.data(), squared.data());
+      Point<3> sum = Point<3>::Zero();
+      for (std::size_t k = 0; k < static_cast<std::size_t>(found); ++k) sum += points.col(ids[k]);
+      origins.col(i) = sum / static_cast<double>(found);
+    }
+  });
+  return {std::make_shared<const Hoppe>(cloud, std::move(origins)), points.cols(), 0};
+}
+
+MethodFit adamson_alexa(const PreparedCloud& cloud, const MethodOptions& /*options*/) {
+  return {std::make_shared<const MovingPlanes>(cloud), cloud.cloud.size(), 0};
+}
+
+MethodFit projection_mls(const PreparedCloud& cloud, const MethodOptions& /*options*/) {
+  return {std::make_shared<const ProjectionMls>(cloud), cloud.cloud.size(), 0};
+}
+
+}  // namespace csrbf::baselines

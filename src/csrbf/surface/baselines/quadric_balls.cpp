@@ -1,0 +1,61 @@
+#include "csrbf/surface/baselines/quadric_balls.hpp"
+
+#include "csrbf/surface/medial/quadric_fitter.hpp"
+
+#include <utility>
+
+namespace csrbf::baselines {
+
+QuadricBalls::QuadricBalls(Data data)
+    : data_(std::move(data)), balls_(data_.centers, data_.supports, data_.quadrics), tree_(data_.centers) {}
+
+Taylor<3> QuadricBalls::nearest_quadric(const Point<3>& x) const {
+  Index i = 0;
+  double squared = 0;
+  tree_.nearest(x, 1, &i, &squared);
+  const auto& c = data_.quadrics.col(i);
+  const Eigen::Vector4d value = evaluate_quadric(c, x - data_.centers.col(i));
+  Taylor<3> f(value[0]);
+  f.gradient = value.tail<3>();
+  f.hessian << c[4], c[5], c[6], c[5], c[7], c[8], c[6], c[8], c[9];
+  f.hessian *= 2;
+  return f;
+}
+
+void QuadricBalls::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
+  BallTree::Runs runs;
+  BallSums sums;
+  for (Index i = 0; i < x.cols(); ++i) {
+    balls_.sum(x.col(i), out.derivatives(), runs, sums);
+    Taylor<3> f = total<Taylor<3>>(sums.S, out.derivatives());
+    if (data_.normalized) {
+      const Taylor<3> W = total<Taylor<3>>(sums.W, out.derivatives());
+      f = W.value > 0 ? f / W : nearest_quadric(x.col(i));
+    }
+    out.value[i] = data_.constant + f.value;
+    if (out.gradient != nullptr) Eigen::Map<Point<3>>(out.gradient + 3 * i) = f.gradient;
+    if (out.hessian == nullptr) continue;
+    for (int a = 0, entry = 0; a < 3; ++a)
+      for (int b = a; b < 3; ++b, ++entry) out.hessian[6 * i + entry] = f.hessian(a, b);
+  }
+}
+
+void BallBuilder::add(const Point<3>& center, double support, const Eigen::Matrix<double, 10, 1>& quadric) {
+  centers_.push_back(center);
+  supports_.push_back(support);
+  quadrics_.push_back(quadric);
+}
+
+QuadricBalls::Data BallBuilder::data() const {
+  const auto n = static_cast<Index>(centers_.size());
+  QuadricBalls::Data data{Points<3>(3, n), Eigen::VectorXd(n), BallTree::Quadrics(10, n)};
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    data.centers.col(i) = centers_[k];
+    data.supports[i] = supports_[k];
+    data.quadrics.col(i) = quadrics_[k];
+  }
+  return data;
+}
+
+}  // namespace csrbf::baselines

@@ -1,0 +1,42 @@
+#include "csrbf/surface/check/surface_distances.hpp"
+
+#include "csrbf/core/shared_work.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+constexpr double smallest_slope = 0.1;  // of f near the surface, where it is about 1
+
+}  // namespace
+
+std::vector<double> surface_distances(const Field<3>& field, const PointsRef<3>& points, double diagonal) {
+  constexpr Index grain = Field<3>::block_size;
+  std::vector<double> distance(static_cast<std::size_t>(points.cols()));
+  const auto compute = [&](Index begin, Index end) {
+    Eigen::Matrix<double, grain, 1> value;
+    Eigen::Matrix<double, 3, grain> gradient;
+    field.evaluate_block(points.middleCols(begin, end - begin), {value.data(), gradient.data(), nullptr});
+    for (Index i = begin; i < end; ++i)
+      distance[static_cast<std::size_t>(i)] =
+          std::abs(value[i - begin]) / std::max(gradient.col(i - begin).norm(), smallest_slope) / diagonal;
+  };
+  share_arrays("evaluate", points.cols(), grain, compute, {ResultArray::of(distance.data())});
+  return distance;
+}
+
+DistanceSummary summarize_distances(std::vector<double> distance) {
+  DistanceSummary summary;
+  double sum = 0;
+  for (const double d : distance) sum += d * d;
+  summary.rms = std::sqrt(sum / static_cast<double>(distance.size()));
+  summary.max = *std::max_element(distance.begin(), distance.end());
+  const auto p99 = distance.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1));
+  std::nth_element(distance.begin(), p99, distance.end());
+  summary.p99 = *p99;
+  return summary;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,245 @@
+#include "csrbf/surface/composite/choose_options.hpp"
+
+#include "csrbf/core/shared_work.hpp"
+#include "csrbf/spatial/partition.hpp"
+#include "csrbf/surface/composite/patch_fitter.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+constexpr Index block_size = 96;  // samples predicted together
+constexpr Index around_block = 4 * block_size;
+constexpr Index blocks = 100;
+constexpr double thickest = 0.2;    // error against patch radius; smaller patches follow layers of the noise
+constexpr double confidence = 0.5;  // standard errors
+constexpr double margin = 0.1;      // of the error
+constexpr Index noisy_leaf = 12;    // best leaves at least this large are due to noise
+constexpr Index heat_stride = 4;    // one in so many blocks tells ...
+constexpr double hopeless = 1.3;    // ... which values are so many times worse than the best
+
+// Halves of a block, and larger.
+constexpr std::array<Index, 7> leaf_sizes = {6, 12, 24, 48, 96, 200, 350};
+constexpr std::array<double, 6> normal_weights = {3, 1, 0.3, 0.1, 0.03, 0.01};
+constexpr std::array<Index, 3> center_counts = {0, 16, 32};
+constexpr std::array<double, 4> smoothings = {1e-1, 1e-2, 1e-3, 1e-6};
+
+// Samples in blocks all over the cloud, each predicted by a patch fitted without it.
+class CrossValidation {
+ public:
+  CrossValidation(const OrientedPoints& cloud, const KdTree<3>& tree) : cloud_(cloud), tree_(tree) {
+    const Index n = cloud.size(), count = std::min(blocks, n / block_size);
+    for (Index t = 0; t < count; ++t) {
+      begin_.push_back(static_cast<Index>(samples_.size()));
+      add_block((2 * t + 1) * n / (2 * count));
+    }
+    begin_.push_back(static_cast<Index>(samples_.size()));
+  }
+
+  [[nodiscard]] Index size() const { return static_cast<Index>(samples_.size()); }
+
+  // Mean errors and patch radii, by block.
+  struct Prediction {
+    Eigen::ArrayXd error, radius;
+
+    // All infinite when the patches are hardly wider than the errors.
+    [[nodiscard]] Eigen::ArrayXd checked_errors() const {
+      if (error.mean() <= thickest * radius.mean()) return error;
+      return Eigen::ArrayXd::Constant(error.size(), std::numeric_limits<double>::infinity());
+    }
+  };
+
+  // Predicts every `heat_stride`-th block.
+  [[nodiscard]] Prediction heat(const CompositeOptions& options) const {
+    std::vector<Index> chosen;
+    for (Index t = 0; t < count(); t += heat_stride) chosen.push_back(t);
+    return predict(options, chosen);
+  }
+
+  // Predicts all blocks, given those of the heat.
+  [[nodiscard]] Prediction complete(const CompositeOptions& options, const Prediction& heat) const {
+    std::vector<Index> others;
+    for (Index t = 0; t < count(); ++t)
+      if (t % heat_stride != 0) others.push_back(t);
+    const Prediction rest = predict(options, others);
+    Prediction all{Eigen::ArrayXd(count()), Eigen::ArrayXd(count())};
+    const auto first = Eigen::seq(0, count() - 1, Eigen::fix<heat_stride>);
+    all.error(first) = heat.error;
+    all.radius(first) = heat.radius;
+    all.error(others) = rest.error;
+    all.radius(others) = rest.radius;
+    return all;
+  }
+
+ private:
+  // The samples nearest to sample `middle` along the sheet, whatever their noise across it.
+  void add_block(Index middle) {
+    std::vector<Index> near(static_cast<std::size_t>(std::min(around_block, cloud_.size())));
+    std::vector<double> squared(near.size());
+    const Point<3> center = cloud_.points.col(middle);
+    tree_.nearest(center, static_cast<Index>(near.size()), near.data(), squared.data());
+    Point<3> normal = Point<3>::Zero();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(block_size); ++i)
+      if (cloud_.normals.col(near[i]).dot(cloud_.normals.col(middle)) > 0) normal += cloud_.normals.col(near[i]);
+    normal.normalize();
+    std::vector<std::pair<double, Index>> along;
+    for (const Index i : near) {
+      const Point<3> d = cloud_.points.col(i) - center;
+      if (cloud_.normals.col(i).dot(normal) > 0) along.emplace_back(d.squaredNorm() - std::pow(d.dot(normal), 2), i);
+    }
+    std::sort(along.begin(), along.end());
+    along.resize(std::min(along.size(), static_cast<std::size_t>(block_size)));
+    for (const auto& [distance, i] : along) samples_.push_back(i);
+  }
+
+  [[nodiscard]] Index count() const { return static_cast<Index>(begin_.size()) - 1; }
+
+  [[nodiscard]] Prediction predict(const CompositeOptions& options, const std::vector<Index>& chosen) const {
+    const auto n = static_cast<Index>(chosen.size());
+    Prediction result{Eigen::ArrayXd(n), Eigen::ArrayXd(n)};
+    const auto compute = [&](Index first, Index last) {
+      PatchFitter fitter(cloud_, tree_, options);
+      for (Index i = first; i < last; ++i) {
+        const auto block = static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)]);
+        const Sum sum = predict(fitter, options.leaf_size, begin_[block], begin_[block + 1]);
+        result.error[i] = sum.error / sum.samples;
+        result.radius[i] = sum.radius / sum.samples;
+      }
+    };
+    share_arrays("choose options", n, 4, compute,
+                 {ResultArray::of(result.error.data()), ResultArray::of(result.radius.data())});
+    return result;
+  }
+
+  struct Sum {
+    double error = 0, radius = 0, samples = 0;
+  };
+
+  // A block is cut into leaves, or is the middle of a leaf.
+  Sum predict(PatchFitter& fitter, Index leaf_size, Index begin, Index end) const {
+    std::vector<Index> ids(samples_.begin() + begin, samples_.begin() + end);
+    Sum sum;
+    if (leaf_size <= end - begin) {
+      predict(fitter, leaf_size, ids, sum);
+      return sum;
+    }
+    Point<3> center = Point<3>::Zero();
+    for (const Index i : ids) center += cloud_.points.col(i) / static_cast<double>(ids.size());
+    std::vector<Index> leaf(static_cast<std::size_t>(leaf_size));
+    std::vector<double> distance(leaf.size());
+    const Index found = tree_.nearest(center, leaf_size, leaf.data(), distance.data());
+    add(fitter, fitter.fit(leaf.data(), found), found, ids, sum);
+    return sum;
+  }
+
+  void predict(PatchFitter& fitter, Index leaf_size, std::span<Index> ids, Sum& sum) const {
+    const auto n = static_cast<Index>(ids.size());
+    if (n > leaf_size) {
+      const auto cut = static_cast<std::size_t>(halve<3>(cloud_.points, cloud_.normals, ids.data(), n));
+      predict(fitter, leaf_size, ids.first(cut), sum);
+      predict(fitter, leaf_size, ids.subspan(cut), sum);
+      return;
+    }
+    add(fitter, fitter.fit(ids.data(), n), n, ids, sum);
+  }
+
+  // Adds what the patch over a leaf of n samples, among them `ids`, does to these, and their share of what it does to
+  // samples of other sheets.
+  static void add(PatchFitter& fitter, const FittedPatch& patch, Index n, std::span<const Index> ids, Sum& sum) {
+    std::vector<double> distance(ids.size());
+    fitter.left_out_distances(patch, ids, distance.data());
+    for (const double d : distance) sum.error += d;
+    sum.error += fitter.error_on_other_sheets(patch) * static_cast<double>(ids.size()) / static_cast<double>(n);
+    sum.radius += patch.patch.radius * static_cast<double>(ids.size());
+    sum.samples += static_cast<double>(ids.size());
+  }
+
+  const OrientedPoints& cloud_;
+  const KdTree<3>& tree_;
+  std::vector<Index> samples_, begin_;
+};
+
+// How a choice among nearly equal ones is made, smoothest first. Noise asks for the first whose errors are within the
+// confidence of the best one's. Without noise the errors of left-out samples overstate those of the surface, which is
+// nearer to samples than these are to each other: the last within a margin of the best is taken.
+std::size_t choose(const std::vector<Eigen::ArrayXd>& errors, bool noisy) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < errors.size(); ++i)
+    if (errors[i].mean() < errors[best].mean()) best = i;
+  if (!std::isfinite(errors[best].mean())) return 0;
+  if (!noisy) {
+    std::size_t last = errors.size() - 1;
+    while (errors[last].mean() > (1 + margin) * errors[best].mean()) --last;
+    return last;
+  }
+  for (std::size_t i = 0; i < best; ++i) {
+    if (!std::isfinite(errors[i].mean())) continue;
+    const Eigen::ArrayXd difference = errors[i] - errors[best];
+    const double mean = difference.mean();
+    const double variance = (difference - mean).square().sum() / static_cast<double>(difference.size() - 1);
+    if (mean <= confidence * std::sqrt(variance / static_cast<double>(difference.size()))) return i;
+  }
+  return best;
+}
+
+// Tries each value of one option, smoothest first, and keeps the choice; returns its errors. Values that are much worse
+// than the best on a few blocks are not tried on the others.
+template <class Value, class Values>
+Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& options, Value CompositeSettings::*member,
+                      const Values& values, bool noisy) {
+  Eigen::ArrayXd heat(static_cast<Index>(values.size()));
+  std::vector<CrossValidation::Prediction> predictions;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    options.*member = values[i];
+    predictions.push_back(validation.heat(options));
+    heat[static_cast<Index>(i)] = predictions.back().checked_errors().mean();
+  }
+  std::vector<Eigen::ArrayXd> errors(values.size(),
+                                     Eigen::ArrayXd::Constant(1, std::numeric_limits<double>::infinity()));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(heat[static_cast<Index>(i)] <= hopeless * heat.minCoeff())) continue;
+    options.*member = values[i];
+    errors[i] = validation.complete(options, predictions[i]).checked_errors();
+  }
+  const std::size_t chosen = choose(errors, noisy);
+  options.*member = values[chosen];
+  return errors[chosen];
+}
+
+}  // namespace
+
+ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& given) {
+  return choose_options(cloud, KdTree<3>(cloud.points), given);
+}
+
+ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree, const GivenOptions& given) {
+  ChosenOptions result;
+  CompositeOptions& options = result.options;
+  options.normal_rows = given.normal_rows;
+  options.smoothing = given.smoothing.value_or(options.smoothing);
+  options.leaf_size = given.leaf_size.value_or(options.leaf_size);
+  const CrossValidation validation(cloud, tree);
+  if (validation.size() == 0) return result;
+
+  // Large leaves first, as long as a few of them make up a body.
+  const Index body = std::max(given.body_size.value_or(cloud.size()), leaves_of_body * leaf_sizes.front());
+  std::vector<Index> sizes;
+  for (auto size = leaf_sizes.rbegin(); size != leaf_sizes.rend(); ++size)
+    if (leaves_of_body * *size <= std::min(body, cloud.size())) sizes.push_back(*size);
+  if (sizes.empty()) return result;
+  options.normal_weight = 0.1;
+  if (!given.leaf_size) choose(validation, options, &CompositeOptions::leaf_size, sizes, true);
+  options.leaf_size = std::min(options.leaf_size, sizes.front());
+  const bool noisy = options.leaf_size >= noisy_leaf;
+  choose(validation, options, &CompositeOptions::normal_weight, normal_weights, noisy);
+  Eigen::ArrayXd errors = choose(validation, options, &CompositeOptions::centers_per_patch, center_counts, noisy);
+  if (!given.smoothing && options.centers_per_patch > 0)
+    errors = choose(validation, options, &CompositeOptions::smoothing, smoothings, noisy);
+  options.leaf_size = given.leaf_size.value_or(options.leaf_size);
+  result.cross_validation_error = errors.mean();
+  return result;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,241 @@
+#include "csrbf/surface/composite/composite.hpp"
+
+#include "csrbf/core/shared_work.hpp"
+#include "csrbf/spatial/partition.hpp"
+#include "csrbf/surface/composite/coverage_gaps.hpp"
+#include "csrbf/surface/composite/patch_fitter.hpp"
+
+#include <optional>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr Index patches_per_task = 64;
+constexpr Index tasks_per_report = 64;
+constexpr Index most_reports = 32;
+constexpr Index scrap = 8;       // a leaf with fewer than 1 / scrap of the usual points is a scrap
+constexpr double covered = 0.1;  // sum of weights that makes a patch over a scrap superfluous
+
+// One leaf of the final partition with its patch.
+struct Leaf {
+  Index begin, end;  // in the order of the partition
+  double area;       // of each sample
+  FittedPatch patch;
+};
+
+void pack(const std::vector<Leaf>& leaves, ByteWriter& out) {
+  out.put(leaves.size());
+  for (const Leaf& leaf : leaves) {
+    out.put(leaf.begin);
+    out.put(leaf.end);
+    out.put(leaf.area);
+    leaf.patch.pack(out);
+  }
+}
+
+void unpack(std::vector<Leaf>& leaves, ByteReader& in) {
+  leaves.resize(in.take<std::size_t>());
+  for (Leaf& leaf : leaves) {
+    leaf.begin = in.take<Index>();
+    leaf.end = in.take<Index>();
+    leaf.area = in.take<double>();
+    leaf.patch.unpack(in);
+  }
+}
+
+// Fits leaves; halves them as long as a tolerance is missed. The smallest leaves then all but interpolate the
+// positions.
+class LeafFitter {
+ public:
+  LeafFitter(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
+             std::vector<Index>& order)
+      : cloud_(cloud),
+        tree_(tree),
+        options_(options),
+        tight_options_(tight(options)),
+        covering_options_(covering(options)),
+        order_(order),
+        fitter_(cloud, tree, options_),
+        tight_fitter_(cloud, tree, tight_options_),
+        covering_fitter_(cloud, tree, covering_options_) {}
+
+  void fit(Index begin, Index end, std::vector<Leaf>& leaves) {
+    Index* ids = order_.data() + begin;
+    FittedPatch patch = fitter_.fit(ids, end - begin);
+    if (options_.tolerance.size() > 0 && !fitter_.within_tolerance(patch)) {
+      if (end - begin >= 2 * CompositeOptions::smallest_leaf) {
+        const Index middle = begin + halve<3>(cloud_.points, cloud_.normals, ids, end - begin);
+        fit(begin, middle, leaves);
+        fit(middle, end, leaves);
+        return;
+      }
+      patch = tight_fitter_.fit(ids, end - begin);
+    }
+    leaves.push_back({begin, end, fitter_.area_per_sample(), std::move(patch)});
+  }
+
+  // The patch over a coverage gap: none where it misses a tolerance.
+  std::optional<FittedPatch> cover(const CoverageGap& gap) {
+    samples_around(cloud_, tree_, gap, around_);
+    if (around_.empty()) return std::nullopt;
+    FittedPatch patch = covering_fitter_.fit(around_.data(), static_cast<Index>(around_.size()));
+    if (options_.tolerance.size() > 0 && !covering_fitter_.within_tolerance(patch)) return std::nullopt;
+    return patch;
+  }
+
+ private:
+  static CompositeOptions tight(CompositeOptions options) {
+    options.normal_weight *= 1e-4;
+    options.smoothing *= 1e-4;
+    return options;
+  }
+  // A patch over a coverage gap need not reach farther than its samples.
+  static CompositeOptions covering(CompositeOptions options) {
+    options.overlap = 1;
+    return options;
+  }
+
+  const OrientedPoints& cloud_;
+  const KdTree<3>& tree_;
+  const CompositeOptions& options_;
+  const CompositeOptions tight_options_, covering_options_;
+  std::vector<Index>& order_;
+  PatchFitter fitter_, tight_fitter_, covering_fitter_;
+  std::vector<Index> around_;
+};
+
+void add(const FittedPatch& fitted, Patches& patches) {
+  patches.add(fitted.patch, fitted.centers, fitted.alpha);
+}
+
+// Cuts at gaps leave scraps: stray samples beside a noisy sheet, or the tip of a thin feature. Only the latter, which
+// no other patch covers, get a patch of their own.
+void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, const std::vector<Leaf>& scraps,
+                Patches& patches) {
+  std::vector<char> needed(scraps.size());
+  const auto compute = [&](Index begin, Index end) {
+    double W = 0;
+    for (Index i = begin; i < end; ++i) {
+      const Leaf& leaf = scraps[static_cast<std::size_t>(i)];
+      for (Index k = leaf.begin; k < leaf.end; ++k) {
+        patches.weights(cloud.points.col(order[static_cast<std::size_t>(k)]), &W);
+        if (W < covered) needed[static_cast<std::size_t>(i)] = 1;
+      }
+    }
+  };
+  share_arrays("fit", static_cast<Index>(scraps.size()), patches_per_task, compute, {ResultArray::of(needed.data())});
+  for (std::size_t i = 0; i < scraps.size(); ++i)
+    if (needed[i] != 0) add(scraps[i].patch, patches);
+}
+
+// Leaves reported on together: enough of them that many processes get their share.
+Index batch_size(Index leaves) {
+  return patches_per_task * std::max(tasks_per_report, leaves / (patches_per_task * most_reports));
+}
+
+// Fits `count` parts of the partition from part `first` on; leaves of each part.
+template <class MakeFitter>
+std::vector<std::vector<Leaf>> fit_leaves(Partition& parts, Index first, Index count, const CompositeOptions& options,
+                                          const MakeFitter& make_fitter) {
+  std::vector<std::vector<Leaf>> fitted(static_cast<std::size_t>(count));
+  const auto compute = [&](Index begin, Index end) {
+    LeafFitter fitter = make_fitter();
+    for (Index i = begin; i < end; ++i) {
+      const auto part = static_cast<std::size_t>(first + i);
+      fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[static_cast<std::size_t>(i)]);
+    }
+  };
+  // Halving a part for a tolerance changes the order within it.
+  const auto order = [&](Index begin, Index end) {
+    const Index from = parts.begin[static_cast<std::size_t>(first + begin)],
+                to = options.tolerance.size() > 0 ? parts.begin[static_cast<std::size_t>(first + end)] : from;
+    return std::span(parts.order).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
+  };
+  const auto send = [&](Index begin, Index end, ByteWriter& out) {
+    const std::span<const Index> ids = order(begin, end);
+    out.put(ids.data(), static_cast<Index>(ids.size()));
+    for (Index i = begin; i < end; ++i) pack(fitted[static_cast<std::size_t>(i)], out);
+  };
+  const auto receive = [&](Index begin, Index end, ByteReader& in) {
+    const std::span<Index> ids = order(begin, end);
+    in.take(ids.data(), static_cast<Index>(ids.size()));
+    for (Index i = begin; i < end; ++i) unpack(fitted[static_cast<std::size_t>(i)], in);
+  };
+  share_work({"fit", count, patches_per_task, compute, send, receive});
+  return fitted;
+}
+
+// Adds patches over coverage gaps.
+template <class MakeFitter>
+void cover(const std::vector<CoverageGap>& bare, const MakeFitter& make_fitter, Patches& patches) {
+  std::vector<std::optional<FittedPatch>> fitted(bare.size());
+  const auto compute = [&](Index begin, Index end) {
+    LeafFitter fitter = make_fitter();
+    for (Index i = begin; i < end; ++i)
+      fitted[static_cast<std::size_t>(i)] = fitter.cover(bare[static_cast<std::size_t>(i)]);
+  };
+  const auto send = [&](Index begin, Index end, ByteWriter& out) {
+    for (Index i = begin; i < end; ++i) {
+      const std::optional<FittedPatch>& patch = fitted[static_cast<std::size_t>(i)];
+      out.put(patch.has_value());
+      if (patch) patch->pack(out);
+    }
+  };
+  const auto receive = [&](Index begin, Index end, ByteReader& in) {
+    for (Index i = begin; i < end; ++i)
+      if (in.take<bool>()) fitted[static_cast<std::size_t>(i)].emplace().unpack(in);
+  };
+  share_work({"fit", static_cast<Index>(bare.size()), patches_per_task, compute, send, receive});
+  for (const std::optional<FittedPatch>& patch : fitted)
+    if (patch) add(*patch, patches);
+}
+
+}  // namespace
+
+CompositeFit fit_composite(const OrientedPoints& cloud, const CompositeOptions& options, const Progress& progress) {
+  return fit_composite(cloud, KdTree<3>(cloud.points), options, progress);
+}
+
+CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
+                           const Progress& progress) {
+  report(progress, "fit", 0);
+  Partition parts = partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = options.leaf_size});
+  CompositeFit result;
+  result.areas.resize(cloud.size());
+  const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
+  std::vector<Leaf> scraps;
+  result.patches.reserve(parts.leaves(), options.centers_per_patch);
+  const Index batch = batch_size(parts.leaves());
+  for (Index done = 0; done < parts.leaves(); done += batch) {
+    const Index count = std::min(parts.leaves() - done, batch);
+    std::vector<std::vector<Leaf>> fitted =
+        fit_leaves(parts, done, count, options, [&] { return LeafFitter(cloud, tree, options, parts.order); });
+    for (std::vector<Leaf>& part : fitted) {
+      for (Leaf& leaf : part) {
+        for (Index k = leaf.begin; k < leaf.end; ++k)
+          result.areas[parts.order[static_cast<std::size_t>(k)]] = leaf.area;
+        if (scrap * (leaf.end - leaf.begin) >= usual_leaf) {
+          add(leaf.patch, result.patches);
+        } else {
+          scraps.push_back(std::move(leaf));
+        }
+      }
+    }
+    report(progress, "fit", static_cast<double>(done + count) / static_cast<double>(parts.leaves()));
+  }
+  result.patches.build();
+  if (!scraps.empty()) {
+    add_needed(cloud, parts.order, scraps, result.patches);
+    result.patches.build();
+  }
+  const std::vector<CoverageGap> bare = find_coverage_gaps(result.patches);
+  if (!bare.empty()) {
+    cover(
+        bare, [&] { return LeafFitter(cloud, tree, options, parts.order); }, result.patches);
+    result.patches.build();
+  }
+  return result;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,257 @@
+#include "csrbf/surface/composite/composite_field.hpp"
+
+#include "csrbf/core/taylor.hpp"
+
+#include <array>
+#include <type_traits>
+
+namespace csrbf {
+namespace {
+
+constexpr int lanes = PatchSums::lanes;
+
+// Patches are trusted where the sum of their weights is more than `enough`; far from the surface, where the mean m of
+// the local models in units of the radii leaves no doubt about the sign, 1 + certain m^2 times less will do ...
+constexpr double enough = 0.04;
+constexpr double certain = 20;
+// ... and where the variance of the local models, in the same units, is below `agree`. Above `contradict` they are not
+// trusted at all.
+constexpr double agree = 0.01;
+constexpr double contradict = 0.04;
+// What the patches leave open is completed by coarser ones where the winding number u = 2w - 1 is undecided.
+constexpr double undecided = 0.2;
+constexpr double decided = 0.45;
+constexpr double chunk_reach = 4;  // widest chunk, in units of the far value
+
+// A value with as many derivatives as are wanted.
+template <Derivatives derivatives>
+struct ScalarWith {
+  using Type = Taylor<3, static_cast<int>(derivatives)>;
+};
+template <>
+struct ScalarWith<Derivatives::none> {
+  using Type = double;
+};
+
+template <class Scalar>
+constexpr bool has_gradient = !std::is_same_v<Scalar, double>;
+template <class Scalar>
+constexpr bool has_hessian = std::is_same_v<Scalar, Taylor<3, 2>>;
+
+// One lane of one of the sums.
+template <class Scalar>
+Scalar load(const double (*terms)[lanes], int lane) {
+  Scalar t(terms[0][lane]);
+  if constexpr (has_gradient<Scalar>)
+    for (int c = 0; c < 3; ++c) t.gradient[c] = terms[1 + c][lane];
+  if constexpr (has_hessian<Scalar>)
+    for (int c = 0, term = 4; c < 3; ++c)
+      for (int d = c; d < 3; ++d, ++term) t.hessian(c, d) = t.hessian(d, c) = terms[term][lane];
+  return t;
+}
+
+template <class Scalar>
+double value_of(const Scalar& x) {
+  if constexpr (has_gradient<Scalar>)
+    return x.value;
+  else
+    return x;
+}
+
+template <class Scalar>
+void store(const Scalar& f, int i, double scale, const JetBlock& out) {
+  out.value[i] = scale * value_of(f);
+  if constexpr (has_gradient<Scalar>)
+    for (int c = 0; c < 3; ++c) out.gradient[3 * i + c] = f.gradient[c];
+  if constexpr (has_hessian<Scalar>)
+    for (int c = 0, term = 0; c < 3; ++c)
+      for (int d = c; d < 3; ++d, ++term) out.hessian[6 * i + term] = f.hessian(c, d) / scale;
+}
+
+// Sum over levels, each trusted with a share of what the finer ones left open.
+template <class Scalar>
+struct Cascade {
+  Scalar sum = Scalar(0.0);
+  Scalar open = Scalar(1.0);
+};
+
+// Points of a chunk that the finest patches alone do not decide.
+struct Pending {
+  Index count = 0;
+  std::array<int, lanes> lane;
+  Eigen::Matrix<double, 3, lanes> points;
+
+  void add(int l, const Point<3>& x) {
+    lane[static_cast<std::size_t>(count)] = l;
+    points.col(count++) = x;
+  }
+};
+
+// How far one level is trusted at a point, in [0, 1].
+template <class Scalar>
+Scalar trust(const PatchSums& sums, int lane) {
+  const Scalar W = load<Scalar>(sums.W, lane);
+  if (value_of(W) <= 0) return Scalar(0.0);
+  const Scalar mean = load<Scalar>(sums.A, lane) / W;
+  const Scalar covered = smooth_step((1 / enough) * W * (1.0 + certain * (mean * mean)));
+  const Scalar variance = load<Scalar>(sums.Q, lane) / W - mean * mean;
+  if (value_of(variance) >= contradict) return Scalar(0.0);
+  if (value_of(variance) <= agree) return covered;
+  return covered * (1.0 - smooth_step((1 / (contradict - agree)) * (variance - agree)));
+}
+
+// Whether the finest patches are trusted entirely: trust() = 1.
+bool sure(const PatchSums& sums, int lane) {
+  const double W = sums.W[0][lane];
+  if (!(W > 0)) return false;
+  const double mean = sums.A[0][lane] / W;
+  return W * (1 + certain * mean * mean) >= enough && sums.Q[0][lane] / W - mean * mean <= agree;
+}
+
+// The blended model F = S / W of a level.
+void store_blend(const PatchSums& sums, int i, double scale, const JetBlock& out) {
+  const double inverse = 1 / sums.W[0][i], F = sums.S[0][i] * inverse;
+  out.value[i] = scale * F;
+  if (out.gradient == nullptr) return;
+  std::array<double, 4> W, D;  // derivatives of W and F
+  for (std::size_t c = 1; c < 4; ++c) {
+    W[c] = sums.W[c][i];
+    D[c] = (sums.S[c][i] - F * W[c]) * inverse;
+    out.gradient[3 * i + static_cast<int>(c) - 1] = D[c];
+  }
+  if (out.hessian == nullptr) return;
+  for (std::size_t c = 1, term = 4; c < 4; ++c)
+    for (std::size_t d = c; d < 4; ++d, ++term)
+      out.hessian[6 * i + static_cast<int>(term) - 4] =
+          (sums.S[term][i] - F * sums.W[term][i] - D[c] * W[d] - D[d] * W[c]) * inverse / scale;
+}
+
+template <class Scalar>
+std::array<Scalar, lanes> winding(const WindingNumber& winding, const Pending& pending) {
+  std::array<Scalar, lanes> u;
+  std::array<double, lanes> value{};
+  std::array<double, 3 * lanes> gradient{};
+  std::array<double, 6 * lanes> hessian{};
+  winding.evaluate_block(
+      pending.points.leftCols(pending.count),
+      {value.data(), has_gradient<Scalar> ? gradient.data() : nullptr, has_hessian<Scalar> ? hessian.data() : nullptr});
+  for (Index i = 0; i < pending.count; ++i) {
+    const auto p = static_cast<std::size_t>(i);
+    u[p] = Scalar(value[p]);
+    if constexpr (has_gradient<Scalar>)
+      for (int c = 0; c < 3; ++c) u[p].gradient[c] = gradient[3 * p + static_cast<std::size_t>(c)];
+    if constexpr (has_hessian<Scalar>)
+      for (int c = 0, term = 0; c < 3; ++c)
+        for (int d = c; d < 3; ++d, ++term)
+          u[p].hessian(c, d) = u[p].hessian(d, c) = hessian[6 * p + static_cast<std::size_t>(term)];
+  }
+  return u;
+}
+
+// 1 where u is undecided, 0 where it is certain.
+template <class Scalar>
+Scalar consent(const Scalar& u) {
+  const double certainty = std::abs(value_of(u));
+  if (certainty <= undecided) return Scalar(1.0);
+  if (certainty >= decided) return Scalar(0.0);
+  const Scalar magnitude = value_of(u) < 0 ? Scalar((-1.0) * u) : u;
+  return 1.0 - smooth_step((1 / (decided - undecided)) * (magnitude - undecided));
+}
+
+// Adds one level to the sum t_0 f_0 + (1 - t_0) ( t_1 f_1 + (1 - t_1) ( ... ) ), finest first.
+template <class Scalar>
+void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane) {
+  const Scalar trusted = trust<Scalar>(sums, lane);
+  if (value_of(trusted) <= 0) return;
+  const Scalar f = load<Scalar>(sums.S, lane) / load<Scalar>(sums.W, lane);
+  cascade.sum = cascade.sum + cascade.open * trusted * f;
+  cascade.open = cascade.open * (1.0 - trusted);
+}
+
+// F = t f_0 + (1 - t) ( c C + (1 - c) far_value u ): the finest patches where they are sure (t), else the cascade C of
+// the coarser levels as far as the winding number consents (c), else the winding number.
+template <Derivatives derivatives>
+void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending, const JetBlock& out) {
+  using Scalar = typename ScalarWith<derivatives>::Type;
+  const std::array<Scalar, lanes> u = winding<Scalar>(data.winding, pending);
+  std::array<Scalar, lanes> agreed;
+  std::array<Cascade<Scalar>, lanes> cascade;
+  const auto count = static_cast<std::size_t>(pending.count);
+  for (std::size_t p = 0; p < count; ++p) agreed[p] = consent(u[p]);
+  for (std::size_t level = 1; level < data.levels.size(); ++level) {
+    Pending asking;
+    for (std::size_t p = 0; p < count; ++p)
+      if (value_of(agreed[p]) * value_of(cascade[p].open) > 0)
+        asking.add(static_cast<int>(p), pending.points.col(static_cast<Index>(p)));
+    if (asking.count == 0) break;
+    PatchSums sums;
+    data.levels[level].accumulate(asking.points.leftCols(asking.count), derivatives, sums);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(asking.count); ++i)
+      add_level(cascade[static_cast<std::size_t>(asking.lane[i])], sums, static_cast<int>(i));
+  }
+  for (std::size_t p = 0; p < count; ++p) {
+    Cascade<Scalar> sure;
+    add_level(sure, finest, pending.lane[p]);
+    const Scalar far = data.far_value * u[p];
+    const Scalar rest = agreed[p] * (cascade[p].sum + cascade[p].open * far) + (1.0 - agreed[p]) * far;
+    store(Scalar(sure.sum + sure.open * rest), pending.lane[p], data.scale, out);
+  }
+}
+
+template <Derivatives derivatives>
+void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const JetBlock& out) {
+  PatchSums finest;
+  data.levels.front().accumulate(y, derivatives, finest);
+  Pending pending;
+  for (int lane = 0; lane < static_cast<int>(y.cols()); ++lane) {
+    if (sure(finest, lane)) {
+      store_blend(finest, lane, data.scale, out);
+    } else {
+      pending.add(lane, y.col(lane));
+    }
+  }
+  if (pending.count > 0) complete<derivatives>(data, finest, pending, out);
+}
+
+}  // namespace
+
+Points<3> CompositeField::seeds() const {
+  const std::vector<Patch>& patches = data_.levels.front().patches();
+  Points<3> seeds(3, static_cast<Index>(patches.size()));
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    seeds.col(static_cast<Index>(i)) = data_.origin + data_.scale * patches[i].center;
+  return seeds;
+}
+
+// Points of one chunk share the search for patches, so a chunk ends where the next point is more than a few patches
+// away from some of it.
+void CompositeField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
+  const double widest = chunk_reach * data_.far_value;
+  Points<3> y(3, lanes);
+  for (Index begin = 0; begin < x.cols();) {
+    Box<3> box;
+    Index count = 0;
+    for (; count < lanes && begin + count < x.cols(); ++count) {
+      y.col(count) = (x.col(begin + count) - data_.origin) / data_.scale;
+      Box<3> grown = box;
+      grown.add(Point<3>(y.col(count)));
+      if (count > 0 && !(grown.diagonal() <= widest)) break;
+      box = grown;
+    }
+    evaluate_chunk(y.leftCols(count), out.from<3>(begin));
+    begin += count;
+  }
+}
+
+void CompositeField::evaluate_chunk(const PointsRef<3>& y, const JetBlock& out) const {
+  switch (out.derivatives()) {
+    case Derivatives::none:
+      return blend_levels<Derivatives::none>(data_, y, out);
+    case Derivatives::gradient:
+      return blend_levels<Derivatives::gradient>(data_, y, out);
+    case Derivatives::hessian:
+      return blend_levels<Derivatives::hessian>(data_, y, out);
+  }
+}
+
+}  // namespace csrbf

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "csrbf/core/field.hpp"
+#include "csrbf/surface/composite/patches.hpp"
+#include "csrbf/surface/winding/winding_number.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace csrbf {
+
+/// The composite implicit surface: signed distance-like near the data, with the right sign everywhere.
+///
+/// Fine patches decide near the data. Where they do not reach or contradict each other, coarser patches do (they close
+/// holes smoothly), but only where the winding number of the samples is undecided; elsewhere the winding number itself
+/// gives the sign. All transitions are C2, so value, gradient and Hessian are continuous.
+class CompositeField final : public Field<3> {
+ public:
+  /// Works in unit coordinates y = (x - origin) / scale.
+  struct Data {
+    Point<3> origin = Point<3>::Zero();
+    double scale = 1;
+    std::vector<Patches> levels;  ///< finest first
+    WindingNumber winding;
+    double far_value = 0;     ///< |f| far from the data, unit coordinates
+    double feature_size = 0;  ///< length of the smallest, unit coordinates
+    Box<3> bounds;            ///< of the data, in the user's coordinates
+  };
+
+  explicit CompositeField(Data data) : data_(std::move(data)) {}
+
+  void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
+  [[nodiscard]] Box<3> bounds() const override { return data_.bounds; }
+  [[nodiscard]] double feature_size() const override { return data_.scale * data_.feature_size; }
+  /// Centres of the finest patches.
+  [[nodiscard]] Points<3> seeds() const override;
+
+  [[nodiscard]] const Data& data() const { return data_; }
+
+ private:
+  void evaluate_chunk(const PointsRef<3>& y, const JetBlock& out) const;
+
+  Data data_;
+};
+
+}  // namespace csrbf

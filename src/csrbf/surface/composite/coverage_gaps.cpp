@@ -1,0 +1,84 @@
+#include "csrbf/surface/composite/coverage_gaps.hpp"
+
+#include "csrbf/core/shared_work.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace csrbf {
+namespace {
+
+constexpr double around = 0.6;      // reach of a gap, in units of the radius of the patch beside it
+constexpr double wider = 1.4;       // reach if there are no samples beyond the gap
+constexpr double same_sheet = 0.5;  // cosine between normals
+constexpr double covered = 0.05;    // sum of weights; coarser patches interfere below 0.04 (composite_field.cpp)
+constexpr Index patches_per_task = 64;
+
+constexpr double diagonal = 0.7071067811865476;
+constexpr std::array<std::array<double, 2>, 8> directions = {{{1, 0},
+                                                              {diagonal, diagonal},
+                                                              {0, 1},
+                                                              {-diagonal, diagonal},
+                                                              {-1, 0},
+                                                              {-diagonal, -diagonal},
+                                                              {0, -1},
+                                                              {diagonal, -diagonal}}};
+
+}  // namespace
+
+std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
+  const Index tasks = (patches.size() + patches_per_task - 1) / patches_per_task;
+  std::vector<std::vector<CoverageGap>> found(static_cast<std::size_t>(tasks));
+  const auto compute = [&](Index begin, Index end) {
+    std::vector<CoverageGap>& gaps = found[static_cast<std::size_t>(begin / patches_per_task)];
+    std::array<double, directions.size()> W;
+    Points<3> probes(3, directions.size());
+    for (Index i = begin; i < end; ++i) {
+      const Patch& patch = patches.patch(i);
+      const Eigen::Matrix3d axes = patch.radius * patch.T.transpose();
+      const auto onward = [&](std::size_t d) -> Point<3> {
+        return directions[d][0] * axes.col(0) + directions[d][1] * axes.col(1);
+      };
+      for (std::size_t d = 0; d < directions.size(); ++d)
+        probes.col(static_cast<Index>(d)) = patch.center + patch.radius * onward(d);
+      patches.weights(probes, W.data());
+      for (std::size_t d = 0; d < directions.size(); ++d)
+        if (W[d] < covered)
+          gaps.push_back({probes.col(static_cast<Index>(d)), axes.col(2), onward(d), around * patch.radius});
+    }
+  };
+  const auto pack = [&](Index begin, Index /*end*/, ByteWriter& out) {
+    const std::vector<CoverageGap>& gaps = found[static_cast<std::size_t>(begin / patches_per_task)];
+    out.put(gaps.size());
+    for (const CoverageGap& gap : gaps) {
+      for (const Point<3>* vector : {&gap.middle, &gap.normal, &gap.onward}) out.put(vector->data(), 3);
+      out.put(gap.reach);
+    }
+  };
+  const auto unpack = [&](Index begin, Index /*end*/, ByteReader& in) {
+    std::vector<CoverageGap>& gaps = found[static_cast<std::size_t>(begin / patches_per_task)];
+    gaps.resize(in.take<std::size_t>());
+    for (CoverageGap& gap : gaps) {
+      for (Point<3>* vector : {&gap.middle, &gap.normal, &gap.onward}) in.take(vector->data(), 3);
+      gap.reach = in.take<double>();
+    }
+  };
+  share_work({"fit", patches.size(), patches_per_task, compute, pack, unpack});
+  std::vector<CoverageGap> all;
+  for (const std::vector<CoverageGap>& gaps : found) all.insert(all.end(), gaps.begin(), gaps.end());
+  return all;
+}
+
+void samples_around(const OrientedPoints& cloud, const KdTree<3>& tree, const CoverageGap& gap,
+                    std::vector<Index>& ids) {
+  const auto foreign = [&](Index i) { return cloud.normals.col(i).dot(gap.normal) < same_sheet; };
+  const auto beyond = [&](Index i) { return (cloud.points.col(i) - gap.middle).dot(gap.onward) > 0; };
+  for (const double reach : {gap.reach, wider * gap.reach}) {
+    tree.within(gap.middle, reach, ids);
+    std::erase_if(ids, foreign);
+    if (std::any_of(ids.begin(), ids.end(), beyond)) return;
+  }
+  ids.clear();
+}
+
+}  // namespace csrbf

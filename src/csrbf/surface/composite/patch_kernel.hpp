@@ -1,0 +1,31 @@
+#pragma once
+
+#include "csrbf/core/simd.hpp"
+#include "csrbf/surface/composite/patches.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+/// The kernel of the CSRBF residual of a patch, Wendland's C4 function phi_{3,2}, as a function of the squared distance
+/// d2 in local coordinates: what kernels/wendland.hpp calls phi, g / sigma^2 and h / sigma^4 with sigma =
+/// Patches::support. For loops that become SIMD code.
+namespace csrbf::patch_kernel {
+
+inline constexpr double inverse_support2 = 1.0 / (Patches::support * Patches::support);
+
+CSRBF_ALWAYS_INLINE double value(double d2) {
+  const double r2 = inverse_support2 * d2, r = std::sqrt(r2), a = std::max(0.0, 1 - r), a2 = a * a;
+  return (1.0 / 3.0) * (a2 * a2 * a2) * (35 * r2 + 18 * r + 3);
+}
+
+CSRBF_ALWAYS_INLINE double slope(double d2) {
+  const double r = std::sqrt(inverse_support2 * d2), a = std::max(0.0, 1 - r), a2 = a * a;
+  return -(56.0 / 3.0) * inverse_support2 * (a2 * a2 * a) * (5 * r + 1);
+}
+
+CSRBF_ALWAYS_INLINE double bend(double d2) {
+  const double r = std::sqrt(inverse_support2 * d2), a = std::max(0.0, 1 - r), a2 = a * a;
+  return 560 * inverse_support2 * inverse_support2 * (a2 * a2);
+}
+
+}  // namespace csrbf::patch_kernel

@@ -1,0 +1,86 @@
+#include "csrbf/surface/composite/patch_rows.hpp"
+
+#include "csrbf/core/simd.hpp"
+#include "csrbf/surface/composite/patch_kernel.hpp"
+
+namespace csrbf {
+
+CSRBF_SIMD_CLONES void quadric_columns(const double* q, Index K, const double* root_w, const double* root_g,
+                                       double* columns) {
+  const double* x = q;
+  const double* y = q + K;
+  const double* z = q + 2 * K;
+  const Index stride = 4 * K;
+  for (Index k = 0; k < K; ++k) {
+    const double w = root_w[k], wx = w * x[k], wy = w * y[k], wz = w * z[k];
+    double* c = columns + k;
+    c[0] = w;
+    c[stride] = wx;
+    c[2 * stride] = wy;
+    c[3 * stride] = wz;
+    c[4 * stride] = wx * x[k];
+    c[5 * stride] = wx * y[k];
+    c[6 * stride] = wx * z[k];
+    c[7 * stride] = wy * y[k];
+    c[8 * stride] = wy * z[k];
+    c[9 * stride] = wz * z[k];
+  }
+  for (Index k = 0; k < K; ++k) {
+    const double g = root_g[k], gx = g * x[k], gy = g * y[k], gz = g * z[k];
+    double* dx = columns + K + k;
+    double* dy = dx + K;
+    double* dz = dy + K;
+    dx[0] = dy[0] = dz[0] = 0;
+    dx[stride] = dy[2 * stride] = dz[3 * stride] = g;
+    dy[stride] = dz[stride] = dx[2 * stride] = dz[2 * stride] = dx[3 * stride] = dy[3 * stride] = 0;
+    dx[4 * stride] = 2 * gx;
+    dy[4 * stride] = dz[4 * stride] = 0;
+    dx[5 * stride] = gy;
+    dy[5 * stride] = gx;
+    dz[5 * stride] = 0;
+    dx[6 * stride] = gz;
+    dy[6 * stride] = 0;
+    dz[6 * stride] = gx;
+    dy[7 * stride] = 2 * gy;
+    dx[7 * stride] = dz[7 * stride] = 0;
+    dx[8 * stride] = 0;
+    dy[8 * stride] = gz;
+    dz[8 * stride] = gy;
+    dz[9 * stride] = 2 * gz;
+    dx[9 * stride] = dy[9 * stride] = 0;
+  }
+}
+
+CSRBF_SIMD_CLONES void kernel_columns(const double* __restrict q, Index K, const double* __restrict root_w,
+                                      const double* __restrict root_g, const double* __restrict centers, Index M,
+                                      double* __restrict columns) {
+  for (Index j = 0; j < M; ++j) {
+    const double cx = centers[3 * j], cy = centers[3 * j + 1], cz = centers[3 * j + 2];
+    double* __restrict value = columns + 4 * K * j;
+    double* __restrict gx = value + K;
+    double* __restrict gy = gx + K;
+    double* __restrict gz = gy + K;
+    for (Index k = 0; k < K; ++k) {
+      const double dx = q[k] - cx, dy = q[K + k] - cy, dz = q[2 * K + k] - cz;
+      const double d2 = dx * dx + dy * dy + dz * dz, slope = root_g[k] * patch_kernel::slope(d2);
+      value[k] = root_w[k] * patch_kernel::value(d2);
+      gx[k] = slope * dx;
+      gy[k] = slope * dy;
+      gz[k] = slope * dz;
+    }
+  }
+}
+
+CSRBF_SIMD_CLONES void add_kernel_matrix(const double* __restrict centers, Index M, double factor, double* __restrict A,
+                                         Index stride) {
+  const double* x = centers;
+  const double* y = centers + M;
+  const double* z = centers + 2 * M;
+  for (Index j = 0; j < M; ++j)
+    for (Index i = j; i < M; ++i) {
+      const double dx = x[i] - x[j], dy = y[i] - y[j], dz = z[i] - z[j];
+      A[j * stride + i] += factor * patch_kernel::value(dx * dx + dy * dy + dz * dz);
+    }
+}
+
+}  // namespace csrbf

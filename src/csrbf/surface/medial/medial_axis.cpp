@@ -1,0 +1,104 @@
+#include "csrbf/surface/medial/medial_axis.hpp"
+
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/spatial/farthest_points.hpp"
+#include "csrbf/surface/medial/quadric_fitter.hpp"
+#include "csrbf/surface/medial/slope_penalty.hpp"
+
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr Index samples_per_center = 8, fewest_centers = 500, most_centers = 10000;  // of the default budget
+constexpr Index rows_per_center = 40;      // samples that the coefficients are fitted to, likewise
+constexpr double thinnest = 12;            // least support, in residuals of its quadric: wider ones average noise
+constexpr double growth = 1.4;             // of a support that is too small ...
+constexpr int most_growths = 6;            // ... at most so many times
+constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between centres
+constexpr double far_spacings = 1.5;       // |f| where the winding number takes over
+
+void check(const OrientedPoints& cloud, const MedialAxisOptions& options) {
+  constexpr const char* function = "fit_medial_axis";
+  require(cloud.size() > 0, function, "cloud", "empty", "at least one sample is needed");
+  require(options.centers >= 0, function, "centers", options.centers, "must be positive, or 0 for the default");
+  require(options.supports.support > 0, function, "support", options.supports.support, "must be positive");
+  require(options.supports.fewest > 0 && options.supports.fewest <= options.supports.most, function, "fewest",
+          options.supports.fewest, "must be positive and at most `most`");
+  require(options.supports.coverage > 0, function, "coverage", options.supports.coverage, "must be positive");
+  require(options.normal_weight >= 0, function, "normal_weight", options.normal_weight, "must not be negative");
+  require(!options.smoothing || *options.smoothing >= 0, function, "smoothing", options.smoothing.value_or(0),
+          "must not be negative");
+}
+
+// In the order of the cloud, in which neighbours follow each other.
+std::vector<Index> choose_centers(const OrientedPoints& cloud, const MedialAxisOptions& options) {
+  std::vector<Index> centers = options.center_indices;
+  if (centers.empty()) {
+    const Index few = std::min(fewest_centers, cloud.size());
+    const Index budget =
+        options.centers > 0 ? options.centers : std::clamp(cloud.size() / samples_per_center, few, most_centers);
+    centers = farthest_points<3>(cloud.points, budget, {.progress = options.progress}).indices;
+  }
+  std::sort(centers.begin(), centers.end());
+  return centers;
+}
+
+std::vector<Index> every(Index stride, Index n) {
+  std::vector<Index> ids;
+  for (Index i = 0; i < n; i += stride) ids.push_back(i);
+  return ids;
+}
+
+// On the surface the winding number is 1/2. Noise spreads the centres over a slab, where their cells add up to more
+// than the surface: then areas are made smaller by as much.
+WindingNumber calibrated_winding(WindingNumber::Data centers) {
+  WindingNumber winding(centers);
+  Eigen::VectorXd u = shared_evaluate(winding, centers.points).value;
+  const Index middle = u.size() / 2;
+  std::nth_element(u.begin(), u.begin() + middle, u.end());
+  if (u[middle] <= 0) return winding;
+  centers.areas /= u[middle] + 1;
+  return WindingNumber(centers);
+}
+
+}  // namespace
+
+MedialAxisFit fit_medial_axis(const OrientedPoints& cloud, const KdTree<3>& tree, const MedialAxisOptions& options) {
+  check(cloud, options);
+  const std::vector<Index> chosen = choose_centers(cloud, options);
+  const auto M = static_cast<Index>(chosen.size());
+  MedialAxisField::Data data;
+  data.centers = cloud.points(Eigen::all, chosen);
+  const Points<3> normals = cloud.normals(Eigen::all, chosen);
+
+  report(options.progress, "poles", 0);
+  MedialSupports supports = medial_supports(data.centers, normals, cloud.points, options.supports);
+  data.supports = std::move(supports.supports);
+
+  report(options.progress, "fit", 0);
+  data.quadrics.resize(10, M);
+  parallel_for(M, 16, [&](Index begin, Index end) {
+    QuadricFitter fitter(cloud, tree, options.normal_weight);
+    for (Index i = begin; i < end; ++i) {
+      const Point<3> center = data.centers.col(i);
+      data.quadrics.col(i) = fitter.fit(center, data.supports[i]);
+      for (int k = 0; k < most_growths && data.supports[i] < thinnest * fitter.residual(); ++k)
+        data.quadrics.col(i) = fitter.fit(center, data.supports[i] *= growth);
+    }
+  });
+  const Index stride = std::max<Index>(1, cloud.size() / (rows_per_center * M));
+  const std::vector<Index> rows = every(stride, cloud.size());
+  const SlopeSystem system = slope_system(data, cloud.points(Eigen::all, rows), cloud.normals(Eigen::all, rows));
+  const SlopeSolution solution = solve_slope_system(system, options.smoothing, options.progress);
+  data.quadrics.row(0) += solution.alpha.transpose();
+
+  const Eigen::VectorXd spacing = supports.areas.cwiseSqrt();
+  data.winding = calibrated_winding({data.centers, normals, supports.areas, winding_smoothing * spacing});
+  data.far_value = far_spacings * spacing.mean();
+  return {std::make_shared<const MedialAxisField>(std::move(data)), std::move(supports.scales), solution.smoothing,
+          solution.direct};
+}
+
+}  // namespace csrbf

@@ -1,0 +1,48 @@
+#include "csrbf/surface/normals/inward_parts.hpp"
+
+#include "csrbf/surface/winding/winding_sum.hpp"
+
+namespace csrbf {
+namespace {
+
+constexpr Index most_samples = 100'000;  // of the cloud, evenly chosen; fewer tell as well
+constexpr Index most_probes = 200;       // on each part
+constexpr double inward = -0.4;          // mean winding number
+
+// Every stride-th sample, standing for as many.
+winding::Tree make_tree(const OrientedPoints& cloud) {
+  const Index stride = 1 + (cloud.size() - 1) / most_samples;
+  const auto some = Eigen::seq(0, cloud.size() - 1, stride);
+  const Points<3> points = cloud.points(Eigen::all, some), normals = cloud.normals(Eigen::all, some);
+  const Eigen::VectorXd areas = static_cast<double>(stride) * cloud.spacing(some).cwiseAbs2();
+  return winding::make_tree({points, normals, areas, areas.cwiseSqrt()});
+}
+
+std::vector<Index> samples_of_no(const std::vector<std::vector<Index>>& components, Index size) {
+  std::vector<char> on_component(static_cast<std::size_t>(size), 0);
+  for (const std::vector<Index>& component : components)
+    for (const Index i : component) on_component[static_cast<std::size_t>(i)] = 1;
+  std::vector<Index> result;
+  for (Index i = 0; i < size; ++i)
+    if (on_component[static_cast<std::size_t>(i)] == 0) result.push_back(i);
+  return result;
+}
+
+}  // namespace
+
+std::vector<bool> inward_parts(const OrientedPoints& cloud, const std::vector<std::vector<Index>>& components) {
+  const winding::Tree tree = make_tree(cloud);
+  const auto is_inward = [&](const std::vector<Index>& part) {
+    const auto size = static_cast<Index>(part.size()), count = std::min(size, most_probes);
+    Points<3> probes(3, count);
+    for (Index k = 0; k < count; ++k)
+      probes.col(k) = cloud.points.col(part[static_cast<std::size_t>(k * size / count)]);
+    return count > 0 && winding::sum_at(tree, probes).mean() < inward;
+  };
+  std::vector<bool> result;
+  for (const std::vector<Index>& component : components) result.push_back(is_inward(component));
+  result.push_back(is_inward(samples_of_no(components, cloud.size())));
+  return result;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,68 @@
+#include "csrbf/surface/normals/neighbor_table.hpp"
+
+#include "csrbf/core/shared_work.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+NeighborTable empty_table(Index n, Index k) {
+  NeighborTable table;
+  table.k = std::max<Index>(0, std::min(k, n - 1));
+  table.index.resize(static_cast<std::size_t>(n * table.k));
+  table.reach.setZero(n);
+  return table;
+}
+
+// Fills the rows for which `known(i)` is false.
+template <class Known>
+void search(const PointsRef<3>& points, const KdTree<3>& tree, const Known& known, NeighborTable& table) {
+  const auto compute = [&](Index begin, Index end) {
+    std::vector<Index> ids(static_cast<std::size_t>(table.k + 1));
+    std::vector<double> d2(ids.size());
+    for (Index i = begin; i < end; ++i) {
+      if (known(i)) continue;
+      const Index found = tree.nearest(points.col(i), table.k + 1, ids.data(), d2.data());
+      // The point itself need not come first where points coincide, and may be missing.
+      Index kept = 0;
+      for (Index j = 0; j < found && kept < table.k; ++j) {
+        if (ids[static_cast<std::size_t>(j)] == i) continue;
+        table.index[static_cast<std::size_t>(i * table.k + kept++)] =
+            static_cast<std::uint32_t>(ids[static_cast<std::size_t>(j)]);
+        table.reach[i] = std::sqrt(d2[static_cast<std::size_t>(j)]);
+      }
+    }
+  };
+  share_arrays("prepare", points.cols(), 1024, compute,
+               {ResultArray::of(table.index.data(), table.k), ResultArray::of(table.reach.data())});
+}
+
+}  // namespace
+
+NeighborTable make_neighbor_table(const PointsRef<3>& points, const KdTree<3>& tree, Index k) {
+  NeighborTable table = empty_table(points.cols(), k);
+  search(
+      points, tree, [](Index) { return false; }, table);
+  return table;
+}
+
+NeighborTable make_neighbor_table(const PointsRef<3>& points, const KdTree<3>& tree, const NeighborTable& before,
+                                  const std::vector<Index>& kept) {
+  constexpr auto dropped = std::numeric_limits<std::uint32_t>::max();
+  NeighborTable table = empty_table(points.cols(), before.k);
+  std::vector<std::uint32_t> now(static_cast<std::size_t>(before.size()), dropped);
+  for (std::size_t i = 0; i < kept.size(); ++i) now[static_cast<std::size_t>(kept[i])] = static_cast<std::uint32_t>(i);
+  const auto keeps_neighbors = [&](Index i) {
+    const std::span<const std::uint32_t> old = before.of(kept[static_cast<std::size_t>(i)]);
+    if (std::any_of(old.begin(), old.end(), [&](std::uint32_t j) { return now[j] == dropped; })) return false;
+    std::transform(old.begin(), old.end(), table.index.begin() + i * table.k, [&](std::uint32_t j) { return now[j]; });
+    table.reach[i] = before.reach[kept[static_cast<std::size_t>(i)]];
+    return true;
+  };
+  search(points, tree, keeps_neighbors, table);
+  return table;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,171 @@
+#include "csrbf/surface/normals/orient_normals.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/surface/normals/orientation_energy.hpp"
+
+#include <string>
+
+namespace csrbf {
+namespace {
+
+using namespace orientation;
+
+constexpr Index max_components = 256;
+constexpr Index max_clusters = 400;
+constexpr double convincing = 0.97;  // energy ratio below which the winding number overrules the neighbours
+
+void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* where) {
+  require(normals.cols() == points.cols(), where, "normals.cols()", normals.cols(), "must be the number of points");
+  require(points.allFinite(), where, "points", "NaN or infinity", "must be finite; remove such points");
+  require(normals.allFinite(), where, "normals", "NaN or infinity", "must be finite; set unknown normals to zero");
+  require(points.cols() < (Index{1} << 31), where, "points.cols()", points.cols(), "must be below 2^31");
+}
+
+// A cloud in unit coordinates and Morton order with unit (or zero) normals.
+struct Sorted {
+  std::vector<Index> order;
+  Points<3> points, normals;
+};
+
+Sorted sort(const PointsRef<3>& points, const PointsRef<3>& normals) {
+  Sorted sorted{morton_order<3>(points), Points<3>(3, points.cols()), Points<3>(3, points.cols())};
+  const Box<3> box = bounding_box<3>(points);
+  const Point<3> center = 0.5 * box.lo + 0.5 * box.hi;
+  const double size = (0.5 * box.hi - 0.5 * box.lo).maxCoeff(), scale = size > 0 ? size : 1;
+  for (std::size_t k = 0; k < sorted.order.size(); ++k) {
+    const Index i = sorted.order[k], to = static_cast<Index>(k);
+    sorted.points.col(to) = (points.col(i) - center) / scale;
+    const double length = normals.col(i).stableNorm();
+    sorted.normals.col(to) = length > 0 ? Point<3>(normals.col(i) / length) : Point<3>::Zero();
+  }
+  return sorted;
+}
+
+// Signs of the clusters that keep most normals as they are.
+Signs majority(const Clusters& clusters) {
+  std::vector<Index> sum(static_cast<std::size_t>(clusters.size()), 0);
+  for (std::size_t i = 0; i < clusters.of.size(); ++i)
+    if (clusters.of[i] >= 0) sum[static_cast<std::size_t>(clusters.of[i])] += clusters.sign[i];
+  Signs signs;
+  for (const Index s : sum) signs.push_back(s < 0 ? -1 : 1);
+  return signs;
+}
+
+void apply(const Clusters& clusters, const Signs& signs, Points<3>& normals) {
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (clusters.of[k] >= 0) normals.col(i) *= clusters.sign[k] * signs[static_cast<std::size_t>(clusters.of[k])];
+  }
+}
+
+// The side of +z, or of the first of +y and +x, that more of the surface faces.
+int upward(const Points<3>& normals, const NeighborTable& table, const Clusters& clusters, const Signs& signs) {
+  Point<3> sum = Point<3>::Zero();
+  double total = 0;
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (clusters.of[k] < 0) continue;
+    sum += table.area(i) * clusters.sign[k] * signs[static_cast<std::size_t>(clusters.of[k])] * normals.col(i);
+    total += table.area(i);
+  }
+  for (const Index axis : {2, 1, 0})
+    if (std::abs(sum[axis]) > 0.1 * total) return sum[axis] < 0 ? -1 : 1;
+  return 1;
+}
+
+// Turns everything where that is the better side.
+void settle_side(const Energy& energy, const Points<3>& normals, const NeighborTable& table, const Clusters& clusters,
+                 Signs& signs) {
+  Signs opposite = signs;
+  for (signed char& sign : opposite) sign = static_cast<signed char>(-sign);
+  const bool turn = std::abs(energy.mean_winding(signs)) > has_inside ? energy.of(opposite) < energy.of(signs)
+                                                                      : upward(normals, table, clusters, signs) < 0;
+  if (turn) signs = opposite;
+}
+
+}  // namespace
+
+OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighbors, Points<3>& normals,
+                            const Progress& progress) {
+  constexpr std::string_view stage = "orient normals";
+  OrientReport result;
+  if (points.cols() < 2) return result;
+  const Points<3> before = normals;
+  report(progress, stage, 0);
+  const Graph graph = make_graph(points, normals, neighbors);
+  report(progress, stage, 0.3);
+
+  // Components by the tree, then by the winding number where there are several.
+  const Clusters components = make_clusters(graph, normals, graph.near, max_components);
+  if (components.size() == 0) return result;
+  result.flipped_edges =
+      static_cast<double>(components.flipped_edges) / static_cast<double>(std::max<Index>(1, components.tree_edges));
+  Signs signs = components.tree_sign;
+  if (components.size() > 1) {
+    const Energy energy(points, normals, neighbors, graph, components);
+    settle_side(energy, normals, neighbors, components, signs);
+    const double tree = energy.of(signs);
+    Signs outward = signs;
+    energy.turn_each_outward(outward);
+    energy.descend(signs);
+    energy.descend(outward);
+    if (energy.of(outward) < energy.of(signs)) signs = outward;
+    result.ambiguity_tree = tree;
+    if (signs != components.tree_sign) result.method = OrientMethod::winding_number;
+  }
+  apply(components, signs, normals);
+  report(progress, stage, 0.6);
+
+  // Clusters by the winding number if that makes a difference.
+  const Clusters clusters = make_clusters(graph, normals, graph.certain, max_clusters);
+  const Energy energy(points, normals, neighbors, graph, clusters);
+  signs = majority(clusters);
+  settle_side(energy, normals, neighbors, clusters, signs);
+  result.ambiguity = energy.of(signs);
+  if (components.size() == 1) result.ambiguity_tree = result.ambiguity;
+  Signs better = signs;
+  energy.descend(better);
+  settle_side(energy, normals, neighbors, clusters, better);
+  if (const double lower = energy.of(better); lower < convincing * result.ambiguity) {
+    result.ambiguity = lower;
+    result.method = OrientMethod::winding_number;
+    signs = better;
+  }
+  apply(clusters, signs, normals);
+  Index turned = 0;
+  for (Index i = 0; i < normals.cols(); ++i) turned += normals.col(i).dot(before.col(i)) < 0 ? 1 : 0;
+  result.turned = static_cast<double>(turned) / static_cast<double>(normals.cols());
+  report(progress, stage, 1);
+  return result;
+}
+
+OrientReport orient_normals(const PointsRef<3>& points, Points<3>& normals, const OrientOptions& options) {
+  check(points, normals, "orient_normals");
+  require(options.neighbors >= 3, "orient_normals", "neighbors", options.neighbors, "must be at least 3; 12 is usual");
+  if (points.cols() == 0) return {};
+  Sorted sorted = sort(points, normals);
+  const Points<3> before = sorted.normals;
+  const NeighborTable table = make_neighbor_table(sorted.points, KdTree<3>(sorted.points), options.neighbors);
+  const OrientReport result = orient_normals(sorted.points, table, sorted.normals, options.progress);
+  for (std::size_t k = 0; k < sorted.order.size(); ++k)
+    if (sorted.normals.col(static_cast<Index>(k)).dot(before.col(static_cast<Index>(k))) < 0)
+      normals.col(sorted.order[k]) = -normals.col(sorted.order[k]).eval();
+  return result;
+}
+
+double orientation_consistency(const PointsRef<3>& points, const PointsRef<3>& normals) {
+  check(points, normals, "orientation_consistency");
+  if (points.cols() < 2) return 1;
+  const Sorted sorted = sort(points, normals);
+  const NeighborTable table = make_neighbor_table(sorted.points, KdTree<3>(sorted.points), OrientOptions{}.neighbors);
+  const Graph graph = make_graph(sorted.points, sorted.normals, table);
+  // Noise may leave hardly any certain pair: then all count.
+  const std::size_t pairs = 10 * graph.certain >= graph.near ? graph.certain : graph.near;
+  Index agreeing = 0;
+  for (std::size_t e = 0; e < pairs; ++e)
+    agreeing += sorted.normals.col(graph.edges[e].a).dot(sorted.normals.col(graph.edges[e].b)) > 0 ? 1 : 0;
+  return pairs == 0 ? 1 : static_cast<double>(agreeing) / static_cast<double>(pairs);
+}
+
+}  // namespace csrbf

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "csrbf/core/progress.hpp"
+#include "csrbf/surface/normals/neighbor_table.hpp"
+
+namespace csrbf {
+
+/// How orient_normals works.
+struct OrientOptions {
+  /// Neighbours per point in the graph of points that should agree.
+  Index neighbors = 12;
+  Progress progress = {};
+};
+
+/// What settled the signs.
+enum class OrientMethod {
+  spanning_tree,  ///< neighbours alone
+  winding_number  ///< parts were turned so that the surface encloses a solid
+};
+
+struct OrientReport {
+  OrientMethod method = OrientMethod::spanning_tree;
+  double flipped_edges = 0;  ///< share of the edges of the spanning tree whose normals disagreed
+  double turned = 0;         ///< share of the normals that were turned
+  /// How far the cloud is from a closed oriented surface by its winding number: 0 is perfect, a few hundredths usual, 1
+  /// hopeless. After the spanning tree, and in the end.
+  double ambiguity_tree = 0, ambiguity = 0;
+};
+
+/// Gives normals of unknown sign a consistent one, outward where the surface encloses a solid. Lines and lengths of the
+/// normals stay; zero normals stay zero.
+///
+/// Spanning tree (Hoppe et al. 1992): neighbours connected by the edges of least 1 - |n_i . n_j| agree. The cost of an
+/// edge also counts its angle with the two tangent planes and the roughness around its ends, so that the tree does not
+/// step across thin sheets, and comes to creases, blades and noise last. Where the neighbour graph falls apart, edges
+/// between ever sparser subsets join its components.
+///
+/// One wrong edge of the tree turns everything behind it. So the tree is cut at doubtful edges into at most 400
+/// clusters, whose signs are chosen by the winding number w of the whole (as in the dipole propagation of Metzer et al.
+/// 2021 and in parametric Gauss reconstruction, Lin et al. 2022, but with an energy that has a known ideal): w must be
+/// 0 or 1 off the surface and 1/2 on it. Greedy turns of clusters and of branches of the tree lower that energy.
+/// Components are settled this way in any case; clusters only when the energy falls by more than 3 %, because noise
+/// always offers a little. A closed shell inside another bounds a cavity, so its normals point into the cavity. An open
+/// sheet without inside gets its normals on the side of +z (else +y, +x).
+///
+/// Throws InvalidInput when sizes differ or something is not finite. O(n log n): 0.3 s for 1e5 points on one core.
+OrientReport orient_normals(const PointsRef<3>& points, Points<3>& normals, const OrientOptions& options = {});
+
+/// The same for points in Morton order whose neighbours are known; coordinates of moderate size.
+OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighbors, Points<3>& normals,
+                            const Progress& progress = {});
+
+/// Share of the neighbouring points whose normals point to the same side, among those pairs that lie along the surface
+/// and hardly err: 1 for consistent normals, 1/2 for random signs. Points without normal (zero) do not count; 1 when
+/// there are no pairs. Throws as orient_normals.
+double orientation_consistency(const PointsRef<3>& points, const PointsRef<3>& normals);
+
+}  // namespace csrbf

@@ -1,0 +1,383 @@
+#include "csrbf/surface/prepare/prepare.hpp"
+
+#include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/spatial/coincident_points.hpp"
+#include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/normals/inward_parts.hpp"
+#include "csrbf/surface/normals/neighbor_table.hpp"
+#include "csrbf/surface/normals/orient_normals.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <limits>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr Index neighbors = 9;           // for spacing: enough to average, few enough to stay local
+constexpr double link_length = 4;        // in spacings: points closer than this belong to one cluster
+constexpr double stray_sparseness = 3;   // a cluster is stray when its spacing is this many times the usual one
+constexpr double stray_share = 0.005;    // ... and it holds fewer than this share of the points
+constexpr double cloudy_share = 0.05;    // ... or fewer than this, and fills space instead of lying on a sheet:
+constexpr double sheet_variation = 0.1;  // smallest share of the spread of neighbours in one direction (1/3 in a ball)
+constexpr Index fewest_on_component = 30;
+constexpr double far_strays = 0.1;  // what is left when stray points are dropped is smaller than this: zoom in
+constexpr double usual_contradictions = 5e-4;     // share of neighbours whose given normals may disagree unexamined
+constexpr Index examined = 50'000;                // points that tell whether turning normals is the remedy
+constexpr double remaining_contradictions = 0.2;  // of them, when turning normals is the remedy
+
+void warn(std::vector<std::string>& warnings, Index count, const std::string& text) {
+  if (count > 0) warnings.push_back(std::to_string(count) + " " + text);
+}
+
+// Indices of the finite points, the first of each group of equal ones; `normals` gets the sum of the group's normals.
+std::vector<Index> distinct_points(const PointCloud& input, Points<3>& normals, std::vector<std::string>& warnings) {
+  const std::vector<Index> first = first_coincident<3>(input.points);
+  std::vector<Index> kept;
+  Index non_finite = 0;
+  for (Index i = 0; i < input.size(); ++i) {
+    if (!input.points.col(i).allFinite()) {
+      ++non_finite;
+    } else if (first[static_cast<std::size_t>(i)] == i) {
+      kept.push_back(i);
+    } else if (normals.cols() > 0) {
+      normals.col(first[static_cast<std::size_t>(i)]) += normals.col(i);
+    }
+  }
+  warn(warnings, non_finite, "points with NaN or infinite coordinates dropped");
+  warn(warnings, input.size() - non_finite - static_cast<Index>(kept.size()), "duplicate points merged");
+  return kept;
+}
+
+void require_spread(const Points<3>& y) {
+  const Point<3> mean = y.rowwise().mean();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (Index i = 0; i < y.cols(); ++i) covariance += (y.col(i) - mean) * (y.col(i) - mean).transpose();
+  covariance /= static_cast<double>(y.cols());
+  const Eigen::Vector3d spread = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
+  if (!(spread[1] > 1e-14 * spread[2]))
+    throw InvalidInput(
+        "reconstruct: points: all lie on one line; a surface needs points that spread in at least two directions");
+}
+
+// Spacing s with s^2 = area per sample: the disc through the farthest neighbour, shared by the points on this sheet.
+Eigen::VectorXd local_spacing(const Points<3>& normals, const NeighborTable& near) {
+  Eigen::VectorXd spacing(near.size());
+  for (Index i = 0; i < near.size(); ++i) {
+    const auto on_sheet = [&](std::uint32_t j) {
+      return normals.cols() == 0 || normals.col(i).dot(normals.col(j)) > 0;
+    };
+    const std::ptrdiff_t same_sheet = std::count_if(near.of(i).begin(), near.of(i).end(), on_sheet);
+    spacing[i] =
+        near.reach[i] * std::sqrt(std::numbers::pi / static_cast<double>(std::max(std::ptrdiff_t{1}, same_sheet)));
+  }
+  return spacing;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Whether j is among the neighbours of i. A stray point has neighbours on the surface, but is the neighbour of none of
+// them.
+bool is_neighbor(const NeighborTable& near, Index i, Index j) {
+  return std::find(near.of(i).begin(), near.of(i).end(), static_cast<std::uint32_t>(j)) != near.of(i).end();
+}
+
+// Share of the spread, in the direction of least spread, of point i and its neighbours in its own cluster; 1 when there
+// are too few to tell.
+double least_variation(const Points<3>& points, const NeighborTable& near, DisjointSets& clusters, Index i) {
+  constexpr Index enough = 5;
+  Points<3> together(3, near.k + 1);
+  together.col(0) = points.col(i);
+  Index count = 1;
+  for (const std::uint32_t other : near.of(i))
+    if (clusters.find(other) == clusters.find(static_cast<std::uint32_t>(i))) together.col(count++) = points.col(other);
+  if (count < enough) return 1;
+  const Points<3> centered = together.leftCols(count).colwise() - together.leftCols(count).rowwise().mean();
+  const Eigen::Matrix3d covariance = centered * centered.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] / std::max(solver.eigenvalues().sum(), std::numeric_limits<double>::min());
+}
+
+// Points linked by distances that are short for both.
+DisjointSets link(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach) {
+  DisjointSets clusters(reach.size());
+  for (Index i = 0; i < points.cols(); ++i)
+    for (const std::uint32_t other : near.of(i)) {
+      const auto id = static_cast<std::uint32_t>(i);
+      if (other < id || clusters.find(other) == clusters.find(id)) continue;  // its turn was, or nothing would change
+      const double shorter = std::min(reach[id], reach[other]);
+      if ((points.col(i) - points.col(other)).squaredNorm() <= link_length * link_length * shorter * shorter &&
+          is_neighbor(near, other, i))
+        clusters.unite(id, other);
+    }
+  return clusters;
+}
+
+// Points to keep, and those clusters of them, as positions in `ids`, that are not part of the largest and tell what
+// they are.
+struct Kept {
+  std::vector<Index> ids;
+  std::vector<std::vector<Index>> components;
+};
+
+std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const std::vector<Index>& ids) {
+  std::map<std::uint32_t, Index> size;
+  for (const Index i : ids) ++size[clusters.find(static_cast<std::uint32_t>(i))];
+  const auto smaller = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const std::uint32_t largest = std::max_element(size.begin(), size.end(), smaller)->first;
+  std::map<std::uint32_t, std::vector<Index>> components;
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    const std::uint32_t cluster = clusters.find(static_cast<std::uint32_t>(ids[k]));
+    if (cluster != largest && size[cluster] >= fewest_on_component)
+      components[cluster].push_back(static_cast<Index>(k));
+  }
+  std::vector<std::vector<Index>> result;
+  for (auto& component : components) result.push_back(std::move(component.second));
+  return result;
+}
+
+// The points to keep: clusters of points linked by short neighbour distances are stray when they are much sparser than
+// usual and small, or fill space.
+Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
+  const auto n = static_cast<std::size_t>(points.cols());
+  std::vector<double> reach(n);
+  for (Index i = 0; i < points.cols(); ++i)
+    reach[static_cast<std::size_t>(i)] =
+        (points.col(i) - points.col(near.of(i)[static_cast<std::size_t>(near.k / 2)])).norm();
+  const double usual = median(reach);
+  DisjointSets clusters = link(points, near, reach);
+  std::vector<Index> size(n, 0);
+  std::vector<double> sum(n, 0), variation(n, 0);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    ++size[clusters.find(i)];
+    sum[clusters.find(i)] += reach[i];
+  }
+  const auto is_sparse = [&](std::uint32_t cluster) {
+    return static_cast<double>(size[cluster]) < cloudy_share * static_cast<double>(n) &&
+           sum[cluster] > stray_sparseness * usual * static_cast<double>(size[cluster]);
+  };
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t cluster = clusters.find(i);
+    if (is_sparse(cluster))
+      variation[cluster] += least_variation(points, near, clusters, i) / static_cast<double>(size[cluster]);
+  }
+  Kept kept;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t cluster = clusters.find(i);
+    const bool small = static_cast<double>(size[cluster]) < stray_share * static_cast<double>(n);
+    if (!is_sparse(cluster) || (!small && variation[cluster] <= sheet_variation)) kept.ids.push_back(i);
+  }
+  if (!kept.ids.empty()) kept.components = find_components(clusters, kept.ids);
+  return kept;
+}
+
+Points<3> select(const Points<3>& columns, const std::vector<Index>& ids) {
+  Points<3> chosen(3, static_cast<Index>(ids.size()));
+  for (std::size_t i = 0; i < ids.size(); ++i) chosen.col(static_cast<Index>(i)) = columns.col(ids[i]);
+  return chosen;
+}
+
+std::vector<Index> select(const std::vector<Index>& entries, const std::vector<Index>& ids) {
+  std::vector<Index> chosen;
+  for (const Index i : ids) chosen.push_back(entries[static_cast<std::size_t>(i)]);
+  return chosen;
+}
+
+// Puts those points of the input into unit coordinates and Morton order, and finds their neighbours.
+NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedCloud& result) {
+  Points<3> points = select(input.points, ids);
+  const Box<3> box = bounding_box<3>(points);
+  result.origin = box.lo + 0.5 * (box.hi - box.lo);
+  result.scale = (box.hi - box.lo).stableNorm();
+  for (Index i = 0; i < points.cols(); ++i) points.col(i) = (points.col(i) - result.origin) / result.scale;
+  require_spread(points);
+  const std::vector<Index> order = morton_order<3>(points);
+  result.source = select(ids, order);
+  result.cloud.points = select(points, order);  // stays in its place in memory, where the tree looks for it
+  result.tree = std::make_unique<const KdTree<3>>(result.cloud.points);
+  return make_neighbor_table(result.cloud.points, *result.tree, neighbors);
+}
+
+// Drops stray points. What is left is placed anew where it is small in comparison: unit coordinates are those of the
+// surface, and far points take digits from all others.
+NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
+  NeighborTable near = place(input, ids, result);
+  Index stray = 0;
+  for (bool far = true; far;) {
+    Kept kept = all_but_stray(result.cloud.points, near);
+    const std::vector<Index>& used = kept.ids;
+    if (used.size() < 4) break;
+    result.components = std::move(kept.components);
+    const Index dropped = result.cloud.size() - static_cast<Index>(used.size());
+    if (dropped == 0) break;
+    stray += dropped;
+    Points<3> left = select(result.cloud.points, used);
+    result.source = select(result.source, used);
+    far = bounding_box<3>(left).diagonal() < far_strays;
+    if (far) {
+      near = place(input, std::move(result.source), result);
+    } else {
+      result.cloud.points = std::move(left);
+      result.tree = std::make_unique<const KdTree<3>>(result.cloud.points);
+      near = make_neighbor_table(result.cloud.points, *result.tree, near, used);
+    }
+  }
+  warn(result.warnings, stray, "stray points dropped");
+  return near;
+}
+
+// Normalises given normals; returns how many are missing (zero or not finite).
+Index normalize(Points<3>& normals) {
+  Index missing = 0;
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const double length = normals.col(i).stableNorm();
+    if (length > 0 && std::isfinite(length)) {
+      normals.col(i) /= length;
+    } else {
+      normals.col(i).setZero();
+      ++missing;
+    }
+  }
+  return missing;
+}
+
+// Fills missing normals: estimated without orientation, turned to agree with the nearest given ones.
+void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& progress) {
+  NormalOptions options;
+  options.orient = Orient::none;
+  options.progress = progress;
+  const Points<3> estimated = estimate_normals(points, options);
+  std::vector<Index> given;
+  for (Index i = 0; i < normals.cols(); ++i)
+    if (normals.col(i).squaredNorm() > 0) given.push_back(i);
+  const Points<3> known = select(points, given);
+  const KdTree<3> tree(known);
+  for (Index i = 0; i < normals.cols(); ++i) {
+    if (normals.col(i).squaredNorm() > 0) continue;
+    Index nearest = 0;
+    double d2 = 0;
+    tree.nearest(points.col(i), 1, &nearest, &d2);
+    const double side = estimated.col(i).dot(normals.col(given[static_cast<std::size_t>(nearest)]));
+    normals.col(i) = side < 0 ? Point<3>(-estimated.col(i)) : Point<3>(estimated.col(i));
+  }
+}
+
+// Share of the pairs of near neighbours whose normals point against each other.
+double opposite_neighbors(const Points<3>& normals, const NeighborTable& near) {
+  const auto nearest = static_cast<std::size_t>(std::min<Index>(near.k, 4));
+  Index pairs = 0, opposite = 0;
+  for (Index i = 0; i < normals.cols(); ++i)
+    for (const std::uint32_t j : near.of(i).first(nearest)) {
+      ++pairs;
+      if (normals.col(i).dot(normals.col(j)) < 0) ++opposite;
+    }
+  return pairs == 0 ? 0 : static_cast<double>(opposite) / static_cast<double>(pairs);
+}
+
+// Share of the contradictions among the normals that consistent ones leave; 1 when there are hardly any contradictions.
+double remaining_after_orientation(const Points<3>& points, Points<3>& normals, const Progress& progress) {
+  const double contradictions = 1 - orientation_consistency(points, normals);
+  if (contradictions < usual_contradictions) return 1;
+  OrientOptions options;
+  options.progress = progress;
+  orient_normals(points, normals, options);
+  return (1 - orientation_consistency(points, normals)) / contradictions;
+}
+
+// Given normals with flipped patches disagree along the borders of the patches; then there is an orientation with far
+// fewer disagreements. Noise or creases leave about as many however the normals are turned: in a large cloud, some of
+// the points tell which it is.
+void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
+  OrientedPoints& cloud = result.cloud;
+  if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
+  if (cloud.size() > 2 * examined) {
+    const auto some = Eigen::seq(0, cloud.size() - 1, cloud.size() / examined);
+    Points<3> turned = cloud.normals(Eigen::all, some);
+    if (remaining_after_orientation(cloud.points(Eigen::all, some), turned, progress) > remaining_contradictions)
+      return;
+  }
+  Points<3> turned = cloud.normals;
+  if (remaining_after_orientation(cloud.points, turned, progress) > remaining_contradictions) return;
+  cloud.normals = std::move(turned);
+  result.normals = NormalSource::reoriented;
+  result.warnings.push_back("the given normals contradict each other: re-oriented");
+}
+
+void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
+                  const Progress& progress) {
+  OrientedPoints& cloud = result.cloud;
+  NormalOptions options;
+  options.progress = progress;
+  if (source == Normals::estimate || !given) {
+    cloud.normals = estimate_normals(cloud.points, options);
+    result.normals = NormalSource::estimated;
+    return;
+  }
+  const Index missing = normalize(cloud.normals);
+  if (2 * missing > cloud.size()) {
+    result.warnings.push_back("most normals are zero: all estimated");
+    cloud.normals = estimate_normals(cloud.points, options);
+    result.normals = NormalSource::estimated;
+    return;
+  }
+  warn(result.warnings, missing, "missing normals estimated");
+  if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
+  result.normals = NormalSource::file;
+  if (source == Normals::automatic) reorient_if_better(result, near, progress);
+}
+
+// Given normals that consistently point inward are not contradictory, but would make the outside solid.
+void turn_outward(PreparedCloud& result, Normals source) {
+  if (result.normals != NormalSource::file) return;
+  const std::vector<bool> inward = inward_parts(result.cloud, result.components);
+  const auto count = std::count(inward.begin(), inward.end(), true);
+  if (count == 0) return;
+  const std::string where = count == static_cast<std::ptrdiff_t>(inward.size()) ? "" : " on some parts";
+  if (source == Normals::file) {
+    result.warnings.push_back("the given normals point inward" + where + ": with automatic normals they are turned");
+    return;
+  }
+  std::vector<signed char> sign(static_cast<std::size_t>(result.cloud.size()), inward.back() ? -1 : 1);
+  for (std::size_t k = 0; k < result.components.size(); ++k)
+    for (const Index i : result.components[k]) sign[static_cast<std::size_t>(i)] = inward[k] ? -1 : 1;
+  for (Index i = 0; i < result.cloud.size(); ++i) result.cloud.normals.col(i) *= sign[static_cast<std::size_t>(i)];
+  result.normals = NormalSource::reoriented;
+  result.warnings.push_back("the given normals point inward" + where + ": turned");
+}
+
+}  // namespace
+
+PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress) {
+  report(progress, "prepare", 0);
+  require(input.normals.cols() == 0 || input.has_normals(), "reconstruct", "normals", input.normals.cols(),
+          "must be as many as the points, or none");
+  require(source != Normals::file || input.has_normals(), "reconstruct", "normals", "file",
+          "the input has no normals; use estimate or auto");
+  PreparedCloud result;
+  Points<3> normals = input.normals;
+  for (Index i = 0; i < normals.cols(); ++i)
+    if (!normals.col(i).allFinite()) normals.col(i).setZero();
+  const std::vector<Index> kept = distinct_points(input, normals, result.warnings);
+  require(kept.size() >= 4, "reconstruct", "points", kept.size(),
+          "distinct finite points are too few; at least 4 are needed");
+
+  const NeighborTable near = place_all_but_stray(input, kept, result);
+  report(progress, "prepare", 0.6);
+  if (input.has_normals()) result.cloud.normals = select(normals, result.source);
+  find_normals(result, near, source, input.has_normals(), progress);
+  result.cloud.spacing = local_spacing(result.cloud.normals, near);
+  turn_outward(result, source);
+  for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));
+  report(progress, "prepare", 1);
+  return result;
+}
+
+}  // namespace csrbf

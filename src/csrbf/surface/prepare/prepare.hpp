@@ -1,0 +1,35 @@
+#pragma once
+
+#include "csrbf/core/mesh.hpp"
+#include "csrbf/core/progress.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
+#include "csrbf/surface/composite/composite.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+/// A cloud made ready to fit.
+struct PreparedCloud {
+  /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order; samples that
+  /// bridge_gaps() adds follow.
+  OrientedPoints cloud;
+  std::unique_ptr<const KdTree<3>> tree;  ///< of the points of the cloud
+  Point<3> origin = Point<3>::Zero();
+  double scale = 1;
+  Box<3> bounds;              ///< of the points used, in the user's coordinates
+  std::vector<Index> source;  ///< index in the input of every point used
+  /// Parts of the cloud, indices ascending, that gaps wider than a few spacings separate from the largest part.
+  std::vector<std::vector<Index>> components;
+  NormalSource normals = NormalSource::file;
+  std::vector<std::string> warnings;
+};
+
+/// Cleans a cloud: drops non-finite points, merges points at the same place, drops stray points (isolated clusters much
+/// sparser than the rest), finds normals and the local spacing. Every change is told in `warnings`.
+/// Throws InvalidInput for fewer than four distinct points, and for collinear points. O(n log n).
+PreparedCloud prepare(const PointCloud& input, Normals normals, const Progress& progress = {});
+
+}  // namespace csrbf

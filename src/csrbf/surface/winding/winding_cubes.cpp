@@ -1,0 +1,172 @@
+#include "csrbf/surface/winding/winding_cubes.hpp"
+
+#include <Eigen/LU>
+
+#include <cmath>
+#include <numbers>
+
+namespace csrbf::winding {
+namespace {
+
+// Sources further than this many half sides from the centre of a cube (maximum norm) act through its polynomial.
+constexpr double separation = 3;
+// A node stands for its samples further than this many radii from its centre.
+constexpr double opening = 4;
+// Cubes with at most this many near samples are not divided.
+constexpr Index near_capacity = 2500;
+constexpr int max_depth = 30;
+
+using Matrix = Eigen::Matrix<float, order, order>;
+
+// Applies one matrix per direction to coefficients or values with index 16 i + 4 j + k.
+Coefficients apply(const Matrix& tx, const Matrix& ty, const Matrix& tz, const Coefficients& in) {
+  Coefficients a = in, b;
+  // Each round transforms the fastest direction and makes it the slowest.
+  for (const Matrix* matrix : {&tz, &ty, &tx}) {
+    Eigen::Map<Eigen::Matrix<float, order, layer>> from(a.data());
+    Eigen::Map<Eigen::Matrix<float, layer, order>> to(b.data());
+    to.noalias() = (*matrix * from).transpose();
+    std::swap(a, b);
+  }
+  return a;
+}
+
+const std::array<double, order>& chebyshev_points() {
+  static const std::array<double, order> points = [] {
+    std::array<double, order> p{};
+    for (std::size_t k = 0; k < order; ++k)
+      p[k] = -std::cos((2.0 * static_cast<double>(k) + 1) * std::numbers::pi / (2 * order));
+    return p;
+  }();
+  return points;
+}
+
+// From values at the Chebyshev points to coefficients.
+const Matrix& interpolation() {
+  static const Matrix matrix = [] {
+    Eigen::Matrix<double, order, order> vandermonde;
+    for (int k = 0; k < order; ++k)
+      for (int p = 0; p < order; ++p) vandermonde(k, p) = std::pow(chebyshev_points()[static_cast<std::size_t>(k)], p);
+    return Matrix(vandermonde.inverse().cast<float>());
+  }();
+  return matrix;
+}
+
+// From coefficients in t to coefficients in s, t = s / 2 - 1/2 (lower half) or s / 2 + 1/2.
+const Matrix& restriction(bool upper) {
+  static const std::array<Matrix, 2> matrices = [] {
+    constexpr int binomial[order][order] = {{1, 1, 1, 1}, {0, 1, 2, 3}, {0, 0, 1, 3}, {0, 0, 0, 1}};
+    std::array<Matrix, 2> m{Matrix::Zero(), Matrix::Zero()};
+    for (int i = 0; i < order; ++i)
+      for (int j = i; j < order; ++j)
+        for (std::size_t half = 0; half < 2; ++half)
+          m[half](i, j) =
+              static_cast<float>(binomial[i][j] * std::pow(0.5, i) * std::pow(half == 1 ? 0.5 : -0.5, j - i));
+    return m;
+  }();
+  return matrices[upper ? 1 : 0];
+}
+
+}  // namespace
+
+Cubes::Cube::~Cube() {
+  for (const auto& child : children) delete child.load();
+}
+
+Cubes::Cubes(const Tree& tree) : tree_(tree) {
+  root_.cell.half = extent;
+  set_near(root_, tree.nodes.empty() ? std::vector<std::int32_t>{} : std::vector<std::int32_t>{0});
+}
+
+void Cubes::set_near(Cube& cube, std::vector<std::int32_t> near) const {
+  Index samples = 0;
+  for (const std::int32_t id : near) samples += tree_.nodes[static_cast<std::size_t>(id)].count;
+  cube.divided = samples > near_capacity && cube.depth < max_depth;
+  if (cube.divided) {
+    cube.near = std::move(near);
+    return;
+  }
+  for (const std::int32_t id : near) {
+    const Node& node = tree_.nodes[static_cast<std::size_t>(id)];
+    if (!cube.cell.near.empty() && cube.cell.near.back().end == node.begin)
+      cube.cell.near.back().end += node.count;
+    else
+      cube.cell.near.push_back({node.begin, node.begin + node.count});
+  }
+}
+
+Cubes::Sources Cubes::classify(const Cell& cell, const std::vector<std::int32_t>& candidates) const {
+  Sources sources;
+  std::vector<std::int32_t> stack(candidates.rbegin(), candidates.rend());
+  while (!stack.empty()) {
+    const std::int32_t id = stack.back();
+    stack.pop_back();
+    const Node& node = tree_.nodes[static_cast<std::size_t>(id)];
+    const double radius = node.radius();
+    const Eigen::Array3d offset = (Point<3>(node.center) - cell.center).array().abs();
+    const bool is_far = offset.maxCoeff() - radius > separation * cell.half;
+    const double gap2 = (offset - cell.half).max(0.0).matrix().squaredNorm();
+    if (is_far && gap2 + node.eps2 * radius * radius > opening * opening * radius * radius) {
+      sources.expansions.push_back(id);
+    } else if (node.is_leaf()) {
+      (is_far ? sources.leaves : sources.near).push_back(id);
+    } else if (!is_far && radius < 0.5 * cell.half) {
+      sources.near.push_back(id);
+    } else {
+      stack.push_back(node.right);
+      stack.push_back(id + 1);
+    }
+  }
+  return sources;
+}
+
+std::unique_ptr<Cubes::Cube> Cubes::make_child(const Cube& parent, std::size_t octant) const {
+  auto cube = std::make_unique<Cube>();
+  Cell& cell = cube->cell;
+  const bool upper[3] = {(octant & 1) != 0, (octant & 2) != 0, (octant & 4) != 0};
+  cell.half = 0.5 * parent.cell.half;
+  for (int axis = 0; axis < 3; ++axis)
+    cell.center[axis] = parent.cell.center[axis] + (upper[axis] ? cell.half : -cell.half);
+  cube->depth = parent.depth + 1;
+  Sources sources = classify(cell, parent.near);
+  set_near(*cube, std::move(sources.near));
+
+  Coefficients values;
+  const auto& points = chebyshev_points();
+  for (std::size_t i = 0; i < order; ++i) {
+    Layer at;
+    for (std::size_t l = 0; l < layer; ++l) {
+      at.x[0][l] = cell.center[0] + cell.half * points[i];
+      at.x[1][l] = cell.center[1] + cell.half * points[l / order];
+      at.x[2][l] = cell.center[2] + cell.half * points[l % order];
+      at.sum[l] = 0;
+    }
+    add_sources(tree_, sources.expansions, sources.leaves, at);
+    std::copy_n(at.sum, layer, values.begin() + static_cast<std::ptrdiff_t>(layer * i));
+  }
+  const Coefficients added = apply(interpolation(), interpolation(), interpolation(), values);
+  cell.far = apply(restriction(upper[0]), restriction(upper[1]), restriction(upper[2]), parent.cell.far);
+  for (std::size_t k = 0; k < added.size(); ++k) cell.far[k] += added[k];
+  return cube;
+}
+
+const Cell* Cubes::find(const Point<3>& x) const {
+  if (!(x.array().abs() <= extent).all()) return nullptr;  // NaN is outside too
+  const Cube* cube = &root_;
+  while (cube->divided) {
+    std::size_t octant = 0;
+    for (int axis = 0; axis < 3; ++axis) octant |= (x[axis] > cube->cell.center[axis] ? std::size_t{1} : 0) << axis;
+    auto& slot = cube->children[octant];
+    const Cube* child = slot.load(std::memory_order_acquire);
+    if (child == nullptr) {
+      std::unique_ptr<Cube> made = make_child(*cube, octant);
+      // Threads may make the same cube at the same time; the first one stays.
+      if (slot.compare_exchange_strong(child, made.get(), std::memory_order_acq_rel, std::memory_order_acquire))
+        child = made.release();
+    }
+    cube = child;
+  }
+  return &cube->cell;
+}
+
+}  // namespace csrbf::winding

@@ -1,0 +1,86 @@
+#include "csrbf/approx/unity/local_variance.hpp"
+
+#include "approx/approx_testing.hpp"
+
+namespace csrbf {
+namespace {
+
+// Noise of standard deviation sigma on the left half, three times that on the right.
+template <int Dim>
+double noise_at(const Point<Dim>& p) {
+  return p[0] < .5 ? .02 : .06;
+}
+
+template <int Dim>
+Samples<Dim> noisy(Index n, unsigned seed) {
+  Samples<Dim> data = sample<Dim>(random_points<Dim>(n, seed), waves<Dim>);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0, 1);
+  for (Index i = 0; i < n; ++i) data.values(i) += noise_at<Dim>(data.points.col(i)) * normal(random);
+  return data;
+}
+
+template <int Dim>
+void expect_noise_found() {
+  const Samples<Dim> data = noisy<Dim>(6000, 1), others = noisy<Dim>(4000, 2);
+  // Patches that tell the halves of space apart.
+  const auto fit = partition_of_unity(
+      data, {.degree = 2, .samples_per_patch = Dim < 3 ? 300 : 600, .centers_per_patch = 0, .smoothing = 0});
+  const auto variance = local_variance(data, fit);
+  ASSERT_EQ(variance.size(), 1U);
+  const Eigen::ArrayXd error = (fit.fields()[0]->evaluate(others.points).value - others.values.col(0)).cwiseAbs();
+  const Eigen::ArrayXd deviation = variance[0]->evaluate(others.points).value.cwiseSqrt();
+  double left = 0, right = 0;
+  for (Index i = 0; i < others.size(); ++i) {
+    const double x = others.points(0, i);
+    (x < .5 ? left : right) += x < .3 || x > .7 ? deviation[i] / (.2 * 4000 * 1.5) : 0;  // 30 % of the points each
+  }
+  EXPECT_NEAR(left, .02, (Dim < 3 ? .25 : .5) * .02) << Dim;
+  EXPECT_NEAR(right, .06, .25 * .06) << Dim;
+  const double covered = static_cast<double>((error <= 1.96 * deviation).count()) / 4000;
+  EXPECT_GE(covered, Dim < 3 ? .92 : .88) << Dim;
+  EXPECT_LE(covered, .98) << Dim;
+}
+
+TEST(LocalVariance, FindsTheNoiseWhereItIs) {
+  expect_noise_found<1>();
+  expect_noise_found<2>();
+  expect_noise_found<3>();
+}
+
+TEST(LocalVariance, WithoutNoiseIsThatOfSamplesLeftOut) {
+  const Samples<2> data = sample<2>(random_points<2>(5000, 1), franke);
+  const auto fit = partition_of_unity(data);
+  const auto variance = local_variance(data, fit);
+  const Points<2> x = (.05 + .9 * random_points<2>(3000, 2).array()).matrix();
+  const Samples<2> truth = sample<2>(x, franke);
+  const Eigen::ArrayXd error = (fit.fields()[0]->evaluate(x).value - truth.values.col(0)).cwiseAbs();
+  const Eigen::ArrayXd deviation = variance[0]->evaluate(x).value.cwiseSqrt();
+  EXPECT_GE(static_cast<double>((error <= 1.96 * deviation).count()) / 3000, .9);
+  EXPECT_LE(std::sqrt(deviation.square().mean()), 10 * fit.report.cross_validation_rmse);
+}
+
+TEST(LocalVariance, IsThatOfEveryComponentInItsUnit) {
+  Samples<2> data = noisy<2>(1500, 1);
+  data.values.conservativeResize(Eigen::NoChange, 2);
+  data.values.col(1) = 64 * data.values.col(0);
+  data.weights = Eigen::VectorXd::LinSpaced(1500, .5, 1.5);
+  data.weights[3] = 0;  // left out
+  const auto variances = local_variance(data, partition_of_unity(data));
+  const Points<2> x = random_points<2>(50, 2);
+  const Eigen::VectorXd one = variances[0]->evaluate(x).value, other = variances[1]->evaluate(x).value;
+  EXPECT_LE((other - 4096 * one).cwiseAbs().maxCoeff(), 1e-6 * other.maxCoeff());
+  EXPECT_GT(one.minCoeff(), 0);
+}
+
+TEST(LocalVariance, TakesAFewSamplesAndConstantOnes) {
+  for (const Index n : {1, 2, 7, 60}) {
+    const Samples<3> data{random_points<3>(n, 1), Eigen::VectorXd::Constant(n, 5), {}};
+    const Eigen::VectorXd value = local_variance(data, partition_of_unity(data))[0]->evaluate(data.points).value;
+    EXPECT_TRUE((value.array() >= 0).all()) << n;
+    EXPECT_LE(value.maxCoeff(), 1e-12) << n;
+  }
+}
+
+}  // namespace
+}  // namespace csrbf

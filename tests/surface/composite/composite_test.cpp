@@ -1,0 +1,231 @@
+#include "csrbf/surface/composite/composite.hpp"
+
+#include "csrbf/core/parallel.hpp"
+#include "surface/surface_testing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+namespace csrbf {
+namespace {
+
+// The partition of unity f = S / W and its gradient; W = 0 where no patch reaches.
+struct Blend {
+  double weight = 0, value = 0;
+  Point<3> gradient = Point<3>::Zero();
+
+  [[nodiscard]] double distance() const { return std::abs(value) / gradient.norm(); }
+};
+Blend blend_at(const Patches& patches, const Point<3>& x) {
+  PatchSums sums;
+  patches.accumulate(x, Derivatives::gradient, sums);
+  Blend result;
+  result.weight = sums.W[0][0];
+  if (result.weight == 0) return result;
+  result.value = sums.S[0][0] / result.weight;
+  for (int c = 0; c < 3; ++c) result.gradient[c] = (sums.S[1 + c][0] - result.value * sums.W[1 + c][0]) / result.weight;
+  return result;
+}
+
+// Root mean square distance and angle (radian) between the fitted and the exact torus, at points between the samples.
+struct Errors {
+  double distance = 0, normal = 0;
+};
+Errors errors_of(const Patches& patches, const Torus& torus) {
+  const PointCloud probes = torus.cloud(2000, 77);
+  Errors errors;
+  for (Index i = 0; i < probes.size(); ++i) {
+    const Blend f = blend_at(patches, probes.points.col(i));
+    EXPECT_GT(f.weight, 0.01);
+    errors.distance += f.distance() * f.distance();
+    errors.normal += (f.gradient.normalized() + probes.normals.col(i)).squaredNorm();
+  }
+  const auto n = static_cast<double>(probes.size());
+  return {std::sqrt(errors.distance / n), std::sqrt(errors.normal / n)};
+}
+
+CompositeFit fit_torus(Index n, const CompositeOptions& options = {}) {
+  return fit_composite(oriented(Torus().cloud(n), Torus().area()), options);
+}
+
+CompositeOptions quadric_only() {
+  CompositeOptions options;
+  options.centers_per_patch = 0;
+  return options;
+}
+
+constexpr std::array<Index, 4> sizes = {2000, 8000, 32000, 128000};  // the spacing is halved each time
+
+double observed_order(double coarsest, double finest) {
+  return std::log2(coarsest / finest) / static_cast<double>(sizes.size() - 1);
+}
+
+TEST(Composite, OfAPlaneIsThePlane) {
+  PointCloud square{Points<3>(3, 1000), Point<3>::UnitZ().replicate(1, 1000), {}};
+  for (Index i = 0; i < 1000; ++i) square.points.col(i) << quasi_random(i, 1), 0.25;
+  const CompositeFit fit = fit_composite(oriented(square, 1), {});
+  for (Index i = 0; i < 300; ++i) {
+    const Point<3> x = Point<3>(0, 0, 0.25 + 0.01 * std::sin(i)) + square.points.col(i).cwiseProduct(Point<3>(1, 1, 0));
+    const Blend f = blend_at(fit.patches, x);
+    constexpr double rounding = 1e-9;
+    EXPECT_NEAR(f.value, 0.25 - x[2], rounding);
+    EXPECT_NEAR((f.gradient + Point<3>::UnitZ()).norm(), 0, 1e-6);  // the blend divides rounding by the patch radius
+  }
+  EXPECT_GE(fit.patches.size(), 125);
+  EXPECT_LE(fit.patches.size(), 140);  // some more at the rim
+}
+
+TEST(Composite, HasAboutOnePatchPerLeafThatCoverTheSurface) {
+  for (const Index leaf_size : {4, 8, 50}) {
+    CompositeOptions options;
+    options.leaf_size = leaf_size;
+    const CompositeFit fit = fit_torus(4000, options);
+    EXPECT_NEAR(static_cast<double>(fit.patches.size()), 4000.0 / static_cast<double>(leaf_size),
+                0.15 * 4000.0 / static_cast<double>(leaf_size));  // some more over coverage gaps
+    EXPECT_LE(fit.patches.centers(), fit.patches.size() * options.centers_per_patch);
+    const PointCloud probes = Torus().cloud(1000, 5);
+    for (Index i = 0; i < probes.size(); ++i) EXPECT_GT(blend_at(fit.patches, probes.points.col(i)).weight, 0.03);
+  }
+}
+
+TEST(Composite, KnowsTheAreaOfTheSurface) {
+  const CompositeFit fit = fit_torus(8000);
+  EXPECT_NEAR(fit.areas.sum(), Torus().area(), 0.03 * Torus().area());  // patches are flat discs
+  EXPECT_GT(fit.areas.minCoeff(), 0.3 * Torus().area() / 8000);
+  EXPECT_LT(fit.areas.maxCoeff(), 3 * Torus().area() / 8000);
+}
+
+TEST(Composite, ConvergesWithTheThirdPowerOfTheSpacing) {
+  std::array<Errors, 4> quadric, csrbf;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    quadric[i] = errors_of(fit_torus(sizes[i], quadric_only()).patches, Torus());
+    csrbf[i] = errors_of(fit_torus(sizes[i]).patches, Torus());
+    EXPECT_LT(csrbf[i].distance, 0.5 * quadric[i].distance);
+    EXPECT_LT(csrbf[i].normal, 0.5 * quadric[i].normal);
+  }
+  // A quadric leaves out third-order terms; the CSRBF residual has a fixed shape relative to the patch.
+  EXPECT_GE(observed_order(quadric.front().distance, quadric.back().distance), 2.9);
+  EXPECT_GE(observed_order(csrbf.front().distance, csrbf.back().distance), 2.9);
+  EXPECT_GE(observed_order(quadric.front().normal, quadric.back().normal), 1.9);
+  EXPECT_GE(observed_order(csrbf.front().normal, csrbf.back().normal), 1.9);
+}
+
+TEST(Composite, TurnsMovesAndScalesWithTheCloud) {
+  const OrientedPoints cloud = oriented(Torus().cloud(3000), Torus().area());
+  const Patches patches = fit_composite(cloud, {}).patches;
+  Similarity map = rotation(2);
+  map.scale = 1e-3;
+  map.shift << 1, -2, 3;
+  const OrientedPoints image{map(cloud.points), map.R * cloud.normals, map.scale * cloud.spacing};
+  const Patches mapped = fit_composite(image, {}).patches;
+  EXPECT_EQ(mapped.size(), patches.size());
+  const PointCloud probes = with_noise(Torus().cloud(500, 9), 0.01);
+  for (Index i = 0; i < probes.size(); ++i) {
+    const Point<3> x = probes.points.col(i);
+    // Coordinates of order 3 hold the shape of size 1e-3 to 4e-13 relative to it; the normal equations with their ridge
+    // of 1e-6 have condition numbers up to 1e6.
+    EXPECT_NEAR(blend_at(mapped, map(x)).value, map.scale * blend_at(patches, x).value, map.scale * 4e-7);
+  }
+}
+
+TEST(Composite, DoesNotDependOnTheNumberOfThreads) {
+  set_thread_count(1);
+  const CompositeFit serial = fit_torus(20000);
+  set_thread_count(3);
+  const CompositeFit parallel = fit_torus(20000);
+  set_thread_count(0);
+  EXPECT_EQ(parallel.areas, serial.areas);
+  ASSERT_EQ(parallel.patches.size(), serial.patches.size());
+  EXPECT_EQ(parallel.patches.alpha(), serial.patches.alpha());
+  for (Index i = 0; i < serial.patches.size(); ++i)
+    EXPECT_EQ(parallel.patches.patch(i).quadric, serial.patches.patch(i).quadric);
+}
+
+TEST(Composite, UsesNoCentresBeyondTheBudget) {
+  const OrientedPoints cloud = oriented(Torus().cloud(8000), Torus().area());
+  CompositeOptions options;
+  options.leaf_size = 200;
+  options.centers_per_patch = 64;
+  for (Index i = 3; i < cloud.size(); i += 32) options.centers.push_back(i);
+  const Patches patches = fit_composite(cloud, options).patches;
+  std::set<Index> used;
+  for (Index p = 0; p < patches.size(); ++p) {
+    const auto begin = patches.center_begin()[static_cast<std::size_t>(p)],
+               end = patches.center_begin()[static_cast<std::size_t>(p) + 1];
+    for (Index j = begin; j < end; ++j) {
+      const Eigen::Map<const Point<3>> local(patches.center_coordinates().data() + 3 * j);
+      const Point<3> c = patches.patch(p).center + patches.patch(p).T.inverse() * local;
+      const auto same = [&](Index i) { return (cloud.points.col(i) - c).norm() < 1e-9; };
+      const auto found = std::find_if(options.centers.begin(), options.centers.end(), same);
+      ASSERT_NE(found, options.centers.end());
+      used.insert(*found);
+    }
+  }
+  EXPECT_GT(used.size(), 200);  // of 250
+  options.centers_per_patch = 0;
+  EXPECT_LT(errors_of(patches, Torus()).distance,
+            0.5 * errors_of(fit_composite(cloud, options).patches, Torus()).distance);
+}
+
+TEST(Composite, KeepsTheToleranceOfEverySample) {
+  const Torus torus;
+  const OrientedPoints clean = oriented(torus.cloud(8000), torus.area());
+  CompositeOptions options;
+  options.leaf_size = 256;
+  Index previous = 0;
+  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    options.tolerance.setConstant(clean.size(), tolerance);
+    const Patches patches = fit_composite(clean, options).patches;
+    double largest = 0;
+    for (Index i = 0; i < clean.size(); ++i)
+      largest = std::max(largest, blend_at(patches, clean.points.col(i)).distance());
+    EXPECT_LE(largest, tolerance);
+    EXPECT_GT(patches.size(), previous);  // a tighter tolerance costs more patches
+    previous = patches.size();
+  }
+}
+
+TEST(Composite, HalvesLeavesOnlyWhereTheToleranceIsMissed) {
+  const Torus torus;
+  const OrientedPoints cloud = oriented(torus.cloud(8000), torus.area());
+  CompositeOptions options;
+  options.leaf_size = 256;
+  options.tolerance.resize(cloud.size());
+  for (Index i = 0; i < cloud.size(); ++i) options.tolerance[i] = cloud.points(0, i) > 0 ? 1e-4 : 1.0;
+  const Patches patches = fit_composite(cloud, options).patches;
+  Index left = 0;
+  for (const Patch& p : patches.patches()) left += p.center[0] < -0.3 ? 1 : 0;
+  EXPECT_LT(left, 30);
+  EXPECT_GT(patches.size(), 100);
+}
+
+TEST(Composite, OfNoisyScrapsKeepsOnlyThoseThatNoOtherPatchCovers) {
+  // Single samples beside the sheet, further than a gap from it, where patches reach; one far away from all others.
+  PointCloud cloud = Torus().cloud(8000);
+  const double spacing = std::sqrt(Torus().area() / 8000);
+  for (Index i = 0; i < 8000; i += 400) cloud.points.col(i) += 3 * spacing * cloud.normals.col(i);
+  cloud.points.col(0) = Point<3>(0, 0, 3);
+  CompositeOptions options;
+  options.leaf_size = 50;
+  const Patches patches = fit_composite(oriented(cloud, Torus().area()), options).patches;
+  EXPECT_GT(blend_at(patches, Point<3>(0, 0, 3)).weight, 0.1);
+  EXPECT_LT(patches.size(), 8000 / 50 + 20);  // 20 scraps; 16 patches over coverage gaps
+}
+
+TEST(Composite, ReportsProgressAndCanBeCancelled) {
+  const OrientedPoints cloud = oriented(Torus().cloud(2000), Torus().area());
+  double last = -1;
+  const auto watch = [&](std::string_view stage, double fraction) {
+    EXPECT_EQ(stage, "fit");
+    EXPECT_GE(fraction, last);
+    last = fraction;
+    return true;
+  };
+  fit_composite(cloud, {}, watch);
+  EXPECT_EQ(last, 1);
+  EXPECT_THROW(fit_composite(cloud, {}, [](std::string_view, double) { return false; }), Cancelled);
+}
+
+}  // namespace
+}  // namespace csrbf

@@ -1,0 +1,347 @@
+#include "csrbf/surface/prepare/prepare.hpp"
+
+#include "csrbf/core/parallel.hpp"
+#include "surface/surface_testing.hpp"
+
+#include <set>
+
+namespace csrbf {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double rounding = 1e-14;
+
+bool warns(const PreparedCloud& prepared, const std::string& text) {
+  const auto holds = [&](const std::string& warning) { return warning.find(text) != std::string::npos; };
+  return std::any_of(prepared.warnings.begin(), prepared.warnings.end(), holds);
+}
+
+PointCloud without_normals(PointCloud cloud) {
+  cloud.normals.resize(3, 0);
+  return cloud;
+}
+
+// Mean cosine between normals of a unit sphere and the outward direction.
+double outward(const PreparedCloud& prepared, const PointCloud& input) {
+  double sum = 0;
+  for (Index i = 0; i < prepared.cloud.size(); ++i)
+    sum +=
+        prepared.cloud.normals.col(i).dot(input.points.col(prepared.source[static_cast<std::size_t>(i)]).normalized());
+  return sum / static_cast<double>(prepared.cloud.size());
+}
+
+void expect_points_of_the_input(const PreparedCloud& prepared, const PointCloud& input) {
+  ASSERT_EQ(static_cast<Index>(prepared.source.size()), prepared.cloud.size());
+  EXPECT_EQ(prepared.cloud.normals.cols(), prepared.cloud.size());
+  EXPECT_EQ(prepared.cloud.spacing.size(), prepared.cloud.size());
+  Box<3> box;
+  for (Index i = 0; i < prepared.cloud.size(); ++i) {
+    const Point<3> p = input.points.col(prepared.source[static_cast<std::size_t>(i)]);
+    const Point<3> found = prepared.origin + prepared.scale * prepared.cloud.points.col(i);
+    EXPECT_NEAR((found - p).norm() / prepared.scale, 0, rounding);
+    EXPECT_NEAR(prepared.cloud.normals.col(i).norm(), 1, rounding);
+    box.add(p);
+  }
+  EXPECT_EQ(prepared.bounds.lo, box.lo);
+  EXPECT_EQ(prepared.bounds.hi, box.hi);
+  const std::set<Index> distinct(prepared.source.begin(), prepared.source.end());
+  EXPECT_EQ(distinct.size(), prepared.source.size());
+}
+
+TEST(Prepare, BringsTheCloudToUnitCoordinatesInMortonOrder) {
+  const PointCloud input = sphere_cloud(3000, 1, 5, {10, -20, 30});
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_TRUE(prepared.warnings.empty());
+  EXPECT_EQ(prepared.cloud.size(), 3000);
+  expect_points_of_the_input(prepared, input);
+  const Box<3> box = bounding_box<3>(prepared.cloud.points);
+  EXPECT_NEAR(box.diagonal(), 1, rounding);
+  EXPECT_NEAR(box.center().norm(), 0, rounding);
+  EXPECT_NEAR(prepared.scale, bounding_box<3>(input.points).diagonal(), rounding * prepared.scale);
+  // Neighbours in the order are neighbours in space: in random order they would be 0.38 apart, in the mean.
+  const Index n = prepared.cloud.size();
+  const Points<3> steps = prepared.cloud.points.rightCols(n - 1) - prepared.cloud.points.leftCols(n - 1);
+  EXPECT_LT(steps.colwise().norm().mean(), 0.06);
+}
+
+TEST(Prepare, KnowsTheSpacing) {
+  const PreparedCloud prepared = prepare(sphere_cloud(5000), Normals::automatic);
+  const double area = 4 * pi / (prepared.scale * prepared.scale);
+  EXPECT_NEAR(prepared.cloud.spacing.squaredNorm(), area, 0.2 * area);
+  const double spacing = std::sqrt(area / 5000);
+  EXPECT_GT(prepared.cloud.spacing.minCoeff(), 0.6 * spacing);
+  EXPECT_LT(prepared.cloud.spacing.maxCoeff(), 1.6 * spacing);
+}
+
+TEST(Prepare, CountsOnlyTheOwnSideOfAThinSlabForTheSpacing) {
+  // Two squares back to back, much closer than their samples.
+  PointCloud slab{Points<3>(3, 4000), Points<3>(3, 4000), {}};
+  for (Index i = 0; i < 4000; ++i) {
+    const double side = i % 2 == 0 ? 1 : -1;
+    slab.points.col(i) << quasi_random(i, 1), side * 1e-3;
+    slab.normals.col(i) << 0, 0, side;
+  }
+  const PreparedCloud prepared = prepare(slab, Normals::file);
+  const double spacing = std::sqrt(1.0 / 2000) / prepared.scale;
+  std::vector<double> sorted(prepared.cloud.spacing.begin(), prepared.cloud.spacing.end());
+  std::nth_element(sorted.begin(), sorted.begin() + 2000, sorted.end());
+  EXPECT_NEAR(sorted[2000], spacing, 0.25 * spacing);
+}
+
+TEST(Prepare, DropsPointsThatAreNotFinite) {
+  PointCloud input = sphere_cloud(1000);
+  input.points(0, 5) = nan;
+  input.points(1, 17) = infinity;
+  input.points(2, 999) = -infinity;
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.cloud.size(), 997);
+  EXPECT_TRUE(warns(prepared, "3 points with NaN or infinite coordinates dropped"));
+  expect_points_of_the_input(prepared, input);
+}
+
+TEST(Prepare, MergesDuplicatesAndTheirNormals) {
+  const PointCloud sphere = sphere_cloud(1000);
+  PointCloud input = joined(sphere, sphere);
+  input.points.rightCols(1000) = sphere.points.rowwise().reverse();
+  input.normals.rightCols(1000) = sphere.normals.rowwise().reverse();
+  input.points(0, 0) = 0.0;
+  input.points(0, 1999) = -0.0;
+  input.normals.col(1) = Point<3>(1, 0, 0);
+  input.normals.col(1998) = Point<3>(0, 1, 0);
+  const PreparedCloud prepared = prepare(input, Normals::file);
+  EXPECT_EQ(prepared.cloud.size(), 1000);
+  EXPECT_TRUE(warns(prepared, "1000 duplicate points merged"));
+  expect_points_of_the_input(prepared, input);
+  for (std::size_t i = 0; i < prepared.source.size(); ++i) {
+    EXPECT_LT(prepared.source[i], 1000);  // the first of each group
+    if (prepared.source[i] == 1) {
+      EXPECT_NEAR((prepared.cloud.normals.col(static_cast<Index>(i)) - Point<3>(1, 1, 0).normalized()).norm(), 0,
+                  rounding);
+    }
+  }
+}
+
+TEST(Prepare, DropsStrayPointsAndHardlyAnyOthers) {
+  const Torus torus;
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const PointCloud good = torus.cloud(10000, seed);
+    const double spacing = std::sqrt(torus.area() / 10000);
+    PointCloud strays{random_points(100, bounding_box<3>(good.points), seed), Points<3>::Zero(3, 100), {}};
+    strays.normals.row(0).setOnes();
+    const PointCloud input = joined(strays, good);
+    const PreparedCloud prepared = prepare(input, Normals::automatic);
+    expect_points_of_the_input(prepared, input);
+    EXPECT_TRUE(warns(prepared, "stray points dropped"));
+    Index far = 0, far_kept = 0, good_kept = 0;
+    for (Index i = 0; i < 100; ++i) far += std::abs(torus.depth(input.points.col(i))) > 6 * spacing ? 1 : 0;
+    for (const Index i : prepared.source) {
+      good_kept += i >= 100 ? 1 : 0;
+      far_kept += i < 100 && std::abs(torus.depth(input.points.col(i))) > 6 * spacing ? 1 : 0;
+    }
+    EXPECT_GT(far, 20);
+    EXPECT_LE(10 * far_kept, far);
+    EXPECT_GE(good_kept, 10000 - 5);
+  }
+}
+
+TEST(Prepare, FarStrayPointsDoNotChangeTheUnitCoordinatesOfTheRest) {
+  const PointCloud good = sphere_cloud(1000);
+  const PreparedCloud expected = prepare(good, Normals::automatic);
+  for (const double far : {1e6, 1e300}) {
+    const PointCloud input = joined(good, {far * Points<3>::Identity(3, 2), Points<3>::Identity(3, 2), {}});
+    const PreparedCloud prepared = prepare(input, Normals::automatic);
+    EXPECT_TRUE(warns(prepared, "2 stray points dropped"));
+    EXPECT_EQ(prepared.scale, expected.scale);
+    EXPECT_EQ(prepared.source, expected.source);
+    EXPECT_EQ(prepared.cloud.points, expected.cloud.points);
+    EXPECT_EQ(prepared.cloud.spacing, expected.cloud.spacing);
+  }
+}
+
+TEST(Prepare, KeepsASparseObjectBesideADenseOne) {
+  // 400 samples of a sphere ten times as sparse in length as the other one are no stray points.
+  const PointCloud input = joined(sphere_cloud(20000), sphere_cloud(400, 2, 1.5, {5, 0, 0}));
+  EXPECT_EQ(prepare(input, Normals::automatic).cloud.size(), 20400);
+}
+
+TEST(Prepare, TakesNormalsFromTheFile) {
+  PointCloud input = sphere_cloud(1000);
+  input.normals *= 3;
+  for (const Normals source : {Normals::file, Normals::automatic}) {
+    const PreparedCloud prepared = prepare(input, source);
+    EXPECT_EQ(prepared.normals, NormalSource::file);
+    EXPECT_NEAR(outward(prepared, input), 1, rounding);
+    EXPECT_TRUE(prepared.warnings.empty());
+  }
+}
+
+TEST(Prepare, EstimatesNormalsWhenToldOrWhenThereAreNone) {
+  PointCloud input = sphere_cloud(2000);
+  input.normals *= -1;
+  const PreparedCloud told = prepare(input, Normals::estimate);
+  const PreparedCloud none = prepare(without_normals(input), Normals::automatic);
+  for (const PreparedCloud* prepared : {&told, &none}) {
+    EXPECT_EQ(prepared->normals, NormalSource::estimated);
+    EXPECT_GT(outward(*prepared, input), 0.99);
+  }
+}
+
+TEST(Prepare, ReorientsALargeCloudWithAFlippedPatch) {
+  constexpr Index large = 120'000;  // some of the points decide whether to turn the others
+  PointCloud input = sphere_cloud(large);
+  for (Index i = 0; i < large; ++i)
+    if (input.points(2, i) > 0.5) input.normals.col(i) *= -1;
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::reoriented);
+  EXPECT_GT(outward(prepared, input), 0.99);
+}
+
+TEST(Prepare, ReorientsNormalsThatContradictEachOther) {
+  PointCloud input = sphere_cloud(2000);
+  std::mt19937_64 random(4);
+  for (Index i = 0; i < 2000; ++i)
+    if (random() % 4 == 0) input.normals.col(i) *= -1;
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::reoriented);
+  EXPECT_TRUE(warns(prepared, "contradict each other: re-oriented"));
+  EXPECT_NEAR(outward(prepared, input), 1, rounding);
+  const PreparedCloud as_given = prepare(input, Normals::file);
+  EXPECT_EQ(as_given.normals, NormalSource::file);
+  EXPECT_LT(outward(as_given, input), 0.6);
+}
+
+PointCloud inside_out(PointCloud cloud) {
+  cloud.normals *= -1;
+  return cloud;
+}
+
+TEST(Prepare, TurnsNormalsThatPointInward) {
+  const PointCloud cloud = inside_out(sphere_cloud(3000));
+  const PreparedCloud turned = prepare(cloud, Normals::automatic);
+  EXPECT_TRUE(warns(turned, "point inward: turned"));
+  EXPECT_EQ(turned.normals, NormalSource::reoriented);
+  EXPECT_GT(outward(turned, cloud), 0.99);
+  const PreparedCloud kept = prepare(cloud, Normals::file);
+  EXPECT_TRUE(warns(kept, "point inward"));
+  EXPECT_EQ(kept.normals, NormalSource::file);
+  EXPECT_LT(outward(kept, cloud), -0.99);
+}
+
+TEST(Prepare, TurnsOnlyTheBodyWhoseNormalsPointInward) {
+  const PointCloud good = sphere_cloud(3000), bad = inside_out(sphere_cloud(2000, 2, 1, {3, 0, 0}));
+  const PointCloud cloud = joined(good, bad);
+  const PreparedCloud turned = prepare(cloud, Normals::automatic);
+  EXPECT_TRUE(warns(turned, "point inward on some parts: turned"));
+  for (Index i = 0; i < turned.cloud.size(); ++i) {
+    const Index from = turned.source[static_cast<std::size_t>(i)];
+    const Point<3> center(from < good.size() ? 0 : 3, 0, 0);
+    EXPECT_GT(turned.cloud.normals.col(i).dot(cloud.points.col(from) - center), 0.9);
+  }
+}
+
+TEST(Prepare, KeepsNormalsOfCavitiesAndOpenSheets) {
+  const PointCloud hollow = joined(sphere_cloud(3000), inside_out(sphere_cloud(2000, 2, 0.5)));
+  EXPECT_EQ(prepare(hollow, Normals::automatic).normals, NormalSource::file);
+  PointCloud bowl = inside_out(sphere_cloud(3000));
+  std::vector<Index> lower;
+  for (Index i = 0; i < bowl.size(); ++i)
+    if (bowl.points(2, i) < 0) lower.push_back(i);
+  bowl = {bowl.points(Eigen::all, lower), bowl.normals(Eigen::all, lower), {}};
+  EXPECT_EQ(prepare(bowl, Normals::automatic).normals, NormalSource::file);
+}
+
+TEST(Prepare, FillsMissingNormals) {
+  PointCloud input = sphere_cloud(2000);
+  for (Index i = 0; i < 2000; i += 3) input.normals.col(i).setZero();
+  input.normals(1, 1) = nan;
+  input.normals(2, 2) = infinity;
+  const PreparedCloud prepared = prepare(input, Normals::file);
+  EXPECT_EQ(prepared.normals, NormalSource::file);
+  EXPECT_TRUE(warns(prepared, "669 missing normals estimated"));
+  expect_points_of_the_input(prepared, input);
+  for (Index i = 0; i < prepared.cloud.size(); ++i)
+    EXPECT_GT(prepared.cloud.normals.col(i).dot(input.points.col(prepared.source[static_cast<std::size_t>(i)])), 0.98);
+}
+
+TEST(Prepare, EstimatesAllNormalsWhenMostAreMissing) {
+  PointCloud input = sphere_cloud(2000);
+  input.normals.rightCols(1500).setZero();
+  const PreparedCloud prepared = prepare(input, Normals::file);
+  EXPECT_EQ(prepared.normals, NormalSource::estimated);
+  EXPECT_TRUE(warns(prepared, "most normals are zero"));
+  EXPECT_GT(outward(prepared, input), 0.99);
+}
+
+TEST(Prepare, DoesNotDependOnTheUnitOrTheThreads) {
+  const PointCloud input = without_normals(sphere_cloud(2000));
+  const PreparedCloud expected = prepare(input, Normals::automatic);
+  for (const double scale : {1e-30, 1e30, 1e-300, 1e300}) {
+    const PreparedCloud prepared = prepare({scale * input.points, input.normals, {}}, Normals::automatic);
+    EXPECT_NEAR(prepared.scale / scale, expected.scale, 1e-12);
+    EXPECT_EQ(prepared.source, expected.source);
+    EXPECT_NEAR((prepared.cloud.points - expected.cloud.points).norm(), 0, 1e-12);
+    EXPECT_NEAR((prepared.cloud.normals - expected.cloud.normals).norm(), 0, 1e-9);
+    EXPECT_NEAR((prepared.cloud.spacing - expected.cloud.spacing).norm(), 0, 1e-6);  // squared distances are floats
+  }
+  set_thread_count(1);
+  const PreparedCloud serial = prepare(input, Normals::automatic);
+  set_thread_count(0);
+  EXPECT_EQ(serial.source, expected.source);
+  EXPECT_EQ(serial.cloud.points, expected.cloud.points);
+  EXPECT_EQ(serial.cloud.normals, expected.cloud.normals);
+  EXPECT_EQ(serial.cloud.spacing, expected.cloud.spacing);
+}
+
+TEST(Prepare, MakesDoWithFourPoints) {
+  Points<3> corners(3, 4);
+  corners << 0, 1, 0, 0,  //
+      0, 0, 1, 0,         //
+      0, 0, 0, 1;
+  const PreparedCloud prepared = prepare({corners, Points<3>(3, 0), {}}, Normals::automatic);
+  EXPECT_EQ(prepared.cloud.size(), 4);
+  EXPECT_TRUE(prepared.cloud.normals.allFinite());
+  EXPECT_GT(prepared.cloud.spacing.minCoeff(), 0);
+}
+
+TEST(Prepare, RejectsCloudsThatHoldNoSurface) {
+  const auto message = [](const Points<3>& points) {
+    return invalid_input_message([&] { prepare({points, Points<3>(3, 0), {}}, Normals::automatic); });
+  };
+  const std::string too_few = "distinct finite points are too few; at least 4 are needed";
+  EXPECT_EQ(message(Points<3>(3, 0)), "reconstruct: points = 0: " + too_few);
+  EXPECT_EQ(message(sphere_cloud(3).points), "reconstruct: points = 3: " + too_few);
+  EXPECT_EQ(message(Points<3>::Constant(3, 50, 0.1)), "reconstruct: points = 1: " + too_few);
+  EXPECT_EQ(message(Points<3>::Constant(3, 50, nan)), "reconstruct: points = 0: " + too_few);
+  const Points<3> line = Point<3>(1, 2, -1) * Eigen::RowVectorXd::LinSpaced(100, -1, 1);
+  EXPECT_NE(message(line).find("reconstruct: points: all lie on one line"), std::string::npos);
+  EXPECT_NE(message(1e30 * line).find("reconstruct: points: all lie on one line"), std::string::npos);
+}
+
+TEST(Prepare, RejectsNormalsThatAreNotThere) {
+  PointCloud cloud = without_normals(sphere_cloud(100));
+  EXPECT_EQ(invalid_input_message([&] { prepare(cloud, Normals::file); }),
+            "reconstruct: normals = file: the input has no normals; use estimate or auto");
+  cloud.normals.setOnes(3, 99);
+  EXPECT_EQ(invalid_input_message([&] { prepare(cloud, Normals::automatic); }),
+            "reconstruct: normals = 99: must be as many as the points, or none");
+}
+
+TEST(Prepare, ReportsProgressAndCanBeCancelled) {
+  const PointCloud cloud = without_normals(sphere_cloud(1000));
+  Index calls = 0;
+  prepare(cloud, Normals::automatic, [&](std::string_view, double fraction) {
+    EXPECT_GE(fraction, 0);
+    EXPECT_LE(fraction, 1);
+    ++calls;
+    return true;
+  });
+  EXPECT_GT(calls, 3);
+  for (Index stop = 1; stop <= calls; ++stop) {
+    Index left = stop;
+    EXPECT_THROW(prepare(cloud, Normals::automatic, [&](std::string_view, double) { return --left > 0; }), Cancelled);
+  }
+}
+
+}  // namespace
+}  // namespace csrbf
