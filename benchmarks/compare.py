@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Runs csrbf and other libraries on the same work, several times, and writes one table.
+"""Runs csrbf and other libraries on the same tasks, several times, and writes one table.
 
 usage: compare.py --tools DIR --data DIR [--csrbf PROGRAM] [--runs N] [--jobs NAME,...] [--work DIR] [--output FILE]
 
   --tools DIR      holds sample_mesh.py, evaluate_mesh.py, scattered_cases.py and make_images.py
   --data DIR       holds the mesh and the scans of surfaces.py; their jobs are left out without it
-  --csrbf PROGRAM  default: build/release/bin/csrbf; the programs alglib_rbf and itk_chan_vese are sought beside it
+  --csrbf PROGRAM  default: build/release/bin/csrbf; alglib_rbf and itk_chan_vese are expected beside it
   --runs N         of each tool on each job; default: 5
   --jobs NAMES     default: all of them
   --work DIR       keeps clouds, samples, images and results; default: build/compare
@@ -13,7 +13,7 @@ usage: compare.py --tools DIR --data DIR [--csrbf PROGRAM] [--runs N] [--jobs NA
 
 Needs numpy and scipy. Tools that are not installed are left out: Open3D (Debian: python3-open3d), scikit-image
 (python3-skimage), and the two programs, built with -DCSRBF_BUILD_BENCHMARKS=ON -DCSRBF_BENCHMARK_PEERS=ON (Debian:
-libalglib-dev, libinsighttoolkit5-dev). Leave the machine alone meanwhile.
+libalglib-dev, libinsighttoolkit5-dev). Keep the machine otherwise idle.
 """
 
 import argparse
@@ -40,30 +40,30 @@ QUERIES = 20_000
 LONG = 20  # seconds; what takes longer is run once
 LIMIT = 40  # seconds after which a tool is stopped
 
-LEGEND = """Every tool gets the same file and gives back the same thing.
+LEGEND = """Every tool is given the same file and has to return the same kind of result.
 
-* **error**: of surfaces the chamfer distance to the true surface, of scans the mean distance of points held out, both
-  in 1e-4 of the diagonal; of scattered samples the root mean square error at {queries:,} queries; of images 1 - Dice.
-* **CPU s**: of all threads, the median of {runs} runs, and the least and the most. For csrbf it is that of whole
-  processes, start, reading and writing included; for the others that of the call of the library alone. What takes more
-  than {long} s is run once, and stopped after {limit} s.
-* **peak MB**: of the process, interpreter and modules included for SciPy, scikit-image and Open3D.
-* **beside csrbf**: error and CPU time divided by those of csrbf; in the rows of csrbf who is better.
+* **error**: for surfaces the chamfer distance to the true surface, for scans the mean distance of held-out points, both
+  in 1e-4 of the diagonal; for scattered samples the root mean square error at {queries:,} queries; for images 1 - Dice.
+* **CPU s**: over all threads, the median of {runs} runs, and the range. For csrbf it is that of whole processes,
+  start-up, reading and writing included; for the others that of the library call alone. What takes more than {long} s
+  is run once, and stopped after {limit} s.
+* **peak MB**: of the process, including interpreter and modules for SciPy, scikit-image and Open3D.
+* **relative to csrbf**: error and CPU time divided by those of csrbf; in the rows of csrbf, who does better.
 
-csrbf runs without options. The others get what their manuals advise, and, where that is a matter of trial, the best of
-several tries by the true error:
+csrbf runs with default options. The others get the options their manuals recommend and, where that takes trial and
+error, the best of several tries by the true error:
 
-* Open3D: all of depths 8, 9 and 10 are shown.
-* SciPy: RBFInterpolator with the cubic kernel and 50 neighbours; for samples with noise (image30, franke_noise) the
-  best smoothing of 0, 1 and 100.
+* Open3D: depths 8, 9 and 10 are all shown.
+* SciPy: RBFInterpolator with the cubic kernel and 50 neighbours; for noisy samples (image30, franke_noise) the best
+  smoothing of 0, 1 and 100.
 * ALGLIB: hierarchical, with radii from a quarter of the box down to half the spacing, and thin plate splines by domain
-  decomposition; for samples with noise a penalty of 1e-5.
-* ITK: Chan-Vese on a dense level set, 200 iterations; for flat images the best of two weights of curvature and of a
-  start from one ball or from many.
+  decomposition; for noisy samples a penalty of 1e-5.
+* ITK: Chan-Vese on a dense level set, 200 iterations; for 2D images the best of two curvature weights and of a start
+  from one ball or many.
 * scikit-image: chan_vese with mu 0.1, morphological_chan_vese with 100 iterations, and Otsu's threshold after a
   Gaussian. They do not say which side is inside: the better one counts, as for ITK.
 
-polatory is not in Debian, and so not here.
+polatory is not in Debian, and therefore not included.
 """
 
 
@@ -349,15 +349,16 @@ def rows(name, tools):
 
 def page(options, lines, leads):
     version = subprocess.run([options.csrbf, "--version"], capture_output=True, text=True, check=True).stdout
-    head = (f"# csrbf beside others\n\n* {datetime.date.today().isoformat()}; {surfaces.cpu()}, {surfaces.memory()}, "
-            f"load {options.load:.1f} at the start\n* {version.splitlines()[0]}, beside Debian's "
+    head = (f"# csrbf compared with other tools\n\n* {datetime.date.today().isoformat()}; {surfaces.cpu()}, "
+            f"{surfaces.memory()}, load {options.load:.1f} at the start\n"
+            f"* {version.splitlines()[0]}, compared with Debian's "
             f"{', '.join(name for name, there in options.packages.items() if there)}\n\n"
             "```sh\nbenchmarks/compare.py --tools TOOLS --data DATA\n```\n\n")
     legend = LEGEND.format(queries=QUERIES, runs=options.runs, long=LONG, limit=LIMIT)
-    table = ("| job | tool | error | CPU s | spread | peak MB | beside csrbf |\n"
+    table = ("| job | tool | error | CPU s | spread | peak MB | relative to csrbf |\n"
              "|---|---|---:|---:|---|---:|---|\n")
-    told = (f"Of {leads['jobs']} jobs csrbf is the most accurate in {leads['accurate']}, and in {leads['leads']} of them "
-            "nobody is faster: there it leads.")
+    told = (f"csrbf is the most accurate in {leads['accurate']} of {leads['jobs']} jobs, and in {leads['leads']} of "
+            "these no other tool is faster: there it leads.")
     return f"{head}{legend}\n{told}\n\n{table}" + "\n".join(lines) + "\n"
 
 

@@ -291,7 +291,7 @@ int main() {
   std::printf("%d threads; %.0f Gflop/s, %.1f GB/s, both measured by this program.\n\n", thread_count(),
               rates.operations * 1e-9, rates.bytes * 1e-9);
   std::printf(
-      "| job | Gflop | GB | s by arithmetic | s by memory | s by sorting | s measured | spread | times the larger of "
+      "| job | Gflop | GB | arithmetic s | memory s | sorting s | measured s | spread | ratio to the larger of "
       "arithmetic and memory | with sorting |\n"
       "|---|---:|---:|---:|---:|---:|---:|---|---:|---:|\n");
   fit_rows<2>(rates, "fit, 1e6 samples in 2D", "evaluate it at 1e6 points");
@@ -299,13 +299,13 @@ int main() {
   surface_rows(rates);
   segment_row(rates);
   std::printf(R"(
-Arithmetic: rows, normal equations and factors of the local systems, of the sizes chosen; weights, polynomials and
-radial functions of every evaluation; the stencils of every iteration. Memory: what is given is read once, what is made
-is written once. Sorting: points in any order, as these are, have to be brought into the order of their cells before
-anything can be done cell by cell; measured are one radix sort by cells that are known already and one copy in that
-order, by all threads, at best. It comes before the rest, so that it adds to the larger floor. No floor counts what else
-finds its way: which cell a point is in, nearest neighbours, the choice of options by cross-validation, merging
-duplicates, errors at the samples, following the surface. Median of %d runs.
+Arithmetic: assembling the rows, normal equations and factors of the local systems at their actual sizes; weights,
+polynomials and radial functions of every evaluation; the stencils of every iteration. Memory: inputs are read once,
+outputs written once. Sorting: unordered points, such as these, must be sorted by cell before anything can be done cell
+by cell; the measurement is one radix sort by known cells and one copy in that order, on all threads, best case. Sorting
+comes before the rest, so it adds to the larger of the other two floors. No floor counts searching: finding the cell of
+a point, nearest neighbours, choosing options by cross-validation, merging duplicates, errors at the samples, following
+the surface. Median of %d runs.
 )",
               runs);
 }

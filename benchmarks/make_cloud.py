@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Writes a large point cloud with normals, as binary PLY: a torus with bumps, sampled all over and in no order.
+"""Writes a large point cloud with normals, as binary PLY: a bumpy torus, sampled all over in no order.
 
 usage: make_cloud.py N OUT.ply
 
-Takes memory for one block of points only. The same N gives the same file.
+Needs memory for one block of points only. The same N gives the same file.
 """
 
 import sys

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""What it costs to fit a million samples from Python instead of C++, in time and memory; writes a page with a table.
+"""The extra time and memory of fitting a million samples from Python instead of C++; writes a page with a table.
 
 usage: python_overhead.py [--csrbf PROGRAM] [--module DIR] [--samples N] [--runs N] [--output FILE]
 
   --csrbf PROGRAM  default: build/release/bin/csrbf
   --module DIR     holds the package csrbf; default: build/release/python
   --samples N      default: 1000000
-  --runs N         of each, in turns; the fastest counts; default: 7
+  --runs N         of each, alternating; the fastest counts; default: 7
   --output FILE    default: benchmarks/PYTHON.md
 
 Needs numpy. Exit status 1 when Python takes more than 5 % longer, or holds a copy of the samples.
@@ -49,10 +49,11 @@ f = csrbf.fit(points, values)
 print(json.dumps({"seconds": time.perf_counter() - begin, "grown": resident("VmHWM") - before}))
 """
 
-LEGEND = """`csrbf.fit(points, values)` of {samples:,} samples with no option set, beside `csrbf fit` of the same
-samples: the fastest of {runs} runs in turns, on all threads. **C++**: the total of the report of the program without
-its stages read and write. **Python**: the whole call. **memory**: by how much the peak of the process is above what it
-held before the call. **Fortran order**: how much more that is where the points have to be copied.
+LEGEND = """\
+`csrbf.fit(points, values)` of {samples:,} samples with default options, compared with `csrbf fit` of the same samples:
+the fastest of {runs} alternating runs, on all threads. **C++**: the total time in the report of the program without its
+stages read and write. **Python**: the whole call. **memory**: the peak of the process above what it held before the
+call. **Fortran order**: how much more it is when the points have to be copied.
 """
 
 

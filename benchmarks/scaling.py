@@ -5,8 +5,8 @@ usage: scaling.py [--csrbf-mpi PROGRAM] [--size N] [--group DIR] [--work DIR] [-
 
   --csrbf-mpi PROGRAM  default: build/distributed/bin/csrbf-mpi
   --size N             points of the strong runs; the weak ones have N / 2 per rank (default: 200000)
-  --group DIR          a memory control group (version 1) whose limit may be set: measures what --memory pages where
-                       the node is short of memory; default: it does not
+  --group DIR          a memory control group (version 1) whose limit may be set: measures what --memory pages when
+                       the node is short of memory; default: not measured
   --work DIR           keeps clouds, samples and reports; default: build/scaling
   --output FILE        default: benchmarks/SCALING.md
 
@@ -209,9 +209,9 @@ def predict(model):
 TEXT = """# Scaling of csrbf-mpi
 
 * {date}; {machine}, load {load:.1f} at the start
-* One thread per rank. There are {cores} cores: 4 ranks take turns on them, so that wall times say little. **busy s** is
-  the CPU time of the busiest rank without its waiting for others, and stands for the time on as many cores; **gain** is
-  that of one rank divided by it. **shared s** is the part of it that is shared work of the first rank.
+* One thread per rank. 4 ranks share {cores} cores, so wall times mean little. **busy s** is the CPU time of the busiest
+  rank, not counting time spent waiting for others, and stands for the time on as many cores as ranks; **gain** is the
+  busy time of one rank divided by it. **shared s** is the part of it that the first rank spends on shared work.
 
 ```sh
 benchmarks/scaling.py --size {size}{group}
@@ -220,27 +220,27 @@ benchmarks/scaling.py --size {size}{group}
 ## Measured
 
 {measured}
-In the strong runs a perfect gain would be the number of ranks, in the weak ones 1. The cloud has noise of a fifth of
-its spacing, for which fits of patches, which are shared, take long: others may gain less.
+A perfect gain would be the number of ranks in the strong runs, and 1 in the weak ones. The cloud has noise of a fifth
+of its spacing, which makes the fits of patches slow. As these are shared, other clouds may gain less.
 
 ## Model
 
-Per million points of the input, from two runs, {half:,} and {size:,} points, that counted what each of {nodes} ranks
-would exchange (`--pretend-ranks {nodes}`): items of shared work, megabytes of their results, and CPU seconds to compute
-them, each as a constant and what grows with the points. The bytes for {other:,} points, counted, differ from the
-model's by {errors}.
+Per million input points, from two runs with {half:,} and {size:,} points that counted what each of {nodes} ranks would
+exchange (`--pretend-ranks {nodes}`): items of shared work, megabytes of their results, and CPU seconds to compute them,
+each as a constant plus a part proportional to the points. For {other:,} points the bytes of the model differ from those
+counted by {errors}.
 
 {models}
 With b(n) bytes and t(n) seconds of shared work, u(n) seconds of other work and m(n) bytes of memory for n points, each
 of P ranks
 
-* holds m(n) bytes, whatever P: points, trees, patches and mesh are replicated, in memory or, with `--memory`, on disk;
+* holds m(n) bytes for any P: points, trees, patches and mesh are replicated, in memory or, with `--memory`, on disk;
 * computes t(n) / P + u(n) seconds (Amdahl's law);
 * sends b(n) / P bytes and receives b(n) (P - 1) / P of them;
-* takes part in an agreement per work and in two collective calls per 64 MB of all results.
+* takes part in one agreement per work and in two collective calls per 64 MB of all results.
 
 A patch of s samples and k unknowns takes about 4 s k^2 flops, most of the work of `fit` (s = 32, k = 26: 87,000). The
-transfer is at {bandwidth:.0f} GB/s per node, and not hidden behind work.
+transfer runs at {bandwidth:.0f} GB/s per node and does not overlap with the work.
 
 {predictions}
 ## What this means for {goal:,} points on {nodes} nodes
@@ -253,7 +253,7 @@ def verdict(model):
     limit = (NODE_MEMORY - model.memory.offset) / model.memory.slope
     shared, other = model.sum("seconds", GOAL), model.other(GOAL)
     return (f"* `{model.job}`: every rank would hold {model.memory(GOAL) / 1e9:,.0f} GB. With "
-            f"{NODE_MEMORY / 1e9:.0f} GB per node the replicated data end it at {limit:.1e} points without "
+            f"{NODE_MEMORY / 1e9:.0f} GB per node the replicated data limit it to {limit:.1e} points without "
             f"`--memory`, however many nodes there are.\n  "
             f"{100 * shared / (shared + other):.0f} % of the work is shared: the gain cannot exceed "
             f"{1 + shared / other:.1f} at one thread per rank.\n") + paging(model)
@@ -267,17 +267,16 @@ def paging(model):
                          for n, (read, written, _) in model.paged.items())
     return (f"  Under `--memory {CAP_SHARE * NODE_MEMORY / 1e9:.0f}GB` a node would read {read / 1e9:,.0f} GB and "
             f"write {written / 1e9:,.0f} GB, which take {(read + written) / DISK:,.0f} s at {DISK / 1e9:.0f} GB/s, and "
-            f"need {scratch / 1e9:,.0f} GB of room on its disk. Measured where memory, with what the system keeps of "
-            f"files, was short in the same proportion: {measured}.\n")
+            f"need {scratch / 1e9:,.0f} GB of disk space. Measured with memory, file cache included, short in the "
+            f"same proportion: {measured}.\n")
 
 
 ADVICE = """
-Up to there, ranks save time as long as work that is not shared is the smaller part; give each rank all cores of its
-node, since loops that are not shared work use them too. Beyond, give each rank a cap and a disk of its own
-(`--memory SIZE --scratch DIR`), or cut the data: tiles of the cloud with a margin of a few supports, one run each. To
-go further in one run, patches would have to live only on the ranks whose region they reach, and points with them: the
-fits need no more than that, but the orientation of normals and the winding number far from the points look at
-everything.
+Up to that limit, ranks save time as long as the work that is not shared is the smaller part; give each rank all cores
+of its node, since loops that are not shared use them too. Beyond it, give each rank a memory cap and a disk of its own
+(`--memory SIZE --scratch DIR`), or split the data: tiles of the cloud with a margin of a few supports, one run each. To
+go further in one run, patches and their points would have to live only on the ranks whose region they reach: the fits
+need no more than that, but the orientation of normals and the winding number far from the points need all the data.
 """
 
 

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""Fits and evaluates scattered samples with `csrbf`, beside SciPy, and writes a page of tables.
+"""Fits and evaluates scattered samples with `csrbf` and SciPy, and writes a page of tables.
 
 usage: scattered.py --tools DIR [--csrbf PROGRAM] [--cases NAME,...] [--peers] [--growth] [--work DIR] [--output FILE]
 
   --tools DIR      holds scattered_cases.py, which makes samples, queries and their true values
   --csrbf PROGRAM  default: build/release/bin/csrbf
   --cases NAMES    default: all of them
-  --peers          run SciPy, too (Clough-Tocher in the plane, linear otherwise, and 50 neighbours of a cubic)
-  --growth         cost for 1e4 to 1e7 samples in the plane and in space (needs 4 GB of memory)
+  --peers          run SciPy, too (Clough-Tocher and linear in 2D, and a cubic kernel with 50 neighbours)
+  --growth         cost for 1e4 to 1e7 samples in 2D and 3D (needs 4 GB of memory)
   --work DIR       keeps the cases, which are made once, and models; default: build/scattered
   --output FILE    default: benchmarks/SCATTERED.md
 
@@ -31,10 +31,11 @@ CASES = ["franke_1e6", "f3d_1e6", "franke_1e5", "tracks_1e5", "f4d_1e4", "f6d_1e
 LOOSE = [("franke_1e6", "8e-7")]  # with a tolerance
 HEADER = ["tool", "rmse", "median", "fit CPU s", "evaluation CPU s", "per 1e6", "peak MB", "what it chose"]
 
-LEGEND = """**rmse**, **median**: of the errors at the queries. **fit**: `csrbf fit SAMPLES.npy -o MODEL`, reading and writing
-included. **evaluation**: `csrbf evaluate MODEL --points QUERIES.npy -o OUT.npy`, the same; **per 1e6**: the stage
-`evaluate` of its report, seconds times threads for a million queries. **peak MB**: largest resident memory of the fit,
-the samples included, and at least that of this script when it started the fit. One run each, all threads.
+LEGEND = """\
+**rmse**, **median**: of the errors at the queries. **fit**: `csrbf fit SAMPLES.npy -o MODEL`, including reading and
+writing. **evaluation**: `csrbf evaluate MODEL --points QUERIES.npy -o OUT.npy`, likewise; **per 1e6**: the stage
+`evaluate` of its report, seconds times threads for a million queries. **peak MB**: peak resident memory of the fit,
+including the samples, and at least that of this script when it started the fit. One run each, all threads.
 """
 
 

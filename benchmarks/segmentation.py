@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Segments pictures and volumes with `csrbf`, beside a threshold and scikit-image, and writes a page of tables.
+"""Segments pictures and volumes with `csrbf`, a threshold and scikit-image, and writes a page of tables.
 
 usage: segmentation.py --tools DIR [--data DIR] [--csrbf PROGRAM] [--cases NAME,...] [--peers] [--seeds N]
                        [--work DIR] [--output FILE]
@@ -29,7 +29,7 @@ import numpy as np
 from scipy import ndimage as ndi
 
 PROJECT = Path(__file__).resolve().parent.parent
-HEADER = ["case", "tool", "Dice", "mean least", "evolve ms", "CPU s", "peak MB", "components", "what it chose"]
+HEADER = ["case", "tool", "Dice", "min Dice", "evolve ms", "CPU s", "peak MB", "components", "what it chose"]
 # name, flags of `csrbf segment`; a name with * stands for the seeds
 CASES = [
     ("shape311_clean", []),
@@ -59,15 +59,17 @@ CASES = [
     ("microct100", ["--smoothness", "0"]),
 ]
 
-LEGEND = """**Dice**: of the labels and the exact mask, the mean over the seeds where there are several, **mean least** the
-least of them. **evolve**: the stage of the report, mean. **CPU s**, **peak MB**: of the whole command, reading and
-writing included, the memory at least that of this script when it started it. scikit-image and the threshold run in
-Python: their CPU time is of the function alone, and the better of the two sides counts for scikit-image. One run each.
+LEGEND = """\
+**Dice**: of the labels and the exact mask, averaged over the seeds if there are several; **min Dice**: the smallest of
+them. **evolve**: the stage of the report, mean. **CPU s**, **peak MB**: of the whole command, including reading and
+writing; the memory is at least that of this script when it started the command. scikit-image and the threshold run in
+Python: their CPU time is of the function alone, and for scikit-image the better of the two sides counts. One run each.
 
-*speckle*: other shapes, contrasts, grains and displays than usim249, in turn a flower, a crescent brighter than what
-surrounds it, three cysts with a coarse grain, a weak blob, and an envelope instead of its logarithm; *equal means*: Laplace inside, uniform outside, with the same mean and variance; *nested rings*: a gradient of half the
-contrast across the background, and noise of a tenth of it; *microct100* with no smoothing at all: the energy of
-two-means classification has a known least value, and the column "what it chose" says how far the result is above it.
+*speckle*: other shapes, contrasts, grains and displays than usim249, in turn a flower, a crescent brighter than its
+surroundings, three cysts with a coarse grain, a faint blob, and an envelope instead of its logarithm; *equal means*:
+Laplace inside, uniform outside, with the same mean and variance; *nested rings*: a gradient of half the contrast across
+the background, and noise of a tenth of it; *microct100* without any smoothing: the minimum energy of two-means
+classification is known, and the column "what it chose" says how far above it the result is.
 """
 
 
@@ -170,7 +172,7 @@ def csrbf_row(program, work, name, flags, names):
                        if told["options"].get(key) not in (None, "none", "auto"))
     if name == "microct100":
         image = np.load(work / f"{name}.npy")
-        chosen += f", energy {100 * (within(image, labels != 0) / two_means(image) - 1):.2f} % above the least"
+        chosen += f", energy {100 * (within(image, labels != 0) / two_means(image) - 1):.2f} % above the minimum"
     shown = " ".join(["csrbf", *(Path(f).name if "/" in f else f for f in flags)])
     return [name, shown, f"{np.mean(scores):.4f}", f"{min(scores):.4f}", f"{np.mean(evolve):.0f}",
             f"{np.mean(cpu):.2f}", f"{peak:.0f}", told["result"]["components"], chosen]

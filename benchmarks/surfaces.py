@@ -42,23 +42,23 @@ COMMON_COLUMNS = [("triangles", "tris"), ("components", "comps"), ("Euler number
 
 LEGEND = """## Legend
 
-Lengths are in 1e-4 of the bounding-box diagonal of the truth, or of all points of a scan. Distances are from points to
-triangles, exact.
+Lengths are in 1e-4 of the bounding-box diagonal of the true surface, or of all points of a scan. Distances from points
+to triangles are exact.
 
 * **chamfer**: mean distance from 200,000 points of the mesh to the true surface and from as many points of the true
   surface to the mesh, averaged.
 * **99 % Hausdorff**: 99th percentile of these distances, the larger of the two directions.
-* **vertex rms**: root mean square of the distance from the vertices of the mesh to the true surface, which tells the
-  error of the function from that of flat triangles.
-* **mean, median, 99 %** (scans): distance to the mesh of a tenth of the points, chosen at random and not given to the
-  program. They include the noise of the scanner and stray points.
+* **vertex rms**: root mean square distance from the vertices of the mesh to the true surface, which separates the error
+  of the function from that of flat triangles.
+* **mean, median, 99 %** (scans): distance to the mesh of a tenth of the points, chosen at random and withheld from the
+  program. They include scanner noise and stray points.
 * **triangles, components, Euler number** (vertices - edges + triangles): of the mesh. **watertight**: every edge has
   exactly two triangles.
 * **CPU s**: user and system time of all threads. **wall s**: elapsed time. For csrbf both are those of the whole
-  process, reading and writing files included; for Open3D only of the Poisson call, measured inside the process: its
-  start, the import of Open3D, reading the cloud with its normals and writing the mesh are left out.
-* **peak MB**: largest resident memory of the process (1 MB = 1e6 bytes). For Open3D it includes the interpreter and the
-  modules loaded, as much as is given above.
+  process, including reading and writing files; for Open3D only of the Poisson call, measured inside the process:
+  start-up, the import of Open3D, reading the cloud with its normals and writing the mesh are left out.
+* **peak MB**: peak resident memory of the process (1 MB = 1e6 bytes). For Open3D it includes the interpreter and the
+  loaded modules, as stated above.
 
 One run each, with the default number of threads.
 """
@@ -307,7 +307,7 @@ def environment():
 def describe_open3d(open3d):
     if open3d is None:
         return "* Open3D: not installed, its rows are left out"
-    return f"* Open3D {open3d['version']}; interpreter and modules take {open3d['memory']:.0f} MB of its peak"
+    return f"* Open3D {open3d['version']}; interpreter and modules take {open3d['memory']:.0f} MB of its peak memory"
 
 
 def preamble(options, open3d):
@@ -315,7 +315,7 @@ def preamble(options, open3d):
     tools = ", ".join(f"{name} {module_version(options.work, name)['version']}" for name in ("numpy", "scipy"))
     command = ["benchmarks/surfaces.py", "--tools", "TOOLS", "--data", "DATA", "--cases", ",".join(options.cases)]
     return "\n".join([
-        "# csrbf beside screened Poisson reconstruction", "",
+        "# csrbf compared with screened Poisson reconstruction", "",
         f"* {datetime.date.today().isoformat()}; {cpu()}, {memory()}, load {os.getloadavg()[0]:.1f} at the start",
         f"* {csrbf.splitlines()[0]}", describe_open3d(open3d), f"* Python {sys.version.split()[0]}, {tools}",
         *environment(), "",

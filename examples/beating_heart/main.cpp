@@ -18,10 +18,9 @@ using csrbf::Index;
 
 constexpr const char* usage =
     "usage: csrbf-beating-heart FOLDER\n\n"
-    "Tracks the cavity of a beating left ventricle through noisy images, in a slice and in space, with and without\n"
-    "memory from frame to frame, and compares volumes and labels with the true ones. Writes volumes.csv, volumes.svg,\n"
-    "frames.png. Ends with 1 when the ejection fraction is off by more than 4 % or the memory does not help in "
-    "noise.\n";
+    "Tracks the cavity of a beating left ventricle through noisy images, in 2D and 3D, with and without memory from\n"
+    "frame to frame, and compares volumes and labels with the truth. Writes volumes.csv, volumes.svg, frames.png. The\n"
+    "exit status is 1 if the ejection fraction is off by more than 4 % or the memory does not help in noise.\n";
 
 // How one tracking agrees with the truth.
 struct Agreement {

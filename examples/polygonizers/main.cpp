@@ -16,11 +16,12 @@ namespace {
 
 constexpr const char* usage =
     "usage: csrbf-polygonizers [--resolution N] [--mesh FILE]\n\n"
-    "Polygonizes five solids, and the distance to a closed mesh when one is given, in every way the library knows, "
+    "Polygonizes five solids, and the distance to a closed mesh if one is given, with every method of the library, "
     "and\n"
     "prints a table: triangles, connected components, Euler characteristic, whether the mesh is closed and manifold,\n"
     "mean and largest distance of the triangles' centroids from the surface (|f| / |grad f|, in cells), the smallest\n"
-    "angle in degrees and seconds. Ends with 1 when a mesh is not closed, not manifold or of the wrong topology.\n";
+    "angle in degrees and seconds. The exit status is 1 if a mesh is not closed, not manifold or has the wrong "
+    "topology.\n";
 
 using csrbf::Index;
 using csrbf::Mesh;

@@ -23,13 +23,12 @@ using Labels = std::vector<unsigned char>;
 
 constexpr const char* usage =
     "usage: csrbf-snake [PICTURE.png]\n\n"
-    "Segments four generated pictures by snakes, polygons that move (thesis eq. 7.1), and by level sets, from the "
-    "same\n"
+    "Segments four synthetic pictures by snakes, moving polygons (thesis eq. 7.1), and by level sets, from the same\n"
     "circle: a flower from close by, the same from a small circle inside, a disc with two holes, and two discs. "
     "Prints\n"
-    "the Dice coefficient of each with the truth. Snakes pulled by edges see only edges nearby, and no snake can make\n"
-    "holes or parts: around two discs it crosses itself. With an argument also draws the last picture: the best snake "
-    "in red, the level set in green.\n";
+    "the Dice coefficient of each with the truth. Snakes driven by edges see only edges nearby, and no snake can make\n"
+    "holes or split: around two discs it crosses itself. With an argument, the last picture is also drawn, with the\n"
+    "best snake in red and the level set in green.\n";
 
 constexpr Index size = 120;
 

@@ -20,12 +20,10 @@ namespace {
 
 constexpr const char* usage =
     "usage: csrbf-surface-table CLOUD [--methods NAME,...] [--centers N] [--resolution N] [--time-limit SECONDS]\n\n"
-    "Reconstructs the cloud by every method that reconstruct() knows, each in a process of its own, and prints a "
-    "table:\n"
-    "root mean square and 99th percentile of the distances of the points to the surface (of the diagonal), seconds to\n"
-    "fit and to make the mesh, largest memory, connected components of the surface as it comes out and how many of "
-    "them\n"
-    "hold data, Euler characteristic of these, and whether they are closed.\n";
+    "Reconstructs the cloud with every method of reconstruct(), each in its own process, and prints a table: root\n"
+    "mean square and 99th percentile of the distances from the points to the surface (relative to the diagonal),\n"
+    "seconds to fit and to make the mesh, peak memory, connected components of the surface and how many of them\n"
+    "contain data, Euler characteristic of the latter, and whether they are closed.\n";
 
 struct Settings {
   std::string cloud;

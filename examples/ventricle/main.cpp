@@ -27,8 +27,8 @@ using std::numbers::pi;
 
 constexpr const char* usage =
     "usage: csrbf-ventricle FOLDER\n\n"
-    "Draws the contours of a left ventricle, as a physician would on short axis images, reconstructs the wall between\n"
-    "them and says how far it is from the true one. Writes contours.csv, contours.png, wall.ply, wall.csrbf, "
+    "Draws the contours of a left ventricle, as a physician would on short-axis images, reconstructs the wall from\n"
+    "them and reports its distance from the true one. Writes contours.csv, contours.png, wall.ply, wall.csrbf, "
     "wall.png.\n";
 
 // Millimetres. The wall is what is inside the epicardium and outside the endocardium, below the base.
