@@ -8,8 +8,8 @@
 
 namespace csrbf {
 
-/// W = sum phi and S = sum phi g over balls, with derivatives: value, gradient, upper triangle of the Hessian. In
-/// several lanes, to be added up.
+/// W = sum phi and S = sum phi g over balls, with derivatives: value, gradient, upper triangle of the Hessian. Kept as
+/// partial sums in SIMD lanes, which total() adds up.
 struct BallSums {
   static constexpr int lanes = 8;
   static constexpr int terms = 10;
@@ -32,7 +32,7 @@ class BallTree {
 
   BallTree(const PointsRef<3>& centers, const Eigen::VectorXd& supports, const Quadrics& quadrics);
 
-  /// Work space.
+  /// Workspace.
   using Runs = std::vector<SupportTree<3>::Run>;
 
   /// Sums over the balls at x.

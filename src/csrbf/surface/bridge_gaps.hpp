@@ -5,13 +5,13 @@
 
 namespace csrbf {
 
-/// Joins islands of the cloud to the part that a gap in the data cuts them off from, such as the tip of a finger: adds
-/// samples of the surface of least energy from the rim of the island across the gap to the rim that faces it, a
-/// triharmonic spline through samples on both sides. Only islands more closed than half a ball are joined (beside
-/// others the winding number leaves the surface open to be completed), and only by rims, chains of samples, that face
-/// each other over at most four times the width of the opening: bodies which are closed, or open elsewhere, stay apart.
-/// The samples added stand after those of the input, whose indices stay. Returns the number of islands joined. O(points
-/// near the islands), and a dense system of at most 900 samples for each.
+/// Joins islands of the cloud, such as a fingertip, to the part from which a gap in the data separates them: adds
+/// samples of the surface of least energy, a triharmonic spline through samples on both sides, from the rim of the
+/// island across the gap to the facing rim. Only islands more closed than half a ball are joined (next to others the
+/// winding number is undecided, and coarser patches complete the surface), and only at rims (chains of samples) that
+/// face each other across at most four times the width of the opening: bodies that are closed, or open elsewhere, stay
+/// separate. The added samples follow those of the input, whose indices do not change. Returns the number of islands
+/// joined. O(points near the islands), plus a dense system of at most 900 samples for each.
 Index bridge_gaps(PreparedCloud& prepared);
 
 }  // namespace csrbf

@@ -16,35 +16,35 @@ struct OrientedPoints {
   [[nodiscard]] Index size() const { return points.cols(); }
 };
 
-/// How the CSRBF residual is told about the normals.
+/// How normals enter the fit of the CSRBF residual.
 enum class NormalRows {
   gradient,     ///< grad f = -n at the samples: better under noise, no offset to choose
   off_surface,  ///< f = -+ kappa at p +- kappa n, kappa half the local spacing (thesis 6.1.4)
 };
 
-/// How the local models are fitted. The defaults suit clean, dense samples; choose_options() adapts them to the
-/// data.
+/// How the local models are fitted. The defaults suit clean, dense samples and were chosen by hand; choose_options()
+/// adapts them to the data.
 struct CompositeOptions {
   /// Points per leaf of the partition: one patch each.
   Index leaf_size = 8;
   /// Expected number of points in the support of a patch, as a multiple of leaf_size.
   double overlap = 4;
-  /// CSRBF centres per patch at most; 0 leaves the quadric alone.
+  /// Largest number of CSRBF centres per patch; 0: the quadric alone.
   Index centers_per_patch = 16;
-  /// Weight of the normals against the positions in the fit, in units of the patch radius (rho of eq. (6.4)).
+  /// Weight of the normals relative to the positions, in units of the patch radius (rho of eq. (6.4)).
   double normal_weight = 0.03;
   NormalRows normal_rows = NormalRows::gradient;
   /// Native-space ridge of the CSRBF residual, relative to the trace of the normal matrix.
   double smoothing = 1e-6;
-  /// Largest number of points a patch is fitted to; more are thinned evenly.
+  /// Largest number of points a patch is fitted to; denser ones are thinned evenly. Bounds time.
   Index max_fit_points = 400;
-  /// Candidates for CSRBF centres: indices into the cloud, sorted; empty = every point.
+  /// Candidates for CSRBF centres: indices into the cloud, sorted; empty: every point.
   std::vector<Index> centers;
   /// n, or empty. A leaf whose patch misses a sample in the inner part of its support by more than that sample's
   /// tolerance is halved, down to `smallest_leaf` points; unit of the cloud.
   Eigen::VectorXd tolerance;
 
-  static constexpr Index smallest_leaf = 3;
+  static constexpr Index smallest_leaf = 3;  ///< three points determine a plane
 };
 
 /// Patches over a cloud.
@@ -55,7 +55,7 @@ struct CompositeFit {
 };
 
 /// Fits one patch per leaf of `cloud` (thesis 6.1): a quadric in local scaled coordinates, then a CSRBF
-/// residual, both by weighted least squares on positions (f = 0) and normals (grad f = -n). A patch sees only points
+/// residual, both by weighted least squares on positions (f = 0) and normals (grad f = -n). A patch uses only points
 /// whose normal is within 78 degrees of its own, so that it never joins two sheets. O(n).
 CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
                            const Progress& progress = {});

@@ -13,13 +13,13 @@ namespace csrbf {
 
 /// Where the normals of a reconstruction come from.
 enum class Normals {
-  automatic,  ///< the given ones when there are any, re-oriented when they contradict each other and turned where they
+  automatic,  ///< the given ones if there are any, re-oriented if they contradict each other and flipped where they
               ///< point inward; else estimated
-  file,       ///< the given ones as they are
+  file,       ///< the given ones, unchanged
   estimate,   ///< always estimated
 };
 
-/// A cloud made ready to fit.
+/// A cloud ready to be fitted.
 struct PreparedCloud {
   /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order; samples that
   /// bridge_gaps() adds follow.
@@ -35,8 +35,8 @@ struct PreparedCloud {
   std::vector<std::string> warnings;
 };
 
-/// Cleans a cloud: drops non-finite points, merges points at the same place, drops stray points (isolated clusters much
-/// sparser than the rest), finds normals and the local spacing. Every change is told in `warnings`.
+/// Cleans a cloud: drops non-finite points, merges coincident points, drops stray points (isolated clusters much
+/// sparser than the rest), finds normals and the local spacing. Every change is reported in `warnings`.
 /// Throws InvalidInput for fewer than four distinct points, and for collinear points. O(n log n).
 PreparedCloud prepare(const PointCloud& input, Normals normals, const Progress& progress = {});
 
