@@ -324,7 +324,7 @@ TEST(Prepare, RejectsNormalsThatAreNotThere) {
             "reconstruct: normals = file: the input has no normals; use estimate or auto");
   cloud.normals.setOnes(3, 99);
   EXPECT_EQ(invalid_input_message([&] { prepare(cloud, Normals::automatic); }),
-            "reconstruct: normals = 99: must be as many as the points, or none");
+            "reconstruct: normals = 99: must be one per point, or none");
 }
 
 TEST(Prepare, ReportsProgressAndCanBeCancelled) {

@@ -31,7 +31,7 @@ class CandidateCells {
   /// has no bounds; Cancelled.
   CandidateCells(const Field<3>& field, int resolution, const Mesh& mesh, const Progress& progress);
 
-  /// So that every point of the surface is within one cell of the cell of a vertex.
+  /// Chosen by hand so that every point of the surface is within one cell of the cell of a vertex.
   static constexpr double finer = 1.25;
 
   /// Position of a ray traversing the cells.

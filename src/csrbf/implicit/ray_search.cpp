@@ -71,7 +71,7 @@ bool RaySearch::bounds_hold(const Sample& sample) {
   const double off_line = sample.value - last_.value - last_.slope * (sample.t - last_.t);
   const double bend = std::max(2 * std::abs(off_line) / h, std::abs(sample.slope - last_.slope)) / h;
   const double slope = std::max(std::abs(sample.value - last_.value) / h, std::abs(sample.slope));
-  constexpr double rounding = 1 + 1e-6;
+  constexpr double rounding = 1 + 1e-6;  // bounds exceeded by less hold
   if (bend > rounding * stretch_.bend) stretch_.bend = raise_factor * bend;
   if (slope > rounding * stretch_.slope) stretch_.slope = raise_factor * slope;
   return stretch_.bend <= allowed_.bend && stretch_.slope <= allowed_.slope;

@@ -82,7 +82,7 @@ RayHits raycast(const Field<3>& field, const PointsRef<3>& origins, const Points
                                                  : std::min(automatic_resolution(field), largest_automatic_resolution);
   const RayCaster caster(field, resolution, options.progress);
   RayHits result{Eigen::VectorXd(n), Points<3>(3, n), caster.guaranteed()};
-  constexpr Index part = Index{1} << 15, grain = 256;
+  constexpr Index part = Index{1} << 15, grain = 256;  // rays between two progress reports, and per task
   for (Index first = 0; first < n; first += part) {
     report(options.progress, "raycast", static_cast<double>(first) / static_cast<double>(n));
     parallel_for(std::min(part, n - first), grain, [&](Index begin, Index end) {

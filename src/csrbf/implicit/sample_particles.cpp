@@ -25,7 +25,7 @@ constexpr double reach = 3;           // largest radii within which particles in
 constexpr double longest_move = 0.5;  // of a radius in one step, for stability
 constexpr double rest_step = 0.02;    // largest step of particles at rest
 constexpr int projections = 8;        // Newton steps onto the surface
-constexpr Index grain = 64;
+constexpr Index grain = 64;           // particles per task
 
 struct Particle {
   Point<3> p = Point<3>::Zero();  // in units of the desired radius

@@ -11,7 +11,7 @@ using Lanes = TreeNode::Lanes;
 
 // Local boxes are padded by this length, 8 units of rounding in single precision, which covers that of ray arithmetic.
 constexpr double box_padding = 0x1p-20;
-constexpr std::size_t stack_size = 3 * max_tree_depth + 4;
+constexpr std::size_t stack_size = 3 * max_tree_depth + 4;  // three of four children wait at every depth
 
 float round_down(double x) {
   return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());

@@ -50,7 +50,7 @@ struct CompositeOptions {
 /// Patches over a cloud.
 struct CompositeFit {
   Patches patches;
-  /// n, the area each sample stands for, from the number of samples in the support of its patch.
+  /// n, the area each sample represents, from the number of samples in the support of its patch.
   Eigen::VectorXd areas;
 };
 

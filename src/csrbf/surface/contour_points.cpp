@@ -14,7 +14,7 @@ constexpr double offset_share = 0.5;  // of the spacing: largest offset, and hal
 constexpr int most_halvings = 5;      // of the offset until it is clear of other contours
 constexpr double probe = 0.1;         // of the distance to the neighbours: where the two sides of a contour are sampled
 constexpr double clearance = 0.7;  // least depth at twice the offset, over twice the offset (1 on a straight contour)
-constexpr Index grain = 16;
+constexpr Index grain = 16;        // contour points per task
 
 // The first point along the loop, in steps of `step` from `at`, that is at least `distance` away.
 Point<3> walk(const Points<3>& points, const ContourLoop& loop, Index at, Index step, double distance) {

@@ -155,7 +155,8 @@ void keep_neighbors(const Neighborhood& near, Index i, NeighborTable& table) {
   }
 }
 
-// One quadric for the points [begin, end) if they are close together compared with their neighbourhood.
+// One quadric for the points [begin, end) if they lie within half the radius of their neighbourhood; else for each half
+// of them.
 void fit_range(const Points<3>& points, Index begin, Index end, Index neighbors, Neighborhood& near, Fit& fit) {
   const Index count = end - begin;
   const Point<3> center =

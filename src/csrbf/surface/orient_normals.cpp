@@ -71,7 +71,7 @@ int upward(const Points<3>& normals, const NeighborTable& table, const Clusters&
     sum += table.area(i) * clusters.sign[k] * signs[static_cast<std::size_t>(clusters.of[k])] * normals.col(i);
     total += table.area(i);
   }
-  for (const Index axis : {2, 1, 0})
+  for (const Index axis : {2, 1, 0})  // unless less than a tenth of the area decides; chosen by hand
     if (std::abs(sum[axis]) > 0.1 * total) return sum[axis] < 0 ? -1 : 1;
   return 1;
 }

@@ -7,7 +7,7 @@
 /// The parts of orient_normals. Internal.
 namespace csrbf::orientation {
 
-/// Disjoint sets of points; every point knows its sign relative to the root of its set.
+/// Disjoint sets of points, with the sign of every point relative to the root of its set.
 class SignedSets {
  public:
   explicit SignedSets(Index n);

@@ -229,7 +229,8 @@ void PatchFitter::localize(const Patch& patch) {
   root_g_ = std::sqrt(options_.normal_weight) * root_w_;
 }
 
-// Spec 5.3: sum_k w_k ( g(q_k)^2 + rho |grad g(q_k) + n_k|^2 ) + mu |A|^2 over quadrics g(q) = q.A q + b.q + c.
+// Eqs. (6.3) to (6.6): sum_k w_k ( g(q_k)^2 + rho |grad g(q_k) + n_k|^2 ) + mu |A|^2 over quadrics g(q) = q.A q + b.q +
+// c.
 void PatchFitter::fit_quadric(Patch& patch) {
   const Index K = q_.rows();
   quadric_columns_.resize(4 * K, 11);

@@ -357,7 +357,7 @@ void turn_outward(PreparedCloud& result, Normals source) {
 PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress) {
   report(progress, "prepare", 0);
   require(input.normals.cols() == 0 || input.has_normals(), "reconstruct", "normals", input.normals.cols(),
-          "must be as many as the points, or none");
+          "must be one per point, or none");
   require(source != Normals::file || input.has_normals(), "reconstruct", "normals", "file",
           "the input has no normals; use estimate or auto");
   PreparedCloud result;

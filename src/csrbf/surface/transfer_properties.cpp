@@ -11,7 +11,7 @@ namespace csrbf {
 namespace {
 
 constexpr Index neighbors = 4;  // averaged for a colour; chosen by hand: more blur, fewer show facets
-constexpr Index grain = 1024;
+constexpr Index grain = 1024;   // targets per task
 
 bool is_color(const Property& p) {
   return p.type == "uchar" && (p.name == "red" || p.name == "green" || p.name == "blue" || p.name == "alpha");

@@ -209,7 +209,7 @@ Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const P
   require(distance > 0, "trim", "distance", distance, "must be a positive number of local spacings");
   require(points.cols() >= 2, "trim", "points", points.cols(), "at least 2 are needed");
   require(normals.cols() == 0 || normals.cols() == points.cols(), "trim", "normals", normals.cols(),
-          "must be as many as the points, or none");
+          "must be one per point, or none");
   const std::vector<char> near = near_samples(mesh, points, distance, normals);
   std::vector<Index> kept;
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {

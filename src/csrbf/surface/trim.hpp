@@ -9,7 +9,7 @@ namespace csrbf {
 /// its nearest neighbours. The result is open where the data are, and manifold (a vertex that would join two parts is
 /// duplicated). With `normals` (3 x n, unit) the far side of an open sheet is removed too: a vertex is kept only if one
 /// of the nearest 8 points within the distance faces the same way (within 45 degrees). O((v + n) log n). Throws
-/// InvalidInput unless distance > 0, there are at least two points, and normals (if given) are as many.
+/// InvalidInput unless distance > 0, there are at least two points, and normals (if given) are one per point.
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals = Points<3>(3, 0));
 
 /// The mesh without the connected components that have no data: those with far fewer `points` (3 x n) near them than

@@ -112,7 +112,7 @@ Cubes::Sources Cubes::classify(const Cell& cell, const std::vector<std::int32_t>
       sources.expansions.push_back(id);
     } else if (node.is_leaf()) {
       (is_far ? sources.leaves : sources.near).push_back(id);
-    } else if (!is_far && radius < 0.5 * cell.half) {
+    } else if (!is_far && radius < 0.5 * cell.half) {  // small nodes are not split further
       sources.near.push_back(id);
     } else {
       stack.push_back(node.right);
