@@ -271,7 +271,7 @@ TEST(ContourLines, RefuseWhatTheyCannotUse) {
     ADD_FAILURE() << "no exception";
   } catch (const SolverFailure& failure) {
     EXPECT_STREQ(failure.what(),
-                 "contour_lines: the field is nan at (-1, -1): it must be finite; mend the field or shrink the bounds");
+                 "contour_lines: the field is nan at (-1, -1): it must be finite; fix the field or shrink the bounds");
   }
   EXPECT_THROW(contour_lines(field, {.progress = [](const auto&...) { return false; }}), Cancelled);
 }

@@ -302,8 +302,7 @@ TEST(Polygonize, FailsWhereThereIsNoSurface) {
   expect_error<SolverFailure>(sphere(1), {.resolution = 16, .seeds = off_center}, "near any of 1 seeds");
   const Implicit nothing([](const Point<3>&, Point<3>& g) { return g.setZero(), -1.0; }, cube(1));
   expect_error<SolverFailure>(nothing, {.resolution = 16}, "in the scanned box; check the level");
-  expect_error<SolverFailure>(nothing, {.resolution = 1},
-                              "resolution = 1 is too coarse to find a surface by: raise it");
+  expect_error<SolverFailure>(nothing, {.resolution = 1}, "resolution = 1 is too coarse to find a surface; raise it");
 }
 
 TEST(Polygonize, FailsWithThePositionWhereTheFieldIsNotFinite) {

@@ -159,10 +159,11 @@ TEST(Preview, RefusesWhatItCannotShow) {
     return invalid_input_message([&] { preview<3>(image, {}, options); });
   };
   EXPECT_EQ(invalid_input_message([&] { preview<2>(image, {}); }),
-            "preview: axes of the image = 3: must not be more than those of the field");
+            "preview: axes of the image = 3: must be at most those of the field");
   EXPECT_EQ(message({.axis = 3}), "preview: axis = 3: must be 0, 1 or 2");
-  EXPECT_EQ(message({.slice = 7}),
-            "preview: slice = 7: must be one of the 7 slices, from 0 on, or -1 for the one with most inside");
+  EXPECT_EQ(
+      message({.slice = 7}),
+      "preview: slice = 7: must be one of the 7 slices, from 0 on, or -1 for the one with the largest area inside");
   EXPECT_EQ(message({.frame = 1}), "preview: frame = 1: must be one of the 1 frames, from 0 on");
   EXPECT_EQ(message({.size = 0}), "preview: size = 0: must be between 1 and 16384 pixels");
   EXPECT_EQ(message({.window = {0.5, 0.5}}),

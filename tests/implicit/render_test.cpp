@@ -290,7 +290,7 @@ TEST(Render, RejectsWhatItCannotShow) {
   expect(mesh, {.field_resolution = 1}, "field_resolution = 1");
   Mesh point = mesh;
   point.vertices.setZero();
-  expect(point, {}, "all vertices are the same point");
+  expect(point, {}, "all vertices coincide");
   Mesh wrong_normals = mesh;
   wrong_normals.normals.resize(3, 5);
   expect(wrong_normals, {}, "number of vertex normals = 5");

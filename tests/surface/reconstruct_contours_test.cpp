@@ -263,10 +263,10 @@ TEST(ReconstructContours, RefusesWhatIsNoSetOfContours) {
   EXPECT_NE(message(broken).find("must be finite"), std::string::npos);
   broken = contours;
   broken.vertices(2, 0) += 0.3;
-  EXPECT_NE(message(broken).find("is not flat"), std::string::npos);
+  EXPECT_NE(message(broken).find("is not planar"), std::string::npos);
   broken = contours;
   broken.vertices.row(1).setZero();
-  EXPECT_NE(message(broken).find("its points are on a line"), std::string::npos);
+  EXPECT_NE(message(broken).find("its points are collinear"), std::string::npos);
 }
 
 TEST(ReconstructContours, CanBeStopped) {

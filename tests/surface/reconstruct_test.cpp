@@ -275,11 +275,11 @@ TEST(Reconstruct, SaysWhatIsWrong) {
   without.normals.resize(3, 0);
   PointCloud few = good;
   few.normals.resize(3, 10);
-  expect_error<InvalidInput>({}, {}, "points = 0: distinct finite points are too few");
-  expect_error<InvalidInput>(same, {}, "points = 1: distinct finite points are too few");
+  expect_error<InvalidInput>({}, {}, "points = 0: too few distinct finite points");
+  expect_error<InvalidInput>(same, {}, "points = 1: too few distinct finite points");
   expect_error<InvalidInput>(line, {}, "all lie on one line");
   expect_error<InvalidInput>(without, {.normals = Normals::file}, "the input has no normals");
-  expect_error<InvalidInput>(few, {}, "normals = 10: must be as many as the points");
+  expect_error<InvalidInput>(few, {}, "normals = 10: must be one per point");
   expect_error<InvalidInput>(good, {.method = "magic"}, "method = magic: unknown");
   expect_error<InvalidInput>(good, {.centers = -1}, "centers = -1: must be positive");
   expect_error<InvalidInput>(good, {.tolerance = -1}, "tolerance = -1: must be a fraction");

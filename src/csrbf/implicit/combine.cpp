@@ -43,7 +43,7 @@ void check(Operation operation, const std::vector<Solid>& solids, const CombineO
   constexpr const char* f = "combine";
   const bool one = operation == Operation::complement;
   require(one ? solids.size() == 1 : solids.size() >= 2, f, "number of solids", solids.size(),
-          one ? "the complement is that of one solid" : "at least two are needed");
+          one ? "the complement takes exactly one solid" : "at least two are needed");
   for (const Solid& solid : solids) require(solid != nullptr, f, "solid", "null", "must point to a field");
   if (!has_range(options.blending)) return;
   require(options.radius > 0 && std::isfinite(options.radius), f, "radius", options.radius,
@@ -116,8 +116,8 @@ bool CombinedField::holds_infinity() const {
   return any != data_.complemented;
 }
 
-// A union of solids lies in the union of their boxes. When some of them hold everything far away, what is left out of
-// their union is in the boxes of all of those.
+// A union of solids lies in the union of their boxes. If some of them contain everything far away, the outside of the
+// union lies in the boxes of all of those.
 Box<3> CombinedField::bounds() const {
   Box<3> all, common;
   bool unbounded = false;
@@ -128,7 +128,7 @@ Box<3> CombinedField::bounds() const {
     common = unbounded ? common_part(common, box) : box;
     unbounded = true;
   }
-  // Boxes that do not meet: nothing is there, and any of them can be searched for it.
+  // If the boxes are disjoint the surface is empty, and any box will do.
   if (unbounded) return common.empty() ? data_.terms.front().solid->bounds() : common;
   return all.inflated(largest_bulge(data_));
 }

@@ -10,10 +10,10 @@
 
 namespace csrbf {
 
-/// A solid {f > 0} that others may share.
+/// A solid {f > 0}, with shared ownership.
 using Solid = std::shared_ptr<const Field<3>>;
 
-/// What combine() makes of solids A, B, ...
+/// Operations of combine() on solids A, B, ...
 enum class Operation {
   unite,       ///< in any of them
   intersect,   ///< in all of them
@@ -21,13 +21,13 @@ enum class Operation {
   complement,  ///< not in A, the only one
 };
 
-/// How the union U of functions f_i is formed (thesis 4.2). All else is made of it: the intersection of f and g is
-/// -U(-f, -g), the difference -U(-f, g).
+/// How the union U of functions f_i is formed (thesis 4.2). The other operations derive from it: the intersection of f
+/// and g is -U(-f, -g), the difference -U(-f, g).
 enum class Blending {
   sharp,           ///< max f_i (the thesis prints min); not smooth where surfaces cross: edges
   r_function,      ///< f + g + sqrt(f^2 + g^2), pairwise: the same surface with the same edges, smooth elsewhere
-  super_elliptic,  ///< R (sum max(0, 1 + f_i / R)^b)^(1/b) - R: rounds edges; surfaces further apart than the range R
-                   ///< stay as they are. C2 for b > 2; b = 1, the linear blend, cuts edges by chamfers
+  super_elliptic,  ///< R (sum max(0, 1 + f_i / R)^b)^(1/b) - R: rounds edges; surfaces farther apart than the range R
+                   ///< do not change. C2 for b > 2; b = 1, the linear blend, chamfers edges
   log_sum_exp,  ///< R/b log sum exp(b f_i / R): smooth of all orders; max <= U <= max + R/b log n, also far from edges
 };
 
@@ -35,29 +35,28 @@ enum class Blending {
 std::string_view name_of(Operation operation);
 /// sharp, r-function, super-elliptic, log-sum-exp.
 std::string_view name_of(Blending blending);
-/// What has that name; nothing when none has.
+/// The operation or blending of that name, if any.
 std::optional<Operation> operation_named(std::string_view name);
 std::optional<Blending> blending_named(std::string_view name);
 
-/// Does the blending have a range and a sharpness?
+/// Whether the blending has a range and a sharpness.
 inline bool has_range(Blending blending) {
   return blending == Blending::super_elliptic || blending == Blending::log_sum_exp;
 }
 
 struct CombineOptions {
   Blending blending = Blending::sharp;
-  /// Range R of the blend, as a fraction of the diagonal of the box of all solids; of super_elliptic and log_sum_exp,
-  /// > 0.
+  /// Range R of the blend, as a fraction of the diagonal of the box of all solids, > 0; for super_elliptic and
+  /// log_sum_exp.
   double radius = 0.05;
-  /// Exponent b of the same, >= 1: larger values follow the edge more closely.
+  /// Exponent b of these blends, >= 1: larger values follow the edge more closely.
   double sharpness = 3;
   Progress progress{};  ///< stages of extend_distance()
 };
 
-/// The union, intersection, difference or complement of solids, which is a solid again: with exact derivatives, the box
-/// of the result, and seeds and feature size when all solids have them. Its values are those of a distance where those
-/// of the solids are; blends need that within their range, and see to it by extend_distance() for solids that know
-/// their feature size.
+/// The union, intersection, difference or complement of solids, which is again a solid: with exact derivatives, the box
+/// of the result, and seeds and feature size if all solids have them. Its values are distances where those of the
+/// solids are; blends need that within their range, and ensure it by extend_distance() for solids that know theirs.
 ///
 /// Throws InvalidInput for fewer than two solids (complement: other than one), null pointers, and options outside the
 /// above; whatever extend_distance() throws.
@@ -74,9 +73,9 @@ class CombinedField final : public Field<3> {
  public:
   struct Term {
     Solid solid;
-    bool complemented = false;  ///< -f takes part
+    bool complemented = false;  ///< use -f
   };
-  /// f = U(+- f_i), or -U when the whole is complemented.
+  /// f = U(+- f_i), or -U if the whole is complemented.
   struct Data {
     std::vector<Term> terms;  ///< at least one
     bool complemented = false;
@@ -98,7 +97,7 @@ class CombinedField final : public Field<3> {
   /// From those of the solids, if all have some.
   [[nodiscard]] std::optional<Enclosure> enclose(const Box<3>& box) const override;
 
-  /// Is everything far away inside?
+  /// Whether everything far away is inside.
   [[nodiscard]] bool holds_infinity() const;
 
   [[nodiscard]] const Data& data() const { return data_; }

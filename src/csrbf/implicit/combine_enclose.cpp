@@ -11,7 +11,7 @@ Enclosure complement_of(const Enclosure& e) {
   return {-e.hi, -e.lo, e.lipschitz, e.hessian_bound};
 }
 
-// Of max f_i: where only one of them can be the largest, it is that one; else gradients may jump.
+// Of max f_i: if only one of them can be the largest, its enclosure; else gradients may jump.
 Enclosure sharp_union(const std::vector<Enclosure>& parts) {
   Enclosure result{-infinite, -infinite, 0, 0};
   for (const Enclosure& part : parts) {
@@ -34,8 +34,8 @@ double smallest_magnitude(const Enclosure& e) {
   return std::max({0.0, e.lo, -e.hi});
 }
 
-// Of f + g + rho, rho = sqrt(f^2 + g^2): it rises with f and g, at most twice as fast; the second derivatives of rho
-// are at most 1 / rho.
+// Of f + g + rho, rho = sqrt(f^2 + g^2): it increases with f and g, at most twice as fast; the second derivatives of
+// rho are at most 1 / rho.
 Enclosure r_union(const Enclosure& f, const Enclosure& g) {
   const double rho = std::hypot(smallest_magnitude(f), smallest_magnitude(g));
   const double slopes = f.lipschitz * f.lipschitz + g.lipschitz * g.lipschitz;

@@ -43,15 +43,15 @@ const Scalar& largest(std::span<const Scalar> f) {
                            [](const Scalar& a, const Scalar& b) { return value_of(a) < value_of(b); });
 }
 
-// Where both are zero the root has no derivatives; 0 stands for them.
+// Where both are zero the root has no derivatives; 0 is used.
 template <class Scalar>
 Scalar r_union(const Scalar& f, const Scalar& g) {
   const Scalar squares = f * f + g * g;
   return value_of(squares) > 0 ? f + g + power(squares, 0.5) : f + g;
 }
 
-// In units of the largest term, so that no power overflows. Where all functions are below -R the sum is empty: the
-// largest one goes on there.
+// In units of the largest term, so that no power overflows. Where all functions are below -R the sum is empty and the
+// largest function is used.
 template <class Scalar>
 Scalar super_elliptic(std::span<const Scalar> f, double R, double b) {
   const Scalar& most = largest(f);

@@ -14,8 +14,8 @@
 namespace csrbf {
 namespace {
 
-// Distance of every query point, and the angle between its normal and that of the closest triangle: NaN when one of
-// them has no normal.
+// Distance of every query point, and the angle between its normal and that of the closest triangle: NaN if either has
+// no normal.
 struct Distances {
   std::vector<double> distance;
   std::vector<double> angle;

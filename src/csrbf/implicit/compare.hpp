@@ -6,7 +6,7 @@
 namespace csrbf {
 
 struct CompareOptions {
-  Index samples = 200000;  ///< points drawn on each mesh, uniformly by area
+  Index samples = 200000;  ///< points sampled on each mesh, uniformly by area
   std::uint64_t seed = 7;
   Progress progress = {};  ///< stage "compare"
 };
@@ -31,8 +31,8 @@ struct MeshComparison {
   Topology topology;                ///< of the mesh
 };
 
-/// Compares a mesh with a reference mesh. The result depends on the meshes, samples and seed only and is invariant
-/// under a common similarity. Throws InvalidInput when a mesh has no surface or is corrupt or samples < 1.
+/// Compares a mesh with a reference mesh. The result depends only on the meshes, samples and seed and is invariant
+/// under a common similarity. Throws InvalidInput if a mesh has no surface or is corrupt or samples < 1.
 /// O((samples + triangles) log triangles).
 MeshComparison compare(const Mesh& mesh, const Mesh& reference, const CompareOptions& options = {});
 
@@ -44,8 +44,8 @@ struct PointComparison {
   Topology topology;            ///< of the mesh
 };
 
-/// Compares a mesh with the points of a cloud, all of them; only `progress` of the options is used. Throws InvalidInput
-/// when the mesh has no surface, or the points are none, not finite or all the same.
+/// Compares a mesh with all points of a cloud; only `progress` of the options is used. Throws InvalidInput if the mesh
+/// has no surface, or there are no points, or they are not finite or all coincide.
 PointComparison compare(const Mesh& mesh, const PointCloud& reference, const CompareOptions& options = {});
 
 }  // namespace csrbf

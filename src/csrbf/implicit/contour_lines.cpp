@@ -10,19 +10,20 @@ namespace {
 
 using namespace contouring;
 
-constexpr int largest_resolution = 16384;
-constexpr double coincident = 1e-9;  // of a cell
-constexpr double steepest_arc = 1;   // slope against the chord: arcs that start steeper are kinks
+constexpr int largest_resolution = 16384;  // cells along the longest side: 4 GB of memory in a square
+// Chosen by hand.
+constexpr double coincident = 1e-9;  // of a cell: closer points are merged
+constexpr double steepest_arc = 1;   // largest slope against the chord: arcs that start steeper are kinks
 
-// What segments measure, with the cubic arcs over them and what these add without their signs.
+// Length and area of segments with the cubic arcs over them, and the magnitudes of what the arcs add.
 struct Measure {
   double length = 0, area = 0, length_error = 0, area_error = 0;
 
-  // The chord from p to q, seen from an origin nearby.
+  // The chord from p to q, relative to a nearby origin.
   void add_chord(const Point<2>& p, const Point<2>& q) { area += 0.5 * (p[0] * q[1] - p[1] * q[0]); }
 
-  // The arc over the chord of length c leaves it with slope a and meets it with slope b, up being left, where the
-  // inside is. With Hermite's cubic y: integral of y = c^2 / 12 (a - b), of y'^2 / 2 = c / 30 (2 a^2 - a b + 2 b^2).
+  // The arc over the chord of length c starts with slope a and ends with slope b; up is left, where the inside is. With
+  // the cubic Hermite interpolant y: integral of y = c^2 / 12 (a - b), of y'^2 / 2 = c / 30 (2 a^2 - a b + 2 b^2).
   void add_arc(double c, double a, double b) {
     const double bulge = c * c / 12 * (b - a), stretch = c / 30 * (2 * a * a - a * b + 2 * b * b);
     length += c + stretch;
@@ -32,7 +33,7 @@ struct Measure {
   }
 };
 
-// Slope of the contour against the chord from its gradient; 0 where there is none.
+// Slope of the contour against the chord from its gradient; 0 where undefined.
 double slope_against(const Point<2>& chord, const Point<2>& gradient) {
   const Point<2> tangent(gradient[1], -gradient[0]);
   const double along = chord.dot(tangent), across = chord[0] * tangent[1] - chord[1] * tangent[0];
@@ -50,7 +51,7 @@ class LineCollector {
     }
   }
 
-  // The closed line through a vertex, with its area, in parts when it may not follow the border.
+  // Adds a closed line with its area, in parts if it may not follow the border.
   void add(const std::vector<std::int32_t>& loop, ContourEnds ends) {
     const double before = measure_.area;
     bool touches_border = false;
@@ -119,7 +120,7 @@ class LineCollector {
     coordinates_.insert(coordinates_.end(), {p[0], p[1]});
   }
 
-  // The points since the last line become one, unless they are a point or a piece of straight line to and fro.
+  // The points since the last line become one, unless they are a point or a straight segment back and forth.
   void finish(ContourLine line) {
     while (line.closed && size() - 1 > begin_ && coincide(point(begin_), point(size() - 1)))
       coordinates_.resize(coordinates_.size() - 2);
@@ -173,6 +174,7 @@ Box<2> checked_bounds(const Field<2>& field, const ContourLinesOptions& options)
 }  // namespace
 
 int automatic_resolution(const Field<2>& field) {
+  // Chosen by hand: enough for any shape, at most a few seconds, and a compromise.
   constexpr double fewest = 32;
   constexpr double most = 2048;
   constexpr int unknown = 256;

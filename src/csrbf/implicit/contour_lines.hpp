@@ -10,9 +10,9 @@
 
 namespace csrbf {
 
-/// What becomes of a contour that leaves the box.
+/// How a contour that leaves the box ends.
 enum class ContourEnds {
-  closed,  ///< it goes on along the border of the box, so that every line is the outline or a hole of a region
+  closed,  ///< it continues along the border of the box, so that every line is the outline or a hole of a region
   open,    ///< it ends there
 };
 
@@ -23,7 +23,7 @@ struct ContourLinesOptions {
   /// The contour f = level is extracted.
   double level = 0;
 
-  /// Nothing is looked at outside this box, whose sides are divided into equal parts, as close to squares as possible.
+  /// The box searched; its sides are divided into equal parts so that cells are as close to squares as possible.
   /// Default (an empty box): the field's bounds.
   Box<2> bounds{};
 
@@ -32,7 +32,7 @@ struct ContourLinesOptions {
   Progress progress{};  ///< stage "contour lines"
 };
 
-/// A row of points, with the inside (f >= level) on the left of the way from each to the next.
+/// A sequence of points, with the inside (f >= level) on the left of each segment.
 struct ContourLine {
   Index begin = 0;     ///< its first point
   Index size = 0;      ///< number of its points
@@ -40,35 +40,35 @@ struct ContourLine {
   double area = 0;     ///< within a closed line: positive around a region, negative around a hole
 };
 
-/// The lines of a contour and what they measure.
+/// The lines of a contour, with length and area.
 struct ContourLines {
   Points<2> points{2, 0};          ///< line after line
   std::vector<ContourLine> lines;  ///< ordered by their lowest points
-  double length = 0;               ///< of the contour, without what runs along the border of the box
+  double length = 0;               ///< of the contour, without segments along the border of the box
   double area = 0;                 ///< of the part of the box with f >= level
   double length_error = 0;         ///< estimates of the errors of both
   double area_error = 0;
 };
 
-/// Cells along the longest side that show the smallest features of the field: cells of its feature size, between 32 and
-/// 2048 of them; 256 when the field does not know its feature size.
+/// Cells along the longest side that resolve the field: cells as long as its feature size, between 32 and 2048
+/// of them; 256 if the field does not know it.
 int automatic_resolution(const Field<2>& field);
 
 /// The curves f = level in the plane, with points on them to about 1e-7 of a cell: marching squares, with the
 /// asymptotic decider where all four edges of a cell are crossed (Nielson and Hamann 1991), then Newton's method along
-/// the crossed edges, held in its bracket. No line when nothing of the box is inside; closed lines never cross.
+/// the crossed edges, safeguarded by a bracket. No line if nothing of the box is inside; closed lines never cross.
 ///
-/// `length` and `area` are those of cubic arcs through the points, along the gradients there (Hermite interpolation):
-/// on smooth contours their errors fall as the fourth power of the cell. What the arcs add to the polygons is the term
-/// of second order, and its sum without signs is the estimate of the error: too large for arcs, right for polygons of
-/// the points. Features thinner than a cell may be lost, and are then not in the estimate.
+/// `length` and `area` are those of cubic arcs through the points, perpendicular to the gradients there (Hermite
+/// interpolation): on smooth contours their errors decrease with the fourth power of the cell. The arcs add to the
+/// polygons the term of second order; the sum of its magnitudes estimates the error: too large for arcs, correct for
+/// polygons of the points. Features thinner than a cell may be lost, and are then not in the estimate.
 ///
-/// One value for each corner of a cell, about three gradients for each point; 16 bytes for each corner. The same lines,
-/// bit for bit, for every number of threads. Throws InvalidInput for a resolution, level or bounds outside the above;
-/// SolverFailure when the field is not finite where it is evaluated (with the position); Cancelled.
+/// One value for each corner of a cell, about three gradients for each point; 16 bytes for each corner. Bit-identical
+/// for any number of threads. Throws InvalidInput for a resolution, level or bounds outside the above; SolverFailure if
+/// the field is not finite where it is evaluated (with the position); Cancelled.
 ContourLines contour_lines(const Field<2>& field, const ContourLinesOptions& options = {});
 
-/// The lines as curves in space: point (x, y) goes to placement * (x, y, 0). Vertex property `contour` (int): the
+/// The lines as curves in space: point (x, y) becomes placement * (x, y, 0). Vertex property `contour` (int): the
 /// number of the line.
 Polylines to_polylines(const ContourLines& contours, const Eigen::Affine3d& placement = Eigen::Affine3d::Identity());
 

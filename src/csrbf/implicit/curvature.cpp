@@ -36,7 +36,7 @@ PrincipalCurvatures principal_curvatures(const Point<3>& gradient, const Eigen::
 Curvatures curvature(const Field<3>& field, const PointsRef<3>& x, const Progress& progress) {
   const Index n = x.cols();
   Curvatures result{Points<3>(3, n), Eigen::VectorXd(n), Eigen::VectorXd(n), Points<3>(3, n), Points<3>(3, n)};
-  constexpr Index part = Index{1} << 16;
+  constexpr Index part = Index{1} << 16;  // points between two progress reports
   for (Index begin = 0; begin < n; begin += part) {
     report(progress, "curvature", static_cast<double>(begin) / static_cast<double>(n));
     const Index count = std::min(part, n - begin);
@@ -58,7 +58,7 @@ Eigen::VectorXd curvature_slopes(const Field<3>& field, const PointsRef<3>& x, c
                                  double step) {
   require(step > 0 && std::isfinite(step), "curvature_slopes", "step", step, "must be positive and finite");
   require(directions.cols() == x.cols(), "curvature_slopes", "number of directions", directions.cols(),
-          "must be that of points");
+          "must be the number of points");
   const Jet<3> jet = shared_evaluate(field, x, Derivatives::hessian);
   const Jet<3> ahead = shared_evaluate(field, x + step * directions, Derivatives::hessian);
   const Jet<3> behind = shared_evaluate(field, x - step * directions, Derivatives::hessian);

@@ -30,17 +30,17 @@ struct Curvatures {
 
   [[nodiscard]] Eigen::VectorXd mean() const { return 0.5 * (k1 + k2); }
   [[nodiscard]] Eigen::VectorXd gaussian() const { return k1.cwiseProduct(k2); }
-  /// Number of points where the gradient is zero or something is not finite.
+  /// Number of points where the gradient is zero or a value is not finite.
   [[nodiscard]] Index singular() const { return (!(k1 + k2).array().isFinite()).count(); }
 };
 
 /// Curvatures of the level sets of a C2 field through n points. Progress: stage "curvature". Throws Cancelled.
 Curvatures curvature(const Field<3>& field, const PointsRef<3>& x, const Progress& progress = {});
 
-/// How a principal curvature k changes along its own direction t, unit tangents at n points: dk/dt = (3 k t.Hn -
-/// C(t,t,t)) / |grad f|. It changes its sign with t. The third derivative C(t,t,t) is a central difference of Hessians
-/// at x -+ step t: its error is O(step^2) where the field is C5, and the field needs no third derivatives of its own.
-/// Needs step > 0. Three Hessians for each point.
+/// Derivative of a principal curvature k along its own direction t, unit tangents at n points: dk/dt = (3 k t.Hn -
+/// C(t,t,t)) / |grad f|. Its sign changes with that of t. The third derivative C(t,t,t) is a central difference of
+/// Hessians at x -+ step t: its error is O(step^2) where the field is C5, and no third derivatives of the field are
+/// needed. Needs step > 0. Three Hessians for each point.
 Eigen::VectorXd curvature_slopes(const Field<3>& field, const PointsRef<3>& x, const PointsRef<3>& directions,
                                  double step);
 

@@ -19,11 +19,11 @@ namespace {
 
 using namespace polygonization;
 
-constexpr int largest_resolution = 4096;
-constexpr int default_margin = 4;  // cells around the field's bounds
-constexpr double rounding = 1e-9;  // of a whole number of cells
-
-constexpr double default_tolerance = 0.1;  // of a cell
+constexpr int largest_resolution = 4096;  // cells along the longest side: bounds memory
+// Chosen by hand.
+constexpr int default_margin = 4;  // cells around the field's bounds, which may be those of samples beside the surface
+constexpr double rounding = 1e-9;  // cells: a side that exceeds a whole number of cells by less is not enlarged
+constexpr double default_tolerance = 0.1;  // of a cell; larger: fewer triangles
 
 constexpr std::array<std::string_view, 4> method_names{"marching-cubes", "marching-tetrahedra", "dual-contouring",
                                                        "adaptive"};
@@ -45,7 +45,7 @@ void validate(const PolygonizeOptions& options) {
   require(options.tolerance >= 0 && std::isfinite(options.tolerance), "polygonize", "tolerance", options.tolerance,
           "must be a fraction of the diagonal above 0, or 0 for a tenth of a cell");
   require(std::isfinite(options.level), "polygonize", "level", options.level, "must be finite");
-  require(options.seeds.allFinite(), "polygonize", "seeds", "(not finite)", "every seed must be a point");
+  require(options.seeds.allFinite(), "polygonize", "seeds", "(not finite)", "every seed must be finite");
   const bool has_volume = usable(options.bounds) && options.bounds.extent().minCoeff() > 0;
   require(is_default(options.bounds) || has_volume, "polygonize", "bounds",
           options.bounds.extent().transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, 0, " x ")),
@@ -58,7 +58,7 @@ Box<3> measured_box(const Field<3>& field, const PolygonizeOptions& options) {
   return usable(natural) ? natural : options.bounds;
 }
 
-// Inner cells fill the bounds; one more layer on every side carries the caps.
+// Inner cells fill the bounds; another layer on every side holds the caps.
 CellLattice make_lattice(const Field<3>& field, const PolygonizeOptions& options) {
   const Box<3> natural = field.bounds();
   const bool own_bounds = is_default(options.bounds);
@@ -100,28 +100,29 @@ void trace_from(const CellLattice& lattice, const std::vector<Cell>& starts, Cel
   tracer.run(progress);
 }
 
-// From the seeds; where there are none, or the field's own lead nowhere, from all crossings of a coarse scan.
+// From the seeds; if there are none, or the field's own do not lead to the surface, from all crossings of a coarse
+// scan.
 void trace(const Field<3>& field, const CellLattice& lattice, LevelSampler& sampler, CellTracer& tracer,
            const PolygonizeOptions& options) {
   const bool given = options.seeds.cols() > 0;
   const Points<3> seeds = given ? options.seeds : field.seeds();
-  require(seeds.allFinite(), "polygonize", "field.seeds()", "(not finite)", "every seed must be a point");
+  require(seeds.allFinite(), "polygonize", "field.seeds()", "(not finite)", "every seed must be finite");
   if (seeds.cols() > 0) trace_from(lattice, cells_near_seeds(lattice, sampler, seeds), tracer, options.progress);
   if (tracer.active_cells() == 0 && !given)
     trace_from(lattice, cells_by_scan(lattice, sampler, options.progress), tracer, options.progress);
   if (tracer.active_cells() > 0) return;
-  constexpr int coarse = 16;  // fewer cells overlook a surface that is no thin sheet
+  constexpr int coarse = 16;  // cells; fewer may miss surfaces that are not thin. Chosen by hand
   std::ostringstream message;
   message << "polygonize: no zero crossing of f - level, level = " << options.level << ", ";
   given ? message << "near any of " << seeds.cols() << " seeds" : message << "in the scanned box";
   if (options.resolution > 0 && options.resolution < coarse)
-    message << "; resolution = " << options.resolution << " is too coarse to find a surface by: raise it";
+    message << "; resolution = " << options.resolution << " is too coarse to find a surface; raise it";
   else
     message << "; check the level, the bounds and the seeds, or raise the resolution";
   throw SolverFailure(message.str());
 }
 
-// Normals where the gradient gave none: the mean of the triangles around.
+// Normals where the gradient is undefined: the mean of the surrounding triangles.
 void complete_normals(Mesh& mesh) {
   const Eigen::Array<bool, 1, Eigen::Dynamic> missing = (mesh.normals.array() == 0).colwise().all();
   if (!missing.any()) return;
@@ -144,7 +145,7 @@ void resize_vertices(Index n, bool normals, Mesh& mesh) {
   if (normals) mesh.normals.resize(3, n);
 }
 
-// What the methods work on; they return the number of vertices that are not on edges.
+// Input of the methods, which return the number of vertices that are not on edges.
 struct Extraction {
   const CellLattice& lattice;
   LevelSampler& sampler;
@@ -176,7 +177,7 @@ Index marching_tetrahedra(const Extraction& e, Mesh& mesh) {
   return 0;
 }
 
-// Also of an octree.
+// Also of an octree: the method `adaptive`.
 Index dual_contouring(const Extraction& e, Mesh& mesh) {
   const bool adaptive = e.options.method == PolygonizeMethod::adaptive;
   const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
@@ -215,6 +216,7 @@ std::optional<PolygonizeMethod> polygonize_method_named(std::string_view name) {
 }
 
 int automatic_resolution(const Field<3>& field) {
+  // Chosen by hand: enough for any shape, at most a few seconds, and a compromise.
   constexpr double fewest = 32;
   constexpr double most = 1024;
   constexpr int unknown = 128;

@@ -7,8 +7,8 @@
 namespace csrbf {
 namespace {
 
-constexpr int largest_size = 16384;
-constexpr int pixels_per_cell = 4;  // at most: the corners of the contour cannot be seen
+constexpr int largest_size = 16384;  // pixels along the longest side
+constexpr int pixels_per_cell = 4;   // of a contour at most, so that its corners are invisible. Chosen by hand
 constexpr std::array<RgbColor, 6> default_colors{
     {{255, 64, 64}, {255, 210, 63}, {63, 193, 255}, {110, 224, 110}, {255, 122, 217}, {255, 255, 255}}};
 
@@ -42,7 +42,8 @@ struct Slice {
     const Point<2> half(0.5, 0.5), size2(static_cast<double>(size(0)), static_cast<double>(size(1)));
     return {field, origin, columns, {-half, size2 - half}};
   }
-  // Is axis k shown from its end to its start? To the right go left, then back; downwards back, then feet.
+  // Whether axis k is shown from its end to its start. To the right: the patient's left, else back; downwards: back,
+  // else feet.
   [[nodiscard]] bool reversed(std::size_t k) const {
     if (grid.space == Space::unknown) return k == 1 && axes[1] == 2;
     const Eigen::Matrix3d direction = in_space(grid, Space::left_posterior_superior).direction;
@@ -59,13 +60,13 @@ std::array<double, 2> pixels_per_voxel(const Slice& slice, int size) {
   std::array<double, 2> scale{slice.spacing(0) / finest, slice.spacing(1) / finest};
   const double longest =
       std::max(scale[0] * static_cast<double>(slice.size(0)), scale[1] * static_cast<double>(slice.size(1)));
-  require(longest <= largest_size, "preview", "pixels along the longest side", longest, "may be 16384 at most");
+  require(longest <= largest_size, "preview", "pixels along the longest side", longest, "must be at most 16384");
   const double enlargement = std::ceil(size / longest);
   for (double& s : scale) s *= enlargement;
   return scale;
 }
 
-// Black and white.
+// The values shown as black and white.
 std::array<float, 2> window_of(const Volume<float>& image, const Slice& slice, const PreviewOptions& options) {
   const auto frame = image.frame(options.frame);
   const Index channels = image.components >= 3 ? 3 : 1;
@@ -77,7 +78,7 @@ std::array<float, 2> window_of(const Volume<float>& image, const Slice& slice, c
   if (values.empty()) return {0, 1};
   const float black = percentile(values, options.window[0]), white = percentile(values, options.window[1]);
   if (black < white) return {black, white};
-  // Few voxels differ from the rest, or none: all values count.
+  // If few voxels differ from the rest, or none, the window is the whole range.
   const auto [lo, hi] = std::minmax_element(values.begin(), values.end());
   return *lo < *hi ? std::array{*lo, *hi} : std::array{*lo - 1, *lo + 1};
 }
@@ -119,12 +120,12 @@ template <int Dim>
 void validate(const Volume<float>& image, const PreviewOptions& options) {
   const Grid& grid = image.grid;
   require(grid.dimension() <= Dim, "preview", "axes of the image", grid.dimension(),
-          "must not be more than those of the field");
+          "must be at most those of the field");
   require(options.axis >= 0 && options.axis < 3, "preview", "axis", options.axis, "must be 0, 1 or 2");
   require(options.slice >= -1 && options.slice < grid.size[static_cast<std::size_t>(options.axis)], "preview", "slice",
           options.slice,
           "must be one of the " + std::to_string(grid.size[static_cast<std::size_t>(options.axis)]) +
-              " slices, from 0 on, or -1 for the one with most inside");
+              " slices, from 0 on, or -1 for the one with the largest area inside");
   require(options.frame >= 0 && options.frame < image.frames, "preview", "frame", options.frame,
           "must be one of the " + std::to_string(image.frames) + " frames, from 0 on");
   require(options.size >= 1 && options.size <= largest_size, "preview", "size", options.size,
@@ -163,7 +164,7 @@ RgbImage preview(const Volume<float>& image, const std::vector<const Field<Dim>*
 
 template <int Dim>
 Index largest_slice(const Grid& grid, const std::vector<const Field<Dim>*>& fields, int axis, double level) {
-  constexpr Index points_per_side = 64;
+  constexpr Index points_per_side = 64;  // at which areas are estimated; chosen by hand
   require(axis >= 0 && axis < 3, "largest_slice", "axis", axis, "must be 0, 1 or 2");
   const Index slices = grid.size[static_cast<std::size_t>(axis)];
   Index best = slices / 2, most = 0;

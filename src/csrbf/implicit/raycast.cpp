@@ -7,10 +7,10 @@
 namespace csrbf {
 namespace {
 
-constexpr int largest_resolution = 1024;
-constexpr int largest_automatic_resolution = 512;
-constexpr double relative_tolerance = 1e-13;  // of hits, in diagonals of the bounds
-constexpr std::size_t rays_together = 256;
+constexpr int largest_resolution = 1024;           // cells along the longest side: bounds memory
+constexpr int largest_automatic_resolution = 512;  // likewise by default: preparation grows with the square
+constexpr double relative_tolerance = 1e-13;       // of hits, in diagonals of the bounds: close to rounding
+constexpr std::size_t rays_together = 256;         // evaluated in one block
 
 int checked_resolution(int resolution) {
   require(resolution >= 4 && resolution <= largest_resolution, "raycast", "resolution", resolution,
@@ -18,7 +18,7 @@ int checked_resolution(int resolution) {
   return resolution;
 }
 
-// Empty for fields that have no surface, or do not need a mesh.
+// Empty for fields that have no surface or need no mesh.
 Mesh mesh_for(const Field<3>& field, int resolution, const Progress& progress) {
   if (field.enclose(field.bounds())) return {};
   try {
@@ -72,7 +72,7 @@ RayHits raycast(const Field<3>& field, const PointsRef<3>& origins, const Points
                 const RaycastOptions& options) {
   constexpr const char* f = "raycast";
   const Index n = origins.cols();
-  require(directions.cols() == n, f, "number of directions", directions.cols(), "must be that of origins");
+  require(directions.cols() == n, f, "number of directions", directions.cols(), "must be the number of origins");
   require(origins.allFinite(), f, "origins", "NaN or infinity", "must be finite");
   require(directions.allFinite(), f, "directions", "NaN or infinity", "must be finite");
   const double shortest = n > 0 ? directions.colwise().lpNorm<Eigen::Infinity>().minCoeff() : 1;
@@ -82,7 +82,7 @@ RayHits raycast(const Field<3>& field, const PointsRef<3>& origins, const Points
                                                  : std::min(automatic_resolution(field), largest_automatic_resolution);
   const RayCaster caster(field, resolution, options.progress);
   RayHits result{Eigen::VectorXd(n), Points<3>(3, n), caster.guaranteed()};
-  constexpr Index part = Index{1} << 15, grain = 256;
+  constexpr Index part = Index{1} << 15, grain = 256;  // rays between two progress reports, and per task
   for (Index first = 0; first < n; first += part) {
     report(options.progress, "raycast", static_cast<double>(first) / static_cast<double>(n));
     parallel_for(std::min(part, n - first), grain, [&](Index begin, Index end) {

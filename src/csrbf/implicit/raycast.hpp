@@ -18,19 +18,19 @@ struct RaycastOptions {
 
 /// Where a ray first meets a surface.
 struct RayHit {
-  double t = std::numeric_limits<double>::infinity();  ///< distance; infinite when it meets nothing
+  double t = std::numeric_limits<double>::infinity();  ///< distance; infinite if there is no hit
   Point<3> normal = Point<3>::Zero();                  ///< outward
 
   [[nodiscard]] bool exists() const { return t < std::numeric_limits<double>::infinity(); }
 };
 
-/// The surface f = 0 in the bounds of a field (and four cells around), prepared for rays. References the field.
+/// The surface f = 0 in the bounds of a field (plus four cells), prepared for rays. References the field.
 class RayCaster {
  public:
-  /// `resolution`: of the cells, 4 ... 1024. Throws InvalidInput when it is out of range, and what polygonize throws.
+  /// `resolution`: of the cells, 4 ... 1024. Throws InvalidInput if it is out of range, and whatever polygonize throws.
   RayCaster(const Field<3>& field, int resolution, const Progress& progress = {});
 
-  /// With the polygonization of the field of that resolution at hand, which need not outlive this.
+  /// With a given polygonization of the field of that resolution, which need not outlive this.
   RayCaster(const Field<3>& field, int resolution, const Mesh& mesh, const Progress& progress = {});
 
   /// The first hit of each ray with t < t_max, on the calling thread; fast for rays that are close to each other.
@@ -54,14 +54,14 @@ struct RayHits {
 };
 
 /// First zero of f along each ray origin + t direction, 0 <= t < t_max, from either side, in the bounds of the field
-/// (and four cells around). Directions may have any length but 0; t is in units of length. Zeros are exact up to
-/// rounding. None is missed for fields with enclosures (`guaranteed`); for others parts that polygonize() leaves out
-/// are not looked for, and sharp bends between the vertices of a polygonization may hide a hit. Zeros where f touches 0
-/// without changing its sign do not count. About five gradients for each ray that comes near the surface, after
-/// preparations that cost as much as polygonize().
+/// (plus four cells). Directions may have any nonzero length; t is in units of length. Zeros are exact up to rounding.
+/// None is missed for fields with enclosures (`guaranteed`); for others, parts that polygonize() misses are not
+/// searched, and high curvature between the vertices of a polygonization may hide a hit. Zeros where f touches 0
+/// without changing sign do not count. About five gradients for each ray that comes near the surface, after a
+/// preparation that costs as much as polygonize().
 ///
-/// Throws InvalidInput for origins or directions that are not finite, directions that are zero, numbers of both that
-/// differ, and options out of range; Cancelled.
+/// Throws InvalidInput for origins or directions that are not finite, zero directions, different numbers of both, and
+/// options out of range; Cancelled.
 RayHits raycast(const Field<3>& field, const PointsRef<3>& origins, const PointsRef<3>& directions,
                 const RaycastOptions& options = {});
 

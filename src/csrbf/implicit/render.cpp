@@ -9,8 +9,8 @@
 namespace csrbf {
 namespace {
 
-constexpr int tile_size = 64;        // pixels
-constexpr Index tiles_at_once = 32;  // between two reports of progress
+constexpr int tile_size = 64;        // pixels; larger: less overlap of light samples, more memory
+constexpr Index tiles_at_once = 32;  // between two progress reports
 
 void check(const RenderOptions& options) {
   constexpr const char* f = "render";
@@ -44,7 +44,7 @@ Points<3> corners(const Box<3>& box) {
   return points;
 }
 
-// Values of the shown quantity at some 20000 rays across the picture.
+// Values of the displayed quantity at about 20000 rays across the picture.
 std::vector<double> visible_values(const Scene& scene, const Camera& camera, const SurfaceColor& color) {
   const double step = std::max(1.0, std::sqrt(camera.width * camera.height / 20000));
   std::vector<Ray> rays;

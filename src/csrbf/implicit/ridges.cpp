@@ -9,16 +9,17 @@
 namespace csrbf {
 namespace {
 
-constexpr double difference_step = 0.5;  // of the mean edge
+// Chosen by hand.
+constexpr double difference_step = 0.5;  // of the mean edge; larger: smoother lines, less accurate on fine ones
 constexpr double same_direction = 0.7;   // least cosine between the principal directions of two neighbours
-constexpr int newton_steps = 2;
-// A curvature that changes by less than this along a line of curvature over its radius counts as constant: spheres,
-// tubes and rounding have no ridges.
+constexpr int newton_steps = 2;          // towards the line, from linear interpolation along an edge
+// Least second derivative of the curvature k along its line of curvature, in units of k^3: less counts as constant, so
+// that spheres, tubes and rounding have no ridges.
 constexpr double least_bend = 1e-3;
 
 enum class Kind { ridge = 1, valley = -1 };
 
-// The curvature that is largest on ridges or smallest on valleys, at points; the other one; how it changes along its
+// The curvature that is largest on ridges or smallest on valleys, at points; the other one; its derivative along its
 // direction.
 struct Extremality {
   Points<3> direction;
@@ -106,7 +107,7 @@ void project(const Field<3>& field, double level, double longest, Points<3>& x) 
   }
 }
 
-// What makes a point of a line: how much the curvature bends down along its line of curvature.
+// Extremality with the second derivative of the curvature along its line of curvature, whose sign decides.
 struct Bend {
   Extremality at;
   Eigen::VectorXd second;  // derivative of the slope
@@ -167,7 +168,7 @@ std::vector<Segment> segments_of(const Edges& edges, const Crossings& crossings,
   return segments;
 }
 
-// The segments of the lines that turn enough.
+// The segments of lines with enough total curvature.
 std::vector<Segment> strong(const std::vector<Segment>& segments, const Points<3>& x, const Eigen::VectorXd& k,
                             double least_turning) {
   DisjointSets lines(x.cols());
@@ -207,7 +208,7 @@ void append(const std::vector<Segment>& segments, const Points<3>& x, const Eige
 Polylines ridges(const Field<3>& field, const Mesh& mesh, const RidgeLineOptions& options) {
   require(std::isfinite(options.level), "ridges", "level", options.level, "must be finite");
   require(options.least_turning >= 0, "ridges", "least_turning", options.least_turning, "must not be negative");
-  require(mesh.triangles.cols() > 0, "ridges", "triangles", mesh.triangles.cols(), "the mesh must have some");
+  require(mesh.triangles.cols() > 0, "ridges", "triangles", mesh.triangles.cols(), "the mesh has none");
   require(mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.vertices.cols(), "ridges",
           "largest vertex index", mesh.triangles.maxCoeff(), "indices must be in [0, number of vertices)");
   const Edges edges = edges_of(mesh);

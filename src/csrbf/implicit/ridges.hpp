@@ -9,25 +9,24 @@ namespace csrbf {
 struct RidgeLineOptions {
   double level = 0;  ///< the surface f = level, whose mesh is given
 
-  /// Shorter and flatter lines are left out: those along which the normal, cut across, turns by less than this angle in
-  /// total, the integral of |curvature| over the length of the line (Ohtake, Belyaev, Seidel 2004). Radians, >= 0;
-  /// does not depend on the scale of the surface.
+  /// Lines whose integral of |curvature| over their length is smaller are left out (Ohtake, Belyaev, Seidel 2004).
+  /// Radians, >= 0; independent of the scale of the surface.
   double least_turning = 2;
 
   Progress progress{};  ///< stage "ridges"
 };
 
-/// The lines on a surface along which it is bent most (thesis 4.1.3). Ridges: k1 is largest along its own line of
-/// curvature, and k1 > |k2|. Valleys: k2 is smallest along its own line of curvature, and k2 < -|k1| (the thesis prints
-/// the opposite sign for that derivative). They are the ridges of the inside and of the outside: f and -f swap them.
+/// The crest lines of a surface (thesis 4.1.3). Ridges: k1 is largest along its own line of curvature, and k1 > |k2|.
+/// Valleys: k2 is smallest along its own line of curvature, and k2 < -|k1| (the thesis prints the opposite sign for
+/// that derivative). Replacing f by -f swaps them.
 ///
 /// `mesh` is a polygonization of the surface f = level with vertices on it. The lines cross its edges where the
 /// derivative of the curvature changes sign; their points are then moved to where it is zero, so that their accuracy is
 /// that of the field and of differences over half an edge: O(edge^2). Coarser meshes give smoother lines. Where both
-/// curvatures are nearly equal their directions are not defined, and lines end.
+/// curvatures are nearly equal their directions are undefined, and lines end.
 ///
 /// Vertex properties: `kind` (char) is 1 on ridges and -1 on valleys, `curvature` (float) is k1 or k2. No two lines
-/// share a vertex. Throws InvalidInput when the mesh has no edge or an option is out of range; Cancelled. About 8
+/// share a vertex. Throws InvalidInput if the mesh has no edge or an option is out of range; Cancelled. About 8
 /// Hessians for each vertex of the mesh and 40 for each vertex of the lines.
 Polylines ridges(const Field<3>& field, const Mesh& mesh, const RidgeLineOptions& options = {});
 

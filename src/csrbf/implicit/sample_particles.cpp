@@ -14,17 +14,18 @@ constexpr double energy_scale = 6;                     // alpha
 constexpr double desired_energy = 0.8 * energy_scale;  // E^
 constexpr double feedback = 15;                        // phi and rho
 constexpr double stiffness = 10;                       // beta, keeps lone particles from growing too fast
-constexpr double time_step = 0.03;
-constexpr double rest_speed = 4;  // gamma, radii per unit of time: slow enough to split or die
-constexpr double rich = 0.2;      // nu: share of the energy at which a large particle splits
-constexpr double poor = 0.7;      // delta: share of the radius below which a particle may die
-constexpr double largest_radius = 1.5;
-constexpr double least_radius = 0.1, most_radius = 1.8;
-constexpr double reach = 3;           // radii beyond which particles do not feel each other
-constexpr double longest_move = 0.5;  // of a radius in one step
-constexpr double still = 0.02;        // radii per step: at rest
-constexpr int projections = 8;
-constexpr Index grain = 64;
+constexpr double time_step = 0.03;                     // Delta t
+constexpr double rest_speed = 4;                       // gamma, radii per unit of time: slow enough to split or die
+constexpr double split_energy = 0.2;  // nu: share of the desired energy above which a large particle splits
+constexpr double death_radius = 0.7;  // delta: radius below which a particle may die
+// Not from the paper; chosen by hand.
+constexpr double largest_radius = 1.5;                   // above, a particle splits whatever its energy
+constexpr double least_radius = 0.1, most_radius = 1.8;  // range of radii: keeps neighbourhoods small
+constexpr double reach = 3;           // largest radii within which particles interact: energies beyond are about 1 %
+constexpr double longest_move = 0.5;  // of a radius in one step, for stability
+constexpr double rest_step = 0.02;    // largest step of particles at rest
+constexpr int projections = 8;        // Newton steps onto the surface
+constexpr Index grain = 64;           // particles per task
 
 struct Particle {
   Point<3> p = Point<3>::Zero();  // in units of the desired radius
@@ -61,10 +62,10 @@ class Population {
       fastest = std::max({fastest, time_step * particle.velocity.norm(), std::abs(radius - particle.radius)});
       particle.radius = radius;
     }
-    return !split_and_die(iteration, jet.gradient) && fastest < still;
+    return !split_and_die(iteration, jet.gradient) && fastest < rest_step;
   }
 
-  // Newton steps onto the surface; particles that do not get there are dropped.
+  // Newton steps onto the surface; particles that do not converge are dropped.
   void project() {
     Jet<3> jet;
     for (int i = 0; i < projections; ++i) {
@@ -112,8 +113,8 @@ class Population {
     return std::clamp(step, -1.0, 1.0) * gradient / slope;
   }
 
-  // Energies, velocities without constraint and the rates of the radii. Particles whose normals oppose each other are
-  // on two sheets and do not feel each other.
+  // Energies, unconstrained velocities and the rates of the radii. Particles with opposite normals are on two sheets
+  // and do not interact.
   void push_apart(const Points<3>& gradient) {
     const auto n = static_cast<Index>(particles_.size());
     Points<3> p(3, n);
@@ -143,7 +144,7 @@ class Population {
     });
   }
 
-  // Takes from the velocities what leads off the surface, and adds what leads back to it.
+  // Removes the normal component of the velocities, and adds the feedback towards the surface.
   void constrain(const Jet<3>& jet) {
     for (std::size_t k = 0; k < particles_.size(); ++k) {
       const auto i = static_cast<Index>(k);
@@ -164,8 +165,8 @@ class Population {
       };
       const bool slow = particle.velocity.norm() < rest_speed * particle.radius;
       const bool large =
-          particle.radius > largest_radius || (particle.energy > rich * desired_energy && particle.radius > 1);
-      if (slow && particle.radius < poor && draw(0) > particle.radius / poor) {
+          particle.radius > largest_radius || (particle.energy > split_energy * desired_energy && particle.radius > 1);
+      if (slow && particle.radius < death_radius && draw(0) > particle.radius / death_radius) {
         changed = true;
         continue;
       }

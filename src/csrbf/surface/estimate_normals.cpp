@@ -14,16 +14,17 @@ namespace csrbf {
 namespace {
 
 constexpr std::string_view stage = "estimate normals";
-constexpr Index choices[] = {16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512};
-constexpr Index sampled_points = 300;
-constexpr double give_up = 1.15;      // a choice this much worse than the best ends the search
-constexpr double flat = 0.4;          // thicker neighbourhoods show no surface yet
-constexpr double thinnest = 0.01;     // less is rounding
-constexpr Index shared_from = 33;     // neighbourhoods this large are shared ...
-constexpr Index share = 16;           // ... by one point in this many of them
-constexpr Index max_neighbors = 256;  // for neighbours on a line
-constexpr Index graph_neighbors = 12;
-constexpr double line = 1e-14;  // of the largest variance: the cloud lies on a line
+// Chosen by hand.
+constexpr Index choices[] = {16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512};  // numbers of neighbours tried
+constexpr Index sampled_points = 300;  // that the choice is made with; more: slower, less random
+constexpr double stop_ratio = 1.15;    // a criterion this much larger than the least ends the search
+constexpr double flat = 0.4;           // largest thickness, (l0 / l1)^(1/2), of a neighbourhood that shows a surface
+constexpr double thinnest = 0.01;      // floor of the thickness: less is rounding
+constexpr Index shared_from = 33;      // neighbourhoods of at least this many points are shared ...
+constexpr Index share = 16;            // ... by up to a sixteenth of their points
+constexpr Index max_neighbors = 256;   // at which doubling for neighbours on a line ends
+constexpr Index graph_neighbors = 12;  // of orient_normals(), its default
+constexpr double line = 1e-14;         // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
 struct Cloud {
@@ -68,7 +69,7 @@ void check_spread(const Points<3>& points) {
           "a surface needs points that spread in at least two directions");
 }
 
-// Nearest points of a place; the spans of the last query stay valid until the next.
+// Nearest points of a location; the spans of a query are valid until the next.
 class Neighborhood {
  public:
   Neighborhood(const Points<3>& points, const KdTree<3>& tree) : points_(points), tree_(tree) {}
@@ -82,7 +83,7 @@ class Neighborhood {
     count_ = static_cast<std::size_t>(tree_.nearest(center, count, ids_.data(), d2_.data()));
     frame_ = local_frame(points_, ids(), d2(), center);
   }
-  // Doubles the number of neighbours while they lie on a line.
+  // Doubles the number of neighbours until they do not lie on a line.
   void query_surface(const Point<3>& center, Index count) {
     query(center, count);
     while (!frame_.is_surface() && static_cast<Index>(count_) < std::min(max_neighbors, points_.cols()))
@@ -132,14 +133,14 @@ Index choose_neighbors(const Points<3>& points, const KdTree<3>& tree) {
     } else if (criterion < least) {
       least = criterion;
       best = choice;
-    } else if (criterion > give_up * least) {
+    } else if (criterion > stop_ratio * least) {
       break;
     }
   }
   return best;
 }
 
-// Normals, and neighbours of points on the way where they are found anyway.
+// Normals, and a neighbour table where it comes as a by-product.
 struct Fit {
   Points<3> normals;
   NeighborTable table;
@@ -154,7 +155,8 @@ void keep_neighbors(const Neighborhood& near, Index i, NeighborTable& table) {
   }
 }
 
-// One quadric for the points [begin, end) if they are close together compared with their neighbourhood.
+// One quadric for the points [begin, end) if they lie within half the radius of their neighbourhood; else for each half
+// of them.
 void fit_range(const Points<3>& points, Index begin, Index end, Index neighbors, Neighborhood& near, Fit& fit) {
   const Index count = end - begin;
   const Point<3> center =
@@ -178,24 +180,24 @@ void fit_range(const Points<3>& points, Index begin, Index end, Index neighbors,
   for (Index i = begin; i < end; ++i) fit.normals.col(i) = quadric.normal(points.col(i));
 }
 
-// `graph` neighbours per point come along, or none if there is no table at that price.
+// The table gets `graph` neighbours per point, or stays empty if the fits do not provide them.
 Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Index graph, const Progress& progress) {
-  const Index n = points.cols(), together = neighbors >= shared_from ? neighbors / share : 1;
+  const Index n = points.cols(), per_fit = neighbors >= shared_from ? neighbors / share : 1;
   Fit fit{Points<3>(3, n), {}};
   graph = std::min(graph, n - 1);
-  if (together == 1 && neighbors > graph) {
+  if (per_fit == 1 && neighbors > graph) {
     fit.table.k = graph;
     fit.table.index.resize(static_cast<std::size_t>(n * graph));
     fit.table.reach.resize(n);
   }
-  const Index slice = std::max<Index>(n / 16, 1 << 16) / together * together;
+  const Index slice = std::max<Index>(n / 16, 1 << 16) / per_fit * per_fit;
   for (Index first = 0; first < n; first += slice) {
     report(progress, stage, 0.1 + 0.5 * static_cast<double>(first) / static_cast<double>(n));
-    const Index last = std::min(n, first + slice), grain = std::max<Index>(1, 512 / together) * together;
+    const Index last = std::min(n, first + slice), grain = std::max<Index>(1, 512 / per_fit) * per_fit;
     const auto compute = [&](Index begin, Index end) {
       Neighborhood near(points, tree);
-      for (Index i = first + begin; i < first + end; i += together)
-        fit_range(points, i, std::min(first + end, i + together), neighbors, near, fit);
+      for (Index i = first + begin; i < first + end; i += per_fit)
+        fit_range(points, i, std::min(first + end, i + per_fit), neighbors, near, fit);
     };
     share_arrays(stage, last - first, grain, compute,
                  {ResultArray::of(fit.normals.col(first).data(), 3),

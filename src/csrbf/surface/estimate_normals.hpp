@@ -6,16 +6,16 @@
 
 namespace csrbf {
 
-/// Which way estimated normals point.
+/// Orientation of estimated normals.
 enum class Orient {
   consistent,  ///< neighbours agree, outward where there is an outside (orient_normals)
   viewpoint,   ///< each towards one point, the scanner
-  none         ///< either way
+  none         ///< arbitrary
 };
 
 struct NormalOptions {
-  /// Points each normal is estimated from, itself included, at least 3; 0 chooses one number for the cloud: 16 for
-  /// clean data, up to 512 under noise.
+  /// Number of points, itself included, that each normal is estimated from, at least 3; 0 chooses one number for the
+  /// cloud: 16 for clean data, up to 512 under noise.
   Index neighbors = 0;
   Orient orient = Orient::consistent;
   Point<3> viewpoint = Point<3>::Zero();  ///< for Orient::viewpoint
@@ -41,8 +41,8 @@ struct NormalReport {
 /// neighbours, nearby points share a neighbourhood and its quadric.
 ///
 /// Coinciding points count once. Where the neighbours lie on a line, their number is doubled until they do not, up to
-/// 256; a normal that stays undetermined is zero. Invariant under similarities; signs are free for Orient::none. Throws
-/// InvalidInput for coordinates that are not finite, fewer than 3 different points, or points on one line. O(n log n):
+/// 256; a normal that remains undetermined is zero. Invariant under similarities, up to signs for Orient::none. Throws
+/// InvalidInput for coordinates that are not finite, fewer than 3 distinct points, or points on one line. O(n log n):
 /// 0.5 s for 1e5 points on one core, more under noise. `report` receives the details if given.
 Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options = {},
                            NormalReport* report = nullptr);

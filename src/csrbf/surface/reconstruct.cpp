@@ -18,23 +18,26 @@
 namespace csrbf {
 namespace {
 
-constexpr Index fewest_coarse = 12, most_coarse = 40;  // points per patch of a coarse level
-constexpr Index most_coarse_centers = 16;              // ... and CSRBF centres: they carry its shape across holes
+// Chosen by hand unless noted.
+constexpr Index fewest_coarse = 12, most_coarse = 40;  // points per patch of a coarse level; larger: smoother holes
+constexpr Index most_coarse_centers = 16;              // ... and CSRBF centres, which extrapolate shape across holes
 constexpr Index coarsest_points = 100;                 // a level with fewer points has no coarser one
-constexpr Index finest_leaf = 6;                       // points per patch when no smoothing is wanted
+constexpr Index finest_leaf = 6;                       // points per patch without smoothing
 constexpr Index coarsest_leaf = 256;                   // points per patch where a search for a tolerance starts
-constexpr Index centers_per_leaf = 2;                  // of a budget; a support holds about four times as many
-constexpr Index most_centers = 64;                     // in a support, for a budget or a tolerance
-constexpr int tolerance_attempts = 6;      // each asks half the error where the one before missed the tolerance
+constexpr Index centers_per_leaf = 2;  // of a budget; a support, with its overlap of 4, holds about four times as many
+constexpr Index most_centers = 64;     // in a support, for a budget or a tolerance; more: time, conditioning
+constexpr int tolerance_attempts = 6;  // each halves the error asked for where the one before missed the tolerance
 constexpr double outlier_share = 0.001;    // of the samples that may miss the tolerance
 constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between samples
-constexpr double far_spacings = 3;         // |f| far from data: about where the patches end
-constexpr double disagreement = 3;         // distance of samples to the surface against that of cross-validation
-constexpr double too_small_to_see = 1e-5;  // of the diagonal
+constexpr double far_spacings = 3;         // |f| far from data, in spacings: about where the patches end
+constexpr double disagreement = 3;         // mean distance of samples from the surface over the cross-validation error
+constexpr double too_small_to_see = 1e-5;  // of the diagonal: smaller mean distances are no disagreement
 constexpr Index quadric_coefficients = 10;
-constexpr double coarsest_detail = 1.25;  // spacings: chords of longer cells add to the errors that noise leaves
+// Spacings. Measured on the dragon and bunny scans: up to this length of cells the held-out error does not change;
+// chords of longer cells add to it.
+constexpr double coarsest_detail = 1.25;
 
-constexpr double far_from_points = 0.03;  // rms distance; noise that strong leaves no shape
+constexpr double far_from_points = 0.03;  // rms distance over the diagonal; noise that strong leaves no shape
 
 bool composite(const ReconstructOptions& options) {
   return options.method == "auto" || options.method == "composite";

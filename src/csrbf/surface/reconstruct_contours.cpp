@@ -13,11 +13,12 @@
 namespace csrbf {
 namespace {
 
-constexpr double margin = 0.05;       // of the diagonal: surfaces bulge between slices
-constexpr double feature_size = 0.5;  // spacings of the contour points used
-constexpr double rim = 1;             // range of the blend at a cap, in heights of the cap above the last slice
-constexpr double sharpness = 3;
-constexpr double smoothing_of_pixels = 1e-3;
+// Chosen by hand.
+constexpr double margin = 0.05;               // of the diagonal, around the contours: surfaces bulge between slices
+constexpr double feature_size = 0.5;          // size of the smallest features, in spacings of the contour points used
+constexpr double rim = 1;                     // range of the blend at a cap, in heights of the cap above the last slice
+constexpr double sharpness = 3;               // exponent of the super-elliptic blend at a cap; larger: sharper rims
+constexpr double smoothing_of_pixels = 1e-3;  // lambda for jagged contours: within the range in the header
 
 void check(const ContourOptions& options) {
   require(options.centers >= 16, "reconstruct_contours", "centers", options.centers, "must be at least 16");
@@ -56,7 +57,7 @@ double choose_smoothing(const PreparedContours& prepared, std::vector<std::strin
   return smoothing_of_pixels;
 }
 
-// height of the cap - height above the last slice: a field that is linear everywhere.
+// Height of the cap minus height above the last slice: a linear field.
 std::shared_ptr<const Field<3>> below(const Cap& cap, const Box<3>& bounds) {
   const PolynomialTail<3> plane{1, cap.position, 1,
                                 Eigen::Vector4d(0, -cap.outward.x(), -cap.outward.y(), -cap.outward.z())};
@@ -79,7 +80,7 @@ std::shared_ptr<const Field<3>> closed(const ContourFit& fit, const PreparedCont
   };
   const auto surface = place(fit.field, fit.seeds);
   if (fit.caps.empty()) return surface;
-  // The intersection with what is below the caps: the complement of the union of the complements.
+  // The intersection with the half-spaces below the caps: the complement of the union of the complements.
   CombinedField::Data data{{{surface, true}}, true, Blending::super_elliptic, 0, sharpness};
   double lowest = fit.caps.front().height;
   for (const Cap& cap : fit.caps) {

@@ -10,9 +10,9 @@ namespace csrbf {
 
 /// Where the normals of a reconstruction come from.
 enum class Normals {
-  automatic,  ///< the given ones when there are any, re-oriented when they contradict each other and turned where they
+  automatic,  ///< the given ones if there are any, re-oriented if they contradict each other and flipped where they
               ///< point inward; else estimated
-  file,       ///< the given ones as they are
+  file,       ///< the given ones, unchanged
   estimate,   ///< always estimated
 };
 
@@ -27,27 +27,27 @@ enum class NormalSource {
 /// Its words in reports: file, estimated, re-oriented, within the slices.
 const char* name_of(NormalSource source);
 
-/// How the CSRBF residual is told about the normals.
+/// How normals enter the fit of the CSRBF residual.
 enum class NormalRows {
   gradient,     ///< grad f = -n at the samples: better under noise, no offset to choose
   off_surface,  ///< f = -+ kappa at p +- kappa n, kappa half the local spacing (thesis 6.1.4)
 };
 
-/// How the local models of the composite method are fitted. The defaults suit clean, dense samples; choose_options()
-/// adapts them to the data.
+/// How the local models of the composite method are fitted. The defaults suit clean, dense samples and were
+/// chosen by hand; choose_options() adapts them to the data.
 struct CompositeSettings {
   /// Points per leaf of the partition: one patch each.
   Index leaf_size = 8;
   /// Expected number of points in the support of a patch, as a multiple of leaf_size.
   double overlap = 4;
-  /// CSRBF centres per patch at most; 0 leaves the quadric alone.
+  /// Largest number of CSRBF centres per patch; 0: the quadric alone.
   Index centers_per_patch = 16;
-  /// Weight of the normals against the positions in the fit, in units of the patch radius (rho of eq. (6.4)).
+  /// Weight of the normals relative to the positions, in units of the patch radius (rho of eq. (6.4)).
   double normal_weight = 0.03;
   NormalRows normal_rows = NormalRows::gradient;
   /// Native-space ridge of the CSRBF residual, relative to the trace of the normal matrix.
   double smoothing = 1e-6;
-  /// Largest number of points a patch is fitted to; more are thinned evenly.
+  /// Largest number of points a patch is fitted to; denser ones are thinned evenly. Bounds time.
   Index max_fit_points = 400;
 };
 
@@ -67,7 +67,7 @@ struct ReconstructOptions {
   /// Weight of the method's penalty (of the composite method: ridge of the CSRBF residual): 0 = none, larger is
   /// smoother; not set = chosen from the data by cross-validation.
   std::optional<double> smoothing = {};
-  /// How the fit is told about the normals.
+  /// How normals enter the fit.
   NormalRows normal_rows = NormalRows::gradient;
   Progress progress = {};
 };

@@ -16,12 +16,14 @@
 namespace csrbf {
 namespace {
 
-constexpr Index spacing_neighbors = 6;  // as many as a sample in a plane has around it
-constexpr Index facing_neighbors = 8;
-constexpr double facing = 0.7;           // cosine of the angle between normals that face the same way
-constexpr double expected_share = 0.05;  // a component with fewer samples than this share of the usual density is empty
-constexpr double fewest_samples = 8;     // ... or with fewer than these
-constexpr double near_component = 4;     // spacings: points further from a component do not count for it
+constexpr Index spacing_neighbors = 6;  // as many as surround a sample of a hexagonal packing of the plane
+// Chosen by hand.
+constexpr Index facing_neighbors = 8;  // nearest points of which one must face the same way
+constexpr double facing = 0.7;         // least cosine between normals that face the same way: 45 degrees
+constexpr double expected_share =
+    0.05;                             // a component with less than this share of the mean density of samples is empty
+constexpr double fewest_samples = 8;  // ... or with fewer than this number
+constexpr double near_component = 4;  // spacings: points farther from a component do not count for it
 
 Points<3> in_morton_order(const PointsRef<3>& points) {
   return points(Eigen::all, morton_order<3>(points));
@@ -48,7 +50,7 @@ double spacing_at(const KdTree<3>& tree, const PointsRef<3>& points, Index i) {
   return sum / static_cast<double>(found - 1);
 }
 
-// 1 for the vertices that trim() keeps.
+// 1 for vertices that trim() keeps.
 std::vector<char> near_samples(const Mesh& mesh, const PointsRef<3>& points, double distance,
                                const PointsRef<3>& normals) {
   const std::vector<Index> order = morton_order<3>(points);
@@ -71,7 +73,7 @@ std::vector<char> near_samples(const Mesh& mesh, const PointsRef<3>& points, dou
   return near;
 }
 
-// The chosen triangles with the vertices they use, numbered in the old order.
+// The chosen triangles and their vertices, in the old order.
 Mesh submesh(const Mesh& mesh, const std::vector<Index>& triangles) {
   std::vector<char> used(static_cast<std::size_t>(mesh.vertices.cols()), 0);
   for (const Index t : triangles)
@@ -95,8 +97,7 @@ Mesh submesh(const Mesh& mesh, const std::vector<Index>& triangles) {
   return part;
 }
 
-// Corners of the triangles around each vertex fall into fans, joined by common edges; every fan but the first gets its
-// own copy of the vertex.
+// Triangles around a vertex form fans, joined by common edges; every fan but the first gets its own copy of the vertex.
 void double_shared_vertices(Mesh& mesh) {
   const Index corners = 3 * mesh.triangles.cols();
   DisjointSets fans(static_cast<std::size_t>(corners));
@@ -169,7 +170,7 @@ std::vector<double> areas(const Mesh& mesh, const std::vector<Index>& label, Ind
   return area;
 }
 
-// Indices of the columns of x that are nearer than `distance` to a point of the tree.
+// Indices of the columns of x within `distance` of a point of the tree.
 std::vector<Index> ids_within(const KdTree<3>& tree, const PointsRef<3>& x, double distance) {
   std::vector<char> is_near(static_cast<std::size_t>(x.cols()));
   parallel_for(x.cols(), 1024, [&](Index begin, Index end) {
@@ -182,7 +183,7 @@ std::vector<Index> ids_within(const KdTree<3>& tree, const PointsRef<3>& x, doub
   return ids;
 }
 
-// Number of points nearest to each component. Those further than `distance` from all others count for the largest one,
+// Number of points nearest to each component. Those farther than `distance` from all others count for the largest one,
 // so that most points need no search.
 std::vector<double> samples_of_components(const Mesh& mesh, const std::vector<Index>& label, Index count, Index largest,
                                           const PointsRef<3>& points, double distance) {
@@ -208,7 +209,7 @@ Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const P
   require(distance > 0, "trim", "distance", distance, "must be a positive number of local spacings");
   require(points.cols() >= 2, "trim", "points", points.cols(), "at least 2 are needed");
   require(normals.cols() == 0 || normals.cols() == points.cols(), "trim", "normals", normals.cols(),
-          "must be as many as the points, or none");
+          "must be one per point, or none");
   const std::vector<char> near = near_samples(mesh, points, distance, normals);
   std::vector<Index> kept;
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {

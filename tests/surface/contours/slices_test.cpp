@@ -69,10 +69,10 @@ TEST(GatherSlices, RefusesContoursThatAreNotFlatOrHaveNoArea) {
   Points<3> points = square(0.3, 0);
   const auto message = [&] { return invalid_input_message([&] { gather_slices(points, {{0, 1, 2, 3}}); }); };
   points(2, 1) = 0.1;
-  EXPECT_NE(message().find("contour = 1: is not flat"), std::string::npos);
+  EXPECT_NE(message().find("contour = 1: is not planar"), std::string::npos);
   points.row(1) = points.row(0);
   points.row(2).setZero();
-  EXPECT_NE(message().find("its points are on a line"), std::string::npos);
+  EXPECT_NE(message().find("its points are collinear"), std::string::npos);
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST(BridgeGaps, JoinsTheTipOfAFingerToTheRest) {
   for (Index i = 0; i < mesh.vertices.cols(); ++i) farthest = std::max(farthest, std::abs(depth(mesh.vertices.col(i))));
   EXPECT_LT(farthest, 0.15);  // of the radius, in the middle of the gap
   ASSERT_EQ(result.report.warnings.size(), 1U);
-  EXPECT_EQ(result.report.warnings.front(), "1 part cut off by gaps in the data joined to the rest");
+  EXPECT_EQ(result.report.warnings.front(), "1 part separated by gaps in the data: joined to the rest");
 }
 
 TEST(BridgeGaps, JoinsAPieceThatIsOpenAtBothEnds) {

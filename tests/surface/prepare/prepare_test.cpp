@@ -308,7 +308,7 @@ TEST(Prepare, RejectsCloudsThatHoldNoSurface) {
   const auto message = [](const Points<3>& points) {
     return invalid_input_message([&] { prepare({points, Points<3>(3, 0), {}}, Normals::automatic); });
   };
-  const std::string too_few = "distinct finite points are too few; at least 4 are needed";
+  const std::string too_few = "too few distinct finite points; at least 4 are needed";
   EXPECT_EQ(message(Points<3>(3, 0)), "reconstruct: points = 0: " + too_few);
   EXPECT_EQ(message(sphere_cloud(3).points), "reconstruct: points = 3: " + too_few);
   EXPECT_EQ(message(Points<3>::Constant(3, 50, 0.1)), "reconstruct: points = 1: " + too_few);
@@ -324,7 +324,7 @@ TEST(Prepare, RejectsNormalsThatAreNotThere) {
             "reconstruct: normals = file: the input has no normals; use estimate or auto");
   cloud.normals.setOnes(3, 99);
   EXPECT_EQ(invalid_input_message([&] { prepare(cloud, Normals::automatic); }),
-            "reconstruct: normals = 99: must be as many as the points, or none");
+            "reconstruct: normals = 99: must be one per point, or none");
 }
 
 TEST(Prepare, ReportsProgressAndCanBeCancelled) {

@@ -10,9 +10,10 @@
 namespace csrbf {
 namespace {
 
-constexpr double nodes_per_range = 4;
-constexpr double most_cells = 128;      // along the longest side
-constexpr int finest_resolution = 256;  // of the polygonization that distances are measured to
+// Chosen by hand: larger values are more accurate and slower.
+constexpr double nodes_per_range = 4;   // of the lattice of the spline
+constexpr double most_cells = 128;      // of that lattice along the longest side
+constexpr int finest_resolution = 256;  // of the polygonization to which distances are measured
 
 // The four cubic B-splines that are not zero at t in [0, 1] of a cell, and their derivatives.
 struct Weights {
@@ -116,7 +117,7 @@ std::shared_ptr<const ExtendedField> extend_distance(const std::shared_ptr<const
   data.near = field->feature_size();
   data.lack.resize(data.size.cast<Index>().prod());
   const Index row = data.size[0], rows = data.lack.size() / row;
-  constexpr Index rows_at_once = 1024;
+  constexpr Index rows_at_once = 1024;  // between two progress reports
   for (Index first = 0; first < rows; first += rows_at_once) {
     report(progress, "extend", static_cast<double>(first) / static_cast<double>(rows));
     parallel_for(std::min(rows_at_once, rows - first), 1, [&](Index begin, Index end) {

@@ -8,9 +8,9 @@
 
 namespace csrbf {
 
-/// The field f + sign(f) s(|f|) E: near the surface f itself, further away about the distance to it. s rises from 0 at
-/// |f| = near to 1 at 2 near; E >= 0, what |f| lacks of the distance, is a cubic B-spline, constant outside its
-/// lattice. f keeps its sign everywhere and two continuous derivatives.
+/// The field f + sign(f) s(|f|) E: near the surface f itself, farther away about the distance to it. s increases from 0
+/// at |f| = near to 1 at 2 near; E >= 0, the deficit of |f| from the distance, is a cubic B-spline, constant outside
+/// its lattice. f keeps its sign everywhere and two continuous derivatives.
 class ExtendedField final : public Field<3> {
  public:
   struct Data {
@@ -38,11 +38,11 @@ class ExtendedField final : public Field<3> {
   Data data_;
 };
 
-/// Makes a field whose values stop growing a few details away from its surface, as those of `reconstruct` do, grow like
-/// the distance up to `range` from it. Its surface and its values nearer than one feature size stay as they are. The
-/// distances are those to a polygonization, blurred over a quarter of the range (at least a 128th of the longest side).
-/// Needs range > 0 and feature_size() > 0. Throws whatever polygonize() throws. Progress: that of polygonize, then
-/// stage "extend".
+/// Makes a field whose values level off a few feature sizes away from its surface, as those of `reconstruct` do, grow
+/// like the distance up to `range` from it. Its surface and its values within one of them do not change. The distances
+/// are those to a polygonization, blurred over a quarter of the range (at least a 128th of the longest side). Needs
+/// range > 0 and feature_size() > 0. Throws whatever polygonize() throws. Progress: that of polygonize, then stage
+/// "extend".
 std::shared_ptr<const ExtendedField> extend_distance(const std::shared_ptr<const Field<3>>& field, double range,
                                                      const Progress& progress = {});
 

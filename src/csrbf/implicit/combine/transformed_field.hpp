@@ -7,8 +7,8 @@
 
 namespace csrbf {
 
-/// A field moved and scaled: f(x) = scale * inner((x - origin) / scale). Slopes stay, so that a field close to the
-/// signed distance stays so in the new unit.
+/// A field moved and scaled: f(x) = scale * inner((x - origin) / scale). Gradients keep their length, so that a field
+/// close to the signed distance remains so in the new unit.
 class TransformedField final : public Field<3> {
  public:
   struct Data {

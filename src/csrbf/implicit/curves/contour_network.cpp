@@ -7,11 +7,11 @@
 namespace csrbf::contouring {
 namespace {
 
-constexpr double step_tolerance = 1e-7;  // of an edge
-constexpr int most_evaluations = 40;     // enough to halve an edge down to the tolerance
+constexpr double step_tolerance = 1e-7;  // of an edge: below the error of the arcs on smooth contours. By hand
+constexpr int most_evaluations = 40;     // bisection alone needs about 24 for the tolerance
 constexpr std::int32_t none = Network::none;
 
-// One step of Newton's method, or of bisection where Newton's leaves the bracket or hardly gains. True at the end.
+// One step of Newton's method, or of bisection if that leaves the bracket or hardly improves. True if converged.
 bool advance(EdgeRoot& root, double value) {
   ((value >= 0) == root.starts_inside ? root.lo : root.hi) = root.t;
   double step = -value / root.gradient.dot(root.edge);
@@ -39,8 +39,8 @@ void add_roots(const Lattice& lattice, Network& network) {
       }
 }
 
-// The segments of a cell. Its edges are numbered counter-clockwise, edge k from corner k on; a way round the cell
-// leaves the inside through exits and enters it through entries, and segments go from an exit to an entry.
+// The segments of a cell. Its edges are numbered counter-clockwise, edge k starting at corner k; a walk around the cell
+// leaves the inside at exits and enters it at entries, and segments go from an exit to an entry.
 void add_segments_of_cell(const Lattice& lattice, Index i, Index j, Network& network) {
   const Index low = lattice.corner(i, j), high = lattice.corner(i, j + 1);
   const std::array<Index, 4> corner{low, low + 1, high + 1, high};
@@ -103,7 +103,7 @@ void add_border(const Lattice& lattice, Network& network) {
 void refuse(double value, const Point<2>& p) {
   std::ostringstream message;
   message << "contour_lines: the field is " << value << " at (" << p[0] << ", " << p[1]
-          << "): it must be finite; mend the field or shrink the bounds";
+          << "): it must be finite; fix the field or shrink the bounds";
   throw SolverFailure(message.str());
 }
 

@@ -33,8 +33,8 @@ struct EdgeRoot {
   [[nodiscard]] Point<2> position() const { return start + t * edge; }
 };
 
-/// Directed segments between vertices, with the inside on their left; each vertex begins one and ends one. The first
-/// vertices are those on crossed edges, the others corners on the border of the box, along which segments close.
+/// Directed segments between vertices, with the inside on their left; each vertex starts one and ends one. The first
+/// vertices are those on crossed edges, the others corners on the border of the box, along which contours are closed.
 struct Network {
   static constexpr std::int32_t none = -1;
 
@@ -46,7 +46,7 @@ struct Network {
   [[nodiscard]] bool on_border(std::int32_t vertex) const { return vertex >= static_cast<std::int32_t>(roots.size()); }
 };
 
-/// The segments of all cells and of the border. Vertices on edges stand at their secant.
+/// The segments of all cells and of the border. Vertices on edges are placed by linear interpolation.
 Network make_network(const Lattice& lattice);
 
 /// Moves the vertices on edges to where f = level, and fills the gradients there. Throws SolverFailure where the field

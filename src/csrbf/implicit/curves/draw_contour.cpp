@@ -5,13 +5,13 @@
 namespace csrbf {
 namespace {
 
-// How much of each pixel is covered by lines, between 0 and 1.
+// Share of each pixel covered by lines.
 class Coverage {
  public:
   Coverage(int width, int height)
       : width_(width), height_(height), share_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0) {}
 
-  // A pixel is covered as far as its centre is within the line, which fades over the width of a pixel.
+  // The coverage of a pixel depends on the distance of its centre: the line fades out over the width of a pixel.
   void add_segment(const Point<2>& p, const Point<2>& q, double line_width) {
     const double reach = 0.5 * (line_width + 1);
     const Point<2> lo = p.cwiseMin(q).array() - reach, hi = p.cwiseMax(q).array() + reach;

@@ -14,9 +14,9 @@ struct Stroke {
   double width = 1.5;  ///< pixels, positive
 };
 
-/// Draws the lines onto a picture, antialiased. Coordinates are pixels: the picture reaches from (0, 0), its top left
-/// corner, to (width, height); what is outside is cut off. Throws InvalidInput when the stroke has no positive, finite
-/// width. O(pixels + length of the lines).
+/// Draws the lines onto a picture, antialiased. Coordinates are pixels: the picture extends from (0, 0), its top left
+/// corner, to (width, height); lines are clipped to it. Throws InvalidInput if the width of the stroke is not positive
+/// and finite. O(pixels + length of the lines).
 void draw_contour(const ContourLines& contours, const Stroke& stroke, RgbImage& picture);
 
 }  // namespace csrbf

@@ -10,8 +10,9 @@
 namespace csrbf {
 namespace {
 
-constexpr double rounding = 1e-12;   // of the diagonal
-constexpr double on_border = 1e-12;  // barycentric weight
+// Above the rounding of doubles by three orders of magnitude.
+constexpr double rounding = 1e-12;   // of the diagonal: points this close lie on the surface
+constexpr double on_border = 1e-12;  // barycentric weight: closest points with less lie on an edge or at a vertex
 
 double angle_at(const Point<3>& apex, const Point<3>& a, const Point<3>& b) {
   const Point<3> u = a - apex, v = b - apex;
@@ -66,7 +67,7 @@ MeshDistance::MeshDistance(const Mesh& mesh)
   const Topology found = topology(mesh);
   require(found.watertight(), "MeshDistance", "open or inconsistent edges",
           found.boundary_edges + found.nonmanifold_edges + found.inconsistent_edges,
-          "must be none: inside and outside are those of a closed surface; close its holes");
+          "must be none: only a closed surface has an inside and an outside; close its holes");
   neighbours_ = find_neighbours(triangles_);
   face_normals_.resize(3, triangles_.cols());
   vertex_normals_.setZero(3, vertices_.cols());

@@ -10,7 +10,7 @@ namespace csrbf {
 /// the closest point (Baerentzen and Aanaes 2005). Evaluation about O(log t) for each point.
 class MeshDistance final : public Field<3> {
  public:
-  /// Throws InvalidInput when the mesh is not closed and consistently oriented, or corrupt as TriangleTree says.
+  /// Throws InvalidInput if the mesh is not closed and consistently oriented, or corrupt (see TriangleTree).
   explicit MeshDistance(const Mesh& mesh);
 
   void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
@@ -35,7 +35,7 @@ class MeshDistance final : public Field<3> {
   Points<3> face_normals_;    // unit, or zero
   Points<3> vertex_normals_;  // weighted by angles
   Points<3> seeds_{3, 0};
-  double touching_;  // distances below are rounding
+  double touching_;  // smaller distances are rounding
 };
 
 }  // namespace csrbf

@@ -8,8 +8,9 @@
 namespace csrbf {
 namespace {
 
-constexpr double largest_tilt = 0.7;   // cosine of 45 degrees
-constexpr double longest_step = 0.25;  // of the mean distance to the neighbours, onto the surface
+// Chosen by hand.
+constexpr double largest_tilt = 0.7;   // cosine of 45 degrees: with a triangle tilted further, vertices are on edges
+constexpr double longest_step = 0.25;  // Newton step onto the surface, in mean distances to the neighbours
 
 double roundness(const Point<3>& a, const Point<3>& b, const Point<3>& c, const Point<3>& normal) {
   const double longest = std::max({(a - b).squaredNorm(), (b - c).squaredNorm(), (c - a).squaredNorm()});
@@ -125,10 +126,10 @@ class Optimizer {
 Mesh optimize_mesh(const Field<3>& field, Mesh mesh, const OptimizeMeshOptions& options) {
   require(options.iterations >= 1, "optimize_mesh", "iterations", options.iterations, "must be at least 1");
   require(std::isfinite(options.level), "optimize_mesh", "level", options.level, "must be finite");
-  require(mesh.vertices.allFinite(), "optimize_mesh", "mesh", "(not finite)", "every vertex must be a point");
+  require(mesh.vertices.allFinite(), "optimize_mesh", "mesh", "(not finite)", "every vertex must be finite");
   const Topology found = topology(mesh);
   require(found.watertight() && found.manifold() && found.vertices == mesh.vertices.cols(), "optimize_mesh", "mesh",
-          "(not a closed manifold)", "must be one without unused vertices, as polygonize() makes them");
+          "(not a closed manifold)", "must be a closed manifold without unused vertices, as from polygonize()");
   Optimizer optimizer(field, options.level, mesh);
   for (int i = 0; i < options.iterations; ++i) {
     report(options.progress, "optimize", static_cast<double>(i) / options.iterations);

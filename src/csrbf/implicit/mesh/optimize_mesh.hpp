@@ -12,12 +12,12 @@ struct OptimizeMeshOptions {
   Progress progress{};  ///< stage "optimize"
 };
 
-/// Makes the triangles of a closed polygonization rounder. In turn, every vertex moves along the surface to the mean of
-/// its neighbours when that raises the least roundness of its triangles, area over the square of the longest side
-/// (smart Laplacian smoothing; Freitag 1997), and all vertices move onto the surface by a Newton step along the
-/// gradient. Triangles stay as they are connected. Vertices on sharp edges, with triangles tilted by more than 45
-/// degrees against the normal there, keep their places. Fills the normals when the mesh has some. O(iterations
-/// (vertices + triangles)), besides one gradient for each vertex and iteration.
+/// Makes the triangles of a closed polygonization rounder. Alternately, every vertex moves along the surface towards
+/// the mean of its neighbours if that raises the least roundness of its triangles, area over the square of the longest
+/// side (smart Laplacian smoothing; Freitag 1997), and all vertices move onto the surface by a Newton step along the
+/// gradient. Connectivity does not change. Vertices on sharp edges, with triangles tilted by more than 45 degrees
+/// against the normal there, do not move. Fills the normals if the mesh has any. O(iterations (vertices + triangles)),
+/// plus one gradient for each vertex and iteration.
 ///
 /// Throws InvalidInput for a mesh that is not closed and manifold or has vertices that are not finite, and options
 /// outside the above; Cancelled.

@@ -8,7 +8,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 4096;
+constexpr Index grain = 4096;  // triangles or samples per task
 
 // Sums of twice the areas of the triangles up to and including each one.
 std::vector<double> cumulative_area(const Mesh& mesh) {

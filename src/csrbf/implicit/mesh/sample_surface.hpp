@@ -13,9 +13,10 @@ struct SurfaceSamples {
   std::vector<std::int32_t> triangle;  ///< n
 };
 
-/// Draws n points uniformly by area, stratified: sample i lies in the i-th n-th of the area in triangle order, so
-/// neighbours in a coherent mesh are neighbours among the samples and averages converge faster than with independent
-/// samples. Depends on the mesh, n and seed only. Throws InvalidInput when the mesh has no area. O(t + n log t).
+/// Draws n points uniformly by area, stratified: sample i lies in the i-th of n equal parts of the area in triangle
+/// order, so that neighbours in a coherent mesh are neighbours among the samples and averages converge faster than with
+/// independent samples. Depends only on the mesh, n and seed. Throws InvalidInput if the mesh has no area.
+/// O(t + n log t).
 SurfaceSamples sample_surface(const Mesh& mesh, Index n, std::uint64_t seed = 7);
 
 }  // namespace csrbf

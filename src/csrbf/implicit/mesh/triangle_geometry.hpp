@@ -12,7 +12,7 @@ struct ClosestPoint {
   double squared_distance = std::numeric_limits<double>::infinity();
 };
 
-/// Closest point of the segment ab to x; ends that coincide are fine.
+/// Closest point of the segment ab to x; the ends may coincide.
 inline ClosestPoint closest_on_segment(const Point<3>& x, const Point<3>& a, const Point<3>& b) {
   const Point<3> ab = b - a;
   const double length2 = ab.squaredNorm();
@@ -21,8 +21,8 @@ inline ClosestPoint closest_on_segment(const Point<3>& x, const Point<3>& a, con
   return {q, (x - q).squaredNorm()};
 }
 
-/// Closest point of the triangle abc to x. Every candidate lies on the triangle, so needles, slivers and triangles that
-/// degenerate to a segment or a point give the right distance too.
+/// Closest point of the triangle abc to x. Every candidate lies on the triangle, so the distance is correct for
+/// needles, slivers and triangles that degenerate to a segment or a point too.
 inline ClosestPoint closest_on_triangle(const Point<3>& x, const Point<3>& a, const Point<3>& b, const Point<3>& c) {
   const Point<3> ab = b - a, ac = c - a, ax = x - a;
   const double bb = ab.squaredNorm(), cc = ac.squaredNorm(), bc = ab.dot(ac);
@@ -31,8 +31,8 @@ inline ClosestPoint closest_on_triangle(const Point<3>& x, const Point<3>& a, co
   const double v = cc * xb - bc * xc;  // barycentric weights of b and c, times det
   const double w = bb * xc - bc * xb;
 
-  // The weights are known to rounding over the squared sine at a; where that is small every edge is a candidate too.
-  constexpr double well_shaped = 1e-2;
+  // The error of the weights is rounding over the squared sine at a; if that is small every edge is a candidate too.
+  constexpr double well_shaped = 1e-2;  // squared sine of 6 degrees; chosen by hand: loses two digits at most
   const bool flat = !(det > well_shaped * bb * cc);
   ClosestPoint best;
   if (v >= 0 && w >= 0 && v + w <= det && det > 0) {

@@ -9,9 +9,9 @@ namespace {
 
 using Lanes = TreeNode::Lanes;
 
-// Local boxes grow by this much: it covers the rounding of single-precision ray arithmetic within the box.
+// Local boxes are padded by this length, 8 units of rounding in single precision, which covers that of ray arithmetic.
 constexpr double box_padding = 0x1p-20;
-constexpr std::size_t stack_size = 3 * max_tree_depth + 4;
+constexpr std::size_t stack_size = 3 * max_tree_depth + 4;  // three of four children wait at every depth
 
 float round_down(double x) {
   return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
@@ -20,8 +20,8 @@ float round_up(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
-// Child still to visit; `near` bounds its distance from below. Children are pushed without a branch: which of them are
-// needed is unpredictable.
+// Child still to be visited; `near` is a lower bound of its distance. Children are pushed without a branch: which of
+// them are needed is unpredictable.
 template <class Scalar>
 struct Entry {
   std::int32_t child;

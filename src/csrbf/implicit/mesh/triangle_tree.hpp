@@ -8,17 +8,17 @@
 namespace csrbf {
 
 /// Closest points and ray hits on the triangles of a mesh, through a bounding volume hierarchy. Holds its own copy of
-/// the geometry (about 35 bytes per triangle and 24 per vertex). Build O(t log t); queries about O(log t), thread safe,
-/// without allocation, with the same relative accuracy at every scale and position. Degenerate triangles are part of
-/// the surface for closest points and invisible to rays.
+/// the geometry (about 35 bytes per triangle and 24 per vertex). Construction O(t log t); queries about O(log t),
+/// thread safe, without allocation, with the same relative accuracy at every scale and position. Degenerate triangles
+/// are part of the surface for closest points and invisible to rays.
 class TriangleTree {
  public:
-  /// Throws InvalidInput when the mesh has no triangle, an index outside its vertices or a used vertex that is not
+  /// Throws InvalidInput if the mesh has no triangle, an index outside its vertices or a used vertex that is not
   /// finite.
   explicit TriangleTree(const Mesh& mesh);
 
   struct Closest {
-    Index triangle = -1;  ///< of the mesh; -1 when nothing is within the distance asked for
+    Index triangle = -1;  ///< of the mesh; -1 if nothing is within the given distance
     Point<3> point = Point<3>::Zero();
     double distance = std::numeric_limits<double>::infinity();
   };
@@ -26,16 +26,16 @@ class TriangleTree {
   [[nodiscard]] Closest closest(const Point<3>& x, double max_distance = std::numeric_limits<double>::infinity()) const;
 
   struct Hit {
-    Index triangle = -1;                                 ///< of the mesh; -1 when there is no hit
+    Index triangle = -1;                                 ///< of the mesh; -1 if there is no hit
     double t = std::numeric_limits<double>::infinity();  ///< the hit is origin + t * direction
     Point<3> weights = Point<3>::Zero();                 ///< barycentric, of the triangle's three vertices
   };
-  /// First hit with 0 <= t <= t_max, from either side. No ray slips through an edge shared by two triangles
+  /// First hit with 0 <= t <= t_max, from either side. No ray passes through an edge shared by two triangles
   /// (Woop, Benthin, Wald 2013). A direction that is zero or not finite hits nothing.
   [[nodiscard]] Hit first_hit(const Point<3>& origin, const Point<3>& direction,
                               double t_max = std::numeric_limits<double>::infinity()) const;
 
-  /// Is there any hit with 0 <= t <= t_max? Faster than first_hit.
+  /// Whether there is any hit with 0 <= t <= t_max. Faster than first_hit.
   [[nodiscard]] bool occluded(const Point<3>& origin, const Point<3>& direction,
                               double t_max = std::numeric_limits<double>::infinity()) const;
 

@@ -5,8 +5,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index leaf_size = 4;
-constexpr int bin_count = 16;
+constexpr Index leaf_size = 4;                       // triangles at most; chosen by hand
+constexpr int bin_count = 16;                        // candidates for a split (Wald 2007)
 constexpr int max_area_depth = max_tree_depth - 32;  // deeper nodes are halved by count, at most 31 times
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -121,7 +121,7 @@ std::array<Range, 2> split(std::vector<TriangleBox>& boxes, const Range& range, 
   return halves;
 }
 
-// A subtree left for later, and the slot that waits for it.
+// A deferred subtree, and the slot that it belongs to.
 struct Pending {
   Range range;
   int depth = 0;
@@ -200,8 +200,9 @@ std::vector<TreeNode> build_triangle_tree(std::vector<TriangleBox>& boxes) {
   std::vector<Pending> pending;
   Range all{.begin = 0, .end = static_cast<Index>(boxes.size()), .bounds = {}, .centers = {}};
   all.measure(boxes);
+  // Subtrees built in parallel: enough to balance threads, large enough to hide the cost of a task. Chosen by hand.
   constexpr Index subtrees = 128;
-  constexpr Index smallest_subtree = 2048;
+  constexpr Index smallest_subtree = 2048;  // triangles
   Builder(boxes, nodes, std::max(smallest_subtree, all.size() / subtrees), &pending).build(all, 0);
 
   parallel_for(static_cast<Index>(pending.size()), 1, [&](Index begin, Index end) {

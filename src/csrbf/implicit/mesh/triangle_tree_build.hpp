@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// Node of a bounding volume hierarchy with four children, whose boxes lie side by side so that one instruction tests
+/// Node of a bounding volume hierarchy with four children, whose boxes are interleaved so that one instruction tests
 /// all of them. Slots without a child hold an empty box (lo = inf, hi = -inf).
 struct alignas(64) TreeNode {
   using Lanes = Eigen::Array<float, 4, 1>;
@@ -31,7 +31,7 @@ struct TriangleBox {
 /// leaves hold at most four triangles. The result does not depend on the number of threads. O(t log t).
 std::vector<TreeNode> build_triangle_tree(std::vector<TriangleBox>& boxes);
 
-/// Upper bound of the depth of the hierarchy.
+/// Upper bound of the depth of the hierarchy: sizes the stacks of traversals.
 inline constexpr int max_tree_depth = 72;
 
 }  // namespace csrbf

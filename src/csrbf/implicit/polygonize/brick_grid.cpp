@@ -6,7 +6,7 @@
 namespace csrbf::polygonization {
 namespace {
 
-// Two free bits after every one of the lowest 21 bits.
+// Inserts two zero bits after each of the lowest 21 bits.
 std::uint64_t spread_bits(std::uint64_t x) {
   x = (x | x << 32) & 0x001F00000000FFFFU;
   x = (x | x << 16) & 0x001F0000FF0000FFU;
@@ -80,7 +80,7 @@ std::vector<Brick*> BrickGrid::sorted() const {
 }
 
 Brick& BrickGrid::add(std::uint64_t key, std::size_t slot, const Cell& coordinates) {
-  if (size_ % chunk_size == 0) chunks_.emplace_back(new Brick[chunk_size]);  // values stay unset until they are known
+  if (size_ % chunk_size == 0) chunks_.emplace_back(new Brick[chunk_size]);  // values are uninitialised until known
   Brick& brick = chunks_.back()[size_++ % chunk_size];
   brick.key = key;
   brick.first = brick_side * coordinates;

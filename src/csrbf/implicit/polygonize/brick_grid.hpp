@@ -20,11 +20,12 @@ inline Cell offset(int d) {
   return {d & 1, d >> 1 & 1, d >> 2 & 1};
 }
 
-/// Share of a cell edge that stays between a vertex and the ends of its edge, so that no two vertices coincide.
+/// Least distance of a vertex from the ends of its edge, as a share of the edge, so that no two vertices coincide.
+/// Chosen by hand; larger: misplaced vertices, smaller: thinner triangles.
 inline constexpr double edge_margin = 1e-3;
 
-/// A regular lattice of box-shaped cells. The outermost corners count as outside whatever the field says there, so that
-/// every surface closes within the lattice.
+/// A regular lattice of box-shaped cells. The outermost corners count as outside whatever the field's value there, so
+/// that every surface is closed within the lattice.
 struct CellLattice {
   Point<3> origin;   ///< position of corner (0, 0, 0)
   Point<3> spacing;  ///< edge lengths of a cell
@@ -33,23 +34,23 @@ struct CellLattice {
   [[nodiscard]] Point<3> position(const Cell& corner) const {
     return origin + spacing.cwiseProduct(corner.matrix().cast<double>());
   }
-  /// The box of the corners that are sampled, and a little more: the outer sides of the caps.
+  /// The box of the corners that are sampled, plus a small margin: the outer sides of the caps.
   [[nodiscard]] Box<3> capped_box() const {
     const Point<3> beyond = edge_margin * spacing;
     return {position(Cell::Ones()) - beyond, position(cells - 1) + beyond};
   }
   [[nodiscard]] bool on_boundary(const Cell& corner) const { return (corner <= 0).any() || (corner >= cells).any(); }
-  /// The cell that holds p, or the nearest one that does not touch the boundary.
+  /// The cell that contains p, or the nearest one that does not touch the boundary.
   [[nodiscard]] Cell cell_at(const Point<3>& p) const;
 };
 
-/// Largest number of cells along an axis.
+/// Largest number of cells along an axis: coordinates fit Morton keys of 3 x 21 bits.
 inline constexpr int max_cells = 1 << 20;
 
 /// Position of a cell or brick along a Morton curve; coordinates below 2^21.
 std::uint64_t morton_key(const Cell& cell);
 
-/// 4^3 corners and the 4^3 cells that have them as lowest corners. What a wave works with shares one cache line.
+/// 4^3 corners and the 4^3 cells that have them as lowest corners. The data used in a wave share one cache line.
 struct alignas(64) Brick {
   std::uint64_t key = 0;          ///< Morton key of the brick's coordinates
   Mask inside = 0;                ///< known corners with value >= 0
@@ -59,8 +60,8 @@ struct alignas(64) Brick {
   Mask pending = 0;               ///< cells of this wave
   Mask visited = 0;               ///< cells of earlier waves
   Mask active = 0;                ///< visited cells that the surface crosses
-  std::array<Brick*, 8> upper{};  ///< itself and the upper neighbours as far as they are known
-  std::array<Brick*, 3> lower{};  ///< lower face neighbours as far as they are known
+  std::array<Brick*, 8> upper{};  ///< itself and the upper neighbours, null if unknown
+  std::array<Brick*, 3> lower{};  ///< lower face neighbours, null if unknown
   Cell first = Cell::Zero();      ///< its lowest corner
   std::array<int, 8> vertex{};    ///< number of the first vertex on an edge in each direction
   Octet edges{};                  ///< crossed edges of active cells, by direction, at their lower corners
@@ -69,7 +70,7 @@ struct alignas(64) Brick {
   [[nodiscard]] Cell corner(int bit) const { return first + Cell(bit & 3, bit >> 2 & 3, bit >> 4); }
 };
 
-/// A corner as seen by the brick that holds it.
+/// A corner and the brick that holds it.
 struct CornerRef {
   const Brick& brick;
   int bit;
@@ -86,7 +87,7 @@ inline CornerRef corner_at(const Brick& brick, int bit, int d) {
   return {*brick.upper[(x >> 2) | (y >> 2) << 1 | (z >> 2) << 2], (x & 3) | (y & 3) << 2 | (z & 3) << 4};
 }
 
-/// The inside masks of a brick seen from the eight corners of its cells. Right for visited cells.
+/// The inside masks for the eight corners of the cells of a brick. Valid for visited cells.
 Octet inside_corners(const Brick& brick);
 
 /// The bricks near the surface, found by coordinates. Addresses never change. Not thread safe.
@@ -96,13 +97,13 @@ class BrickGrid {
 
   [[nodiscard]] const CellLattice& lattice() const { return lattice_; }
 
-  /// The brick that holds a corner or cell; null when there is none.
+  /// The brick that holds a corner or cell, or null.
   [[nodiscard]] Brick* find(const Cell& cell) const;
 
-  /// The same, made when there is none.
+  /// The same, created if necessary.
   Brick& at(const Cell& cell);
 
-  /// The neighbour at offset k in {0, 1}^3, or below along an axis, made when there is none.
+  /// The neighbour at offset k in {0, 1}^3, or below along an axis, created if necessary.
   Brick& upper(Brick& brick, int k);
   Brick& lower(Brick& brick, int axis);
 
@@ -119,7 +120,7 @@ class BrickGrid {
   Brick& add(std::uint64_t key, std::size_t slot, const Cell& coordinates);
   void grow();
 
-  static constexpr std::size_t chunk_size = 256;
+  static constexpr std::size_t chunk_size = 256;  // bricks allocated at a time
 
   CellLattice lattice_;
   std::vector<std::unique_ptr<Brick[]>> chunks_;

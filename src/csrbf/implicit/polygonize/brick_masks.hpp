@@ -42,8 +42,8 @@ constexpr Mask carried_down(Mask mask, int axis) {
   return (mask & first_layer(axis)) << (3 * bit_stride(axis));
 }
 
-/// Eight masks, numbered by an offset d: dx = d & 1, dy = d >> 1 & 1, dz = d >> 2 & 1. Either of a brick and its seven
-/// upper neighbours, or of one brick seen from each of the eight corners of its cells.
+/// Eight masks, numbered by an offset d: dx = d & 1, dy = d >> 1 & 1, dz = d >> 2 & 1. Either those of a brick and its
+/// seven upper neighbours, or those of one brick for each of the eight corners of its cells.
 using Octet = std::array<Mask, 8>;
 
 /// Adds to every set bit the next one along `axis`, over a brick and its upper neighbours.

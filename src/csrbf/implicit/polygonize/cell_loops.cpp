@@ -51,7 +51,7 @@ constexpr std::array<std::uint8_t, 256> ambiguous_faces_of_all() {
 
 constexpr std::array<std::uint8_t, 256> ambiguous_table = ambiguous_faces_of_all();
 
-// Successor of every crossed edge along the loops. Seen from outside the cell the segment on a face leads from an edge
+// Successor of every crossed edge along the loops. Seen from outside the cell, the segment on a face leads from an edge
 // where a walk around the face enters the solid to one where it leaves it, with the solid on the right.
 std::array<int, 12> successors(unsigned inside, unsigned joined) {
   std::array<int, 12> next;
@@ -60,7 +60,7 @@ std::array<int, 12> successors(unsigned inside, unsigned joined) {
     const Face& face = faces[f];
     for (int i = 0; i < 4; ++i) {
       if (is_inside(inside, face[i]) || !is_inside(inside, face[(i + 1) % 4])) continue;
-      // Two inside corners that are joined: around the outside corner before; otherwise to the first edge left by.
+      // If the two inside corners are joined: around the preceding outside corner; otherwise to the next exit edge.
       int leave = (i + 1) % 4;
       if (alternates(inside, face) && (joined >> f & 1)) leave = (i + 3) % 4;
       while (!is_inside(inside, face[leave]) || is_inside(inside, face[(leave + 1) % 4])) leave = (leave + 1) % 4;
@@ -70,7 +70,7 @@ std::array<int, 12> successors(unsigned inside, unsigned joined) {
   return next;
 }
 
-constexpr double tie = 1 + 1e-6;  // chords of symmetric loops differ by rounding only: the first wins
+constexpr double tie = 1 + 1e-6;  // ratio of chords that differ by rounding only, as in symmetric loops: the first wins
 
 using Cost = double;
 constexpr Cost forbidden = std::numeric_limits<Cost>::infinity();

@@ -23,7 +23,7 @@ struct CellLoop {
   int size = 0;                            ///< 3 ... 12
   std::array<std::uint8_t, 12> edges{};    ///< the edges it passes
   std::array<std::uint16_t, 12> chords{};  ///< bit j of entry i: corners i and j of the loop may be joined
-  bool triangulable = false;               ///< whether such chords triangulate it; if not it needs a vertex inside
+  bool triangulable = false;               ///< whether such chords triangulate it; otherwise it needs a vertex inside
 
   [[nodiscard]] int triangles() const { return triangulable ? size - 2 : size; }
 };
@@ -31,19 +31,20 @@ struct CellLoop {
 /// Faces (bit 2 axis + side) on which corners alternate between inside and outside. Bit c of `inside`: corner c.
 unsigned ambiguous_faces(unsigned inside);
 
-/// Those of the ambiguous faces on which the bilinear interpolant joins the two inside corners (the asymptotic decider,
-/// Nielson and Hamann 1991). Depends on the four values of a face only, bit for bit, whichever cell asks.
+/// The ambiguous faces on which the bilinear interpolant joins the two inside corners (the asymptotic decider, Nielson
+/// and Hamann 1991). Depends only on the four values of a face, bit for bit, so that both cells agree.
 unsigned joined_faces(unsigned inside, const std::array<double, 8>& value);
 
-/// The loops of a cell. Each face is cut by its own corner values only, so the loops of neighbouring cells fit.
+/// The loops of a cell. The cut of a face depends only on its own corner values, so the loops of neighbouring cells
+/// match.
 std::span<const CellLoop> cell_loops(unsigned inside, unsigned joined);
 
 /// Three corners of a loop.
 using LoopTriangle = std::array<std::uint8_t, 3>;
 
 /// Triangulates a triangulable loop through the given points by the permitted chords with the smallest sum of squared
-/// lengths; writes triangles() triangles. A chord is permitted when its ends are not on one face of the cell: such a
-/// chord could be the neighbour's as well, and the edge would have four triangles.
+/// lengths; writes triangles() triangles. A chord is permitted if its ends are not on one face of the cell: otherwise
+/// it could be a chord of the neighbour as well, and the edge would have four triangles.
 void triangulate(const CellLoop& loop, const std::array<Point<3>, 12>& points, std::array<LoopTriangle, 12>& triangles);
 
 }  // namespace csrbf::polygonization

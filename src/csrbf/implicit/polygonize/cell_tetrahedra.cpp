@@ -8,10 +8,10 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr Index bricks_per_range = 64;
-constexpr double tie = 1 + 1e-6;  // diagonals that differ by rounding only: the first wins
+constexpr Index bricks_per_range = 64;  // large enough to hide the cost of a task
+constexpr double tie = 1 + 1e-6;        // ratio within which diagonals differ by rounding only: the first wins
 
-// Corners of a cell, each the one before and a step along one more axis.
+// Corners of a cell, each one step along another axis from the one before.
 struct Tetrahedron {
   std::array<int, 4> corner;
   bool mirrored;  // left-handed

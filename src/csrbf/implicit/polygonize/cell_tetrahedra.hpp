@@ -5,8 +5,8 @@
 
 namespace csrbf::polygonization {
 
-/// Triangles of marching tetrahedra: every cell is cut into the six tetrahedra around its diagonal from corner 0 to
-/// corner 7, whose faces fit those of the neighbours. Edge vertices in all directions are numbered and in place.
+/// Triangles of marching tetrahedra: every cell is divided into the six tetrahedra around its diagonal from corner 0 to
+/// corner 7, whose faces match those of the neighbours. Edge vertices in all directions must be numbered and in place.
 /// Triangles follow the order of bricks, cells and tetrahedra.
 void march_tetrahedra(const std::vector<Brick*>& bricks, Mesh& mesh);
 

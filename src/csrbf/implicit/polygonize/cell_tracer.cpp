@@ -9,7 +9,7 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr Index bricks_per_range = 256;
+constexpr Index bricks_per_range = 256;  // large enough to hide the cost of a task
 
 int bit_of(const Cell& cell) {
   return (cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4;
@@ -176,8 +176,8 @@ std::vector<Brick*> CellTracer::finish(std::span<const int> directions) {
   return bricks;
 }
 
-// The surface has about as many cells as the faces of its bounding box; unknown in advance, so the estimate only tends
-// to the 0.8 at which the vertices take over.
+// The surface has about as many cells as the faces of its bounding box. The exact number is unknown in advance, so the
+// estimate only tends to the 0.8 at which the vertices take over.
 double CellTracer::fraction() const {
   const Eigen::Array3d n = grid_.lattice().cells.cast<double>();
   const double expected = 2 * (n[0] * n[1] + n[1] * n[2] + n[2] * n[0]);

@@ -19,30 +19,31 @@ struct Crossings {
 };
 
 /// Follows a surface from cell to cell, across the faces it crosses, in waves. Every corner of a visited cell is
-/// sampled once, the new corners of a wave in large batches along the Morton curve of the bricks. Time and memory
+/// sampled once, the new corners of a wave in large batches along the Morton curve of the bricks. Time and memory are
 /// proportional to the number of cells visited.
 class CellTracer {
  public:
   CellTracer(const CellLattice& lattice, LevelSampler& sampler) : grid_(lattice), sampler_(sampler) {}
 
-  /// Queues a cell that does not touch the lattice's boundary from outside: coordinates in [0, cells).
+  /// Queues a cell of the lattice: coordinates in [0, cells).
   void add(const Cell& cell);
 
-  /// Visits queued cells and all that is connected to those the surface crosses. Reports after every wave.
+  /// Visits queued cells and all those connected to them across faces that the surface crosses. Reports progress after
+  /// every wave.
   void run(const Progress& progress);
 
   /// Whether a cell was visited and is crossed by the surface.
   [[nodiscard]] bool active(const Cell& cell) const;
 
-  /// Marks the crossed edges of the active cells in the given directions, and makes known to each brick the neighbours
-  /// that hold the upper ends; nothing may be added afterwards. Returns all bricks along the curve.
+  /// Marks the crossed edges of the active cells in the given directions, and links each brick to the neighbours that
+  /// hold their upper ends; nothing may be added afterwards. Returns all bricks along the curve.
   std::vector<Brick*> finish(std::span<const int> directions);
 
   [[nodiscard]] Index active_cells() const { return active_cells_; }
   [[nodiscard]] Index waves() const { return waves_; }
 
  private:
-  static constexpr Index slice_bricks = 4096;  // of a batch
+  static constexpr Index slice_bricks = 4096;  // bricks whose corners are sampled at a time: bounds memory
 
   void queue(Brick& brick, Mask cells);
   void begin_wave();
@@ -57,7 +58,7 @@ class CellTracer {
   std::vector<Brick*> queue_;    // bricks with queued cells
   std::vector<Brick*> front_;    // bricks with pending cells
   std::vector<Brick*> sampled_;  // bricks with needed corners
-  Points<3> points_{3, 0};       // a batch, kept for its memory
+  Points<3> points_{3, 0};       // of a batch; a member to reuse its memory
   Index active_cells_ = 0;
   Index waves_ = 0;
 };

@@ -7,9 +7,9 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr Index bricks_per_range = 64;
+constexpr Index bricks_per_range = 64;  // large enough to hide the cost of a task
 
-// Writes the triangles of one brick and the centres of its loops from given columns on.
+// Writes the triangles of one brick and the centres of its loops, starting at given columns.
 class BrickFiller {
  public:
   BrickFiller(const Brick& brick, Mesh& mesh, Index triangle, Index center)

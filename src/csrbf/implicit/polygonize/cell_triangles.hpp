@@ -5,7 +5,7 @@
 
 namespace csrbf::polygonization {
 
-/// What the cells of the bricks before a brick contribute to the mesh.
+/// Number of triangles and centre vertices before each brick.
 struct TriangleOffsets {
   std::vector<Index> triangles;  ///< bricks + 1
   std::vector<Index> centers;    ///< bricks + 1
@@ -14,8 +14,8 @@ struct TriangleOffsets {
 /// Counts the triangles of every brick, and the loops that need a vertex inside their cell.
 TriangleOffsets count_triangles(const std::vector<Brick*>& bricks);
 
-/// Fills the triangles of the mesh, whose edge vertices are in place, in the order of bricks and cells. Loops that need
-/// one get a vertex at the mean of their vertices; these follow after `edge_vertices` in the same order.
+/// Fills the triangles of the mesh, whose edge vertices are in place, in the order of bricks and cells. Loops that are
+/// not triangulable get a vertex at the mean of their vertices; these follow `edge_vertices` in the same order.
 void fill_triangles(const std::vector<Brick*>& bricks, const TriangleOffsets& offsets, Index edge_vertices, Mesh& mesh);
 
 }  // namespace csrbf::polygonization

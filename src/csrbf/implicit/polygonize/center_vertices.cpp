@@ -5,10 +5,11 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr int newton_steps = 3;
-constexpr double range = 0.25;        // of the shortest side of a cell
-constexpr double short_step = 1e-3;   // of the same; what is left after such a step is its square
-constexpr double same_normal = 0.95;  // cosine
+// Chosen by hand.
+constexpr int newton_steps = 3;       // converges quadratically
+constexpr double range = 0.25;        // largest displacement, in shortest sides of a cell: keeps vertices in place
+constexpr double short_step = 1e-3;   // in the same unit; the error after such a step is about its square
+constexpr double same_normal = 0.95;  // cosine of 18 degrees: a normal that differs by less replaces the present one
 
 struct Moving {
   Index vertex;
@@ -17,7 +18,7 @@ struct Moving {
   double value;   // |f| there
 };
 
-// Takes in f and its gradient at a vertex and moves the vertex on. Returns whether it is to be looked at again.
+// Processes f and its gradient at a vertex and moves the vertex. Returns whether another step is needed.
 bool advance(Moving& moving, double f, const Point<3>& gradient, double cell, bool last, Mesh& mesh) {
   auto vertex = mesh.vertices.col(moving.vertex);
   if (!(std::abs(f) < moving.value)) {

@@ -9,13 +9,14 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr Index quads_per_range = 4096;
-constexpr double equal_distance = 1e-3;  // of the shorter diagonal
-constexpr double sliver = 0.05;          // twice the area over the square of the longest side
-constexpr int unfolding_rounds = 3;
-constexpr double tie = 1 + 1e-6;  // diagonals that differ by rounding only: the first wins
+constexpr Index quads_per_range = 4096;  // large enough to hide the cost of a task
+// Chosen by hand.
+constexpr double equal_distance = 1e-3;  // of the shorter diagonal: distances from the crossing that count as equal
+constexpr double sliver = 0.05;          // twice the area over the square of the longest side: below, normals are noise
+constexpr int unfolding_rounds = 3;      // the last one moves vertices all the way
+constexpr double tie = 1 + 1e-6;         // ratio within which diagonals differ by rounding only: the first wins
 
-// How well two triangles suit the crossing they are to pass through.
+// How well two triangles fit the crossing that they should pass through.
 struct Fit {
   int folded = 0;
   double squared_distance = std::numeric_limits<double>::infinity();
@@ -26,7 +27,7 @@ struct Fit {
   }
 };
 
-// Is the diagonal 0 2 better than 1 3?
+// Whether the diagonal 0 2 is better than 1 3.
 bool first_diagonal(const std::array<Point<3>, 4>& q, const Point<3>& crossing, const Point<3>& normal) {
   Fit first, second;
   first.add(crossing, normal, q[0], q[1], q[2]);
@@ -50,7 +51,7 @@ std::array<Eigen::Vector3i, 2> cut_quad(const Quads& quads, Index e, const Mesh&
   return {Eigen::Vector3i(v[0], v[1], v[3]), Eigen::Vector3i(v[1], v[2], v[3])};
 }
 
-// Does a triangle look inward, judged by the normals of its vertices? Slivers look anywhere.
+// Whether a triangle faces inward, judged by the normals of its vertices. Slivers do not count.
 bool is_folded(const Eigen::Vector3i& v, const Mesh& mesh) {
   const Point<3> a = mesh.vertices.col(v[0]), b = mesh.vertices.col(v[1]), c = mesh.vertices.col(v[2]);
   const Point<3> area = area_vector(a, b, c);
@@ -76,8 +77,8 @@ std::vector<char> folded_vertices(const DualSurface& surface, const Mesh& crossi
   return vertices;
 }
 
-// Triangulates a quad with vertices on its sides. Its corners next to such a vertex must not be joined: they are
-// elsewhere.
+// Triangulates a quad with vertices on its sides. The corners next to such a vertex must not be joined: another face
+// has that edge.
 void fill_polygon(const Quads& quads, std::span<const SideVertex> sides, Index extra, Mesh& mesh) {
   CellLoop polygon;
   std::array<int, 12> vertex;

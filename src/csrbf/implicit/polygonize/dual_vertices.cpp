@@ -10,20 +10,21 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr Index bricks_per_range = 32;
+constexpr Index bricks_per_range = 32;  // large enough to hide the cost of a task
 
-// In cells. Edges that run almost along a wall between cells are seen from both sides of it; held at the wall, vertices
-// miss them by up to 0.15 cells.
+// In cells; chosen by hand. Sharp edges that run almost along a wall between cells affect cells on both sides; confined
+// to their cells, vertices would miss them by up to 0.15 cells.
 constexpr double largest_overhang = 0.5;
 
-// Planes of an edge or a tip meet up to this, in cells; those of a rough surface do not.
+// Largest rms distance of a vertex from its planes at an edge or a tip, in cells; on rough surfaces it is larger.
+// Chosen by hand.
 constexpr double loose_fit = 0.005;
 
 int edge_number(const Brick& brick, int cell, const CellEdge& edge) {
   return edge_vertex(corner_at(brick, cell, edge.corner), 1 << edge.axis);
 }
 
-// Place of a cell around one of its edges, counter-clockwise seen from the upper end of the edge.
+// Position of a cell around one of its edges, counter-clockwise seen from the upper end of the edge.
 int place_around(const CellEdge& edge) {
   const int b = edge.corner >> (edge.axis + 1) % 3 & 1;
   const int c = edge.corner >> (edge.axis + 2) % 3 & 1;
@@ -145,7 +146,7 @@ class DualBuilder {
     for (Index i = 0; i < n; ++i) mesh_.vertices.col(surface_.loop_vertices + i) = points[static_cast<std::size_t>(i)];
   }
 
-  // When both cuts of the upper face along an axis lead to the same vertex, the second gets a vertex on the face.
+  // If both cuts of the upper face along an axis lead to the same vertex, the second gets a vertex on the face.
   void separate(const Brick& brick, int cell, const CellLoop& loop, int axis, std::vector<Point<3>>& points) {
     int neighbour = -1;
     for (int i = 0; i < loop.size; ++i) {

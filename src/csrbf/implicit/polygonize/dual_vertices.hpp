@@ -27,11 +27,11 @@ struct CellPlanes {
 struct DualSurface {
   Quads quads;
   std::vector<SideVertex> side_vertices;  ///< by quad and side
-  std::vector<char> loose;                ///< do the planes of a vertex in a cell miss each other?
+  std::vector<char> loose;                ///< whether the planes of a vertex in a cell do not meet in a point
   Index loop_vertices = 0;                ///< vertices in cells; those on faces follow
 };
 
-/// Where a vertex of a cube of cells may go: half a cell beyond it, but not beyond the caps.
+/// The box allowed for a vertex of a cube of cells: half a cell beyond it, but not beyond the caps.
 Box<3> room_for_vertices(const CellLattice& lattice, const Point<3>& corner, int cells);
 
 /// Numbers the loops of the cells in the order of bricks and cells, places a vertex in each where the sum of squared

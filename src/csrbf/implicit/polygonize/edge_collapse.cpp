@@ -9,8 +9,9 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr double steepest_turn = 0.17;  // cosine of the angle between a triangle before and after
-constexpr double needle = 0.1;          // twice the area over the square of the longest side
+// Chosen by hand.
+constexpr double steepest_turn = 0.17;  // cosine of 80 degrees: largest angle between a triangle before and after
+constexpr double needle = 0.1;          // roundness below which a triangle is a needle
 
 // Twice the area over the square of the longest side: sqrt(3) / 2 for equal sides, 0 for triangles without area.
 double roundness(const Point<3>& a, const Point<3>& b, const Point<3>& c) {

@@ -6,22 +6,22 @@
 
 namespace csrbf::polygonization {
 
-/// Shortens a closed manifold mesh by collapsing edges, one at a time. It stays a closed manifold with the same
-/// topology: an edge is collapsed only when its ends have no common neighbours but the two opposite it (the link
+/// Simplifies a closed manifold mesh by collapsing edges, one at a time. It remains a closed manifold with the same
+/// topology: an edge is collapsed only if its ends have no common neighbours but the two opposite it (the link
 /// condition; Dey, Edelsbrunner, Guha, Nekhayev 1999). O(valence) for each collapse.
 class EdgeCollapser {
  public:
   /// Holds a reference to the mesh, whose triangles change. Throws SolverFailure beyond 2^31 corners.
   explicit EdgeCollapser(Mesh& mesh);
 
-  /// Moves u to p and merges v into it. False, and nothing changes, when the topology would change, a triangle would
-  /// fold over by more than about 80 degrees or become a needle that was none.
+  /// Moves u to p and merges v into it. Returns false and changes nothing if the topology would change, or a triangle
+  /// would turn by more than about 80 degrees or become a needle.
   bool collapse(int u, int v, const Point<3>& p);
 
   /// Vertices joined to v by an edge, each once; empty for vertices that are gone. Valid until the next call.
   [[nodiscard]] const std::vector<int>& neighbours(int v);
 
-  /// Drops what is gone from the mesh; order stays. Returns the old number of each vertex left.
+  /// Removes collapsed vertices and triangles from the mesh; keeps the order. Returns the old number of each vertex.
   std::vector<int> finish();
 
  private:
@@ -38,7 +38,7 @@ class EdgeCollapser {
   std::vector<int> around_, around_u_, around_v_;
 };
 
-/// Collapses the edges shorter than `length`, as far as topology and shape allow.
+/// Collapses edges shorter than `length` where topology and shape allow it.
 void collapse_short_edges(double length, Mesh& mesh);
 
 }  // namespace csrbf::polygonization

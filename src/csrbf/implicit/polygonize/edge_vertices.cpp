@@ -7,10 +7,11 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr double step_tolerance = 1e-4;     // shares of an edge
-constexpr double longest_last_step = 0.05;  // the normal belongs to the point before the last step
-constexpr int most_evaluations = 12;
-constexpr Index bricks_per_range = 32;
+// Chosen by hand.
+constexpr double step_tolerance = 1e-4;     // of an edge; the error after a step of this length is far smaller
+constexpr double longest_last_step = 0.05;  // of an edge: the normal is that of the point before the last step
+constexpr int most_evaluations = 12;        // for each edge; most need one
+constexpr Index bricks_per_range = 32;      // large enough to hide the cost of a task
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
 // The root t of the field along one edge of unit length, with a bracket lo < t < hi.
@@ -25,7 +26,7 @@ struct EdgeRoot {
   double f_hi;
 };
 
-// Root of f + slope s + c s^2 between 0 and `end`, where the parabola takes the value f_end of the other sign.
+// Root of f + slope s + c s^2 between 0 and `end`, where the parabola has the value f_end of the opposite sign.
 double parabola_root(double f, double slope, double end, double f_end) {
   const double c = ((f_end - f) / end - slope) / end;
   const double root_of_discriminant = std::sqrt(std::max(0.0, slope * slope - 4 * c * f));
@@ -34,7 +35,7 @@ double parabola_root(double f, double slope, double end, double f_end) {
   return near * end >= 0 && std::abs(near) <= std::abs(end) ? near : q / c;
 }
 
-// Takes in the value and slope at t and moves t to the next estimate. Returns whether that is good enough.
+// Processes the value and slope at t and moves t to the next estimate. Returns whether it has converged.
 bool advance(EdgeRoot& root, double f, double slope, bool may_bisect) {
   const double width = root.hi - root.lo;
   if (!std::isfinite(slope)) {
@@ -129,7 +130,7 @@ class EdgeBlock {
       mesh_.normals.col(roots_[static_cast<std::size_t>(i)].vertex) = outward_normal(gradient_.col(i));
   }
 
-  // Vertices held back at the margin of their edge go the rest of the way along the gradient.
+  // Vertices clamped to the margin of their edge move onto the surface along the gradient.
   void settle_near_corners() {
     open_.clear();
     for (EdgeRoot& root : roots_)
@@ -187,7 +188,7 @@ void place_vertices_of_brick(const CellLattice& lattice, const Brick& brick, boo
   }
 }
 
-// The vertices of a brick follow each other: [first, last).
+// The vertices of a brick are consecutive: [first, last).
 Index first_vertex(const Brick& brick) {
   return brick.vertex[*std::begin(all_directions)];
 }

@@ -31,7 +31,7 @@ void LevelSampler::subtract_level(const PointsRef<3>& points, double* value) con
     if (std::isfinite(value[i])) continue;
     std::ostringstream message;
     message << "polygonize: the field is " << value[i] << " at (" << points(0, i) << ", " << points(1, i) << ", "
-            << points(2, i) << "): it must be finite near the surface; mend the field or shrink the bounds";
+            << points(2, i) << "): it must be finite near the surface; fix the field or shrink the bounds";
     throw SolverFailure(message.str());
   }
 }

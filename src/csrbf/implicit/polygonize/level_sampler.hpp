@@ -6,7 +6,7 @@
 
 namespace csrbf::polygonization {
 
-/// Samples a field minus a level, counts the samples and refuses values that are not finite. Thread safe.
+/// Samples a field minus a level, counts the samples and rejects values that are not finite. Thread safe.
 class LevelSampler {
  public:
   LevelSampler(const Field<3>& field, double level) : field_(field), level_(level) {}
@@ -15,7 +15,7 @@ class LevelSampler {
   /// not finite.
   [[nodiscard]] Eigen::VectorXd values(const PointsRef<3>& points);
 
-  /// Values and gradients at any number of points, on all threads. Gradients may be anything.
+  /// Values and gradients at any number of points, on all threads. Gradients are not checked.
   [[nodiscard]] Jet<3> jet(const PointsRef<3>& points);
 
   /// Fills a block of values, and gradients unless null, on the calling thread.

@@ -8,11 +8,11 @@
 namespace csrbf::polygonization {
 namespace {
 
-// Over a patch curved like a sphere, chords of its width are this many times further from it than the best point is
-// from its tangent planes, by the root mean square.
+// On a spherical patch, the distance of chords of its width from it over the root mean square distance of the best
+// point from its tangent planes.
 constexpr double chord_error = 4;
 
-constexpr int vertices_per_report = 1 << 15;
+constexpr int vertices_per_report = 1 << 15;  // between two progress reports
 
 class CellMerger {
  public:
@@ -41,7 +41,7 @@ class CellMerger {
     return ((planes_[u].cell / (1 << level)) == (planes_[v].cell / (1 << level))).all();
   }
 
-  // Merges the first vertex into u that will do.
+  // Merges the first suitable vertex into u.
   bool merge_one_into(int u, int level) {
     const std::vector<int> around = collapser_.neighbours(u);
     return std::any_of(around.begin(), around.end(), [&](int v) {

@@ -5,9 +5,10 @@
 namespace csrbf::polygonization {
 namespace {
 
+// Chosen by hand.
 constexpr double smallest_eigenvalue = 1e-3;  // of the largest: planes at less than 4 degrees count as one
-constexpr double pull_to_mean = 1e-3;         // weight of the mean where the box binds
-constexpr int sweeps = 64;
+constexpr double pull_to_mean = 1e-3;         // weight of the mean, in largest eigenvalues, where the box is active
+constexpr int sweeps = 64;                    // of coordinate descent; more: closer to the minimum, slower
 
 }  // namespace
 

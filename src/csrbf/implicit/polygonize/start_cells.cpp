@@ -5,9 +5,10 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr int newton_steps = 3;
-constexpr double largest_newton_step = 2;      // cells
-constexpr double converged_newton_step = 0.1;  // cells
+// Chosen by hand.
+constexpr int newton_steps = 3;                // for each seed: seeds are expected near the surface
+constexpr double largest_newton_step = 2;      // cells: keeps seeds on their component
+constexpr double converged_newton_step = 0.1;  // cells: the cell of the surface is then found
 constexpr int scan_steps = 266;                // 256 cells and the default margin around them
 constexpr int tile = 8;                        // scanned corners are sampled in tiles of this side
 
@@ -25,7 +26,7 @@ Points<3> one_per_cell(const CellLattice& lattice, const PointsRef<3>& seeds) {
   return points;
 }
 
-// One Newton step of every point along its gradient; keeps those that are not there yet in front of `points`.
+// One Newton step of every point along its gradient; moves those that have not converged to the front of `points`.
 Index project_once(const CellLattice& lattice, LevelSampler& sampler, Points<3>& points, Index moving) {
   const double cell = lattice.spacing.minCoeff();
   const Jet<3> jet = sampler.jet(points.leftCols(moving));
@@ -120,7 +121,7 @@ class Scan {
   std::vector<Crossing> found_;
 };
 
-// Halves the stretches that are longer than one edge. Returns whether there were any.
+// Bisects the stretches that are longer than one edge. Returns whether there were any.
 bool bisect(const CellLattice& lattice, LevelSampler& sampler, std::vector<Crossing>& crossings) {
   std::vector<Crossing*> open;
   for (Crossing& crossing : crossings)

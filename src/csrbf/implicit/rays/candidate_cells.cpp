@@ -7,16 +7,17 @@
 namespace csrbf {
 namespace {
 
-constexpr int block_side = 8;
+constexpr int block_side = 8;  // cells; empty blocks take no memory and are skipped
 constexpr int block_cells = block_side * block_side * block_side;
-constexpr int margin = 4;           // cells around the bounds of the field, as many as polygonize has
-constexpr int longest_stretch = 4;  // cells
-constexpr double estimate_factor = 2;
-constexpr double least_bend = 0.1;     // of an estimate, in units of the slope over a cell
-constexpr double doubt = 1.5;          // f may change by more in half a cell than its gradient at the centre says
-constexpr double cell_overlap = 1e-6;  // a zero on a wall, within rounding, belongs to the cells on both sides
+constexpr int margin = 4;  // cells around the bounds of the field, the default of polygonize
+// Chosen by hand.
+constexpr int longest_stretch = 4;     // cells that share bounds; longer: fewer steps, looser bounds
+constexpr double estimate_factor = 2;  // of estimated second derivatives over those found; larger: slower, safer
+constexpr double least_bend = 0.1;     // floor of an estimate, in units of the slope over a cell
+constexpr double safety_factor = 1.5;  // of the change of f in half a cell over the estimate from its gradient
+constexpr double cell_overlap = 1e-6;  // cells: a zero on a wall, within rounding, belongs to the cells on both sides
 
-// Distance along the ray to where it leaves a box, and whether it is ahead.
+// Distance along the ray to where it leaves a box.
 double exit_distance(const Ray& ray, const Box<3>& box) {
   double exit = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
@@ -27,7 +28,7 @@ double exit_distance(const Ray& ray, const Box<3>& box) {
   return exit;
 }
 
-// Where the ray enters a box; infinite when it misses it.
+// Distance along the ray to where it enters a box; infinite if it misses it.
 double entry_distance(const Ray& ray, const Box<3>& box) {
   double entry = 0;
   for (int k = 0; k < 3; ++k) {
@@ -52,10 +53,10 @@ CandidateCells::CandidateCells(const Field<3>& field, int resolution, const Mesh
   const double longest = bounds.extent().maxCoeff();
   require(longest > 0 && std::isfinite(longest), "raycast", "longest side of the field's bounds", longest,
           "must be positive and finite");
-  // Enclosures of larger cells are about as good: intervals of rays are divided anyway.
-  constexpr int enough = 64;
+  // Cells along the longest side: smaller ones would hardly help, since intervals of rays are subdivided anyway.
+  constexpr int largest_enclosed = 64;
   guaranteed_ = field.enclose(bounds).has_value();
-  side_ = longest / (guaranteed_ ? std::min(resolution, enough) : resolution);
+  side_ = longest / (guaranteed_ ? std::min(resolution, largest_enclosed) : resolution);
   origin_ = bounds.lo.array() - margin * side_;
   const Eigen::Array3i needed = (bounds.extent() / side_).array().ceil().cast<int>() + 2 * margin;
   cells_ = (needed + block_side - 1) / block_side * block_side;
@@ -108,7 +109,7 @@ void CandidateCells::mark(const Corner& corner, double slope, double bend) {
   cell->hessian_bound = std::max(cell->hessian_bound, rounded_up(bend));
 }
 
-// Divides the blocks that may hold a zero into octants down to the cells.
+// Subdivides the blocks that may contain a zero into octants down to the cells.
 void CandidateCells::collect_enclosed(const Field<3>& field, const Progress& progress) {
   const double overlap = cell_overlap * side_;
   std::vector<Corner> front;
@@ -146,7 +147,7 @@ double CandidateCells::collect_polygonized(const Field<3>& field, const Mesh& me
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     for (Index c = 0; c < 3; ++c) {
       const std::int32_t a = mesh.triangles(c, t), b = mesh.triangles((c + 1) % 3, t);
-      // Differences over much less than a cell are rounding.
+      // Differences over much less than a cell are dominated by rounding.
       const double length = std::max((mesh.vertices.col(a) - mesh.vertices.col(b)).norm(), 0.1 * side_);
       const double jump = (jet.gradient.col(a) - jet.gradient.col(b)).norm() / length;
       bend[a] = std::max(bend[a], jump);
@@ -188,7 +189,7 @@ Points<3> CandidateCells::centers_of(const std::vector<Corner>& cells) const {
   return centers;
 }
 
-// The cells next to these that no one has looked at yet.
+// The cells adjacent to these that have not been examined.
 std::vector<CandidateCells::Corner> CandidateCells::unseen_neighbors(const std::vector<Corner>& cells) {
   std::vector<Corner> neighbors;
   for (const Corner& cell : cells)
@@ -210,18 +211,18 @@ void CandidateCells::spread(const Field<3>& field, double typical_slope, const P
   while (!front.empty()) {
     report(progress, "cells", 0.5);
     std::vector<Corner> cells = unseen_neighbors(front);
-    // In the middle of a thin part f is small, whatever its slope there.
+    // In the middle of a thin part f is small, whatever its gradient there.
     const Jet<3> first = field.evaluate(centers_of(cells), Derivatives::gradient);
     std::vector<Corner> near;
     for (Index i = 0; i < first.value.size(); ++i) {
       const double slope = std::max(typical_slope, first.gradient.col(i).norm());
-      if (std::abs(first.value[i]) <= doubt * slope * reach) near.push_back(cells[static_cast<std::size_t>(i)]);
+      if (std::abs(first.value[i]) <= safety_factor * slope * reach) near.push_back(cells[static_cast<std::size_t>(i)]);
     }
     const Jet<3> jet = field.evaluate(centers_of(near), Derivatives::hessian);
     front.clear();
     for (Index i = 0; i < jet.value.size(); ++i) {
       const double slope = jet.gradient.col(i).norm(), bend = jet.hessian_matrix(i).norm();
-      if (std::abs(jet.value[i]) > doubt * (slope + 0.5 * bend * reach) * reach) continue;
+      if (std::abs(jet.value[i]) > safety_factor * (slope + 0.5 * bend * reach) * reach) continue;
       const double curved = estimate_factor * bend + least_bend * slope / side_;
       mark(near[static_cast<std::size_t>(i)], slope + curved * reach, curved);
       front.push_back(near[static_cast<std::size_t>(i)]);
@@ -239,8 +240,8 @@ bool CandidateCells::enter(const Ray& ray, Walk& walk) const {
   return true;
 }
 
-// Leaves the box of `cells` cells along each axis that holds the cell. Counts cells, so that a ray along a wall gets
-// on.
+// Leaves the box of `cells` cells along each axis that contains the cell. Always advances by whole cells, so that a ray
+// along a wall makes progress.
 void CandidateCells::step(const Ray& ray, int cells, Walk& walk) const {
   const Corner corner = walk.cell / cells * cells;
   const Box<3> box = box_of(corner, cells);

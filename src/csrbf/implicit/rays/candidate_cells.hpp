@@ -18,34 +18,34 @@ struct Stretch {
 
 /// The cells of a lattice that a surface f = 0 may cross, each with bounds of f's derivatives in it.
 ///
-/// The lattice has four cells around the field's bounds. For a field with enclosures these are all cells that they do
-/// not exclude (at most 64 along the longest side): no zero of f in the lattice is missed. For other fields they are
-/// the cells within one cell of a polygonization of the same cell size, and bounds are estimated: twice the largest
-/// derivatives of second order found at its vertices nearby, among them differences of gradients between neighbours,
-/// which see creases. From there they spread to the cells next to them that f and its derivatives at the centre do
-/// not exclude, which finds parts of the surface too thin for the polygonization.
+/// The lattice extends four cells beyond the field's bounds. For a field with enclosures, candidates are all cells that
+/// these do not exclude (at most 64 along the longest side): no zero of f in the lattice is missed. For other fields
+/// they are the cells within one cell of a polygonization of the same cell size, and bounds are estimated: twice the
+/// largest second derivatives at its nearby vertices, including differences of gradients between neighbours, which
+/// detect creases. From there candidates spread to adjacent cells that f and its derivatives at the centre do not
+/// exclude, which finds parts of the surface too thin for the polygonization.
 class CandidateCells {
  public:
   /// `resolution`: cells along the longest side of the field's bounds. `mesh`: a polygonization of the field with
-  /// `finer` times as many, for fields without enclosures. Progress: stage "cells". Throws InvalidInput when the field
+  /// `finer` times as many, for fields without enclosures. Progress: stage "cells". Throws InvalidInput if the field
   /// has no bounds; Cancelled.
   CandidateCells(const Field<3>& field, int resolution, const Mesh& mesh, const Progress& progress);
 
-  /// With this every point of the surface is within a cell of the cell of a vertex.
+  /// Chosen by hand so that every point of the surface is within one cell of the cell of a vertex.
   static constexpr double finer = 1.25;
 
-  /// Where a ray is on its way through the cells.
+  /// Position of a ray traversing the cells.
   struct Walk {
     bool started = false;
     double t = 0;         ///< distance along the ray ...
     Eigen::Array3i cell;  ///< ... where it enters this cell
   };
 
-  /// The next stretch of the ray that ends before t_max; false when there is none. Stretches are at most a few cells
-  /// long and follow each other.
+  /// The next stretch of the ray that ends before t_max; false if there is none. Stretches are consecutive and at most
+  /// a few cells long.
   [[nodiscard]] bool next(const Ray& ray, double t_max, Walk& walk, Stretch& stretch) const;
 
-  /// Do the bounds hold for certain?
+  /// Whether the bounds are guaranteed.
   [[nodiscard]] bool guaranteed() const { return guaranteed_; }
   /// Side of a cell.
   [[nodiscard]] double side() const { return side_; }
@@ -53,7 +53,8 @@ class CandidateCells {
   [[nodiscard]] Index size() const;
 
  private:
-  static constexpr float unseen = -1, excluded = -2;  // slopes of cells without surface; the latter were looked at
+  static constexpr float unseen = -1,
+                         excluded = -2;  // slopes that mark cells without surface; the latter were examined
   struct Cell {
     float lipschitz = unseen, hessian_bound = 0;  // lipschitz < 0: no surface here
   };

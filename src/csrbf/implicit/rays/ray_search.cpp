@@ -3,10 +3,11 @@
 namespace csrbf {
 namespace {
 
-constexpr int most_newton_steps = 8;
-constexpr int most_steps = 80;
-constexpr double caution = 1.5;   // of bounds that are raised
-constexpr double checked = 1e-3;  // cells: nearer evaluations do not tell second derivatives
+// Chosen by hand.
+constexpr int most_newton_steps = 8;     // then bisection
+constexpr int most_steps = 80;           // of both: more than bisection of a double needs
+constexpr double raise_factor = 1.5;     // of a raised bound over the derivative found; larger: fewer revisions, slower
+constexpr double least_distance = 1e-3;  // cells: second derivatives from closer evaluations are rounding
 
 }  // namespace
 
@@ -62,17 +63,17 @@ void RaySearch::answer(double value, const Point<3>& gradient) {
   }
 }
 
-// Holds the bounds against an evaluation, and raises them if need be. False when what was concluded from them in this
-// stretch does not hold any more.
+// Checks the bounds against an evaluation, and raises them if necessary. False if conclusions in this stretch no longer
+// hold.
 bool RaySearch::bounds_hold(const Sample& sample) {
   const double h = std::abs(sample.t - last_.t);
-  if (h < checked * cells_->side()) return true;
+  if (h < least_distance * cells_->side()) return true;
   const double off_line = sample.value - last_.value - last_.slope * (sample.t - last_.t);
   const double bend = std::max(2 * std::abs(off_line) / h, std::abs(sample.slope - last_.slope)) / h;
   const double slope = std::max(std::abs(sample.value - last_.value) / h, std::abs(sample.slope));
-  constexpr double rounding = 1 + 1e-6;
-  if (bend > rounding * stretch_.hessian_bound) stretch_.hessian_bound = caution * bend;
-  if (slope > rounding * stretch_.lipschitz) stretch_.lipschitz = caution * slope;
+  constexpr double rounding = 1 + 1e-6;  // bounds exceeded by less hold
+  if (bend > rounding * stretch_.hessian_bound) stretch_.hessian_bound = raise_factor * bend;
+  if (slope > rounding * stretch_.lipschitz) stretch_.lipschitz = raise_factor * slope;
   return stretch_.hessian_bound <= allowed_.hessian_bound && stretch_.lipschitz <= allowed_.lipschitz;
 }
 
@@ -135,8 +136,8 @@ void RaySearch::refine(double value, double slope) {
   }
 }
 
-// No zero was found in the interval, where f has the sign of `value`. When that is not the sign it had before, there is
-// one nevertheless: at the end of an interval, within rounding, or where estimated bounds do not hold.
+// No zero was found in the interval, where f has the sign of `value`. If its sign was different before, there is one
+// nevertheless: at the end of an interval, within rounding, or where estimated bounds do not hold.
 void RaySearch::leave(double value) {
   const int sign = value > 0 ? 1 : -1;
   if (before_.sign == 0 || sign == before_.sign) {

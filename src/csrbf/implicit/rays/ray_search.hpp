@@ -8,14 +8,14 @@
 namespace csrbf {
 
 /// The search for the first zero of a field along a ray, one evaluation at a time, so that many rays can be evaluated
-/// together: while not done(), answer() with the value and the gradient at query().
+/// together: while not done(), call answer() with the value and the gradient at query().
 ///
-/// In an interval of half-length h around m, with |f''| <= G and |f'| <= L along the ray, there is no zero when |f(m)|
-/// > min(L h, |f'(m)| h + G h^2 / 2) (interval refinement; Mitchell 1990, with Taylor's formula as the inclusion), and
-/// f is monotone when |f'(m)| > G h (Kalra, Barr 1989). Otherwise the interval is halved, the near half first. In a
+/// In an interval of half-length h around m, with |f''| <= G and |f'| <= L along the ray, there is no zero if |f(m)| >
+/// min(L h, |f'(m)| h + G h^2 / 2) (interval refinement; Mitchell 1990, with Taylor's formula as the inclusion), and f
+/// is monotone if |f'(m)| > G h (Kalra, Barr 1989). Otherwise the interval is halved, the near half first. In a
 /// monotone interval the zero, if there is one, is bracketed and found by Newton's method. Intervals that cannot be
-/// divided any more hold a zero when f changes its sign. Estimated bounds are held against each evaluation and the
-/// one before; where they turn out too small they are raised, and what was concluded from them is concluded again.
+/// divided further contain a zero if f changes sign. Estimated bounds are checked against each evaluation and the
+/// previous one; if they are too small they are raised, and conclusions that they invalidate are revised.
 class RaySearch {
  public:
   /// `tolerance`: of the distance along the ray; > 0.
@@ -29,26 +29,26 @@ class RaySearch {
   [[nodiscard]] Point<3> query() const { return ray_.origin + t_ * ray_.direction; }
   void answer(double value, const Point<3>& gradient);
 
-  /// Once done: is there a zero, and where?
+  /// Once done: whether there is a zero, and where.
   [[nodiscard]] bool hit() const { return hit_; }
   [[nodiscard]] double t() const { return t_; }
-  /// The last gradient: that at the zero, but for the tolerance.
+  /// The last gradient: that at the zero, up to the tolerance.
   [[nodiscard]] const Point<3>& gradient() const { return gradient_; }
 
  private:
   enum class Step { isolate, refine, probe, done };
-  static constexpr int deepest = 64;  // halvings
+  static constexpr int deepest = 64;  // halvings, beyond the precision of a double
 
   // An evaluation on the ray.
   struct Sample {
     double t = 0, value = 0, slope = 0;
   };
-  // The sign of f at a place on the way; 0 = unknown.
+  // The sign of f at a point of the ray; 0 = unknown.
   struct Known {
     int sign = 0;
     double t = 0;
   };
-  // The largest bounds with which all conclusions in the stretch hold.
+  // The largest bounds for which all conclusions in the stretch hold.
   struct Allowed {
     double lipschitz = std::numeric_limits<double>::infinity(), hessian_bound = std::numeric_limits<double>::infinity();
   };
@@ -71,7 +71,7 @@ class RaySearch {
   Point<3> gradient_ = Point<3>::Zero();
   CandidateCells::Walk walk_;
   Stretch stretch_;
-  std::array<double, deepest> ends_;  // of the intervals that are left of the stretch, the next one last
+  std::array<double, deepest> ends_;  // of the remaining intervals of the stretch, the next one last
   int left_ = 0;
   double begin_ = 0, end_ = 0;  // the interval
   Known before_;                // the interval

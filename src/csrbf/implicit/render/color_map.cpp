@@ -6,7 +6,7 @@
 namespace csrbf {
 namespace {
 
-// Linear sRGB from Oklab (Ottosson 2020), where equal steps look equal: lightness, and chroma at a hue in radians.
+// Linear sRGB from Oklab (Ottosson 2020), a perceptually uniform space: lightness, and chroma at a hue in radians.
 LinearRgb from_oklab(float lightness, float chroma, float hue) {
   Eigen::Matrix3f to_cone_roots, to_rgb;
   to_cone_roots << 1.0F, 0.3963377774F, 0.2158037573F,  //
@@ -34,9 +34,10 @@ float srgb_from_linear(float linear) {
   return linear <= 0.0031308F ? 12.92F * linear : 1.055F * std::pow(linear, 1 / 2.4F) - 0.055F;
 }
 
+// Lightness, chroma and hue of both colour maps were chosen by hand within the sRGB gamut.
 LinearRgb sequential_color(double t) {
   const auto s = static_cast<float>(std::clamp(t, 0.0, 1.0));
-  const float chroma = 0.11F + 0.05F * s;  // as much as the gamut holds at the dark end and the green middle
+  const float chroma = 0.11F + 0.05F * s;  // as much as the gamut allows at the dark end and the green middle
   return from_oklab(0.30F + 0.62F * s, chroma, radians(275.0F - 170.0F * s));
 }
 

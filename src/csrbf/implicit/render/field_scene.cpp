@@ -6,7 +6,9 @@
 namespace csrbf {
 namespace {
 
-constexpr double clearance_in_cells = 0.1;  // more than polygonizations of smooth surfaces are off
+// Start of rays to the lights above the surface; larger than the error of polygonizations of smooth surfaces, so that
+// these cast no shadow on themselves. Chosen by hand; larger: contact shadows fade.
+constexpr double clearance_in_cells = 0.1;
 
 RenderOptions mesh_options(RenderOptions options) {
   options.shading = MeshShading::smooth;

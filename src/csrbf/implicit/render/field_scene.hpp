@@ -9,7 +9,7 @@ namespace csrbf {
 /// and curvature are those of the field; rays to the lights meet a polygonization. References the field.
 class FieldScene : public Scene {
  public:
-  /// Throws InvalidInput and SolverFailure as `render` and `polygonize` say.
+  /// Throws InvalidInput and SolverFailure: see `render` and `polygonize`.
   FieldScene(const Field<3>& field, const RenderOptions& options);
 
   [[nodiscard]] const Points<3>& outline() const override { return triangles_.outline(); }

@@ -13,13 +13,13 @@ namespace csrbf {
 /// makes the classes of smaller squares complement each other too.
 class LightPattern {
  public:
-  static constexpr int side = 8;
+  static constexpr int side = 8;  ///< samples; chosen by hand. Larger: less noise, wider blur
   static constexpr int classes = side * side;
 
   /// Local frame: z is the surface normal or the direction to the light.
   struct SkyRay {
     Point<3> direction;  ///< density proportional to the cosine with z
-    double reach;        ///< in [1/4, 1], fraction of the largest distance at which something keeps light away
+    double reach;        ///< in [1/4, 1], fraction of the largest distance at which surfaces occlude
   };
 
   /// Needs rays_per_sample >= 0.

@@ -7,7 +7,7 @@
 namespace csrbf {
 namespace {
 
-constexpr double crease_cosine = 0.766;  // 40 degrees
+constexpr double crease_cosine = 0.766;  // 40 degrees: normals are not averaged over sharper edges. Chosen by hand
 
 const Property* find_property(const Mesh& mesh, std::string_view name) {
   for (const Property& property : mesh.properties) {
@@ -37,7 +37,7 @@ MeshScene::MeshScene(const Mesh& mesh, const RenderOptions& options)
       clearance_(1e-6 * tree_.bounds().diagonal()),
       curvature_(find_curvature(mesh, options.color)) {
   require(tree_.bounds().diagonal() > 0, "render", "diagonal of the mesh", tree_.bounds().diagonal(),
-          "must be positive; all vertices are the same point");
+          "must be positive; all vertices coincide");
   require(mesh.normals.cols() == 0 || mesh.normals.cols() == mesh.vertices.cols(), "render", "number of vertex normals",
           mesh.normals.cols(), "must be 0 or the number of vertices");
   if (options.color == RenderColor::plain)
@@ -60,7 +60,7 @@ Point<3> MeshScene::area_of(Index triangle) const {
   return orientation_ * area_vector(corner(0), corner(1), corner(2));
 }
 
-// Is the volume enclosed by the triangles negative?
+// Whether the volume enclosed by the triangles is negative.
 bool MeshScene::inside_out() const {
   constexpr Index grain = 8192;
   const Index n = mesh_.triangles.cols();

@@ -10,7 +10,7 @@ namespace csrbf {
 /// The triangles of a mesh as a scene. References the mesh.
 class MeshScene : public Scene {
  public:
-  /// Throws InvalidInput as `render` says.
+  /// Throws InvalidInput: see `render`.
   MeshScene(const Mesh& mesh, const RenderOptions& options);
 
   [[nodiscard]] const Points<3>& outline() const override { return outline_; }
@@ -30,7 +30,7 @@ class MeshScene : public Scene {
   const Mesh& mesh_;
   TriangleTree tree_;
   MeshShading shading_;
-  double orientation_ = 1;  // -1 when the triangles of a closed mesh face inwards
+  double orientation_ = 1;  // -1 if the triangles of a closed mesh face inwards
   double clearance_;
   const Property* curvature_ = nullptr;
   std::array<const Property*, 3> rgb_{};

@@ -7,9 +7,10 @@
 namespace csrbf {
 namespace {
 
-constexpr double lamp_radius = 0.14;         // of the key light, as seen from the surface: a lamp of 16 degrees
-constexpr float cos_same_surface = 0.8F;     // neighbours share their light when their normals are this close ...
-constexpr double same_surface_pixels = 1.5;  // ... and they lie in the same plane up to so many pixels
+// Chosen by hand.
+constexpr double lamp_radius = 0.14;  // of the key light over its distance, 16 degrees across; larger: softer shadows
+constexpr float cos_same_surface = 0.8F;     // neighbours share light if their normals differ by up to 37 degrees ...
+constexpr double same_surface_pixels = 1.5;  // ... and they lie in the same plane up to this number of pixels
 
 enum class Seen : unsigned char { background, surface, ground };
 
@@ -26,7 +27,7 @@ struct Sample {
   LinearRgb color = LinearRgb::Zero();
 };
 
-// The light at a sample, and what tells whether a neighbour may share it. Small, because it is read 64 times.
+// The light at a sample, and the data that decide whether a neighbour may share it. Small, because it is read 64 times.
 struct Light {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  // from the centre of the box, in its diagonals
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -34,14 +35,14 @@ struct Light {
   Seen seen = Seen::background;
 };
 
-// May a sample share the light of `center`? Without a branch: the answer is unpredictable.
+// Whether a sample may share the light of `center`. Branchless: the answer is unpredictable.
 bool on_same_surface(const Light& light, const Light& center, float thickness) {
   const float off_plane = std::abs((light.position - center.position).dot(center.normal));
   const bool parallel = light.normal.dot(center.normal) >= cos_same_surface;
   return (light.seen == center.seen) & (off_plane <= thickness) & parallel;
 }
 
-// The samples of a tile and of the border that the average of the light reaches into.
+// The samples of a tile and of the border needed to average the light.
 class TileSamples {
  public:
   TileSamples(const Studio& studio, const Tile& tile)
@@ -87,8 +88,7 @@ class TileSamples {
   std::vector<Light> lights_;
 };
 
-// The samples of a pixel form a regular grid whose columns and rows are slanted against each other, so that edges close
-// to the horizontal and the vertical are smoothed best.
+// The samples of a pixel form a sheared regular grid, so that nearly horizontal and vertical edges are smoothed best.
 Ray TileSamples::ray_at(int column, int row) const {
   const int s = per_side_;
   const int x = x_begin_ + column, y = y_begin_ + row;
@@ -152,8 +152,8 @@ bool TileSamples::lamp_is_hidden(const Sample& sample, const Point<2>& lamp) con
   return studio_.scene.occluded({sample.shadow_origin, d}, std::numeric_limits<double>::infinity());
 }
 
-// Samples of one class send their rays in almost the same direction where the surface is smooth. Tracing those one
-// after the other finds most of the triangle tree they need in the cache.
+// Samples of one class send their rays in almost the same direction where the surface is smooth. Tracing them
+// consecutively keeps most of the part of the triangle tree they need in the cache.
 void TileSamples::gather_light() {
   if (studio_.pattern.rays_per_sample() == 0 || studio_.color.unlit()) return;
   for (int first_row = 0; first_row < LightPattern::side; ++first_row)
@@ -203,7 +203,7 @@ ReceivedLight TileSamples::average_light(int column, int row) const {
   return {open / count, lit / count};
 }
 
-// Mean of the samples as they are displayed: edges against a white background look smoother than with the mean of
+// Mean of the samples in display values: edges against a white background look smoother than with the mean of linear
 // light.
 Eigen::Vector3f TileSamples::pixel_color(int column, int row) const {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();

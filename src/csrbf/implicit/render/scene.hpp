@@ -9,14 +9,14 @@ namespace csrbf {
 
 /// Where a ray meets a surface.
 struct SurfaceHit {
-  double t = std::numeric_limits<double>::infinity();  ///< distance along the ray; infinite when it meets nothing
+  double t = std::numeric_limits<double>::infinity();  ///< distance along the ray; infinite if there is no hit
   Point<3> position = Point<3>::Zero();
   Point<3> shadow_origin = Point<3>::Zero();  ///< where rays to the lights start, clear of the surface
   Point<3> normal = Point<3>::UnitZ();        ///< outward, for shading
   Point<3> facet = Point<3>::UnitZ();         ///< towards the ray's origin: rays to the lights stay above this plane
   bool inside = false;                        ///< seen from the inside
   LinearRgb color = LinearRgb::Ones();        ///< of the material
-  double curvature = 0;                       ///< when the picture shows one
+  double curvature = 0;                       ///< if the picture shows one
 
   [[nodiscard]] bool exists() const { return t < std::numeric_limits<double>::infinity(); }
 };
@@ -29,13 +29,13 @@ class Scene {
   Scene& operator=(const Scene&) = delete;
   virtual ~Scene() = default;
 
-  /// Points whose convex hull holds the surface.
+  /// Points whose convex hull contains the surface.
   [[nodiscard]] virtual const Points<3>& outline() const = 0;
 
   /// First hit of each ray.
   virtual void trace(std::span<const Ray> rays, std::span<SurfaceHit> hits) const = 0;
 
-  /// Does the ray meet the surface within distance t_max?
+  /// Whether the ray meets the surface within distance t_max.
   [[nodiscard]] virtual bool occluded(const Ray& ray, double t_max) const = 0;
 };
 

@@ -8,13 +8,14 @@ int rays_per_sample(const RenderOptions& options) {
   return (options.occlusion_rays + samples - 1) / samples;
 }
 
-// sRGB of light, clipped to what can be displayed.
+// sRGB of linear light, clipped to the displayable range.
 Eigen::Vector3f encoded(const LinearRgb& light) {
   return light.unaryExpr([](float c) { return srgb_from_linear(std::clamp(c, 0.0F, 1.0F)); });
 }
 
 }  // namespace
 
+// Directions and intensities of the lights here and below were chosen by eye.
 Studio::Studio(const Scene& shown, const RenderOptions& settings, const SurfaceColor& colors, const Camera& view,
                const Box<3>& surface_box)
     : scene(shown),

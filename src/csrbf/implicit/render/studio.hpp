@@ -6,14 +6,14 @@
 
 namespace csrbf {
 
-/// How much of the lights a point of a surface sees.
+/// How much light a point of a surface receives.
 struct ReceivedLight {
   float open = 1;  ///< part of the sky, weighted by the cosine with the normal
   float lit = 1;   ///< part of the key light
 };
 
-/// What a picture is taken of and with: scene, camera, colours and lights. A warm key light from the upper left of the
-/// camera, a weak cool one from the right, and a bright sky over a darker ground. The references must outlive it.
+/// Scene, camera, colours and lights of a picture. A warm key light from the upper left of the camera, a weak cool fill
+/// light from the right, and a bright sky over a darker ground. The references must outlive it.
 struct Studio {
   const Scene& scene;
   const RenderOptions& options;
@@ -25,17 +25,17 @@ struct Studio {
   Point<3> up;                  ///< unit vector
   Point<3> key_light;           ///< unit vector towards the light
   Point<3> fill_light;          ///< unit vector towards the light
-  double reach = 0;             ///< nothing further away hides the sky
+  double reach = 0;             ///< surfaces farther away do not occlude the sky
   double ground_level = 0;      ///< along `up`; -inf without ground
   Eigen::Vector3f background;   ///< sRGB
 
   Studio(const Scene& shown, const RenderOptions& settings, const SurfaceColor& colors, const Camera& view,
          const Box<3>& surface_box);
 
-  /// sRGB of the ground: the background where it sees all lights.
+  /// sRGB of the ground: the background where it receives all light.
   [[nodiscard]] Eigen::Vector3f ground_color(const ReceivedLight& light) const;
 
-  /// sRGB of a surface with that material colour, unit normal towards the viewer and unit vector to the viewer.
+  /// sRGB of a surface with the given material colour, unit normal towards the viewer and unit vector to the viewer.
   [[nodiscard]] Eigen::Vector3f surface_color(const LinearRgb& material, const Point<3>& normal,
                                               const Point<3>& to_viewer, const ReceivedLight& light) const;
 };

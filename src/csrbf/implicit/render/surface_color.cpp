@@ -8,10 +8,10 @@ SurfaceColor::SurfaceColor(const RenderOptions& options, double diagonal)
     : color_(options.color), diagonal_(diagonal), limit_(options.color_limit) {
   if (color_ != RenderColor::error) return;
   require(options.reference != nullptr, "render", "reference", "none",
-          "must be a mesh when the colour shows the error; set options.reference");
+          "must be a mesh if the colour shows the error; set options.reference");
   reference_.emplace(*options.reference);
   require(reference_->bounds().diagonal() > 0, "render", "diagonal of the reference", reference_->bounds().diagonal(),
-          "must be positive; all its vertices are the same point");
+          "must be positive; all its vertices coincide");
 }
 
 double SurfaceColor::value(const SurfaceHit& hit) const {
@@ -31,7 +31,7 @@ void SurfaceColor::set_scale(std::vector<double> visible_values) {
   if (limit_ > 0 || !has_scale()) return;
   for (double& value : visible_values) value = std::isfinite(value) ? std::abs(value) : 0.0;
   const double fraction = color_ == RenderColor::error ? 0.99 : 0.95;
-  // Below these a surface counts as flat, or as equal to the reference: no scale should blow rounding up.
+  // Below these a surface counts as flat, or as equal to the reference, so that the scale does not amplify rounding.
   const double smallest = color_ == RenderColor::error ? 1e-7 : 1e-2;
   if (!visible_values.empty()) {
     const auto rank = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(visible_values.size() - 1));

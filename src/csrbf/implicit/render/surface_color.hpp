@@ -7,13 +7,13 @@
 
 namespace csrbf {
 
-/// Turns what a picture shows of a surface into colours.
+/// Maps the displayed quantity of a surface to colours.
 class SurfaceColor {
  public:
-  /// `diagonal`: of the box of the surface. Throws InvalidInput when the reference mesh is needed and missing.
+  /// `diagonal`: of the box of the surface. Throws InvalidInput if the reference mesh is needed and missing.
   SurfaceColor(const RenderOptions& options, double diagonal);
 
-  /// Does the colour depend on a colour scale?
+  /// Whether the colour depends on a colour scale.
   [[nodiscard]] bool has_scale() const { return color_ != RenderColor::plain && color_ != RenderColor::normal; }
 
   /// Value at a hit in units of the colour scale: curvature times a power of the diagonal, or the relative error.
@@ -24,7 +24,7 @@ class SurfaceColor {
 
   [[nodiscard]] LinearRgb operator()(const SurfaceHit& hit) const;
 
-  /// Is the colour shown as it is, without light?
+  /// Whether the colour is shown without lighting.
   [[nodiscard]] bool unlit() const { return color_ == RenderColor::normal; }
 
  private:

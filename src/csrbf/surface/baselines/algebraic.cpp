@@ -8,12 +8,13 @@
 namespace csrbf::baselines {
 namespace {
 
-constexpr int degree = 8;
-constexpr Index most_samples = 4000;
-constexpr double ridge = 1e-6;          // of the coefficients, relative
-constexpr double normal_weight = 0.01;  // in units of the box: gradients against values
+// Chosen by hand.
+constexpr int degree = 8;               // 165 coefficients; higher: more detail, less stable
+constexpr Index most_samples = 4000;    // fitted, evenly chosen: a dense least squares problem
+constexpr double ridge = 1e-6;          // of the coefficients, relative to the mean square of a column
+constexpr double normal_weight = 0.01;  // of gradients relative to values, coordinates in units of half the box
 
-// What the length of the gradient at a sample should be in the fit, with the monomials u there.
+// Target length of the gradient at a sample, from the monomials u there.
 enum class Length { one, sum_of_magnitudes, root_of_squares };
 
 double length(Length kind, const Eigen::RowVectorXd& u) {
@@ -21,7 +22,7 @@ double length(Length kind, const Eigen::RowVectorXd& u) {
   return kind == Length::root_of_squares ? u.norm() : 1;
 }
 
-// The polynomial with least squares of the rows, as a field. Coordinates are those of the cloud over half its diagonal.
+// The least-squares polynomial of the rows, as a field. Coordinates are those of the cloud over half its longest side.
 MethodFit solve(const Eigen::MatrixXd& rows, const Eigen::VectorXd& data, const PolynomialTail<3>& frame,
                 const Box<3>& box) {
   Eigen::MatrixXd A(rows.rows() + rows.cols(), rows.cols());
@@ -40,7 +41,7 @@ PolynomialTail<3> frame_of(const Box<3>& box) {
   return {degree, box.center(), 0.5 * box.extent().maxCoeff(), {}};
 }
 
-// Minimises sum (f / w)^2 + kappa |grad f / w + n|^2 over samples, w = length of the gradient wanted there.
+// Minimises sum (f / w)^2 + kappa |grad f / w + n|^2 over samples, w = target length of the gradient there.
 MethodFit gradient_fit(const PreparedCloud& cloud, Length kind) {
   const OrientedPoints& all = cloud.cloud;
   const Box<3> box = bounding_box<3>(all.points);

@@ -2,8 +2,8 @@
 
 #include "csrbf/surface/baselines/method_fit.hpp"
 
-/// Earlier methods that make implicit surfaces of points, each in its simplest honest form, to compare with. All work
-/// in the unit coordinates of the cloud and return f > 0 inside.
+/// Earlier methods that make implicit surfaces from points, each in its simplest faithful form, for comparison. All
+/// work in the unit coordinates of the cloud and return f > 0 inside.
 namespace csrbf::baselines {
 
 /// Signed distance to the tangent plane of the nearest sample (Hoppe et al. 1992).
@@ -18,7 +18,7 @@ MethodFit morse(const PreparedCloud& cloud, const MethodOptions& options);
 /// Triharmonic spline through the centres, 0, and offsets along their normals (Turk and O'Brien 2002).
 MethodFit turk_obrien(const PreparedCloud& cloud, const MethodOptions& options);
 
-/// Triharmonic spline that takes the values of a ball, the carrier, away at the centres (Savchenko et al. 1995).
+/// Carrier function, that of a ball, plus a triharmonic spline that cancels it at the centres (Savchenko et al. 1995).
 MethodFit savchenko(const PreparedCloud& cloud, const MethodOptions& options);
 
 /// Radial functions stretched along the surface where it is flat or has an edge (Dinh et al. 2001).

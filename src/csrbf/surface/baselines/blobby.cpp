@@ -12,17 +12,18 @@
 namespace csrbf::baselines {
 namespace {
 
-constexpr Index default_blobs = 100;
+// Chosen by hand; Muraki (1991) gives the form of the energy.
+constexpr Index default_blobs = 100;                           // time grows faster than their number
 constexpr Index samples_per_blob = 12, fewest_samples = 1000;  // that the blobs are fitted to
-constexpr double normal_weight = 0.02;  // of the squared errors of the normals, against those of the values
-constexpr double shrinking = 1e-5;      // default weight of the squared volume of the blobs
-constexpr double small_enough = 1e-5;   // energy at which no blob is split any more
-constexpr double least = 4e-4;          // of a blob: samples to which it adds less do not see it
-constexpr double apart = 1;             // where the halves of a blob start, in standard deviations of its samples
-constexpr Index together = 5;           // blobs that are improved at a time
-constexpr int most_evaluations = 20;    // of the energy for one improvement
-constexpr double growth = 1.4;          // of the number of blobs until all are improved again
-constexpr Index parameters = 5;         // of a blob: centre, log a, log b
+constexpr double normal_weight = 0.02;          // of the squared errors of the normals relative to those of the values
+constexpr double default_volume_weight = 1e-5;  // of the squared volume of the blobs, which keeps them from growing
+constexpr double target_energy = 1e-5;          // below, no further blob is split
+constexpr double least_value = 4e-4;            // of a blob, 1 being the threshold: samples with less are ignored
+constexpr double split_offset = 1;              // of the halves of a blob, in standard deviations of its samples
+constexpr Index active_blobs = 5;               // optimised at a time; more: slower steps, better minima
+constexpr int most_evaluations = 20;            // of the energy in one optimisation
+constexpr double sweep_growth = 1.4;            // of the number of blobs between two sweeps over all of them
+constexpr Index parameters = 5;                 // of a blob: centre, log a, log b
 
 // b exp(-a |x - center|^2).
 struct Blob {
@@ -43,7 +44,7 @@ Blob unpack(const Eigen::Ref<const Eigen::VectorXd>& x) {
   return {x.head<3>(), std::exp(x[3]), std::exp(x[4])};
 }
 
-// Value, then gradient. The columns of J, when wanted, are their derivatives by the parameters.
+// Value, then gradient. The columns of J, if requested, are their derivatives with respect to the parameters.
 Eigen::Vector4d evaluate(const Blob& blob, const Point<3>& x, Eigen::Matrix<double, 4, parameters>* J = nullptr) {
   const Point<3> d = x - blob.center;
   const double r2 = d.squaredNorm(), B = blob.value(x);
@@ -61,7 +62,7 @@ double length(const Eigen::Vector4d& f) {
   return std::max(f.tail<3>().norm(), std::numeric_limits<double>::min());
 }
 
-// The errors of the value and of the normal n of a sample where the sum has the value and gradient f.
+// The errors of value and normal at a sample with normal n, where the sum has the value and gradient f.
 Eigen::Vector4d errors_of(const Eigen::Vector4d& f, const Point<3>& n) {
   Eigen::Vector4d e;
   e << f[0], std::sqrt(normal_weight) * (n + f.tail<3>() / length(f));
@@ -76,8 +77,8 @@ struct Samples {
   }
 };
 
-// The energy as a sum of squares, for the solver: errors of some samples and the total volume, as functions of the
-// parameters of some blobs. The rest of the sum and of the volume is constant.
+// The energy as a sum of squares, for the solver: errors at some samples and the total volume, as functions of the
+// parameters of some blobs. The contributions of the others are constant.
 struct Errors : Eigen::DenseFunctor<double> {
   Samples samples;
   Eigen::Matrix4Xd rest;
@@ -139,7 +140,7 @@ struct Errors : Eigen::DenseFunctor<double> {
 // The blobs, and the value and gradient of their sum minus the threshold at the samples.
 class BlobFitter {
  public:
-  // One blob in the middle of the samples.
+  // One blob at the centroid of the samples.
   BlobFitter(Samples samples, double volume_weight) : samples_(std::move(samples)), volume_weight_(volume_weight) {
     Blob first;
     first.center = samples_.points.rowwise().mean();
@@ -160,7 +161,7 @@ class BlobFitter {
     return sum / static_cast<double>(count()) + volume_weight_ * std::pow(volume(), 2);
   }
 
-  // Splits the blob whose samples, those to which it adds most, have the largest sum of errors, along their longest
+  // Splits the blob whose samples (those where it is the largest) have the largest sum of errors, along their longest
   // axis.
   void split() {
     const std::vector<Index> own = worst_samples();
@@ -168,7 +169,7 @@ class BlobFitter {
     around.colwise() -= Point<3>(around.rowwise().mean());
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(around * around.transpose() /
                                                               static_cast<double>(own.size()));
-    const Point<3> step = apart * std::sqrt(std::max(0.0, axes.eigenvalues()[2])) * axes.eigenvectors().col(2);
+    const Point<3> step = split_offset * std::sqrt(std::max(0.0, axes.eigenvalues()[2])) * axes.eigenvectors().col(2);
     const Index worst = owner(own.front());
     Blob half = blobs_[static_cast<std::size_t>(worst)];
     half.b /= 2;
@@ -181,7 +182,7 @@ class BlobFitter {
     improve(nearest(worst));
   }
 
-  // Improves every blob together with those nearest to it.
+  // Optimises every blob together with those nearest to it.
   void sweep() {
     for (Index k = 0; k < static_cast<Index>(blobs_.size()); ++k) improve(nearest(k));
   }
@@ -204,7 +205,7 @@ class BlobFitter {
     return std::accumulate(blobs_.begin(), blobs_.end(), 0.0, [](double v, const Blob& b) { return v + b.volume(); });
   }
 
-  // The blob that adds most to a sample.
+  // The blob with the largest value at a sample.
   [[nodiscard]] Index owner(Index i) const {
     const auto most = std::max_element(blobs_.begin(), blobs_.end(), [&](const Blob& p, const Blob& q) {
       return p.value(samples_.points.col(i)) < q.value(samples_.points.col(i));
@@ -232,17 +233,17 @@ class BlobFitter {
     const Point<3> at = blobs_[static_cast<std::size_t>(k)].center;
     const auto distance = [&](Index j) { return (blobs_[static_cast<std::size_t>(j)].center - at).squaredNorm(); };
     std::sort(near.begin(), near.end(), [&](Index i, Index j) { return distance(i) < distance(j); });
-    near.resize(std::min<std::size_t>(together, near.size()));
+    near.resize(std::min<std::size_t>(active_blobs, near.size()));
     return near;
   }
 
-  // Minimises the energy over the parameters of some blobs, as seen by the samples that they reach; undone when the
-  // whole energy has not fallen.
+  // Minimises the energy over the parameters of some blobs at the samples that they reach; reverted if the total energy
+  // has not fallen.
   void improve(const std::vector<Index>& active) {
     std::vector<Index> ids;
     for (Index i = 0; i < count(); ++i)
       if (std::any_of(active.begin(), active.end(), [&](Index k) {
-            return blobs_[static_cast<std::size_t>(k)].value(samples_.points.col(i)) > least;
+            return blobs_[static_cast<std::size_t>(k)].value(samples_.points.col(i)) > least_value;
           }))
         ids.push_back(i);
     const double before = energy();
@@ -294,15 +295,15 @@ MethodFit blobby(const PreparedCloud& cloud, const MethodOptions& options) {
   const Index budget = options.centers > 0 ? options.centers : default_blobs;
   const Index count = std::min(cloud.cloud.size(), std::max(fewest_samples, samples_per_blob * budget));
   const std::vector<Index> kept = farthest_points<3>(cloud.cloud.points, count).indices;
-  const double smoothing = options.smoothing.value_or(shrinking);
+  const double smoothing = options.smoothing.value_or(default_volume_weight);
   BlobFitter fitter({cloud.cloud.points(Eigen::all, kept), cloud.cloud.normals(Eigen::all, kept)}, smoothing);
-  double next_sweep = growth;
-  for (Index size = 2; size <= budget && fitter.energy() > small_enough; ++size) {
+  double next_sweep = sweep_growth;
+  for (Index size = 2; size <= budget && fitter.energy() > target_energy; ++size) {
     report(options.progress, "fit", static_cast<double>(size) / static_cast<double>(budget));
     fitter.split();
     if (static_cast<double>(size) < next_sweep && size < budget) continue;
     fitter.sweep();
-    next_sweep = growth * static_cast<double>(size);
+    next_sweep = sweep_growth * static_cast<double>(size);
   }
   return finish(fitter.blobs(), bounding_box<3>(cloud.cloud.points), smoothing);
 }

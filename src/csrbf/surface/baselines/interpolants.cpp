@@ -11,14 +11,15 @@
 namespace csrbf::baselines {
 namespace {
 
-constexpr Index most_dense = 1000;      // default budgets of the methods with dense systems ...
-constexpr Index most_sparse = 3000;     // ... and with sparse ones
-constexpr double morse_support = 4;     // spacings of the centres: some 50 of them and their offsets in a support
-constexpr double carrier_radius = 0.5;  // diagonals: a ball that holds the cloud
-constexpr Index dinh_neighbors = 16;    // that tell the shape of the surface at a centre
-constexpr double least_stretch = 0.5;   // of a basis function across a flat part
+// Chosen by hand.
+constexpr Index most_dense = 1000;      // default number of centres for methods with dense systems ...
+constexpr Index most_sparse = 3000;     // ... and with sparse ones: a few seconds
+constexpr double morse_support = 4;     // spacings of the centres: a support has about 50 of them, and their offsets
+constexpr double carrier_radius = 0.5;  // diagonals: the ball around the cloud
+constexpr Index dinh_neighbors = 16;    // from which the shape of the surface at a centre is estimated
+constexpr double least_stretch = 0.5;   // least semi-axis of a basis function, across a flat part; 1 along the surface
 constexpr double dinh_length = 4;       // of the basis functions, in spacings of the centres
-constexpr double dinh_ridge = 1e-8;
+constexpr double dinh_ridge = 1e-8;     // default smoothing: keeps the dense system well conditioned
 
 Index budget(const MethodOptions& options, const PreparedCloud& cloud, Index most) {
   return std::min(options.centers > 0 ? options.centers : most, cloud.cloud.size());
@@ -34,8 +35,8 @@ InterpolateOptions triharmonic(const MethodOptions& options) {
       .kernel = "cubic", .smoothing = options.smoothing.value_or(0), .dense_limit = 6000, .progress = options.progress};
 }
 
-// Stretches space so that the basis function of a centre is a ball where its neighbours fill space, a disc where they
-// are on a plane, and a needle along an edge.
+// Transforms space so that the basis function of a centre is a ball where its neighbours fill space, a disc where they
+// lie on a plane, and a needle along an edge.
 Eigen::Matrix3d stretch(const Points<3>& around) {
   const Points<3> centered = around.colwise() - around.rowwise().mean();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(centered * centered.transpose());

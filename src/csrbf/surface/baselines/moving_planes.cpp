@@ -11,11 +11,12 @@
 namespace csrbf::baselines {
 namespace {
 
-constexpr double difference_step = 1e-3;  // spacings
-constexpr Index plane_neighbors = 12;     // of Hoppe's tangent planes
-constexpr std::size_t neighbors = 24;     // of the moving methods
-constexpr int projection_steps = 3;
-constexpr double projection_reach = 3;  // spacings
+// Chosen by hand.
+constexpr double difference_step = 1e-3;  // spacings, of finite differences: truncation against rounding
+constexpr Index plane_neighbors = 12;     // of Hoppe's tangent planes; more: smoother
+constexpr std::size_t neighbors = 24;     // of the moving methods; a quadratic polynomial has 6 coefficients
+constexpr int projection_steps = 3;       // of the fixed-point iteration for the foot of a point
+constexpr double projection_reach = 3;    // spacings from the samples within which points are projected
 
 double step(const PreparedCloud& cloud) {
   return difference_step * cloud.cloud.spacing.mean();
@@ -46,7 +47,7 @@ class Hoppe final : public ValueField, private Samples {
   }
 };
 
-// Neighbours of a point with weights that end at the farthest one.
+// Neighbours of a point with weights that vanish at the farthest one.
 struct Neighborhood {
   std::size_t count = 0;
   std::array<Index, neighbors> ids{};
@@ -80,7 +81,7 @@ class MovingPlanes : public ValueField, protected Samples {
     near.radius = std::sqrt(near.squared[near.count - 1]);
     double sum = 0;
     for (std::size_t k = 0; k < near.count; ++k) {
-      // Far from the surface all distances are alike: what counts is how much they exceed the smallest.
+      // Far from the surface all distances are similar, so weights depend on their excess over the smallest.
       const double t = (std::sqrt(near.squared[k]) - std::sqrt(near.squared[0])) /
                        (near.radius - std::sqrt(near.squared[0]) + 1e-300);
       near.weight[k] = (1 - t * t) * (1 - t * t);
@@ -99,7 +100,7 @@ class ProjectionMls final : public MovingPlanes {
   explicit ProjectionMls(const PreparedCloud& cloud)
       : MovingPlanes(cloud), reach_(projection_reach * cloud.cloud.spacing.mean()) {}
 
-  // Distance to h(u, v) over the plane at the mean of the neighbours of the foot of x, found step by step. Far from the
+  // Distance to h(u, v) over the plane at the mean of the neighbours of the foot of x, found iteratively. Far from the
   // samples, where there is no projection, distance to the moving plane.
   [[nodiscard]] double value(const Point<3>& x) const override {
     Neighborhood near = around(x);
@@ -116,7 +117,7 @@ class ProjectionMls final : public MovingPlanes {
   }
 
  private:
-  // Of the polynomial of degree 2 above the foot of x.
+  // Height of the quadratic polynomial above the foot of x.
   [[nodiscard]] double height(const Neighborhood& near, const Point<3>& x) const {
     const Point<3> u = near.normal.unitOrthogonal(), v = near.normal.cross(u);
     using Column = Eigen::Matrix<double, 6, 1>;

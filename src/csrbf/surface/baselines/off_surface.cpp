@@ -8,9 +8,10 @@
 namespace csrbf::baselines {
 namespace {
 
-constexpr double offset = 0.5;     // distances to the nearest other point kept
-constexpr double clearance = 0.7;  // a nearer sample is one of another sheet
-constexpr int most_halvings = 5;
+// Chosen by hand.
+constexpr double offset = 0.5;     // initial kappa over the distance to the nearest other point kept
+constexpr double clearance = 0.7;  // least distance of an offset from all samples, over kappa; 1 without other sheets
+constexpr int most_halvings = 5;   // of kappa
 
 std::vector<Index> keep(const PreparedCloud& cloud, Index count) {
   const Index n = cloud.cloud.size();

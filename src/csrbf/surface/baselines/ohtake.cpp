@@ -15,19 +15,20 @@
 namespace csrbf::baselines {
 namespace {
 
-constexpr double normal_weight = 0.1;     // of the quadrics
-constexpr double multilevel_support = 3;  // cells of the level
-constexpr int first_level = 2, most_levels = 9;
-constexpr double multilevel_ridge = 1e-8;
-constexpr double finest_cell = 2;       // spacings
-constexpr double relative_error = 0.1;  // spacings: what MPU and the adaptive method allow a quadric
-constexpr double mpu_reach = 0.75;      // of the diagonal of a cell
-constexpr std::size_t mpu_samples = 15;
-constexpr int mpu_depth = 10;
-constexpr double adaptive_overlap = 1.5;  // sum of weights at every sample
-constexpr double adaptive_growth = 1.25;
+constexpr double normal_weight = 0.1;     // of the quadrics, as in MedialAxisOptions
+constexpr double mpu_reach = 0.75;        // radius of a support over the diagonal of its cell (Ohtake et al. 2003)
+constexpr std::size_t mpu_samples = 15;   // least number in a support (Ohtake et al. 2003)
+constexpr double adaptive_overlap = 1.5;  // least sum of weights at every sample (Ohtake et al. 2004)
+// Chosen by hand.
+constexpr double multilevel_support = 3;         // cells of the level; larger: smoother, denser systems
+constexpr int first_level = 2, most_levels = 9;  // cells of 1/4 to 1/256 of the diagonal
+constexpr double multilevel_ridge = 1e-8;        // on the matrix of a level, whose diagonal is 1
+constexpr double finest_cell = 2;                // spacings: the last level has cells of at most this size
+constexpr double relative_error = 0.1;           // spacings: rms residual of a quadric in MPU and the adaptive method
+constexpr int mpu_depth = 10;                    // of the octree
+constexpr double adaptive_growth = 1.25;         // factor between supports tried
 
-// The samples of each cell of a grid replaced by their mean.
+// Replaces the samples of each cell of a grid by their mean.
 OrientedPoints cluster(const OrientedPoints& cloud, double cell) {
   std::map<std::array<Index, 3>, std::vector<Index>> cells;
   for (Index i = 0; i < cloud.size(); ++i) {
@@ -48,7 +49,7 @@ OrientedPoints cluster(const OrientedPoints& cloud, double cell) {
   return means;
 }
 
-// Adds the level that makes the sum 0 at the samples of `cloud`.
+// Adds a level so that the sum vanishes at the samples of `cloud`.
 void add_level(const OrientedPoints& cloud, double support, const Eigen::VectorXd& before, BallBuilder& balls) {
   const Index n = cloud.size();
   const KdTree<3> tree(cloud.points);
@@ -154,7 +155,7 @@ MethodFit adaptive(const PreparedCloud& cloud, const MethodOptions& options) {
   QuadricFitter fitter(samples, *cloud.tree, normal_weight);
   Eigen::VectorXd covered = Eigen::VectorXd::Zero(samples.size());
   BallBuilder balls;
-  // Coprime steps visit all samples in an order without neighbours.
+  // A step coprime to n, near the golden section, visits all samples without consecutive neighbours.
   Index step = std::max<Index>(1, static_cast<Index>(0.6180339887 * static_cast<double>(samples.size())));
   while (std::gcd(step, samples.size()) != 1) ++step;
   for (Index k = 0, i = 0; k < samples.size(); ++k, i = (i + step) % samples.size()) {
@@ -163,9 +164,9 @@ MethodFit adaptive(const PreparedCloud& cloud, const MethodOptions& options) {
     double support = 3 * spacing;
     QuadricFitter::Quadric quadric = fitter.fit(center, support);
     while (support < 0.5) {
-      const QuadricFitter::Quadric wider = fitter.fit(center, adaptive_growth * support);
+      const QuadricFitter::Quadric enlarged = fitter.fit(center, adaptive_growth * support);
       if (fitter.residual() > tolerance) break;
-      quadric = wider;
+      quadric = enlarged;
       support *= adaptive_growth;
     }
     fitter.fit(center, support);

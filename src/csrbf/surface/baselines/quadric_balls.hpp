@@ -5,8 +5,8 @@
 
 namespace csrbf::baselines {
 
-/// Sums over balls with quadrics (see BallTree): `constant` + sum phi g, or normalised sum phi g / sum phi and where no
-/// ball is the quadric of the nearest centre.
+/// Sums over balls with quadrics (see BallTree): `constant` + sum phi g, or normalised sum phi g / sum phi, which
+/// outside all balls is the quadric of the nearest centre.
 class QuadricBalls final : public Field<3> {
  public:
   struct Data {

@@ -10,11 +10,12 @@
 namespace csrbf::baselines {
 namespace {
 
-constexpr Index points_per_cell = 45;  // with their offsets
-constexpr double growth = 1.5;         // side of a support over that of its cell
-constexpr Index fewest = 60;           // samples in a support
+// Chosen by hand.
+constexpr Index points_per_cell = 45;  // including offsets; larger: fewer, larger dense systems
+constexpr double growth = 1.5;         // side of a support over that of its cell: the overlap
+constexpr Index fewest = 60;           // least number of samples in a local spline
 
-// Local splines on the supports of a cover, with the weights (1 - t^2)^4 of their axes.
+// Local splines on the supports of a cover, weighted by the product of (1 - t^2)^4 over the axes.
 class SplinePartition final : public Field<3> {
  public:
   SplinePartition(Cover<3> cover, std::vector<std::shared_ptr<const Expansion<3>>> splines)
@@ -44,7 +45,7 @@ Taylor<3> SplinePartition::weight(Index cell, const Point<3>& x) const {
   return product;
 }
 
-// Outside the box the function goes on with its value at the nearest point of the box.
+// Outside the box the function has its value at the nearest point of the box.
 void SplinePartition::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
   for (Index i = 0; i < x.cols(); ++i) {
     const Point<3> y = x.col(i).cwiseMax(cover_.box().lo).cwiseMin(cover_.box().hi);
@@ -80,7 +81,7 @@ MethodFit tobor(const PreparedCloud& cloud, const MethodOptions& options) {
       const Point<3> center = cover.cell(cell).center(), half = 0.5 * growth * cover.cell(cell).extent();
       Index count = fewest;
       std::vector<Index> ids;
-      // All samples in the support, found as the nearest ones that reach beyond its corners.
+      // All samples in the support: nearest ones until they reach beyond its corners.
       for (bool all = false; !all; count *= 2) {
         cover.nearest(center, count, half.norm(), search);
         all = count >= samples.size() || search.found.empty() || search.found.back().first > half.squaredNorm();

@@ -4,10 +4,10 @@
 
 namespace csrbf::baselines {
 
-/// A field known by its values only: derivatives are central differences.
+/// A field given by values only; derivatives are central differences.
 class ValueField : public Field<3> {
  public:
-  /// `step`: half the distance of the differences.
+  /// `step`: half the width of the differences.
   ValueField(const Box<3>& bounds, double step) : bounds_(bounds), step_(step) {}
 
   [[nodiscard]] virtual double value(const Point<3>& x) const = 0;

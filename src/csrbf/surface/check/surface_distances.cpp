@@ -8,7 +8,7 @@
 namespace csrbf {
 namespace {
 
-constexpr double smallest_slope = 0.1;  // of f near the surface, where it is about 1
+constexpr double smallest_slope = 0.1;  // floor of |grad f|, which is about 1 near the surface; chosen by hand
 
 }  // namespace
 

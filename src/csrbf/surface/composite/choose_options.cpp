@@ -10,17 +10,20 @@
 namespace csrbf {
 namespace {
 
-constexpr Index block_size = 96;  // samples predicted together
-constexpr Index around_block = 4 * block_size;
-constexpr Index blocks = 100;
-constexpr double thickest = 0.2;    // error against patch radius; smaller patches follow layers of the noise
-constexpr double confidence = 0.5;  // standard errors
-constexpr double margin = 0.1;      // of the error
-constexpr Index noisy_leaf = 12;    // best leaves at least this large are due to noise
-constexpr Index heat_stride = 4;    // one in so many blocks tells ...
-constexpr double hopeless = 1.3;    // ... which values are so many times worse than the best
+// Chosen by hand: more samples cost time in proportion and make the choice more reliable.
+constexpr Index block_size = 96;                // samples predicted together
+constexpr Index around_block = 4 * block_size;  // nearest samples of which a block takes those along the sheet
+constexpr Index blocks = 100;                   // some ten thousand samples in all
 
-// Halves of a block, and larger.
+// Chosen by hand.
+constexpr double thickest = 0.2;    // largest error over the patch radius; smaller patches follow layers of the noise
+constexpr double confidence = 0.5;  // standard errors by which a smoother choice may be worse under noise
+constexpr double margin = 0.1;      // relative: by which a closer fit may be worse without noise
+constexpr Index noisy_leaf = 12;    // the cloud is noisy if the best leaves have at least this many points
+constexpr Index screening_stride = 4;  // every fourth block screens the values of an option: ...
+constexpr double reject_ratio = 1.3;   // ... those whose error exceeds the least by this factor are not tried further
+
+// Values tried. Leaf sizes: repeated halves of a block, and larger ones.
 constexpr std::array<Index, 7> leaf_sizes = {6, 12, 24, 48, 96, 200, 350};
 constexpr std::array<double, 6> normal_weights = {3, 1, 0.3, 0.1, 0.03, 0.01};
 constexpr std::array<Index, 3> center_counts = {0, 16, 32};
@@ -40,34 +43,34 @@ class CrossValidation {
 
   [[nodiscard]] Index size() const { return static_cast<Index>(samples_.size()); }
 
-  // Mean errors and patch radii, by block.
+  // Mean errors and patch radii per block.
   struct Prediction {
     Eigen::ArrayXd error, radius;
 
-    // All infinite when the patches are hardly wider than the errors.
+    // All infinite if the errors are large compared with the patches.
     [[nodiscard]] Eigen::ArrayXd checked_errors() const {
       if (error.mean() <= thickest * radius.mean()) return error;
       return Eigen::ArrayXd::Constant(error.size(), std::numeric_limits<double>::infinity());
     }
   };
 
-  // Predicts every `heat_stride`-th block.
-  [[nodiscard]] Prediction heat(const CompositeOptions& options) const {
+  // Predicts every `screening_stride`-th block.
+  [[nodiscard]] Prediction screen(const CompositeOptions& options) const {
     std::vector<Index> chosen;
-    for (Index t = 0; t < count(); t += heat_stride) chosen.push_back(t);
+    for (Index t = 0; t < count(); t += screening_stride) chosen.push_back(t);
     return predict(options, chosen);
   }
 
-  // Predicts all blocks, given those of the heat.
-  [[nodiscard]] Prediction complete(const CompositeOptions& options, const Prediction& heat) const {
+  // Predicts all blocks, given those already screened.
+  [[nodiscard]] Prediction complete(const CompositeOptions& options, const Prediction& screened) const {
     std::vector<Index> others;
     for (Index t = 0; t < count(); ++t)
-      if (t % heat_stride != 0) others.push_back(t);
+      if (t % screening_stride != 0) others.push_back(t);
     const Prediction rest = predict(options, others);
     Prediction all{Eigen::ArrayXd(count()), Eigen::ArrayXd(count())};
-    const auto first = Eigen::seq(0, count() - 1, Eigen::fix<heat_stride>);
-    all.error(first) = heat.error;
-    all.radius(first) = heat.radius;
+    const auto first = Eigen::seq(0, count() - 1, Eigen::fix<screening_stride>);
+    all.error(first) = screened.error;
+    all.radius(first) = screened.radius;
     all.error(others) = rest.error;
     all.radius(others) = rest.radius;
     return all;
@@ -117,7 +120,7 @@ class CrossValidation {
     double error = 0, radius = 0, samples = 0;
   };
 
-  // A block is cut into leaves, or is the middle of a leaf.
+  // A block is split into leaves, or is the middle of a larger leaf.
   Sum predict(PatchFitter& fitter, Index leaf_size, Index begin, Index end) const {
     std::vector<Index> ids(samples_.begin() + begin, samples_.begin() + end);
     Sum sum;
@@ -145,8 +148,8 @@ class CrossValidation {
     add(fitter, fitter.fit(ids.data(), n), n, ids, sum);
   }
 
-  // Adds what the patch over a leaf of n samples, among them `ids`, does to these, and their share of what it does to
-  // samples of other sheets.
+  // Adds the errors of the patch over a leaf of n samples at `ids`, which are among them, and their share of its error
+  // at samples of other sheets.
   static void add(PatchFitter& fitter, const FittedPatch& patch, Index n, std::span<const Index> ids, Sum& sum) {
     std::vector<double> distance(ids.size());
     fitter.left_out_distances(patch, ids, distance.data());
@@ -161,9 +164,9 @@ class CrossValidation {
   std::vector<Index> samples_, begin_;
 };
 
-// How a choice among nearly equal ones is made, smoothest first. Noise asks for the first whose errors are within the
-// confidence of the best one's. Without noise the errors of left-out samples overstate those of the surface, which is
-// nearer to samples than these are to each other: the last within a margin of the best is taken.
+// Chooses among values, smoothest first. Under noise: the first whose errors do not differ significantly from the
+// least. Without noise the errors of left-out samples overstate those of the surface, which is closer to samples than
+// these are to each other: the last value within a margin of the best.
 std::size_t choose(const std::vector<Eigen::ArrayXd>& errors, bool noisy) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < errors.size(); ++i)
@@ -184,22 +187,22 @@ std::size_t choose(const std::vector<Eigen::ArrayXd>& errors, bool noisy) {
   return best;
 }
 
-// Tries each value of one option, smoothest first, and keeps the choice; returns its errors. Values that are much worse
-// than the best on a few blocks are not tried on the others.
+// Tries each value of one option, smoothest first, and sets the chosen one; returns its errors. Values that are much
+// worse than the best on a few blocks are not tried on the others.
 template <class Value, class Values>
 Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& options, Value CompositeSettings::*member,
                       const Values& values, bool noisy) {
-  Eigen::ArrayXd heat(static_cast<Index>(values.size()));
+  Eigen::ArrayXd screened(static_cast<Index>(values.size()));
   std::vector<CrossValidation::Prediction> predictions;
   for (std::size_t i = 0; i < values.size(); ++i) {
     options.*member = values[i];
-    predictions.push_back(validation.heat(options));
-    heat[static_cast<Index>(i)] = predictions.back().checked_errors().mean();
+    predictions.push_back(validation.screen(options));
+    screened[static_cast<Index>(i)] = predictions.back().checked_errors().mean();
   }
   std::vector<Eigen::ArrayXd> errors(values.size(),
                                      Eigen::ArrayXd::Constant(1, std::numeric_limits<double>::infinity()));
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!(heat[static_cast<Index>(i)] <= hopeless * heat.minCoeff())) continue;
+    if (!(screened[static_cast<Index>(i)] <= reject_ratio * screened.minCoeff())) continue;
     options.*member = values[i];
     errors[i] = validation.complete(options, predictions[i]).checked_errors();
   }
@@ -223,7 +226,7 @@ ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree,
   const CrossValidation validation(cloud, tree);
   if (validation.size() == 0) return result;
 
-  // Large leaves first, as long as a few of them make up a body.
+  // Large leaves first, provided a body has enough of them.
   const Index body = std::max(given.body_size.value_or(cloud.size()), leaves_of_body * leaf_sizes.front());
   std::vector<Index> sizes;
   for (auto size = leaf_sizes.rbegin(); size != leaf_sizes.rend(); ++size)

@@ -6,28 +6,31 @@
 
 namespace csrbf {
 
-/// Options of the composite fit and what speaks for them.
+/// Options of the composite fit and their cross-validation error.
 struct ChosenOptions {
   CompositeOptions options;
-  /// Mean distance of samples to the patches fitted without them; unit of the cloud.
+  /// Mean distance of samples from the patches fitted without them; unit of the cloud.
   double cross_validation_error = 0;
 };
 
-inline constexpr Index leaves_of_body = 20;  ///< least number of patches that make up a body
+/// Least number of patches of a body. Chosen by hand; larger: patches stay small beside thin bodies, smaller: less
+/// averaging of noise.
+inline constexpr Index leaves_of_body = 20;
 
-/// What is decided already.
+/// Options that are already fixed.
 struct GivenOptions {
   std::optional<double> smoothing;
   std::optional<Index> leaf_size;
   NormalRows normal_rows = NormalRows::gradient;
-  /// Samples of a body, where the cloud consists of several: patches are to be small beside it. Default: of the cloud.
+  /// Number of samples of a body if the cloud consists of several: patches must be small compared with it. Default:
+  /// the size of the cloud.
   std::optional<Index> body_size = {};
 };
 
 /// Chooses patch size, weight of the normals, number of CSRBF centres and smoothing by leave-one-out cross-validation
-/// of some ten thousand samples in blocks all over the cloud. Noise asks for large patches, detail for small ones; of
-/// choices that cannot be told apart the smoother one wins under noise, else the one closer to the samples. Time does
-/// not depend on n.
+/// of some ten thousand samples in blocks all over the cloud. Noise calls for large patches, detail for small ones;
+/// among choices that do not differ significantly the smoothest wins under noise, else the one closest to the samples.
+/// Time does not depend on n.
 ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree, const GivenOptions& given = {});
 
 /// The same with a tree of its own: O(n log n).

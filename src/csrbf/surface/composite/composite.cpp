@@ -11,11 +11,11 @@
 namespace csrbf {
 namespace {
 
-constexpr Index patches_per_task = 64;
-constexpr Index tasks_per_report = 64;
-constexpr Index most_reports = 32;
-constexpr Index scrap = 8;       // a leaf with fewer than 1 / scrap of the usual points is a scrap
-constexpr double covered = 0.1;  // sum of weights that makes a patch over a scrap superfluous
+constexpr Index patches_per_task = 64;  // large enough to hide the cost of a task
+constexpr Index tasks_per_report = 64;  // tasks between two progress reports at least: enough for many processes ...
+constexpr Index most_reports = 32;      // ... and progress reports of one fit at most
+constexpr Index fragment_ratio = 8;     // a leaf with less than this fraction, 1/8, of the usual points is a fragment
+constexpr double sufficient_weight = 0.1;  // sum of weights above which a fragment needs no patch; both chosen by hand
 
 // One leaf of the final partition with its patch.
 struct Leaf {
@@ -44,8 +44,7 @@ void unpack(std::vector<Leaf>& leaves, ByteReader& in) {
   }
 }
 
-// Fits leaves; halves them as long as a tolerance is missed. The smallest leaves then all but interpolate the
-// positions.
+// Fits leaves; halves them while a tolerance is missed. The smallest leaves then nearly interpolate the positions.
 class LeafFitter {
  public:
   LeafFitter(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
@@ -75,7 +74,7 @@ class LeafFitter {
     leaves.push_back({begin, end, fitter_.area_per_sample(), std::move(patch)});
   }
 
-  // The patch over a coverage gap: none where it misses a tolerance.
+  // The patch over a coverage gap, unless it misses a tolerance.
   std::optional<FittedPatch> cover(const CoverageGap& gap) {
     samples_around(cloud_, tree_, gap, around_);
     if (around_.empty()) return std::nullopt;
@@ -85,6 +84,7 @@ class LeafFitter {
   }
 
  private:
+  // The factor 1e-4 is chosen by hand: positions dominate, and the system stays regular.
   static CompositeOptions tight(CompositeOptions options) {
     options.normal_weight *= 1e-4;
     options.smoothing *= 1e-4;
@@ -109,32 +109,33 @@ void add(const FittedPatch& fitted, Patches& patches) {
   patches.add(fitted.patch, fitted.centers, fitted.alpha);
 }
 
-// Cuts at gaps leave scraps: stray samples beside a noisy sheet, or the tip of a thin feature. Only the latter, which
-// no other patch covers, get a patch of their own.
-void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, const std::vector<Leaf>& scraps,
+// Cuts at gaps leave fragments: stray samples beside a noisy sheet, or the tip of a thin feature. Only the latter,
+// which no other patch covers, get a patch of their own.
+void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, const std::vector<Leaf>& fragments,
                 Patches& patches) {
-  std::vector<char> needed(scraps.size());
+  std::vector<char> needed(fragments.size());
   const auto compute = [&](Index begin, Index end) {
     double W = 0;
     for (Index i = begin; i < end; ++i) {
-      const Leaf& leaf = scraps[static_cast<std::size_t>(i)];
+      const Leaf& leaf = fragments[static_cast<std::size_t>(i)];
       for (Index k = leaf.begin; k < leaf.end; ++k) {
         patches.weights(cloud.points.col(order[static_cast<std::size_t>(k)]), &W);
-        if (W < covered) needed[static_cast<std::size_t>(i)] = 1;
+        if (W < sufficient_weight) needed[static_cast<std::size_t>(i)] = 1;
       }
     }
   };
-  share_arrays("fit", static_cast<Index>(scraps.size()), patches_per_task, compute, {ResultArray::of(needed.data())});
-  for (std::size_t i = 0; i < scraps.size(); ++i)
-    if (needed[i] != 0) add(scraps[i].patch, patches);
+  share_arrays("fit", static_cast<Index>(fragments.size()), patches_per_task, compute,
+               {ResultArray::of(needed.data())});
+  for (std::size_t i = 0; i < fragments.size(); ++i)
+    if (needed[i] != 0) add(fragments[i].patch, patches);
 }
 
-// Leaves reported on together: enough of them that many processes get their share.
+// Leaves between two progress reports: enough of them to occupy many processes.
 Index batch_size(Index leaves) {
   return patches_per_task * std::max(tasks_per_report, leaves / (patches_per_task * most_reports));
 }
 
-// Fits `count` parts of the partition from part `first` on; leaves of each part.
+// Fits `count` parts of the partition from part `first` on; returns the leaves of each part.
 template <class MakeFitter>
 std::vector<std::vector<Leaf>> fit_leaves(Partition& parts, Index first, Index count, const CompositeOptions& options,
                                           const MakeFitter& make_fitter) {
@@ -204,7 +205,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   CompositeFit result;
   result.areas.resize(cloud.size());
   const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
-  std::vector<Leaf> scraps;
+  std::vector<Leaf> fragments;
   result.patches.reserve(parts.leaves(), options.centers_per_patch);
   const Index batch = batch_size(parts.leaves());
   for (Index done = 0; done < parts.leaves(); done += batch) {
@@ -215,18 +216,18 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
       for (Leaf& leaf : part) {
         for (Index k = leaf.begin; k < leaf.end; ++k)
           result.areas[parts.order[static_cast<std::size_t>(k)]] = leaf.area;
-        if (scrap * (leaf.end - leaf.begin) >= usual_leaf) {
+        if (fragment_ratio * (leaf.end - leaf.begin) >= usual_leaf) {
           add(leaf.patch, result.patches);
         } else {
-          scraps.push_back(std::move(leaf));
+          fragments.push_back(std::move(leaf));
         }
       }
     }
     report(progress, "fit", static_cast<double>(done + count) / static_cast<double>(parts.leaves()));
   }
   result.patches.build();
-  if (!scraps.empty()) {
-    add_needed(cloud, parts.order, scraps, result.patches);
+  if (!fragments.empty()) {
+    add_needed(cloud, parts.order, fragments, result.patches);
     result.patches.build();
   }
   const std::vector<CoverageGap> bare = find_coverage_gaps(result.patches);

@@ -21,24 +21,24 @@ struct OrientedPoints {
 
 /// How a cloud is fitted: the settings, and what is given for its samples.
 struct CompositeOptions : CompositeSettings {
-  /// Candidates for CSRBF centres: indices into the cloud, sorted; empty = every point.
+  /// Candidates for CSRBF centres: indices into the cloud, sorted; empty: every point.
   std::vector<Index> centers = {};
   /// n, or empty. A leaf whose patch misses a sample in the inner part of its support by more than that sample's
   /// tolerance is halved, down to `smallest_leaf` points; unit of the cloud.
   Eigen::VectorXd tolerance = {};
 
-  static constexpr Index smallest_leaf = 3;
+  static constexpr Index smallest_leaf = 3;  ///< three points determine a plane
 };
 
 /// Patches over a cloud.
 struct CompositeFit {
   Patches patches;
-  /// n, the area each sample stands for, from the number of samples in the support of its patch.
+  /// n, the area each sample represents, from the number of samples in the support of its patch.
   Eigen::VectorXd areas;
 };
 
 /// Fits one patch per leaf of `cloud` (thesis 6.1): a quadric in local scaled coordinates, then a CSRBF
-/// residual, both by weighted least squares on positions (f = 0) and normals (grad f = -n). A patch sees only points
+/// residual, both by weighted least squares on positions (f = 0) and normals (grad f = -n). A patch uses only points
 /// whose normal is within 78 degrees of its own, so that it never joins two sheets. O(n).
 CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
                            const Progress& progress = {});

@@ -10,20 +10,22 @@ namespace {
 
 constexpr int lanes = PatchSums::lanes;
 
-// Patches are trusted where the sum of their weights is more than `enough`; far from the surface, where the mean m of
-// the local models in units of the radii leaves no doubt about the sign, 1 + certain m^2 times less will do ...
-constexpr double enough = 0.04;
-constexpr double certain = 20;
+// All chosen by hand. Patches are trusted where the sum of their weights exceeds `trusted_weight`; far from the
+// surface, where the mean m of the local models in units of the radii leaves no doubt about the sign, a sum smaller by
+// the factor 1 + mean_factor m^2 suffices ...
+constexpr double trusted_weight = 0.04;
+constexpr double mean_factor = 20;
 // ... and where the variance of the local models, in the same units, is below `agree`. Above `contradict` they are not
-// trusted at all.
+// trusted at all. Larger: thin parts may get spurious sheets; smaller: the winding number shows through on noisy data.
 constexpr double agree = 0.01;
 constexpr double contradict = 0.04;
-// What the patches leave open is completed by coarser ones where the winding number u = 2w - 1 is undecided.
+// Where the patches are not trusted, coarser ones complete the surface if |u|, u = 2w - 1 with the winding number w, is
+// below `undecided`, and the winding number gives the sign above `decided`.
 constexpr double undecided = 0.2;
 constexpr double decided = 0.45;
-constexpr double chunk_reach = 4;  // widest chunk, in units of the far value
+constexpr double chunk_reach = 4;  // diagonal of a chunk, in units of the far value; larger: more patches to search
 
-// A value with as many derivatives as are wanted.
+// A value with the derivatives requested.
 template <Derivatives derivatives>
 struct ScalarWith {
   using Type = Taylor<3, static_cast<int>(derivatives)>;
@@ -68,14 +70,14 @@ void store(const Scalar& f, int i, double scale, const JetBlock& out) {
       for (int d = c; d < 3; ++d, ++term) out.hessian[6 * i + term] = f.hessian(c, d) / scale;
 }
 
-// Sum over levels, each trusted with a share of what the finer ones left open.
+// Sum over levels, each weighted by a share of the weight that the finer ones left open.
 template <class Scalar>
 struct Cascade {
   Scalar sum = Scalar(0.0);
   Scalar open = Scalar(1.0);
 };
 
-// Points of a chunk that the finest patches alone do not decide.
+// Points of a chunk at which the finest patches alone are not trusted.
 struct Pending {
   Index count = 0;
   std::array<int, lanes> lane;
@@ -87,13 +89,13 @@ struct Pending {
   }
 };
 
-// How far one level is trusted at a point, in [0, 1].
+// Weight of one level at a point, in [0, 1].
 template <class Scalar>
 Scalar trust(const PatchSums& sums, int lane) {
   const Scalar W = load<Scalar>(sums.W, lane);
   if (value_of(W) <= 0) return Scalar(0.0);
   const Scalar mean = load<Scalar>(sums.A, lane) / W;
-  const Scalar covered = smooth_step((1 / enough) * W * (1.0 + certain * (mean * mean)));
+  const Scalar covered = smooth_step((1 / trusted_weight) * W * (1.0 + mean_factor * (mean * mean)));
   const Scalar variance = load<Scalar>(sums.Q, lane) / W - mean * mean;
   if (value_of(variance) >= contradict) return Scalar(0.0);
   if (value_of(variance) <= agree) return covered;
@@ -105,7 +107,7 @@ bool sure(const PatchSums& sums, int lane) {
   const double W = sums.W[0][lane];
   if (!(W > 0)) return false;
   const double mean = sums.A[0][lane] / W;
-  return W * (1 + certain * mean * mean) >= enough && sums.Q[0][lane] / W - mean * mean <= agree;
+  return W * (1 + mean_factor * mean * mean) >= trusted_weight && sums.Q[0][lane] / W - mean * mean <= agree;
 }
 
 // The blended model F = S / W of a level.
@@ -150,7 +152,7 @@ std::array<Scalar, lanes> winding(const WindingNumber& winding, const Pending& p
 
 // 1 where u is undecided, 0 where it is certain.
 template <class Scalar>
-Scalar consent(const Scalar& u) {
+Scalar ambiguity(const Scalar& u) {
   const double certainty = std::abs(value_of(u));
   if (certainty <= undecided) return Scalar(1.0);
   if (certainty >= decided) return Scalar(0.0);
@@ -168,20 +170,20 @@ void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane) {
   cascade.open = cascade.open * (1.0 - trusted);
 }
 
-// F = t f_0 + (1 - t) ( c C + (1 - c) far_value u ): the finest patches where they are sure (t), else the cascade C of
-// the coarser levels as far as the winding number consents (c), else the winding number.
+// F = t f_0 + (1 - t) ( c C + (1 - c) far_value u ): the finest patches where they are trusted (t), else the cascade C
+// of the coarser levels where the winding number is ambiguous (c), else the winding number.
 template <Derivatives derivatives>
 void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending, const JetBlock& out) {
   using Scalar = typename ScalarWith<derivatives>::Type;
   const std::array<Scalar, lanes> u = winding<Scalar>(data.winding, pending);
-  std::array<Scalar, lanes> agreed;
+  std::array<Scalar, lanes> ambiguous;
   std::array<Cascade<Scalar>, lanes> cascade;
   const auto count = static_cast<std::size_t>(pending.count);
-  for (std::size_t p = 0; p < count; ++p) agreed[p] = consent(u[p]);
+  for (std::size_t p = 0; p < count; ++p) ambiguous[p] = ambiguity(u[p]);
   for (std::size_t level = 1; level < data.levels.size(); ++level) {
     Pending asking;
     for (std::size_t p = 0; p < count; ++p)
-      if (value_of(agreed[p]) * value_of(cascade[p].open) > 0)
+      if (value_of(ambiguous[p]) * value_of(cascade[p].open) > 0)
         asking.add(static_cast<int>(p), pending.points.col(static_cast<Index>(p)));
     if (asking.count == 0) break;
     PatchSums sums;
@@ -193,7 +195,7 @@ void complete(const CompositeField::Data& data, const PatchSums& finest, const P
     Cascade<Scalar> sure;
     add_level(sure, finest, pending.lane[p]);
     const Scalar far = data.far_value * u[p];
-    const Scalar rest = agreed[p] * (cascade[p].sum + cascade[p].open * far) + (1.0 - agreed[p]) * far;
+    const Scalar rest = ambiguous[p] * (cascade[p].sum + cascade[p].open * far) + (1.0 - ambiguous[p]) * far;
     store(Scalar(sure.sum + sure.open * rest), pending.lane[p], data.scale, out);
   }
 }
@@ -223,8 +225,8 @@ Points<3> CompositeField::seeds() const {
   return seeds;
 }
 
-// Points of one chunk share the search for patches, so a chunk ends where the next point is more than a few patches
-// away from some of it.
+// Points of one chunk share the search for patches, so a chunk ends before the next point makes it wider than a few
+// patches.
 void CompositeField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
   const double widest = chunk_reach * data_.far_value;
   Points<3> y(3, lanes);

@@ -9,11 +9,11 @@
 
 namespace csrbf {
 
-/// The composite implicit surface: signed distance-like near the data, with the right sign everywhere.
+/// The composite implicit surface: close to a signed distance near the data, with the right sign everywhere.
 ///
-/// Fine patches decide near the data. Where they do not reach or contradict each other, coarser patches do (they close
-/// holes smoothly), but only where the winding number of the samples is undecided; elsewhere the winding number itself
-/// gives the sign. All transitions are C2, so value, gradient and Hessian are continuous.
+/// Fine patches decide near the data. Where they do not reach, or contradict each other, coarser patches take over and
+/// close holes smoothly, but only where the winding number of the samples is undecided; elsewhere the winding number
+/// itself gives the sign. All transitions are C2, so value, gradient and Hessian are continuous.
 class CompositeField final : public Field<3> {
  public:
   /// Works in unit coordinates y = (x - origin) / scale.
@@ -23,7 +23,7 @@ class CompositeField final : public Field<3> {
     std::vector<Patches> levels;  ///< finest first
     WindingNumber winding;
     double far_value = 0;     ///< |f| far from the data, unit coordinates
-    double feature_size = 0;  ///< length of the smallest, unit coordinates
+    double feature_size = 0;  ///< size of the smallest features, unit coordinates
     Box<3> bounds;            ///< of the data, in the user's coordinates
   };
 

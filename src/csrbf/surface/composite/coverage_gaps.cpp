@@ -8,11 +8,13 @@
 namespace csrbf {
 namespace {
 
-constexpr double around = 0.6;      // reach of a gap, in units of the radius of the patch beside it
-constexpr double wider = 1.4;       // reach if there are no samples beyond the gap
-constexpr double same_sheet = 0.5;  // cosine between normals
-constexpr double covered = 0.05;    // sum of weights; coarser patches interfere below 0.04 (composite_field.cpp)
-constexpr Index patches_per_task = 64;
+// Chosen by hand.
+constexpr double reach_factor = 0.6;    // search radius over patch radius; larger: smoother, smaller: fewer samples
+constexpr double extension = 1.4;       // factor on that radius for a second search if no sample lies beyond the gap
+constexpr double same_sheet = 0.5;      // cosine between normals: samples within 60 degrees are on one sheet
+constexpr double least_weight = 0.05;   // sum of weights, just above the 0.04 below which coarser patches interfere
+                                        // (composite_field.cpp)
+constexpr Index patches_per_task = 64;  // large enough to hide the cost of a task
 
 constexpr double diagonal = 0.7071067811865476;
 constexpr std::array<std::array<double, 2>, 8> directions = {{{1, 0},
@@ -43,8 +45,8 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
         probes.col(static_cast<Index>(d)) = patch.center + patch.radius * onward(d);
       patches.weights(probes, W.data());
       for (std::size_t d = 0; d < directions.size(); ++d)
-        if (W[d] < covered)
-          gaps.push_back({probes.col(static_cast<Index>(d)), axes.col(2), onward(d), around * patch.radius});
+        if (W[d] < least_weight)
+          gaps.push_back({probes.col(static_cast<Index>(d)), axes.col(2), onward(d), reach_factor * patch.radius});
     }
   };
   const auto pack = [&](Index begin, Index /*end*/, ByteWriter& out) {
@@ -73,7 +75,7 @@ void samples_around(const OrientedPoints& cloud, const KdTree<3>& tree, const Co
                     std::vector<Index>& ids) {
   const auto foreign = [&](Index i) { return cloud.normals.col(i).dot(gap.normal) < same_sheet; };
   const auto beyond = [&](Index i) { return (cloud.points.col(i) - gap.middle).dot(gap.onward) > 0; };
-  for (const double reach : {gap.reach, wider * gap.reach}) {
+  for (const double reach : {gap.reach, extension * gap.reach}) {
     tree.within(gap.middle, reach, ids);
     std::erase_if(ids, foreign);
     if (std::any_of(ids.begin(), ids.end(), beyond)) return;

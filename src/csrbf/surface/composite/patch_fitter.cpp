@@ -12,17 +12,18 @@
 namespace csrbf {
 namespace {
 
-constexpr double compatible_normals = 0.2;  // cosine: 78 degrees
-constexpr Index fewest_fit_points = 8;      // twice what a quadric needs
-constexpr double ridge_quadric = 1e-6;      // relative; makes a planar patch planar
+// Chosen by hand unless noted.
+constexpr double compatible_normals = 0.2;  // cosine of 78 degrees; larger: loses creases, smaller: joins thin sheets
+constexpr Index fewest_fit_points = 8;      // with their normals 32 conditions for the 10 coefficients of a quadric
+constexpr double ridge_quadric = 1e-6;      // relative to the weights; makes a planar patch planar
 constexpr double round_off = 1e-13;         // relative; keeps the normal matrices positive definite
-constexpr double inner = 0.65;              // squared radius where the blending weight is above 1 / 64
-constexpr double opposite_normals = -0.5;   // cosine
-constexpr double own_weights = 1;           // sum of the weights of a sample's own patches, about
-constexpr double smallest_freedom = 0.01;   // of a sample that decides its own prediction
-constexpr int newton_steps = 3;
-constexpr double flattest = 0.9;         // normal radius of a patch, in units of its radius
-constexpr double smallest_slope = 1e-3;  // of a model that ignores its normals
+constexpr double inner_weight_variable = 0.65;  // d^2 below which the blending weight (1 - d^2)^4 exceeds 1/64
+constexpr double opposite_normals = -0.5;       // cosine of 120 degrees: noise rarely turns normals that far
+constexpr double own_weight = 1;                // approximate sum of the weights of a sample's own patches
+constexpr double smallest_freedom = 0.01;  // floor of 1 - leverage, for a sample that determines its own prediction
+constexpr int newton_steps = 3;            // from the tangent plane to the surface of a patch
+constexpr double least_height = 0.9;       // least normal semi-axis of a patch over its radius; 1 at most
+constexpr double smallest_slope = 1e-3;    // floor of |grad f|, which is 1 for a model that follows its normals
 
 // Rows of the quadric at q: value, then the three derivatives.
 using QuadricRows = Eigen::Matrix<double, 4, 10>;
@@ -135,10 +136,12 @@ void PatchFitter::frame(const Index* ids, Index n, Patch& patch) const {
   patch.T.row(0) = first;
   patch.T.row(1) = normal.cross(first);
   patch.T.row(2) = normal;
+  // At least 1.3 times the extent of the leaf, so that its own samples have weight.
   patch.radius = std::max(std::sqrt(options_.overlap * area / std::numbers::pi), 1.3 * std::sqrt(reach2));
 }
 
-// Points of the support with compatible normals; the support grows until there are enough of them.
+// Points of the support with compatible normals. The support grows by 1.25 until there are enough of them, at most 12
+// times: 15-fold.
 void PatchFitter::gather(const Index* ids, Index n, Patch& patch) {
   const Point<3> normal = patch.T.row(2).transpose();
   const Index wanted = std::min<Index>(fewest_fit_points, cloud_.size());
@@ -155,7 +158,7 @@ void PatchFitter::gather(const Index* ids, Index n, Patch& patch) {
   area_per_sample_ = std::numbers::pi * patch.radius * patch.radius / static_cast<double>(support_.size());
   double height = 0;
   for (const Index i : support_) height = std::max(height, std::abs(normal.dot(cloud_.points.col(i) - patch.center)));
-  patch.flatness = 1.0 / std::clamp(1.5 * height / patch.radius, flattest, 1.0);
+  patch.flatness = 1.0 / std::clamp(1.5 * height / patch.radius, least_height, 1.0);
   patch.T /= patch.radius;
 }
 
@@ -173,10 +176,10 @@ void PatchFitter::thin() {
   support_.resize(kept);
 }
 
-// Samples of another sheet count too: there the patch spoils the blend by its distance from them.
+// Samples of another sheet count too: there the distance of the patch is an error of the blend.
 bool PatchFitter::within_tolerance(const FittedPatch& patch) const {
   const auto meets = [&](Index i) {
-    return weight_variable(patch.patch, cloud_.points.col(i)) >= inner ||
+    return weight_variable(patch.patch, cloud_.points.col(i)) >= inner_weight_variable ||
            patch.step_to_surface(cloud_.points.col(i)).norm() <= options_.tolerance[i];
   };
   return std::all_of(support_.begin(), support_.end(), meets) && std::all_of(foreign_.begin(), foreign_.end(), meets);
@@ -186,10 +189,10 @@ double PatchFitter::error_on_other_sheets(const FittedPatch& patch) const {
   const Point<3> normal = patch.patch.T.row(2).normalized();
   double sum = 0;
   for (const Index i : foreign_) {
-    if (cloud_.normals.col(i).dot(normal) > opposite_normals) continue;  // noise turns normals that far
+    if (cloud_.normals.col(i).dot(normal) > opposite_normals) continue;  // possibly the same sheet under noise
     const double weight = std::pow(std::max(0.0, 1 - weight_variable(patch.patch, cloud_.points.col(i))), 4);
     const double distance = std::min(patch.step_to_surface(cloud_.points.col(i)).norm(), patch.patch.radius);
-    sum += weight / (own_weights + weight) * distance;
+    sum += weight / (own_weight + weight) * distance;
   }
   return sum;
 }
@@ -220,13 +223,14 @@ void PatchFitter::localize(const Patch& patch) {
     target_.row(k) = -patch.radius * (patch.T * cloud_.normals.col(i));
     offset_[k] = 0.5 * cloud_.spacing[i] / patch.radius;
     const double s = std::max(0.0, 1 - q.squaredNorm());
-    weight_[k] = s * s + 1e-3;  // wider than the blending weight: the rim of the patch is used too
+    weight_[k] = s * s + 1e-3;  // wider than the blending weight, so that the rim of the patch is constrained too
   }
   root_w_ = weight_.cwiseSqrt();
   root_g_ = std::sqrt(options_.normal_weight) * root_w_;
 }
 
-// Spec 5.3: sum_k w_k ( g(q_k)^2 + rho |grad g(q_k) + n_k|^2 ) + mu |A|^2 over quadrics g(q) = q.A q + b.q + c.
+// Eqs. (6.3) to (6.6): sum_k w_k ( g(q_k)^2 + rho |grad g(q_k) + n_k|^2 ) + mu |A|^2 over quadrics g(q) = q.A q + b.q +
+// c.
 void PatchFitter::fit_quadric(Patch& patch) {
   const Index K = q_.rows();
   quadric_columns_.resize(4 * K, 11);
@@ -278,7 +282,7 @@ void PatchFitter::gradient_columns(const FittedPatch& result) {
   columns_.col(M).noalias() -= quadric_columns_.leftCols(10) * result.patch.quadric;
 }
 
-// The same with values beside the surface instead of gradients: the targets at q + side kappa n are -side kappa.
+// The same with off-surface values instead of gradients: the targets at q + side kappa n are -side kappa.
 void PatchFitter::off_surface_columns(const FittedPatch& result) {
   const Index K = q_.rows(), M = result.centers.cols();
   columns_.resize(3 * K, M + 1);

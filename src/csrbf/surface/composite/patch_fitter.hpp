@@ -17,12 +17,11 @@ struct FittedPatch {
   Points<3> centers{3, 0};   ///< local coordinates
   Eigen::VectorXd alpha{0};  ///< coefficients
 
-  /// The step -f grad f / |grad f|^2 from x to the surface of the patch, exact to first order, without regard to its
-  /// support.
+  /// The step -f grad f / |grad f|^2 from x to the surface of the patch, exact to first order; ignores the support.
   [[nodiscard]] Point<3> step_to_surface(const Point<3>& x) const;
 
-  /// Distance of x to the surface of the patch as found along the patch's normal from the middle of the patch: x itself
-  /// has no influence on where the surface is looked for.
+  /// Distance of x to the surface of the patch, searched along the patch's normal from its tangent plane: the search
+  /// does not start at x, so that x has no influence on which sheet is found.
   [[nodiscard]] double distance(const Point<3>& x) const;
 
   void pack(ByteWriter& out) const;
@@ -33,8 +32,8 @@ struct FittedPatch {
   [[nodiscard]] Eigen::Vector4d evaluate(const Point<3>& q) const;
 };
 
-/// Fits patches to leaves of a cloud (thesis 6.1.3 and 6.1.4). Keeps its work arrays from patch to
-/// patch: one fitter per thread. The cloud, its tree and the options must outlive it.
+/// Fits patches to leaves of a cloud (thesis 6.1.3 and 6.1.4). Reuses its work arrays: one fitter per thread. The
+/// cloud, its tree and the options must outlive it.
 class PatchFitter {
  public:
   PatchFitter(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options)
@@ -46,12 +45,12 @@ class PatchFitter {
   /// Whether the last patch meets the tolerance of every sample in the inner part of its support.
   [[nodiscard]] bool within_tolerance(const FittedPatch& patch) const;
 
-  /// How far the last patch draws samples of other sheets in its support off their places, summed over them: a blend of
-  /// it with patches of their own has its error by its share of the weights.
+  /// Error of the last patch at samples of other sheets in its support, summed over them: blended with their own
+  /// patches, it contributes its distance times its share of the weights.
   [[nodiscard]] double error_on_other_sheets(const FittedPatch& patch) const;
 
-  /// Distances of samples to the surface of the last patch, had it been fitted without them (without their positions:
-  /// their normals stay); off-surface rows do not count.
+  /// Distances of samples from the surface of the last patch as if it had been fitted without their positions (their
+  /// normals remain); ignores off-surface rows.
   void left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance);
 
   /// Area of the last patch divided by the number of its samples.

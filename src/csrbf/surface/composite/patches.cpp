@@ -9,8 +9,8 @@ namespace csrbf {
 namespace {
 
 constexpr int lanes = PatchSums::lanes;
-constexpr int width = 4;  // arrays are filled up to a multiple of this: their loops have no remainder
-constexpr int leaf_patches = 2;
+constexpr int width = 4;         // arrays are filled up to a multiple of this: their loops have no remainder
+constexpr int leaf_patches = 2;  // patches in a leaf of the hierarchy at most; chosen by hand
 
 constexpr int padded(int count) {
   return (count + width - 1) / width * width;

@@ -21,14 +21,14 @@ struct Patch {
   Eigen::Matrix<double, 10, 1> quadric;
 };
 
-/// What a set of patches says about a point: W = sum w, S = sum w f, A = sum w f / radius and Q = sum w (f / radius)^2
-/// with derivatives. F = S / W is the blended model; V = Q / W - (A / W)^2, the variance of the local models in units
-/// of their radii, tells how far they agree. Arrays hold `lanes` points each.
+/// Sums over patches at a point: W = sum w, S = sum w f, A = sum w f / radius and Q = sum w (f / radius)^2 with
+/// derivatives. F = S / W is the blended model; V = Q / W - (A / W)^2, the variance of the local models in units of
+/// their radii, measures their disagreement. Arrays hold `lanes` points each.
 struct PatchSums {
   static constexpr int lanes = 64;
   static constexpr int max_terms = 10;  ///< value, 3 first, 6 second derivatives
 
-  Derivatives derivatives = Derivatives::none;  ///< what was summed; further terms hold nothing
+  Derivatives derivatives = Derivatives::none;  ///< what was summed; other terms are undefined
   alignas(64) double W[max_terms][lanes];
   alignas(64) double S[max_terms][lanes];
   alignas(64) double A[max_terms][lanes];
@@ -38,12 +38,13 @@ struct PatchSums {
 /// Overlapping patches with a bounding volume hierarchy over their supports. Plain data: what a model file stores.
 class Patches {
  public:
-  /// Support radius of the radial basis functions, in units of the patch radius.
+  /// Support radius of the radial basis functions, in units of the patch radius. Chosen by hand: above 2, each function
+  /// covers the whole patch; larger values are smoother but worse conditioned.
   static constexpr double support = 2.5;
 
   Patches() = default;
 
-  /// Makes room for so many patches with so many centres each.
+  /// Reserves memory for patches with a number of centres each.
   void reserve(Index patches, Index centers_per_patch);
 
   /// Adds a patch with the CSRBF centres `centers` (3 x m, local coordinates) and coefficients `alpha` (m).

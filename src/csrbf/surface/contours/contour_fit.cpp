@@ -15,17 +15,18 @@
 namespace csrbf {
 namespace {
 
-constexpr Index fewest_points = 8;
-constexpr Index coarse_points = 400;  // contour points of the fits in which normals are found
-constexpr int coarse_fits = 5;        // they leave normals within about a degree of those that repeat themselves
-constexpr int fewest_fits = 2;        // ... of all points
-constexpr int most_fits = 4;          // ... as long as signs are wrong
-constexpr double least_slope = 0.05;  // cosine: a slope of zero says nothing about sides
-constexpr double rescue = 1e-9;       // largest lambda that may save a system from its roundings
-constexpr double exact = 1e-5;        // of the diagonal: contours that are met this well need no correction
-constexpr double level_support = 4;   // separation distances
-constexpr double across = 1.5;        // slice spacings that a correction reaches to either side
-constexpr int most_levels = 20;
+// Chosen by hand unless noted.
+constexpr Index fewest_points = 8;               // least number of contour points fitted
+constexpr Index coarse_points = 400;             // contour points of the fits that find the normals
+constexpr int coarse_fits = 5;                   // leaves normals within about a degree of the fixed point
+constexpr int fewest_fits = 2;                   // fits of all points: at least two, ...
+constexpr int most_fits = 4;                     // ... and at most four while signs are wrong
+constexpr double least_slope = 0.05;             // floor of the cosine: a slope of zero carries no sign
+constexpr double largest_regularization = 1e-9;  // lambda at most, added where rounding errors make a system indefinite
+constexpr double tolerance = 1e-5;               // of the diagonal: smaller residuals at contours are not corrected
+constexpr double level_support = 4;              // separation distances; larger: smoother corrections, denser systems
+constexpr double across = 1.5;   // slice spacings that a correction reaches to either side: past the next slice
+constexpr int most_levels = 20;  // each level halves the separation: 2^20 in all
 
 using Spline = std::shared_ptr<const Expansion<3>>;
 
@@ -34,8 +35,9 @@ Spline triharmonic(const Samples<3>& given, double lambda) {
   const PolynomialBlock<3> linear = polynomial_block<3>(samples.points, 1, RankDeficiency::reduce);
   const auto basis =
       std::make_shared<const RadialBasis<3>>(Kernel("cubic", 3), samples.points, Eigen::VectorXd::Constant(1, 1));
-  const SaddleSolution solution = solve_saddle(basis->dense_matrix(samples.points), linear.G, samples.values,
-                                               {.lambda = lambda, .leave_one_out = false, .largest_rescue = rescue});
+  const SaddleSolution solution =
+      solve_saddle(basis->dense_matrix(samples.points), linear.G, samples.values,
+                   {.lambda = lambda, .leave_one_out = false, .largest_rescue = largest_regularization});
   return std::make_shared<const Expansion<3>>(basis, solution.alpha.col(0), linear.tail(solution.pi.col(0)));
 }
 
@@ -58,7 +60,7 @@ Samples<3> conditions(const std::vector<ContourPoint>& points, const SignSamples
           {}};
 }
 
-// The share of the slice in the slope of the fit.
+// Sets slopes to the in-plane share of the gradient of the fit.
 void update_slopes(const Field<3>& field, std::vector<ContourPoint>& points) {
   Points<3> at(3, static_cast<Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) at.col(static_cast<Index>(i)) = points[i].position;
@@ -70,7 +72,7 @@ void update_slopes(const Field<3>& field, std::vector<ContourPoint>& points) {
   }
 }
 
-// One level of CSRBFs at the points that interpolates the residuals; supports reach across the gaps between slices.
+// One level of CSRBFs at the points that interpolates the residuals; supports reach across the spacing of the slices.
 Spline correction(const Points<3>& at, const Eigen::VectorXd& residual, double separation, const SliceStacks& stacks) {
   const double support = level_support * separation;
   RadialMetric<3> metric;
@@ -84,7 +86,7 @@ Spline correction(const Points<3>& at, const Eigen::VectorXd& residual, double s
   SparseCholesky solver;
   if (!solver.factorize(Eigen::SparseMatrix<double>(basis->matrix(at))))
     throw SolverFailure("reconstruct_contours: the correction at " + std::to_string(at.cols()) +
-                        " points cannot be found; merge points that are very close");
+                        " points has no numerical solution; merge points that are very close");
   return std::make_shared<const Expansion<3>>(basis, solver.solve(residual).col(0));
 }
 
@@ -142,7 +144,7 @@ class ContourFitter {
     const Points<3> all = points_(Eigen::all, used_)(Eigen::all, picks_.indices);
     const Index n = all.cols();
     Eigen::VectorXd residual = -smooth_->evaluate(all).value;
-    for (int level = 0; level < most_levels && residual.cwiseAbs().maxCoeff() > exact; ++level) {
+    for (int level = 0; level < most_levels && residual.cwiseAbs().maxCoeff() > tolerance; ++level) {
       report(options_.progress, "fit", 0.9);
       const double separation = 0.5 * picks_.radii[static_cast<std::size_t>(kept) - 1];
       const auto end =

@@ -9,13 +9,14 @@
 namespace csrbf {
 namespace {
 
-constexpr double offset_share = 0.5;  // of the spacing
-constexpr int most_halvings = 5;
-constexpr double probe = 0.1;      // of the distance to the neighbours: there the sides of a contour are told apart
-constexpr double clearance = 0.7;  // of twice the offset, at twice the offset: contours are that far away
-constexpr Index grain = 16;
+// Chosen by hand.
+constexpr double offset_share = 0.5;  // of the spacing: largest offset, and half length of the arc a normal comes from
+constexpr int most_halvings = 5;      // of the offset until it is clear of other contours
+constexpr double probe = 0.1;         // of the distance to the neighbours: where the two sides of a contour are sampled
+constexpr double clearance = 0.7;  // least depth at twice the offset, over twice the offset (1 on a straight contour)
+constexpr Index grain = 16;        // contour points per task
 
-// The nearest point along the loop, by steps of `step` from `at`, that is at least `distance` away.
+// The first point along the loop, in steps of `step` from `at`, that is at least `distance` away.
 Point<3> walk(const Points<3>& points, const ContourLoop& loop, Index at, Index step, double distance) {
   const auto n = static_cast<Index>(loop.size());
   const Point<3> start = points.col(loop[static_cast<std::size_t>(at)]);
@@ -27,14 +28,14 @@ Point<3> walk(const Points<3>& points, const ContourLoop& loop, Index at, Index 
   return p;
 }
 
-// Tangent of the circle, to first order, through a, p and b.
+// Tangent at p, to first order, of the circle through a, p and b.
 Point<3> tangent(const Point<3>& a, const Point<3>& p, const Point<3>& b) {
   const double before = (p - a).norm(), after = (b - p).norm();
   if (!(before > 0 && after > 0)) return b - a;
   return after / before * (p - a) + before / after * (b - p);
 }
 
-// The offset of most clearance inside, or else outside.
+// The largest offset with enough clearance, inside or else outside.
 double find_offset(const Slice& slice, const ContourPoint& p, double most) {
   for (const double sign : {1.0, -1.0}) {
     double offset = most;

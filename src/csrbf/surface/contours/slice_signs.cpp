@@ -8,14 +8,15 @@
 namespace csrbf {
 namespace {
 
-constexpr double parallel = 0.996;  // cosine of 5 degrees: slices of one stack
-constexpr double something = 0.05;  // of a spacing: contours further beyond an end than this close it themselves
-constexpr Index grid = 32;          // places along the longest side of the contours of a stack
-constexpr double margin = 0.1;      // of that side, on either side
-constexpr double clear = 1;         // grid steps from contours: nearer signs are those of the contours themselves
-constexpr double apart = 2;         // grid steps between samples
-constexpr std::size_t most_samples = 100;  // of a slice and call
-constexpr double share = 0.5;  // of the depth within the slice, and of the spacing: a depth in space is smaller
+// Chosen by hand.
+constexpr double parallel = 0.996;        // cosine of 5 degrees: slices of one stack
+constexpr double end_tolerance = 0.05;    // spacings: contours farther beyond an end than this close it themselves
+constexpr Index grid = 32;                // points along the longest side of the contours of a stack; more: slower
+constexpr double margin = 0.1;            // of that side, added on either side
+constexpr double clearance = 1;           // grid steps from contours: closer signs depend on the contours' own accuracy
+constexpr double separation = 2;          // grid steps between samples
+constexpr std::size_t max_samples = 100;  // of a slice and call: each adds an equation to a dense system
+constexpr double share = 0.5;  // of the depth within the slice, and of the spacing: the depth in space is smaller
 
 using Stack = std::vector<Index>;
 
@@ -37,7 +38,7 @@ std::vector<Stack> stacks_of(const std::vector<Slice>& slices) {
   return stacks;
 }
 
-// Everything that is drawn in a stack, in the plane of one of its slices.
+// Box of all contours of a stack, in the plane of one of its slices.
 Box<2> box_of(const std::vector<Slice>& slices, const Stack& stack, const Slice& seen_from) {
   Box<2> box;
   for (const Index s : stack)
@@ -48,7 +49,7 @@ Box<2> box_of(const std::vector<Slice>& slices, const Stack& stack, const Slice&
 
 bool nothing_beyond(const Points<3>& points, const Slice& slice, double shift) {
   const Eigen::VectorXd heights = (slice.normal().transpose() * (points.colwise() - slice.origin())).transpose();
-  return (shift > 0 ? heights.maxCoeff() : -heights.minCoeff()) < something * std::abs(shift);
+  return (shift > 0 ? heights.maxCoeff() : -heights.minCoeff()) < end_tolerance * std::abs(shift);
 }
 
 void add_stack(const Points<3>& points, const std::vector<Slice>& slices, const Stack& stack, SliceStacks& result) {
@@ -70,7 +71,7 @@ void add_stack(const Points<3>& points, const std::vector<Slice>& slices, const 
   }
 }
 
-// Places of the plane of a slice: a grid over the contours of the stack and a little more.
+// Points of the plane of a slice: a grid over the contours of the stack and a margin.
 Points<2> places_of(const StackedSlice& stacked) {
   const double side = stacked.box.extent().maxCoeff(), step = side / static_cast<double>(grid);
   const Box<2> box = stacked.box.inflated(margin * side);
@@ -82,17 +83,17 @@ Points<2> places_of(const StackedSlice& stacked) {
   return places;
 }
 
-// Places away from the contours where the sign is wrong, well spread, with about half a signed distance.
+// Well spread points away from the contours where the sign is wrong, with about half the signed distance.
 SignSamples wrong_signs(const Field<3>& field, const StackedSlice& stacked, const Slice& slice) {
   const double step = stacked.box.extent().maxCoeff() / static_cast<double>(grid), most = share * stacked.spacing;
   const Points<2> places = places_of(stacked);
   SignSamples wrong;
   for (const auto& q : places.colwise()) {
-    if (wrong.places.size() >= most_samples) break;
+    if (wrong.places.size() >= max_samples) break;
     const Point<3> p = slice.to_space(q);
     const double depth = slice.depth(q);
-    if (std::abs(depth) < clear * step || field(p) * depth > 0) continue;
-    const auto near = [&](const Point<3>& other) { return (p - other).norm() < 0.99 * apart * step; };
+    if (std::abs(depth) < clearance * step || field(p) * depth > 0) continue;
+    const auto near = [&](const Point<3>& other) { return (p - other).norm() < 0.99 * separation * step; };
     if (std::any_of(wrong.places.begin(), wrong.places.end(), near)) continue;
     wrong.places.push_back(p);
     wrong.values.push_back(std::clamp(share * depth, -most, most));

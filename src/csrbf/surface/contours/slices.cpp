@@ -13,15 +13,16 @@
 namespace csrbf {
 namespace {
 
-constexpr double same_plane = 1e-4;   // of the diagonal: closer slices are one
-constexpr double flat_enough = 0.02;  // of the contour's own size
-constexpr double wide_enough = 1e-6;  // of the contour's own size: less is a line
-constexpr double own_deviations =
-    3;  // rounding of coordinates tilts a plane; as far a contour may be off another one's
-constexpr std::size_t fewest_corners = 16;
-constexpr double straight = 0.02;     // radians: corners that turn less have no side
-constexpr double jagged_angle = 0.2;  // radians: mean turn of jagged contours ...
-constexpr double jagged_share = 0.5;  // ... of whose corners so many turn to the other side than the one before
+// Chosen by hand.
+constexpr double same_plane = 1e-4;      // of the diagonal: closer slices are merged
+constexpr double flatness = 0.02;        // largest deviation from a plane, of the contour's own size
+constexpr double least_width = 1e-6;     // of the contour's own size: less is a line
+constexpr double deviation_factor = 3;   // deviations of a contour from its own plane: distance from the plane of
+                                         // another one that it may lie in (rounding of coordinates tilts planes)
+constexpr std::size_t min_corners = 16;  // shorter contours are not examined for zigzag
+constexpr double straight = 0.02;        // radians: corners that turn less are ignored
+constexpr double jagged_angle = 0.2;     // radians: least mean turn of jagged contours; pixels turn by pi/2 or pi/4
+constexpr double jagged_share = 0.5;     // least share of their corners that turn to the other side than the one before
 constexpr const char* function = "reconstruct_contours";
 
 using Neighbors = std::vector<std::array<Index, 2>>;  // -1: none
@@ -47,7 +48,7 @@ Neighbors neighbors_of(const Polylines& contours) {
   return neighbors;
 }
 
-// The chain that leaves `start` over its neighbour `next`, up to its end or back to the start.
+// The chain from `start` via its neighbour `next`, up to its end or back to the start.
 ContourLoop chain(const Neighbors& neighbors, Index start, Index next, std::vector<bool>& seen) {
   ContourLoop loop{start};
   for (Index previous = start; next >= 0 && next != start;) {
@@ -63,7 +64,7 @@ std::string counted(Index count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? " was" : "s were");
 }
 
-// The plane through a contour that is nearest to its points.
+// The least-squares plane of a contour.
 struct Plane {
   Point<3> center, normal;
   Point<3> aside;        // the first of the points that are far from the centre
@@ -77,7 +78,7 @@ Plane fit_plane(const Points<3>& loop, Index number) {
   plane.size = centered.colwise().norm().maxCoeff();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(centered * centered.transpose());
   plane.normal = axes.eigenvectors().col(0);
-  // What only depends on the contour itself turns with it.
+  // The signs of the axes depend on the contour alone, so that results turn with it.
   Point<3> area = Point<3>::Zero();
   for (Index i = 0; i < loop.cols(); ++i) {
     const Point<3> p = centered.col(i), next = centered.col((i + 1) % loop.cols());
@@ -89,10 +90,10 @@ Plane fit_plane(const Points<3>& loop, Index number) {
   plane.aside = loop.col(first);
   plane.deviation = (plane.normal.transpose() * centered).cwiseAbs().maxCoeff();
   const double width = (axes.eigenvectors().col(1).transpose() * centered).cwiseAbs().maxCoeff();
-  require(width > wide_enough * plane.size, function, "contour", number + 1,
-          "its points are on a line; a contour must enclose an area");
-  require(plane.deviation <= flat_enough * plane.size, function, "contour", number + 1,
-          "is not flat; every contour must lie in a plane");
+  require(width > least_width * plane.size, function, "contour", number + 1,
+          "its points are collinear; a contour must enclose an area");
+  require(plane.deviation <= flatness * plane.size, function, "contour", number + 1,
+          "is not planar; every contour must lie in a plane");
   return plane;
 }
 
@@ -110,7 +111,7 @@ std::vector<ContourLoop> contour_loops(const Polylines& contours, std::vector<st
     ContourLoop loop = chain(neighbors, start, neighbors[i][0], seen);
     const auto& last = neighbors[static_cast<std::size_t>(loop.back())];
     if (loop.size() < 3 || (last[0] != start && last[1] != start)) {
-      // A chain with ends, entered in its middle or at an end.
+      // An open chain, entered in its middle or at an end.
       if (neighbors[i][1] >= 0) {
         ContourLoop other = chain(neighbors, start, neighbors[i][1], seen);
         loop.insert(loop.begin(), other.rbegin(), other.rend() - 1);
@@ -131,7 +132,7 @@ bool are_jagged(const Points<3>& points, const std::vector<ContourLoop>& loops) 
   double angles = 0, corners = 0, turns = 0, changes = 0;
   for (const ContourLoop& loop : loops) {
     const auto n = static_cast<Index>(loop.size());
-    if (loop.size() < fewest_corners) continue;
+    if (loop.size() < min_corners) continue;
     const Point<3> normal = fit_plane(points(Eigen::all, loop), 0).normal;
     double side = 0;
     for (Index i = 0; i < n; ++i) {
@@ -197,11 +198,11 @@ Slices gather_slices(const Points<3>& points, const std::vector<ContourLoop>& lo
     for (; s < result.slices.size(); ++s) {
       const double off =
           (result.slices[s].normal().transpose() * (loop.colwise() - result.slices[s].origin())).cwiseAbs().maxCoeff();
-      if (off <= std::max(tolerance[s], own_deviations * planes[l].deviation)) break;
+      if (off <= std::max(tolerance[s], deviation_factor * planes[l].deviation)) break;
     }
     if (s == result.slices.size()) {
       result.slices.emplace_back(planes[l].center, planes[l].normal, planes[l].aside);
-      tolerance.push_back(std::max(same_plane, own_deviations * planes[l].deviation));
+      tolerance.push_back(std::max(same_plane, deviation_factor * planes[l].deviation));
     }
     result.slices[s].add(std::move(loop));
     result.slice_of[l] = static_cast<Index>(s);

@@ -7,24 +7,23 @@
 
 namespace csrbf {
 
-/// A closed contour: the numbers of its vertices in order.
+/// A closed contour: the indices of its vertices in order.
 using ContourLoop = std::vector<Index>;
 
-/// The closed contours that the edges make, each starting at its smallest vertex. Chains with two ends are closed by a
-/// straight segment; contours that are shorter than three vertices are left out; both are told in `warnings`. Vertices
-/// without an edge do not matter. Throws InvalidInput for coordinates that are not finite, edges to vertices that there
-/// are not, and vertices with more than two edges.
+/// The closed contours formed by the edges, each starting at its smallest vertex. Chains with two ends are closed by a
+/// straight segment; contours with fewer than three vertices are left out; both are reported in `warnings`. Vertices
+/// without an edge are ignored. Throws InvalidInput for coordinates that are not finite, edges to vertices that do not
+/// exist, and vertices with more than two edges.
 std::vector<ContourLoop> contour_loops(const Polylines& contours, std::vector<std::string>& warnings);
 
-/// Are contours drawn in zigzag, as those traced from pixels: do they turn to the other side at most of their corners,
-/// and by more than a few degrees? Those of fewer than 16 points do not count.
+/// Whether contours zigzag, like those traced from pixels: they turn to alternating sides at most of their corners, and
+/// by more than a few degrees. Those of fewer than 16 points do not count.
 bool are_jagged(const Points<3>& points, const std::vector<ContourLoop>& loops);
 
-/// The contours of one plane. What they enclose is where an odd number of them is around a place, so that a contour
-/// within another one is a hole.
+/// The contours of one plane. Inside is determined by the even-odd rule: a contour within another one is a hole.
 class Slice {
  public:
-  /// `aside`: not on the normal through the origin; it fixes the plane's own coordinates.
+  /// `aside`: a point off the normal through the origin; it fixes the plane's own coordinates.
   Slice(const Point<3>& origin, const Point<3>& normal, const Point<3>& aside);
 
   void add(Points<3> loop);  ///< loop: at least three points in order
@@ -34,10 +33,10 @@ class Slice {
   [[nodiscard]] const Point<3>& normal() const { return normal_; }  ///< unit
   /// Distance to the plane, positive on the side of the normal.
   [[nodiscard]] double height(const Point<3>& p) const { return normal_.dot(p - origin_); }
-  /// The place in the plane, in the plane's own coordinates, that is nearest to p, and back.
+  /// The projection of p in the plane's own coordinates, and the inverse map.
   [[nodiscard]] Point<2> to_plane(const Point<3>& p) const { return axes_.transpose() * (p - origin_); }
   [[nodiscard]] Point<3> to_space(const Point<2>& q) const { return origin_ + axes_ * q; }
-  /// Distance within the plane to the contours: positive inside, negative outside. O(number of points).
+  /// Signed distance to the contours within the plane: positive inside. O(number of points).
   [[nodiscard]] double depth(const Point<2>& q) const;
   /// Box of the contours in the plane's own coordinates.
   [[nodiscard]] const Box<2>& box() const { return box_; }
@@ -50,14 +49,14 @@ class Slice {
   Box<2> box_;
 };
 
-/// Where each loop went.
+/// Slices, and the slice of each loop.
 struct Slices {
   std::vector<Slice> slices;
   std::vector<Index> slice_of;  ///< one for each loop
 };
 
-/// Gathers contours by the planes that they lie in, the largest first. `points` in a unit in which the diagonal of
-/// their box is 1. Throws InvalidInput for contours that are not flat, and for those whose points are all on a line.
+/// Groups contours by plane, the largest first. `points` in a unit in which the diagonal of their box is 1. Throws
+/// InvalidInput for contours that are not planar, and for those whose points are collinear.
 Slices gather_slices(const Points<3>& points, const std::vector<ContourLoop>& loops);
 
 }  // namespace csrbf

@@ -11,9 +11,9 @@ namespace {
 constexpr int lanes = BallSums::lanes;
 constexpr int terms = BallSums::terms;
 constexpr int rows = 14;          // centre, 1 / sigma^2, quadric
-constexpr double nowhere = 1e10;  // where the balls of empty slots are
+constexpr double nowhere = 1e10;  // coordinates of the balls in empty slots: no support reaches that far
 
-// Row k holds number k of all balls, `stride` apart.
+// Row k holds component k of all balls; rows are `stride` apart.
 struct BallArrays {
   const double* data;
   Index stride;
@@ -65,7 +65,7 @@ CSRBF_ALWAYS_INLINE void add_derivatives(const BallArrays& balls, Index begin, I
         sums.S[1 + c][l] += slope * d[c] * g + phi * gradient[c];
       }
       if constexpr (with_hessian) {
-        // (phi'' - phi'/r) / r^2 has a pole at r = 0 that d d^T takes away.
+        // (phi'' - phi'/r) / r^2 has a pole at r = 0 that d d^T cancels.
         const double bend = 60 * inverse2 * inverse2 * a2 / std::max(r, 1e-100);
         for (int c = 0, term = 4; c < 3; ++c)
           for (int e = c; e < 3; ++e, ++term) {

@@ -8,11 +8,11 @@
 
 namespace csrbf {
 
-/// W = sum phi and S = sum phi g over balls, with derivatives: value, gradient, upper triangle of the Hessian. In
-/// several lanes, to be added up.
+/// W = sum phi and S = sum phi g over balls, with derivatives: value, gradient, upper triangle of the Hessian. Kept as
+/// partial sums in SIMD lanes, which total() adds up.
 struct BallSums {
-  static constexpr int lanes = 8;
-  static constexpr int terms = 10;
+  static constexpr int lanes = 8;   ///< doubles in the widest SIMD registers (AVX-512)
+  static constexpr int terms = 10;  ///< value, 3 first, 6 second derivatives
 
   alignas(64) double W[terms][lanes];
   alignas(64) double S[terms][lanes];
@@ -32,7 +32,7 @@ class BallTree {
 
   BallTree(const PointsRef<3>& centers, const Eigen::VectorXd& supports, const Quadrics& quadrics);
 
-  /// Work space.
+  /// Workspace.
   using Runs = std::vector<SupportTree<3>::Run>;
 
   /// Sums over the balls at x.

@@ -11,13 +11,14 @@
 namespace csrbf {
 namespace {
 
-constexpr Index samples_per_center = 8, fewest_centers = 500, most_centers = 10000;  // of the default budget
-constexpr Index rows_per_center = 40;      // samples that the coefficients are fitted to, likewise
-constexpr double thinnest = 12;            // least support, in residuals of its quadric: wider ones average noise
-constexpr double growth = 1.4;             // of a support that is too small ...
-constexpr int most_growths = 6;            // ... at most so many times
+// Chosen by hand unless noted.
+constexpr Index samples_per_center = 8, fewest_centers = 500, most_centers = 10000;  // default number of centres
+constexpr Index rows_per_center = 40;  // samples per centre that the coefficients are fitted to; more: slower
+constexpr double thinnest = 12;        // least support, in rms residuals of its quadric: wider ones average out noise
+constexpr double growth = 1.4;         // factor on a support that is too small ...
+constexpr int most_growths = 6;        // ... applied at most this often: 7.5 in all
 constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between centres
-constexpr double far_spacings = 1.5;       // |f| where the winding number takes over
+constexpr double far_spacings = 1.5;       // spacings: |f| where the winding number takes over
 
 void check(const OrientedPoints& cloud, const MedialAxisOptions& options) {
   constexpr const char* function = "fit_medial_axis";
@@ -51,8 +52,8 @@ std::vector<Index> every(Index stride, Index n) {
   return ids;
 }
 
-// On the surface the winding number is 1/2. Noise spreads the centres over a slab, where their cells add up to more
-// than the surface: then areas are made smaller by as much.
+// On the surface the winding number is 1/2. Noise spreads the centres over a slab, where the total area of their cells
+// exceeds that of the surface: areas are scaled down accordingly.
 WindingNumber calibrated_winding(WindingNumber::Data centers) {
   WindingNumber winding(centers);
   Eigen::VectorXd u = shared_evaluate(winding, centers.points).value;

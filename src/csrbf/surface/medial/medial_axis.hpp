@@ -13,14 +13,15 @@
 namespace csrbf {
 
 struct MedialAxisOptions {
-  /// Budget: so many farthest points of the cloud become centres; 0: an eighth of the points, 500 to 10 000.
+  /// Number of centres, farthest points of the cloud; 0: an eighth of the points, 500 to 10 000.
   Index centers = 0;
-  /// Instead: the samples that are centres, distinct.
+  /// Alternatively the indices of the samples that are centres, distinct.
   std::vector<Index> center_indices = {};
   MedialSupportOptions supports = {};
-  /// Weight of the normals against the positions in the fit of a quadric, in units of its support (kappa of eq. 6.24).
+  /// Weight of the normals relative to the positions in the fit of a quadric, in units of its support (kappa of
+  /// eq. 6.24).
   double normal_weight = 0.1;
-  /// (epsilon / t)^2 of eq. (6.32), relative: the penalty of slopes against the sum of squares. Not set: chosen by
+  /// (epsilon / t)^2 of eq. (6.32), the weight of the slope penalty relative to the sum of squares. Not set: chosen by
   /// generalised cross-validation (see slope_penalty.hpp).
   std::optional<double> smoothing = {};
   Progress progress = {};  ///< stages "farthest points", "poles", "fit", "choose smoothing", "solve"
@@ -28,9 +29,9 @@ struct MedialAxisOptions {
 
 struct MedialAxisFit {
   std::shared_ptr<const MedialAxisField> field;
-  Eigen::VectorXd scales;  ///< of the centres: distances to the medial axis as they know it
+  Eigen::VectorXd scales;  ///< of the centres: distances to the medial axis, estimated from the centres
   double smoothing = 0;    ///< used or chosen
-  bool direct = true;      ///< whether the equations were solved by factorisation, not by iteration
+  bool direct = true;      ///< the equations were solved by factorisation, not by iteration
 };
 
 /// Fits a fixed budget of CSRBFs with supports adapted to the medial axis (thesis section 6.2): quadrics g_i fitted to
@@ -42,9 +43,9 @@ struct MedialAxisFit {
 ///
 /// eq. (6.32) for the normalised functions, by a sparse Cholesky factorisation (by conjugate gradients where it would
 /// take more than about 20 s). The winding number of the centres, each with the area of its cell in the tangent plane,
-/// decides far from the data: the surface is closed. Where a quadric leaves residuals that are large against its
-/// support, as under noise, the support grows. Time is that of the solution, which grows with the number of centres in
-/// a support: below 10 s for 10 000 centres and clean samples.
+/// decides far from the data: the surface is closed. Where a quadric leaves residuals that are large compared with its
+/// support, as under noise, the support grows. Time is dominated by the linear solve, which grows with the number of
+/// centres in a support: below 10 s for 10 000 centres and clean samples.
 ///
 /// Throws InvalidInput for a negative budget, weight or smoothing.
 MedialAxisFit fit_medial_axis(const OrientedPoints& cloud, const KdTree<3>& tree,

@@ -9,9 +9,10 @@
 namespace csrbf {
 namespace {
 
-// The balls are trusted where the sum of their weights is more than `enough`, and where the winding number u = 2 w - 1
-// is undecided.
-constexpr double enough = 0.04;
+// Chosen by hand. The balls are trusted where the sum of their weights exceeds `trusted_weight` (as in
+// composite_field.cpp) and |u|, u = 2 w - 1 with the winding number w, is below `undecided`; above `decided` not at
+// all. Larger values of the latter two: the balls decide further away from the surface.
+constexpr double trusted_weight = 0.04;
 constexpr double undecided = 0.75;
 constexpr double decided = 0.92;
 
@@ -34,12 +35,12 @@ Scalar column(const Jet<3>& jet, Index i) {
   }
 }
 
-// How far the balls are trusted, in [0, 1].
+// Weight of the balls, in [0, 1].
 template <class Scalar>
 Scalar trust(const Scalar& W, const Scalar& u) {
   const double certainty = std::abs(value_of(u));
   if (value_of(W) <= 0 || certainty >= decided) return Scalar(0.0);
-  const Scalar covered = smooth_step((1 / enough) * W);
+  const Scalar covered = smooth_step((1 / trusted_weight) * W);
   if (certainty <= undecided) return covered;
   const Scalar magnitude = value_of(u) < 0 ? Scalar((-1.0) * u) : u;
   return covered * (1.0 - smooth_step((1 / (decided - undecided)) * (magnitude - undecided)));

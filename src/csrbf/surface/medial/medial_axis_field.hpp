@@ -13,8 +13,8 @@ namespace csrbf {
 ///     g_i(x) = b0 + b . d + d^T A d,  d = x - c_i,
 ///
 /// with Wendland's C2 function phi; the coefficients alpha_i of the thesis are part of b0. Outside the balls, and where
-/// the winding number of the centres leaves no doubt, the winding number gives the sign; the transitions are C2, so
-/// that value, gradient and Hessian are continuous.
+/// it is unambiguous, the winding number of the centres gives the sign; the transitions are C2, so that value, gradient
+/// and Hessian are continuous.
 class MedialAxisField final : public Field<3> {
  public:
   struct Data {
@@ -28,7 +28,7 @@ class MedialAxisField final : public Field<3> {
   explicit MedialAxisField(Data data);
 
   void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
-  /// Of the centres.
+  /// Bounding box of the centres.
   [[nodiscard]] Box<3> bounds() const override { return bounding_box<3>(data_.centers); }
   /// The centres.
   [[nodiscard]] Points<3> seeds() const override { return data_.centers; }

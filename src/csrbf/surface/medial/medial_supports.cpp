@@ -11,8 +11,10 @@
 namespace csrbf {
 namespace {
 
-constexpr double margin = 1.25;       // a sample is so much nearer to a centre than the end of its support
-constexpr double farthest_rim = 3;    // how far a cell may reach, in distances to the medial axis ...
+// Chosen by hand.
+constexpr double margin = 1.25;       // radius of a support over the distance of a sample it must cover: the weight
+                                      // there is not negligible
+constexpr double farthest_rim = 3;    // largest extent of a cell, in distances to the medial axis ...
 constexpr double widest_cell = 0.25;  // ... and in diagonals of the samples
 
 void cover_samples(const PointsRef<3>& samples, const KdTree<3>& tree, Index coverage, Eigen::VectorXd& supports) {
@@ -37,7 +39,7 @@ MedialSupports medial_supports(const PointsRef<3>& centers, const PointsRef<3>& 
   result.scales = medial_axis_distances<3>(centers, voronoi_poles<3>(centers));
   const double widest = widest_cell * bounding_box<3>(samples).diagonal();
   result.areas = tangent_areas(centers, normals, (farthest_rim * result.scales).cwiseMin(widest));
-  // A disc as large as n cells has the radius sqrt(n area / pi).
+  // A disc with the area of n cells has the radius sqrt(n area / pi).
   const Eigen::VectorXd cell = (result.areas / std::numbers::pi).cwiseSqrt();
   result.supports = (options.support * result.scales)
                         .cwiseMin(std::sqrt(options.most) * cell)

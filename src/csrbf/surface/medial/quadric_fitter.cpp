@@ -5,8 +5,9 @@
 namespace csrbf {
 namespace {
 
-constexpr std::size_t most_samples = 400;  // that a quadric is fitted to; more are thinned evenly
-constexpr double ridge = 1e-6;             // of A, relative; makes a quadric over a plane a plane
+// The same values as for patches (composite.hpp, patch_fitter.cpp).
+constexpr std::size_t most_samples = 400;  // that a quadric is fitted to; denser ones are thinned evenly
+constexpr double ridge = 1e-6;             // of A, relative; makes a quadric over planar samples planar
 constexpr double round_off = 1e-13;        // relative; keeps the normal matrices positive definite
 
 // Value and derivatives of the monomials; the mixed ones count twice.

@@ -9,7 +9,7 @@ namespace csrbf {
 
 /// Fits quadrics to the samples in balls (thesis eq. 6.24 in local, scaled coordinates q = (p - center) / support):
 /// minimises sum phi(|q|) (g^2 + kappa |grad g + n|^2) with Wendland's C2 function phi. Samples of all sheets count: a
-/// quadric can follow both sheets of a thin plate. Keeps its work arrays: one fitter per thread.
+/// quadric can follow both sheets of a thin plate. Reuses its work arrays: one fitter per thread.
 class QuadricFitter {
  public:
   /// Coefficients of b0 + b . d + d^T A d, d = x - center, as in BallTree.
@@ -21,7 +21,7 @@ class QuadricFitter {
 
   Quadric fit(const Point<3>& center, double support);
 
-  /// Root mean square of the quadric of the last fit at its samples, with the weights of the fit.
+  /// Weighted root mean square of the last quadric at its samples.
   [[nodiscard]] double residual() const { return residual_; }
   /// The samples in the ball of the last fit.
   [[nodiscard]] const std::vector<Index>& samples() const { return ids_; }

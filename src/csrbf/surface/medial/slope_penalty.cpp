@@ -12,16 +12,17 @@ namespace {
 
 using Rows = SlopeSystem::Rows;
 
-constexpr double steepest = 135.0 / 64;  // K' = max |phi'| of Wendland's C2 function
-constexpr Index most_for_choice = 2000;  // centres that the smoothing is chosen with
-constexpr Index most_blocks = 8;
-constexpr double least_rows = 0.25, most_rows = 0.6;  // per centre that will do, in those of the whole system ...
-constexpr double wanted_rows = 4;                     // ... between which so many are wanted
-constexpr double wide = 10;  // smoothing where supports are so wide that the quadrics do everything
-constexpr double smallest = 1e-8, largest = 1e2;  // range of the choice
-constexpr double ridge = 1e-9;                    // relative; the slopes do not see the constants
+constexpr double gradient_bound = 135.0 / 64;  // K' = max |phi'| of Wendland's C2 function, at r = 1/4
+// Chosen by hand.
+constexpr Index most_for_choice = 2000;               // centres that the smoothing is chosen with; more: slower
+constexpr Index most_blocks = 8;                      // into which they are divided: more represent the surface better
+constexpr double wanted_rows = 4;                     // rows per centre that a block needs, clamped to ...
+constexpr double least_rows = 0.25, most_rows = 0.6;  // ... these shares of the rows per centre of the whole system
+constexpr double wide_support_smoothing = 10;  // where supports are so wide that no block has them: quadrics suffice
+constexpr double smallest_smoothing = 1e-8, largest_smoothing = 1e2;  // range of the choice
+constexpr double ridge = 1e-9;  // relative; constants have no slope, which leaves the penalty singular
 
-// Turns row k of B and D from phi to w.
+// Normalises row k of B and D: from phi to w.
 void fill_row(const MedialAxisField::Data& data, const Point<3>& p, Index k, SlopeSystem& s) {
   const Index begin = s.B.outerIndexPtr()[k], end = s.B.outerIndexPtr()[k + 1];
   double W = 0, S = 0;
@@ -41,7 +42,7 @@ void fill_row(const MedialAxisField::Data& data, const Point<3>& p, Index k, Slo
   s.residual[k] = W > 0 ? -S / W : 0;
   s.slope[k] = W > 0 ? -s.normals.col(k).dot(steepness - S / W * slope) / W : 0;
   for (Index e = begin; e < end; ++e) {
-    const double w = s.B.valuePtr()[e] / W, factor = data.supports[s.B.innerIndexPtr()[e]] / (steepest * W);
+    const double w = s.B.valuePtr()[e] / W, factor = data.supports[s.B.innerIndexPtr()[e]] / (gradient_bound * W);
     s.B.valuePtr()[e] = w;
     for (std::size_t c = 0; c < 3; ++c) {
       double& D = s.D[c].valuePtr()[e];
@@ -69,7 +70,7 @@ Rows part(const Rows& M, const std::vector<Index>& rows, const std::vector<int>&
   return result;
 }
 
-// The samples that only the centres of some blocks reach. Centres that follow each other are neighbours.
+// The samples within reach of the centres of some blocks only. Consecutive centres are neighbours.
 SlopeSystem sample_blocks(const SlopeSystem& s, Index blocks) {
   const Index M = s.B.cols(), length = most_for_choice / blocks;
   std::vector<int> place(static_cast<std::size_t>(M), -1);
@@ -99,15 +100,15 @@ AffineFunction mean_slope(const SlopeSystem& s) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(s.B.cols());
   for (std::size_t c = 0; c < 3; ++c) sum -= s.D[c].transpose() * s.normals.row(static_cast<Index>(c)).transpose();
   const auto N = static_cast<double>(s.B.rows());
-  return {s.slope.sum() / N, steepest / N * sum.cwiseQuotient(s.supports)};
+  return {s.slope.sum() / N, gradient_bound / N * sum.cwiseQuotient(s.supports)};
 }
 
 SparseLeastSquaresFit solve(const SlopeSystem& s, std::optional<double> smoothing, const Progress& progress) {
   SparseLeastSquaresOptions options;
   options.lambda0 = smoothing;
   options.penalty = penalty(s);
-  options.smallest = smallest;
-  options.largest = largest;
+  options.smallest = smallest_smoothing;
+  options.largest = largest_smoothing;
   options.score_unit = mean_slope(s);
   options.solver.progress = progress;
   return sparse_least_squares(s.B, s.residual, options);
@@ -136,7 +137,7 @@ SlopeSolution solve_slope_system(const SlopeSystem& system, std::optional<double
     const double all = per_center(system.B), enough = std::clamp(wanted_rows, least_rows * all, most_rows * all);
     for (Index blocks = most_blocks / 2; blocks > 0 && per_center(sample.B) < enough; blocks /= 2)
       sample = sample_blocks(system, blocks);
-    smoothing = per_center(sample.B) < enough ? wide : solve(sample, {}, progress).lambda0;
+    smoothing = per_center(sample.B) < enough ? wide_support_smoothing : solve(sample, {}, progress).lambda0;
   }
   const SparseLeastSquaresFit fit = solve(system, smoothing, progress);
   return {fit.coefficients.col(0), fit.lambda0, fit.direct};

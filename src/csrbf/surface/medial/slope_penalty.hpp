@@ -22,7 +22,7 @@ struct SlopeSystem {
   Eigen::VectorXd supports;  ///< sigma_j
 };
 
-/// Of samples with outward normals.
+/// The system for samples with outward normals.
 SlopeSystem slope_system(const MedialAxisField::Data& data, const PointsRef<3>& samples, const PointsRef<3>& normals);
 
 struct SlopeSolution {
@@ -32,9 +32,9 @@ struct SlopeSolution {
 };
 
 /// Minimises |B alpha - residual|^2 + mu |D alpha|^2, mu = smoothing N / trace(D^T D). Without `smoothing` it is chosen
-/// by generalised cross-validation of f over its mean slope at the samples, -n . grad f: noisy samples are met by a
-/// flat f as well as by a good one. For more than 2000 centres on blocks of neighbours all over the surface, the fewer
-/// and larger the more centres there are in a support.
+/// by generalised cross-validation of f divided by its mean slope at the samples, -n . grad f: values alone would
+/// favour a flat f under noise. For more than 2000 centres this is done on blocks of neighbours all over the surface,
+/// the fewer and larger the more centres there are in a support.
 SlopeSolution solve_slope_system(const SlopeSystem& system, std::optional<double> smoothing, const Progress& progress);
 
 }  // namespace csrbf

@@ -5,11 +5,12 @@
 namespace csrbf {
 namespace {
 
-constexpr Index most_samples = 100'000;  // of the cloud, evenly chosen; fewer tell as well
-constexpr Index most_probes = 200;       // on each part
-constexpr double inward = -0.4;          // mean winding number
+// Chosen by hand.
+constexpr Index most_samples = 100'000;  // of the cloud, evenly chosen: bounds time, a mean needs no more
+constexpr Index most_probes = 200;       // points of each part over which the winding number is averaged
+constexpr double inward = -0.4;          // largest mean winding number of an inward part: -1/2 plus noise and holes
 
-// Every stride-th sample, standing for as many.
+// Every stride-th sample, with the area of `stride` samples.
 winding::Tree make_tree(const OrientedPoints& cloud) {
   const Index stride = 1 + (cloud.size() - 1) / most_samples;
   const auto some = Eigen::seq(0, cloud.size() - 1, stride);

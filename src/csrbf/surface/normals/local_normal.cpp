@@ -6,10 +6,11 @@
 namespace csrbf {
 namespace {
 
-constexpr std::size_t least_for_curvature = 8;
-constexpr double ridge = 1e-5;
-constexpr double roots_apart = 1e-5;  // closer to zero, the closed form of the eigenvalues is rounding
-constexpr double tiny_ridge = 1e-12;  // keeps the system regular for points on a line
+// Chosen by hand.
+constexpr std::size_t least_for_curvature = 8;  // points for a quadric, which has 6 coefficients; fewer: a plane
+constexpr double ridge = 1e-5;  // of the weights, on quadratic terms; larger: flatter quadrics, smaller: sensitive ones
+constexpr double roots_apart = 1e-5;  // ratio of eigenvalues below which their closed form is dominated by rounding
+constexpr double tiny_ridge = 1e-12;  // of the weights: keeps the system regular for points on a line
 
 double support2(std::span<const double> d2) {
   const auto count = static_cast<double>(d2.size());

@@ -8,13 +8,14 @@ namespace csrbf {
 
 /// Principal axes of a neighbourhood, its points weighted by 1 - d^2 / h^2 with h just beyond the farthest.
 struct LocalFrame {
-  Point<3> center;  ///< where distances are measured from
+  Point<3> center;  ///< from which distances are measured
   double h = 0;
   Eigen::Matrix3d axes;  ///< columns by increasing eigenvalue: normal, then two tangents
   Eigen::Vector3d eigenvalues;
 
-  /// The neighbours spread in two directions.
+  /// The neighbours spread in two directions: standard deviations differ by a factor of less than 10.
   [[nodiscard]] bool is_surface() const { return eigenvalues[1] > 0.01 * eigenvalues[2]; }
+  /// They are collinear up to rounding.
   [[nodiscard]] bool is_line() const { return !(eigenvalues[1] > 1e-10 * eigenvalues[2]); }
 };
 

@@ -19,8 +19,8 @@ struct NeighborTable {
     return {index.data() + i * k, static_cast<std::size_t>(k)};
   }
   [[nodiscard]] Index size() const { return reach.size(); }
-  /// Area of the surface that point i stands for, when it is smooth: the disc out to the last neighbour holds k of
-  /// them.
+  /// Area of the surface that point i represents if it is smooth: the disc out to the last neighbour has k times that
+  /// area.
   [[nodiscard]] double area(Index i) const {
     return std::numbers::pi * reach[i] * reach[i] / static_cast<double>(std::max<Index>(1, k));
   }
@@ -29,8 +29,8 @@ struct NeighborTable {
 /// Neighbours of points in Morton order; `k` is lowered to the number of other points. O(n log n), on all threads.
 NeighborTable make_neighbor_table(const PointsRef<3>& points, const KdTree<3>& tree, Index k);
 
-/// The same table for what is left of a cloud: `points` are the points `kept` (ascending) of the one that the table
-/// `before` is of. Only rows that lost a neighbour are searched for anew.
+/// The table of a subset of a cloud: `points` are the points `kept` (ascending) of the cloud that `before` belongs to.
+/// Only rows that lost a neighbour are searched again.
 NeighborTable make_neighbor_table(const PointsRef<3>& points, const KdTree<3>& tree, const NeighborTable& before,
                                   const std::vector<Index>& kept);
 

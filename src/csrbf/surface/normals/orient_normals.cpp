@@ -11,9 +11,11 @@ namespace {
 
 using namespace orientation;
 
+// Chosen by hand. The matrix of winding numbers has a column per cluster: time and memory grow with their number.
 constexpr Index max_components = 256;
 constexpr Index max_clusters = 400;
-constexpr double convincing = 0.97;  // energy ratio below which the winding number overrules the neighbours
+constexpr double convincing = 0.97;  // energy ratio below which the winding number overrules the neighbours: noise
+                                     // always allows a small decrease
 
 void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* where) {
   require(normals.cols() == points.cols(), where, "normals.cols()", normals.cols(), "must be the number of points");
@@ -42,7 +44,7 @@ Sorted sort(const PointsRef<3>& points, const PointsRef<3>& normals) {
   return sorted;
 }
 
-// Signs of the clusters that keep most normals as they are.
+// Signs of the clusters that leave most normals unchanged.
 Signs majority(const Clusters& clusters) {
   std::vector<Index> sum(static_cast<std::size_t>(clusters.size()), 0);
   for (std::size_t i = 0; i < clusters.of.size(); ++i)
@@ -59,7 +61,7 @@ void apply(const Clusters& clusters, const Signs& signs, Points<3>& normals) {
   }
 }
 
-// The side of +z, or of the first of +y and +x, that more of the surface faces.
+// Whether more of the surface faces +z (else +y, +x) than away from it: 1 or -1.
 int upward(const Points<3>& normals, const NeighborTable& table, const Clusters& clusters, const Signs& signs) {
   Point<3> sum = Point<3>::Zero();
   double total = 0;
@@ -69,12 +71,12 @@ int upward(const Points<3>& normals, const NeighborTable& table, const Clusters&
     sum += table.area(i) * clusters.sign[k] * signs[static_cast<std::size_t>(clusters.of[k])] * normals.col(i);
     total += table.area(i);
   }
-  for (const Index axis : {2, 1, 0})
+  for (const Index axis : {2, 1, 0})  // unless less than a tenth of the area decides; chosen by hand
     if (std::abs(sum[axis]) > 0.1 * total) return sum[axis] < 0 ? -1 : 1;
   return 1;
 }
 
-// Turns everything where that is the better side.
+// Flips all signs if that is the better side.
 void settle_side(const Energy& energy, const Points<3>& normals, const NeighborTable& table, const Clusters& clusters,
                  Signs& signs) {
   Signs opposite = signs;
@@ -117,7 +119,7 @@ OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighb
   apply(components, signs, normals);
   report(progress, stage, 0.6);
 
-  // Clusters by the winding number if that makes a difference.
+  // Clusters by the winding number if that lowers the energy enough.
   const Clusters clusters = make_clusters(graph, normals, graph.certain, max_clusters);
   const Energy energy(points, normals, neighbors, graph, clusters);
   signs = majority(clusters);
@@ -160,7 +162,7 @@ double orientation_consistency(const PointsRef<3>& points, const PointsRef<3>& n
   const Sorted sorted = sort(points, normals);
   const NeighborTable table = make_neighbor_table(sorted.points, KdTree<3>(sorted.points), OrientOptions{}.neighbors);
   const Graph graph = make_graph(sorted.points, sorted.normals, table);
-  // Noise may leave hardly any certain pair: then all count.
+  // Under noise hardly any pair may be certain: then all count.
   const std::size_t pairs = 10 * graph.certain >= graph.near ? graph.certain : graph.near;
   Index agreeing = 0;
   for (std::size_t e = 0; e < pairs; ++e)

@@ -5,54 +5,55 @@
 
 namespace csrbf {
 
-/// How orient_normals works.
+/// Options of orient_normals.
 struct OrientOptions {
-  /// Neighbours per point in the graph of points that should agree.
+  /// Neighbours per point in the graph of points whose normals should agree; 12 was chosen by hand. More: slower, and
+  /// edges across thin sheets; fewer: more components.
   Index neighbors = 12;
   Progress progress = {};
 };
 
-/// What settled the signs.
+/// What determined the signs.
 enum class OrientMethod {
   spanning_tree,  ///< neighbours alone
-  winding_number  ///< parts were turned so that the surface encloses a solid
+  winding_number  ///< parts were flipped so that the surface encloses a solid
 };
 
 struct OrientReport {
   OrientMethod method = OrientMethod::spanning_tree;
   double flipped_edges = 0;  ///< share of the edges of the spanning tree whose normals disagreed
-  double turned = 0;         ///< share of the normals that were turned
+  double turned = 0;         ///< share of the normals that were flipped
   /// How far the cloud is from a closed oriented surface by its winding number: 0 is perfect, a few hundredths usual, 1
-  /// hopeless. After the spanning tree, and in the end.
+  /// as bad as random signs. After the spanning tree, and in the end.
   double ambiguity_tree = 0, ambiguity = 0;
 };
 
-/// Gives normals of unknown sign a consistent one, outward where the surface encloses a solid. Lines and lengths of the
-/// normals stay; zero normals stay zero.
+/// Gives normals of unknown sign a consistent one, outward where the surface encloses a solid. Axes and lengths of the
+/// normals do not change; zero normals stay zero.
 ///
 /// Spanning tree (Hoppe et al. 1992): neighbours connected by the edges of least 1 - |n_i . n_j| agree. The cost of an
-/// edge also counts its angle with the two tangent planes and the roughness around its ends, so that the tree does not
-/// step across thin sheets, and comes to creases, blades and noise last. Where the neighbour graph falls apart, edges
+/// edge also includes its angle with the two tangent planes and the roughness around its ends, so that the tree does
+/// not cross thin sheets, and reaches creases, blades and noise last. Where the neighbour graph is disconnected, edges
 /// between ever sparser subsets join its components.
 ///
-/// One wrong edge of the tree turns everything behind it. So the tree is cut at doubtful edges into at most 400
+/// One wrong edge of the tree flips everything behind it. The tree is therefore cut at doubtful edges into at most 400
 /// clusters, whose signs are chosen by the winding number w of the whole (as in the dipole propagation of Metzer et al.
-/// 2021 and in parametric Gauss reconstruction, Lin et al. 2022, but with an energy that has a known ideal): w must be
-/// 0 or 1 off the surface and 1/2 on it. Greedy turns of clusters and of branches of the tree lower that energy.
-/// Components are settled this way in any case; clusters only when the energy falls by more than 3 %, because noise
-/// always offers a little. A closed shell inside another bounds a cavity, so its normals point into the cavity. An open
-/// sheet without inside gets its normals on the side of +z (else +y, +x).
+/// 2021 and in parametric Gauss reconstruction, Lin et al. 2022, but with an energy whose minimum is known): w must be
+/// 0 or 1 off the surface and 1/2 on it. Greedy flips of clusters and of branches of the tree lower that energy. The
+/// signs of components are always chosen this way; those of clusters only if the energy falls by more than 3 %, because
+/// noise always allows a small decrease. A closed shell inside another bounds a cavity, so its normals point into the
+/// cavity. The normals of an open sheet without inside point to the side of +z (else +y, +x).
 ///
-/// Throws InvalidInput when sizes differ or something is not finite. O(n log n): 0.3 s for 1e5 points on one core.
+/// Throws InvalidInput if sizes differ or a value is not finite. O(n log n): 0.3 s for 1e5 points on one core.
 OrientReport orient_normals(const PointsRef<3>& points, Points<3>& normals, const OrientOptions& options = {});
 
 /// The same for points in Morton order whose neighbours are known; coordinates of moderate size.
 OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighbors, Points<3>& normals,
                             const Progress& progress = {});
 
-/// Share of the neighbouring points whose normals point to the same side, among those pairs that lie along the surface
-/// and hardly err: 1 for consistent normals, 1/2 for random signs. Points without normal (zero) do not count; 1 when
-/// there are no pairs. Throws as orient_normals.
+/// Share of the pairs of neighbours whose normals point to the same side, among reliable pairs that lie along the
+/// surface: 1 for consistent normals, 1/2 for random signs. Points without normal (zero) do not count; 1 if there are
+/// no pairs. Throws as orient_normals.
 double orientation_consistency(const PointsRef<3>& points, const PointsRef<3>& normals);
 
 }  // namespace csrbf

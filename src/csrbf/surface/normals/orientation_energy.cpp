@@ -6,21 +6,23 @@
 namespace csrbf::orientation {
 namespace {
 
+// All chosen by hand. Sampled points in total and of each cluster at least; more: slower, less random.
 constexpr double sampled_points = 1500;
 constexpr Index points_per_cluster = 6;
-// Distances of the probes from the surface in local spacings: clusters of every size show at one of them.
+// Distances of the probes from the surface in local spacings: clusters of every size have an effect at one of them.
 constexpr double distances[] = {2, 8, 32};
-constexpr Index probes_per_point = 7;
-// Weight of the probes on the surface: signs at random make w vanish, which suits all others.
+constexpr Index probes_per_point = 7;  // one on the surface, one on each side at every distance
+// Weight of the probes on the surface: random signs make w vanish, which is ideal for all others.
 constexpr double surface_share = 0.5;
-// Neighbours settle what the winding number leaves open: noise moves it by as much as a small cluster does.
+// Weight of the neighbours' votes against the energy. They decide what the winding number leaves open: noise changes it
+// by as much as a small cluster does.
 constexpr double vote_weight = 5;
-constexpr double least_gain = 1e-6;
-constexpr int max_sweeps = 12;
+constexpr double least_gain = 1e-6;  // decrease of the energy that counts: single precision has 1e-7
+constexpr int max_sweeps = 12;       // over all moves: bounds time
 
 using Members = std::vector<std::vector<Index>>;
 
-// Some points of every cluster, at regular intervals of the order; the weights are shares of the area.
+// Some points of every cluster, at regular intervals in its order; weights are shares of the area.
 struct Sample {
   std::vector<Index> points;
   std::vector<std::int32_t> clusters;
@@ -132,7 +134,7 @@ void Energy::count_votes(const Points<3>& points, const Points<3>& normals, cons
     const std::int32_t ca = clusters.of[a], cb = clusters.of[b];
     if (ca == cb) continue;
     double vote = share * std::max(0.0, 1 - cost(points.col(a), normals.col(a), points.col(b), normals.col(b)));
-    // A bridge stands for the pairs that would meet if the smaller side were as close as its own points are.
+    // A bridge represents the pairs that would be neighbours if the smaller side were as close as its own points are.
     if (e >= graph.near)
       vote *= 3 * std::sqrt(std::min(sizes[static_cast<std::size_t>(ca)], sizes[static_cast<std::size_t>(cb)]));
     if (normals.col(a).dot(normals.col(b)) < 0) vote = -vote;
@@ -156,7 +158,7 @@ Eigen::VectorXf Energy::winding(const Signs& signs) const {
 }
 
 double Energy::of_winding(const Eigen::VectorXf& w) const {
-  // Noise blows the areas up by some factor: take the one that suits w = 1/2 on the surface.
+  // Noise inflates the areas by some factor: undo the one that makes w = 1/2 on the surface, within [0.3, 1.5].
   double w1 = 0, w2 = 0;
   for (Index s = 0; s < on_surface_; ++s) {
     w1 += weight_[s] * w[s];

@@ -8,26 +8,27 @@ namespace csrbf::orientation {
 /// One sign, 1 or -1, per cluster.
 using Signs = std::vector<signed char>;
 
-/// Mean winding number on a surface that has an inside and an outside, at least.
+/// Least mean winding number on a surface that has an inside and an outside: between 0 for a flat sheet and 1/2 for a
+/// closed surface. Chosen by hand.
 inline constexpr double has_inside = 0.1;
 
-/// What the winding number w says about the signs of clusters. For a closed surface with outward normals w is 1 inside,
+/// Energy of the signs of clusters by the winding number w. For a closed surface with outward normals w is 1 inside,
 /// 0 outside and 1/2 on it. The energy of a choice of signs is the mean over sampled points of (2 w - 1)^2 on the
-/// surface and of 4 min(w^2, (1 - w)^2) at several distances on both sides of it, where every cluster is large enough
-/// to show. w is linear in the signs, so that changing one is cheap.
+/// surface and of 4 min(w^2, (1 - w)^2) at several distances on both sides of it, so that clusters of every size have
+/// an effect. w is linear in the signs, so that changing one is cheap.
 class Energy {
  public:
   Energy(const Points<3>& points, const Points<3>& normals, const NeighborTable& table, const Graph& graph,
          const Clusters& clusters);
 
-  /// 0 for a closed surface, around 1 where the side is undecided, up to 4 inside out.
+  /// 0 for a closed surface, around 1 where the side is undecided, up to 4 if inside out.
   [[nodiscard]] double of(const Signs& signs) const;
-  /// Mean of w on the surface: 1/2 when it is closed, 0 for a flat sheet, which has no inside.
+  /// Mean of w on the surface: 1/2 if it is closed, 0 for a flat sheet, which has no inside.
   [[nodiscard]] double mean_winding(const Signs& signs) const;
-  /// Every cluster by its own winding number: its outside is where a closed one has it. A flat one stays as it is.
+  /// Orients every cluster outward by its own winding number. Flat ones do not change.
   void turn_each_outward(Signs& signs) const;
-  /// Turns clusters, and all clusters below one in the spanning tree, while that lowers the energy plus a cost of
-  /// disagreeing neighbours; from the given signs and from their opposite.
+  /// Flips clusters, and subtrees of clusters in the spanning tree, while that lowers the energy plus a cost of
+  /// disagreeing neighbours; starts from the given signs and from their opposite.
   void descend(Signs& signs) const;
 
  private:
@@ -43,9 +44,9 @@ class Energy {
   Eigen::MatrixXf winding_;            // probe x cluster: w of the cluster alone
   Eigen::VectorXf weight_;             // of the probes, sum 1
   std::vector<std::int32_t> cluster_;  // of the probes on the surface
-  Index on_surface_ = 0;               // that many probes come first
+  Index on_surface_ = 0;               // number of probes on the surface, which come first
   Eigen::MatrixXd votes_;              // cluster x cluster: agreeing minus disagreeing neighbours, as a share of all
-  std::vector<std::vector<Index>> moves_;  // sets of clusters to turn together
+  std::vector<std::vector<Index>> moves_;  // sets of clusters to flip together
 };
 
 }  // namespace csrbf::orientation

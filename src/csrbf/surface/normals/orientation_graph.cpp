@@ -8,13 +8,13 @@
 namespace csrbf::orientation {
 namespace {
 
-constexpr double certain_cost = 0.4;
-constexpr double max_cost = 4;
-constexpr int buckets = 4096;  // of costs in [0, max_cost]
-constexpr Index thinning = 8;  // between the subsets that bridge gaps
+constexpr double certain_cost = 0.4;  // below, an edge is reliable; larger: fewer clusters, wrong signs inside. By hand
+constexpr double max_cost = 4;        // largest total: 2 for the edge, 1 for the roughness at each end
+constexpr int buckets = 4096;         // of costs in [0, max_cost], for a counting sort: a resolution of 0.001
+constexpr Index thinning = 8;         // factor between the subsets that bridge gaps: few rounds, chosen by hand
 
-// Mean sine of the angle between a tangent plane and the directions to the neighbours: curvature, noise, edges and
-// second sheets raise it.
+// Mean sine of the angle between a tangent plane and the directions to the neighbours: increased by curvature, noise,
+// edges and other sheets.
 Eigen::VectorXd roughness(const Points<3>& points, const Points<3>& normals, const NeighborTable& table,
                           const std::vector<std::uint32_t>& ids) {
   Eigen::VectorXd rough(table.size());
@@ -45,7 +45,7 @@ std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, 
       for (std::size_t j = 0; j < k; ++j) {
         const std::uint32_t other = table.of(i)[j];
         const Index b = ids[other];
-        // Mutual neighbours meet once.
+        // Mutual neighbours share one edge.
         const auto back = table.of(other);
         const bool repeated =
             other < i && std::find(back.begin(), back.end(), static_cast<std::uint32_t>(i)) != back.end();
@@ -71,7 +71,7 @@ int agreement(const Points<3>& normals, const Edge& edge) {
   return normals.col(edge.a).dot(normals.col(edge.b)) < 0 ? -1 : 1;
 }
 
-// Every 8th point of each component, at least one.
+// Every `thinning`-th point of each component, at least one.
 std::vector<std::uint32_t> thin_out(const std::vector<std::uint32_t>& ids, Index n, SignedSets& sets) {
   std::vector<std::uint32_t> kept;
   std::vector<std::uint8_t> seen(static_cast<std::size_t>(n), 0);
@@ -94,7 +94,7 @@ struct Cut {
   std::vector<Edge> inside, between;
 };
 
-// Kruskal's algorithm; edges that are not trusted wait while both sides have `enough` points.
+// Kruskal's algorithm; edges that are not trusted are deferred if both sides have `enough` points.
 Cut cut_tree(const Graph& graph, const Points<3>& normals, std::size_t trusted, Index enough) {
   Cut cut;
   SignedSets sets(normals.cols());

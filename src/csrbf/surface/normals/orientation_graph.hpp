@@ -7,7 +7,7 @@
 /// The parts of orient_normals. Internal.
 namespace csrbf::orientation {
 
-/// Disjoint sets of points; every point knows its sign relative to the root of its set.
+/// Disjoint sets of points, with the sign of every point relative to the root of its set.
 class SignedSets {
  public:
   explicit SignedSets(Index n);
@@ -34,27 +34,26 @@ struct Edge {
 /// Pairs of points whose normals should agree, the most certain ones first.
 struct Graph {
   std::vector<Edge> edges;
-  std::size_t certain = 0;  ///< edges before this one hardly err
+  std::size_t certain = 0;  ///< edges before this one are reliable
   std::size_t near = 0;     ///< edges before this one join neighbours; the others bridge gaps between components
 };
 
-/// How little two points say about each other: 1 - |n_a . n_b|, plus the mean sine of the angles between the edge and
-/// the two tangent planes, which keeps the two sides of a thin sheet apart. In [0, 2]; infinite for a zero normal.
+/// Cost of an edge between two points: 1 - |n_a . n_b|, plus the mean sine of the angles between the edge and the two
+/// tangent planes, which keeps the two sides of a thin sheet apart. In [0, 2]; infinite for a zero normal.
 double cost(const Point<3>& pa, const Point<3>& na, const Point<3>& pb, const Point<3>& nb);
 
-/// The neighbour graph, ordered by cost plus the roughness of the surroundings of both points, united with edges
-/// between ever sparser subsets of the points until it is connected. Points with a zero normal have no edges. O(n log
-/// n).
+/// The neighbour graph, ordered by cost plus the roughness around both points, with additional edges between ever
+/// sparser subsets of the points until it is connected. Points with a zero normal have no edges. O(n log n).
 Graph make_graph(const Points<3>& points, const Points<3>& normals, const NeighborTable& table);
 
-/// A partition of the points into clusters with trusted signs inside.
+/// A partition of the points into clusters whose relative signs are trusted.
 struct Clusters {
   std::vector<std::int32_t> of;        ///< cluster of each point, -1 for zero normals
   std::vector<signed char> sign;       ///< of each point relative to its cluster
   std::vector<signed char> tree_sign;  ///< of each cluster by the spanning tree
-  std::vector<std::int32_t> parent;    ///< cluster above in the spanning tree, -1 for none; smaller than its own number
-  Index tree_edges = 0;                ///< of the spanning tree of the points
-  Index flipped_edges = 0;             ///< those whose normals disagree
+  std::vector<std::int32_t> parent;    ///< parent in the spanning tree, -1 for none; smaller than the cluster's number
+  Index tree_edges = 0;                ///< number of edges of the spanning tree of the points
+  Index flipped_edges = 0;             ///< of these, those whose normals disagree
   [[nodiscard]] Index size() const { return static_cast<Index>(tree_sign.size()); }
 };
 

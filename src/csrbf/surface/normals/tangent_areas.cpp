@@ -49,7 +49,7 @@ class Cell {
   std::vector<Corner> corners_, kept_;
 };
 
-// The neighbours of a point by distance, fetched as long as they are asked for.
+// The neighbours of a point by distance, fetched on demand.
 class Neighbors {
  public:
   Neighbors(const KdTree<3>& tree, const Point<3>& x) : tree_(tree), x_(x) { fetch(first_fetch); }
@@ -66,7 +66,7 @@ class Neighbors {
   }
 
  private:
-  static constexpr Index first_fetch = 24;
+  static constexpr Index first_fetch = 24;  // enough for most cells of evenly spread points; chosen by hand
 
   void fetch(Index n) {
     n = std::min(n, tree_.size());

@@ -17,26 +17,29 @@
 namespace csrbf {
 namespace {
 
-constexpr Index around = 24;                           // neighbours that tell whether a sample lies on a rim
-constexpr double free_angle = 0.6 * std::numbers::pi;  // without neighbours, seen from a sample on a rim
-constexpr double most_open = 0.4;    // beside sheets more open than half a ball, the winding number is undecided anyway
-constexpr double facing = 0.3;       // cosine between a gap and where a rim looks
-constexpr double same_side = 0.3;    // cosine between normals on both sides of a gap
-constexpr double widest = 4;         // gap, in widths of the opening
-constexpr double same_way = 0.7;     // cosine between the directions of samples that follow each other on a rim
-constexpr Index shortest_rim = 8;    // samples
-constexpr double fewest_joined = 6;  // samples of the rim of a component that must face another rim ...
-constexpr double joined_share = 0.25;     // ... and their share of it
-constexpr Index spline_samples = 150;     // on each side of a gap
-constexpr double spline_reach = 1.5;      // widths of the opening, from the rim
-constexpr double spline_offset = 0.1;     // widths of the opening
-constexpr double least_slope = 0.01;      // squared gradient of the spline, 1 near samples
-constexpr double coarsest = 0.05;         // widths of the opening between the samples in a gap at most
-constexpr double distance_to_data = 1.5;  // of the samples in a gap, spacings
-constexpr double density = 0.7;           // ... and between them
+// Which rims are joined. Chosen by hand: stricter values leave gaps open, looser ones join separate bodies.
+constexpr Index rim_neighbors = 24;                    // neighbours that decide whether a sample lies on a rim
+constexpr double free_angle = 0.6 * std::numbers::pi;  // of the largest sector without neighbours at a rim sample
+constexpr double max_openness = 0.4;    // below half a ball (0.5): beyond, the winding number is undecided anyway
+constexpr double facing = 0.3;          // least cosine between the gap and the direction a rim faces
+constexpr double same_side = 0.3;       // least cosine between normals on both sides of a gap
+constexpr double widest_gap = 4;        // widths of the opening
+constexpr double same_direction = 0.7;  // least cosine between the directions of successive samples of a rim
+constexpr Index shortest_rim = 8;       // samples
+constexpr double fewest_joined = 6;     // least number of samples of a component's rim that face another rim ...
+constexpr double joined_share = 0.25;   // ... and their least share of it
+
+// The surface across a gap. Chosen by hand.
+constexpr Index spline_samples = 150;     // on each side; three conditions each: a dense system of order 900
+constexpr double spline_reach = 1.5;      // widths of the opening: how far from the rim they are taken
+constexpr double spline_offset = 0.1;     // widths of the opening: distance of the off-surface conditions
+constexpr double least_slope = 0.01;      // floor of the squared gradient, which is 1 near samples, in Newton's method
+constexpr double coarsest = 0.05;         // widths of the opening: least spacing of the added samples
+constexpr double distance_to_data = 1.5;  // spacings between added samples and those of the input ...
+constexpr double density = 0.7;           // ... and between each other
 constexpr int most_steps = 12;            // of Newton's method
-constexpr double precision = 1e-3;        // spacings
-constexpr Index samples_per_task = 256;
+constexpr double convergence = 1e-3;      // spacings: largest residual of an added sample
+constexpr Index samples_per_task = 256;   // large enough to hide the cost of a task
 
 // A sample on a rim, and the direction in which the surface is missing.
 struct RimSample {
@@ -44,18 +47,18 @@ struct RimSample {
   Point<3> onward;
 };
 
-// The rims of a component and of what is on the other side of a gap.
+// The rim of a component and the one across the gap.
 struct Gap {
   std::vector<Index> near_rim, far_rim;
   double width;   // of the opening
   double length;  // of the gap
 };
 
-// The middle of the widest angle without neighbours on the sheet of sample i, if it is wide enough.
+// The middle of the widest sector without neighbours on the sheet of sample i, if it is wide enough.
 std::optional<Point<3>> free_direction(const OrientedPoints& cloud, const KdTree<3>& tree, Index i) {
-  std::array<Index, around + 1> near;
-  std::array<double, around + 1> d2;
-  const Index found = tree.nearest(cloud.points.col(i), around + 1, near.data(), d2.data());
+  std::array<Index, rim_neighbors + 1> near;
+  std::array<double, rim_neighbors + 1> d2;
+  const Index found = tree.nearest(cloud.points.col(i), rim_neighbors + 1, near.data(), d2.data());
   const Point<3> normal = cloud.normals.col(i), u = normal.unitOrthogonal(), v = normal.cross(u);
   std::vector<double> angles;
   for (std::size_t k = 0; k < static_cast<std::size_t>(found); ++k) {
@@ -75,19 +78,19 @@ std::optional<Point<3>> free_direction(const OrientedPoints& cloud, const KdTree
   return std::cos(middle) * u + std::sin(middle) * v;
 }
 
-// Those that form chains along which the direction turns slowly. Samples at random leave single ones, and a few around
-// their larger holes, without a neighbour on some side, all over a surface that has no rim. Samples ascend.
+// Those that form chains along which the direction turns slowly. Under random sampling, isolated samples, and a few
+// around larger holes, lack neighbours on some side all over a surface that has no rim. Samples ascend.
 std::vector<RimSample> chains(const OrientedPoints& cloud, const KdTree<3>& tree,
                               const std::vector<RimSample>& samples) {
   DisjointSets sets(samples.size());
-  std::array<Index, around + 1> near;
-  std::array<double, around + 1> d2;
+  std::array<Index, rim_neighbors + 1> near;
+  std::array<double, rim_neighbors + 1> d2;
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    const Index found = tree.nearest(cloud.points.col(samples[k].id), around + 1, near.data(), d2.data());
+    const Index found = tree.nearest(cloud.points.col(samples[k].id), rim_neighbors + 1, near.data(), d2.data());
     for (const Index i : std::span(near.data(), static_cast<std::size_t>(found))) {
       const auto at =
           std::lower_bound(samples.begin(), samples.end(), i, [](const RimSample& a, Index id) { return a.id < id; });
-      if (at == samples.end() || at->id != i || at->onward.dot(samples[k].onward) < same_way) continue;
+      if (at == samples.end() || at->id != i || at->onward.dot(samples[k].onward) < same_direction) continue;
       sets.unite(static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(at - samples.begin()));
     }
   }
@@ -123,12 +126,12 @@ std::vector<Index> surroundings(const OrientedPoints& cloud, const KdTree<3>& tr
   return outside;
 }
 
-// Whether two rims look at each other along d.
+// Whether two rims face each other along d.
 bool face(const RimSample& from, const RimSample& to, const Point<3>& d) {
   return d.dot(from.onward) > facing * d.norm() && -d.dot(to.onward) > facing * d.norm();
 }
 
-// Distance to the nearest sample within `reach` on the other rim that looks back and continues the surface.
+// Distance to the nearest sample within `reach` on the other rim that faces back and continues the surface.
 std::optional<double> distance_across(const OrientedPoints& cloud, const RimSample& from,
                                       const std::vector<RimSample>& others, double reach) {
   std::optional<double> best;
@@ -141,7 +144,7 @@ std::optional<double> distance_across(const OrientedPoints& cloud, const RimSamp
   return best;
 }
 
-// Twice the mean distance of a rim's samples from their middle.
+// Twice the mean distance of a rim's samples from their centroid.
 double width(const OrientedPoints& cloud, const std::vector<RimSample>& samples) {
   const auto count = static_cast<double>(samples.size());
   Point<3> middle = Point<3>::Zero();
@@ -157,12 +160,12 @@ double mean_spacing(const OrientedPoints& cloud, const std::vector<Index>& ids) 
   return sum / static_cast<double>(ids.size());
 }
 
-// The gap between a component and the rest; none when they do not belong together.
+// The gap between a component and the rest, if they belong together.
 std::optional<Gap> find_gap(const OrientedPoints& cloud, const KdTree<3>& tree, const std::vector<Index>& component) {
   const std::vector<RimSample> own = rim(cloud, tree, component);
   if (own.empty()) return std::nullopt;
   Gap gap{{}, {}, width(cloud, own), 0};
-  const double reach = widest * gap.width;
+  const double reach = widest_gap * gap.width;
   const std::vector<RimSample> others = rim(cloud, tree, surroundings(cloud, tree, component, reach));
   std::vector<double> distances;
   for (const RimSample& sample : own)
@@ -181,7 +184,7 @@ std::optional<Gap> find_gap(const OrientedPoints& cloud, const KdTree<3>& tree, 
   return gap;
 }
 
-// Mean normal of a component by area: 0 when it is closed, 1/2 for half a ball, 1 for a flat sheet.
+// Length of the area-weighted mean normal of a component: 0 if it is closed, 1/2 for half a ball, 1 for a flat sheet.
 double openness(const OrientedPoints& cloud, const std::vector<Index>& component) {
   Point<3> flux = Point<3>::Zero();
   double area = 0;
@@ -193,7 +196,7 @@ double openness(const OrientedPoints& cloud, const std::vector<Index>& component
   return flux.norm() / area;
 }
 
-// Well spread samples no further than `reach` from those of a rim, of those `among`.
+// Well spread samples of `among` within `reach` of a rim.
 std::vector<Index> samples_behind(const OrientedPoints& cloud, const std::vector<Index>& rim,
                                   const std::vector<Index>& among, double reach) {
   const Points<3> edge = cloud.points(Eigen::all, rim);
@@ -211,7 +214,7 @@ std::vector<Index> samples_behind(const OrientedPoints& cloud, const std::vector
 }
 
 // The surface of least energy through the samples on both sides of a gap: a triharmonic spline that vanishes at them
-// and is the distance a little way inside and outside.
+// and equals the signed distance at offsets inside and outside.
 std::shared_ptr<const Field<3>> spline_across(const OrientedPoints& cloud, const KdTree<3>& tree,
                                               const std::vector<Index>& component, const Gap& gap) {
   const double reach = spline_reach * gap.width, offset = spline_offset * gap.width;
@@ -231,9 +234,9 @@ std::shared_ptr<const Field<3>> spline_across(const OrientedPoints& cloud, const
   return interpolate<3>(samples, {.kernel = "polyharmonic", .parameter = 3}).components.front();
 }
 
-// Points between the rims, about four for every sample that the surface across the gap needs.
+// Points between the rims, about four for each sample that the surface across the gap needs.
 Points<3> points_between(const OrientedPoints& cloud, const Gap& gap, double spacing) {
-  const auto pieces = static_cast<Index>(std::ceil(gap.length / spacing));
+  const auto segments = static_cast<Index>(std::ceil(gap.length / spacing));
   const std::size_t pairs = gap.near_rim.size() * gap.far_rim.size();
   const auto wanted = static_cast<std::size_t>(4 * std::numbers::pi * gap.width / spacing);
   const std::size_t stride = 1 + pairs / wanted;
@@ -241,8 +244,8 @@ Points<3> points_between(const OrientedPoints& cloud, const Gap& gap, double spa
   for (std::size_t pair = 0; pair < pairs; pair += stride) {
     const Point<3> a = cloud.points.col(gap.near_rim[pair % gap.near_rim.size()]);
     const Point<3> b = cloud.points.col(gap.far_rim[pair / gap.near_rim.size()]);
-    for (Index k = 1; k < pieces; ++k)
-      points.push_back(a + static_cast<double>(k) / static_cast<double>(pieces) * (b - a));
+    for (Index k = 1; k < segments; ++k)
+      points.push_back(a + static_cast<double>(k) / static_cast<double>(segments) * (b - a));
   }
   Points<3> result(3, static_cast<Index>(points.size()));
   for (Index i = 0; i < result.cols(); ++i) result.col(i) = points[static_cast<std::size_t>(i)];
@@ -253,8 +256,8 @@ struct Added {
   std::vector<Point<3>> points, normals;
 };
 
-// Moves points to the zero set of f by Newton's method along the gradient; those that get there within `reach`, with
-// outward normals.
+// Moves points onto the zero set of f by Newton's method along the gradient; returns those that converge within
+// `reach`, with outward normals.
 Added project(const Field<3>& f, const Points<3>& from, double reach, double tolerance) {
   Points<3> x = from;
   Jet<3> jet;
@@ -274,7 +277,7 @@ Added project(const Field<3>& f, const Points<3>& from, double reach, double tol
   return added;
 }
 
-// Adds the samples that keep their distance from those there are and from each other.
+// Adds the samples that are far enough from the existing ones and from each other.
 void add_spread(const Added& added, double spacing, PreparedCloud& prepared) {
   OrientedPoints& cloud = prepared.cloud;
   std::vector<Index> free;
@@ -308,12 +311,12 @@ void add_spread(const Added& added, double spacing, PreparedCloud& prepared) {
 
 bool join(PreparedCloud& prepared, const std::vector<Index>& component) {
   const OrientedPoints& cloud = prepared.cloud;
-  if (openness(cloud, component) > most_open) return false;
+  if (openness(cloud, component) > max_openness) return false;
   const std::optional<Gap> gap = find_gap(cloud, *prepared.tree, component);
   if (!gap) return false;
   const double spacing = std::max(mean_spacing(cloud, component), coarsest * gap->width);
   const auto spline = spline_across(cloud, *prepared.tree, component, *gap);
-  const Added added = project(*spline, points_between(cloud, *gap, spacing), gap->width, precision * spacing);
+  const Added added = project(*spline, points_between(cloud, *gap, spacing), gap->width, convergence * spacing);
   if (added.points.empty()) return false;
   add_spread(added, spacing, prepared);
   return true;
@@ -326,7 +329,7 @@ Index bridge_gaps(PreparedCloud& prepared) {
   for (const std::vector<Index>& component : prepared.components) joined += join(prepared, component) ? 1 : 0;
   if (joined > 0)
     prepared.warnings.push_back(std::to_string(joined) + (joined == 1 ? " part" : " parts") +
-                                " cut off by gaps in the data joined to the rest");
+                                " separated by gaps in the data: joined to the rest");
   return joined;
 }
 

@@ -5,9 +5,9 @@
 namespace csrbf {
 namespace {
 
-constexpr Index decimation = 4;      // samples merged into one at most
-constexpr double run_reach = 4;      // spacings
-constexpr double run_normals = 0.3;  // cosine
+constexpr Index decimation = 4;      // most samples merged into one: the spacing doubles on a surface
+constexpr double run_reach = 4;      // spacings between samples that may merge; this and the next chosen by hand
+constexpr double run_normals = 0.3;  // least cosine between their normals
 
 // Ends of runs of at most `decimation` samples in Morton order that lie together on one sheet.
 std::vector<Index> runs(const OrientedPoints& cloud) {

@@ -4,8 +4,8 @@
 
 namespace csrbf {
 
-/// One sample for up to four that follow each other in Morton order on one sheet: the one nearest to their mean, with
-/// their mean normal, standing for their common area. Keeps the order. O(n).
+/// Replaces up to four consecutive samples in Morton order on one sheet by the one nearest to their mean, with their
+/// mean normal and total area. Keeps the order. O(n).
 OrientedPoints decimate(const OrientedPoints& cloud);
 
 }  // namespace csrbf

@@ -18,17 +18,18 @@
 namespace csrbf {
 namespace {
 
-constexpr Index neighbors = 9;           // for spacing: enough to average, few enough to stay local
-constexpr double link_length = 4;        // in spacings: points closer than this belong to one cluster
-constexpr double stray_sparseness = 3;   // a cluster is stray when its spacing is this many times the usual one
-constexpr double stray_share = 0.005;    // ... and it holds fewer than this share of the points
-constexpr double cloudy_share = 0.05;    // ... or fewer than this, and fills space instead of lying on a sheet:
-constexpr double sheet_variation = 0.1;  // smallest share of the spread of neighbours in one direction (1/3 in a ball)
-constexpr Index fewest_on_component = 30;
-constexpr double far_strays = 0.1;  // what is left when stray points are dropped is smaller than this: zoom in
-constexpr double usual_contradictions = 5e-4;     // share of neighbours whose given normals may disagree unexamined
-constexpr Index examined = 50'000;                // points that tell whether turning normals is the remedy
-constexpr double remaining_contradictions = 0.2;  // of them, when turning normals is the remedy
+// Chosen by hand.
+constexpr Index neighbors = 9;             // for spacing: enough to average, few enough to stay local
+constexpr double link_length = 4;          // in spacings: points closer than this belong to one cluster
+constexpr double stray_sparseness = 3;     // a cluster is stray if its spacing is this many times the median one
+constexpr double stray_share = 0.005;      // ... and it has less than this share of the points,
+constexpr double cloudy_share = 0.05;      // ... or less than this, and fills space instead of lying on a sheet:
+constexpr double sheet_variation = 0.1;    // largest share of the variance across a sheet (1/3 in a ball)
+constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
+constexpr double far_strays = 0.1;  // of the diagonal: a smaller cloud without stray points gets new unit coordinates
+constexpr double usual_contradictions = 5e-4;     // share of opposite neighbouring normals that is not examined
+constexpr Index examined = 50'000;                // points of a large cloud on which re-orientation is tried first
+constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
 
 void warn(std::vector<std::string>& warnings, Index count, const std::string& text) {
   if (count > 0) warnings.push_back(std::to_string(count) + " " + text);
@@ -64,7 +65,8 @@ void require_spread(const Points<3>& y) {
         "reconstruct: points: all lie on one line; a surface needs points that spread in at least two directions");
 }
 
-// Spacing s with s^2 = area per sample: the disc through the farthest neighbour, shared by the points on this sheet.
+// Spacing s with s^2 = area per sample: the area of the disc out to the farthest neighbour, divided by the number of
+// neighbours on this sheet.
 Eigen::VectorXd local_spacing(const Points<3>& normals, const NeighborTable& near) {
   Eigen::VectorXd spacing(near.size());
   for (Index i = 0; i < near.size(); ++i) {
@@ -84,16 +86,15 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Whether j is among the neighbours of i. A stray point has neighbours on the surface, but is the neighbour of none of
-// them.
+// Whether j is a neighbour of i. A stray point has neighbours on the surface, but is a neighbour of none of them.
 bool is_neighbor(const NeighborTable& near, Index i, Index j) {
   return std::find(near.of(i).begin(), near.of(i).end(), static_cast<std::uint32_t>(j)) != near.of(i).end();
 }
 
-// Share of the spread, in the direction of least spread, of point i and its neighbours in its own cluster; 1 when there
-// are too few to tell.
+// Share of the variance, in the direction of least variance, of point i and its neighbours in its own cluster; 1 if
+// they are too few.
 double least_variation(const Points<3>& points, const NeighborTable& near, DisjointSets& clusters, Index i) {
-  constexpr Index enough = 5;
+  constexpr Index enough = 5;  // 4 points in general position are never flat; one more
   Points<3> together(3, near.k + 1);
   together.col(0) = points.col(i);
   Index count = 1;
@@ -106,13 +107,13 @@ double least_variation(const Points<3>& points, const NeighborTable& near, Disjo
   return solver.eigenvalues()[0] / std::max(solver.eigenvalues().sum(), std::numeric_limits<double>::min());
 }
 
-// Points linked by distances that are short for both.
+// Clusters of points linked by distances that are short for both.
 DisjointSets link(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach) {
   DisjointSets clusters(reach.size());
   for (Index i = 0; i < points.cols(); ++i)
     for (const std::uint32_t other : near.of(i)) {
       const auto id = static_cast<std::uint32_t>(i);
-      if (other < id || clusters.find(other) == clusters.find(id)) continue;  // its turn was, or nothing would change
+      if (other < id || clusters.find(other) == clusters.find(id)) continue;  // done before, or already linked
       const double shorter = std::min(reach[id], reach[other]);
       if ((points.col(i) - points.col(other)).squaredNorm() <= link_length * link_length * shorter * shorter &&
           is_neighbor(near, other, i))
@@ -121,8 +122,7 @@ DisjointSets link(const Points<3>& points, const NeighborTable& near, const std:
   return clusters;
 }
 
-// Points to keep, and those clusters of them, as positions in `ids`, that are not part of the largest and tell what
-// they are.
+// Points to keep, and their clusters, as positions in `ids`, without the largest and those that are too small.
 struct Kept {
   std::vector<Index> ids;
   std::vector<std::vector<Index>> components;
@@ -144,8 +144,8 @@ std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const st
   return result;
 }
 
-// The points to keep: clusters of points linked by short neighbour distances are stray when they are much sparser than
-// usual and small, or fill space.
+// The points to keep: clusters of points linked by short distances are stray if they are much sparser than usual and
+// either small or fill space.
 Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
@@ -191,7 +191,7 @@ std::vector<Index> select(const std::vector<Index>& entries, const std::vector<I
   return chosen;
 }
 
-// Puts those points of the input into unit coordinates and Morton order, and finds their neighbours.
+// Puts the given points of the input into unit coordinates and Morton order, and finds their neighbours.
 NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedCloud& result) {
   Points<3> points = select(input.points, ids);
   const Box<3> box = bounding_box<3>(points);
@@ -201,13 +201,13 @@ NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedClo
   require_spread(points);
   const std::vector<Index> order = morton_order<3>(points);
   result.source = select(ids, order);
-  result.cloud.points = select(points, order);  // stays in its place in memory, where the tree looks for it
+  result.cloud.points = select(points, order);  // must not move in memory: the tree refers to it
   result.tree = std::make_unique<const KdTree<3>>(result.cloud.points);
   return make_neighbor_table(result.cloud.points, *result.tree, neighbors);
 }
 
-// Drops stray points. What is left is placed anew where it is small in comparison: unit coordinates are those of the
-// surface, and far points take digits from all others.
+// Drops stray points. If the rest is much smaller, it gets new unit coordinates: far points would cost all others
+// precision.
 NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
   NeighborTable near = place(input, ids, result);
   Index stray = 0;
@@ -249,7 +249,7 @@ Index normalize(Points<3>& normals) {
   return missing;
 }
 
-// Fills missing normals: estimated without orientation, turned to agree with the nearest given ones.
+// Fills in missing normals: estimated without orientation, flipped to agree with the nearest given ones.
 void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& progress) {
   NormalOptions options;
   options.orient = Orient::none;
@@ -270,7 +270,7 @@ void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& p
   }
 }
 
-// Share of the pairs of near neighbours whose normals point against each other.
+// Share of the pairs of near neighbours whose normals point to opposite sides.
 double opposite_neighbors(const Points<3>& normals, const NeighborTable& near) {
   const auto nearest = static_cast<std::size_t>(std::min<Index>(near.k, 4));
   Index pairs = 0, opposite = 0;
@@ -282,7 +282,7 @@ double opposite_neighbors(const Points<3>& normals, const NeighborTable& near) {
   return pairs == 0 ? 0 : static_cast<double>(opposite) / static_cast<double>(pairs);
 }
 
-// Share of the contradictions among the normals that consistent ones leave; 1 when there are hardly any contradictions.
+// Share of the contradictions among normals that remains after orienting them; 1 if there were hardly any.
 double remaining_after_orientation(const Points<3>& points, Points<3>& normals, const Progress& progress) {
   const double contradictions = 1 - orientation_consistency(points, normals);
   if (contradictions < usual_contradictions) return 1;
@@ -292,9 +292,9 @@ double remaining_after_orientation(const Points<3>& points, Points<3>& normals, 
   return (1 - orientation_consistency(points, normals)) / contradictions;
 }
 
-// Given normals with flipped patches disagree along the borders of the patches; then there is an orientation with far
-// fewer disagreements. Noise or creases leave about as many however the normals are turned: in a large cloud, some of
-// the points tell which it is.
+// Given normals with flipped regions disagree along the borders of the regions; then another orientation has far fewer
+// disagreements. Noise or creases leave about as many in any orientation. In a large cloud, a subset decides which it
+// is.
 void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
@@ -342,7 +342,7 @@ void turn_outward(PreparedCloud& result, Normals source) {
   if (count == 0) return;
   const std::string where = count == static_cast<std::ptrdiff_t>(inward.size()) ? "" : " on some parts";
   if (source == Normals::file) {
-    result.warnings.push_back("the given normals point inward" + where + ": with automatic normals they are turned");
+    result.warnings.push_back("the given normals point inward" + where + "; automatic normals would turn them");
     return;
   }
   std::vector<signed char> sign(static_cast<std::size_t>(result.cloud.size()), inward.back() ? -1 : 1);
@@ -358,7 +358,7 @@ void turn_outward(PreparedCloud& result, Normals source) {
 PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress) {
   report(progress, "prepare", 0);
   require(input.normals.cols() == 0 || input.has_normals(), "reconstruct", "normals", input.normals.cols(),
-          "must be as many as the points, or none");
+          "must be one per point, or none");
   require(source != Normals::file || input.has_normals(), "reconstruct", "normals", "file",
           "the input has no normals; use estimate or auto");
   PreparedCloud result;
@@ -367,7 +367,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
     if (!normals.col(i).allFinite()) normals.col(i).setZero();
   const std::vector<Index> kept = distinct_points(input, normals, result.warnings);
   require(kept.size() >= 4, "reconstruct", "points", kept.size(),
-          "distinct finite points are too few; at least 4 are needed");
+          "too few distinct finite points; at least 4 are needed");
 
   const NeighborTable near = place_all_but_stray(input, kept, result);
   report(progress, "prepare", 0.6);

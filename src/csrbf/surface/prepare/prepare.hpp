@@ -11,7 +11,7 @@
 
 namespace csrbf {
 
-/// A cloud made ready to fit.
+/// A cloud ready to be fitted.
 struct PreparedCloud {
   /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order; samples that
   /// bridge_gaps() adds follow.
@@ -27,8 +27,8 @@ struct PreparedCloud {
   std::vector<std::string> warnings;
 };
 
-/// Cleans a cloud: drops non-finite points, merges points at the same place, drops stray points (isolated clusters much
-/// sparser than the rest), finds normals and the local spacing. Every change is told in `warnings`.
+/// Cleans a cloud: drops non-finite points, merges coincident points, drops stray points (isolated clusters much
+/// sparser than the rest), finds normals and the local spacing. Every change is reported in `warnings`.
 /// Throws InvalidInput for fewer than four distinct points, and for collinear points. O(n log n).
 PreparedCloud prepare(const PointCloud& input, Normals normals, const Progress& progress = {});
 

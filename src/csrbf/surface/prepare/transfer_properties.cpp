@@ -10,8 +10,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index neighbors = 4;
-constexpr Index grain = 1024;
+constexpr Index neighbors = 4;  // averaged for a colour; chosen by hand: more blur, fewer show facets
+constexpr Index grain = 1024;   // targets per task
 
 bool is_color(const Property& p) {
   return p.type == "uchar" && (p.name == "red" || p.name == "green" || p.name == "blue" || p.name == "alpha");
@@ -46,8 +46,8 @@ struct Weights {
   Index count = 0;
 };
 
-// Inverse distances relative to the smallest one, so that they neither overflow nor depend on the unit of length; a
-// target on samples sees these only.
+// Inverse distances relative to the smallest one, so that they neither overflow nor depend on the unit of length; only
+// coincident samples count at a target that coincides with some.
 Weights weigh(const KdTree<3>& tree, const Samples& samples, const Point<3>& target) {
   Weights w;
   std::array<double, neighbors> squared{};

@@ -8,13 +8,15 @@
 namespace csrbf::winding {
 namespace {
 
-// Sources further than this many half sides from the centre of a cube (maximum norm) act through its polynomial.
+// Chosen by hand; the resulting error of u is given in winding_number.hpp. Larger values of the first two are more
+// accurate and slower.
+// Sources farther than this many half sides from the centre of a cube (maximum norm) act through its polynomial.
 constexpr double separation = 3;
-// A node stands for its samples further than this many radii from its centre.
+// A node replaces its samples farther than this many radii from its centre.
 constexpr double opening = 4;
-// Cubes with at most this many near samples are not divided.
+// Cubes with at most this many near samples are not divided. Larger: slower values, less memory and preparation.
 constexpr Index near_capacity = 2500;
-constexpr int max_depth = 30;
+constexpr int max_depth = 30;  // for coincident samples: half sides of 4 / 2^30, about the resolution of coordinates
 
 using Matrix = Eigen::Matrix<float, order, order>;
 
@@ -110,7 +112,7 @@ Cubes::Sources Cubes::classify(const Cell& cell, const std::vector<std::int32_t>
       sources.expansions.push_back(id);
     } else if (node.is_leaf()) {
       (is_far ? sources.leaves : sources.near).push_back(id);
-    } else if (!is_far && radius < 0.5 * cell.half) {
+    } else if (!is_far && radius < 0.5 * cell.half) {  // small nodes are not split further
       sources.near.push_back(id);
     } else {
       stack.push_back(node.right);
@@ -160,7 +162,7 @@ const Cell* Cubes::find(const Point<3>& x) const {
     const Cube* child = slot.load(std::memory_order_acquire);
     if (child == nullptr) {
       std::unique_ptr<Cube> made = make_child(*cube, octant);
-      // Threads may make the same cube at the same time; the first one stays.
+      // Threads may create the same cube at the same time; the first one is kept.
       if (slot.compare_exchange_strong(child, made.get(), std::memory_order_acq_rel, std::memory_order_acquire))
         child = made.release();
     }

@@ -7,16 +7,16 @@
 
 namespace csrbf::winding {
 
-/// An octree of cells around a tree of samples, divided until few samples are near a cell. Cells are made when a point
-/// in them is first asked for; what is in a cell does not depend on when. Lengths in units of the tree.
+/// An octree of cells around a tree of samples, subdivided until few samples are near a cell. Cells are created when a
+/// point in them is first requested; their content does not depend on when. Lengths in units of the tree.
 class Cubes {
  public:
-  /// Half side of the root.
+  /// Half side of the root: eight times the half extent of the samples at least; beyond, one expansion suffices.
   static constexpr double extent = 4;
 
   explicit Cubes(const Tree& tree);
 
-  /// The undivided cell that holds x, null outside the root. Thread safe.
+  /// The leaf cell that contains x, null outside the root. Thread safe.
   const Cell* find(const Point<3>& x) const;
 
  private:

@@ -9,7 +9,7 @@
 /// The inner loops of WindingNumber. Internal. All lengths are in units of the tree, relative to its origin.
 namespace csrbf::winding {
 
-/// The field in a cube is interpolated at order^3 points.
+/// The field in a cube is interpolated at order^3 points: tricubic, which gives the error in winding_number.hpp.
 inline constexpr int order = 4;
 inline constexpr int layer = order * order;
 using Coefficients = std::array<float, order * layer>;

@@ -9,7 +9,7 @@
 namespace csrbf {
 namespace {
 
-// Points further away than this many extents of the samples are moved in: u is -1 there in any case.
+// Points farther away than this many extents of the samples are clamped to it: u is -1 there in any case.
 constexpr double horizon = 1e9;
 
 void check(const winding::SamplesRef& data) {
@@ -28,7 +28,7 @@ void check(const winding::SamplesRef& data) {
           "smoothing lengths must be finite and positive");
 }
 
-// The expansion of a node at a point far from it, lengths in units of the tree.
+// The expansion of a node at a distant point, lengths in units of the tree.
 winding::Sums sum_node(const winding::Node& node, const Point<3>& x) {
   Taylor<3> r[3], D(node.eps2), N, A, Q;
   for (int k = 0; k < 3; ++k) {

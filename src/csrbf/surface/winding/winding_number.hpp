@@ -10,27 +10,27 @@ namespace csrbf {
 /// The generalised winding number of oriented samples of a surface, regularised near the samples:
 ///   w(x) = sum_i a_i n_i . (p_i - x) / (4 pi (|p_i - x|^2 + eps_i^2)^(3/2)),   u = 2 w - 1,
 /// so that u -> 1 inside a closed surface, -1 outside, and u = t / sqrt(t^2 + eps^2) at the depth t below a nearly flat
-/// part of it: a field of the library's sign, defined and smooth everywhere (Barill et al. 2018; softened as the
-/// gravity of particles is).
+/// part of it: a field with the library's sign convention, defined and smooth everywhere (Barill et al. 2018; softened
+/// like gravity in particle simulations).
 ///
 /// Samples far from a point act through the second-order moments of the nodes of a tree and, in a cube of space,
 /// through one tricubic polynomial (Greengard and Rokhlin 1987, interpolating as Fong and Darve 2009). The error of u
-/// is below 2e-3, mostly 2e-4, and jumps by as much on the faces of the cubes. Arithmetic in single precision relative
-/// to the cube. The value at a point does not depend on what else is evaluated, when, or on which thread.
+/// is below 2e-3, mostly 2e-4, with jumps of that size at the faces of the cubes. Arithmetic in single precision
+/// relative to the cube. The value at a point does not depend on what else is evaluated, when, or on which thread.
 ///
-/// Build O(n log n). The polynomial of a cube is made when a point in it is first evaluated and shared by all copies of
-/// the field; then a value takes O(1), whatever n is. Memory: about 95 bytes per sample, plus 40 if the whole
-/// surroundings of the surface are visited.
+/// Construction O(n log n). The polynomial of a cube is computed when a point in it is first evaluated and shared by
+/// all copies of the field; then a value takes O(1), independent of n. Memory: about 95 bytes per sample, plus 40 once
+/// the whole neighbourhood of the surface has been visited.
 class WindingNumber final : public Field<3> {
  public:
-  /// All that is needed to build the field again: points p, outward unit normals n (zero silences a sample), areas a >=
-  /// 0 of the part of the surface a sample stands for, smoothing lengths eps > 0 of about the distance between samples.
+  /// All that is needed to rebuild the field: points p, outward unit normals n (zero excludes a sample), areas a >= 0
+  /// of the part of the surface a sample represents, smoothing lengths eps > 0 of about the distance between samples.
   using Data = winding::Samples;
 
   /// No samples: u = -1.
   WindingNumber() = default;
 
-  /// Throws InvalidInput when sizes differ, an entry is not finite, an area is negative or a smoothing length is not
+  /// Throws InvalidInput if sizes differ, an entry is not finite, an area is negative or a smoothing length is not
   /// positive.
   explicit WindingNumber(const Data& data);
   WindingNumber(const PointsRef<3>& points, const PointsRef<3>& normals, const Eigen::Ref<const Eigen::VectorXd>& areas,
@@ -44,8 +44,8 @@ class WindingNumber final : public Field<3> {
   [[nodiscard]] Points<3> seeds() const override;
   [[nodiscard]] Index size() const;
 
-  /// The samples in the order of the tree; normals, areas and smoothing lengths rounded to single precision. The field
-  /// made from them is the same bit for bit.
+  /// The samples in the order of the tree; normals, areas and smoothing lengths rounded to single precision. A field
+  /// built from them is bit-identical.
   [[nodiscard]] Data data() const;
 
  private:

@@ -6,7 +6,8 @@
 namespace csrbf::winding {
 namespace {
 
-// A node stands for its samples further than this many radii from its centre.
+// A node replaces its samples farther than this many radii from its centre. Chosen by hand; the error of w is up to
+// 1e-2. Larger: more accurate and slower.
 constexpr double opening = 2.5;
 
 struct Lists {

@@ -13,8 +13,8 @@ using Linear = std::array<double, 3>;
 using Quadratic = std::array<double, 6>;  // xx xy xz yy yz zz
 using Cubic = std::array<double, 10>;     // xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz
 
-constexpr std::size_t leaf_size = 12;
-constexpr int max_midpoint_depth = 64;
+constexpr std::size_t leaf_size = 12;   // samples at most; chosen by hand. Larger: fewer nodes, more exact sums
+constexpr int max_midpoint_depth = 64;  // below, nodes are split by rank: bounds the depth for clustered samples
 constexpr double two_pi = 2 * std::numbers::pi;
 
 Quadratic multiply(const Linear& a, const Linear& b) {
@@ -105,7 +105,7 @@ class Builder {
     return moments;
   }
 
-  // The middle of the longest side separates the samples; by rank where they coincide or the tree gets too deep.
+  // Splits the longest side in the middle, or by rank where samples coincide or the tree gets too deep.
   std::size_t split(std::size_t begin, std::size_t end, int depth) {
     Box<3> box;
     for (std::size_t i = begin; i < end; ++i) box.add(Point<3>(items_[i].p));
@@ -119,7 +119,7 @@ class Builder {
     return begin + (end - begin) / 2;
   }
 
-  // Moves samples that are not left of `middle` to the end; both parts keep their order. Without branches.
+  // Moves samples that are not left of `middle` to the end; both parts keep their order. Branchless.
   std::size_t partition(std::size_t begin, std::size_t end, Index axis, double middle) {
     std::size_t left = begin, right = 0;
     for (std::size_t i = begin; i < end; ++i) {
@@ -148,7 +148,7 @@ class Builder {
       sample.weight = std::hypot(sample.N[0], sample.N[1], sample.N[2]);
       weight += sample.weight;
     }
-    // Silent samples still have a place.
+    // Samples of zero weight still have a position.
     const std::size_t count = end - begin;
     Moments sum;
     sum.weight = weight;
@@ -173,7 +173,7 @@ class Builder {
   }
 
   void finish(Node& node, const Moments& moments) const {
-    // The expansion is one in d and in the deviation of eps^2 from its mean.
+    // The expansion is in powers of d and of the deviation of eps^2 from its mean.
     double radius2 = 0, spread = 0;
     const auto begin = static_cast<std::size_t>(node.begin), end = begin + static_cast<std::size_t>(node.count);
     const Linear c = moments.center;
@@ -193,7 +193,7 @@ class Builder {
   }
 
   std::vector<Item> items_;
-  std::unique_ptr<Item[]> buffer_;  // of which only as much takes memory as is written to
+  std::unique_ptr<Item[]> buffer_;  // uninitialised: only the part written to takes physical memory
   std::vector<Node> nodes_;
 };
 
@@ -236,7 +236,7 @@ Tree make_tree(const SamplesRef& samples) {
     tree.eps2[i] = item.eps2;
     order[i] = item.index;
   }
-  std::vector<Item>().swap(items);  // before there are more points
+  std::vector<Item>().swap(items);  // frees memory before the points are copied
   tree.points = samples.points(Eigen::all, order);
   return tree;
 }

@@ -15,7 +15,7 @@ struct Samples {
   Eigen::VectorXd eps;
 };
 
-/// The same without copies.
+/// The same by reference.
 struct SamplesRef {
   PointsRef<3> points, normals;
   Eigen::Ref<const Eigen::VectorXd> areas, eps;
@@ -39,13 +39,13 @@ struct Node {
   [[nodiscard]] double radius() const { return 1 / inverse_scale; }
 };
 
-/// Samples are summed this many at a time; the arrays of a tree are padded to it.
+/// Number of samples summed at a time; the arrays of a tree are padded by it.
 inline constexpr int lanes = 8;
 
-/// The samples as the inner loops read them, sorted so that every node holds a range, and the nodes above them: parent,
-/// left subtree, right subtree.
+/// The samples as the inner loops read them, sorted so that every node is a range, and the nodes in depth-first order:
+/// parent, left subtree, right subtree.
 struct Tree {
-  /// Coordinates are integers: origin + unit / resolution * x.
+  /// Coordinates are integers: origin + unit / resolution * x. 28 bits leave room for differences in 32.
   static constexpr double resolution = 1 << 28;
 
   Point<3> origin = Point<3>::Zero();
@@ -59,7 +59,7 @@ struct Tree {
   [[nodiscard]] Index size() const { return points.cols(); }
 };
 
-/// Sorts samples into a tree. O(n log n). Samples that come out of `samples_of` make the same tree bit for bit.
+/// Sorts samples into a tree. O(n log n). Samples returned by `samples_of` give a bit-identical tree.
 Tree make_tree(const SamplesRef& samples);
 
 /// The samples of a tree in its order; normals, areas and smoothing lengths rounded to single precision.
