@@ -1,5 +1,6 @@
 #include "csrbf/approx/fit.hpp"
 
+#include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/levels/error_bounded.hpp"
 #include "csrbf/approx/levels/fixed_budget.hpp"
@@ -24,7 +25,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 
 namespace csrbf {
 namespace {
@@ -43,9 +43,8 @@ Index few(int dimension) {
 
 template <int Dim>
 void check(const FitOptions& options) {
-  const std::vector<std::string> methods = fit_methods();
-  require(std::find(methods.begin(), methods.end(), options.method) != methods.end(), "fit", "method", options.method,
-          "unknown; use one of " + joined(methods));
+  require(options.method == "auto" || find_fit_method(options.method) != nullptr, "fit", "method", options.method,
+          "unknown; use one of " + joined(fit_methods()));
   require(options.centers >= 0, "fit", "centers", options.centers, "must be positive, or 0 to let the method decide");
   require(options.tolerance >= 0 && std::isfinite(options.tolerance), "fit", "tolerance", options.tolerance,
           "must be a positive error in the unit of the values, or 0 for none");
@@ -60,12 +59,12 @@ void check(const FitOptions& options) {
   if (options.kernel != "auto") (void)Kernel(options.kernel, Dim, options.kernel_parameter);
 }
 
-std::string choose_method(const FitOptions& options, Index samples, int dimension) {
-  if (options.method != "auto") return options.method;
-  if (options.tolerance > 0) return "error-bounded";
-  if (options.centers > 0) return "fixed-budget";
+FitMethod choose_method(const FitOptions& options, Index samples, int dimension) {
+  if (const FitMethodInfo* given = find_fit_method(options.method)) return given->method;
+  if (options.tolerance > 0) return FitMethod::error_bounded;
+  if (options.centers > 0) return FitMethod::fixed_budget;
   const bool needs_polynomials = options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0;
-  return samples <= few(dimension) || needs_polynomials ? "interpolate" : "partition-of-unity";
+  return samples <= few(dimension) || needs_polynomials ? FitMethod::interpolate : FitMethod::partition_of_unity;
 }
 
 PartitionOfUnityOptions local_options(const FitOptions& options) {
@@ -78,18 +77,15 @@ PartitionOfUnityOptions local_options(const FitOptions& options) {
 }
 
 // Says which options the method leaves unused, and what came of the others.
-void warn(const FitOptions& options, FitReport& report) {
-  const auto unused = [&](bool is_given, const char* option, std::initializer_list<const char*> users) {
-    if (is_given && std::find(users.begin(), users.end(), report.method) == users.end())
-      report.warnings.push_back(std::string(option) + ": not used by the method " + report.method);
+void warn(const FitOptions& options, const FitMethodInfo& method, FitReport& report) {
+  const auto unused = [&](bool is_given, const char* option, bool is_used) {
+    if (is_given && !is_used)
+      report.warnings.push_back(std::string(option) + ": not used by the method " + method.name);
   };
-  unused(options.centers > 0 && options.method != "auto", "centers",
-         {"least-squares", "multilevel", "pca-multiresolution", "fixed-budget", "error-bounded"});
-  unused(options.tolerance > 0 && options.method != "auto", "tolerance",
-         {"multilevel", "pca-multiresolution", "error-bounded"});
-  unused(options.degree.has_value(), "degree",
-         {"interpolate", "partition-of-unity", "moving-least-squares", "along-tracks"});
-  if (report.method == "moving-least-squares") unused(options.smoothing.value_or(0) > 0, "smoothing", {});
+  unused(options.centers > 0 && options.method != "auto", "centers", method.centers);
+  unused(options.tolerance > 0 && options.method != "auto", "tolerance", method.tolerance);
+  unused(options.degree.has_value(), "degree", method.degree);
+  unused(options.smoothing.value_or(0) > 0, "smoothing", method.smoothing);
   if (report.levels > 1 && options.centers > 0 && report.centers > options.centers)
     report.warnings.push_back("centers: the levels together have more, " + std::to_string(report.centers));
   if (report.samples == 1) report.warnings.push_back("all samples are at one point: the function is constant");
@@ -105,37 +101,38 @@ class Fitter {
 
   Fields variances = {};  // after fit()
 
-  Fitter(const Samples<Dim>& samples, const FitOptions& options, FitReport& report)
-      : samples_(samples), options_(options), report_(report) {}
+  Fitter(const Samples<Dim>& samples, const FitOptions& options, FitMethod method, FitReport& report)
+      : samples_(samples), options_(options), method_(method), report_(report) {}
 
   Fields fit() {
     if (options_.method == "auto" && options_.tolerance > 0 && options_.centers == 0 && samples_.size() > few(Dim)) {
       Fields fields = thinned_partition();
       if (!fields.empty()) return fields;
     }
-    const std::string& method = report_.method;
-    if (method == "interpolate") return interpolant();
-    if (method == "partition-of-unity") return patches_or_tracks();
-    if (method == "moving-least-squares" || method == "along-tracks") return moving();
-    if (method == "least-squares") return level_sum(least_squares(samples_, level_options<LeastSquaresOptions>()));
-    if (method == "multilevel") {
-      auto options = level_options<MultilevelOptions>();
-      options.tolerance = options_.tolerance;
-      if (options_.smoothing.value_or(0) > 0) options.solve = LevelSolve::ridge;
-      return level_sum(multilevel(samples_, options));
+    switch (method_) {
+      case FitMethod::interpolate:
+        return interpolant();
+      case FitMethod::least_squares:
+        return level_sum(least_squares(samples_, level_options<LeastSquaresOptions>()));
+      case FitMethod::partition_of_unity:
+        return patches_or_tracks();
+      case FitMethod::multilevel:
+        return levels();
+      case FitMethod::pca_multiresolution:
+        return clusters();
+      case FitMethod::fixed_budget:
+        return level_sum(fixed_budget(samples_, level_options<FixedBudgetOptions>()));
+      case FitMethod::error_bounded:
+        return within_tolerance();
+      case FitMethod::moving_least_squares:
+      case FitMethod::along_tracks:
+        return moving();
     }
-    if (method == "fixed-budget") return level_sum(fixed_budget(samples_, level_options<FixedBudgetOptions>()));
-    if (method == "error-bounded") {
-      auto options = level_options<ErrorBoundedOptions>();
-      if (options_.tolerance > 0) options.tolerance = options_.tolerance;
-      return level_sum(error_bounded(samples_, options));
-    }
-    PcaMultiresolutionOptions options;
-    set_kernel(options);
-    if (options_.tolerance > 0) options.tolerance = options_.tolerance;
-    if (options_.centers > 0) options.cluster_size = std::max<Index>(1, samples_.size() / options_.centers);
-    return level_sum(pca_multiresolution(samples_, options));
+    return {};
   }
+
+  // The one used, after fit().
+  [[nodiscard]] FitMethod method() const { return method_; }
 
  private:
   template <class Options>
@@ -164,6 +161,27 @@ class Fitter {
     return fit.model();
   }
 
+  Fields levels() {
+    auto options = level_options<MultilevelOptions>();
+    options.tolerance = options_.tolerance;
+    if (options_.smoothing.value_or(0) > 0) options.solve = LevelSolve::ridge;
+    return level_sum(multilevel(samples_, options));
+  }
+
+  Fields clusters() {
+    PcaMultiresolutionOptions options;
+    set_kernel(options);
+    if (options_.tolerance > 0) options.tolerance = options_.tolerance;
+    if (options_.centers > 0) options.cluster_size = std::max<Index>(1, samples_.size() / options_.centers);
+    return level_sum(pca_multiresolution(samples_, options));
+  }
+
+  Fields within_tolerance() {
+    auto options = level_options<ErrorBoundedOptions>();
+    if (options_.tolerance > 0) options.tolerance = options_.tolerance;
+    return level_sum(error_bounded(samples_, options));
+  }
+
   // A partition of unity of a share of the samples that is within the tolerance at all of them; none if there is none.
   Fields thinned_partition() {
     if (options_.kernel != "auto" && Kernel(options_.kernel, Dim).order() > 0) return {};
@@ -182,7 +200,7 @@ class Fitter {
       Fields fields = partition(share, local);
       const Index stride_of_test = std::max<Index>(1, samples_.size() / tested_first);
       if (holds(fields, subset(order, stride / 2, stride_of_test)) && holds(fields, samples_)) {
-        report_.method = "partition-of-unity";
+        method_ = FitMethod::partition_of_unity;
         report_.samples_fitted = share.size();
         return fields;
       }
@@ -236,7 +254,7 @@ class Fitter {
   }
 
   bool tracks_may_matter() const {
-    const bool rough = report_.kernel == "wendland-c0" || report_.kernel == "powered-exponential";
+    const bool rough = Kernel(report_.kernel, Dim).is_rough();
     const bool free = options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
     const bool exact = report_.cross_validation_rmse <= rounding * samples_.values.cwiseAbs().maxCoeff();
     return Dim > 1 && free && rough && !exact && samples_.size() >= fewest_for_tracks;
@@ -248,14 +266,14 @@ class Fitter {
     const auto error = tracks_may_matter() ? better_along_tracks(samples_, local_) : std::nullopt;
     if (!error) return fields;
     report_ = before;
-    report_.method = "along-tracks";
+    method_ = FitMethod::along_tracks;
     report_.cross_validation_rmse = error->rmse;
     variances.clear();
     return moving();
   }
 
   Fields moving() {
-    auto options = report_.method == "along-tracks" ? along_tracks : MovingLeastSquaresOptions{};
+    auto options = method_ == FitMethod::along_tracks ? along_tracks : MovingLeastSquaresOptions{};
     if (options_.kernel != "auto") options.kernel = options_.kernel;
     if (options_.degree) options.degree = *options_.degree;
     report_.kernel = options.kernel;
@@ -297,13 +315,14 @@ class Fitter {
 
   const Samples<Dim>& samples_;
   const FitOptions& options_;
+  FitMethod method_;
   FitReport& report_;
   LocalOptions local_ = {};  // of the last partition of unity
 };
 
 // What the coordinates are divided by.
 template <int Dim>
-Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options, const std::string& method) {
+Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options, FitMethod method) {
   if (!options.scale_axes) return Point<Dim>::Ones();
   const Point<Dim> extent = bounding_box<Dim>(samples.points).extent();
   Point<Dim> equal = Point<Dim>::Ones();
@@ -316,7 +335,7 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
   }
   if (!(largest > maybe_different * smallest)) return Point<Dim>::Ones();
   if (largest > different_units * smallest) return equal;
-  if (method != "partition-of-unity") return Point<Dim>::Ones();
+  if (method != FitMethod::partition_of_unity) return Point<Dim>::Ones();
   Samples<Dim> scaled = samples;
   scaled.points.array().colwise() /= equal.array();
   const PartitionOfUnityOptions local = local_options(options);
@@ -342,13 +361,6 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
 
 }  // namespace
 
-std::vector<std::string> fit_methods() {
-  // clang-format off
-  return {"auto", "interpolate", "least-squares", "partition-of-unity", "multilevel", "pca-multiresolution",
-          "fixed-budget", "error-bounded", "moving-least-squares", "along-tracks"};
-  // clang-format on
-}
-
 template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   require_within_limits(samples, "fit");
@@ -363,8 +375,8 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   for (std::size_t a = 0; a < options.periods.size(); ++a) frame.periods[static_cast<Index>(a)] = options.periods[a];
 
   // error_bounded treats duplicates itself: the bound holds for each of them.
-  const bool keep_duplicates = options.method == "error-bounded" || options.method == "pca-multiresolution" ||
-                               (options.method == "auto" && options.tolerance > 0);
+  const FitMethodInfo* given = find_fit_method(options.method);
+  const bool keep_duplicates = given != nullptr ? given->keeps_duplicates : options.tolerance > 0;
   Samples<Dim> scaled =
       frame.periods.maxCoeff() > 0 ? repeat_periodically<Dim>(samples, frame.periods, frame.box.lo) : samples;
   MergedSamples<Dim> merged = keep_duplicates ? merge_duplicates(scaled) : merge_duplicates(std::move(scaled));
@@ -372,16 +384,16 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
   if (!keep_duplicates) scaled = std::move(merged.samples);
   report.samples = report.samples_fitted = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
-  report.method = choose_method(options, report.samples, Dim);
-  require(std::isnan(options.kernel_parameter) || report.method == "interpolate", "fit", "kernel_parameter",
+  const FitMethodInfo& method = info_of(choose_method(options, report.samples, Dim));
+  require(std::isnan(options.kernel_parameter) || method.kernel_parameter, "fit", "kernel_parameter",
           options.kernel_parameter,
-          "is for the method interpolate; " + report.method + " uses the default of the kernel");
-  frame.scales = choose_scales(scaled, options, report.method);
+          std::string("is for the method interpolate; ") + method.name + " uses the default of the kernel");
+  frame.scales = choose_scales(scaled, options, method.method);
   if ((frame.scales.array() != 1).any()) scaled.points.array().colwise() /= frame.scales.array();
   report.axis_scales.assign(frame.scales.data(), frame.scales.data() + Dim);
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  Fitter<Dim> fitter(scaled, options, report);
+  Fitter<Dim> fitter(scaled, options, method.method, report);
   for (auto& field : fitter.fit())
     result.components.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
   frame.extrapolation = Extrapolation::nan;  // what the function is there is a convention, with no error to tell
@@ -389,7 +401,8 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
     result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
   report.fit_seconds = seconds_since(start);
   measure_errors(samples, result);
-  warn(options, report);
+  report.method = info_of(fitter.method()).name;
+  warn(options, info_of(fitter.method()), report);
   return result;
 }
 

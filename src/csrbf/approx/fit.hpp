@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/fit_options.hpp"
 #include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/core/field.hpp"
@@ -29,8 +30,5 @@ struct Fit {
 /// SolverFailure when a tolerance cannot be met.
 template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options = {});
-
-/// The names `FitOptions::method` takes.
-std::vector<std::string> fit_methods();
 
 }  // namespace csrbf

@@ -69,6 +69,9 @@ class Kernel {
   /// Number of continuous derivatives on R^d; 100 for analytic kernels.
   [[nodiscard]] int smoothness() const { return smoothness_; }
 
+  /// Whether it is made for rough data: fewer than two continuous derivatives.
+  [[nodiscard]] bool is_rough() const { return smoothness_ < 2; }
+
   [[nodiscard]] double value(double r) const;      ///< phi
   [[nodiscard]] double g(double r) const;          ///< phi' / r
   [[nodiscard]] double q(double r) const;          ///< phi'' - phi' / r

@@ -308,7 +308,7 @@ class Chooser {
 
   [[nodiscard]] bool is_rough() const {
     const LocalOptions& best = best_.options;
-    return best.centers == best.samples && (best.kernel == "wendland-c0" || best.kernel == fractal_kernel);
+    return best.centers == best.samples && Kernel(best.kernel, Dim).is_rough();
   }
 
   // Under noise many samples per unknown win.

@@ -1,0 +1,43 @@
+#include "csrbf/approx/fit_method.hpp"
+
+#include <algorithm>
+
+namespace csrbf {
+
+const std::vector<FitMethodInfo>& fit_method_table() {
+  using enum FitMethod;
+  constexpr bool no = false, yes = true;
+  // clang-format off
+  static const std::vector<FitMethodInfo> table = {
+      // method, name, what                                                                         centers tolerance degree smoothing parameter duplicates
+      {interpolate, "interpolate", "one system for all samples (thesis 2.1)",                           no,  no,  yes, yes, yes, no},
+      {least_squares, "least-squares", "fewer centres than samples (thesis 2.5)",                       yes, no,  no,  yes, no,  no},
+      {partition_of_unity, "partition-of-unity", "blended local fits (Babuska and Melenk 1997)",        no,  no,  yes, yes, no,  no},
+      {multilevel, "multilevel", "levels of nested centres (Floater and Iske 1996)",                    yes, yes, no,  yes, no,  no},
+      {pca_multiresolution, "pca-multiresolution", "levels of clusters (thesis 3.1)",                   yes, yes, no,  yes, no,  yes},
+      {fixed_budget, "fixed-budget", "the best use of so many centres (thesis 3.2)",                    yes, no,  no,  yes, no,  no},
+      {error_bounded, "error-bounded", "an error that no sample exceeds (thesis 3.3)",                  yes, yes, no,  yes, no,  yes},
+      {moving_least_squares, "moving-least-squares", "moving polynomials (Lancaster, Salkauskas 1981)", no,  no,  yes, no,  no,  no},
+      {along_tracks, "along-tracks", "the same with weights that follow tracks",                        no,  no,  yes, no,  no,  no},
+  };
+  // clang-format on
+  return table;
+}
+
+const FitMethodInfo& info_of(FitMethod method) {
+  return fit_method_table()[static_cast<std::size_t>(method)];
+}
+
+const FitMethodInfo* find_fit_method(std::string_view name) {
+  const std::vector<FitMethodInfo>& all = fit_method_table();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const FitMethodInfo& info) { return info.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> fit_methods() {
+  std::vector<std::string> names = {"auto"};
+  for (const FitMethodInfo& info : fit_method_table()) names.emplace_back(info.name);
+  return names;
+}
+
+}  // namespace csrbf
