@@ -58,7 +58,7 @@ class Kernel {
   /// Whether phi = 0 for all r >= 1.
   [[nodiscard]] bool compact() const { return compact_; }
 
-  /// Whether fits depend on the support: false for pure powers and thin plates, which a change of unit changes only by
+  /// Whether fits depend on the support: false for pure powers and thin plates, which a change of unit alters only by
   /// a factor and a polynomial.
   [[nodiscard]] bool has_scale() const { return has_scale_; }
 
