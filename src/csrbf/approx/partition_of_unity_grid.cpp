@@ -10,8 +10,8 @@ namespace csrbf {
 namespace {
 
 constexpr Index lanes = batch_lanes;
-constexpr Index nodes_per_tile =
-    4096;                    // chosen by hand: larger tiles visit fewer supports twice, smaller ones stay cached
+// Chosen by hand: larger tiles enter fewer supports twice, smaller ones stay in the cache.
+constexpr Index nodes_per_tile = 4096;
 constexpr Index tasks = 64;  // at least, if there are as many tiles, to balance threads and processes
 
 // Reduces a polynomial by its last variable once that is known: monomial j becomes monomial target[j] of the result

@@ -17,7 +17,7 @@ constexpr double even_spread = 0.35;  // smallest variance from which samples co
 constexpr double flat = 1e-10;        // smallest variance below which they are on a line or plane, up to rounding
 
 constexpr Index most_spread = 400;          // samples; larger patches extend far enough in any case
-constexpr Index widening = 4, widest = 16;  // where they are lopsided, so many times as many samples are considered
+constexpr Index widening = 4, widest = 16;  // where they are lopsided, this many times more samples are considered
 constexpr double least_variance = 1e-2;     // over the largest one: bounds the condition of a metric
 constexpr double reach_share = 0.45;        // estimate of the ball of a cell's points, in diagonals of the cell
 

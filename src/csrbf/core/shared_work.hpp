@@ -105,7 +105,7 @@ void set_work_sharing(WorkSharing* sharing);
 /// or of a single block, is not worth sharing: every process does it itself.
 void share_work(const SharedWork& work);
 
-/// Whether work on so many items would be shared: a WorkSharing is set, there are more items than `grain`, and the
+/// Whether work on that many items would be shared: a WorkSharing is set, there are more items than `grain`, and the
 /// caller is not inside the body of a parallel loop.
 bool is_shared(Index items, Index grain);
 
