@@ -148,8 +148,8 @@ class Field {
   static constexpr Index block_size = 512;
 
   /// The same for n points in their evaluation_order(). Larger, because what lies at the edge of a block is visited for
-  /// several blocks, but not so large that threads or processes run out of work: blocks of n / 256 were measured to be
-  /// as good as those of n / 64.
+  /// several blocks, but not so large that threads or processes run out of work: blocks of n / 256 gain as much as
+  /// those of n / 64 did.
   static constexpr Index ordered_block_size(Index n) { return std::clamp<Index>(n / 256, block_size, 16 * block_size); }
 
  private:

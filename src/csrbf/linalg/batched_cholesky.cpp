@@ -317,8 +317,8 @@ void batch_gram(const double* F, Index rows, Index n, double* A, BatchWidth widt
 }
 
 BatchMask batch_cholesky(double* A, Index n, double tolerance, BatchWidth width) {
-  // In small systems every division waits for the one before; those of two halves of the lanes overlap. Measured: eight
-  // lanes at a time are faster from about this size on.
+  // Unknowns. In smaller systems every division waits for the one before, and those of two halves of the lanes overlap.
+  // How the value was found is not recorded.
   constexpr Index fewest_by_eight = 24;
   double failed[batch_lanes] = {};
   (by_eight(width) && n >= fewest_by_eight ? factorise_by_eight : factorise_by_four)(A, n, tolerance, failed);
@@ -328,8 +328,8 @@ BatchMask batch_cholesky(double* A, Index n, double tolerance, BatchWidth width)
 }
 
 void batch_solve(const double* L, Index n, double* b, Index count, BatchWidth width) {
-  // With few right-hand sides and a factor too large for the first-level cache memory is the limit, and four lanes at a
-  // time were measured to be faster.
+  // Unknowns. With few right-hand sides and a larger factor, which exceeds the first-level cache, memory is the limit:
+  // eight lanes at a time are used only where they are faster.
   constexpr Index most_in_cache = 48;
   const bool wide = by_eight(width) && (count >= Wide::tile || n <= most_in_cache);
   (wide ? solve_by_eight : solve_by_four)(L, n, b, count);
