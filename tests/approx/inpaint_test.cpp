@@ -286,7 +286,7 @@ TEST(Inpaint, RefusesMasksOfAnotherSizeAndImagesOfWhichNothingIsKnown) {
   EXPECT_EQ(invalid_input_message([&] { inpaint(image, Mask(11, 0)); }),
             "inpaint: entries of the mask = 11: there must be one per voxel (12) or per voxel of every frame");
   EXPECT_EQ(invalid_input_message([&] { inpaint(image, Mask(12, 1)); }),
-            "inpaint: known voxels = 0: frame 1 has no value to start from");
+            "inpaint: known voxels = 0: frame 1 has no known value");
   Mask one(12, 0);
   one[3] = 1;
   EXPECT_NE(invalid_input_message([&] { inpaint(image, one, {.method = "magic"}); }).find("method = magic"),

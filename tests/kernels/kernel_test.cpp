@@ -245,7 +245,7 @@ std::string message_of(const std::function<void()>& action) {
 
 TEST(Kernel, IsRefusedInDimensionsWhereItIsNotPositiveDefinite) {
   EXPECT_EQ(message_of([] { Kernel("wu-c4", 5); }).substr(0, 78),
-            "Kernel: name = wu-c4: is positive definite up to dimension 3 only, not in 5; t");
+            "Kernel: name = wu-c4: is positive definite only up to dimension 3, not in 5; u");
   const std::string message = message_of([] { Kernel("buhmann-c3", 4); });
   EXPECT_NE(message.find("wendland-c4"), std::string::npos);
   EXPECT_NE(message.find("buhmann-c2"), std::string::npos);
@@ -256,7 +256,7 @@ TEST(Kernel, IsRefusedInDimensionsWhereItIsNotPositiveDefinite) {
 
 TEST(Kernel, RejectsUnknownNamesListingTheKnown) {
   const std::string message = message_of([] { Kernel("gauss", 2); });
-  EXPECT_EQ(message.find("Kernel: name = gauss: unknown; there are wendland-c0, wendland-c2"), 0U) << message;
+  EXPECT_EQ(message.find("Kernel: name = gauss: unknown; use one of wendland-c0, wendland-c2"), 0U) << message;
 }
 
 TEST(Kernel, RejectsParametersOutOfRange) {
@@ -264,11 +264,10 @@ TEST(Kernel, RejectsParametersOutOfRange) {
             "Kernel: parameter of gaussian = 3: this kernel has none; leave it out");
   EXPECT_EQ(message_of([] { Kernel("matern", 2, 0); }),
             "Kernel: parameter of matern = 0: must be positive and at most 50");
-  EXPECT_EQ(
-      message_of([] { Kernel("powered-exponential", 2, 2.5); }),
-      "Kernel: parameter of powered-exponential = 2.5: must be at most 2, beyond which it is not positive definite");
+  EXPECT_EQ(message_of([] { Kernel("powered-exponential", 2, 2.5); }),
+            "Kernel: parameter of powered-exponential = 2.5: must be at most 2: larger ones are not positive definite");
   EXPECT_EQ(message_of([] { Kernel("multiquadric", 2, 2); }),
-            "Kernel: parameter of multiquadric = 2: must not be an integer, for which it is a polynomial");
+            "Kernel: parameter of multiquadric = 2: must not be an integer, or the kernel is a polynomial");
   EXPECT_EQ(message_of([] { Kernel("cubic", 0); }),
             "Kernel: dimension = 0: must be at least 1; give the dimension of the points");
 }

@@ -275,7 +275,7 @@ TEST(KernelRidge, ReportsAMatrixThatIsNotPositiveDefinite) {
   EXPECT_EQ(
       message_of([&] { kernel_ridge(indefinite, Eigen::Vector2d(1, 2), {.lambda0 = .5}); }),
       "kernel_ridge: A + lambda W^-1 is not positive definite, its smallest eigenvalue is -0.5: increase lambda0 = "
-      "0.5, merge equal points or use a kernel made for this dimension");
+      "0.5, merge coincident points, or use a kernel that is positive definite in this dimension");
   EXPECT_GT(kernel_ridge(indefinite, Eigen::Vector2d(1, 2)).lambda, 1);
 }
 
@@ -283,7 +283,7 @@ TEST(Ridge, ReportsDependentColumnsWhenThereIsNoRegularisation) {
   Eigen::MatrixXd B = random_matrix(10, 3, 18);
   B.col(2).setZero();
   EXPECT_EQ(message_of([&] { ridge(B, Eigen::VectorXd::Ones(10), {.lambda0 = 0.0}); }),
-            "ridge: the 3 columns of B have rank 2 only: give lambda0 > 0, or leave out columns without data");
+            "ridge: the 3 columns of B have only rank 2: give lambda0 > 0, or leave out columns without data");
   EXPECT_THROW(ridge(B.topRows(2), Eigen::VectorXd::Ones(2), {.lambda0 = 0.0}), SolverFailure);
   EXPECT_EQ(ridge(B, Eigen::VectorXd::Ones(10), {.lambda0 = 1e-3}).coefficients(2), 0);
 }

@@ -235,7 +235,7 @@ TEST(Saddle, SaysThatPointsAreNotUnisolvent) {
   Problem p = make_problem(KernelOrder::conditional, 10);
   p.G.col(2) = 2 * p.G.col(1) + p.G.col(0);  // all points on a line
   const std::string expected =
-      "solve_saddle: G = 10 x 3: has rank 2 only: the points lie on the zero set of a polynomial of this degree; lower "
+      "solve_saddle: G = 10 x 3: has only rank 2: the points lie on the zero set of a polynomial of this degree; lower "
       "the degree or add points";
   EXPECT_EQ(message_of<InvalidInput>([&] { (void)solve_saddle(p.A, p.G, p.s); }), expected);
   EXPECT_THROW((void)choose_smoothing(p.A, p.G, p.s), InvalidInput);

@@ -10,7 +10,7 @@
 
 namespace csrbf {
 
-/// What a function is outside the box of its samples.
+/// The value of a function outside the box of its samples.
 enum class Extrapolation {
   constant,  ///< its value at the nearest point of the box: bounded and continuous
   nan,       ///< NaN
@@ -18,20 +18,19 @@ enum class Extrapolation {
 
 struct FitOptions {
   /// auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget,
-  /// error-bounded, moving-least-squares or along-tracks, which is that with weights that follow tracks. auto: for a
-  /// tolerance partition-of-unity, of as many samples as it takes, and error-bounded where that does not meet it;
-  /// fixed-budget for a budget of centres, interpolate with a kernel chosen by leave-one-out for few samples without
-  /// noise, else partition-of-unity, or along-tracks where that predicts rough values on tracks better.
+  /// error-bounded, moving-least-squares or along-tracks (moving least squares whose weights follow tracks). auto: for
+  /// a tolerance partition-of-unity, of as many samples as it takes, or error-bounded where that does not meet it;
+  /// fixed-budget for a budget of centres; interpolate with a kernel chosen by leave-one-out for few samples without
+  /// noise; else partition-of-unity, or along-tracks where that predicts rough values on tracks better.
   std::string method = "auto";
   /// A name of kernels/kernel.hpp, or auto.
   std::string kernel = "auto";
-  /// Of kernels that have one, for the method interpolate; NaN: the default of the kernel.
+  /// For kernels that have one and the method interpolate; NaN: the default of the kernel.
   double kernel_parameter = std::numeric_limits<double>::quiet_NaN();
-  /// Budget of centres, of multilevel that of the last level and of error-bounded that of the first; 0: the method
-  /// decides. Options that a method has no use for are named in the warnings of the report.
+  /// Budget of centres: for multilevel that of the last level, for error-bounded that of the first; 0: the method
+  /// decides. Options that a method does not use are named in the warnings of the report.
   Index centers = 0;
-  /// Largest error allowed at any sample, in the unit of the values; 0: none asked for. A loose one saves time
-  /// and memory.
+  /// Largest error allowed at any sample, in the unit of the values; 0: no limit. A loose one saves time and memory.
   double tolerance = 0;
   /// 0: interpolate; larger: smoother; unset: chosen by cross-validation.
   std::optional<double> smoothing = {};
@@ -40,16 +39,16 @@ struct FitOptions {
   /// Period of every axis, 0 for none (longitude: 360); empty: no axis is periodic.
   std::vector<double> periods = {};
   Extrapolation extrapolation = Extrapolation::constant;
-  /// Whether axes of different units may be scaled; false where all coordinates are lengths of one unit, as in images.
+  /// Whether axes of different units may be scaled; false where all coordinates are lengths in one unit, as in images.
   bool scale_axes = true;
   Progress progress = {};
 };
 
-/// What a fit did: the options used, also those chosen, and how well it went.
+/// What a fit did: the options used, given or chosen, and its errors.
 struct FitReport {
   std::string method, kernel;
   Index samples = 0;            ///< used
-  Index samples_fitted = 0;     ///< of them; the others, if any, are within the tolerance all the same
+  Index samples_fitted = 0;     ///< of these; the others, if any, are within the tolerance nevertheless
   Index merged_duplicates = 0;  ///< samples that were merged with others at the same place
   Index centers = 0;            ///< radial functions
   Index levels = 1;

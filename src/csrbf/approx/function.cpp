@@ -11,7 +11,7 @@ namespace {
 constexpr const char* dimensions_text =
     "must be one of those the library was built for (core/dimensions.hpp), 1 to 6; choose fewer coordinates";
 
-// Calls use(fit) for the fit there is.
+// Calls use(fit) with the fit held.
 template <class Use>
 auto visit_fit(const Function::Fits& fits, const Use& use) {
   using Result = decltype(use(std::get<0>(fits)));
@@ -85,7 +85,7 @@ Eigen::MatrixXd evaluate_on_grid(const Fit<Dim>& fit, const std::vector<Eigen::V
 template <class Scalar>
 void evaluate_slices(const Function& function, std::vector<Eigen::VectorXd> axes,
                      Eigen::Ref<Eigen::MatrixX<Scalar>> values, const Progress& progress) {
-  constexpr Index most_nodes = Index{1} << 20;
+  constexpr Index most_nodes = Index{1} << 20;  // at a time, 8 MB per component; chosen by hand
   const auto d = static_cast<std::size_t>(function.dimension());
   require(axes.size() == d, "evaluate_grid", "number of axes", axes.size(),
           "must be " + std::to_string(d) + ", the dimension of the function");

@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// A fitted function whose dimension is known at run time only: what the program, the model files and Python hold.
+/// A fitted function whose dimension is known only at run time, as held by the program, model files and Python.
 class Function {
  public:
 #define CSRBF_ALTERNATIVE(Dim) Fit<Dim>,
@@ -60,7 +60,7 @@ class Function {
   Fits fit_;
 };
 
-/// fit() for points (d x n), values (n x k) and weights (n, or empty) of any dimension there is.
+/// fit() for points (d x n), values (n x k) and weights (n, or empty) in any of the supported dimensions.
 Function fit_function(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
                       const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options = {});
 

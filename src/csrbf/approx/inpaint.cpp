@@ -10,13 +10,14 @@ namespace csrbf {
 namespace {
 
 constexpr const char* function = "inpaint";
-constexpr double rim_voxels = 8;     // holds the samples of the patches around a missing voxel
-constexpr double rim_depths = 2;     // of the deepest hole
-constexpr double useful_share = .5;  // of the known voxels: with more near ones all are taken
+// All chosen by hand. The rim of a hole, whose voxels are samples: large enough for the patches around missing voxels.
+constexpr double rim_voxels = 8;     // width
+constexpr double rim_depths = 2;     // the same in depths of the deepest hole; the larger one counts
+constexpr double useful_share = .5;  // of the known voxels: with more of them in rims all known ones are samples
 
-constexpr Index few = 100;         // samples up to which fit() chooses the method
-constexpr double deep = 1.5;       // mean depth of missing voxels in spacings of the known ones, to be called holes
-constexpr double away_depths = 4;  // how far holes are moved to try kernels on them, in depths of the deepest one
+constexpr Index few = 100;    // samples up to which fit() chooses the method
+constexpr double deep = 1.5;  // mean depth of missing voxels, in spacings of known ones, above which they form holes
+constexpr double shift_depths = 4;  // how far holes are shifted to test kernels on them, in depths of the deepest one
 
 using Mask = std::vector<unsigned char>;  // one entry per voxel
 
@@ -91,7 +92,7 @@ Points<Dim> positions(const std::vector<Index>& voxels, const Grid& grid) {
   return points;
 }
 
-// Some components of one frame that miss the same voxels.
+// Components of one frame with the same missing voxels.
 template <class Scalar>
 struct Part {
   Eigen::Map<typename Volume<Scalar>::Values> frame;  // components x voxels
@@ -104,7 +105,7 @@ struct Part {
   }
 };
 
-// The best single system of all samples is little better on images, but far slower.
+// On images a single system of all samples is hardly better, but far slower.
 FitOptions with_method(const FitOptions& options, Index samples) {
   FitOptions used = options;
   const bool is_free = options.method == "auto" && options.kernel == "auto";
@@ -126,8 +127,8 @@ std::vector<Index> marked(const Mask& mask) {
   return voxels;
 }
 
-// The missing voxels moved along an axis, as far as known ones are there.
-Mask moved(const Mask& missing, const Grid& grid, int axis, Index by) {
+// The missing voxels shifted along an axis, where they land on known ones.
+Mask shifted(const Mask& missing, const Grid& grid, int axis, Index by) {
   Mask result(missing.size(), 0);
   Index stride = 1;
   for (int a = 0; a < axis; ++a) stride *= grid.size[static_cast<std::size_t>(a)];
@@ -140,7 +141,7 @@ Mask moved(const Mask& missing, const Grid& grid, int axis, Index by) {
   return result;
 }
 
-// Holes of the same shape at known places, for trying; empty when the missing voxels are scattered, not holes.
+// Holes of the same shape among the known voxels, to test kernels on; empty when the missing voxels are scattered.
 Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
   const std::vector<float> depth = distance_to(false, missing, grid);
   const double sum = std::accumulate(depth.begin(), depth.end(), 0.0);
@@ -150,11 +151,11 @@ Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
                                                        1 / static_cast<double>(std::max<std::size_t>(1, axes.size())));
   Mask best;
   if (!(sum > deep * spacing * (voxels - static_cast<double>(known)))) return best;
-  const double distance = away_depths * *std::max_element(depth.begin(), depth.end());
+  const double distance = shift_depths * *std::max_element(depth.begin(), depth.end());
   std::ptrdiff_t most = 0;
   for (const int axis : axes)
     for (const double sign : {1.0, -1.0}) {
-      Mask trial = moved(missing, grid, axis, static_cast<Index>(std::lround(sign * distance / grid.spacing[axis])));
+      Mask trial = shifted(missing, grid, axis, static_cast<Index>(std::lround(sign * distance / grid.spacing[axis])));
       const auto count = std::count(trial.begin(), trial.end(), 1);
       if (count <= most) continue;
       most = count;
@@ -163,8 +164,8 @@ Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
   return best;
 }
 
-// Voxels left out one by one prefer smooth kernels and high degrees, which overshoot in holes of images with texture.
-// So holes of the same shape at known places decide between those and rough kernels about a mean.
+// Leaving out single voxels favours smooth kernels and high degrees, which overshoot in holes of textured images. So
+// holes of the same shape among the known voxels decide between those and rough kernels about a mean.
 template <int Dim, class Scalar>
 FitOptions for_holes(const Part<Scalar>& part, const FitOptions& options) {
   const std::vector<Index> hidden =
@@ -219,7 +220,7 @@ FitReport fill(Part<Scalar>& part, const FitOptions& options) {
   return axes == 2 ? fill<2>(part, options) : fill<3>(part, options);
 }
 
-// Components that miss the same voxels are one part, so that they share a fit.
+// Components with the same missing voxels are one part, so that they share a fit.
 template <class Scalar>
 std::vector<Part<Scalar>> parts_of(Volume<Scalar>& image, Index t, const unsigned char* missing) {
   const auto frame = image.frame(t);
@@ -271,7 +272,7 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
     for (Part<Scalar>& part : parts_of(image, t, missing.data() + (same_mask ? 0 : t * image.grid.voxels()))) {
       const Index unknown = part.missing_voxels();
       const Index known = part.frame.cols() - unknown;
-      require(known > 0, function, "known voxels", 0, "frame " + std::to_string(t + 1) + " has no value to start from");
+      require(known > 0, function, "known voxels", 0, "frame " + std::to_string(t + 1) + " has no known value");
       if (unknown > 0) {
         FitReport fitted = fill(part, frame_options);
         if (report.missing == 0) report.fit = std::move(fitted);

@@ -14,23 +14,23 @@ struct InpaintReport {
   FitReport fit;  ///< of the first component and frame with missing values; its `samples` are the known voxels used
 };
 
-/// Fills missing or unreliable voxels of an image of up to 3 axes: every frame by itself, and every component, with a
-/// function fitted to the known values (see fit()). Distances are physical, so that voxels that are longer in one
-/// direction count as such. Known values stay as they are; filled ones are neither rounded nor clamped.
+/// Fills missing or unreliable voxels of an image of up to 3 axes, every frame and component separately, by a function
+/// fitted to the known values (see fit()). Distances are physical, which accounts for voxels that are longer in one
+/// direction. Known values do not change; filled ones are neither rounded nor clamped.
 ///
 /// `missing`: one entry per voxel, or per voxel of every frame, not 0 where the values are to be replaced. Values that
 /// are not finite are missing as well.
 ///
-/// Known voxels far from all missing ones say nothing about them: only those within a city-block distance of 8 voxels,
-/// or of twice the depth of the deepest hole where that is more, are samples of the fit, provided that these are less
-/// than half of the known voxels; otherwise all of them are. O(n) time and memory besides the fit.
+/// Known voxels far from all missing ones do not matter: only those within a city-block distance of 8 voxels, or of
+/// twice the depth of the deepest hole where that is more, are samples of the fit, provided that these are less than
+/// half of the known voxels; otherwise all of them are. O(n) time and memory in addition to the fit.
 ///
 /// The method auto is a partition of unity, except for a tolerance, a budget of centres, a given kernel or up to 100
 /// samples (see FitOptions). Where voxels are missing in holes instead of one by one, its kernel is the one of three
-/// (that of cross-validation, wendland-c2, wendland-c0) that errs least in holes of the same shape at known places:
-/// smooth images want smooth kernels, which in texture overshoot.
+/// (that of cross-validation, wendland-c2, wendland-c0) with the smallest error in holes of the same shape among known
+/// voxels: smooth images need smooth kernels, which overshoot in texture.
 ///
-/// Throws InvalidInput when `missing` has another size, or nothing is known in a frame, and what fit() throws.
+/// Throws InvalidInput when `missing` has another size or a frame has no known value, and what fit() throws.
 template <class Scalar>
 InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const FitOptions& options = {});
 

@@ -41,11 +41,12 @@ Eigen::VectorXd checked_smoothing(const Eigen::VectorXd& smoothing, Index n) {
   return smoothing;
 }
 
-// Points per part of an evaluation after which progress is reported: some tenths of a second.
+// Points per part of an evaluation, between reports of progress. Chosen by hand.
 Index part_size(double cost_per_point) {
-  constexpr double units = 1e8;
-  constexpr Index block = 512;
-  return block * std::clamp<Index>(static_cast<Index>(units / (block * cost_per_point)), 1, 4096);
+  constexpr double work = 1e8;         // some tenths of a second
+  constexpr Index block = 512;         // points, enough for several threads
+  constexpr Index most_blocks = 4096;  // bounds the memory of a part
+  return block * std::clamp<Index>(static_cast<Index>(work / (block * cost_per_point)), 1, most_blocks);
 }
 
 }  // namespace

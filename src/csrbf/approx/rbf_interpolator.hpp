@@ -11,10 +11,11 @@
 namespace csrbf {
 
 struct RbfInterpolatorOptions {
-  /// 0: one interpolant of all points. Otherwise every query is answered by the interpolant of that many points nearest
-  /// to it (all points when there are not as many).
+  /// 0: one interpolant of all points. Otherwise every query is evaluated by the interpolant of that many points
+  /// nearest to it (all points if there are fewer).
   Index neighbors = 0;
-  /// Added to the diagonal of the system, >= 0 to be well posed: one entry for all points, or one each; empty: 0.
+  /// Added to the diagonal of the system, >= 0 for it to be well posed: one entry for all points, or one each; empty:
+  /// 0.
   Eigen::VectorXd smoothing = {};
   /// linear, thin_plate_spline, cubic, quintic, multiquadric, inverse_multiquadric, inverse_quadratic, gaussian, or a
   /// name of Kernel.
@@ -28,8 +29,8 @@ struct RbfInterpolatorOptions {
 
 /// Interpolation or smoothing of scattered data by one radial function per point and a polynomial, or by local such
 /// interpolants over nearest neighbours: the model and the conventions of SciPy's class of that name. For scattered
-/// data in general fit() is the better tool: it is smooth where local interpolants jump, chooses what has to be given
-/// here, and works in O(n).
+/// data in general fit() is the better tool: its functions are smooth where local interpolants jump, it chooses what
+/// has to be given here, and takes O(n).
 ///
 ///     (A + diag(smoothing)) alpha + G pi = values,   G^T alpha = 0,   A_ij = phi(epsilon |y_i - y_j|)
 ///
@@ -42,7 +43,7 @@ class RbfInterpolator {
   RbfInterpolator(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
                   const RbfInterpolatorOptions& options = {});
 
-  /// One that has been solved already: with `coefficients` (k x (n + Q)) as of coefficients().
+  /// One that is already solved, with `coefficients` (k x (n + Q)) as returned by coefficients().
   static RbfInterpolator restore(const Eigen::Ref<const Eigen::MatrixXd>& points,
                                  const Eigen::Ref<const Eigen::MatrixXd>& coefficients,
                                  const RbfInterpolatorOptions& options);
@@ -57,7 +58,7 @@ class RbfInterpolator {
   [[nodiscard]] Index dimension() const { return points_.rows(); }
   [[nodiscard]] Index neighbors() const { return neighbors_; }
   [[nodiscard]] int degree() const { return degree_; }
-  /// Below it the system need not be solvable: the order of the kernel minus 1.
+  /// The smallest degree with which the system is always solvable: the order of the kernel minus 1.
   [[nodiscard]] static int smallest_degree(const std::string& kernel, Index dimension);
   [[nodiscard]] double epsilon() const { return epsilon_; }
   [[nodiscard]] Eigen::MatrixXi powers() const { return basis_.monomials.powers(); }

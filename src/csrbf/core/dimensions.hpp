@@ -1,5 +1,5 @@
 #pragma once
 
-/// X(Dim) for every dimension in which the templates on `int Dim` of the library are instantiated. Their definitions
-/// live in source files; more dimensions need one more entry here.
+/// X(Dim) for every dimension in which the library instantiates its templates on `int Dim`. Their definitions are in
+/// source files; every further dimension needs an entry here.
 #define CSRBF_FOR_EACH_DIM(X) X(1) X(2) X(3) X(4) X(5) X(6)

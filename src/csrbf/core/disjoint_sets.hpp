@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// Disjoint sets of the numbers 0 .. n - 1, each represented by its smallest member.
+/// Disjoint sets of the integers 0 .. n - 1, each represented by its smallest member.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
@@ -18,7 +18,7 @@ class DisjointSets {
     return i;
   }
 
-  /// Makes one set of the sets of i and j.
+  /// Merges the sets of i and j.
   void unite(std::uint32_t i, std::uint32_t j) {
     i = find(i);
     j = find(j);

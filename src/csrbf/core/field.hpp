@@ -13,7 +13,7 @@ namespace csrbf {
 /// How many derivatives an evaluation returns besides the value.
 enum class Derivatives { none = 0, gradient = 1, hessian = 2 };
 
-/// Values and derivatives of a scalar field at n points. Parts that were not asked for have no columns.
+/// Values and derivatives of a scalar field at n points. Parts that were not requested have no columns.
 template <int Dim>
 struct Jet {
   Eigen::VectorXd value;                                               ///< n
@@ -36,7 +36,7 @@ struct Jet {
 };
 
 /// Where a field writes the jet of a block of n points: column i of each array belongs to point i.
-/// `gradient` and `hessian` are null when they are not wanted.
+/// `gradient` and `hessian` are null when they are not requested.
 struct JetBlock {
   double* value = nullptr;     ///< n
   double* gradient = nullptr;  ///< Dim x n, column major
@@ -78,10 +78,10 @@ class Field {
   /// each other.
   virtual void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const = 0;
 
-  /// Box outside which nothing is of interest: the data, or the zero set.
+  /// Box that contains everything of interest: the data, or the zero set.
   [[nodiscard]] virtual Box<Dim> bounds() const = 0;
 
-  /// Points close to every part of the zero set, from which it can be traced; none when nothing is known.
+  /// Points close to every part of the zero set, from which it can be traced; empty when none are known.
   [[nodiscard]] virtual Points<Dim> seeds() const { return Points<Dim>(Dim, 0); }
 
   /// Length of the smallest detail the field can hold, for choosing a cell size; 0 when nothing is known.
@@ -90,7 +90,7 @@ class Field {
   /// An order in which points are fast to evaluate; empty when the given one will do.
   [[nodiscard]] virtual std::vector<Index> evaluation_order(const PointsRef<Dim>& /*x*/) const { return {}; }
 
-  /// Bounds on a box, with which nothing is missed (ray casting); nothing when the field cannot give any for certain.
+  /// Guaranteed bounds on a box, so that ray casting misses nothing; nullopt when the field has none.
   [[nodiscard]] virtual std::optional<Enclosure> enclose(const Box<Dim>& /*box*/) const { return std::nullopt; }
 
   /// Evaluates any number of points on all threads.
@@ -143,11 +143,13 @@ class Field {
     return value;
   }
 
-  /// Number of points handed to evaluate_block at a time, as long as they come in no order of their own.
+  /// Points per call of evaluate_block in no particular order. Chosen by hand: larger blocks amortise the cost of a
+  /// call, smaller ones stay in the cache and balance the load.
   static constexpr Index block_size = 512;
 
-  /// That number for n points in their evaluation_order(): what is at the edges of a block is visited for more than one
-  /// of them, and few blocks leave threads and processes without work.
+  /// The same for n points in their evaluation_order(). Larger, because what lies at the edge of a block is visited for
+  /// several blocks, but not so large that threads or processes run out of work: blocks of n / 256 gain as much as
+  /// those of n / 64 did.
   static constexpr Index ordered_block_size(Index n) { return std::clamp<Index>(n / 256, block_size, 16 * block_size); }
 
  private:

@@ -10,15 +10,15 @@
 
 namespace csrbf {
 
-/// Type of the samples of an image in its file.
+/// Sample type of an image file.
 enum class SampleType { uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64 };
 
 [[nodiscard]] constexpr bool is_floating(SampleType type) {
   return type == SampleType::float32 || type == SampleType::float64;
 }
 
-/// What the physical axes of an image mean: nothing, or those of a patient in mm (x to the left or right, y to the back
-/// or front, z to the head).
+/// Meaning of the physical axes of an image: unknown, or patient coordinates in mm (x to the left or right, y to the
+/// back or front, z to the head).
 enum class Space { unknown, left_posterior_superior, right_anterior_superior };
 
 /// A regular lattice of voxels: voxel (i, j, k) is centred at origin + direction * diag(spacing) * (i, j, k). x is the
@@ -26,14 +26,14 @@ enum class Space { unknown, left_posterior_superior, right_anterior_superior };
 struct Grid {
   int axes = 3;                                             ///< 1 to 3
   std::array<Index, 3> size{1, 1, 1};                       ///< voxels along x, y, z
-  Point<3> spacing = Point<3>::Ones();                      ///< distance of neighbours along each axis; positive
+  Point<3> spacing = Point<3>::Ones();                      ///< between neighbours along each axis; positive
   Point<3> origin = Point<3>::Zero();                       ///< centre of the first voxel
   Eigen::Matrix3d direction = Eigen::Matrix3d::Identity();  ///< columns: unit vectors of the axes; not singular
   Space space = Space::unknown;
 
   [[nodiscard]] Index voxels() const { return size[0] * size[1] * size[2]; }
   [[nodiscard]] Index index(Index x, Index y = 0, Index z = 0) const { return x + size[0] * (y + size[1] * z); }
-  /// Number of axes without trailing ones of a single voxel; at least 1.
+  /// Number of axes, not counting trailing ones of a single voxel; at least 1.
   [[nodiscard]] int dimension() const { return size[2] > 1 ? 3 : size[1] > 1 ? 2 : 1; }
 
   /// Map from voxel to physical coordinates; for Dim < 3 the first Dim coordinates of both, and the rest 0.
@@ -50,7 +50,7 @@ struct Grid {
   /// axes of space.
   template <int Dim>
   [[nodiscard]] Eigen::Transform<double, Dim, Eigen::Affine> to_voxel() const {
-    // Unit columns: rounding alone leaves a determinant of the order of the machine precision.
+    // The columns are unit vectors: for dependent ones rounding leaves a determinant of about machine precision.
     constexpr double singular = 1e-12;
     const double volume = direction.topLeftCorner<Dim, Dim>().determinant();
     require(std::abs(volume) > singular, "Grid::to_voxel", "determinant of the directions", volume,
@@ -76,7 +76,7 @@ struct Grid {
   }
 };
 
-/// The grid in another space: x and y change their sign between the two of patients.
+/// The grid in another space: x and y change sign between the two patient spaces.
 inline Grid in_space(Grid grid, Space space) {
   if (grid.space != Space::unknown && space != Space::unknown && grid.space != space) {
     grid.direction.topRows(2) *= -1;
@@ -86,10 +86,10 @@ inline Grid in_space(Grid grid, Space space) {
   return grid;
 }
 
-/// Everything about an image but its values.
+/// Everything about an image except its values.
 struct VolumeLayout {
   Grid grid;
-  Index frames = 1;                       ///< images along the time axis; 1: it has none
+  Index frames = 1;                       ///< images along the time axis; 1: no time axis
   double time_step = 1;                   ///< s, between frames
   Index components = 1;                   ///< values per voxel: 3 for RGB
   SampleType type = SampleType::float32;  ///< of the samples in the file it came from or goes to
@@ -97,10 +97,10 @@ struct VolumeLayout {
   [[nodiscard]] Index values_per_frame() const { return components * grid.voxels(); }
 };
 
-/// A scientific image of 1 to 3 axes, as a still or a sequence. The component runs fastest, then x, y, z, time.
-/// Scalar is float or double, whatever the file holds. float is exact for integers up to 24 bits and half the memory:
-/// 512^3 voxels take 0.5 GB (and 0.27 GB more while a 16-bit file is read), double 1.1 GB. Take double where the
-/// values of a file of 32 or 64-bit samples must survive, as when filling holes of an image.
+/// A scientific image of 1 to 3 axes, or a time sequence of them. The component runs fastest, then x, y, z, time.
+/// Scalar is float or double, whatever the file holds. float is exact for integers up to 24 bits and takes half the
+/// memory: 0.5 GB for 512^3 voxels (and 0.27 GB more while a 16-bit file is read), double 1.1 GB. Use double where
+/// 32 or 64-bit samples of a file must be preserved, as when filling holes of an image.
 template <class Scalar>
 struct Volume : VolumeLayout {
   std::vector<Scalar> values;  ///< values_per_frame() * frames

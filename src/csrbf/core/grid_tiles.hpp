@@ -27,15 +27,16 @@ struct GridTile {
   }
 };
 
-/// The tiles of a grid, about cubes of at most `nodes_per_tile` nodes.
+/// The tiles of a grid: roughly cubes of at most `nodes_per_tile` nodes.
 template <int Dim>
 class GridTiles {
  public:
   GridTiles(const GridAxes<Dim>& axes, Index nodes_per_tile) {
+    constexpr double rounding = 1e-9;  // keeps exact roots, such as 8^(1/3), from being rounded down
     auto room = static_cast<double>(nodes_per_tile);
     for (std::size_t a = Dim; a-- > 0;) {
       size_[a] = axes[a].size();
-      const double side = std::floor(std::pow(room, 1 / static_cast<double>(a + 1)) + 1e-9);
+      const double side = std::floor(std::pow(room, 1 / static_cast<double>(a + 1)) + rounding);
       side_[a] = std::clamp<Index>(static_cast<Index>(side), 1, std::max<Index>(1, size_[a]));
       room /= static_cast<double>(side_[a]);
     }

@@ -6,7 +6,7 @@
 
 namespace csrbf {
 
-/// 8-bit RGB picture, rows from the top, three bytes per pixel.
+/// 8-bit RGB image, rows from top to bottom, three bytes per pixel.
 struct RgbImage {
   int width = 0;
   int height = 0;

@@ -42,7 +42,7 @@ class Counter {
   }
 
  private:
-  // The vertices of all triangles with three different ones.
+  // The vertices of all triangles with three distinct ones.
   static std::vector<std::int32_t> collect_corners(const Mesh& mesh) {
     std::vector<std::int32_t> corners;
     corners.reserve(static_cast<std::size_t>(mesh.triangles.size()));
@@ -57,7 +57,7 @@ class Counter {
     return corners;
   }
 
-  // Buckets the sides by their smaller vertex.
+  // Sorts the sides into buckets by their smaller vertex.
   void collect_sides() {
     const auto corners = static_cast<std::uint32_t>(vertex_.size());
     first_side_.assign(vertices_ + 1, 0);
@@ -104,7 +104,7 @@ class Counter {
     fans_.unite(next_corner(a), opposite ? b : next_corner(b));
   }
 
-  // A vertex is regular when the sides at it join its corners to one fan and none has more than two triangles.
+  // A vertex is regular when its sides join its corners into one fan and none has more than two triangles.
   void count_vertices() {
     std::vector<char> used(vertices_, 0);
     for (std::uint32_t c = 0; c < vertex_.size(); ++c) {

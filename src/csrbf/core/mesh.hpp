@@ -7,8 +7,8 @@
 
 namespace csrbf {
 
-/// A named number per point, kept as it was on disk: `type` is a PLY scalar type (char uchar short ushort int uint
-/// float double). Colours are the properties red, green, blue (and alpha) of type uchar.
+/// A named scalar per point. `type` is its PLY type on disk (char uchar short ushort int uint float double). Colours
+/// are the properties red, green, blue (and alpha) of type uchar.
 struct Property {
   std::string name;
   std::string type = "float";
@@ -43,7 +43,7 @@ struct Polylines {
   std::vector<Property> properties;                            ///< v values each
 };
 
-/// What the connectivity of a mesh says about the surface.
+/// Topology of a mesh, from its connectivity.
 struct Topology {
   Index vertices = 0;  ///< vertices used by a triangle
   Index edges = 0;

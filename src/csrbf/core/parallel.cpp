@@ -16,7 +16,7 @@ namespace {
 
 thread_local bool inside_loop = false;
 
-// One loop at a time: the ranges left to take, the first failure, and how many threads still work on it.
+// The running loop, one at a time: the ranges not yet taken, and the failure of the lowest range that threw.
 struct Loop {
   Index n = 0;
   Index grain = 1;
@@ -69,7 +69,7 @@ class Pool {
     try {
       for (int i = 1; i < threads; ++i) workers_.emplace_back([this, seen = generation_] { serve(seen); });
     } catch (const std::system_error&) {
-      // The system gives no more threads; fewer do the same.
+      // The system grants no more threads; fewer give the same results.
     }
   }
 

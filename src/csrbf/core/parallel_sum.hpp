@@ -7,9 +7,9 @@
 
 namespace csrbf {
 
-/// Sum of what body(begin, end) returns for consecutive ranges of at most `grain` indices that cover [0, n), on all
-/// threads (see parallel_for()). The parts are added in the order of the ranges: the same bits for every number of
-/// threads.
+/// Sum of body(begin, end) over consecutive ranges of at most `grain` indices that cover [0, n), on all threads (see
+/// parallel_for()). Partial sums are added in the order of the ranges, so the result is bit-identical for any number
+/// of threads.
 template <class Body>
 double parallel_sum(Index n, Index grain, const Body& body) {
   std::vector<double> sums(static_cast<std::size_t>((n + grain - 1) / grain), 0.0);

@@ -6,8 +6,8 @@
 
 namespace csrbf {
 
-/// The value below which a fraction in [0, 1] of at least one value lies, linear between the two order statistics.
-/// Reorders the values. O(n).
+/// The value below which a fraction in [0, 1] of the values lies, interpolated linearly between two order statistics.
+/// Needs at least one value and reorders them. O(n).
 template <class Scalar>
 Scalar percentile(std::vector<Scalar>& values, double fraction) {
   const double position = fraction * static_cast<double>(values.size() - 1);

@@ -7,8 +7,8 @@
 
 namespace csrbf {
 
-/// Called now and then during long work, always from the calling thread, with the stage's name and the fraction done
-/// in [0, 1]. Return false to stop: the work ends with Cancelled.
+/// Called from time to time during long computations, always on the calling thread, with the name of the stage and the
+/// fraction done in [0, 1]. Return false to stop: the computation throws Cancelled.
 using Progress = std::function<bool(std::string_view stage, double fraction)>;
 
 /// Reports to `progress` when it is set; throws Cancelled when it returns false.

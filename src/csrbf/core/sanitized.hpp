@@ -1,6 +1,6 @@
 #pragma once
 
-/// CSRBF_SANITIZED is defined where a sanitizer watches memory or threads.
+/// CSRBF_SANITIZED is defined when compiling with a sanitizer of memory or threads.
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
 #define CSRBF_SANITIZED

@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// field.evaluate(x, derivatives) as shared work: the same blocks of points, so the same bits.
+/// field.evaluate(x, derivatives) as shared work. The blocks of points are the same, so the result is bit-identical.
 template <int Dim>
 Jet<Dim> shared_evaluate(const Field<Dim>& field, const std::type_identity_t<PointsRef<Dim>>& x,
                          Derivatives derivatives = Derivatives::none) {

@@ -13,7 +13,7 @@
 
 namespace csrbf {
 
-/// Appends values as the bytes they are in memory.
+/// Serialises values as their bytes in memory.
 class ByteWriter {
  public:
   template <class T>
@@ -34,7 +34,7 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Takes values from what a ByteWriter made, in the same order. Throws SolverFailure beyond the end.
+/// Reads the values written by a ByteWriter, in the same order. Throws SolverFailure past the end.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -62,17 +62,17 @@ class ByteReader {
   std::span<const std::byte> bytes_;
 };
 
-/// A step of a long computation whose results can be handed over as bytes: to other processes that make the same
-/// computation, or to a later run of it. The items fall into blocks of `grain` items; the last one may be smaller.
+/// A step of a long computation whose results can be exchanged as bytes: with other processes that run the same
+/// computation, or with a later run of it. Items are processed in blocks of `grain`; the last one may be smaller.
 struct SharedWork {
   std::string_view name;  ///< of the kind of work: "fit", "evaluate", ...
   Index items = 0;
   Index grain = 1;
-  /// Computes the items [begin, end) of one block on the calling thread. Called for different blocks at the same time.
+  /// Computes the items [begin, end) of one block on the calling thread. Called concurrently for different blocks.
   std::function<void(Index begin, Index end)> compute;
-  /// Writes the results of the items [begin, end) of one block, which were computed here.
+  /// Writes the results of the items [begin, end) of one block that was computed here.
   std::function<void(Index begin, Index end, ByteWriter& out)> pack;
-  /// Takes over the results of a block from what `pack` wrote elsewhere, instead of computing them.
+  /// Reads the results of a block that `pack` wrote elsewhere, instead of computing them.
   std::function<void(Index begin, Index end, ByteReader& in)> unpack;
 
   [[nodiscard]] Index blocks() const { return (items + grain - 1) / grain; }
@@ -83,7 +83,7 @@ struct SharedWork {
   void compute_blocks(Index first, Index last) const;
 };
 
-/// Decides which blocks this process computes, and brings the results of the others.
+/// Decides which blocks this process computes, and fetches the results of the others.
 class WorkSharing {
  public:
   WorkSharing() = default;
@@ -92,20 +92,20 @@ class WorkSharing {
   virtual ~WorkSharing() = default;
 
   /// Returns when the results of all blocks are in place, computed here or unpacked. Called by the main thread of every
-  /// process that takes part, or of every repetition of a run, with the same works in the same order.
+  /// participating process, or of every repetition of a run, with the same work in the same order.
   virtual void share(const SharedWork& work) = 0;
 };
 
-/// From now on `sharing`, which must outlive its use, gets the shared work of this process; null: nobody (default).
-/// Call it before the computation starts.
+/// Passes the shared work of this process to `sharing` from now on, which must outlive its use; null (default): work is
+/// not shared. Call it before the computation starts.
 void set_work_sharing(WorkSharing* sharing);
 
-/// Does the work: on all threads of this process unless a WorkSharing is set. Results must not depend on who computes
-/// which block, bit for bit, nor on anything but the input of the program. Work inside the body of a parallel loop, and
-/// of a single block, is not worth sharing: it is done here, by everyone.
+/// Does the work: on all threads of this process unless a WorkSharing is set. Results must depend on the input of the
+/// program alone, bit for bit, and not on which process computes which block. Work inside the body of a parallel loop,
+/// or of a single block, is not worth sharing: every process does it itself.
 void share_work(const SharedWork& work);
 
-/// Whether work on so many items would be shared: a WorkSharing is set, there are more items than `grain`, and the
+/// Whether work on that many items would be shared: a WorkSharing is set, there are more items than `grain`, and the
 /// caller is not inside the body of a parallel loop.
 bool is_shared(Index items, Index grain);
 

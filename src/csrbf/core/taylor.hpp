@@ -5,7 +5,7 @@
 namespace csrbf {
 
 /// Value, gradient and, when Order is 2, Hessian of a function at one point, with the arithmetic that carries them
-/// through an expression (forward differentiation). The Hessian is empty when Order is 1.
+/// through an expression (forward-mode differentiation). The Hessian is empty when Order is 1.
 template <int Dim, int Order = 2>
 struct Taylor {
   static_assert(Order == 1 || Order == 2);

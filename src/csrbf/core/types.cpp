@@ -9,7 +9,7 @@ namespace csrbf {
 
 template <int Dim>
 Box<Dim> bounding_box(const PointsRef<Dim>& points) {
-  constexpr Index grain = 1 << 14;
+  constexpr Index grain = 1 << 14;  // points per task, chosen by hand: fewer are not worth a thread
   const auto box_of = [](const auto& some) {
     Box<Dim> box;
     for (Index i = 0; i < some.cols(); ++i) box.add(Point<Dim>(some.col(i)));

@@ -61,7 +61,7 @@ struct Box {
   }
 };
 
-/// Smallest box that holds all points; NaN coordinates do not count. O(n).
+/// Smallest box that contains all points; NaN coordinates are ignored. O(n).
 template <int Dim>
 Box<Dim> bounding_box(const PointsRef<Dim>& points);
 

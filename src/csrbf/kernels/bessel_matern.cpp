@@ -5,10 +5,10 @@
 namespace csrbf {
 namespace {
 
-constexpr double tiny = 1e-8;   // below, r^nu K_nu is its limit to working precision wherever that is finite
-constexpr double huge_r = 700;  // beyond, K_nu is 0 for what it is used for
+constexpr double tiny = 1e-8;   // about sqrt(machine precision): below, r^nu K_nu equals its limit, if that is finite
+constexpr double huge_r = 700;  // beyond, exp(-r) makes phi smaller than 1e-200: taken as 0
 
-// c r^nu K_nu(r) with c such that it is 1 at r = 0; nu > 0.
+// c r^nu K_nu(r), where c makes it 1 at r = 0; nu > 0.
 double normalised(double nu, double r) {
   const double log_scale = (1 - nu) * std::log(2.0) - std::lgamma(nu) + nu * std::log(r);
   const double K = std::cyl_bessel_k(nu, r);
@@ -34,7 +34,7 @@ class BesselMatern : public RadialFunction {
     if (std::isnan(r)) return r;
     if (r > huge_r) return 0;
     if (r < tiny && nu_ >= 1) return 1;
-    // One minus the leading term, which K_nu itself cannot give where it overflows.
+    // By the leading term of 1 - phi: K_nu itself may overflow.
     if (r < tiny) return 1 - std::pow(r / 2, 2 * nu_) * std::tgamma(1 - nu_) / std::tgamma(1 + nu_);
     return normalised(nu_, r);
   }

@@ -6,8 +6,8 @@
 
 namespace csrbf {
 
-/// Matern's function 2^(1 - nu) / Gamma(nu) r^nu K_nu(r) for any 0 < nu <= 50, by Bessel functions: about a hundred
-/// times slower than the closed forms of half-integer nu.
+/// The Matern function 2^(1 - nu) / Gamma(nu) r^nu K_nu(r) for any 0 < nu <= 50, by Bessel functions: about a hundred
+/// times slower than the closed forms for half-integer nu.
 std::shared_ptr<const RadialFunction> bessel_matern_function(double nu);
 
 }  // namespace csrbf

@@ -48,13 +48,14 @@ constexpr std::array<double, 20> missing_wendland_tail = [] {
 struct MissingWendland {
   CSRBF_ALWAYS_INLINE Radial operator()(double r2) const {
     const bool center = r2 < center_r2;
+    constexpr double series_below = .16;  // in e2, where the 20 terms are exact to rounding: .16^20 = 1e-16
     const double r = center ? 1e-100 : inside(r2);
     const double e2 = (1 - r) * (1 + r);
     const double e = std::sqrt(e2);
     const double series = polynomial_value<20>(artanh, e2) * e2 * e;
     const double tail = polynomial_value<19>(missing_wendland_tail, e2) * e2 * e2 * e;
-    const bool close = e2 < .16;
-    // artanh(e) - e, by its series where the difference cancels
+    const bool close = e2 < series_below;
+    // artanh(e) - e, by its series where the difference would cancel
     const double rest = close ? series : vector_log((1 + e) / r) - e;
     const double phi = close ? tail : e * e2 - 3 * r * r * rest;
     return {center ? 1 : phi, center ? 0 : -6 * rest, center ? 0 : 6 * e / (r * r)};
@@ -86,7 +87,7 @@ struct BuhmannC2 {
   }
 };
 
-// The zero of order 4 at r = 1 divided out, in powers of sqrt(r).
+// In powers of sqrt(r), with the zero of order 4 at r = 1 factored out.
 struct BuhmannC3 {
   CSRBF_ALWAYS_INLINE Radial operator()(double r2) const {
     constexpr std::array<double, 6> factor = {1, 4, 10, 20, 26.6, 22.4};
@@ -125,7 +126,7 @@ struct WuCoefficients {
   WuPolynomial g{};
   WuPolynomial h{};
 
-  // From the integer coefficients of p before the division by p(0).
+  // From the integer coefficients of p, before division by p(0).
   constexpr WuCoefficients(int m, int derivatives, const WuPolynomial& p) : value(p), g(slope_factor(p, m)) {
     if (derivatives == 0) {
       const WuPolynomial slope = slope_factor(g, m - 1);  // ((1-r)^(m-1) p_g / r)' / r

@@ -6,17 +6,17 @@
 
 namespace csrbf {
 
-/// Wendland's function of 2 `smoothness` continuous derivatives for the dimension.
+/// The Wendland function with 2 `smoothness` continuous derivatives for the dimension.
 std::shared_ptr<const RadialFunction> wendland_function(int dimension, int smoothness);
 
 /// Schaback's missing Wendland function of H^2(R^2).
 std::shared_ptr<const RadialFunction> missing_wendland_function();
 
-/// Wu's function of `derivatives` continuous derivatives (0, 2, 4, 6) for the dimension: the least smooth transform,
-/// that is the smallest k of psi_{k,l}, that is positive definite there. Null when there is none.
+/// The Wu function psi_{k,l} with `derivatives` continuous derivatives (0, 2, 4, 6) for the dimension: the one of
+/// smallest k that is positive definite there. Null when there is none.
 std::shared_ptr<const RadialFunction> wu_function(int dimension, int derivatives);
 
-/// Buhmann's function of `derivatives` continuous derivatives (1, 2, 3).
+/// The Buhmann function with `derivatives` continuous derivatives (1, 2, 3).
 std::shared_ptr<const RadialFunction> buhmann_function(int derivatives);
 
 }  // namespace csrbf

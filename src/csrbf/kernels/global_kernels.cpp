@@ -42,7 +42,7 @@ struct Matern {
   }
 };
 
-// sign (1 + r^2)^exponent; Twice = 2 exponent, 0 for any exponent.
+// sign (1 + r^2)^exponent; Twice = 2 exponent, or 0 for a general exponent.
 template <int Twice>
 struct Multiquadric {
   double sign;
@@ -92,7 +92,7 @@ struct AnyPower {
   }
 };
 
-// sign r^Exponent log r for even exponents 2 and 4, and any other for Exponent = 0.
+// sign r^b log r for even b: b = Exponent (2 or 4), or b = exponent when Exponent is 0.
 template <int Exponent>
 struct ThinPlate {
   double sign;

@@ -12,7 +12,7 @@ std::shared_ptr<const RadialFunction> gaussian_function();
 /// exp(-r^exponent), 0 < exponent <= 2.
 std::shared_ptr<const RadialFunction> powered_exponential_function(double exponent);
 
-/// Matern's function of order nu > 0, normalised to 1 at 0.
+/// The Matern function of order nu > 0, normalised to 1 at 0.
 std::shared_ptr<const RadialFunction> matern_function(double nu);
 
 /// (1 + r^2)^exponent for a negative exponent, (-1)^ceil(exponent) times that for a positive one.

@@ -11,7 +11,7 @@ namespace csrbf {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr int analytic = 100;
+constexpr int analytic = 100;  // the smoothness reported for kernels with all derivatives
 constexpr int any_dimension = std::numeric_limits<int>::max();
 
 enum class Family {
@@ -32,7 +32,7 @@ struct Entry {
   Family family;
   int derivatives;          // of the compact families
   int largest_dimension;    // in which it is (conditionally) positive definite
-  double parameter;         // fixed, or the default
+  double parameter;         // fixed value, or the default
   bool adjustable = false;  // whether a parameter may be given
 };
 
@@ -73,11 +73,11 @@ const Entry& find(std::string_view name, int dimension) {
   for (const Entry& entry : entries) {
     if (entry.name != name) continue;
     require(dimension <= entry.largest_dimension, "Kernel", "name", name,
-            "is positive definite up to dimension " + std::to_string(entry.largest_dimension) + " only, not in " +
-                std::to_string(dimension) + "; there are " + joined(Kernel::names(dimension)));
+            "is positive definite only up to dimension " + std::to_string(entry.largest_dimension) + ", not in " +
+                std::to_string(dimension) + "; use one of " + joined(Kernel::names(dimension)));
     return entry;
   }
-  throw InvalidInput("Kernel: name = " + std::string(name) + ": unknown; there are " +
+  throw InvalidInput("Kernel: name = " + std::string(name) + ": unknown; use one of " +
                      joined(Kernel::names(dimension)));
 }
 
@@ -90,13 +90,13 @@ double resolve(const Entry& entry, double parameter) {
   if (std::isnan(parameter)) return entry.parameter;
   const std::string kernel = " of " + std::string(entry.name);
   require(entry.adjustable, "Kernel", "parameter" + kernel, parameter, "this kernel has none; leave it out");
-  constexpr double largest = 50;
+  constexpr double largest = 50;  // chosen by hand: beyond any use, and r^50 is far from overflow
   require(parameter > 0 && parameter <= largest, "Kernel", "parameter" + kernel, parameter,
           "must be positive and at most 50");
   require(entry.family != Family::powered_exponential || parameter <= 2, "Kernel", "parameter" + kernel, parameter,
-          "must be at most 2, beyond which it is not positive definite");
+          "must be at most 2: larger ones are not positive definite");
   require(entry.family != Family::multiquadric || !is_integer(parameter), "Kernel", "parameter" + kernel, parameter,
-          "must not be an integer, for which it is a polynomial");
+          "must not be an integer, or the kernel is a polynomial");
   return parameter;
 }
 

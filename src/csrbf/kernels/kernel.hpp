@@ -16,13 +16,13 @@ class RadialFunction;
 ///
 /// | name | phi(r), a = max(1 - r, 0) | dimensions | derivatives |
 /// |---|---|---|---|
-/// | wendland-c0, -c2, -c4, -c6 | see Wendland; made for the dimension | all | 0, 2, 4, 6 |
+/// | wendland-c0, -c2, -c4, -c6 | see Wendland; of the given dimension | all | 0, 2, 4, 6 |
 /// | missing-wendland | (2r^2 + 1) e + 3 r^2 log(r / (1 + e)), e = sqrt(1 - r^2) (Schaback 2011) | 1, 2 | 1 |
-/// | wu-c0, -c2, -c4, -c6 | Wu (1995), the first member that is positive definite there | 7, 5, 3, 1 | 0, 2, 4, 6 |
+/// | wu-c0, -c2, -c4, -c6 | Wu (1995), the first one positive definite in the dimension | 7, 5, 3, 1 | 0, 2, 4, 6 |
 /// | buhmann-c1, -c2, -c3 | Buhmann (1998) | 6, 4, 3 | 1, 2, 3 |
 /// | gaussian | exp(-r^2) | all | all |
 /// | powered-exponential | exp(-r^b), b = parameter up to 2, default 1.4 | all | ceil(b) - 1; for b = 2 all |
-/// | matern-c0, -c2, -c4, -c6 | Matern of nu = 1/2, 3/2, 5/2, 7/2 | all | 0, 2, 4, 6 |
+/// | matern-c0, -c2, -c4, -c6 | Matern with nu = 1/2, 3/2, 5/2, 7/2 | all | 0, 2, 4, 6 |
 /// | matern | 2^(1 - nu) / Gamma(nu) r^nu K_nu(r), nu = parameter, default 3/2 | all | ceil(2 nu) - 1 |
 /// | inverse-multiquadric | (1 + r^2)^-b, b = parameter, default 1/2 | all | all |
 /// | inverse-quadratic | (1 + r^2)^-1 | all | all |
@@ -38,12 +38,12 @@ class RadialFunction;
 ///     Hessian    (g I + h x x^T / sigma^2) / sigma^2
 ///     Laplacian  (d g + q) / sigma^2
 ///
-/// At r = 0 derivatives that do not exist there, and h where it is not bounded although h x x^T tends to 0, are 0 by
-/// convention; distances below 1e-100 count as 0. Arguments r are >= 0; NaN gives NaN. A value type, cheap to copy.
+/// At r = 0, derivatives that do not exist are 0 by convention, and so is h where it is unbounded although h x x^T
+/// tends to 0; distances below 1e-100 count as 0. Arguments r are >= 0; NaN gives NaN. A value type, cheap to copy.
 class Kernel {
  public:
   /// Throws InvalidInput for unknown names (listing the names), for kernels that are not (conditionally) positive
-  /// definite in the dimension (listing those that are), for parameters out of their range, and for a parameter of a
+  /// definite in the dimension (listing those that are), for parameters out of range, and for a parameter given to a
   /// kernel that has none. `parameter` NaN: the default of the kernel.
   explicit Kernel(std::string_view name, int dimension, double parameter = std::numeric_limits<double>::quiet_NaN());
 
@@ -58,11 +58,11 @@ class Kernel {
   /// Whether phi = 0 for all r >= 1.
   [[nodiscard]] bool compact() const { return compact_; }
 
-  /// Whether fits depend on the support: false for the pure powers and thin plates, which only change by a factor and a
-  /// polynomial when lengths are scaled.
+  /// Whether fits depend on the support: false for pure powers and thin plates, which a change of unit alters only by
+  /// a factor and a polynomial.
   [[nodiscard]] bool has_scale() const { return has_scale_; }
 
-  /// 0: positive definite. m > 0: conditionally positive definite of order m (with this sign), that is on coefficients
+  /// 0: positive definite. m > 0: conditionally positive definite of order m (with this sign), that is for coefficients
   /// orthogonal to all polynomials of degree m - 1, which the expansion must contain.
   [[nodiscard]] int order() const { return order_; }
 
@@ -81,10 +81,10 @@ class Kernel {
   /// phi[i] = phi(sqrt(r2[i])), i < n, for squared distances in units of the support. The arrays must not overlap.
   void values(const double* r2, Index n, double* phi) const;
 
-  /// As `values`, and g[i] as well.
+  /// As `values`, and g[i].
   void gradients(const double* r2, Index n, double* phi, double* g) const;
 
-  /// As `gradients`, and h[i] as well.
+  /// As `gradients`, and h[i].
   void hessians(const double* r2, Index n, double* phi, double* g, double* h) const;
 
   /// The names of all kernels that are (conditionally) positive definite in R^dimension.

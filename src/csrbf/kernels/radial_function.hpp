@@ -7,8 +7,7 @@
 
 namespace csrbf {
 
-/// Where the parts of a radial function at n points are written; g and h are null when they are not wanted, h whenever
-/// g is.
+/// Where the parts of a radial function at n points are written; g and h are null when not requested, h whenever g is.
 struct RadialOutput {
   double* phi = nullptr;
   double* g = nullptr;
@@ -34,16 +33,16 @@ struct Radial {
   double h;
 };
 
-/// Squared distances below count as 0.
+/// Squared distances below this count as 0: their squares would underflow.
 inline constexpr double center_r2 = 1e-200;
 
 enum class RadialParts { value, gradient, hessian };
 
-/// Number of squared distances in a block of radial_loop().
+/// Number of squared distances in a block of radial_loop(): one register of AVX-512, two of AVX2.
 inline constexpr Index radial_block = 8;
 
-/// Writes the parts of `f`, a function object r2 -> Radial whose unwanted parts the compiler removes. n is a multiple
-/// of radial_block, and the loop says so: it becomes vector code without a remainder.
+/// Writes the parts of `f`, a function object r2 -> Radial whose unused parts the compiler removes. n is a multiple of
+/// radial_block; written so that the compiler knows and emits vector code without a remainder loop.
 template <RadialParts parts, class Function>
 CSRBF_ALWAYS_INLINE void radial_loop(const Function f, const double* __restrict r2, Index n, double* __restrict phi,
                                      double* __restrict g, double* __restrict h) {
@@ -56,7 +55,7 @@ CSRBF_ALWAYS_INLINE void radial_loop(const Function f, const double* __restrict 
   }
 }
 
-/// Runs `loop(r2, n, phi, g, h)`, which knows full blocks only, on any n.
+/// Runs `loop(r2, n, phi, g, h)`, which handles full blocks only, for any n.
 template <class Loop>
 void in_radial_blocks(const Loop& loop, const double* r2, Index n, const RadialOutput& out) {
   const auto run = [&](Index i, Index count) {

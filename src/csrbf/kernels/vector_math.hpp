@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Elementary functions without branches or calls, so that the loops they are inlined into become vector code.
+/// Elementary functions without branches or calls, so that the loops they are inlined into can be vectorised.
 namespace csrbf {
 
 /// a^Exponent.
@@ -23,8 +23,8 @@ CSRBF_ALWAYS_INLINE double integer_power(double a) {
   }
 }
 
-/// The polynomial with these coefficients, that of x^0 first, of the given degree < Size. Recursive, as loops are not
-/// unrolled early enough for the loop around to become vector code.
+/// The polynomial of the given degree < Size with these coefficients, that of x^0 first. Recursive, as compilers do
+/// not unroll an inner loop early enough to vectorise the outer one.
 template <int Degree, int First = 0, std::size_t Size>
 CSRBF_ALWAYS_INLINE double polynomial_value(const std::array<double, Size>& coefficients, double x) {
   static_assert(Degree < static_cast<int>(Size));
@@ -47,7 +47,8 @@ CSRBF_ALWAYS_INLINE double vector_exp(double x) {
       1.0 / 5040, 1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
   double y = x < -708 ? -708 : x;
   y = y > 709 ? 709 : y;
-  const double shifted = y * 1.4426950408889634 + round;
+  constexpr double log2_e = 1.4426950408889634;
+  const double shifted = y * log2_e + round;
   const double k = shifted - round;
   const double f = (y - k * log2_high) - k * log2_low;
   const double power_of_two = std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
@@ -55,13 +56,13 @@ CSRBF_ALWAYS_INLINE double vector_exp(double x) {
   return x < -708 ? 0 : result;
 }
 
-/// log(x) within two roundings for normal x > 0; anything for others, but NaN for NaN.
+/// log(x) within two roundings for normal x > 0; NaN for NaN; undefined for all other x.
 CSRBF_ALWAYS_INLINE double vector_log(double x) {
   // x = 2^k m with m in [.69, 1.38); log m = 2 artanh(s).
   constexpr std::array<double, 11> series = {2.0,      2.0 / 3,  2.0 / 5,  2.0 / 7,  2.0 / 9, 2.0 / 11,
                                              2.0 / 13, 2.0 / 15, 2.0 / 17, 2.0 / 19, 2.0 / 21};
-  constexpr std::uint64_t offset = 0x3fe6000000000000;
-  constexpr std::uint64_t one = 0x3ff0000000000000;
+  constexpr std::uint64_t offset = 0x3fe6000000000000;  // bits of .6875, the lower end of m
+  constexpr std::uint64_t one = 0x3ff0000000000000;     // bits of 1
   const auto bits = std::bit_cast<std::uint64_t>(x);
   const std::uint64_t exponent = (bits - offset + one) >> 52;  // k + 1023
   const double k = std::bit_cast<double>(exponent | 0x4330000000000000) - (0x1p52 + 1023);

@@ -20,7 +20,7 @@ std::array<double, 4> polynomial(double l, int k) {
   }
 }
 
-// phi'/r at r = 0, so that phi_{d,k}'/r = g0 phi_{d+2,k-1}: the dimension walk, which keeps l.
+// phi'/r at r = 0, so that phi_{d,k}'/r = g0 phi_{d+2,k-1}: the dimension walk, which preserves l.
 double g0(double l, int k) {
   switch (k) {
     case 1:
@@ -73,7 +73,8 @@ struct Output {
   double* h;
 };
 
-// n is a multiple of the block size, and the loop says so: it becomes vector code without a remainder.
+// One register of AVX-512, two of AVX2. Loops round n down to a multiple of it, which n is, so that the compiler emits
+// vector code without a remainder loop.
 constexpr Index block_size = 8;
 
 template <int L, int K, Parts parts>
@@ -96,7 +97,7 @@ CSRBF_ALWAYS_INLINE void evaluate_blocks(const Coefficients c, const double* __r
   }
 }
 
-// One loop per exponent and polynomial degree. Returns false for l beyond d = 7, where there is none.
+// One loop per exponent and polynomial degree. Returns false for l of d > 7, for which there is none.
 template <int K, Parts parts>
 CSRBF_ALWAYS_INLINE bool evaluate_smooth(int l, const Coefficients& c, const double* r2, Index n, const Output& out) {
   switch (l - K) {
@@ -146,7 +147,7 @@ CSRBF_SIMD_CLONES bool hessian_loop(int l, int k, const Coefficients& c, const d
   return evaluate_any<Parts::hessian>(l, k, c, r2, n, out);
 }
 
-// Runs a loop that knows full blocks only on any n.
+// Runs a loop that handles full blocks only, for any n.
 bool run(Loop loop, int l, int k, const Coefficients& c, const double* r2, Index n, const Output& out) {
   const auto shifted = [](double* part, Index i) { return part == nullptr ? nullptr : part + i; };
   if (n >= block_size) {
@@ -220,10 +221,11 @@ double Wendland::second(double r) const {
 
 double Wendland::gradient_bound() const {
   if (smoothness_ == 0) return l_;
+  constexpr int steps = 60;  // beyond the 53 bits of a double
   // phi'' changes sign once in (0, 1): bisection.
   double lo = 0;
   double hi = 1;
-  for (int step = 0; step < 60; ++step) {
+  for (int step = 0; step < steps; ++step) {
     const double mid = 0.5 * (lo + hi);
     (second(mid) < 0 ? lo : hi) = mid;
   }

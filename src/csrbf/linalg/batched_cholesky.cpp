@@ -304,18 +304,21 @@ bool by_eight(BatchWidth width) {
 }  // namespace
 
 void batch_gram(const double* F, Index rows, Index n, double* A, BatchWidth width) {
-  // As many rows at a time as stay close while all pairs of their entries are visited: 64 KB, and no more than the
-  // eight ways of the first-level cache hold when the length of a row shares powers of two with its 64 sets.
-  constexpr Index kept = 65536 / (batch_lanes * sizeof(double));
+  // As many rows at a time as stay in the cache while all pairs of their entries are visited: 64 KB (chosen by hand),
+  // and no more than fit a first-level cache of 64 sets and eight ways when the length of a row shares powers of two
+  // with the number of sets.
+  constexpr Index cached = 65536 / (batch_lanes * sizeof(double));
   constexpr Index sets = 64;
-  constexpr Index ways = 6;  // two are left for A
-  const Index chunk = std::max<Index>(4, std::min(kept / std::max<Index>(n, 1), ways * sets / std::gcd(n, sets)));
+  constexpr Index ways = 6;         // two are left for A
+  constexpr Index fewest_rows = 4;  // fewer would load and store A too often
+  const Index chunk = std::max(fewest_rows, std::min(cached / std::max<Index>(n, 1), ways * sets / std::gcd(n, sets)));
   const auto gram = by_eight(width) ? gram_by_eight : gram_by_four;
   for (Index k = 0; k < rows; k += chunk) gram(F + batch_lanes * n * k, std::min(chunk, rows - k), n, A);
 }
 
 BatchMask batch_cholesky(double* A, Index n, double tolerance, BatchWidth width) {
-  // In small systems one division waits for another; two halves of the lanes wait at the same time.
+  // Unknowns. In smaller systems every division waits for the one before, and those of two halves of the lanes overlap.
+  // How the value was found is not recorded.
   constexpr Index fewest_by_eight = 24;
   double failed[batch_lanes] = {};
   (by_eight(width) && n >= fewest_by_eight ? factorise_by_eight : factorise_by_four)(A, n, tolerance, failed);
@@ -325,7 +328,8 @@ BatchMask batch_cholesky(double* A, Index n, double tolerance, BatchWidth width)
 }
 
 void batch_solve(const double* L, Index n, double* b, Index count, BatchWidth width) {
-  // Few right-hand sides wait for the factor when it is too large for the first-level cache: so do eight lanes longer.
+  // Unknowns. With few right-hand sides and a larger factor, which exceeds the first-level cache, memory is the limit:
+  // eight lanes at a time are used only where they are faster.
   constexpr Index most_in_cache = 48;
   const bool wide = by_eight(width) && (count >= Wide::tile || n <= most_in_cache);
   (wide ? solve_by_eight : solve_by_four)(L, n, b, count);

@@ -11,9 +11,8 @@ namespace {
 
 constexpr int lanes = batch_lanes;
 
-// Columns of G whose part outside the span of the others is smaller are linearly dependent, as in solve_saddle().
-constexpr double dependent = 1e-11;
-constexpr double smallest_pivot = 1e-15;
+constexpr double dependent = 1e-11;       // as in solve_saddle(): share of a column of G outside the span of the others
+constexpr double smallest_pivot = 1e-15;  // relative to the diagonal: a few roundings
 
 // I - beta v v^T on components first, ..., n - 1.
 struct Reflector {
@@ -31,8 +30,8 @@ CSRBF_ALWAYS_INLINE void reflect(const Reflector& H, Index n, double* x) {
     for (int l = 0; l < lanes; ++l) x[i + l] -= sum[l] * H.v[i + l];
 }
 
-// Turns column g of G into the vector of the reflector that leaves of its components q, ..., n - 1 only the first one,
-// which is `remainder`.
+// Replaces column g of G by the vector of the reflector that reduces its components q, ..., n - 1 to the first one,
+// which becomes `remainder`.
 CSRBF_ALWAYS_INLINE Reflector make_reflector(double* g, Index q, Index n, double* remainder) {
   Reflector H{g, q, {}};
   double sum[lanes] = {};
@@ -71,7 +70,7 @@ CSRBF_ALWAYS_INLINE void two_sided_vector(const Reflector& H, const double* A, I
     for (int l = 0; l < lanes; ++l) w[i + l] = H.beta[l] * (w[i + l] - .5 * H.beta[l] * product[l] * H.v[i + l]);
 }
 
-// A = H A H: columns before `first` from the left, the trailing block from both sides.
+// A = H A H: columns before H.first from the left, the trailing block from both sides.
 CSRBF_ALWAYS_INLINE void reflect_matrix(const Reflector& H, Index n, double* A, double* w, double* column) {
   for (Index c = 0; c < H.first; ++c) {
     for (Index i = H.first; i < n; ++i) std::copy_n(A + batch_entry(i, c), lanes, column + lanes * i);
@@ -90,8 +89,8 @@ CSRBF_ALWAYS_INLINE void reflect_matrix(const Reflector& H, Index n, double* A, 
   }
 }
 
-// The QR decomposition of G, applied to A from both sides and to s. The remainders on the diagonal of R go to `pi` for
-// the time being, the vectors of the reflectors stay in G from the diagonal on. Marks deficient lanes by 1.
+// The QR decomposition of G, applied to A from both sides and to s. `R` gets the diagonal of R; the rest of it is above
+// the diagonal of G, the vectors of the reflectors from there on. Sets `deficient` to 1 for rank-deficient lanes.
 CSRBF_SIMD_CLONES void reduce(const BatchSaddle& m, Reflector* H, double* R, double* deficient) {
   for (Index q = 0; q < m.Q; ++q) {
     double* g = m.G + lanes * q * m.n;

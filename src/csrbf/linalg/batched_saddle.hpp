@@ -13,7 +13,7 @@ struct BatchSaddle {
   double* A = nullptr;     ///< batch_matrix_size(n), lower triangles; overwritten
   double* G = nullptr;     ///< entry (i, q) of lane s at G[8 * (q * n + i) + s]; overwritten
   double* s = nullptr;     ///< `count` right-hand sides of n blocks of eight; replaced by the solutions alpha
-  double* pi = nullptr;    ///< gets `count` times Q blocks of eight
+  double* pi = nullptr;    ///< receives `count` times Q blocks of eight
   double* work = nullptr;  ///< batch_saddle_work(n) doubles
 };
 
@@ -22,14 +22,14 @@ constexpr Index batch_saddle_work(Index n) {
   return batch_matrix_size(n) + 2 * batch_lanes * n;
 }
 
-/// Solves, as solve_saddle() does one of them,
+/// Solves, like solve_saddle() for a single system,
 ///
 ///     [ A    G ] [ alpha ]   [ s ]
 ///     [ G^T  0 ] [ pi    ] = [ 0 ]
 ///
 /// by a QR decomposition of G and the Cholesky factor of A on the null space of G^T. O(n^3 / 3 + 4 n^2 Q + count n^2).
-/// Returns the lanes that failed, whose results mean nothing: the columns of G are linearly dependent, or A is not
-/// positive definite there to working precision.
+/// Returns the lanes that failed, whose results are meaningless: the columns of G are linearly dependent, or A is not
+/// positive definite on the null space to working precision.
 BatchMask batch_saddle(const BatchSaddle& system);
 
 }  // namespace csrbf

@@ -7,7 +7,7 @@
 namespace csrbf {
 namespace {
 
-// A tile of 3 x 3 entries fills the 16 registers of AVX2, and each vector loaded is used three times.
+// A tile of 3 x 3 sums and the vectors they need fill the 16 registers of AVX2; each vector loaded is used three times.
 constexpr int width = gram_rows;
 constexpr int tile = 3;
 using Lanes = double __attribute__((vector_size(width * sizeof(double))));
@@ -35,17 +35,17 @@ CSRBF_ALWAYS_INLINE void products(const double* rows_of, const double* cols_of, 
 }  // namespace
 
 CSRBF_SIMD_CLONES void gram(const double* B, Index rows, Index n, double* A) {
-  const Index even = n - n % tile;
-  for (Index i = 0; i < even; i += tile) {
-    // Entries above the diagonal of a diagonal tile must stay: it is done entry by entry.
+  const Index full = n - n % tile;
+  for (Index i = 0; i < full; i += tile) {
+    // Entries above the diagonal must not change, so a tile on the diagonal is computed column by column.
     for (Index j = 0; j < i; j += tile) products<tile, tile>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
     products<3, 1>(B + i * rows, B + i * rows, rows, n, A + i * n + i);
     products<2, 1>(B + (i + 1) * rows, B + (i + 1) * rows, rows, n, A + (i + 1) * n + i + 1);
     products<1, 1>(B + (i + 2) * rows, B + (i + 2) * rows, rows, n, A + (i + 2) * n + i + 2);
   }
-  for (Index i = even; i < n; ++i) {
-    for (Index j = 0; j < even; j += tile) products<1, tile>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
-    for (Index j = even; j <= i; ++j) products<1, 1>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
+  for (Index i = full; i < n; ++i) {
+    for (Index j = 0; j < full; j += tile) products<1, tile>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
+    for (Index j = full; j <= i; ++j) products<1, 1>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
   }
 }
 

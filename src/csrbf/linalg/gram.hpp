@@ -4,11 +4,11 @@
 
 namespace csrbf {
 
-/// Rows of the matrices of gram() come in multiples of this; fill up with zeros.
+/// The number of rows given to gram() must be a multiple of this, one register of AVX2; pad with zeros.
 inline constexpr Index gram_rows = 4;
 
 /// Lower triangle of A = B^T B for the column-major rows x n matrix B; A is n x n, column-major, its upper triangle is
-/// left alone. `rows` must be a multiple of gram_rows. For small B (it should fit the first-level cache):
+/// not touched. `rows` must be a multiple of gram_rows. For small B, which should fit the first-level cache.
 /// O(rows n^2 / 2).
 void gram(const double* B, Index rows, Index n, double* A);
 

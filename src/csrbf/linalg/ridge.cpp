@@ -33,12 +33,12 @@ struct Spectrum {
     outside_leverage = (1 - U.rowwise().squaredNorm().array()).cwiseMax(0);
   }
 
-  // Whether the columns of U span everything: outside is zero, and lambda cancels in all ratios.
+  // Whether the columns of U are a basis of all data: then outside is zero, and lambda cancels in all ratios.
   [[nodiscard]] bool complete() const { return U.rows() == U.cols(); }
   [[nodiscard]] Eigen::VectorXd g(double lambda) const { return (mu.array() + lambda).inverse(); }
 };
 
-// (t - S t)_k / (1 - S_kk); infinite where a datum alone decides about its own fitted value.
+// (t - S t)_k / (1 - S_kk); infinite where a datum alone determines its own fitted value.
 Eigen::MatrixXd leave_one_out(const Spectrum& spectrum, double lambda) {
   const Eigen::VectorXd g = spectrum.g(lambda);
   Eigen::MatrixXd errors = spectrum.U * (g.asDiagonal() * spectrum.z);
@@ -47,7 +47,7 @@ Eigen::MatrixXd leave_one_out(const Spectrum& spectrum, double lambda) {
     errors = spectrum.outside + lambda * errors;
     freedom = spectrum.outside_leverage + lambda * freedom;
   }
-  const double rounding = spectrum.complete() ? 0 : 1e-14;
+  const double rounding = spectrum.complete() ? 0 : 1e-14;  // of 1 - S_kk, the difference of two numbers near 1
   for (Index k = 0; k < errors.rows(); ++k) {
     if (freedom[k] > rounding) {
       errors.row(k) /= freedom[k];
@@ -83,7 +83,7 @@ double score(const Spectrum& spectrum, double lambda, LambdaCriterion criterion)
 template <class Function>
 double golden_section(const Function& f, double a, double b) {
   constexpr double ratio = 0.6180339887498949;
-  constexpr int steps = 18;  // the interval shrinks 6000 times
+  constexpr int steps = 18;  // the interval shrinks to 1/6000
   double left = b - ratio * (b - a);
   double right = a + ratio * (b - a);
   double f_left = f(left);
@@ -106,13 +106,14 @@ double golden_section(const Function& f, double a, double b) {
   return 0.5 * (a + b);
 }
 
-// The lambda0 of the best score: the best of a logarithmic grid, as the score may have several minima, then refined
+// The lambda0 with the best score: the best of a logarithmic grid, as the score may have several minima, refined
 // between its neighbours.
 double choose_lambda0(const Spectrum& spectrum, double unit, const RidgeOptions& options) {
   const auto f = [&](double exponent) { return score(spectrum, unit * std::pow(10.0, exponent), options.criterion); };
   const double first = std::log10(options.smallest);
   const double last = std::log10(options.largest);
-  const auto intervals = static_cast<int>(std::ceil(2.5 * (last - first)));
+  constexpr double per_decade = 2.5;  // grid points, chosen by hand: more cost time, fewer may miss a narrow minimum
+  const auto intervals = static_cast<int>(std::ceil(per_decade * (last - first)));
   double best = last;
   double smallest = f(last);
   for (int i = intervals - 1; i >= 0; --i) {
@@ -154,7 +155,7 @@ Eigen::VectorXd weights_of(const RidgeOptions& options, Index count) {
   return options.weights.size() > 0 ? options.weights : Eigen::VectorXd::Ones(count);
 }
 
-// Everything but coefficients and fitted values, for the data in the spectrum, of which `weights` are the weights.
+// Everything except coefficients and fitted values, for the data of the spectrum and their weights.
 RidgeFit assess(const Spectrum& spectrum, const Eigen::VectorXd& weights, double unit, const RidgeOptions& options) {
   RidgeFit fit;
   fit.lambda0 = options.lambda0 ? *options.lambda0 : choose_lambda0(spectrum, unit, options);
@@ -213,8 +214,8 @@ RidgeFit ridge(const Eigen::Ref<const Eigen::MatrixXd>& B, const Eigen::Ref<cons
   const double rounding = static_cast<double>(std::max(B.rows(), B.cols())) * 1e-16;
   const Index rank = (sigma.array() > rounding * sigma[0]).count();
   if (options.lambda0 == 0.0 && rank < B.cols()) {
-    throw SolverFailure("ridge: the " + std::to_string(B.cols()) + " columns of B have rank " + std::to_string(rank) +
-                        " only: give lambda0 > 0, or leave out columns without data");
+    throw SolverFailure("ridge: the " + std::to_string(B.cols()) + " columns of B have only rank " +
+                        std::to_string(rank) + ": give lambda0 > 0, or leave out columns without data");
   }
 
   const Spectrum spectrum(svd.U, sigma.cwiseAbs2(), root.asDiagonal() * s(used, Eigen::all));
@@ -252,7 +253,7 @@ RidgeFit kernel_ridge(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::R
     std::ostringstream message;
     message << "kernel_ridge: A + lambda W^-1 is not positive definite, its smallest eigenvalue is "
             << mu.minCoeff() + fit.lambda << ": increase lambda0 = " << fit.lambda0
-            << ", merge equal points or use a kernel made for this dimension";
+            << ", merge coincident points, or use a kernel that is positive definite in this dimension";
     throw SolverFailure(message.str());
   }
   fit.coefficients = root.asDiagonal() * (spectrum.U * (spectrum.g(fit.lambda).asDiagonal() * spectrum.z));

@@ -50,18 +50,21 @@ class Reduced {
     if (weights.size() > 0) full_ = root_.asDiagonal() * full_ * root_.asDiagonal();
     if (Q_ == 0) return;
     qr_.compute(root_.asDiagonal() * G);
+    // Share of a column outside the span of the others, below which it counts as dependent. Chosen by hand: far above
+    // rounding, and far below what a polynomial needs to be determined.
     constexpr double dependent = 1e-11;
     qr_.setThreshold(dependent);
     if (qr_.rank() < Q_) {
-      throw InvalidInput(std::string(function) + ": G = " + size_of(G) + ": has rank " + std::to_string(qr_.rank()) +
-                         " only: the points lie on the zero set of a polynomial of this degree; lower the degree or "
+      throw InvalidInput(std::string(function) + ": G = " + size_of(G) + ": has only rank " +
+                         std::to_string(qr_.rank()) +
+                         ": the points lie on the zero set of a polynomial of this degree; lower the degree or "
                          "add points");
     }
   }
 
   [[nodiscard]] Index unknowns() const { return n_ - Q_; }
   [[nodiscard]] const Eigen::VectorXd& root() const { return root_; }
-  // lambda of the scaled system
+  // lambda of the scaled system.
   [[nodiscard]] double scaled(double lambda) const { return lambda / unit_; }
   [[nodiscard]] double unscaled(double lambda) const { return lambda * unit_; }
 
@@ -104,7 +107,7 @@ class Reduced {
   Eigen::ColPivHouseholderQR<Matrix> qr_;
 };
 
-// alpha_k / C_kk, without the influence of the weights; infinite when C_kk is zero to working precision.
+// alpha_k / C_kk, with the scaling by the weights undone; infinite when C_kk is zero to working precision.
 Matrix errors(const Matrix& alpha, const Eigen::VectorXd& inverse_diagonal, const Eigen::VectorXd& root) {
   const double zero = 1e-14 * inverse_diagonal.mean();
   Matrix e = alpha;
@@ -118,33 +121,34 @@ Matrix errors(const Matrix& alpha, const Eigen::VectorXd& inverse_diagonal, cons
   return e;
 }
 
-// The Cholesky factor L of Z^T A Z + lambda; raises lambda to rescue it.
-Matrix factorize(const Reduced& system, double largest_rescue, double& lambda) {
+// The Cholesky factor L of Z^T A Z + lambda; raises lambda where that is not positive definite.
+Matrix factorize(const Reduced& system, double largest_jitter, double& lambda) {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
   const Matrix reduced = system.matrix();
   const double unit = std::abs(reduced.trace()) / static_cast<double>(reduced.rows());
-  for (double rescue = epsilon;; rescue *= 10) {
+  for (double jitter = epsilon;; jitter *= 10) {
     Matrix L = reduced;
     L.diagonal().array() += lambda;
     const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(L);
     const double smallest = L.diagonal().minCoeff();
     const double largest = L.diagonal().maxCoeff();
-    // A pivot (the square of the entry) of the size of the roundings in it is as good as none.
+    // A pivot (the square of the entry) no larger than its rounding error counts as 0.
     if (cholesky.info() == Eigen::Success && smallest * smallest > 2 * epsilon * largest * largest) return L;
-    if (!(rescue <= largest_rescue)) break;
-    lambda = std::max(lambda, rescue * unit);
+    if (!(jitter <= largest_jitter)) break;
+    lambda = std::max(lambda, jitter * unit);
   }
   std::ostringstream message;
   message << "solve_saddle: the system is not positive definite to working precision with lambda = "
           << system.unscaled(lambda) << ": give a larger one (the mean diagonal entry is " << unit
-          << "), merge equal points, or use a smaller support or a kernel made for this dimension";
+          << "), merge coincident points, or use a smaller support or a kernel that is positive definite in this "
+             "dimension";
   throw SolverFailure(message.str());
 }
 
-// Replaces L by its inverse, by halves. O(n^3 / 3).
+// Replaces L by its inverse, recursively by halves. O(n^3 / 3).
 void invert_triangle(Eigen::Ref<Matrix> L) {
   const Index n = L.rows();
-  constexpr Index small = 32;
+  constexpr Index small = 32;  // size solved directly, chosen by hand: products of smaller blocks do not pay
   if (n <= small) {
     Matrix inverse = Matrix::Identity(n, n);
     L.triangularView<Eigen::Lower>().solveInPlace(inverse);
@@ -195,7 +199,9 @@ struct Spectrum {
 // Minimises f over exponents: the best of a grid (the score may have several minima), refined by golden section.
 template <class Function>
 double best_exponent(const Function& f, double first, double last) {
-  const auto intervals = std::max(1, static_cast<int>(std::ceil(2.5 * (last - first))));
+  constexpr double per_decade = 2.5;  // grid points, as in ridge()
+  constexpr int steps = 16;           // of golden section: the interval shrinks to 1/2200
+  const auto intervals = std::max(1, static_cast<int>(std::ceil(per_decade * (last - first))));
   const double step = (last - first) / intervals;
   double best = last;
   double smallest = f(last);
@@ -212,7 +218,7 @@ double best_exponent(const Function& f, double first, double last) {
   double right = a + ratio * (b - a);
   double f_left = f(left);
   double f_right = f(right);
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < steps; ++i) {
     if (f_left <= f_right) {
       b = std::exchange(right, left);
       f_right = f_left;
@@ -285,7 +291,8 @@ SmoothingChoice choose_smoothing(const MatrixRef& A, const MatrixRef& G, const M
   const auto f = [&](double exponent) { return spectrum.score(unit * std::pow(10.0, exponent), options.criterion); };
   const double strongest = std::log10(options.largest);
   double exponent = best_exponent(f, std::log10(options.smallest), strongest);
-  // Of pure noise the criterion is flat: what gains less than one parameter should is no reason to follow the samples.
+  // For pure noise the criterion is flat: a gain smaller than that of one parameter does not justify following the
+  // samples.
   if (f(strongest) <= (1 + 1 / n) * f(exponent)) exponent = strongest;
   const double lambda = unit * std::pow(10.0, exponent);
   choice.lambda = system.unscaled(lambda);

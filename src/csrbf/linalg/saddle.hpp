@@ -7,11 +7,11 @@ namespace csrbf {
 struct SaddleOptions {
   double lambda = 0;             ///< >= 0; 0 interpolates
   Eigen::VectorXd weights = {};  ///< n, positive; empty: all 1
-  bool leave_one_out = true;     ///< whether to compute those errors: doubles the cost
+  bool leave_one_out = true;     ///< whether to compute the leave-one-out errors: doubles the cost
 
-  /// For systems that are not positive definite to working precision, such as those of very smooth kernels of wide
-  /// support: the largest lambda to try instead, in units of the mean diagonal entry of A; the smallest that works is
-  /// taken. 0: none.
+  /// For systems that are not positive definite to working precision, such as those of very smooth kernels with wide
+  /// supports: the largest lambda to try instead (a jitter), in units of the mean diagonal entry of A; the smallest
+  /// that works is used. 0: none.
   double largest_rescue = 0;
 };
 
@@ -20,8 +20,8 @@ struct SaddleSolution {
   Eigen::MatrixXd alpha;          ///< n x C coefficients of the kernel
   Eigen::MatrixXd pi;             ///< Q x C coefficients of the polynomial
   Eigen::MatrixXd leave_one_out;  ///< n x C: s_k minus the value at point k of the fit to all other data, same lambda
-  double condition = 1;           ///< estimate from the Cholesky factor: at least of this order
-  double lambda = 0;              ///< that of the options, or the one that rescued the system
+  double condition = 1;           ///< estimated from the Cholesky factor: at least of this order
+  double lambda = 0;              ///< that of the options, or the larger one that made the system positive definite
 };
 
 /// Solves (thesis eq. 2.13; D = diag(1 / weights))
@@ -42,8 +42,9 @@ SaddleSolution solve_saddle(const Eigen::Ref<const Eigen::MatrixXd>& A, const Ei
 
 struct SmoothingOptions {
   LambdaCriterion criterion = LambdaCriterion::generalized_cross_validation;
-  double smallest = 1e-14;       ///< range of lambda over the mean eigenvalue of A on the null space of G^T
-  double largest = 1e4;          ///< range of lambda over the mean eigenvalue of A on the null space of G^T
+  double smallest = 1e-14;       ///< lower end of the range of lambda over the mean eigenvalue of A on the null space
+                                 ///< of G^T: interpolation up to rounding
+  double largest = 1e4;          ///< upper end: nearly the polynomial alone
   Eigen::VectorXd weights = {};  ///< n, positive; empty: all 1
 };
 
@@ -55,8 +56,8 @@ struct SmoothingChoice {
 };
 
 /// The lambda of the system of solve_saddle() that minimises the criterion, over a logarithmic grid refined by golden
-/// section; the largest where that is no worse than by a share of 1 / n. One eigenvalue decomposition, O(9 n^3), then
-/// O(n^2) for each of about 60 lambdas and component (O(n) with generalised cross validation). Throws as
+/// section; the largest where that is worse by at most a factor of 1 + 1 / n. One eigenvalue decomposition, O(9 n^3),
+/// then O(n^2) for each of about 60 lambdas and each component (O(n) with generalised cross-validation). Throws as
 /// solve_saddle().
 SmoothingChoice choose_smoothing(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& G,
                                  const Eigen::Ref<const Eigen::MatrixXd>& s, const SmoothingOptions& options = {});

@@ -15,7 +15,7 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-// Tells the cost of the factor once the ordering is known.
+// Exposes the cost of the factor, known once the pattern is analysed.
 class Factor : public Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::AMDOrdering<int>> {
  public:
   [[nodiscard]] double flops() const { return m_nonZerosPerCol.cast<double>().squaredNorm(); }
@@ -39,7 +39,7 @@ void set_sparse_factor(SparseFactorMaker maker) {
 
 struct SparseCholesky::Impl {
   SparseCholeskyOptions options;
-  Matrix N;  // for the iteration and to recognise its pattern
+  Matrix N;  // for the iteration, and to recognise the same pattern
   Factor factor;
   std::unique_ptr<SparseFactor> other_factor;  // used instead if there is one
   Preconditioner preconditioner;
@@ -85,8 +85,8 @@ bool SparseCholesky::factorize(const Matrix& N) {
   return s.preconditioner.info() == Eigen::Success;
 }
 
-// Returns the number of iterations (Hestenes and Stiefel 1952). Keeps the best iterate: rounding stops progress before
-// the tolerance when N is ill conditioned.
+// Returns the number of iterations (Hestenes and Stiefel 1952). Keeps the best iterate: when N is ill-conditioned
+// rounding stops progress before the tolerance is reached.
 Index SparseCholesky::Impl::conjugate_gradients(const Eigen::VectorXd& b, Eigen::VectorXd& x) const {
   const double goal = options.tolerance * b.norm();
   const auto full = N.selfadjointView<Eigen::Lower>();
@@ -113,7 +113,8 @@ Index SparseCholesky::Impl::conjugate_gradients(const Eigen::VectorXd& b, Eigen:
     const double next = residual.dot(z);
     direction = z + next / rz * direction;
     rz = next;
-    if (iteration % 16 == 0)
+    constexpr Index report_every = 16;  // iterations
+    if (iteration % report_every == 0)
       report(options.progress, "solve", static_cast<double>(iteration) / static_cast<double>(options.max_iterations));
   }
   x = best;

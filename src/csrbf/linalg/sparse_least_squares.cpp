@@ -37,7 +37,7 @@ void check(const Rows& B, const Eigen::Ref<const Eigen::MatrixXd>& s, const Spar
           "must have one entry per column of B, for data of one component");
 }
 
-// The problem without weights and empty columns.
+// The problem with weights applied and empty columns removed.
 struct Problem {
   Rows B;             // rows times the roots of the weights
   Eigen::MatrixXd s;  // likewise
@@ -51,7 +51,7 @@ struct Problem {
   [[nodiscard]] double lambda(double lambda0) const { return lambda0 * weight / penalty.diagonal().sum(); }
 };
 
-// The places of the columns that have an entry.
+// The indices of the columns that have an entry.
 std::vector<int> used_columns(const Rows& B) {
   std::vector<char> used(static_cast<std::size_t>(B.cols()), 0);
   for (Index i = 0; i < B.nonZeros(); ++i)
@@ -114,8 +114,8 @@ Eigen::MatrixXd solve(const Problem& p, double lambda, SparseCholesky& solver) {
 
 // lambda tr(N^-1 P) for the matrix N that the solver holds: M - tr S.
 double unfitted(const Problem& p, double lambda, const SparseCholesky& solver) {
-  constexpr Index exact = 256;
-  constexpr Index probes = 16;
+  constexpr Index exact = 256;  // columns up to which the trace is computed exactly; chosen by hand
+  constexpr Index probes = 16;  // random vectors beyond (Hutchinson 1989); chosen by hand: cost against variance
   const Index M = p.B.cols();
   if (M <= exact) return lambda * solver.solve(Eigen::MatrixXd(p.penalty)).trace();
   std::mt19937_64 random(1);
@@ -124,20 +124,21 @@ double unfitted(const Problem& p, double lambda, const SparseCholesky& solver) {
 }
 
 double gcv_score(const Problem& p, double lambda0, SparseCholesky& solver) {
-  constexpr double hopeless = std::numeric_limits<double>::infinity();
+  constexpr double rejected = std::numeric_limits<double>::infinity();
+  constexpr double least_freedom = 1e-10;  // of 1 - tr S / N: below, the fit interpolates and the score is 0 / 0
   const double lambda = p.lambda(lambda0);
   const Eigen::MatrixXd c = solve(p, lambda, solver);
-  if (c.size() == 0 || !c.allFinite()) return hopeless;
+  if (c.size() == 0 || !c.allFinite()) return rejected;
   const auto n = static_cast<double>(p.data);
   const double freedom = 1 - (static_cast<double>(p.B.cols()) - unfitted(p, lambda, solver)) / n;
-  if (!(freedom > 1e-10)) return hopeless;
+  if (!(freedom > least_freedom)) return rejected;
   double unit = p.score_unit.offset;
   if (p.score_unit.slope.size() > 0) unit += p.score_unit.slope.dot(c.col(0));
-  if (!(unit > 0)) return hopeless;
+  if (!(unit > 0)) return rejected;
   return (p.s - p.B * c).squaredNorm() / n / (freedom * freedom) / (unit * unit);
 }
 
-// Minimises the score over decades, then between the best and its neighbours.
+// Minimises the score over whole decades, then by bisection between the best and its neighbours.
 double choose_lambda0(const Problem& p, const SparseLeastSquaresOptions& options, SparseCholesky& solver, double& gcv) {
   double best = std::log10(options.smallest);
   gcv = std::numeric_limits<double>::infinity();

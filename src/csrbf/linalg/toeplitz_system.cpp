@@ -16,8 +16,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr Index chunk = 1 << 15;  // numbers that are worth a thread
-constexpr Index chunk_taps = 1 << 18;
+constexpr Index chunk = 1 << 15;       // numbers per task, chosen by hand: fewer are not worth a thread
+constexpr Index chunk_taps = 1 << 18;  // multiplications per task, likewise
 
 CSRBF_SIMD_CLONES
 void add_run(const double* x, const double* weights, Index count, Index n, double* y) {
@@ -40,7 +40,7 @@ double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return sum_over(a.size(), [&](Index first, Index n) { return a.segment(first, n).dot(b.segment(first, n)); });
 }
 
-// The next number without prime factors above 5, which the transform takes fast; a multiple of `unit`.
+// The next multiple of `unit` without prime factors above 5, for which the transform is fast.
 Index smooth_size(Index n, Index unit) {
   for (n = (n + unit - 1) / unit;; ++n) {
     Index m = n;
@@ -77,7 +77,7 @@ void transform(const std::array<Index, Dim>& size, bool inverse, std::vector<Com
   }
 }
 
-// Where row `row` of a lattice is on the torus, in rows.
+// The index on the torus of row `row` of a lattice.
 template <int Dim>
 Index torus_row(const std::array<Index, Dim>& size, const std::array<Index, Dim>& torus, Index row) {
   Index at = 0, stride = 1;
@@ -89,7 +89,7 @@ Index torus_row(const std::array<Index, Dim>& size, const std::array<Index, Dim>
   return at;
 }
 
-// The spectrum (half of it along x: values are real) of a lattice of values on a torus that is 0 elsewhere.
+// The spectrum (half of it along x, as values are real) of values on a lattice, continued by 0 to a torus.
 template <int Dim>
 std::vector<Complex> spectrum(const std::array<Index, Dim>& size, const std::array<Index, Dim>& torus,
                               const double* values) {
@@ -110,7 +110,7 @@ std::vector<Complex> spectrum(const std::array<Index, Dim>& size, const std::arr
   return data;
 }
 
-// Back to the values on the lattice. `data` is used up.
+// The values on the lattice from a spectrum. Overwrites `data`.
 template <int Dim>
 void from_spectrum(const std::array<Index, Dim>& size, const std::array<Index, Dim>& torus, std::vector<Complex>& data,
                    double* values) {
@@ -160,7 +160,7 @@ void ToeplitzSystem<Dim>::make_runs(std::vector<ToeplitzTap<Dim>> taps) {
 
 template <int Dim>
 void ToeplitzSystem<Dim>::make_symbol(const std::vector<ToeplitzTap<Dim>>& taps) {
-  constexpr double rounding = 1e-15;  // of the transform: smaller values may be negative
+  constexpr double rounding = 1e-15;  // of the transform, relative: smaller values may be negative
   for (std::size_t a = 0; a < Dim; ++a) torus_[a] = smooth_size(size_[a] + reach_[a], a == 0 ? 4 : 1);
   std::vector<double> circulant(static_cast<std::size_t>(product<Dim>(torus_)), 0.0);
   for (const ToeplitzTap<Dim>& tap : taps) {
@@ -189,7 +189,7 @@ Eigen::VectorXd ToeplitzSystem<Dim>::multiply(const Eigen::VectorXd& x) const {
   return y;
 }
 
-// `padded`: rows with as many zeros before and behind them as the taps reach.
+// `padded`: rows with as many zeros at both ends as the taps reach.
 template <int Dim>
 void ToeplitzSystem<Dim>::multiply_padded(const std::vector<double>& padded, Eigen::VectorXd& y) const {
   const Index n = size_[0], pad = reach_[0], length = n + 2 * pad, rows = points_ / n;
@@ -227,7 +227,7 @@ void ToeplitzSystem<Dim>::precondition(const Eigen::VectorXd& r, Eigen::VectorXd
   from_spectrum<Dim>(size_, torus_, data, z.data());
 }
 
-// Hestenes and Stiefel 1952. The direction lives in padded rows, as the product wants it.
+// Hestenes and Stiefel 1952. The direction is kept in padded rows, as multiply_padded() needs it.
 template <int Dim>
 Eigen::VectorXd ToeplitzSystem<Dim>::solve(const Eigen::VectorXd& b) const {
   require(b.size() == points_, "ToeplitzSystem::solve", "size of b", b.size(), "must be the number of points");

@@ -17,16 +17,16 @@ struct ToeplitzTap {
 struct ToeplitzOptions {
   double tolerance = 1e-13;     ///< |residual| <= tolerance |right-hand side|
   Index max_iterations = 5000;  ///< per right-hand side
-  /// Condition of the symbol from which the circulant preconditioner pays: below it, its Fourier transforms cost more
-  /// than the iterations that they save.
+  /// Condition of the symbol above which the circulant preconditioner pays: below, its Fourier transforms cost more
+  /// than the iterations that they save. Chosen by hand.
   double precondition_from = 200;
 };
 
-/// Solves H x = b for a symmetric positive definite matrix that depends on the differences of the points of a regular
-/// lattice only, such as that of a positive definite kernel of compact support. By conjugate gradients, where the
-/// product with H is a stencil; ill-conditioned ones are preconditioned by the inverse of the circulant matrix with the
-/// same taps on a torus as large as lattice and stencil together, whose eigenvalues are the values of the symbol of H
-/// (R. Chan 1989). Then the iterations grow little with the condition and not at all with the size.
+/// Solves H x = b for a symmetric positive definite matrix that depends only on the differences of the points of a
+/// regular lattice, such as that of a positive definite kernel of compact support. By conjugate gradients, where the
+/// product with H is a stencil; ill-conditioned systems are preconditioned by the inverse of the circulant matrix with
+/// the same taps on a torus as large as lattice and stencil together, whose eigenvalues are the values of the symbol of
+/// H (R. Chan 1989). The number of iterations then grows little with the condition and not at all with the size.
 ///
 /// Memory: five numbers per point; preconditioned two and a half more per point of the torus. Bit-identical for every
 /// thread count.

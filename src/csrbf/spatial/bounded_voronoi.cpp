@@ -12,10 +12,10 @@
 namespace csrbf {
 namespace {
 
-// A convex polytope around the origin, cut smaller by half-spaces. It is simple: every corner lies on exactly Dim
-// facets, and corners that share Dim - 1 of them are joined by an edge. Corners within rounding of a cut stay, all that
-// coincide alike, so the combinatorics are those of a polytope with slightly moved facets even where more than Dim
-// meet.
+// A convex polytope around the origin, clipped by half-spaces. It is simple: every corner lies on exactly Dim facets,
+// and corners that share Dim - 1 of them are joined by an edge. Corners within rounding of a cut are kept, coincident
+// ones alike, so that even where more than Dim facets meet the combinatorics are those of a polytope with slightly
+// moved facets.
 template <int Dim>
 class Cell {
  public:
@@ -38,7 +38,7 @@ class Cell {
   void cut(const Point<Dim>& neighbour) {
     const double distance = neighbour.norm();
     const Point<Dim> direction = neighbour / distance;
-    constexpr double rounding = 1e-13;
+    constexpr double rounding = 1e-13;  // of heights, relative to the distance: some hundred roundings
     outside_.clear();
     inside_.clear();
     for (const Corner& corner : corners_) {
@@ -98,7 +98,8 @@ class Neighbours {
 
   void start(const Point<Dim>& center) {
     center_ = center;
-    fetch(std::min<Index>(4 << Dim, tree_.size()));
+    constexpr Index first_guess = 4 << Dim;  // chosen by hand, doubled as needed
+    fetch(std::min<Index>(first_guess, tree_.size()));
   }
   // The i-th nearest; false when there are no more.
   bool get(Index i, Index& index, double& squared_distance) {
@@ -131,15 +132,15 @@ Eigen::VectorXd bounded_voronoi_scales(const PointsRef<Dim>& centers, const Box<
   require(centers.allFinite(), function, "centers", "NaN or infinity", "every coordinate must be finite");
   for (Index i = 0; i < centers.cols(); ++i)
     require(box.contains(centers.col(i)), function, "centers", i, "is the index of a centre outside the box");
-  // In units of the box: squares neither overflow nor vanish.
+  // In units of the box, so that squares neither overflow nor underflow.
   const double longest = box.extent().maxCoeff();
   const double unit = longest > 0 ? 1 / longest : 1;
   const Points<Dim> scaled = unit * (centers.colwise() - box.lo);
   const Point<Dim> extent = unit * box.extent();
   const KdTree<Dim> tree(scaled);
   Eigen::VectorXd scales(centers.cols());
-  constexpr Index grain = 256;
-  constexpr Index slice = 256 * grain;  // between reports
+  constexpr Index grain = 256;          // centres per task, chosen by hand
+  constexpr Index slice = 256 * grain;  // centres between progress reports
   for (Index start = 0; start < centers.cols(); start += slice) {
     report(progress, "voronoi cells", static_cast<double>(start) / static_cast<double>(centers.cols()));
     parallel_for(std::min(slice, centers.cols() - start), grain, [&](Index first, Index last) {

@@ -13,9 +13,9 @@
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 1 << 14;  // points for a thread at a time
+constexpr Index grain = 1 << 14;  // points per task, chosen by hand
 
-// The bits of all coordinates, mixed; adding 0 makes -0 the same as 0.
+// The bits of all coordinates, hashed by multiplication with 2^64 over the golden ratio; adding 0 turns -0 into 0.
 template <int Dim>
 std::uint64_t hash(const double* p) {
   std::uint64_t h = 0;
@@ -24,10 +24,10 @@ std::uint64_t hash(const double* p) {
   return h ^ h >> 32U;
 }
 
-// Points of equal keys are next to each other, in order.
+// Points with equal keys become neighbours, in input order.
 template <int Dim>
 std::vector<Keyed> sort_by_hash(const PointsRef<Dim>& points) {
-  constexpr int spare_bits = 2;  // few points share their key with others
+  constexpr int spare_bits = 2;  // beyond log2 n, so that few distinct points share a key; chosen by hand
   const auto n = static_cast<std::size_t>(points.cols());
   const int bits = std::min(32, static_cast<int>(std::bit_width(n)) + spare_bits);
   const auto limit = static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1);

@@ -6,8 +6,8 @@
 
 namespace csrbf {
 
-/// For every point the first one at the same place, itself when there is none before it. 0 and -0 are the same place;
-/// points with NaN coordinates are each for themselves. On all threads, O(n). Throws InvalidInput from 2^32 points on.
+/// For every point the first one at the same position, itself when there is none before it. 0 and -0 are equal; a point
+/// with NaN coordinates coincides with no other. On all threads, O(n). Throws InvalidInput for 2^32 points or more.
 template <int Dim>
 std::vector<Index> first_coincident(const PointsRef<Dim>& points);
 

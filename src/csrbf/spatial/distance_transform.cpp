@@ -8,14 +8,14 @@
 namespace csrbf {
 namespace {
 
-constexpr Index lines_per_tile = 16;  // side by side in memory: the lines of a tile share their cache lines
+constexpr Index lines_per_tile = 16;  // neighbours in memory: 16 floats are a cache line
 
 // The lower envelope of the parabolas d_j + (h (i - j))^2 over the voxels i of a line.
 class Envelope {
  public:
   Envelope(Index n, double h) : h2_(h * h), place_(static_cast<std::size_t>(n)), from_(static_cast<std::size_t>(n)) {}
 
-  // Replaces squared distances d, n of them, by their envelope.
+  // Replaces the n squared distances d by their envelope.
   void apply(std::vector<double>& d) {
     const auto n = static_cast<Index>(d.size());
     build(d);
@@ -30,7 +30,7 @@ class Envelope {
   }
 
  private:
-  // The parabolas of the envelope by their places, and from where on each is the lowest.
+  // Finds the parabolas of the envelope: their positions, and from where on each is the lowest.
   void build(const std::vector<double>& d) {
     count_ = 0;
     for (Index j = 0; j < static_cast<Index>(d.size()); ++j) {
@@ -58,8 +58,8 @@ class Envelope {
   std::size_t count_ = 0;
 };
 
-// One axis: its lines have n voxels, `stride` apart; `stride` lines lie side by side, and such sheets one after
-// another.
+// Transforms one axis. Its lines have n voxels, `stride` apart; `stride` lines lie side by side in a sheet, and sheets
+// follow one another.
 void transform_axis(Index n, Index stride, double h, std::vector<float>& squared) {
   if (n == 1) return;
   const Index tiles = (stride + lines_per_tile - 1) / lines_per_tile;

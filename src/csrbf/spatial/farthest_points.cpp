@@ -5,7 +5,7 @@
 namespace csrbf {
 namespace {
 
-// A candidate for the next pick; the smaller index wins among equals.
+// A candidate for the next pick; the smaller index wins ties.
 struct Farthest {
   double squared_distance = -1;
   Index index = 0;
@@ -17,8 +17,8 @@ struct Farthest {
   }
 };
 
-// Summed axis by axis, so that it rounds monotonically in every |difference|: a box cannot come out farther than a
-// point in it.
+// Summed axis by axis, so that it rounds monotonically in every |difference|: a box is never computed to be farther
+// away than a point in it.
 template <int Dim, class Difference>
 double squared_length(const Difference& difference) {
   double sum = 0;
@@ -29,8 +29,8 @@ double squared_length(const Difference& difference) {
   return sum;
 }
 
-// Boxes around runs of the points in Morton order, boxes around runs of those, and so on up to one; each knows the
-// point in it that is farthest from the picks.
+// A hierarchy of bounding boxes over runs of points in Morton order, up to a single box; each stores its point farthest
+// from the picks.
 template <int Dim>
 class Hierarchy {
  public:
@@ -60,8 +60,9 @@ class Hierarchy {
   void insert(const Point<Dim>& pick) { update(levels_.size() - 1, 0, pick); }
 
  private:
-  static constexpr std::size_t leaf = 16;  // points in a box of the lowest level
-  static constexpr std::size_t run = 8;    // boxes in a box of the level above
+  // Chosen by hand: larger ones compute more distances, smaller ones visit more boxes.
+  static constexpr std::size_t leaf = 16;  // points per box of the lowest level
+  static constexpr std::size_t run = 8;    // boxes per box of the next level
 
   struct Node {
     Box<Dim> box;
@@ -113,7 +114,7 @@ class Hierarchy {
   std::vector<std::vector<Node>> levels_;
 };
 
-// A power of two that brings the largest coordinate to about one: exact, and squares neither overflow nor vanish.
+// A power of two that scales the largest coordinate to about one: exact, and squares neither overflow nor underflow.
 template <int Dim>
 double unit_scale(const PointsRef<Dim>& points) {
   int exponent = 0;
@@ -153,7 +154,7 @@ FarthestPoints farthest_points(const PointsRef<Dim>& points, Index count, const 
   Hierarchy<Dim> hierarchy(points, scale);
   Farthest next{std::numeric_limits<double>::infinity(),
                 options.first ? *options.first : nearest_to_min_corner<Dim>(points, scale)};
-  constexpr Index report_every = 4096;
+  constexpr Index report_every = 4096;  // picks between progress reports
   for (Index done = 0; done < count && next.squared_distance > 0; ++done) {
     if (done % report_every == 0)
       report(options.progress, "farthest points", static_cast<double>(done) / static_cast<double>(count));

@@ -7,7 +7,7 @@
 namespace csrbf {
 namespace {
 
-// The view nanoflann asks for.
+// The adaptor that nanoflann requires.
 template <int Dim>
 struct Columns {
   const double* data;
@@ -43,7 +43,7 @@ class IndexCollector {
   std::vector<Index>& indices_;
 };
 
-// Asks for no more points after the first.
+// Ends the search at the first point.
 class Finder {
  public:
   explicit Finder(double squared_radius) : squared_radius_(squared_radius) {}
@@ -59,6 +59,8 @@ class Finder {
   bool found_ = false;
 };
 
+constexpr std::size_t leaf_size = 16;  // points; nanoflann recommends 10 to 50 where queries dominate the cost
+
 }  // namespace
 
 template <int Dim>
@@ -67,7 +69,8 @@ struct KdTree<Dim>::Impl {
   Search<Dim> search;
 
   explicit Impl(const PointsRef<Dim>& points)
-      : columns{points.data(), points.cols()}, search(Dim, columns, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
+      : columns{points.data(), points.cols()},
+        search(Dim, columns, nanoflann::KDTreeSingleIndexAdaptorParams(leaf_size)) {
     search.buildIndex();
   }
 };

@@ -7,8 +7,7 @@
 
 namespace csrbf {
 
-/// Nearest-neighbour search in a fixed point set. The points are referenced, not copied: their memory
-/// must outlive the tree.
+/// Nearest-neighbour search in a fixed point set. The points are referenced, not copied: they must outlive the tree.
 /// Queries are thread safe. Build O(n log n); queries O(log n + k). Fastest when points are in Morton order.
 template <int Dim>
 class KdTree {
@@ -20,14 +19,14 @@ class KdTree {
 
   [[nodiscard]] Index size() const;
 
-  /// Writes the k nearest points of x, nearest first, to `indices` and `squared_distances` (k entries each) and returns
+  /// Writes the k points nearest to x, nearest first, to `indices` and `squared_distances` (k entries each) and returns
   /// how many were found: min(k, size()).
   Index nearest(const Point<Dim>& x, Index k, Index* indices, double* squared_distances) const;
 
-  /// Indices of all points with |p - x| < radius, in ascending index order; replaces the content of `indices`.
+  /// Indices of all points with |p - x| < radius, in ascending order; replaces the contents of `indices`.
   void within(const Point<Dim>& x, double radius, std::vector<Index>& indices) const;
 
-  /// Whether there is a point with |p - x| < radius: ends at the first one.
+  /// Whether there is a point with |p - x| < radius; stops at the first one found.
   [[nodiscard]] bool any_within(const Point<Dim>& x, double radius) const;
 
  private:

@@ -14,12 +14,12 @@
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 8192;  // points for a thread at a time
+constexpr Index grain = 8192;  // points per task, chosen by hand
 
 template <int Dim>
-constexpr int most_bits = std::min(32, 63 / Dim);  // per coordinate
+constexpr int most_bits = std::min(32, 63 / Dim);  // per coordinate, of a code of at most 64 bits
 
-// Bytes with Dim - 1 zeros between their bits.
+// Every byte with Dim - 1 zeros between its bits.
 template <int Dim>
 constexpr std::array<std::uint64_t, 256> spread_bytes = [] {
   std::array<std::uint64_t, 256> table{};
@@ -28,7 +28,7 @@ constexpr std::array<std::uint64_t, 256> spread_bytes = [] {
   return table;
 }();
 
-// Interleaves so many bits of all coordinates, those of the first one in the lowest places.
+// Interleaves `bits` bits of every coordinate, those of the first one lowest.
 template <int Dim>
 std::uint64_t morton_code(const Point<Dim>& unit, int bits) {
   const auto cells = static_cast<double>(std::uint64_t{1} << bits);
@@ -81,7 +81,7 @@ std::vector<Index> morton_order(const PointsRef<Dim>& points) {
     items[at] = {static_cast<std::uint32_t>(its_code >> low_bits), static_cast<std::uint32_t>(i)};
   });
   radix_sort(items);
-  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {  // the few with equal keys by their whole codes
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {  // ties of the keys, by the full codes
     for (end = begin + 1; end < n && items[end].key == items[begin].key;) ++end;
     if (end - begin > 1)
       std::sort(items.data() + begin, items.data() + end, [&](const Keyed& a, const Keyed& b) {
@@ -93,17 +93,17 @@ std::vector<Index> morton_order(const PointsRef<Dim>& points) {
 
 template <int Dim>
 std::vector<Index> rough_morton_order(const PointsRef<Dim>& points) {
-  constexpr std::size_t most_together = 256;
-  constexpr int finer = 2;  // than a cube for each point
+  constexpr std::size_t largest_cube = 256;  // points; a cube with more is too coarse. Chosen by hand
+  constexpr int extra_bits = 2;              // four times as many cubes as points; chosen by hand
   const auto n = static_cast<std::size_t>(points.cols());
   require(n <= std::numeric_limits<std::uint32_t>::max(), "rough_morton_order", "points", n, "must be fewer than 2^32");
-  const int bits = std::clamp((static_cast<int>(std::bit_width(n)) + finer) / Dim, 1, 32 / Dim);
+  const int bits = std::clamp((static_cast<int>(std::bit_width(n)) + extra_bits) / Dim, 1, 32 / Dim);
   std::vector<Keyed> items(n);
   for_each_code<Dim>(points, bits, [&](Index i, std::uint64_t code) {
     items[static_cast<std::size_t>(i)] = {static_cast<std::uint32_t>(code), static_cast<std::uint32_t>(i)};
   });
   radix_sort(items, static_cast<std::uint32_t>((std::uint64_t{1} << (bits * Dim)) - 1));
-  return has_longer_run(items, most_together) ? morton_order<Dim>(points) : indices_of(items);
+  return has_longer_run(items, largest_cube) ? morton_order<Dim>(points) : indices_of(items);
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                          \

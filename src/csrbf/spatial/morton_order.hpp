@@ -11,8 +11,8 @@ namespace csrbf {
 template <int Dim>
 std::vector<Index> morton_order(const PointsRef<Dim>& points);
 
-/// Permutation that sorts cubes of a few points along the same curve; points of one cube keep the input order. Where
-/// points are too clustered for cubes of one size, that of morton_order, at its cost. Otherwise O(n).
+/// Permutation that sorts points along the same curve by cubes that hold a few of them, which keep the input order.
+/// O(n). Where points are too clustered for cubes of one size it is that of morton_order, at its cost.
 template <int Dim>
 std::vector<Index> rough_morton_order(const PointsRef<Dim>& points);
 

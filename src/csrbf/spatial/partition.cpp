@@ -15,10 +15,11 @@
 namespace csrbf {
 namespace {
 
-constexpr double flat = 0.8;        // length of the mean unit normal of a nearly flat sheet
-constexpr Index axes_sample = 512;  // points that tell the axes of a larger set
-constexpr Index enough_parts = 256;
-constexpr Index fewest_shared = 1 << 14;  // points whose partition takes longer than telling others about it
+// All chosen by hand.
+constexpr double flat = 0.8;              // length of the mean unit normal above which points are a nearly flat sheet
+constexpr Index axes_sample = 512;        // points that the principal axes of a larger set are estimated from
+constexpr Index enough_parts = 256;       // to share among processes: more balance better, fewer need fewer messages
+constexpr Index fewest_shared = 1 << 14;  // points; with fewer it takes longer to exchange a partition than to make it
 
 using Keyed = std::pair<double, Index>;
 
@@ -30,7 +31,7 @@ Point<Dim> mean_of(const PointsRef<Dim>& columns, const Index* ids, Index n) {
 }
 
 // Principal axes of the columns `ids` of `columns`, largest spread last; false when they all coincide. Spread along
-// `normal` does not count.
+// `normal` is ignored.
 template <int Dim>
 bool principal_axes(const PointsRef<Dim>& columns, const Index* ids, Index n, Eigen::Matrix<double, Dim, Dim>& axes,
                     const Point<Dim>& normal = Point<Dim>::Zero()) {
@@ -65,7 +66,8 @@ void store(const std::vector<Keyed>& keyed, Index* ids) {
   for (std::size_t i = 0; i < keyed.size(); ++i) ids[i] = keyed[i].second;
 }
 
-// Eigenvectors have no sign: turns the axis to where the points reach further, so that cuts turn with the cloud.
+// The sign of an eigenvector is arbitrary: orients the axis by the skewness of the points, so that cuts rotate with the
+// cloud.
 void orient(std::vector<Keyed>& keyed) {
   double mean = 0, third_moment = 0;
   for (const Keyed& k : keyed) mean += k.first / static_cast<double>(keyed.size());
@@ -74,8 +76,8 @@ void orient(std::vector<Keyed>& keyed) {
     for (Keyed& k : keyed) k.first = -k.first;
 }
 
-// Puts the `cut` points lowest along the principal axis first. Of a nearly flat sheet, an axis along the sheet: noise
-// may make it thicker than it is wide.
+// Moves the `cut` points lowest along the principal axis to the front. For a nearly flat sheet the axis lies in the
+// sheet, which noise may make thicker than it is wide.
 template <int Dim>
 void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n, Index cut) {
   std::array<Index, axes_sample> sample;
@@ -115,7 +117,7 @@ class Splitter {
   }
 
  private:
-  // Halves the number of leaves, so that all leaves end with nearly the same number of points.
+  // Halves the number of leaves, so that all leaves end up with nearly the same number of points.
   Index split_evenly(Index* ids, Index n) const {
     const Index leaves = (n + options_.leaf_size - 1) / options_.leaf_size;
     const Index cut = n * (leaves / 2) / leaves;
@@ -137,7 +139,7 @@ class Splitter {
     for (Index i = 0; i < n; ++i) spacing += spacing_[ids[i]];
     spacing /= static_cast<double>(n);
     if (normals_.cols() > 0) {
-      // Across a small leaf the principal axes need not be those of the sheets.
+      // The principal axes of a small leaf need not be those of the sheets.
       const Index cut = cut_widest(project<Dim>(points_, ids, n, mean_of<Dim>(normals_, ids, n).normalized()), ids,
                                    options_.max_gap * spacing);
       if (cut < n) return cut;
@@ -174,13 +176,13 @@ class Splitter {
   const PartitionOptions& options_;
 };
 
-// Consecutive entries of the order: a leaf, or to be cut further.
+// A range of the order: a leaf, or to be cut further.
 struct Part {
   Index begin = 0, end = 0;
   bool leaf = false;
 };
 
-// Cuts a part in at most 2^levels, depth first: what is cut next is still in the cache.
+// Cuts a part into at most 2^levels, depth first, so that what is cut next is still in the cache.
 template <int Dim>
 std::vector<Part> cut(const Splitter<Dim>& splitter, const Part& whole, int levels, std::vector<Index>& order) {
   std::vector<Part> parts;
@@ -200,8 +202,8 @@ std::vector<Part> cut(const Splitter<Dim>& splitter, const Part& whole, int leve
   return parts;
 }
 
-// Cuts all parts, which are independent of each other: once, until there are enough of them for many processes, then
-// down to the leaves.
+// Cuts all parts, independently of each other: once, until there are enough of them for many processes, then down to
+// the leaves.
 template <int Dim>
 std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>& parts, std::vector<Index>& order) {
   const auto count = static_cast<Index>(parts.size());

@@ -6,19 +6,19 @@
 
 namespace csrbf {
 
-/// How partition() splits.
+/// How partition() splits. The defaults were chosen by hand.
 struct PartitionOptions {
   /// Largest number of points in a leaf. At least 1.
   Index leaf_size = 16;
-  /// A leaf whose points leave a gap wider than this many local spacings along one of its principal axes is cut there:
-  /// it bridges two sheets. Needs `spacing`.
+  /// A leaf whose points leave a gap wider than this many local spacings along one of its principal axes bridges two
+  /// sheets and is cut there. Smaller values also cut unevenly sampled sheets. Needs `spacing`.
   double max_gap = 2.5;
-  /// A leaf whose mean unit normal is shorter than this holds both sides of a sheet or a sharp bend and is cut by the
-  /// direction of its normals. Needs `normals`.
+  /// A leaf whose mean unit normal is shorter than this spans both sides of a sheet or a sharp bend and is cut by the
+  /// direction of its normals. Larger values also cut where curvature is high. Needs `normals`.
   double min_mean_normal = 0.6;
 };
 
-/// Points grouped in leaves: leaf i holds order[begin[i]] ... order[begin[i + 1] - 1]. Neighbouring leaves are
+/// Points grouped in leaves: leaf i holds order[begin[i]] ... order[begin[i + 1] - 1]. Consecutive leaves are
 /// neighbours in space.
 struct Partition {
   std::vector<Index> order;
@@ -29,14 +29,14 @@ struct Partition {
 
 /// Splits points without overlap by recursive cuts across the principal axis, into leaves of nearly equal size, then
 /// cuts every leaf that bridges two sheets (see PartitionOptions). Cuts follow the points, not the coordinate axes, so
-/// the leaves turn with the cloud. `normals` (Dim x n) and `spacing` (n) may be empty: then no such test is made.
+/// the leaves rotate with the cloud. `normals` (Dim x n) and `spacing` (n) may be empty: their tests are then skipped.
 /// O(n log n). Replaces the overlapping cover of the thesis (Algorithm 4), which copies points at every level.
 template <int Dim>
 Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
                     const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options = {});
 
-/// Halves the n points `ids` as partition() does (`normals` may be empty): reorders them and returns how many come
-/// first (n / 2).
+/// Halves the n points `ids` as partition() does (`normals` may be empty): reorders them and returns the size of the
+/// first half (n / 2).
 template <int Dim>
 Index halve(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n);
 

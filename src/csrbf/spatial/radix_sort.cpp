@@ -9,12 +9,13 @@
 namespace csrbf {
 namespace {
 
-constexpr int most_digit_bits = 11;
+constexpr int most_digit_bits = 11;  // conventional: the 2048 counters fit the first-level cache
+// Chosen by hand: smaller or more parts balance the threads better, but each has its own counters to add up.
 constexpr std::size_t fewest_in_part = 1 << 15, most_parts = 64;
 
 }  // namespace
 
-// By the least significant digit first. Every part of the items counts its digits, and so knows where its own go.
+// Least significant digit first. Each part of the items counts its digits; the counts give the places of its items.
 void radix_sort(std::vector<Keyed>& items, std::uint32_t limit) {
   const auto before = [](const Keyed& a, const Keyed& b) { return a.key < b.key; };
   if (std::is_sorted(items.begin(), items.end(), before)) return;

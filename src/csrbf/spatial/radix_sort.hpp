@@ -5,13 +5,13 @@
 
 namespace csrbf {
 
-/// A number to sort by and what it belongs to.
+/// A sort key and the index of its item.
 struct Keyed {
   std::uint32_t key, index;
 };
 
-/// Sorts by key; equal keys keep their order. Keys must be below `limit` or equal to it: the fewer bits it has, the
-/// faster. On all threads, O(n) for each 11 bits; one look at items that are sorted already.
+/// Sorts by key; equal keys keep their order. Keys must not exceed `limit`: the fewer bits it has, the faster. On all
+/// threads, O(n) for each 11 bits; a single pass over items that are already sorted.
 void radix_sort(std::vector<Keyed>& items, std::uint32_t limit = UINT32_MAX);
 
 }  // namespace csrbf

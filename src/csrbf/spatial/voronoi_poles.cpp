@@ -16,9 +16,11 @@ extern "C" {
 namespace csrbf {
 namespace {
 
-constexpr double far_sites = 3;  // half the side of their box, in units of the largest extent
+// Half the side of the box of additional sites, in units of the largest extent of the points. Chosen by hand: larger
+// ones give poles of open cells that are farther away, but lose digits.
+constexpr double far_sites = 3;
 
-// The messages of qhull, which writes to files only.
+// Captures the messages of qhull, which writes to files only.
 class Messages {
  public:
   Messages() : file_(open_memstream(&text_, &size_)) {}
@@ -42,14 +44,14 @@ class Messages {
   std::FILE* file_;
 };
 
-// A Delaunay triangulation in the memory of qhull.
+// A Delaunay triangulation in memory owned by qhull.
 template <int Dim>
 class Delaunay {
  public:
   explicit Delaunay(Points<Dim>& sites) {
     qh_zero(&hull_, messages_.file());
-    // Qbb: scales the lifted coordinate; Qc: keeps sites that are no corners; Q12: allows wide facets, which
-    // cospherical sites make.
+    // d: Delaunay triangulation; Qbb: scales the lifted coordinate; QJ: joggles the sites, so that cospherical ones
+    // give simplices.
     char command[] = "qhull d Qbb QJ";
     const int status =
         qh_new_qhull(&hull_, Dim, static_cast<int>(sites.cols()), sites.data(), 0, command, nullptr, messages_.file());

@@ -31,8 +31,8 @@ class Expansion : public Field<Dim> {
   [[nodiscard]] double feature_size() const override;
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<Dim>& x) const override;
 
-  /// For functions of Wendland of smoothness 2 and more, Euclidean distances and a polynomial of degree 2 at most: from
-  /// the Taylor expansion about the centre of the box and the largest second derivatives, sum |alpha_j| |phi''(0)| /
+  /// For Wendland functions of smoothness 2 or more, Euclidean distances and a polynomial of degree 2 at most: from the
+  /// Taylor expansion about the centre of the box and the largest second derivatives, sum |alpha_j| |phi''(0)| /
   /// sigma_j^2 over the supports that meet the box (thesis eq. 4.8 with the factor 1 / sigma^2).
   [[nodiscard]] std::optional<Enclosure> enclose(const Box<Dim>& box) const override;
 

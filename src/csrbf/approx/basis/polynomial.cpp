@@ -10,7 +10,7 @@ namespace csrbf {
 
 template <int Dim>
 Polynomials<Dim>::Polynomials(int degree) : degree_(degree) {
-  constexpr int largest = 20;
+  constexpr int largest = 20;  // chosen by hand: monomials are nearly dependent long before
   require(degree >= -1 && degree <= largest, "Polynomials", "degree", degree, "must be -1 (none), 0, ... or 20");
   if (degree < 0) return;
   exponents_.push_back({});

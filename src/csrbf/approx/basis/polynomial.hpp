@@ -13,7 +13,7 @@ namespace csrbf {
 template <int Dim>
 class Polynomials {
  public:
-  /// `degree` -1: no polynomial at all. Throws InvalidInput unless -1 <= degree <= 20.
+  /// `degree` -1: no polynomial. Throws InvalidInput unless -1 <= degree <= 20.
   explicit Polynomials(int degree);
 
   [[nodiscard]] int degree() const { return degree_; }
@@ -40,12 +40,12 @@ class Polynomials {
   /// So the product of each matrix with the coefficients is the array of that name in a Jet.
   void rows(const PointsRef<Dim>& x, double* value, double* gradient = nullptr, double* hessian = nullptr) const;
 
-  /// How a monomial comes from an earlier one: it is x[axis] times monomial `parent`.
+  /// How a monomial follows from an earlier one: it is x[axis] times monomial `parent`.
   struct Step {
     Index parent;
     int axis;
   };
-  /// Of every monomial; that of the constant means nothing.
+  /// Of every monomial; meaningless for the constant.
   [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }
 
  private:
@@ -54,7 +54,7 @@ class Polynomials {
   std::vector<Step> steps_;
 };
 
-/// The monomials in the order in which Horner's scheme takes their coefficients: by the power of the last variable, the
+/// The monomials in the order in which Horner's scheme uses their coefficients: by the power of the last variable, the
 /// highest first, then by that of the one before it, and so on.
 template <int Dim>
 std::vector<Index> nested_order(const Polynomials<Dim>& basis);

@@ -9,7 +9,7 @@ namespace csrbf {
 
 template <int Dim>
 PolynomialBlock<Dim> polynomial_block(const PointsRef<Dim>& points, int degree, RankDeficiency deficiency) {
-  constexpr double dependent = 1e-10;  // coarser than the test of solve_saddle
+  constexpr double dependent = 1e-10;  // coarser than the test of solve_saddle(), which then succeeds
   const Polynomials<Dim> polynomials(degree);
   const Index Q = polynomials.size();
   const Box<Dim> box = bounding_box<Dim>(points);

@@ -8,7 +8,7 @@ namespace csrbf {
 /// What to do when the points lie on the zero set of a polynomial of the degree (collinear points, too few points).
 enum class RankDeficiency {
   keep,   ///< keep all monomials; solve_saddle() refuses the system
-  reduce  ///< restrict to the polynomials that the points tell apart; those that vanish there are left out
+  reduce  ///< restrict to the polynomials that the points distinguish; those that vanish there are left out
 };
 
 /// The polynomial part of an interpolation system: r functions that span the polynomials of the degree on the points.
@@ -27,7 +27,7 @@ struct PolynomialBlock {
 };
 
 /// Monomials about the centre of the bounding box, in units of half its largest extent and scaled to unit norm on the
-/// points, so that axes of different units do no harm. O(n Q^2).
+/// points, so that axes of different units are harmless. O(n Q^2).
 template <int Dim>
 PolynomialBlock<Dim> polynomial_block(const PointsRef<Dim>& points, int degree, RankDeficiency deficiency);
 

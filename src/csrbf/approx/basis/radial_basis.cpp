@@ -12,7 +12,7 @@ namespace csrbf {
 namespace {
 
 constexpr const char* function = "RadialBasis";
-constexpr double most_shifts = 1000;
+constexpr double most_shifts = 1000;  // periodic images per query, each a search; chosen by hand
 
 template <int Dim>
 double smallest_stretch(const Eigen::Matrix<double, Dim, Dim>& transform) {
@@ -57,11 +57,11 @@ void RadialBasis<Dim>::check() const {
           "periodic axes need a compactly supported kernel; choose wendland-c2 or another one");
 }
 
-// Radii of balls around the (mapped) centres that hold the supports.
+// Radii of balls around the (mapped) centres that contain the supports.
 template <int Dim>
 Eigen::VectorXd RadialBasis<Dim>::search_radii() const {
   if (!kernel_.compact()) return Eigen::VectorXd::Constant(size(), std::numeric_limits<double>::infinity());
-  // Round-off must not lose a function whose support ends at the point.
+  // Rounding must not lose a function whose support ends at the point.
   constexpr double margin = 1 + 1e-12;
   Eigen::VectorXd radii(size());
   for (Index j = 0; j < size(); ++j) {
@@ -124,7 +124,7 @@ CenterArrays RadialBasis<Dim>::arrays() const {
   return {Dim, position_.rows(), position_.data(), shape_.data(), own_transforms()};
 }
 
-// Calls use(batch) with r2 (and v) filled, for all slots whose supports may hold x.
+// Calls use(batch) with r2 (and v) filled, for all slots whose supports may contain x.
 template <int Dim>
 template <class Use>
 void RadialBasis<Dim>::for_each_batch(const Point<Dim>& x, bool with_directions, Runs& runs, RadialBatch& batch,
@@ -239,7 +239,7 @@ void RadialBasis<Dim>::row(const Point<Dim>& x, Runs& runs, RadialBatch& batch,
 template <int Dim>
 Eigen::SparseMatrix<double, Eigen::RowMajor> RadialBasis<Dim>::matrix(const PointsRef<Dim>& points) const {
   require(kernel_.compact(), function, "kernel", kernel_.name(), "a sparse matrix needs a compactly supported kernel");
-  constexpr Index grain = 1024;
+  constexpr Index grain = 1024;  // rows per task, chosen by hand
   const Index n = points.cols();
   std::vector<std::vector<std::pair<int, double>>> blocks(static_cast<std::size_t>((n + grain - 1) / grain));
   std::vector<Index> begin(static_cast<std::size_t>(n) + 1, 0);

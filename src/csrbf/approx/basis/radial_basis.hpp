@@ -25,12 +25,12 @@ struct RadialMetric {
 
 /// Functions phi_j(p) = phi(|p - c_j| / sigma_j), j < M, of one kernel: centres with a common support radius or one
 /// each, and optionally a metric. Basis functions of a compact kernel are found through trees, so that evaluation costs
-/// O(log M + number of supports that hold the point); others are summed over all centres. Immutable and thread safe.
+/// O(log M + number of supports that contain the point); others are summed over all centres. Immutable and thread safe.
 template <int Dim>
 class RadialBasis {
  public:
   /// `supports` (radius of the support; for a kernel without one its length scale) has one entry or one per centre.
-  /// Throws InvalidInput for centres that are not finite, supports that are not positive and finite or of another
+  /// Throws InvalidInput for centres that are not finite, supports that are not positive and finite or of the wrong
   /// number, singular transforms, negative periods, periods with a kernel that is not compact, and more than 1000
   /// repetitions.
   RadialBasis(const Kernel& kernel, const PointsRef<Dim>& centers, const Eigen::VectorXd& supports,
@@ -53,10 +53,10 @@ class RadialBasis {
   /// periodic. O(log M + their number).
   [[nodiscard]] std::vector<Index> reaching(const Box<Dim>& box) const;
 
-  /// Coefficients (M) in the order in which add_sums wants them.
+  /// Coefficients (M) in the order required by add_sums.
   [[nodiscard]] Eigen::VectorXd to_slots(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const;
 
-  /// Adds sum_j alpha_j phi_j and the derivatives that `out` wants at a block of points.
+  /// Adds sum_j alpha_j phi_j and the derivatives requested by `out` at a block of points.
   void add_sums(const PointsRef<Dim>& x, const Eigen::VectorXd& slot_coefficients, const JetBlock& out) const;
 
  private:

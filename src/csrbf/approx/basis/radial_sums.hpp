@@ -16,9 +16,9 @@ struct CenterArrays {
   bool anisotropic = false;          ///< whether `shape` holds triangles
 };
 
-/// Part of one sum over centres, small enough for the first cache.
+/// Part of one sum over centres, small enough for the first-level cache.
 struct RadialBatch {
-  static constexpr Index capacity = 256;
+  static constexpr Index capacity = 256;  ///< slots, chosen by hand: 12 arrays take 24 KB
   static constexpr int max_dimension = 8;
 
   Index size = 0;
@@ -36,7 +36,7 @@ struct RadialBatch {
 void radial_distances(const CenterArrays& centers, const double* p, bool with_directions, RadialBatch& batch);
 
 /// Sums over the batch times `coefficients` (one per slot), added to value (1), gradient (dimension), hessian (upper
-/// triangle); null pointers are left out.
+/// triangle); null pointers are skipped.
 void add_radial_sums(const CenterArrays& centers, const double* coefficients, const RadialBatch& batch, double* value,
                      double* gradient, double* hessian);
 

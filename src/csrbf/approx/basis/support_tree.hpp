@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// Finds the balls that hold a point: the supports of radial functions. Built once for M balls, O(M log M); a query
+/// Finds the balls that contain a point: the supports of radial functions. Built once for M balls, O(M log M); a query
 /// costs about the logarithm of M plus the number of balls found, however different the radii are, because every octave
 /// of radii has a tree of its own.
 ///
@@ -15,6 +15,7 @@ namespace csrbf {
 template <int Dim>
 class SupportTree {
  public:
+  /// Chosen by hand, a multiple of the vector width 8: larger leaves test more balls, smaller ones visit more nodes.
   static constexpr Index leaf_size = 16;
 
   /// Consecutive slots, a multiple of leaf_size.
@@ -25,7 +26,7 @@ class SupportTree {
 
   SupportTree() = default;
 
-  /// Radii may be infinite; such balls hold every point.
+  /// Radii may be infinite; such balls contain every point.
   SupportTree(const PointsRef<Dim>& centers, const Eigen::VectorXd& radii) : centers_(centers), radii_(radii) {
     std::vector<Index> ids(static_cast<std::size_t>(centers.cols()));
     std::iota(ids.begin(), ids.end(), Index{0});
@@ -44,7 +45,7 @@ class SupportTree {
   /// The ball in slot i, or -1 for an empty slot.
   [[nodiscard]] Index ball(Index i) const { return slots_[static_cast<std::size_t>(i)]; }
 
-  /// Replaces `runs` by slots that include every ball holding x strictly inside. Ascending.
+  /// Replaces `runs` by slots that include every ball with x strictly inside. Ascending.
   void find(const Point<Dim>& x, std::vector<Run>& runs) const { find(Box<Dim>{x, x}, runs); }
 
   /// The same for every ball whose interior meets the box.

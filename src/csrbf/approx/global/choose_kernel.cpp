@@ -12,8 +12,9 @@ namespace csrbf {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double rescue = 1e-9;
-constexpr double grid_step = 1.8;
+// Chosen by hand, relative to the mean diagonal entry: more would smooth noticeably, with less many flat kernels fail.
+constexpr double largest_jitter = 1e-9;
+constexpr double grid_step = 1.8;  // ratio of consecutive supports of the grid, refined afterwards; chosen by hand
 
 struct Candidate {
   Kernel kernel;
@@ -38,8 +39,8 @@ struct Patch {
 
 template <int Dim>
 double median_spacing(const Points<Dim>& points, const KdTree<Dim>& tree) {
-  constexpr Index at_most = 1000;
-  const Index step = std::max<Index>(1, points.cols() / at_most);
+  constexpr Index sample = 1000;  // points that the median is taken of, chosen by hand
+  const Index step = std::max<Index>(1, points.cols() / sample);
   std::vector<double> spacings;
   for (Index i = 0; i < points.cols(); i += step) {
     Index indices[2];
@@ -74,8 +75,9 @@ Patch make_patch(const Samples<Dim>& samples, const std::vector<Index>& indices,
 Eigen::RowVectorXd deviations(const Eigen::MatrixXd& values) {
   Eigen::RowVectorXd units = (values.rowwise() - values.colwise().mean()).cwiseAbs2().colwise().mean().cwiseSqrt();
   const Eigen::RowVectorXd sizes = values.cwiseAbs().colwise().maxCoeff();
+  constexpr double rounding = 1e-14;  // largest deviation of a constant, relative to it
   for (Index c = 0; c < units.size(); ++c)
-    if (!(units[c] > 1e-14 * sizes[c])) units[c] = sizes[c] > 0 ? sizes[c] : 1;
+    if (!(units[c] > rounding * sizes[c])) units[c] = sizes[c] > 0 ? sizes[c] : 1;
   return units;
 }
 
@@ -90,7 +92,7 @@ std::vector<Patch> make_patches(const Samples<Dim>& samples, const KdTree<Dim>& 
     patches.push_back(make_patch(samples, all, n, units, largest_degree));
     return patches;
   }
-  constexpr Index count = 3;
+  constexpr Index count = 3;  // neighbourhoods, chosen by hand: more cost time, fewer may not be representative
   std::vector<double> r2(static_cast<std::size_t>(size));
   for (Index k = 0; k < count; ++k) {
     std::vector<Index> indices(static_cast<std::size_t>(size));
@@ -100,12 +102,12 @@ std::vector<Patch> make_patches(const Samples<Dim>& samples, const KdTree<Dim>& 
   return patches;
 }
 
-class Judge {
+class CrossValidation {
  public:
-  Judge(std::vector<Patch> patches, const ChooseKernelOptions& options)
+  CrossValidation(std::vector<Patch> patches, const ChooseKernelOptions& options)
       : patches_(std::move(patches)), options_(options) {}
 
-  [[nodiscard]] Trial judge(const Candidate& candidate, double support) const {
+  [[nodiscard]] Trial attempt(const Candidate& candidate, double support) const {
     Trial trial{support, options_.smoothing.value_or(0), infinity};
     double squares = 0;
     double weights = 0;
@@ -115,7 +117,7 @@ class Judge {
       for (const Patch& patch : patches_) {
         const Eigen::MatrixXd& G = patch.G[static_cast<std::size_t>(columns)];
         const Eigen::MatrixXd A = matrix(candidate.kernel, patch, support);
-        SaddleOptions saddle{.lambda = trial.smoothing, .weights = patch.weights, .largest_rescue = rescue};
+        SaddleOptions saddle{.lambda = trial.smoothing, .weights = patch.weights, .largest_rescue = largest_jitter};
         if (!options_.smoothing) {
           saddle.lambda =
               choose_smoothing(A, G, patch.values, {.criterion = options_.criterion, .weights = patch.weights}).lambda;
@@ -152,13 +154,13 @@ class Judge {
 };
 
 // Golden section between the neighbours of the best support of the grid.
-Trial refine(const Judge& judge, const Candidate& candidate, Trial best) {
+Trial refine(const CrossValidation& validation, const Candidate& candidate, Trial best) {
   constexpr double ratio = 0.6180339887498949;
-  constexpr int steps = 6;  // to some per cent of the support
+  constexpr int steps = 6;  // leave an interval of 6 % of the support
   double a = std::log(best.support / grid_step);
   double b = std::log(std::min(best.support * grid_step, candidate.supports.back()));
   const auto at = [&](double exponent) {
-    const Trial trial = judge.judge(candidate, std::exp(exponent));
+    const Trial trial = validation.attempt(candidate, std::exp(exponent));
     if (trial.score < best.score) best = trial;
     return trial.score;
   };
@@ -219,15 +221,15 @@ std::vector<Candidate> make_candidates(const Samples<Dim>& samples, const Choose
   return candidates;
 }
 
-// The best trial over the grid of supports, which ends where rounding has taken over.
-Trial search_grid(const Judge& judge, const Candidate& candidate) {
-  constexpr double hopeless = 30;  // times the best score
+// The best trial over the grid of supports, which ends where rounding errors dominate.
+Trial search_grid(const CrossValidation& validation, const Candidate& candidate) {
+  constexpr double reject_ratio = 30;  // of a score to the best one, chosen by hand: wider supports are not tried
   Trial best;
   best.support = candidate.supports[candidate.supports.size() / 2];  // without any finite score
   for (const double support : candidate.supports) {
-    const Trial trial = judge.judge(candidate, support);
+    const Trial trial = validation.attempt(candidate, support);
     if (trial.score < best.score) best = trial;
-    if (trial.score > hopeless * best.score) break;
+    if (trial.score > reject_ratio * best.score) break;
   }
   return best;
 }
@@ -247,26 +249,26 @@ KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOption
   const std::vector<Candidate> candidates = make_candidates(samples, options, tree);
   int largest_degree = 0;
   for (const Candidate& candidate : candidates) largest_degree = std::max(largest_degree, candidate.degree);
-  const Judge judge(
+  const CrossValidation validation(
       make_patches<Dim>(samples, tree, options.smoothing ? options.patch : options.smoothing_patch, largest_degree),
       options);
   const auto count = static_cast<Index>(candidates.size());
   std::vector<Trial> best(candidates.size());
   parallel_for(count, 1, [&](Index begin, Index end) {
     for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
-      best[k] = search_grid(judge, candidates[k]);
+      best[k] = search_grid(validation, candidates[k]);
   });
 
   std::vector<std::size_t> order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return best[a].score < best[b].score; });
-  constexpr Index finalists = 2;
+  constexpr Index finalists = 2;  // candidates whose supports are refined, chosen by hand
   parallel_for(std::min(finalists, count), 1, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
       const std::size_t i = order[static_cast<std::size_t>(k)];
       if (candidates[i].supports.size() > 1 && best[i].score > 0 && best[i].score < infinity)
-        best[i] = refine(judge, candidates[i], best[i]);
+        best[i] = refine(validation, candidates[i], best[i]);
     }
   });
   const auto winner = static_cast<std::size_t>(

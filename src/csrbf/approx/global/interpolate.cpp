@@ -18,11 +18,12 @@ namespace csrbf {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double rescue = 1e-9;          // largest lambda that may save a system from its roundings
-constexpr Index always_dense = 1500;     // number of samples
-constexpr Index spectrum_limit = 1500;   // number of samples up to which lambda is chosen on all of them
-constexpr Index sparse_neighbors = 100;  // per support, where the support of a sparse system is chosen
-constexpr double sparse_enough = .1;     // fraction of entries that are not zero
+// Chosen by hand.
+constexpr double largest_jitter = 1e-9;  // of lambda, where rounding makes a system indefinite, see choose_kernel.cpp
+constexpr Index always_dense = 1500;     // samples up to which dense systems are solved whatever the support
+constexpr Index spectrum_limit = 1500;   // samples up to which lambda is chosen on all of them: O(9 n^3)
+constexpr Index sparse_neighbors = 100;  // per support, where that of a sparse system is chosen: accuracy against cost
+constexpr double sparse_enough = .1;     // share of entries that are not zero, below which sparse solvers are faster
 
 // The coefficients of the kernel and of the functions of the polynomial block, and the scale of the variance.
 struct Coefficients {
@@ -79,7 +80,7 @@ void check(const Samples<Dim>& samples, const InterpolateOptions& options, const
 template <int Dim>
 double neighbor_distance(const Points<Dim>& points, Index k) {
   const KdTree<Dim> tree(points);
-  constexpr Index at_most = 1000;
+  constexpr Index at_most = 1000;  // points that the median is taken of, about; chosen by hand
   std::vector<Index> indices(static_cast<std::size_t>(k));
   std::vector<double> r2(static_cast<std::size_t>(k));
   std::vector<double> distances;
@@ -109,7 +110,7 @@ KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& optio
   Samples<Dim> mapped = samples;
   if (metric.transforms.size() == 1) mapped.points = metric.transforms[0] * samples.points;
   if (sparse) choice.largest_support = neighbor_distance<Dim>(mapped.points, sparse_neighbors);
-  // One combination only: nothing to compare.
+  // Everything is given: nothing to compare.
   if (options.kernel != "auto" && options.smoothing) {
     const Kernel kernel(options.kernel, Dim, options.parameter);
     if (options.support > 0) return {kernel, options.support, *options.smoothing, nan};
@@ -146,8 +147,8 @@ Coefficients solve_dense(const Samples<Dim>& samples, const RadialBasis<Dim>& ba
     report.smoothing =
         choose_smoothing(A, G, samples.values, {.criterion = options.criterion, .weights = weights}).lambda;
   }
-  SaddleSolution solution =
-      solve_saddle(A, G, samples.values, {.lambda = report.smoothing, .weights = weights, .largest_rescue = rescue});
+  SaddleSolution solution = solve_saddle(
+      A, G, samples.values, {.lambda = report.smoothing, .weights = weights, .largest_rescue = largest_jitter});
   report.smoothing = solution.lambda;
   report.leave_one_out = weighted_rms(solution.leave_one_out, weights);
   report.condition = solution.condition;
@@ -164,8 +165,9 @@ Coefficients solve_sparse(const Samples<Dim>& samples, Eigen::SparseMatrix<doubl
   const Eigen::VectorXd inverse_weights = samples.all_weights().cwiseInverse();
   double added = report.smoothing;
   A.diagonal() += added * inverse_weights;
-  for (double next = 1e-15; !solver.factorize(A); next *= 10) {
-    if (next > rescue) {
+  constexpr double smallest_jitter = 1e-15;  // a few roundings
+  for (double next = smallest_jitter; !solver.factorize(A); next *= 10) {
+    if (next > largest_jitter) {
       throw SolverFailure("interpolate: the system of " + std::to_string(samples.size()) +
                           " samples is singular; give smoothing > 0 or a smaller support");
     }
@@ -241,12 +243,14 @@ Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOpt
   Interpolation<Dim> result = fit(used, choice, options, metric, start);
 
   // A support chosen on neighbourhoods may be too wide for all samples together, when the system is close to singular.
-  constexpr double worse = 3;
+  // Chosen by hand: the ratio of errors that shows it, the reduction of the support, and how often that is tried.
+  constexpr double worse = 3, reduction = 1.4;
+  constexpr int most_attempts = 3;
   const bool adjustable =
       options.support == 0 && choice.kernel.has_scale() && used.size() > ChooseKernelOptions{}.patch;
-  for (int attempt = 0; adjustable && attempt < 3; ++attempt) {
+  for (int attempt = 0; adjustable && attempt < most_attempts; ++attempt) {
     if (!(result.report.leave_one_out > worse * start.leave_one_out)) break;
-    choice.support /= 1.4;
+    choice.support /= reduction;
     Interpolation<Dim> narrower = fit(used, choice, options, metric, start);
     if (!(narrower.report.leave_one_out < result.report.leave_one_out)) break;
     result = std::move(narrower);

@@ -46,7 +46,7 @@ struct InterpolationReport {
   /// neighbourhoods for sparse ones whose support was chosen, NaN otherwise.
   double leave_one_out = 0;
   double condition = 0;  ///< estimate for dense systems; NaN otherwise
-  Index merged = 0;      ///< samples at the place of another one
+  Index merged = 0;      ///< samples merged with another one at the same point
   InterpolationSolver solver = InterpolationSolver::dense;
 };
 
@@ -54,7 +54,7 @@ template <int Dim>
 struct Interpolation {
   std::vector<std::shared_ptr<const Expansion<Dim>>> components;  ///< one per column of the values
   /// Of the difference between samples of mean weight and the components; none beyond `dense_limit` samples and
-  /// where no sample can be left out. Their scale is sigma^2 = mean_k alpha_k e_k, with which the leave-one-out errors
+  /// where no sample can be left out. Their scale is sigma^2 = mean_k alpha_k e_k, for which the leave-one-out errors
   /// e_k are as large as predicted (Bachoc 2013); for sparse systems that of the (restricted) likelihood,
   /// alpha^T s / (n - r) with r coefficients of the polynomial.
   std::vector<std::shared_ptr<const KrigingVariance<Dim>>> variances = {};
@@ -69,16 +69,16 @@ struct Interpolation {
 /// fewer than the polynomial has coefficients: with degree -2 it is restricted to what the points determine. Constant
 /// data give a constant. Results do not depend on the units of points, values and weights.
 ///
-/// Dense systems, O(n^3), for kernels that are not compact and up to 1500 samples, and up to `dense_limit` when the
-/// matrix is not sparse; sparse ones for compact kernels beyond, direct or iterative by size. A chosen support of a
-/// sparse system holds at most about 100 samples, which limits the accuracy: for many samples a multilevel fit or a
-/// partition of unity is better.
+/// Systems are dense, O(n^3), for kernels that are not compact and up to 1500 samples, and up to `dense_limit` when the
+/// matrix is not sparse; beyond, for compact kernels, sparse, solved directly or iteratively depending on size. A
+/// chosen support of a sparse system holds at most about 100 samples, which limits the accuracy: for many samples a
+/// multilevel fit or a partition of unity is better.
 ///
 /// `metric`: at most one transform (for anisotropic data); periods need a compact kernel.
 ///
 /// Throws InvalidInput for invalid samples, unknown kernels and kernels for other dimensions, a degree below order - 1,
 /// metrics with a transform per centre, and more than `dense_limit` samples with a kernel that is not compact;
-/// SolverFailure when the system is singular beyond rescue.
+/// SolverFailure when the system is singular even with a small smoothing.
 template <int Dim>
 Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOptions& options = {},
                                const RadialMetric<Dim>& metric = {});

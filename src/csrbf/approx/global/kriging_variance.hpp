@@ -12,8 +12,8 @@ namespace csrbf {
 ///
 ///     P^2(x) + lambda = phi(0) - b(x)^T M^-1 b(x) + lambda,   b = (phi_j(x), g_q(x)),   M the matrix of the system
 ///
-/// (Schaback 1993). 0 at the samples for lambda = 0, and growing with the
-/// distance to them. The system is factorised at the first evaluation, O(n^3 / 3); then O(n^2) per point. Thread safe.
+/// (Schaback 1993). 0 at the samples for lambda = 0, and growing with the distance to them. The system is factorised at
+/// the first evaluation, O(n^3 / 3); then O(n^2) per point. Thread safe.
 template <int Dim>
 class PowerFunction {
  public:
@@ -46,7 +46,7 @@ class PowerFunction {
 
 /// Variance sigma^2 (P^2 + lambda) of the difference between a sample of weight 1 and the interpolant, seen as the best
 /// linear unbiased prediction of a random function with (generalised) covariance sigma^2 phi from values with noise of
-/// variance sigma^2 lambda. Its derivatives, which nothing needs, are NaN.
+/// variance sigma^2 lambda. Derivatives are not provided: they are NaN.
 template <int Dim>
 class KrigingVariance : public Field<Dim> {
  public:

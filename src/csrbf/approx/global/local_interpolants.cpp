@@ -12,7 +12,7 @@ using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 
 constexpr int lanes = batch_lanes;
 
-// Batches of larger systems leave the caches; one at a time is faster then.
+// Unknowns; batches of larger systems exceed the caches, so that solving one at a time is faster.
 constexpr Index largest_batched = 192;
 
 std::size_t doubles(Index blocks) {
@@ -201,7 +201,7 @@ class Batch {
   std::vector<double> y_query_ = std::vector<double>(doubles(d_));
 };
 
-// One system by itself.
+// A single system.
 void solve_alone(const LocalInterpolants& samples, const Neighborhoods& found, const Neighborhoods::Group& group,
                  const MatrixRef& x, Eigen::Ref<Eigen::MatrixXd> out) {
   const Index* begin = found.neighbors(group);

@@ -28,7 +28,7 @@ void gather(const MatrixRef& x, Index begin, Index count, std::vector<double>& t
       to[static_cast<std::size_t>(lanes * a + l)] = x(a, begin + std::min(l, count - 1));
 }
 
-// Why a system of distinct points could be singular.
+// Throws with the likely reason why a system is singular.
 [[noreturn]] void fail(const Matrix& G) {
   std::string message = "RBFInterpolator: the system of equations is singular: ";
   const Index Q = G.cols();
@@ -37,7 +37,7 @@ void gather(const MatrixRef& x, Index begin, Index count, std::vector<double>& t
     message += "the points do not determine the polynomial (" + std::to_string(rank) + " of its " + std::to_string(Q) +
                " coefficients); lower the degree or add points that are not on one line or plane";
   } else {
-    message += "merge points at the same place, give a positive smoothing, or a larger epsilon";
+    message += "merge coincident points, give a positive smoothing, or a larger epsilon";
   }
   throw SolverFailure(message);
 }
@@ -71,6 +71,7 @@ bool full_rank(const Matrix& G) {
 }  // namespace
 
 MonomialSteps::MonomialSteps(int d, int degree) : dimension(d) {
+  constexpr std::size_t most = 4096;  // coefficients, chosen by hand; indices have 16 bits
   if (degree < 0) return;
   parent = {0};
   axis = {0};
@@ -79,7 +80,7 @@ MonomialSteps::MonomialSteps(int d, int degree) : dimension(d) {
     const std::size_t end = parent.size();
     for (std::size_t j = begin; j < end; ++j)
       for (int a = j == 0 ? 0 : axis[j]; a < d; ++a) {
-        require(parent.size() < 4096, "RBFInterpolator", "degree", degree, "the polynomial has too many coefficients");
+        require(parent.size() < most, "RBFInterpolator", "degree", degree, "the polynomial has too many coefficients");
         parent.push_back(static_cast<std::int16_t>(j));
         axis.push_back(static_cast<std::int16_t>(a));
       }
@@ -158,7 +159,7 @@ RbfCoefficients RbfBasis::solve(const Matrix& y, const MatrixRef& s, const Vecto
 
 void RbfBasis::evaluate(const Matrix& y, const RbfCoefficients& f, const MatrixRef& x,
                         Eigen::Ref<Matrix> values) const {
-  constexpr Index tile = 256;
+  constexpr Index tile = 256;  // centres at a time; r2 and phi of eight points take 32 KB of the cache
   const int d = static_cast<int>(y.rows());
   const Index n = y.cols();
   const Index k = f.alpha.cols();

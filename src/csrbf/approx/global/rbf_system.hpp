@@ -48,8 +48,8 @@ struct RbfBasis {
   [[nodiscard]] Eigen::MatrixXd matrix(const Eigen::MatrixXd& y,
                                        const Eigen::Ref<const Eigen::VectorXd>& smoothing) const;
 
-  /// Coefficients that interpolate, or smooth, the values s (k x n) at y (d x n): by solve_saddle(), or where that
-  /// finds no positive definite system (very smooth kernels, degrees below the kernel's order) by an LU decomposition.
+  /// Coefficients that interpolate, or smooth, the values s (k x n) at y (d x n): by solve_saddle(), or where the
+  /// system is not positive definite (very smooth kernels, degrees below the kernel's order) by an LU decomposition.
   /// Throws SolverFailure when the system is singular. O(n^3 / 3) or O(2 n^3 / 3).
   [[nodiscard]] RbfCoefficients solve(const Eigen::MatrixXd& y, const Eigen::Ref<const Eigen::MatrixXd>& s,
                                       const Eigen::Ref<const Eigen::VectorXd>& smoothing) const;

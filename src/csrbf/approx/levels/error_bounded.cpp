@@ -11,7 +11,7 @@ namespace csrbf {
 namespace {
 
 constexpr const char* function = "error_bounded";
-constexpr double roundings = 8;  // of the largest value: what sums of a few levels lose
+constexpr double roundings = 8;  // of the largest value, in a sum of a few levels; chosen by hand
 
 void check(const ErrorBoundedOptions& options) {
   require(options.centers >= 0, function, "centers", options.centers, "must not be negative; 0 chooses the number");
@@ -37,7 +37,7 @@ std::vector<Index> next_centers(const LevelBuilder<Dim>& builder, const Farthest
 
 template <int Dim>
 double checked_tolerance(const LevelBuilder<Dim>& builder, std::optional<double> tolerance, const char* caller) {
-  constexpr double default_share = 0.01;
+  constexpr double default_share = 0.01;  // of the range of the values, conventional
   const double bound = tolerance.value_or(std::max(default_share * builder.range(), builder.spread()));
   require(bound >= 0 && std::isfinite(bound), caller, "tolerance", bound, "must be finite and not negative");
   if (builder.spread() > bound) {

@@ -12,7 +12,7 @@ BudgetCenters<Dim> budget_centers(const PointsRef<Dim>& points, Index count, con
   BudgetCenters<Dim> chosen;
   chosen.ids = farthest_points<Dim>(points, count, {.progress = progress}).indices;
   const Points<Dim> centers = points(Eigen::all, chosen.ids);
-  constexpr int most_dimensions_of_exact_cells = 4;
+  constexpr int most_dimensions_of_exact_cells = 4;  // beyond, cells have too many corners: bounded_voronoi_scales()
   if constexpr (Dim <= most_dimensions_of_exact_cells)
     chosen.scales = bounded_voronoi_scales<Dim>(centers, bounding_box<Dim>(points), progress);
   else

@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// A center set with supports adapted to it.
+/// A set of centres and scales for their supports.
 template <int Dim>
 struct BudgetCenters {
   std::vector<Index> ids;  ///< which points, in the order of farthest point sampling
@@ -23,7 +23,7 @@ struct FixedBudgetOptions {
 };
 
 /// Farthest points and the scales of their Voronoi cells bounded by the box of the points (thesis Algorithm 2): exact
-/// cells up to four dimensions, cells over the points beyond, where empty cells get the distance to the nearest centre.
+/// cells up to four dimensions, discrete ones beyond, where empty cells get the distance to the nearest centre.
 template <int Dim>
 BudgetCenters<Dim> budget_centers(const PointsRef<Dim>& points, Index count, const Progress& progress = {});
 
@@ -31,9 +31,9 @@ BudgetCenters<Dim> budget_centers(const PointsRef<Dim>& points, Index count, con
 /// proportional to the size of their bounded Voronoi cells (eq. 3.6, so that they cover the box), coefficients by
 /// regularised least squares, since matrices with a support per centre may be singular. Duplicates are merged.
 ///
-/// Supports that shrink with the cells keep the cost per centre, not the order: beyond some hundred centres the error
-/// falls slowly or stalls, as that of every stationary scheme. Where accuracy matters more than the number of centres
-/// use `multilevel` or `error_bounded`.
+/// Supports that shrink with the cells bound the cost per centre but lose the order of convergence: beyond some hundred
+/// centres the error decreases slowly or stalls, as for every stationary scheme. Where accuracy matters more than the
+/// number of centres use `multilevel` or `error_bounded`.
 ///
 /// Throws InvalidInput for samples that are not valid, a negative budget, support <= 1 (the supports would leave gaps)
 /// and kernels without compact support; SolverFailure from sparse_least_squares.

@@ -7,7 +7,7 @@
 namespace csrbf {
 namespace {
 
-// Weighted mean as the first value plus mean differences: exact for constant data.
+// Weighted mean as the first value plus the mean difference to it: exact for constant data.
 template <int Dim>
 Eigen::RowVectorXd weighted_mean(const Samples<Dim>& samples) {
   const Eigen::VectorXd weights = samples.all_weights() / samples.all_weights().sum();
@@ -36,11 +36,13 @@ LevelBuilder<Dim>::LevelBuilder(const Samples<Dim>& samples, const char* functio
   expansions_.resize(static_cast<std::size_t>(samples.components()));
 }
 
-// Centres far from everything that a level changes have coefficients of rounding: left out, they save evaluations.
+// Centres far from everything that a level changes have coefficients of the size of rounding errors: dropping them
+// makes evaluations faster.
 template <int Dim>
 void LevelBuilder<Dim>::append(const std::shared_ptr<const RadialBasis<Dim>>& basis,
                                const Eigen::MatrixXd& coefficients, double lambda0) {
-  const double negligible = 1e-16 * range();
+  constexpr double rounding = 1e-16;
+  const double negligible = rounding * range();
   std::vector<Index> kept;
   for (Index j = 0; j < basis->size(); ++j)
     if (!(coefficients.row(j).cwiseAbs().maxCoeff() <= negligible)) kept.push_back(j);
@@ -91,8 +93,10 @@ void LevelBuilder<Dim>::add(const Kernel& kernel, const PointsRef<Dim>& centers,
       right.row(j) = residual_.row(i);
     }
     const Eigen::SparseMatrix<double> A = basis->matrix(centers);
-    // The supports follow the spacing, so the condition is moderate and iterations are few.
-    SparseCholesky solver({.direct_flops = 1e9, .progress = progress_});
+    // The supports follow the spacing, so the condition is moderate and iterations are few: direct solutions pay only
+    // while they are cheap. Chosen by hand.
+    constexpr double direct_flops = 1e9;
+    SparseCholesky solver({.direct_flops = direct_flops, .progress = progress_});
     if (!solver.factorize(A))
       throw SolverFailure(
           "LevelBuilder: the interpolation matrix is not positive definite to working precision; use a "
@@ -149,7 +153,7 @@ std::vector<Index> LevelBuilder<Dim>::violations(double tolerance) {
 
 template <int Dim>
 LevelFit<Dim> LevelBuilder<Dim>::finish(double tolerance) const {
-  constexpr double rounding = 1e-12;
+  constexpr double rounding = 1e-12;  // of the range: what the sums of a few levels lose
   LevelFit<Dim> fit;
   for (const auto& levels : expansions_)
     fit.fields.push_back(std::make_shared<const LevelSum<Dim>>(levels, bounding_box<Dim>(samples().points)));

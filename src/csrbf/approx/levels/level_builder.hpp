@@ -16,9 +16,9 @@ enum class LevelSolve {
   native          ///< least squares with the penalty lambda c^T A c, A the kernel matrix of the centres
 };
 
-/// The common part of the fits by levels: keeps the residual at the samples and adds one expansion after the other,
-/// each fitted to what is left. The first level carries the weighted mean of the data as a constant, so the model tends
-/// to it away from the data.
+/// The common part of the multilevel fits: keeps the residual at the samples and adds one expansion after the other,
+/// each fitted to the residual. The first level contains the weighted mean of the data as a constant, so the model
+/// tends to it away from the data.
 template <int Dim>
 class LevelBuilder {
  public:
@@ -36,7 +36,7 @@ class LevelBuilder {
     return (residual_.rowwise().template lpNorm<Eigen::Infinity>() + merged_.spread).maxCoeff();
   }
 
-  /// Half the largest difference between values at one point: no function has a smaller largest error.
+  /// Half the largest difference between values at one point: no function has a smaller maximum error.
   [[nodiscard]] double spread() const { return merged_.spread.maxCoeff(); }
 
   /// Largest difference between two values of a component.
@@ -48,9 +48,9 @@ class LevelBuilder {
   void add(const Kernel& kernel, const PointsRef<Dim>& centers, const Eigen::VectorXd& supports, LevelSolve solve,
            std::optional<double> lambda0);
 
-  /// Adds the level that ends all errors (thesis section 3.3, made always possible): at the given samples a basis
-  /// function that vanishes at every other sample, with their residuals as coefficients. Their errors become 0, the
-  /// others do not change.
+  /// Adds the level that removes all errors (thesis section 3.3, modified to be always possible): at the given samples
+  /// a basis function that vanishes at every other sample, with their residuals as coefficients. Their errors become 0,
+  /// the others do not change.
   void add_diagonal(const Kernel& kernel, const std::vector<Index>& ids);
 
   /// The ids of the samples with errors above the tolerance, found by evaluating the model so far.

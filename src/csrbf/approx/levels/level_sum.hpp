@@ -43,13 +43,13 @@ struct LevelReport {
   double max_error = 0;  ///< largest error of a component at any sample
 };
 
-/// A model and how it came about.
+/// A model and a report of its levels.
 template <int Dim>
 struct LevelFit {
   std::vector<std::shared_ptr<const LevelSum<Dim>>> fields;  ///< one per component
   std::vector<LevelReport> levels;
   Index merged_duplicates = 0;
-  bool converged = true;  ///< whether the tolerance, if one was asked for, holds at every sample
+  bool converged = true;  ///< whether the tolerance, if one was given, holds at every sample
 
   [[nodiscard]] const LevelReport& last() const { return levels.back(); }
   /// One field per component.

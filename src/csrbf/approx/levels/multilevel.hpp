@@ -20,12 +20,12 @@ struct MultilevelOptions {
 };
 
 /// Multilevel approximation (Floater and Iske 1996; thesis eqs. 2.17-2.19): nested sets of farthest points, each about
-/// half as far apart as the one before; every level interpolates what the levels before left over at its centres (or
+/// half as far apart as the one before; every level interpolates the residual of the levels before at its centres (or
 /// fits it at all samples), with supports proportional to the separation distance. So every matrix is sparse and well
-/// conditioned, and the error falls as for wide supports, where a single narrow support stalls.
+/// conditioned, and the error decreases as for wide supports, where a single narrow support stalls.
 ///
-/// With interpolation and all samples as centres f meets the data, unless max_levels is too small for how much the
-/// sampling density varies. `converged` says whether the tolerance was met. O(N log N) but for the solver.
+/// With interpolation and all samples as centres f interpolates the data, unless max_levels is too small for the
+/// variation of the sampling density. `converged` says whether the tolerance was met. O(N log N) without the solver.
 ///
 /// Throws InvalidInput for samples that are not valid, kernels without compact support and negative options;
 /// SolverFailure when a level cannot be solved.

@@ -43,8 +43,8 @@ class Clusters {
 
   [[nodiscard]] const std::vector<Range>& leaves() const { return leaves_; }
 
-  // Splits the leaves with a sample that is `bad` and returns their parts (thesis Algorithm 1, lines 7 to 10). Single
-  // samples stay as they are.
+  // Splits the leaves with a sample that is `bad` and returns their parts (thesis Algorithm 1, lines 7 to 10). Leaves
+  // of a single sample are returned unsplit.
   template <class Bad>
   std::vector<Range> refine(const Bad& bad) {
     std::vector<Range> active;

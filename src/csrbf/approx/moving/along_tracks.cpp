@@ -5,7 +5,8 @@
 namespace csrbf {
 namespace {
 
-constexpr double clearly_better = 0.99;  // of the mean error: elsewhere patches are safer and smoother
+// Ratio of mean errors below which tracks are preferred to patches, which are safer and smoother. Chosen by hand.
+constexpr double clearly_better = 0.99;
 
 }  // namespace
 

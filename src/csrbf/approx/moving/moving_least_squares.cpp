@@ -10,10 +10,11 @@ namespace csrbf {
 namespace {
 
 constexpr const char* function = "moving_least_squares";
-constexpr double across_track = 5;    // how much farther samples of another track count
-constexpr double track_eps = 0.005;   // radii: nearer to a sample nothing else counts
-constexpr double track_ridge = 1e-4;  // of slopes
-constexpr Index track_neighbors = 24;
+// All chosen by hand.
+constexpr double across_track = 5;     // factor of distances across a track: larger ones follow tracks more closely
+constexpr double track_eps = 0.005;    // in radii: closer to a sample than this no other one matters
+constexpr double track_ridge = 1e-4;   // of slopes: larger ones flatten, smaller ones leave slopes across a track open
+constexpr Index track_neighbors = 24;  // determine the radius of a sample
 
 // The weight of a sample as a function of the point, with derivatives.
 template <int Dim>
@@ -23,7 +24,7 @@ struct Weight {
   Eigen::Matrix<double, Dim, Dim> hessian;
 };
 
-// d = p - p_i. Derivatives only if they are wanted.
+// d = p - p_i. Derivatives only if requested.
 template <int Dim>
 Weight<Dim> weight_of(const typename MovingLeastSquares<Dim>::Data& data, Index i, const Point<Dim>& d,
                       bool derivatives) {
@@ -94,7 +95,7 @@ class LocalFit {
 
   // Finds the coefficients for the largest degree that the samples determine; false when all weights round to 0.
   bool solve() {
-    constexpr double most_condition = 1e10;
+    constexpr double most_condition = 1e10;  // of the weighted rows, chosen by hand: beyond, a lower degree is used
     const Index n = weights_.size();
     if (!(weights_.maxCoeff() > 0)) return false;
     weight_unit_ = weights_.maxCoeff();
@@ -152,7 +153,7 @@ class LocalFit {
   }
 
  private:
-  // Rows after those of the samples, which ask for small slopes.
+  // Rows after those of the samples, which penalise slopes.
   [[nodiscard]] Index penalties() const { return data_.directions.cols() > 0 ? Dim : 0; }
   // What each sample's weight adds to the weight of such a row: a share of the square of its radius.
   [[nodiscard]] Eigen::VectorXd penalty_shares() const {

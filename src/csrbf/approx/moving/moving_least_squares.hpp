@@ -27,12 +27,13 @@ struct MovingLeastSquaresOptions {
 /// f, not of the local polynomials.
 ///
 /// With tracks the weights are w_i phi(|d| / h_i) (|d|_i^2 / h_i^2 + eps^2)^(-5/2), d = p - p_i, where the metric |.|_i
-/// counts what is across the track of the sample (track_directions()) five times. f then all but meets the samples, for
-/// the weights are all but infinite there, and between two neighbours of a track it is nearly linear, whatever other
-/// tracks say. Slopes v cost 1e-4 h_i^2 |v|^2 for each weight: the samples next to a point are often on one line.
+/// stretches distances across the track of the sample (track_directions()) by five. f then nearly interpolates, as the
+/// weights are nearly infinite at the samples, and between two neighbours on a track it is nearly linear, whatever the
+/// other tracks. Slopes v are penalised by 1e-4 h_i^2 |v|^2 per weight: the samples next to a point are often on a
+/// line.
 ///
-/// Where the samples around p do not determine a polynomial of the degree a lower one is used, where there is none at
-/// all the value of the nearest sample, with derivatives 0: f is not continuous there, but defined everywhere. Costs a
+/// Where the samples around p do not determine a polynomial of the degree a lower one is used; where there is no sample
+/// at all, the value of the nearest one, with derivatives 0: f is not continuous there, but defined everywhere. Costs a
 /// dense solve per point: O(k Q^2), k samples around the point, Q monomials.
 template <int Dim>
 class MovingLeastSquares : public Field<Dim> {
@@ -51,7 +52,7 @@ class MovingLeastSquares : public Field<Dim> {
   Index component_;
 };
 
-/// What the fields of all components share.
+/// Data shared by the fields of all components.
 template <int Dim>
 struct MovingLeastSquares<Dim>::Data {
   Samples<Dim> samples;  ///< at distinct points
@@ -71,7 +72,7 @@ struct MovingLeastSquares<Dim>::Data {
   }
 };
 
-/// One field per component; they share the samples. Duplicates are merged; samples of weight 0 take no part.
+/// One field per component; they share the samples. Duplicates are merged; samples of weight 0 are ignored.
 /// Throws InvalidInput for samples that are not valid, degree < 0 or > 5 (with tracks other than 1), support <= 0,
 /// negative neighbors and kernels without compact support, or without the two derivatives that a Hessian needs.
 template <int Dim>

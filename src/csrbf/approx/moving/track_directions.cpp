@@ -10,8 +10,8 @@ namespace csrbf {
 
 template <int Dim>
 Points<Dim> track_directions(const Points<Dim>& points, const KdTree<Dim>& tree) {
-  constexpr Index neighbors = 24;
-  constexpr double opposite = -0.9903;  // cosine of 172 degrees
+  constexpr Index neighbors = 24;       // chosen by hand: more find sparser tracks, O(n k^2)
+  constexpr double opposite = -0.9903;  // cosine of 172 degrees, chosen by hand: larger angles miss curved tracks
   const Index k = std::min(neighbors + 1, points.cols());
   Points<Dim> directions = Points<Dim>::Zero(Dim, points.cols());
   parallel_for(points.cols(), 256, [&](Index first, Index last) {

@@ -20,7 +20,7 @@ bool contains(const Box<Dim>& box, const PointsRef<Dim>& x) {
   return true;
 }
 
-// Whether the coordinates of the inner field are those of the user, but for moving to the box.
+// Whether inside the box the coordinates of the inner field are those of the user.
 template <int Dim>
 bool is_same_inside(const typename FittedField<Dim>::Frame& frame) {
   return frame.periods.isZero() && frame.scales == Point<Dim>::Ones();

@@ -9,7 +9,7 @@
 namespace csrbf {
 
 /// A field in the coordinates of the user: f(x) = inner(y), y_a = x_a / scale_a, repeated along periodic axes (see
-/// PeriodicField), and what it is outside the box of the samples.
+/// PeriodicField) and extrapolated outside the box of the samples.
 template <int Dim>
 class FittedField : public Field<Dim> {
  public:
@@ -28,7 +28,7 @@ class FittedField : public Field<Dim> {
   [[nodiscard]] Box<Dim> bounds() const override { return frame_.box; }
   [[nodiscard]] double feature_size() const override { return inner_->feature_size() * frame_.scales.minCoeff(); }
 
-  /// That of the inner field, where there are no periods and values are constant outside.
+  /// That of the inner field, if there are no periods and values are constant outside.
   [[nodiscard]] std::optional<Enclosure> enclose(const Box<Dim>& box) const override;
 
   [[nodiscard]] const Field<Dim>& inner() const { return *inner_; }

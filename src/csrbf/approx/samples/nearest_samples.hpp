@@ -7,9 +7,8 @@
 
 namespace csrbf {
 
-/// Nearest neighbours among points whose dimension is known at run time only: by a KdTree in the dimensions there are
-/// trees for, by comparing with all points beyond. The memory of
-/// the points must outlive it.
+/// Nearest neighbours among points whose dimension is known only at run time: by a KdTree in the dimensions it
+/// supports, by exhaustive search beyond. The memory of the points must outlive it.
 class NearestSamples {
  public:
   NearestSamples() = default;
@@ -25,7 +24,7 @@ class NearestSamples {
 /// `points`: d x n.
 std::unique_ptr<const NearestSamples> nearest_samples(const Eigen::MatrixXd& points);
 
-/// morton_order() of points of any dimension; the given order where there is none.
+/// morton_order() of points, or the given order in dimensions that it does not support.
 std::vector<Index> nearby_order(const Eigen::Ref<const Eigen::MatrixXd>& points);
 
 }  // namespace csrbf

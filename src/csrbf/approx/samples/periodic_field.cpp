@@ -10,7 +10,9 @@
 namespace csrbf {
 namespace {
 
-constexpr double ghost_share = 0.15;  // of a period, on which samples are repeated: beyond the seam by some patches
+// Share of a period over which samples are repeated at each end, far enough beyond the seam for its patches. Chosen by
+// hand.
+constexpr double ghost_share = 0.15;
 
 // s(t) = 35 t^4 - 84 t^5 + 70 t^6 - 20 t^7 and two derivatives.
 struct Rise {
@@ -48,7 +50,7 @@ void blend(const Rise& rise, double slope, int axis, const Jet<Dim>& here, Index
     }
 }
 
-// Coordinates wrapped into [lo, lo + period), with those equal that differ by the rounding of a turn.
+// Coordinates wrapped into [lo, lo + period); those that differ only by the rounding of a period become equal.
 Eigen::VectorXd wrap(const Eigen::VectorXd& x, double lo, double period) {
   const double rounding =
       8 * std::numeric_limits<double>::epsilon() * (x.cwiseAbs().maxCoeff() + std::abs(lo) + period);

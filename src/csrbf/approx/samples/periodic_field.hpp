@@ -8,18 +8,18 @@
 
 namespace csrbf {
 
-/// A field that repeats along one axis, made of one that is known over a period and a little beyond it:
+/// A field that repeats along one axis, made from one that is known over a period and a little beyond it:
 ///
 ///     f(x) = s(t) inner(x) + (1 - s(t)) inner(x + period),   t = (x_axis - lo) / (seam_share period)
 ///
 /// for coordinates x_axis wrapped into [lo, lo + period), with a polynomial s that rises from 0 to 1 and has three
 /// vanishing derivatives at both ends. At the seam both sides are inner(x + period) with all derivatives that s and the
-/// inner field have, so f is as smooth there as elsewhere. Exactly periodic up to the rounding of coordinates.
+/// inner field have, so f is as smooth there as elsewhere. Periodic up to the rounding of coordinates.
 template <int Dim>
 class PeriodicField : public Field<Dim> {
  public:
   /// Where the two copies are blended, as a share of the period; the inner field is evaluated from lo to
-  /// lo + (1 + seam_share) period.
+  /// lo + (1 + seam_share) period. Chosen by hand: a wider seam is gentler, but evaluates more points twice.
   static constexpr double seam_share = 0.05;
 
   PeriodicField(std::shared_ptr<const Field<Dim>> inner, int axis, double lo, double period)
@@ -38,9 +38,9 @@ class PeriodicField : public Field<Dim> {
   double lo_, period_;
 };
 
-/// The samples of a function with periods (0: none), wrapped into the first period from `lo` on, and behind them copies
-/// of those near its ends, as a PeriodicField needs them inside. Coordinates on periodic axes that differ by no more
-/// than the rounding of a turn become equal, so that samples at the same place can be merged. O(n log n).
+/// The samples of a function with periods (0: none), wrapped into the first period from `lo` on, followed by copies of
+/// those near its ends, as needed by the inner field of a PeriodicField. Coordinates on periodic axes that differ by no
+/// more than the rounding of a period become equal, so that samples at the same point can be merged. O(n log n).
 template <int Dim>
 Samples<Dim> repeat_periodically(const Samples<Dim>& samples, const Point<Dim>& periods, const Point<Dim>& lo);
 

@@ -4,7 +4,7 @@
 
 namespace csrbf {
 
-/// Larger ones are refused: squares of distances, and sums and slopes of values, would overflow.
+/// Larger ones are rejected, as squares of distances, and sums and slopes of values, might overflow (at 1.8e308).
 inline constexpr double largest_coordinate = 1e150, largest_value = 1e250;
 
 /// Throws InvalidInput in the name of `function` unless the samples are valid and within these limits.

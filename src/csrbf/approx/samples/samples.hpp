@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// Scattered data: N points with k values each, and how much each counts.
+/// Scattered data: N points with k values and a weight each.
 template <int Dim>
 struct Samples {
   Points<Dim> points;       ///< Dim x N

@@ -11,32 +11,42 @@
 namespace csrbf {
 namespace {
 
-constexpr Index patches = 256;  // half of them spread over the volume, half over the samples
-constexpr Index fewest_targets =
-    12;  // samples predicted in each, at most; more where a patch is large, because noise ...
-constexpr Index most_targets = 1200;   // ... hides small differences
-constexpr Index few = 16;              // samples per cell of the cover that places the patches
-constexpr double exact = 1e-10;        // error, as a share of the range of the values, below which less is no gain
+// Chosen by hand: more patches and targets give more reliable errors and cost more time.
+constexpr Index patches = 256;                 // half of them spread over the volume, half over the samples
+constexpr Index interpolant_targets = 12;      // samples predicted in each, at most, where it interpolates
+constexpr Index least_squares_targets = 1200;  // the same for least squares, where noise hides small differences
+constexpr Index cell_samples = 16;             // samples per cell of the cover that places the patches
+
+// Errors as shares of the range of the values, chosen by hand.
+constexpr double exact = 1e-10;        // below, accuracy is not worth any time
 constexpr double exact_uneven = 5e-9;  // the same for unevenly spread samples, far from which errors are larger
-constexpr double noticeable = 1e-6;    // error, likewise, that may be due to noise
-// Time of one sample and one evaluation, in that of one more radial function in every evaluation (about 7 ns).
-constexpr double point_cost = 250;  // of what is the same for all local functions
+constexpr double noticeable = 1e-6;    // above, an error may be due to noise, and counts before the cost
+
+// Time per sample and evaluation, in units of that of one more radial function in every evaluation (about 7 ns).
+constexpr double point_cost = 250;  // the part that is the same for all local functions
 constexpr double monomial_cost = 0.4;
 constexpr double flop_cost = 0.01;
-constexpr double little_work = 4e8;  // flops of a trial on all patches
-constexpr double most_work = 2e9;    // of one on every fourth patch; on fewer if it is more
+constexpr double kernel_work = 25;       // flops of a radial function
+constexpr double inaccurate_cost = 1e5;  // above all others, of options whose error is noticeable
+
+// The cost counts by a power that grows with the number of samples; chosen by hand.
+constexpr double largest_exponent = 4;
+constexpr double small_sample = 1e4;  // samples up to which time does not matter
+
+// Trials use fewer patches the longer these take; chosen by hand.
+constexpr double little_work = 4e8;  // flops of a trial that may use all patches
+constexpr double most_work = 2e9;    // flops of a trial on one patch in usual_stride; on fewer if it takes more
 constexpr Index usual_stride = 4, largest_stride = 16;
-constexpr double kernel_work = 25;  // flops of a radial function
-constexpr double most_haste = 4;
-constexpr double leisurely = 1e4;    // samples up to which time does not matter
-constexpr double most_cost = 1e5;    // where the error is not small, so that it counts before the cost
-constexpr double even_share = 0.05;  // of lopsided patches among evenly spread samples
+
+constexpr double even_share = 0.05;  // of lopsided patches, above which samples are unevenly spread; chosen by hand
+
+// The search grids, chosen by hand.
 constexpr std::array<double, 5> smoothings = {1e-6, 1e-4, 1e-2, 1e-1, 1};
 constexpr std::array<double, 5> strong_smoothings = {1e-2, 1e-1, 1, 10, 100};
-constexpr std::array<Index, 5> large_patches = {250, 700, 1500, 3000, 6000};
-constexpr Index many_centers = 48;
-constexpr const char* fractal_kernel = "powered-exponential";  // close to r^1.4 within a patch
-constexpr double fractal_support = 8;
+constexpr std::array<Index, 5> large_patches = {250, 700, 1500, 3000, 6000};  // samples
+constexpr Index many_centers = 48;                                            // of a large patch
+constexpr const char* fractal_kernel = "powered-exponential";                 // close to r^1.4 within a patch
+constexpr double fractal_support = 8;                                         // in radii of the patch
 
 // Samples in patches spread over the data, each predicted by the patch fitted without it.
 template <int Dim>
@@ -61,8 +71,8 @@ class CrossValidation {
     return static_cast<double>(lopsided_patches) / static_cast<double>(volume_cells_);
   }
 
-  // A mean over the components of the error at each target of each patch, nearest to its center first: targets x
-  // patches. NaN for patches left out because those of this size take long.
+  // Mean over the components of the error at each target of each patch, nearest to its centre first: targets x patches.
+  // NaN for patches left out because patches of this size take long.
   template <class Mean>
   [[nodiscard]] Eigen::ArrayXXd errors(const LocalOptions& options, double work, const Mean& mean) const {
     const auto all = static_cast<Index>(cells_.size()), components = values_.cols();
@@ -72,7 +82,7 @@ class CrossValidation {
     std::vector<Index> chosen;
     for (Index i = 0; i < all; i += stride) chosen.push_back(i);
     const auto count = static_cast<Index>(chosen.size());
-    const Index most = options.centers < options.samples ? most_targets : fewest_targets;
+    const Index most = options.centers < options.samples ? least_squares_targets : interpolant_targets;
     const Index targets = std::clamp<Index>(options.samples / 5, 1, std::min(most, cover_.points().cols()));
     Eigen::ArrayXXd error = Eigen::ArrayXXd::Constant(targets, all, std::numeric_limits<double>::quiet_NaN());
     const auto compute = [&](Index begin, Index end) {
@@ -134,7 +144,8 @@ class CrossValidation {
   Index volume_cells_ = 0;
 };
 
-// Of the work on a patch that one sample in it accounts for: supports overlap, and the ball of samples is larger.
+// Samples per patch over the leaf size of the cover, as in leaf_size() of fit_patches.cpp: supports overlap, and the
+// ball of samples is larger.
 template <int Dim>
 const double share_of_sample = 1.25 * 0.72 * std::pow(cover_growth<Dim>, Dim);
 
@@ -148,9 +159,10 @@ class Chooser {
         validation_(samples, cover),
         size_(samples.size()),
         range_((samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff()),
-        haste_(given.accuracy > 0
-                   ? most_haste
-                   : std::clamp(2 * std::log10(static_cast<double>(samples.size()) / leisurely), 0.0, most_haste)),
+        cost_exponent_(given.accuracy > 0
+                           ? largest_exponent
+                           : std::clamp(2 * std::log10(static_cast<double>(samples.size()) / small_sample), 0.0,
+                                        largest_exponent)),
         uneven_(validation_.lopsided_share(base_samples) > even_share),
         accuracy_(given.accuracy > 0 ? given.accuracy : (uneven_ ? exact_uneven : exact) * range_) {}
 
@@ -178,12 +190,13 @@ class Chooser {
     double cost = 0;
   };
 
-  static constexpr Index too_few = 2 * Dim;  // samples to tell noise
+  static constexpr Index too_few = 2 * Dim;  // samples to recognise noise
+  // Samples per patch of the first trials, by dimension; chosen by hand.
   static constexpr Index base_samples = std::array<Index, 6>{16, 60, 100, 160, 200, 250}[std::min(Dim, 6) - 1];
 
   static Index monomials(int degree) { return Polynomials<Dim>::size(degree); }
 
-  // Evaluates options, with what is given put in, and keeps them if they are better than the best.
+  // Evaluates options, after replacing those given by the user, and keeps them if they are better than the best.
   bool attempt(LocalOptions options) {
     if (given_.kernel) options.kernel = *given_.kernel;
     if (given_.degree) options.degree = *given_.degree;
@@ -200,7 +213,7 @@ class Chooser {
                  Q = static_cast<double>(monomials(options.degree));
     const double work = options.centers == options.samples ? n * n * n / 3 + n * Q * Q + 10 * n * n
                                                            : n * (Q + M) * (Q + M) + kernel_work * n * M;
-    // Of an evaluation, and of the share of one sample in the fit.
+    // Of an evaluation, and of the share of a sample in the fit.
     const double cost = point_cost + M + monomial_cost * Q + work * share_of_sample<Dim> / n * flop_cost;
     const Eigen::ArrayXXd errors = validation_.errors(options, work, [](const auto& e) { return e.abs().mean(); });
     if (best_.errors.size() == 0) {
@@ -213,11 +226,12 @@ class Chooser {
     return true;
   }
 
-  // Mean error at the targets that both trials have; its product with the cost where it is small.
+  // Mean error at the targets of both trials, times a power of the cost.
   double score(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others, double cost) const {
     const double error = mean(errors, others);
-    return error <= std::max(noticeable * range_, accuracy_) ? std::max(error, accuracy_) * std::pow(cost, haste_)
-                                                             : error * std::pow(most_cost, haste_);
+    return error <= std::max(noticeable * range_, accuracy_)
+               ? std::max(error, accuracy_) * std::pow(cost, cost_exponent_)
+               : error * std::pow(inaccurate_cost, cost_exponent_);
   }
 
   static double mean(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others) {
@@ -231,7 +245,7 @@ class Chooser {
     return sum / count;
   }
 
-  // Smooth functions want high degrees, rough ones low degrees and rough kernels.
+  // Smooth functions need high degrees, rough ones low degrees and rough kernels.
   void try_interpolants() {
     struct Model {
       const char* kernel;
@@ -293,7 +307,8 @@ class Chooser {
     }
   }
 
-  // Half a decade is what a smoothing between too weak and too strong is told by; where patches are large, a decade.
+  // By a decade, then by half of one: finer steps hardly change the errors. Least squares keep the decades of their
+  // grid.
   void refine_smoothing() {
     if (!(best_.options.smoothing > 0) || best_.options.centers != best_.options.samples) return;
     for (const double step : {10.0, std::sqrt(10.0)}) {
@@ -311,7 +326,7 @@ class Chooser {
     return best.centers == best.samples && Kernel(best.kernel, Dim).is_rough();
   }
 
-  // Under noise many samples per unknown win.
+  // With noise, many samples per unknown are best.
   void try_least_squares() {
     if (given_.centers_per_patch && given_.samples_per_patch) return;
     int misses = 0;
@@ -333,7 +348,7 @@ class Chooser {
 
   static constexpr Index fewest_samples = 2 * Dim + 2;  // of an interpolant
 
-  // An evaluation takes a few microseconds at most.
+  // Samples, by dimension, with which an evaluation takes a few microseconds at most.
   static constexpr Index largest_interpolant = std::array<Index, 6>{100, 200, 250, 250, 400, 550}[std::min(Dim, 6) - 1];
 
   PartitionOfUnityOptions given_;
@@ -341,9 +356,9 @@ class Chooser {
   CrossValidation<Dim> validation_;
   Index size_;
   double range_;
-  double haste_;  // exponent of the cost
+  double cost_exponent_;
   bool uneven_;
-  double accuracy_;  // error below which less is no gain
+  double accuracy_;  // error below which more accuracy is not worth any time
   Trial best_;
 };
 
@@ -351,7 +366,7 @@ class Chooser {
 
 template <int Dim>
 Cover<Dim> cover_to_choose_by(const Samples<Dim>& samples) {
-  return {samples.points, few, cover_growth<Dim>, CoverUse::fitting};
+  return {samples.points, cell_samples, cover_growth<Dim>, CoverUse::fitting};
 }
 
 template <int Dim>

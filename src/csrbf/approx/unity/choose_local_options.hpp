@@ -4,20 +4,21 @@
 
 namespace csrbf {
 
-/// Options of the local functions of a partition of unity and what speaks for them.
+/// Options of the local functions of a partition of unity and their cross-validation errors.
 struct ChosenLocalOptions {
   LocalOptions options;
-  /// Mean absolute error of samples predicted by patches fitted without them, all components together.
+  /// Mean absolute error of samples predicted by patches fitted without them, over all components.
   double error = 0;
   double rmse = 0;  ///< their root mean square error
 };
 
 /// Chooses kernel, degree, number of samples and centres per patch and smoothing by leave-one-out cross-validation of
-/// some patches spread over the samples. Its time does not depend on their number, but for finding the patches.
+/// some patches spread over the samples. Apart from placing the patches, its time does not depend on the number of
+/// samples.
 template <int Dim>
 ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const PartitionOfUnityOptions& given);
 
-/// The same with the samples sorted already, see cover_to_choose_by(), and weights of mean 1.
+/// The same for samples that are already sorted, see cover_to_choose_by(), and weights of mean 1.
 template <int Dim>
 ChosenLocalOptions choose_local_options(const Samples<Dim>& samples, const Cover<Dim>& cover,
                                         const PartitionOfUnityOptions& given);

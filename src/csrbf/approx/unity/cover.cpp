@@ -14,8 +14,8 @@ namespace csrbf {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double margin = 1e-9;   // of the extent, around the points
-constexpr Index grain = 1 << 14;  // points for a thread at a time
+constexpr double margin = 1e-9;   // around the points, as a share of the extent; chosen by hand, far above rounding
+constexpr Index grain = 1 << 14;  // points per task, chosen by hand
 
 }  // namespace
 
@@ -27,7 +27,7 @@ Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth, 
   tree_.growth = growth;
   tree_.box = bounding_box<Dim>(points);
   const double largest = tree_.box.extent().maxCoeff();
-  for (int a = 0; a < Dim; ++a) {  // no side without length
+  for (int a = 0; a < Dim; ++a) {  // no side of length 0
     const double coordinate = std::max(std::abs(tree_.box.lo[a]), std::abs(tree_.box.hi[a]));
     const double pad =
         std::max(margin * (largest > 0 ? largest : std::max(1.0, coordinate)), smallest_side * coordinate);

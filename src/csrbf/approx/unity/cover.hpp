@@ -11,13 +11,13 @@ namespace csrbf {
 
 struct CellNodes;
 
-/// What a cover is for: without evaluation nobody asks for find() and supports_over().
+/// What a cover is for: find() and supports_over() are available for evaluation only.
 enum class CoverUse { fitting, evaluation };
 
 /// A cover of the bounding box of scattered points: a kd-tree whose leaves, the cells, tile the box, each with a
 /// support that is the cell grown about its centre, so that supports overlap (thesis 3.3.1 and Algorithm 4, corrected:
 /// cells are split without overlap and grown afterwards, so the box has no holes and no point is counted more often
-/// than the growth asks for).
+/// than the growth requires).
 ///
 /// A cell is halved across its longest side, near the median of its points but not nearer than 30 % to its ends, until
 /// it holds at most `leaf_size` of them: cells stay compact, and where there are no points there are few cells.
@@ -27,8 +27,8 @@ class Cover {
   /// `growth` > 1: side of a support over that of its cell. O(n log n).
   Cover(const PointsRef<Dim>& points, Index leaf_size, double growth, CoverUse use = CoverUse::evaluation);
 
-  /// The same for the points of another cover, which are sorted already: only the cells that hold too many are split.
-  /// The order of the points in a cell that the other one splits is left as it is.
+  /// The same for the points of another cover, which are already sorted: only cells that hold too many are split. Cells
+  /// that the other cover splits keep the order of their points.
   Cover(Cover sorted, Index leaf_size);
 
   /// The cells and tree of a saved cover, see `Tree`, without points.
@@ -65,7 +65,7 @@ class Cover {
   [[nodiscard]] const Points<Dim>& points() const { return points_; }
   /// Their numbers in the input.
   [[nodiscard]] const std::vector<std::uint32_t>& order() const { return order_; }
-  /// Rows of numbers that belong to the points in the input, in the order of points(); none when none are given. Throws
+  /// Rows of numbers, one per point of the input, in the order of points(); none when none are given. Throws
   /// InvalidInput unless there is a row per point or none.
   [[nodiscard]] Eigen::MatrixXd in_order(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
   /// Number of points in a cell.
@@ -81,7 +81,7 @@ class Cover {
     std::vector<std::uint32_t> bucket, end;
   };
   /// Columns of points() of the n points nearest to x, sorted by distance; fewer only if there are fewer points.
-  /// `reach` is a guess of the distance of the last one.
+  /// `reach` is an estimate of the distance of the last one.
   void nearest(const Point<Dim>& x, Index n, double reach, Search& search) const;
 
  private:

@@ -14,7 +14,8 @@ namespace {
 constexpr Index lanes = batch_lanes;
 
 // Cells hold about .72 of their leaf size, supports growth^Dim times that, and the ball of the samples is a little
-// larger than the support. A metric is that of the middle of a cell: half as many samples keep it close to all of them.
+// (1.25) larger than the support. A metric is that of the middle of a cell, so cells with one hold half as many samples
+// to keep it close to all of them.
 template <int Dim>
 Index leaf_size(const LocalOptions& options) {
   const double share = 1.25 * std::pow(cover_growth<Dim>, Dim) * 0.72 * (options.anisotropy > 0 ? 2 : 1);

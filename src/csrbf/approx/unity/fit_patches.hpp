@@ -5,8 +5,8 @@
 namespace csrbf {
 
 /// A partition of unity whose local functions have the given options; what partition_of_unity() does once they are
-/// chosen. `places`: only the patches that evaluation there needs are fitted, the others are left undefined. Weights
-/// must have the mean 1. Internal.
+/// chosen. `places`: only the patches needed to evaluate there are fitted, the others are left undefined. Weights must
+/// have the mean 1. Internal.
 template <int Dim>
 std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_patches(const Samples<Dim>& samples,
                                                                         const LocalOptions& options,

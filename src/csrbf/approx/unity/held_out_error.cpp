@@ -8,15 +8,15 @@
 namespace csrbf {
 namespace {
 
-constexpr Index one_of = 10;  // samples is held back ...
-constexpr Index most = 5000;
+constexpr Index one_in = 10;  // samples is held out, as is conventional ...
+constexpr Index most = 5000;  // ... up to about this many; chosen by hand
 
 }  // namespace
 
 template <int Dim>
 HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
   const std::vector<Index> order = morton_order<Dim>(samples.points);
-  const Index stride = std::max(one_of, samples.size() / most);
+  const Index stride = std::max(one_in, samples.size() / most);
   std::vector<Index> kept, held_out;
   for (Index i = 0; i < samples.size(); ++i)
     (i % stride == stride / 2 ? held_out : kept).push_back(order[static_cast<std::size_t>(i)]);

@@ -9,15 +9,15 @@
 
 namespace csrbf {
 
-/// How a fit predicts samples that it was not fitted to.
+/// Errors of a fit at samples that it was not fitted to.
 struct HeldOutError {
   double mean = 0;  ///< absolute, of all components
   double rmse = 0;
 };
 
-/// Holds back some thousand samples spread over all, at most a tenth of them. Unlike leaving samples out of single
-/// patches this judges the blend of patches, which for small ones is much better than they are. The weights of samples
-/// must have the mean 1. Costs a fit of the patches around the samples held back.
+/// Holds out some thousand samples spread over all, at most a tenth of them. Unlike leaving samples out of single
+/// patches this measures the blend of patches, which for small ones is much better than each of them. The weights of
+/// samples must have the mean 1. Costs a fit of the patches around the held-out samples.
 template <int Dim>
 class HeldOutSamples {
  public:

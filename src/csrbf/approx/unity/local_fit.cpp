@@ -9,8 +9,10 @@ namespace csrbf {
 namespace {
 
 constexpr int L = batch_lanes;
-constexpr double dependent = 1e-11;  // pivots smaller than this share of their diagonal: columns that do not help
-constexpr double round_off = 1e-14;  // relative ridge that keeps the systems positive definite
+constexpr double dependent = 1e-11;  // relative pivots below mark dependent columns, as in solve_saddle()
+constexpr double round_off = 1e-14;  // relative ridge that keeps systems positive definite, some ten roundings
+// Least value of 1 - leverage of a sample left out, which its error is divided by: bounds the error where the other
+// samples do not determine the fit. Chosen by hand.
 constexpr double smallest_freedom = 1e-6;
 
 // Squared distances of all pairs of n points, lower triangle by rows.

@@ -17,7 +17,7 @@ struct LocalOptions {
   Index samples = 40;  ///< a patch is fitted to this many samples
   Index centers = 40;  ///< radial functions per patch, centred at samples spread over it; `samples`: at all of them
   /// 0: distances are Euclidean. Up to 1: those across the direction in which the samples of a patch lie, as on a track
-  /// of soundings, count for more; for 1 as if they spread evenly. For radial functions only.
+  /// of soundings, are stretched, for 1 until the samples spread evenly. For radial functions only.
   double anisotropy = 0;
   double smoothing = 0;  ///< lambda: sum_k w_k (f - s)^2 + lambda alpha^T A alpha is minimised
 
@@ -41,15 +41,15 @@ class LocalFitter {
   LocalFitter(const Cover<Dim>& cover, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
               const LocalOptions& options);
 
-  /// An empty collection of models as this fitter fits them.
+  /// An empty collection of models of the kind that this fitter fits.
   [[nodiscard]] LocalModels<Dim> models() const;
 
   /// Fits `count` <= 8 models: model first + s of `models` for cell cells[s].
   void fit(const Index* cells, int count, LocalModels<Dim>& models, Index first);
 
-  /// Prediction errors of the `targets` samples nearest to the middle of each of the patches last fitted, each by the
-  /// fit without it: error[(lane * components + component) * targets + k]. For radial functions at all samples the
-  /// polynomial is taken as part of the interpolant (Rippa 1999), else the fit is a linear smoother.
+  /// Leave-one-out errors of the `targets` samples nearest to the middle of each of the patches last fitted:
+  /// error[(lane * components + component) * targets + k]. With radial functions at all samples the polynomial is
+  /// treated as part of the interpolant (Rippa 1999), otherwise the fit as a linear smoother.
   void left_out_errors(Index targets, double* error);
 
   [[nodiscard]] Index samples() const { return n_; }

@@ -89,7 +89,7 @@ void LocalEvaluator<Dim>::evaluate(Index i, Index component, const double* x, De
   if (wanted > 1) lane_sums::polynomial(q, Dim, parent_.data(), axis_.data(), Q, c, wanted, monomial_.data(), f[0]);
   if (Q == 0) {
     std::fill_n(f[0], lanes, 0.0);
-  } else {  // the same value, whatever else is wanted
+  } else {  // so that the value does not depend on whether derivatives are wanted
     if (first != first_)
       std::transform(nested_order_.begin(), nested_order_.end(), nested_.begin(), [&](Index j) { return c[j]; });
     first_ = first;

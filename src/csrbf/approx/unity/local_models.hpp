@@ -44,7 +44,7 @@ class LocalEvaluator {
 
   explicit LocalEvaluator(const LocalModels<Dim>& models);
 
-  /// f[t][lane] of model i at the points x (Dim x lanes, by coordinate), as many terms as asked for, in the coordinates
+  /// f[t][lane] of model i at the points x (Dim x lanes, by coordinate), as many terms as requested, in the coordinates
   /// of x.
   void evaluate(Index i, Index component, const double* x, Derivatives derivatives, double (*f)[lanes]);
 

@@ -9,14 +9,17 @@
 namespace csrbf {
 namespace {
 
+// Chosen by hand: more patches resolve the variance better and cost more time.
 constexpr Index most_patches = 1024;
 constexpr Index fewest_patches = 16;
+constexpr Index most_targets = 64;
 constexpr double most_work = 1e9;  // multiplications: some hundredths of a second
-constexpr Index pooled = 48;       // errors that make up a variance: tells a standard deviation to a tenth
+// Squared errors averaged to a variance: standard deviations are accurate to 1 / sqrt(2 * 48), a tenth.
+constexpr Index pooled = 48;
 
-// Samples left out per patch, those nearest to its middle: half of them lie all over its cell.
+// Samples left out per patch, those nearest to its middle: half of its samples cover its cell.
 Index target_count(Index samples) {
-  return std::clamp<Index>(samples / 2, 1, 64);
+  return std::clamp<Index>(samples / 2, 1, most_targets);
 }
 
 Index patch_count(Index cells, const LocalOptions& options, int dimension) {
@@ -35,7 +38,7 @@ struct Errors {
   Eigen::MatrixXd squares;  // components x points
 };
 
-// Of the samples nearest to the middles of some cells, spread over the cover.
+// Of the samples nearest to the middles of some cells spread over the cover.
 template <int Dim>
 Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Samples<Dim>& samples, const LocalOptions& options) {
   constexpr Index lanes = batch_lanes;

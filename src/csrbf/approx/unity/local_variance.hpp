@@ -8,14 +8,13 @@
 namespace csrbf {
 
 /// Local variance of the prediction errors of a partition of unity, one field per component: the mean square of
-/// leave-one-out errors (a sample against the local fit without it) of the patches around, blended like the local
-/// functions. It contains the noise of the values. It does not fall to 0 at the samples, and where the function is
-/// hardest to fit, or the samples end, a patch may err more than those around it: of exact data 90 to 97 % of the
-/// errors were below 1.96 standard deviations in trials, of noisy ones 94 to 95 %.
+/// leave-one-out errors (a sample against the local fit without it) of the surrounding patches, blended like the local
+/// functions. It includes the noise of the values. It does not fall to 0 at the samples, and where the function is
+/// hardest to fit, or the samples end, the errors of a patch may be larger than those around it: in trials, 90 to 97 %
+/// of the errors were below 1.96 standard deviations for exact data, 94 to 95 % for noisy data.
 ///
 /// From at most about 1000 patches spread over the cover, fewer where they are large, so its time hardly grows with
-/// their number.
-/// `samples`: those that the fit was made from. Outside the cover: the value at the nearest point.
+/// their number. `samples`: those that the fit was made from. Outside the cover: the value at the nearest point.
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
                                                               const PartitionOfUnityFit<Dim>& fit);

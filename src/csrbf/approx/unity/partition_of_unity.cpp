@@ -39,8 +39,8 @@ void add_product(const double* w, const double* f, Derivatives derivatives, doub
     }
 }
 
-// f = S / W (thesis appendix C, corrected: the Hessian is symmetric). Beyond the box, f is constant along the axes that
-// are `outside`.
+// f = S / W (thesis appendix C, corrected: the Hessian is symmetric). Outside the box, f is constant along the axes
+// that are `outside`.
 template <int Dim>
 void store_quotient(const double* W, const double* S, const std::array<bool, Dim>& outside, Index i,
                     const JetBlock& out) {

@@ -17,7 +17,7 @@ namespace csrbf {
 /// Melenk 1997). The weight of a support is the product over the axes of (1 - t^2)^4, t from -1 to 1 across it, so f
 /// has three continuous derivatives where the local functions have.
 ///
-/// Outside the box of the cover f continues with its value at the nearest point of the box: bounded, continuous, its
+/// Outside the box of the cover f has its value at the nearest point of the box: it is bounded and continuous, and its
 /// gradient has no component out of the box.
 template <int Dim>
 class PartitionOfUnity : public Field<Dim> {
@@ -53,7 +53,7 @@ struct PartitionOfUnityOptions {
   std::optional<Index> centers_per_patch = {};
   std::optional<double> anisotropy = {};
   std::optional<double> smoothing = {};
-  /// Mean error, in the unit of the values, below which less is not worth its time; 0: 1e-10 of their range.
+  /// Mean error, in the unit of the values, below which more accuracy is not worth any time; 0: 1e-10 of their range.
   double accuracy = 0;
   Progress progress = {};
 };
@@ -74,15 +74,16 @@ struct PartitionOfUnityFit {
   [[nodiscard]] std::vector<std::shared_ptr<const Field<Dim>>> fields() const;
 };
 
-/// Approximates samples by a partition of unity. Where the values are exact it interpolates nearly: each local function
-/// does, up to the samples it is fitted to. O(n log n) time, O(n) memory. Samples at the same place must have been
+/// Approximates samples by a partition of unity. For exact values it nearly interpolates, as each local function
+/// interpolates the samples it is fitted to. O(n log n) time, O(n) memory. Samples at the same point must have been
 /// merged; those of weight 0 are left out. Results do not depend on the units of points, values and weights.
 /// Throws InvalidInput for invalid samples (see require_valid) and options: kernels must be positive definite, degrees
 /// -1 to 8.
 template <int Dim>
 PartitionOfUnityFit<Dim> partition_of_unity(const Samples<Dim>& samples, const PartitionOfUnityOptions& options = {});
 
-/// Side of a support over that of its cell: every point is in about three supports.
+/// Side of a support over that of its cell: every point is in about three supports. Chosen by hand: larger supports
+/// blend more smoothly, smaller ones evaluate faster.
 template <int Dim>
 inline constexpr double cover_growth = Dim == 1   ? 2.0
                                        : Dim == 2 ? 1.7

@@ -10,10 +10,12 @@ namespace csrbf {
 namespace {
 
 constexpr Index lanes = batch_lanes;
+// Chosen by hand: larger tiles enter fewer supports twice, smaller ones stay in the cache.
 constexpr Index nodes_per_tile = 4096;
+constexpr Index tasks = 64;  // at least, if there are as many tiles, to balance threads and processes
 
-// A polynomial in the first `variables` variables, as a polynomial in one less once the last one is known: monomial j
-// becomes number target[j] times the last variable to the power[j].
+// Reduces a polynomial by its last variable once that is known: monomial j becomes monomial target[j] of the result
+// times the last variable to the power[j].
 struct Reduction {
   std::vector<std::int16_t> target, power;
   Index size = 0;  // of the result
@@ -42,7 +44,7 @@ std::array<Reduction, Dim> make_reductions(int degree) {
   return reductions;
 }
 
-// The sums over the supports at the nodes of one tile after the other.
+// The sums over the supports at the nodes of a tile.
 template <int Dim>
 class GridEvaluation {
  public:
@@ -196,7 +198,7 @@ Eigen::VectorXd PartitionOfUnity<Dim>::evaluate_grid(const GridAxes<Dim>& axes) 
   const GridTiles<Dim> tiles(axes, nodes_per_tile);
   Eigen::VectorXd value(tiles.nodes());
   if (value.size() == 0) return value;
-  const Index grain = std::max<Index>(1, tiles.size() / 64);
+  const Index grain = std::max<Index>(1, tiles.size() / tasks);
   const auto compute = [&](Index begin, Index end) {
     GridEvaluation<Dim> evaluation(*data_, component_, axes);
     for (Index i = begin; i < end; ++i) evaluation.evaluate(tiles, tiles[i], value.data());

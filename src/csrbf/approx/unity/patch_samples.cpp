@@ -12,11 +12,14 @@
 namespace csrbf {
 namespace {
 
-constexpr double even_spread = 0.35;  // smallest variance against that of a ball, for samples to count as evenly spread
-constexpr double flat = 1e-10;        // the same for samples on a line or plane
-constexpr Index most_spread = 400;    // larger patches reach far enough as they are
-constexpr Index widened = 4, widest = 16;  // times as many samples are looked at where they are not
-constexpr double narrowest = 1e-2;         // of the variances that a metric tells apart, in that of the largest
+// All chosen by hand. Shares of the variance of a filled ball:
+constexpr double even_spread = 0.35;  // smallest variance from which samples count as evenly spread
+constexpr double flat = 1e-10;        // smallest variance below which they are on a line or plane, up to rounding
+
+constexpr Index most_spread = 400;          // samples; larger patches extend far enough in any case
+constexpr Index widening = 4, widest = 16;  // where they are lopsided, this many times more samples are considered
+constexpr double least_variance = 1e-2;     // over the largest one: bounds the condition of a metric
+constexpr double reach_share = 0.45;        // estimate of the ball of a cell's points, in diagonals of the cell
 
 // Keeps the n / 2 nearest samples, and of the others those that are farthest from all kept before.
 template <int Dim>
@@ -67,7 +70,7 @@ Eigen::Matrix<double, Dim, Dim> metric_of(const Points<Dim>& points, const Point
   for (const auto& [d2, id] : nearest)
     covariance += (points.col(id) - center) * (points.col(id) - center).transpose() / reach2;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance);
-  const Point<Dim> variances = eigen.eigenvalues().cwiseMax(narrowest * eigen.eigenvalues()[Dim - 1]);
+  const Point<Dim> variances = eigen.eigenvalues().cwiseMax(least_variance * eigen.eigenvalues()[Dim - 1]);
   const Point<Dim> scales = variances.array().pow(-0.5 * anisotropy);
   return eigen.eigenvectors() * scales.asDiagonal() * eigen.eigenvectors().transpose();
 }
@@ -85,17 +88,17 @@ Eigen::Matrix<double, Dim, Dim> find_patch_samples(const Cover<Dim>& cover, Inde
   const Box<Dim>& cell = cover.cell(cell_index);
   const Point<Dim> center = cell.center();
   const double crowd = static_cast<double>(n) / static_cast<double>(std::max<Index>(1, cover.count(cell_index)));
-  const double reach = 0.45 * cell.diagonal() * std::pow(crowd, 1.0 / Dim);
+  const double reach = reach_share * cell.diagonal() * std::pow(crowd, 1.0 / Dim);
   cover.nearest(center, n, reach, search);
   const Eigen::Matrix<double, Dim, Dim> metric = metric_of<Dim>(cover.points(), center, anisotropy, search.found);
-  for (Index wide = widened; n <= most_spread && wide <= widest && lopsided<Dim>(cover.points(), search.found);
-       wide *= widened) {
-    cover.nearest(center, wide * n, 2 * reach, search);
+  for (Index factor = widening; n <= most_spread && factor <= widest && lopsided<Dim>(cover.points(), search.found);
+       factor *= widening) {
+    cover.nearest(center, factor * n, 2 * reach, search);
     spread<Dim>(cover.points(), n, search.found);
     if (!narrower<Dim>(flat, cover.points(), search.found)) continue;
-    // All on a line or plane: those nearest to a cell beside it are only a part of those that its support reaches.
+    // All on a line or plane: for a cell next to it, the nearest samples are only a part of those in its support.
     const double support = 0.5 * cover.growth() * cell.diagonal();
-    cover.nearest(center, wide * n, reach, search);
+    cover.nearest(center, factor * n, reach, search);
     while (std::ssize(search.found) > n && search.found.back().first > support * support) search.found.pop_back();
     spread<Dim>(cover.points(), n, search.found);
   }

@@ -7,9 +7,9 @@
 
 namespace csrbf {
 
-/// Whether samples hardly spread in some direction: the smallest variance is well below that of a filled ball. Then
-/// nearest samples alone, such as those of one track of soundings, do not tell how the function varies across it.
-/// `chosen`: squared distances and columns of `points`, as Cover::nearest finds them.
+/// Whether samples hardly spread in some direction: the smallest variance is well below that of a filled ball. Then the
+/// nearest samples alone, such as those of one track of soundings, do not determine how the function varies across it.
+/// `chosen`: squared distances and columns of `points`, as found by Cover::nearest.
 template <int Dim>
 bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std::uint32_t>>& chosen);
 
@@ -19,8 +19,8 @@ bool lopsided(const Points<Dim>& points, const std::vector<std::pair<double, std
 /// a wider neighbourhood: from the support of the cell if all are on a line or plane.
 ///
 /// Returns a metric, up to a factor: C^(-anisotropy / 2) with the covariance C of the nearest ones about the middle,
-/// whose condition is bounded. It makes samples on another track farther than those on the same. Without anisotropy it
-/// is the identity.
+/// whose condition is bounded. In it samples on other tracks are farther away than those on the same one. Without
+/// anisotropy it is the identity.
 template <int Dim>
 Eigen::Matrix<double, Dim, Dim> find_patch_samples(const Cover<Dim>& cover, Index cell, Index n, double anisotropy,
                                                    typename Cover<Dim>::Search& search);

@@ -11,12 +11,13 @@
 namespace csrbf {
 namespace {
 
-constexpr double nearest_end = 0.3;       // of a split to the ends of the side, as a share of it
-constexpr Index median_sample = 63;       // points that tell the median
-constexpr double smallest_cell = 1e-9;    // side, as a share of the extent
-constexpr Index enough_parts = 256;       // for many processes
-constexpr Index fewest_shared = 1 << 14;  // points whose cells take longer than telling others about them
-constexpr Index grain = 1 << 14;          // points to copy for a thread at a time
+// All chosen by hand.
+constexpr double nearest_end = 0.3;       // least distance of a split from the ends of the side, as a share of it
+constexpr Index median_sample = 63;       // points that the median is estimated from
+constexpr double smallest_cell = 1e-9;    // least side of a cell to split, as a share of the extent
+constexpr Index enough_parts = 256;       // to share among processes: more balance better, fewer need fewer messages
+constexpr Index fewest_shared = 1 << 14;  // points; with fewer it takes longer to exchange cells than to make them
+constexpr Index grain = 1 << 14;          // points per task
 
 constexpr std::size_t no_node = std::numeric_limits<std::size_t>::max();
 
@@ -66,16 +67,16 @@ double near_median(const Located<Dim>* points, Index n, Index axis) {
   return *middle;
 }
 
-// std::partition by x[axis] < split, with the same result: the first point that is wrong on the left changes places
-// with the last one that is wrong on the right, and so on. Without branches that depend on the points: nobody can
-// predict them.
+// std::partition by x[axis] < split, with the same result: the first point that is wrong on the left is swapped with
+// the last one that is wrong on the right, and so on. Without branches that depend on the points, which would be
+// unpredictable.
 template <int Dim>
 Index move_lower_first(Located<Dim>* points, Index n, Index axis, double split) {
-  constexpr Index block = 256;
+  constexpr Index block = 256;  // points; their indices stay in the first-level cache
   const auto is_lower = [&](Index i) { return points[i].x[axis] < split ? 1 : 0; };
   Index middle = 0;
   for (Index i = 0; i < n; ++i) middle += is_lower(i);
-  std::array<Index, block> left, right;  // what is wrong in the blocks before `low` and after `high`
+  std::array<Index, block> left, right;  // points on the wrong side in the blocks before `low` and after `high`
   std::size_t lefts = 0, rights = 0, next_left = 0, next_right = 0;
   for (Index low = 0, high = n;;) {
     while (next_left == lefts && low < middle) {
@@ -120,7 +121,7 @@ void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, co
   part.middle = part.begin + move_lower_first(first, n, axis, split);
 }
 
-// Splits level by level until there are enough parts for many processes: the parts of one level are independent of each
+// Splits level by level until there are enough parts for many processes; the parts of a level are independent of each
 // other. Those of the last level may be cut further.
 template <int Dim>
 std::vector<std::vector<Part<Dim>>> split_roughly(std::vector<Located<Dim>>& points, const Box<Dim>& box,

@@ -26,10 +26,10 @@ struct CellNodes {
   std::vector<Index> ends;           ///< of the points of each cell
 };
 
-/// Splits a box around points into cells of at most `leaf_size` of them, as Cover says; `located` gets the points in
-/// the order of the cells. Points in the order of the cells of another tree need not be sorted again: with that tree as
-/// `sorted` only its cells are split, and the order of points in parts that it splits is left as it is. Work shared by
-/// processes. O(n log n).
+/// Splits a box around points into cells of at most `leaf_size` of them, as described at Cover; `located` gets the
+/// points in the order of the cells. Points in the order of the cells of another tree need not be sorted again: with
+/// that tree as `sorted` only its cells are split, and parts that it splits keep the order of their points. Work shared
+/// by processes. O(n log n).
 template <int Dim>
 CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, Index leaf_size,
                            std::vector<Located<Dim>>& located, const CellNodes& sorted = {});
