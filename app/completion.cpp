@@ -32,7 +32,7 @@ std::vector<std::string> names_of(const std::vector<Usage>& verbs) {
   return names;
 }
 
-// Bash: what may follow is looked up by the verb and the word before. No match makes readline complete file names.
+// Bash: candidates are looked up by the verb and the previous word. Without a match, readline completes file names.
 
 std::string bash_verb(const Usage& verb) {
   std::string script;

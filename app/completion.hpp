@@ -4,8 +4,8 @@
 
 namespace csrbf::app {
 
-/// The script that makes a shell complete the command line of the program: its verbs, their flags, and values that are
-/// words; file names elsewhere. `shell` is bash, zsh or fish.
+/// The script with which a shell completes the command line of the program: its verbs, their flags, and values that
+/// are words; file names elsewhere. `shell` is bash, zsh or fish.
 std::string completion(const Usage& program, const std::string& shell);
 
 }  // namespace csrbf::app
