@@ -50,7 +50,7 @@ bool is_in_memory(const std::string& folder) {
 
 std::size_t checked_cap(std::size_t bytes) {
   if (!file_memory_supported())
-    throw UsageError("--memory: not in this build; it needs the GNU C library and no sanitizers");
+    throw UsageError("--memory: this program was built without it; it needs the GNU C library and no sanitizers");
   if (bytes < least_cap)
     throw UsageError("--memory: " + std::to_string(bytes / mega) + " MB is too little; give at least " +
                      std::to_string(least_cap / mega) + "MB");

@@ -12,7 +12,7 @@
 namespace csrbf::app {
 namespace {
 
-// The browser itself sees to it that nothing is loaded from anywhere.
+// Makes the browser refuse to load anything from elsewhere.
 constexpr std::string_view policy =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
@@ -55,7 +55,7 @@ std::string warnings(const Json& report) {
 std::string facts(const PageContent& content) {
   std::vector<Fact> all = content.page.facts;
   all.push_back({seconds_text(content.report["time"]["total"]), "time"});
-  all.push_back({rounded(content.report["peak_memory_mb"], 3) + " MB", "memory at most"});
+  all.push_back({rounded(content.report["peak_memory_mb"], 3) + " MB", "peak memory"});
   std::string items;
   for (const Fact& fact : all)
     items += "<div><dd>" + escaped(fact.value) + "</dd><dt>" + escaped(fact.label) + "</dt></div>\n";

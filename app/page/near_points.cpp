@@ -8,8 +8,9 @@
 namespace csrbf::app {
 namespace {
 
+// Chosen by hand: more neighbours smooth more; a larger reach closes gaps in the data, a smaller one opens holes in it.
 constexpr Index neighbors = 6;
-constexpr double reach = 3;  // in spacings of the nearest point
+constexpr double reach = 3;  // relative to the distance from the nearest point to its own neighbours
 
 }  // namespace
 

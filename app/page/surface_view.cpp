@@ -94,7 +94,7 @@ bool has_interactive_view() {
 Mesh mesh_to_show(const Mesh& mesh, int resolution, const std::function<Mesh(int)>& coarser) {
   Mesh shown = mesh;
   while (shown.vertices.cols() > SurfaceView::most_vertices) {
-    // The number of vertices goes with the square of the resolution.
+    // The number of vertices grows with the square of the resolution; 0.97 makes one step almost always enough.
     constexpr double safety = 0.97;
     const double vertices = static_cast<double>(shown.vertices.cols());
     resolution = std::max(1, static_cast<int>(safety * resolution *
@@ -116,15 +116,14 @@ Figure surface_figure(const SurfaceView& view) {
   RenderOptions options{.width = 800, .height = 500};
   options.view = {-65, 15};
   options.ground = Ground::none;
-  constexpr int few_rays = 2;  // the picture is seen until the view starts
+  constexpr int few_rays = 2;  // the picture is only seen until the viewer starts
   if (has_interactive_view()) options.occlusion_rays = few_rays;
   const std::string still = picture_element(render(view.mesh, options), "The surface, from above its front");
   std::string body = "<div class=\"stage\">" + still;
   if (has_interactive_view())
     body +=
         "<canvas tabindex=\"0\" role=\"img\" aria-label=\"The surface. Arrow keys turn it, with Shift they move it; "
-        "plus "
-        "and minus zoom, 0 resets the view.\"></canvas></div><div class=\"controls\"></div>"
+        "plus and minus zoom, 0 resets the view.\"></canvas></div><div class=\"controls\"></div>"
         "<p class=\"hint\">Drag to turn, drag with Shift or the right button to move, click and scroll to zoom. Keys: "
         "arrows, Shift, + and −, 0.</p>"
         "<p class=\"why-still\"></p><noscript><p>Scripts are off, so this is a still picture.</p></noscript>"
