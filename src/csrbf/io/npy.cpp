@@ -73,7 +73,7 @@ void parse_shape(std::string_view text, const std::string& name, NpyHeader& head
   }
 }
 
-// Number of elements; refuses shapes that the data cannot fill, however large their product.
+// Number of elements; refuses shapes larger than the data, however large their product.
 std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const std::string& name) {
   const std::size_t room = data_bytes / scalar_of(header).size;
   const auto check = [&](bool fits) {
@@ -85,7 +85,7 @@ std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const 
     check(n == 0 || size <= room / n);
     size *= n;
   }
-  check(size <= room);  // a number without axes is one element
+  check(size <= room);  // without axes there is one element
   return size;
 }
 

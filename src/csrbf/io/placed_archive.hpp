@@ -10,8 +10,8 @@ namespace csrbf {
 /// The kind of the archive of a PlacedField.
 inline constexpr const char* placed_kind = "placed surface";
 
-/// A placed field with the field in it, and back. Throws InvalidInput for a kind of field that has no file form;
-/// reading throws IoError or InvalidInput for entries that are missing or do not fit together.
+/// Converts a placed field, with its inner field, to an archive and back. Throws InvalidInput for a kind of field that
+/// has no file form; reading throws IoError or InvalidInput for missing or inconsistent entries.
 Archive to_archive(const PlacedField& field);
 std::shared_ptr<const PlacedField> placed_from(const Archive& archive);
 

@@ -43,7 +43,7 @@ class Words {
 
   std::string_view text_;
   const std::string& name_;
-  std::size_t position_ = 2;  // behind the magic number
+  std::size_t position_ = 2;  // after the magic number
   Index line_ = 1;
 };
 

@@ -55,7 +55,7 @@ bool is_picture(const std::string& extension) {
   return extension == ".png" || extension == ".pgm" || extension == ".ppm";
 }
 
-// Refuses axes and components that the format has no place for.
+// Refuses axes and components that the format cannot hold.
 void check_shape(const std::string& extension, const VolumeLayout& layout, const std::string& path) {
   const auto check = [&](bool holds, const std::string& what) {
     if (!holds) throw IoError(path + ": " + extension + " files hold no " + what + "; write .nii.gz, .nrrd or .npy");

@@ -19,7 +19,7 @@ std::string numbers(std::initializer_list<double> values) {
   return text;
 }
 
-// The array of an element PointData or CellData that holds the values; null when there is none.
+// The array with the values in an element PointData or CellData; null when there is none.
 const XmlElement* find_values(const XmlElement* data) {
   if (data == nullptr) return nullptr;
   const std::string* active = data->attribute("Scalars");
