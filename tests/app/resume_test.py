@@ -136,7 +136,7 @@ class Resume(base.CommandLine):
     def test_a_file_that_is_no_log_is_refused_and_kept(self):
         for content in ("precious", "precious " * 100):
             self.write("mesh.ply.resume", content)
-            self.fail_with(2, "mesh.ply.resume: is no log", *self.arguments)
+            self.fail_with(2, "mesh.ply.resume: is not a resume log", *self.arguments)
             with open(self.log) as file:
                 self.assertEqual(file.read(), content)
 
