@@ -23,7 +23,7 @@ SampleType sample_type_named(const std::string& name) {
   throw InvalidInput("Image: type = " + name + ": there is no file of such numbers; convert the array");
 }
 
-// Does a float hold all numbers of that type?
+// Can a float represent all numbers of that type?
 bool fits_float(SampleType type) {
   return type == SampleType::float32 || (!is_floating(type) && sample_size(type) < sizeof(std::int32_t));
 }
@@ -55,7 +55,7 @@ void write_image(const std::string& path, const py::array& values, const py::dic
   }
 }
 
-// The values filled in, as doubles, and the report.
+// The filled values, as doubles, and the report.
 py::tuple inpaint_image(const Array& values, const py::dict& layout, const Bytes& missing, const py::dict& given,
                         const py::object& listener) {
   using namespace py::literals;
