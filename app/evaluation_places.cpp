@@ -12,7 +12,7 @@
 namespace csrbf::app {
 namespace {
 
-constexpr Index most_axes = 3;
+constexpr Index most_axes = 3;  // of a grid
 
 bool is_table_file(const std::string& path) {
   const std::string extension = file_extension(path);

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 constexpr auto bar_interval = 100ms;  // as fast as the eye can follow
 constexpr auto line_interval = 2s;    // keeps logs short
-constexpr int bar_width = 30;
+constexpr int bar_width = 30;         // columns: the line fits a terminal of 80
 
 bool is_terminal() {
   const char* term = std::getenv("TERM");

@@ -36,9 +36,9 @@ Bytes bytes_of(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-// Mixes 8 bytes at a time, by multiplicative hashing with 2^64 / golden ratio.
+// Multiplicative hashing of 8 bytes at a time.
 std::uint64_t hash(Bytes bytes, std::uint64_t h) {
-  constexpr std::uint64_t odd = 0x9e3779b97f4a7c15;
+  constexpr std::uint64_t odd = 0x9e3779b97f4a7c15;  // 2^64 / golden ratio
   for (std::size_t i = 0; i < bytes.size(); i += sizeof(h)) {
     std::uint64_t word = 0;
     std::memcpy(&word, bytes.data() + i, std::min(sizeof(word), bytes.size() - i));

@@ -200,7 +200,7 @@ void add_result(const TrackCommand& command, const std::vector<Row>& rows, Index
   session.result = {{"frames", frames}, {"measures", measures}};
   session.warn(report.warnings);
   session.say(command.output + ": " + counted(frames, "frame") + " of " + size_text(grid) + " voxels");
-  constexpr int most_lines = 5;
+  constexpr int most_lines = 5;  // of the summary; the report has every region
   for (int label = 1; label < std::min(used.segment.regions, most_lines + 1); ++label) {
     const Row *least = nullptr, *most = nullptr;
     for (const Row& row : rows) {

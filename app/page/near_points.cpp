@@ -19,7 +19,7 @@ Eigen::VectorXd values_near(const PointsRef<3>& points, const Eigen::VectorXd& v
   Eigen::VectorXd result = Eigen::VectorXd::Constant(places.cols(), none);
   if (points.cols() == 0) return result;
   const KdTree<3> tree(points);
-  constexpr Index grain = 256;
+  constexpr Index grain = 256;  // places per task: larger balances worse, smaller costs overhead
   parallel_for(places.cols(), grain, [&](Index begin, Index end) {
     std::array<Index, neighbors> near{}, beside{};
     std::array<double, neighbors> squared{}, spacing{};

@@ -13,7 +13,7 @@ constexpr int series_colors = 6;  // of the style sheet
 
 // The colours as a picture, `width` of them from low to high.
 std::string bar_address(const ColorScale& scale) {
-  constexpr int width = 128;
+  constexpr int width = 128;  // shades: bands are not visible
   RgbImage bar(width, 1);
   for (int i = 0; i < width; ++i) {
     const LinearRgb color = scale(scale.lo + (scale.hi - scale.lo) * i / (width - 1));
@@ -87,7 +87,7 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
     steps.col(2 * n + 1) << hi, 0;
     const std::string series = "series" + std::to_string(i % series_colors);
     drawing.add_line(steps, "area " + series, true);
-    constexpr double line = 17, key_width = 14;
+    constexpr double line = 17, key_width = 14;  // of the legend, pixels
     const double y = Drawing::top + 12 + line * static_cast<double>(i);
     const double x = Drawing::left + drawing.width() - 10;
     drawing.add("<path class=\"key " + series + "\" d=\"M" + coordinate(x - key_width) + " " + coordinate(y - 4) + "h" +
@@ -117,7 +117,7 @@ LinearRgb ColorScale::operator()(double value) const {
 }
 
 std::vector<std::string> color_stops(bool diverging) {
-  constexpr int count = 17;
+  constexpr int count = 17;  // the viewer interpolates linearly: fewer stops would show
   constexpr std::string_view digits = "0123456789abcdef";
   const ColorScale scale{.diverging = diverging};
   std::vector<std::string> stops;

@@ -87,12 +87,12 @@ template <int Dim>
 Figure pictures(const Volume<float>& image, const Segmentation<Dim>& segmentation) {
   const std::vector<const Field<Dim>*> fields = inside_fields(segmentation);
   if (Dim == 2) {
-    constexpr int size = 900;
+    constexpr int size = 900;  // pixels along the longer side, about the width of the page
     return {"The contour on the image",
             picture_element(preview<Dim>(image, fields, {.size = size}), "The image with the contour"), "", true};
   }
   std::vector<std::string> slices;
-  constexpr int size = 420;
+  constexpr int size = 420;  // pixels: three side by side
   for (const int axis : {2, 1, 0})
     slices.push_back(picture_element(preview<Dim>(image, fields, {.axis = axis, .size = size}),
                                      "Slice across " + std::string(1, "xyz"[axis]) + " with the contour"));

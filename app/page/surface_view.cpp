@@ -22,7 +22,7 @@ std::string as_base64(const std::vector<Number>& numbers) {
 
 // Fractions of the box in 16 bits.
 std::string positions(const Points<3>& points, const Box<3>& box) {
-  constexpr double most = 65535;
+  constexpr double most = 65535;  // of 16 bits
   const Point<3> extent = box.extent();
   std::vector<std::uint16_t> numbers;
   for (Index i = 0; i < points.cols(); ++i)
@@ -34,7 +34,7 @@ std::string positions(const Points<3>& points, const Box<3>& box) {
 }
 
 std::string normals(const Points<3>& vectors) {
-  constexpr double most = 127;
+  constexpr double most = 127;  // of 8 bits with sign
   std::vector<std::int8_t> numbers;
   for (Index i = 0; i < vectors.cols(); ++i)
     for (Index a = 0; a < 3; ++a)
@@ -48,7 +48,7 @@ std::string triangles(const Triangles& corners) {
 
 // 0 to 254 along the scale, 255 where there is no value.
 std::string bytes(const Eigen::VectorXd& values, double lo, double hi) {
-  constexpr double most = 254;
+  constexpr double most = 254;  // of 8 bits, without 255
   std::vector<std::uint8_t> numbers;
   for (const double value : values) {
     const double part = hi > lo ? std::clamp((value - lo) / (hi - lo), 0.0, 1.0) : 0.5;

@@ -10,7 +10,7 @@
 namespace csrbf::app {
 namespace {
 
-constexpr int shown_digits = 4;
+constexpr int shown_digits = 4;  // significant; the tooltip has all
 
 bool is_list_of_records(const Json& value) {
   return value.is_array() && !value.empty() && value.front().is_object();

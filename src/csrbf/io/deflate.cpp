@@ -95,7 +95,7 @@ std::string deflate_bytes(std::initializer_list<std::string_view> parts, Deflate
   if (deflateInit2(&stream, level, Z_DEFLATED, format == DeflateFormat::gzip ? window + write_gzip : window,
                    memory_level, Z_DEFAULT_STRATEGY) != Z_OK)
     throw IoError("zlib cannot start");
-  constexpr std::size_t first_guess = std::size_t{1} << 20;
+  constexpr std::size_t first_guess = std::size_t{1} << 20;  // bytes of the result; grows
   std::string out(first_guess, '\0');
   std::size_t used = 0;
   const auto run = [&](int flush) {

@@ -27,7 +27,7 @@ constexpr std::array<ElementType, 12> element_types{{{"MET_UCHAR", SampleType::u
                                                      {"MET_ULONG", SampleType::uint32},
                                                      {"MET_LONG", SampleType::int32}}};
 
-constexpr std::size_t most_axes = 4;
+constexpr std::size_t most_axes = 4;  // three in space and time
 
 class HeaderParser {
  public:

@@ -152,7 +152,7 @@ std::string format_npy_header(std::string_view type, const std::vector<Index>& l
   std::string dictionary = "{'descr': '" + std::string(type.back() == '1' ? "|" : "<") + std::string(type) +
                            "', 'fortran_order': False, 'shape': (" + shape + "), }";
   constexpr std::size_t prefix = 10;
-  constexpr std::size_t alignment = 64;
+  constexpr std::size_t alignment = 64;  // of the data, by the format
   dictionary.append(alignment - 1 - (prefix + dictionary.size()) % alignment, ' ');
   dictionary += '\n';
   std::string out(magic);

@@ -46,7 +46,7 @@ constexpr std::array<TypeName, 31> type_names{{{"uint8", SampleType::uint8},
                                                {"ulonglong", SampleType::uint64},
                                                {"uint64_t", SampleType::uint64}}};
 
-constexpr std::size_t most_axes = 5;
+constexpr std::size_t most_axes = 5;  // components, three in space and time
 
 struct SpaceName {
   std::string_view name, abbreviation;

@@ -45,7 +45,7 @@ std::string read_file_here(const std::string& path) {
   if (!file) fail(path, errno);
 
   // A single read when the size is known; for pipes the buffer grows.
-  constexpr std::size_t first_guess = std::size_t{1} << 16;
+  constexpr std::size_t first_guess = std::size_t{1} << 16;  // bytes of a pipe; grows
   std::size_t capacity = first_guess;
   if (path != "-" && fs::is_regular_file(path, error)) capacity = static_cast<std::size_t>(fs::file_size(path)) + 1;
   std::string content;

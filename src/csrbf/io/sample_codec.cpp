@@ -70,7 +70,7 @@ template std::string encode_samples(const Volume<float>&, SampleType);
 template std::string encode_samples(const Volume<double>&, SampleType);
 
 std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t available, const std::string& name) {
-  constexpr std::size_t most = std::size_t{1} << 40;
+  constexpr std::size_t most = std::size_t{1} << 40;  // a limit on damaged files: products do not overflow
   const auto& size = layout.grid.size;
   std::size_t samples = 1;
   for (const Index length : {size[0], size[1], size[2], layout.frames, layout.components}) {

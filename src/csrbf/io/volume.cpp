@@ -68,9 +68,9 @@ void check_shape(const std::string& extension, const VolumeLayout& layout, const
           "pixels of " + std::to_string(layout.components) + " components");
   }
   if (extension.starts_with(".tif")) {
-    constexpr Index most_components = 65535;
+    constexpr Index most_components = 65535;  // a 16-bit field of TIFF
     check(layout.grid.size[2] == 1 || layout.frames == 1, "sequences of three axes");
-    check(layout.components <= most_components, "pixels of so many components");
+    check(layout.components <= most_components, "pixels of " + std::to_string(layout.components) + " components");
   }
   if (extension == ".vti") check(layout.frames == 1, "time axis");
 }

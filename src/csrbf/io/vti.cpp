@@ -49,7 +49,7 @@ Grid read_grid(const VtkReader& reader, const std::string& name) {
   linear = linear * spacing.asDiagonal();
   Eigen::Vector3d first;
   for (Index a = 0; a < 3; ++a) {
-    constexpr double most = 1 << 30;
+    constexpr double most = 1 << 30;  // a limit on damaged files
     const double lo = (*extent)[2 * a], hi = (*extent)[2 * a + 1];
     if (lo != std::floor(lo) || hi != std::floor(hi) || !(hi >= lo && std::abs(lo) <= most && hi <= most))
       reader.fail("axis " + std::to_string(a + 1) + " of the image has no points");

@@ -89,7 +89,7 @@ class BlockReader {
     if (blocks > source_.left() / header_size_ || (blocks > 0 && block_size > expected && last_size == 0)) truncated();
     std::vector<std::size_t> sizes(blocks);
     for (std::size_t& size : sizes) size = read_number();
-    constexpr std::size_t largest_ratio = 1100;
+    constexpr std::size_t largest_ratio = 1100;  // deflate's limit is 1032
     if (expected / largest_ratio > source_.left()) truncated();
     std::string out;
     for (std::size_t i = 0; i < blocks; ++i) {
@@ -202,7 +202,7 @@ void VtkReader::fail(const std::string& what) const {
 Index VtkReader::count(const XmlElement& element, std::string_view attribute) const {
   const std::string* text = element.attribute(attribute);
   if (text == nullptr) return 0;
-  constexpr std::int64_t most = std::int64_t{1} << 40;
+  constexpr std::int64_t most = std::int64_t{1} << 40;  // a limit on damaged files
   const auto number = parse_integer(trimmed(*text));
   if (!number || *number < 0 || *number > most)
     fail(std::string(attribute) + " " + in_quotes(*text) + " is not a number of items");
@@ -232,7 +232,7 @@ SampleType VtkReader::type(const XmlElement& array) const {
 }
 
 Index VtkReader::components(const XmlElement& array) const {
-  constexpr Index most = 1 << 16;
+  constexpr Index most = 1 << 16;  // a limit on damaged files
   const Index components = array.attribute("NumberOfComponents") == nullptr ? 1 : count(array, "NumberOfComponents");
   if (components < 1 || components > most)
     fail(name_of_array(array) + " has " + std::to_string(components) + " components");
