@@ -48,7 +48,7 @@ void add_facts(const FitReport& r, const Domain& domain, Page& page) {
                             text(r.cross_validation_rmse) +
                             " (root mean square): expect this error between the samples.");
   page.findings.push_back(
-      r.smoothing > 0 ? "The function does not pass through every sample: part of their variation was taken for "
+      r.smoothing > 0 ? "The function does not pass through every sample: part of their variation was treated as "
                         "noise and smoothed away (smoothing " +
                             text(r.smoothing) + ")."
                       : "The function passes through the samples: nothing was smoothed away.");

@@ -101,8 +101,8 @@ std::string html_page(const PageContent& content) {
   page += "<style>\n" + std::string(page_style) + "</style>\n</head>\n<body>\n<header>\n<p class=\"verb\">csrbf " +
           escaped(verb) + "</p>\n<h1>" + escaped(title) + "</h1>\n</header>\n<main>\n";
   page += facts(content) + warnings(report);
-  const std::string told = summary(content);
-  if (!told.empty()) page += "<div class=\"summary\">\n" + told + "</div>\n";
+  const std::string summary_html = summary(content);
+  if (!summary_html.empty()) page += "<div class=\"summary\">\n" + summary_html + "</div>\n";
   page += figures(content.page);
   page += section("Options", option_table(report, content.common.flags));
   page += "<div class=\"columns\">\n" + section("Results", value_table(report["result"])) + "<div>\n" +

@@ -51,14 +51,14 @@ def _bar(tqdm: Any) -> Iterator[Listener]:
 @contextlib.contextmanager
 def _lines(interval: float = 2.0) -> Iterator[Listener]:
     """A line on standard error for every stage and every two seconds."""
-    shown, told = "", 0.0
+    shown, last = "", 0.0
 
     def show(stage: str, fraction: float) -> None:
-        nonlocal shown, told
+        nonlocal shown, last
         now = time.monotonic()
-        if stage == shown and now - told < interval:
+        if stage == shown and now - last < interval:
             return
-        shown, told = stage, now
+        shown, last = stage, now
         print(f"{stage} {100 * fraction:.0f} %", file=sys.stderr)
 
     yield show

@@ -178,7 +178,7 @@ ERRATA = (
     Erratum(
         "(6.10) ff.",
         "sums to 3(N − 1), Q without the index k, right side sⱼ",
-        "0 … 3N − 1; BᵀW (s − g): what the quadric leaves",
+        "0 … 3N − 1; BᵀW (s − g): the residual of the quadric",
         ("figure-6.8",),
     ),
     Erratum("(6.13)", "(d² − 1)² is C²", "C¹: the second derivative jumps by 8 at d = 1", ("figure-6.3",)),

@@ -41,7 +41,7 @@ const Scalar& scalar_of(const NpyHeader& header) {
   throw IoError(name + ": " + message);
 }
 
-// The text behind 'key': in the dictionary of the header.
+// The text after 'key': in the dictionary of the header.
 std::string_view value_of(std::string_view dictionary, std::string_view key, const std::string& name) {
   const std::size_t found = dictionary.find("'" + std::string(key) + "'");
   const std::size_t colon = found == std::string_view::npos ? found : dictionary.find(':', found);
