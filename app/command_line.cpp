@@ -18,7 +18,7 @@
 namespace csrbf::app {
 namespace {
 
-// The argument as it can be typed in a shell.
+// The argument, quoted for a shell where needed.
 std::string shell_word(const std::string& argument) {
   const auto is_plain = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
@@ -30,12 +30,12 @@ std::string shell_word(const std::string& argument) {
   return quoted + "'";
 }
 
-// The program's arguments: one struct per command, of which the parsed one is taken.
+// The program's arguments: one struct per command, of which the parsed one is returned.
 class Parser {
  public:
   Parser() : app_("Smooth functions and surfaces from scattered data and images", "csrbf") {
     app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version");
-    app_.set_help_flag("-h,--help", "print this; csrbf COMMAND --help says more about a command");
+    app_.set_help_flag("-h,--help", "print this help; csrbf COMMAND --help describes a command");
     app_.require_subcommand(1);
     app_.formatter(std::make_shared<HelpFormatter>());
     app_.footer("Example:\n  csrbf reconstruct bunny.xyz -o bunny.ply");
@@ -43,13 +43,13 @@ class Parser {
                             "csrbf reconstruct scan.ply -o mesh.ply --model scan.csrbf --report report.html");
     add<EstimateNormalsCommand>("estimate-normals", "Estimate and orient the normals of points",
                                 "csrbf estimate-normals scan.xyz -o oriented.ply");
-    add<PolygonizeCommand>("polygonize", "Make a mesh of a saved model",
+    add<PolygonizeCommand>("polygonize", "Turn a saved model into a mesh",
                            "csrbf polygonize scan.csrbf -o fine.ply --resolution 512");
     add<RenderCommand>("render", "Draw a picture of a model or mesh",
                        "csrbf render scan.csrbf -o scan.png --view 290,15 --color mean-curvature");
-    add<CurvatureCommand>("curvature", "Measure how a model is curved and find its ridges and valleys",
+    add<CurvatureCommand>("curvature", "Compute the curvature of a model and its ridge and valley lines",
                           "csrbf curvature scan.csrbf -o curved.ply --ridges lines.ply");
-    add<CombineCommand>("combine", "Join, intersect, cut or blend models",
+    add<CombineCommand>("combine", "Unite, intersect, subtract or blend models",
                         "csrbf combine blend body.csrbf head.csrbf -o statue.csrbf --radius 0.03");
     add<FitCommand>("fit", "Fit a smooth function to scattered samples",
                     "csrbf fit soundings.csv -o depth.csrbf --coordinates x,y --values depth --report report.json");
@@ -57,13 +57,13 @@ class Parser {
                          "csrbf evaluate depth.csrbf -o depth.npy --grid 800,600 --bounds 0:4,0:3");
     add<InpaintCommand>("inpaint", "Fill missing pixels of an image",
                         "csrbf inpaint photo.png -o filled.png --mask scratches.png");
-    add<SegmentCommand>("segment", "Find the parts of an image by level sets",
+    add<SegmentCommand>("segment", "Segment an image by level sets",
                         "csrbf segment head.nii.gz -o brain.nii.gz --mode local --init sphere:12,-8,30,10");
-    add<TrackCommand>("track", "Carry a segmentation through the frames of a sequence",
+    add<TrackCommand>("track", "Segment an image sequence, frame by frame",
                       "csrbf track cine.nii.gz -o beat --mode local --init sphere:80,72,20 --report beat.json");
     add<CompareCommand>("compare", "Measure how meshes, points or label images differ",
                         "csrbf compare mesh.ply reference.ply --report comparison.json");
-    add<InfoCommand>("info", "Say what a file of points, an image, a mesh or a model holds", "csrbf info scan.ply");
+    add<InfoCommand>("info", "Describe a file of points, an image, a mesh or a model", "csrbf info scan.ply");
     for (CLI::Option* option : app_.get_options()) option->group("Flags");
     add_installed_texts();
   }
@@ -84,7 +84,7 @@ class Parser {
   std::map<std::string, std::function<Command()>> taken_;  // what was parsed, by command
 };
 
-// What the installation writes beside the program and other programs ask for; the empty group hides these flags.
+// Texts that the installation writes or other programs ask for; the empty group hides these flags.
 void Parser::add_installed_texts() {
   const auto print = [](const std::string& text) {
     std::cout << text;
@@ -127,7 +127,7 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
   return CommandLine{first, common_, taken_.at(first)()};
 }
 
-// "--orient viewpoint 0,0,9" is one value in two words.
+// "--orient viewpoint 0,0,9" is one value of two words.
 std::vector<std::string> joined_arguments(int argc, char** argv) {
   std::vector<std::string> arguments(argv + 1, argv + argc);
   for (std::size_t i = 0; i + 2 < arguments.size(); ++i) {

@@ -10,7 +10,7 @@
 
 namespace csrbf::app {
 
-/// The command line cannot be understood.
+/// The command line is malformed.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -22,7 +22,7 @@ struct FlagUse {
   std::string what;
   bool given = false;
   std::string value = {};  ///< as typed
-  bool common = false;     ///< of every command
+  bool common = false;     ///< shared by all commands
 };
 
 /// Flags of every command.
@@ -31,15 +31,15 @@ struct CommonOptions {
   std::vector<std::string> reports;  ///< files of the report: .json, .html
   std::string progress = "auto";     ///< auto, always, never, slicer
   std::string memory;                ///< a size; empty: no cap
-  std::string scratch;               ///< folder for what the cap keeps out of memory; empty: that of the output
+  std::string scratch;               ///< folder for memory beyond the cap; empty: that of the output
   bool quiet = false;
   bool verbose = false;
 
   std::string command;         ///< as typed
-  std::vector<FlagUse> flags;  ///< all that the command has
+  std::vector<FlagUse> flags;  ///< all flags of the command
 };
 
-// One struct per command: what was typed, checked for its form only. Empty values mean "not given".
+// One struct per command: the arguments as typed, of which only the syntax is checked. Empty values mean "not given".
 
 struct ReconstructCommand {
   std::string input, output;
@@ -183,14 +183,13 @@ struct CommandLine {
   Command command;
 };
 
-/// Understands the arguments; nothing when they asked for help or the version, which is then printed. Throws
-/// UsageError.
+/// Parses the arguments; nothing when they ask for help or the version, which is then printed. Throws UsageError.
 std::optional<CommandLine> parse_command_line(int argc, char** argv);
 
-/// `text` as numbers separated by `separator`: exactly as many as asked. Throws UsageError that names `flag`.
+/// `text` as numbers separated by `separator`: exactly `count` of them. Throws UsageError that names `flag`.
 Eigen::VectorXd parse_numbers(const std::string& text, char separator, Index count, const std::string& flag);
 
-/// As parse_numbers, but as many as there are.
+/// As parse_numbers, for any count.
 Eigen::VectorXd parse_list(const std::string& text, char separator, const std::string& flag);
 
 /// The value of --smoothing auto|none|L: nothing, 0 or L. Throws UsageError.

@@ -27,7 +27,7 @@ bool is_one_of(const std::exception& error) {
   return ((dynamic_cast<const Types*>(&error) != nullptr) || ...);
 }
 
-// The folder of the output, which has to have room for large files anyway.
+// The folder of the output, which needs room for large files anyway.
 std::string output_folder(const Command& command) {
   const auto output = [](const auto& c) -> std::string {
     if constexpr (requires { c.output; }) return c.output;
@@ -53,7 +53,7 @@ int run(const CommandLine& line) {
     });
     return success;
   } catch (const std::exception& error) {
-    // A signal also breaks off reading and writing, which then fail with errors of their own.
+    // A signal also interrupts reads and writes, which then fail with errors of their own.
     if (interrupted()) return fail(line.subcommand, "interrupted", interrupt_exit_code());
     if (is_one_of<std::bad_alloc>(error)) return fail(line.subcommand, not_enough_memory(), no_result);
     const bool is_input = is_one_of<UsageError, InvalidInput, IoError>(error);

@@ -12,9 +12,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto bar_interval = 100ms;  // as often as an eye can follow
-constexpr auto line_interval = 2s;
-constexpr int bar_width = 30;
+constexpr auto bar_interval = 100ms;  // as fast as the eye can follow
+constexpr auto line_interval = 2s;    // keeps logs short
+constexpr int bar_width = 30;         // columns: the line fits a terminal of 80
 
 bool is_terminal() {
   const char* term = std::getenv("TERM");
@@ -77,11 +77,11 @@ void ProgressDisplay::update(std::string_view stage, double fraction) {
   std::fflush(stderr);
 }
 
-// Known once a part is done; the first moments tell too little.
+// Known once a part is done; early estimates are unreliable.
 std::string ProgressDisplay::remaining(double fraction) const {
   const double elapsed = std::chrono::duration<double>(Clock::now() - stage_start_).count();
-  constexpr double smallest_fraction = 0.02;
-  constexpr double shortest = 0.5;
+  // The part done and the seconds passed before the rest is estimated; chosen by hand.
+  constexpr double smallest_fraction = 0.02, shortest = 0.5;
   if (fraction < smallest_fraction || fraction >= 1 || elapsed < shortest) return "";
   return ", " + duration(elapsed * (1 - fraction) / fraction) + " left";
 }

@@ -6,8 +6,8 @@
 
 namespace csrbf::app {
 
-/// Shows on standard error how far the work is: a bar on a terminal, plain lines elsewhere when asked for. For 3D
-/// Slicer it tells the same on standard output, in elements of XML.
+/// Shows progress on standard error: a bar on a terminal, plain lines elsewhere when asked for. For 3D Slicer it
+/// reports the same on standard output, as XML elements.
 class ProgressDisplay {
  public:
   /// `mode` is auto (a bar, on a terminal only), always, never or slicer.
@@ -16,7 +16,7 @@ class ProgressDisplay {
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
   ~ProgressDisplay();
 
-  /// The stage at hand and the fraction of it that is done.
+  /// The current stage and the fraction of it that is done.
   void update(std::string_view stage, double fraction);
 
   /// Removes the bar, so that other text can be written.

@@ -57,7 +57,7 @@ Json describe(const ResumeLog& log) {
           {"seconds_saved", round_to_ms(use.seconds_saved)}};
 }
 
-// What determines the results of a run, in lines.
+// Everything that determines the results of a run, in lines.
 std::string key_of(const std::string& subcommand, const CommonOptions& common, const std::string& input) {
   std::string key = std::string("csrbf ") + CSRBF_VERSION + "\n" + subcommand + "\n";
   for (const FlagUse& flag : common.flags)
@@ -101,7 +101,7 @@ void Session::begin_stage(const std::string& stage) {
   if (processes().interrupted()) throw Cancelled();
   display_.update(stage, 0);
 #ifdef __GLIBC__
-  malloc_trim(0);  // what earlier stages needed goes back before this one asks for more
+  malloc_trim(0);  // returns the memory of earlier stages before this one allocates
 #endif
 }
 
@@ -159,7 +159,7 @@ bool Session::wants_page() const {
                      [](const std::string& path) { return report_form(path) == ReportForm::html; });
 }
 
-// The figure of the report is that of the work, not that of its pictures.
+// The report states the peak of the work, not of its pictures.
 void Session::note_memory() {
   if (memory_mb_ == 0) memory_mb_ = peak_memory_mb();
 }
@@ -182,16 +182,16 @@ Json Session::report() const {
   return report;
 }
 
-// The results are right, but came about in another way than was asked for.
-void Session::warn_of_means() {
+// The results are correct, but a flag about the way there was not met.
+void Session::warn_of_unmet_flags() {
   if (memory_cap_ && peak_memory_mb() * bytes_per_mb > static_cast<double>(memory_cap_->bytes()))
     warn("--memory " + common_.memory + " was exceeded: the peak was " + rounded(peak_memory_mb()) + " MiB");
   if (resume_log_ && resume_log_->use().error != 0)
-    warn("--resume: nothing more could be kept: " + std::generic_category().message(resume_log_->use().error));
+    warn("--resume: no more steps could be saved: " + std::generic_category().message(resume_log_->use().error));
 }
 
 void Session::finish() {
-  warn_of_means();
+  warn_of_unmet_flags();
   const Json report = this->report();
   for (const std::string& path : common_.reports) {
     const std::string text = report_form(path) == ReportForm::html
@@ -202,7 +202,7 @@ void Session::finish() {
   if (resume_log_) {
     resume_log_->remove();
     const double seconds = resume_log_->use().seconds_saved;
-    if (seconds > 0) say("resumed: " + rounded(seconds, 2) + " s of work taken over from the run before");
+    if (seconds > 0) say("resumed: " + rounded(seconds, 2) + " s of work reused from the earlier run");
   }
   display_.clear();
   if (common_.quiet) return;

@@ -36,15 +36,15 @@ class Session {
   Json options = Json::object();  ///< every option with the value used
   Json result = Json::object();
 
-  /// Stage "report": lets `action(page)` make what the command adds to a report in HTML; nothing is done when none was
+  /// Stage "report": lets `action(page)` add the part of the command to the HTML report; does nothing when none was
   /// asked for.
   template <class Action>
   void add_to_page(Action&& action);
 
-  /// Was a report in HTML asked for?
+  /// Was an HTML report asked for?
   [[nodiscard]] bool wants_page() const;
 
-  /// For the options of long work: shows the progress; stops the work after Ctrl-C.
+  /// For the options of long computations: shows their progress, and stops them after Ctrl-C.
   [[nodiscard]] Progress progress();
 
   /// Runs `action`, adds its time to the stage and returns its result. Throws Cancelled after Ctrl-C.
@@ -54,18 +54,18 @@ class Session {
   /// Adds seconds to a stage.
   void add_time(const std::string& stage, double seconds);
 
-  /// Fails early when a result could not be written in the end: throws WriteFailure. Results in "-" keep the summary
-  /// off standard output.
+  /// Throws WriteFailure when a result could not be written later. Results in "-" keep the summary off standard
+  /// output.
   void expect_output(const std::string& path);
 
-  /// Keeps finished steps in a log beside `output`, and takes over those of a run that was broken off there.
+  /// Saves finished steps to a log beside `output`, and reuses those of an interrupted run.
   void resume(const std::string& input, const std::string& output);
 
   /// Stage "write": turns IoError into WriteFailure.
   template <class Action>
   void write(Action&& action);
 
-  /// Something the user should know: standard error, and the report.
+  /// A warning, on standard error and in the report.
   void warn(const std::string& message);
   void warn(const std::vector<std::string>& messages);
 
@@ -82,7 +82,7 @@ class Session {
   void end_stage(const std::string& stage, Clock::time_point start);
   [[nodiscard]] Json report() const;
   void note_memory();
-  void warn_of_means();
+  void warn_of_unmet_flags();
 
   std::string command_;
   CommonOptions common_;
@@ -95,7 +95,7 @@ class Session {
   std::vector<std::string> summary_;
   bool stdout_is_result_ = false;
   Page page_;
-  double memory_mb_ = 0;  // before anything was done for a page; 0: nothing was
+  double memory_mb_ = 0;  // before work on a page began; 0: it did not
 };
 
 /// `value` with a few significant digits, for the summary.

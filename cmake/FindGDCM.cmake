@@ -1,4 +1,5 @@
-# Grassroots DICOM (BSD licence): the target GDCM::GDCM. The package's own configuration wants its programs and VTK too.
+# Grassroots DICOM (BSD licence): the target GDCM::GDCM. The package's own configuration requires its programs and VTK
+# too.
 find_path(
   GDCM_INCLUDE_DIR gdcmImageReader.h
   PATH_SUFFIXES gdcm-3.0 gdcm

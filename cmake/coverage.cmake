@@ -1,6 +1,6 @@
 # With CSRBF_COVERAGE the library and the program count which lines run; the target `coverage` prints the share of those
-# that did. The tests themselves are not counted. Threads may lose counts of each other: some come out too small, and
-# gcovr is to pass over what it cannot make sense of.
+# that did. The tests themselves are not counted. Threads may lose each other's counts: some are too small, and gcovr is
+# told to ignore inconsistent ones.
 option(CSRBF_COVERAGE "Count the lines that the tests run (preset coverage)" OFF)
 if(CSRBF_COVERAGE)
   foreach(target csrbf csrbf-program csrbf-cli)

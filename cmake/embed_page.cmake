@@ -1,8 +1,8 @@
-# Writes a source file that holds what every report in HTML needs: style sheet, script (when there is one) and licences.
+# Writes a source file with what every HTML report embeds: style sheet, script (when there is one) and licences.
 # usage: cmake -D SOURCE_DIR=... -D OUTPUT=... [-D SCRIPT=...] -P embed_page.cmake
 cmake_minimum_required(VERSION 3.25)
 
-# Sets `variable` to C++ text of the file; the delimiter occurs in no sensible file.
+# Sets `variable` to a C++ literal of the file; no sensible file contains the delimiter.
 function(read_literal file variable)
   file(READ ${file} text)
   set(${variable} "R\"csrbf_page(${text})csrbf_page\"" PARENT_SCOPE)
@@ -13,7 +13,7 @@ set(script "\"\"")
 set(licence "This page and the program that made it:\n\n")
 if(SCRIPT)
   read_literal(${SCRIPT} script)
-  # Both have the same licence, whose terms must stay with what it covers.
+  # Both have the same licence, whose terms must accompany the code.
   string(CONCAT licence "The interactive view contains three.js, Copyright (c) 2010 and later, three.js authors, under "
                         "the MIT License, whose terms are those below. ${licence}")
 endif()

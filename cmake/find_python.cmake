@@ -1,6 +1,6 @@
-# Sets CSRBF_PYTHON_FOUND when there is what the Python module needs: an interpreter with its headers and numpy, and
-# pybind11. Unless one is given (Python3_EXECUTABLE), the interpreter is the first of `python3` and the system's own
-# that knows numpy.
+# Sets CSRBF_PYTHON_FOUND when the requirements of the Python module are met: an interpreter with its headers and numpy,
+# and pybind11. Unless one is given (Python3_EXECUTABLE), the interpreter is the first of `python3` and the system's own
+# that has numpy.
 if(NOT Python3_EXECUTABLE)
   find_program(CSRBF_PYTHON3 NAMES python3)
   mark_as_advanced(CSRBF_PYTHON3)

@@ -1,5 +1,5 @@
-# What `cmake --install` writes: the library with its headers, find_package(csrbf), pkg-config csrbf, and the program
-# with its man page and completions, and the licence.
+# What `cmake --install` installs: the library with its headers, find_package(csrbf), pkg-config csrbf, the program with
+# its man page and completions, and the licence.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/csrbf)

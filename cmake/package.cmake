@@ -1,5 +1,5 @@
 # `cmake --workflow --preset package` makes a Debian package of everything: the program, the library with its headers and
-# the Python module. The packager is named as Debian's own tools do, by DEBFULLNAME and DEBEMAIL.
+# the Python module. The packager is taken from DEBFULLNAME and DEBEMAIL, as by Debian's own tools.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME csrbf)
 set(CPACK_PACKAGE_VENDOR "the csrbf authors")
@@ -26,7 +26,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/src)
-# What depends on the library finds the package, and the loader finds the library.
+# Dependent packages find this one, and the loader finds the library.
 file(WRITE ${PROJECT_BINARY_DIR}/package/shlibs "libcsrbf ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} csrbf\n")
 file(WRITE ${PROJECT_BINARY_DIR}/package/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/package/shlibs ${PROJECT_BINARY_DIR}/package/triggers)

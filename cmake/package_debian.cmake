@@ -1,4 +1,4 @@
-# Run by CPack on the files to be packaged: what Debian wants besides, and in its own form.
+# Run by CPack on the files to be packaged: adds what Debian requires, in its own form.
 set(share ${CPACK_TEMPORARY_INSTALL_DIRECTORY}${CPACK_PACKAGING_INSTALL_PREFIX}/share)
 set(doc ${share}/doc/csrbf)
 
@@ -13,8 +13,8 @@ file(WRITE ${doc}/changelog
 file(GLOB pages ${share}/man/man1/*.1)
 compress(${doc}/changelog ${pages})
 
-# One package is what a user installs with one command; Debian itself would make four of it. The scripts that call
-# ldconfig are CPack's own.
+# A single package, for users to install with one command; Debian itself would split it into four. The scripts that
+# call ldconfig are CPack's own.
 set(overrides package-name-doesnt-match-sonames link-to-shared-library-in-wrong-package "maintscript-calls-ldconfig *")
 list(TRANSFORM overrides PREPEND "csrbf: ")
 list(JOIN overrides "\n" overrides)

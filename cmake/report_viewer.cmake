@@ -7,7 +7,7 @@ find_file(CSRBF_THREE_MODULE three.module.js
 find_program(CSRBF_ESBUILD esbuild HINTS ${PROJECT_SOURCE_DIR}/viewer/node_modules/.bin)
 mark_as_advanced(CSRBF_THREE_MODULE CSRBF_ESBUILD)
 
-option(CSRBF_BUILD_VIEWER "Make surfaces in reports turn, when three.js and esbuild are found" ON)
+option(CSRBF_BUILD_VIEWER "Make surfaces in reports interactive, when three.js and esbuild are found" ON)
 
 set(CSRBF_VIEWER_SCRIPT "")
 if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE AND CSRBF_ESBUILD)
@@ -22,5 +22,5 @@ if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE AND CSRBF_ESBUILD)
     COMMENT "Bundling the viewer of reports"
     VERBATIM)
 else()
-  message(STATUS "Reports in HTML show still pictures: three.js (libjs-three) and esbuild make them interactive")
+  message(STATUS "HTML reports show still pictures: three.js (libjs-three) and esbuild make them interactive")
 endif()

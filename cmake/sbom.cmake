@@ -3,7 +3,7 @@
 set(sbom_packages "")
 set(sbom_relationships "")
 
-# sbom_package(NAME VERSION LICENCE HOMEPAGE RELATION): RELATION is of SPDX, from the package to csrbf.
+# sbom_package(NAME VERSION LICENCE HOMEPAGE RELATION): RELATION as in SPDX, from the package to csrbf.
 macro(sbom_package name version licence homepage relation)
   string(REPLACE "_" "-" id "SPDXRef-${name}")
   string(
@@ -16,8 +16,8 @@ macro(sbom_package name version licence homepage relation)
                                    "\"relatedSpdxElement\": \"SPDXRef-csrbf\"}")
 endmacro()
 
-# sbom_dependency(PACKAGE FOLDER VERSION-VARIABLE LICENCE HOMEPAGE RELATION): what find_package() found in the folder;
-# nothing when it did not.
+# sbom_dependency(PACKAGE FOLDER VERSION-VARIABLE LICENCE HOMEPAGE RELATION): a package that find_package() found in the
+# folder; nothing when it was not found.
 macro(sbom_dependency package folder version_variable licence homepage relation)
   get_directory_property(found DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DEFINITION ${package}_FOUND)
   get_directory_property(found_version DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DEFINITION ${version_variable})
@@ -36,7 +36,7 @@ sbom_dependency(TIFF src TIFF_VERSION_STRING libtiff https://libtiff.gitlab.io/l
 sbom_dependency(ZLIB src ZLIB_VERSION_STRING Zlib https://zlib.net DEPENDENCY_OF)
 sbom_dependency(Qhull src Qhull_VERSION Qhull http://www.qhull.org DEPENDENCY_OF)
 sbom_dependency(GDCM src GDCM_VERSION BSD-3-Clause https://gdcm.sourceforge.net OPTIONAL_DEPENDENCY_OF)
-# Threads are those of the C library, whose licence the system decides.
+# Threads come from the C library, whose licence depends on the system.
 sbom_dependency(Threads src Threads_VERSION NOASSERTION NONE RUNTIME_DEPENDENCY_OF)
 if(CSRBF_BUILD_APP)
   sbom_dependency(CLI11 app CLI11_VERSION BSD-3-Clause https://github.com/CLIUtils/CLI11 DEPENDENCY_OF)
@@ -46,7 +46,7 @@ if(CSRBF_DISTRIBUTED)
   sbom_dependency(MPI distributed MPI_CXX_VERSION NOASSERTION NONE OPTIONAL_DEPENDENCY_OF)
   sbom_dependency(MUMPS distributed MUMPS_VERSION CECILL-C https://mumps-solver.org OPTIONAL_DEPENDENCY_OF)
 endif()
-# three.js becomes a part of the program when reports are interactive.
+# three.js is embedded in the program when reports are interactive.
 if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE AND CSRBF_ESBUILD)
   file(STRINGS ${CSRBF_THREE_MODULE} three_version REGEX "REVISION = " LIMIT_COUNT 1)
   string(REGEX MATCH "[0-9]+" three_version "${three_version}")

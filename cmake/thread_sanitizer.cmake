@@ -1,8 +1,8 @@
-# With CSRBF_THREAD_SANITIZER the library and the program are watched for data races. The tests themselves are not, so
-# that what they compute to compare with stays fast; the library comes before them, because of the functions in headers
-# that both hold the linker takes the first. The preset uses clang: loops over small matrices are some three times as
-# fast under its sanitizer as under that of gcc.
-option(CSRBF_THREAD_SANITIZER "Watch library and program for data races (preset tsan)" OFF)
+# With CSRBF_THREAD_SANITIZER the library and the program are checked for data races. The tests themselves are not, so
+# that their reference computations stay fast; the library is linked before them, because the linker takes the first of
+# the inline functions that both contain. The preset uses clang: loops over small matrices are about three times as fast
+# under its sanitizer as under that of gcc.
+option(CSRBF_THREAD_SANITIZER "Check library and program for data races (preset tsan)" OFF)
 if(CSRBF_THREAD_SANITIZER)
   foreach(target csrbf csrbf-program csrbf-cli)
     if(TARGET ${target})

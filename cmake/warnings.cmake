@@ -1,8 +1,8 @@
-# Turns on the warnings this project is written against. They are errors in the preset `dev` only
+# Turns on the warnings that this project must compile without. They are errors in the preset `dev` only
 # (CMAKE_COMPILE_WARNING_AS_ERROR), so that a new compiler never breaks a user's build.
 #
-# GCC 12 takes some string concatenations for overlapping copies (-Wrestrict) and moves of fixed-size Eigen matrices for
-# reads of uninitialised memory.
+# GCC 12 mistakes some string concatenations for overlapping copies (-Wrestrict) and moves of fixed-size Eigen matrices
+# for reads of uninitialised memory.
 function(csrbf_set_warnings target)
   target_compile_options(
     ${target}

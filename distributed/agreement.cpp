@@ -14,7 +14,7 @@
 namespace csrbf::distributed {
 namespace {
 
-// What decides about exit code and message.
+// What determines exit code and message.
 enum Kind { usage, invalid_input, io, solver, cancelled, no_memory, other };
 
 template <class Type>

@@ -7,7 +7,7 @@
 
 namespace csrbf::distributed {
 
-/// Lets ranks that do the same steps fail and stop together: before every exchange they tell each other how they are.
+/// Lets ranks that do the same steps fail and stop together: before every exchange they share their status.
 class Agreement {
  public:
   explicit Agreement(MPI_Comm comm);
@@ -15,8 +15,8 @@ class Agreement {
   [[nodiscard]] int rank() const { return rank_; }
   [[nodiscard]] int size() const { return size_; }
 
-  /// Collective. Throws on all ranks the failure of the lowest one that has one; all of them get an error of its kind
-  /// with its message. Returns whether any rank was asked to stop, which all of them are from then on.
+  /// Collective. Throws the failure of the lowest rank that has one on all ranks, as an error of its kind with its
+  /// message. Returns whether any rank was asked to stop; from then on all of them are.
   bool agree(std::exception_ptr mine = nullptr);
 
   /// agree(), with Cancelled when a rank was asked to stop.

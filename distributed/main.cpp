@@ -23,7 +23,7 @@ namespace {
 constexpr int bad_usage = 2;
 constexpr const char* pretend_flag = "--pretend-ranks";
 
-// What one process reports about ranks there are not.
+// What one process reports about pretended ranks.
 class PretendingProcess : public app::Processes {
  public:
   explicit PretendingProcess(const PretendedRanks& ranks) : ranks_(ranks) {}
@@ -44,7 +44,7 @@ int fail(const char* message) {
 }
 
 int pretend(int argc, char** argv) {
-  constexpr int most = 100000;
+  constexpr int most = 100000;  // more is a typing error
   const auto ranks = argc > 2 ? parse_number(argv[2]) : std::nullopt;
   if (!ranks || *ranks < 1 || *ranks > most || *ranks != std::floor(*ranks))
     return fail("--pretend-ranks needs a number of ranks between 1 and 100000");
@@ -59,12 +59,12 @@ int pretend(int argc, char** argv) {
 int run_on_ranks(int argc, char** argv) {
   Ranks ranks(MPI_COMM_WORLD);
   const bool several = ranks.agreement().size() > 1;
-  // The other ranks have nothing to say: whatever happens to one of them, the first one hears of it.
+  // The other ranks print nothing: the first one is told of their failures.
   if (ranks.agreement().rank() > 0 &&
       (std::freopen("/dev/null", "w", stdout) == nullptr || std::freopen("/dev/null", "w", stderr) == nullptr))
     MPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
   if (several && argc > 1 && std::strcmp(argv[1], "track") == 0)
-    return fail("track writes a folder as it goes, which one process must do alone; run csrbf track");
+    return fail("track writes to a folder as it proceeds, which only one process may do; run csrbf track");
   const auto is_resume = [](const char* argument) { return std::string_view(argument).starts_with("--resume"); };
   if (several && std::any_of(argv + 1, argv + argc, is_resume)) return fail("--resume is for one process; run csrbf");
   if (ranks.agreement().rank() > 0) discard_files();

@@ -13,7 +13,7 @@ namespace {
 
 enum Job { initialize = -1, finish = -2, analyze = 1, factor = 2, solve_system = 3 };
 
-// Numbers of the controls in the manual of MUMPS, which count from 1.
+// Indices of the controls in the manual of MUMPS, which count from 1.
 constexpr int error_stream = 1, diagnostic_stream = 2, global_stream = 3, print_level = 4, workspace_increase = 14,
               sequential_root = 13;
 constexpr int out_of_workspace_a = -8, out_of_workspace_b = -9;
@@ -29,11 +29,11 @@ class MumpsFactor : public SparseFactor {
     run(initialize);
     for (const int stream : {error_stream, diagnostic_stream, global_stream}) control(stream) = -1;
     control(print_level) = 0;
-    control(sequential_root) = 1;  // else pivots of the last part are not checked
+    control(sequential_root) = 1;  // else pivots of the root front are not checked
   }
   MumpsFactor(const MumpsFactor&) = delete;
   MumpsFactor& operator=(const MumpsFactor&) = delete;
-  // All ranks take part in the end; a rank that fails by itself leaves it to the operating system.
+  // All ranks take part; one that fails on its own leaves the memory to the operating system.
   ~MumpsFactor() override {
     if (std::uncaught_exceptions() == 0) run(finish);
   }
@@ -82,7 +82,7 @@ class MumpsFactor : public SparseFactor {
                         std::to_string(mumps_.infog[1]) + ")");
   }
 
-  // The lower triangle as triplets that count from 1.
+  // The lower triangle as triplets with indices from 1.
   void take(const Eigen::SparseMatrix<double>& N) {
     rows_.clear();
     columns_.clear();

@@ -6,10 +6,11 @@
 
 namespace csrbf::distributed {
 
-/// Matrices below this order are factorised by every rank for itself: that takes less time than to share it.
+/// Matrices below this order are factorised by every rank on its own, which takes less time than sharing the work.
+/// Chosen by hand.
 constexpr Index fewest_shared_unknowns = 2000;
 
-/// A Cholesky factor by MUMPS, spread over the ranks. All of them make it of the same matrix and get the same solution,
+/// A Cholesky factor by MUMPS, distributed over the ranks. All of them pass the same matrix and get the same solution,
 /// which rank 0 collects. `agreement` must outlive it.
 std::unique_ptr<SparseFactor> make_mumps_factor(MPI_Comm comm, Agreement& agreement);
 

@@ -6,7 +6,7 @@
 
 namespace csrbf::distributed {
 
-/// One process that computes everything and counts what some ranks would exchange.
+/// A single process that computes everything and counts what several ranks would exchange.
 class PretendedRanks : public WorkSharing {
  public:
   explicit PretendedRanks(int ranks) : traffic_(static_cast<std::size_t>(ranks)) {}

@@ -18,7 +18,7 @@
 namespace csrbf::distributed {
 namespace {
 
-constexpr std::size_t broadcast_at_once = std::size_t{1} << 30;
+constexpr std::size_t broadcast_at_once = std::size_t{1} << 30;  // bytes: MPI counts them in an int
 
 int cores_of_this_process() {
 #ifdef __linux__
@@ -32,7 +32,7 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-// Adds the CPU time of its life.
+// Adds the CPU time of its lifetime.
 class Stopwatch {
  public:
   explicit Stopwatch(double& sum) : sum_(sum), start_(cpu_seconds()) {}

@@ -10,7 +10,7 @@
 
 namespace csrbf::distributed {
 
-/// The ranks of a communicator as the processes of the program: the first one reads and writes, all share the work.
+/// The ranks of a communicator as the processes of the program: the first reads and writes, all share the work.
 class Ranks : public app::Processes, public WorkSharing {
  public:
   explicit Ranks(MPI_Comm comm);
@@ -23,10 +23,10 @@ class Ranks : public app::Processes, public WorkSharing {
   void conclude(const std::function<void()>& work) override;
   void describe(nlohmann::ordered_json& report) const override;
 
-  /// Every rank computes its blocks; then all send theirs to all.
+  /// Every rank computes its blocks and sends the results to all others.
   void share(const SharedWork& work) override;
 
-  /// The content of a file that the first rank reads.
+  /// The content of a file, which the first rank reads.
   std::string read(const std::string& path);
 
  private:
@@ -43,7 +43,7 @@ class Ranks : public app::Processes, public WorkSharing {
   MPI_Comm comm_;
   Agreement agreement_;
   TrafficTable traffic_;
-  double waiting_ = 0;  // CPU seconds inside MPI, which asks again and again whether others are ready
+  double waiting_ = 0;  // CPU seconds inside MPI, which polls for the others
 };
 
 }  // namespace csrbf::distributed

@@ -6,7 +6,7 @@
 
 namespace csrbf::distributed {
 
-/// For the report: what was shared, by the name of the work.
+/// For the report: what was shared, by name of the work.
 nlohmann::ordered_json to_json(const TrafficTable& traffic);
 
 }  // namespace csrbf::distributed

@@ -23,7 +23,7 @@ SampleType sample_type_named(const std::string& name) {
   throw InvalidInput("Image: type = " + name + ": there is no file of such numbers; convert the array");
 }
 
-// Does a float hold all numbers of that type?
+// Can a float represent all numbers of that type?
 bool fits_float(SampleType type) {
   return type == SampleType::float32 || (!is_floating(type) && sample_size(type) < sizeof(std::int32_t));
 }
@@ -55,7 +55,7 @@ void write_image(const std::string& path, const py::array& values, const py::dic
   }
 }
 
-// The values filled in, as doubles, and the report.
+// The filled values, as doubles, and the report.
 py::tuple inpaint_image(const Array& values, const py::dict& layout, const Bytes& missing, const py::dict& given,
                         const py::object& listener) {
   using namespace py::literals;
@@ -66,10 +66,10 @@ py::tuple inpaint_image(const Array& values, const py::dict& layout, const Bytes
     options.progress = progress;
     return inpaint(volume, holes, options);
   });
-  py::dict told("missing"_a = report.missing, "known"_a = report.known);
-  if (report.missing > 0) told["fit"] = to_dict(report.fit);
+  py::dict result("missing"_a = report.missing, "known"_a = report.known);
+  if (report.missing > 0) result["fit"] = to_dict(report.fit);
   return py::make_tuple(py::array_t<double>(static_cast<py::ssize_t>(volume.values.size()), volume.values.data()),
-                        told);
+                        result);
 }
 
 py::dict to_dict(const LabelAgreement& agreement) {
@@ -92,9 +92,9 @@ py::dict compare_images(const Floats& values, const py::dict& layout, const Floa
     one["reference_voxels"] = label.reference_voxels;
     labels.append(one);
   }
-  py::dict told = to_dict(static_cast<const LabelAgreement&>(found));
-  told["labels"] = labels;
-  return told;
+  py::dict result = to_dict(static_cast<const LabelAgreement&>(found));
+  result["labels"] = labels;
+  return result;
 }
 
 }  // namespace

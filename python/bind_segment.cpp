@@ -18,7 +18,7 @@ using Bytes = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecas
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Image = Volume<float>;
 
-// Labels with their level sets, and where the image is.
+// Labels with their level sets, and the layout of the image.
 struct Segments {
   std::variant<Segmentation<2>, Segmentation<3>> found;
   Grid grid;
@@ -81,7 +81,7 @@ SegmentOptions make_options(const py::dict& given) {
   return options;
 }
 
-// Calls a Python function of the labels, an array like the image, that returns what it costs to be inside.
+// Calls a Python function of the labels, an array like the image, that returns the cost of being inside.
 ForceUpdate force_of(const py::object& function, const Grid& grid) {
   if (function.is_none()) return {};
   return [function = function.ptr(), shape = shape_of(grid), n = grid.voxels()](const unsigned char* labels,
@@ -92,7 +92,7 @@ ForceUpdate force_of(const py::object& function, const Grid& grid) {
     const py::object result = py::reinterpret_borrow<py::function>(function)(given);
     const Floats values = Floats::ensure(result);
     if (!values) throw py::error_already_set();
-    require(values.size() == n, "segment", "size of what force returns", values.size(),
+    require(values.size() == n, "segment", "size of the result of force", values.size(),
             "must be that of the image, " + std::to_string(n));
     std::copy_n(values.data(), n, force);
   };
@@ -117,7 +117,7 @@ std::unique_ptr<Segments> segment_image(const Image& image, const std::optional<
   });
 }
 
-// One frame of a sequence, and what was measured there.
+// One frame of a sequence, and its measures.
 struct Tracked {
   std::unique_ptr<Segments> segments;
   std::vector<RegionMeasure> regions;
@@ -148,7 +148,7 @@ TrackedSequence track_in(const std::vector<const Image*>& images, const TrackOpt
 TrackedSequence track_images(const std::vector<const Image*>& images, const std::optional<Bytes>& seed,
                              const std::optional<Bytes>& mask, const py::dict& given, double persistence,
                              std::optional<double> motion, int sweeps, const py::object& listener) {
-  require(!images.empty(), "track", "number of frames", images.size(), "there must be one at least");
+  require(!images.empty(), "track", "number of frames", images.size(), "there must be at least one");
   TrackOptions options;
   options.segment = make_options(given);
   options.segment.seed = voxels_of(seed);
@@ -245,7 +245,7 @@ py::tuple contour_of(const Segments& s, Index label, int resolution) {
   return contour_in_space(std::get<Segmentation<3>>(s.found), s.grid, label, resolution);
 }
 
-// Of the labels, the level sets as to_function() made them, and where the image is: what pickles hold.
+// The content of pickles: the labels, the level sets from to_function(), and the layout of the image.
 std::unique_ptr<Segments> restored(const NamedFunction& function, const Bytes& labels, const py::dict& layout) {
   auto segments = std::make_unique<Segments>();
   segments->grid = layout_from(layout).grid;

@@ -17,7 +17,7 @@
 namespace csrbf::python {
 namespace {
 
-// A field and, where it was made from points, what the mesh is checked against.
+// A field and, when it was made from points, those that the mesh is checked against.
 struct Surface {
   std::shared_ptr<const Field<3>> field;
   Points<3> points{3, 0};
@@ -127,7 +127,7 @@ py::tuple polygonize_arrays(const Surface& surface, int resolution, double level
   require(wanted.has_value(), "polygonize", "method", method,
           "must be marching-cubes, marching-tetrahedra, dual-contouring or adaptive");
   require(!trim_distance || surface.points.cols() > 0, "polygonize", "trim", trim_distance.value_or(0),
-          "only surfaces made from points can be trimmed; combined ones and those of files do not know their points");
+          "only surfaces made from points can be trimmed; combined ones and those from files have no points");
   return to_tuple(run(listener, [&](const Progress& progress) {
     Mesh found = polygonize(*surface.field, {.resolution = resolution,
                                              .method = *wanted,

@@ -17,7 +17,7 @@ namespace csrbf::python {
 
 namespace py = pybind11;
 
-/// A C-contiguous array of float64; other arrays are converted, that one is not copied.
+/// A C-contiguous array of float64; it is not copied, other arrays are converted.
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// An (n, d) array as the d x n matrix with the same memory.
@@ -49,11 +49,10 @@ py::array_t<typename Matrix::Scalar> to_array(Matrix&& matrix) {
   return py::array_t<typename std::decay_t<Matrix>::Scalar>(shape, data, owner);
 }
 
-/// Asks Python now and then whether a signal has arrived, and stops the work when its handler raised an exception
-/// (Ctrl-C: KeyboardInterrupt).
+/// Polls Python for signals, and stops the work when a handler raised an exception (Ctrl-C: KeyboardInterrupt).
 inline Progress watch_signals() {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds pause{50};
+  constexpr std::chrono::milliseconds pause{50};  // between polls: longer delays Ctrl-C, shorter costs time
   return [pause, last = Clock::now()](std::string_view /*stage*/, double /*fraction*/) mutable {
     if (Clock::now() - last < pause) return true;
     last = Clock::now();
@@ -62,7 +61,7 @@ inline Progress watch_signals() {
   };
 }
 
-/// As `watch`, and tells `listener`, a function of stage and fraction or None; what it raises comes out of run().
+/// As `watch`, and calls `listener`, a function of stage and fraction or None; run() passes on its exceptions.
 inline Progress telling(const py::object& listener, const Progress& watch) {
   if (listener.is_none()) return watch;
   return [listener = listener.ptr(), watch](std::string_view stage, double fraction) {
@@ -78,8 +77,7 @@ inline Progress telling(const py::object& listener, const Progress& watch) {
   };
 }
 
-/// work(progress) without the interpreter lock; an exception that a signal handler or the listener raised comes out as
-/// itself.
+/// work(progress) without the interpreter lock; exceptions of a signal handler or the listener are passed on.
 template <class Work>
 auto run(const py::object& listener, const Work& work) {
   try {
@@ -95,17 +93,17 @@ auto run(const Work& work) {
   return run(py::none(), work);
 }
 
-/// Calls use(begin, count) for parts of [0, n), looking for signals in between.
+/// Calls use(begin, count) for parts of [0, n), polling for signals in between.
 template <class Use>
 void in_parts(Index n, const Progress& progress, const Use& use) {
-  constexpr Index part = Index{1} << 18;
+  constexpr Index part = Index{1} << 18;  // points; larger: fewer calls, smaller: quicker reaction to Ctrl-C
   for (Index begin = 0; begin < n; begin += part) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(n));
     use(begin, std::min(part, n - begin));
   }
 }
 
-/// Sets `field` to the entry of that name when there is one.
+/// Sets `field` to the entry of that name, if any.
 template <class Value>
 void read_entry(const py::dict& given, const char* name, Value& field) {
   if (!given.contains(name)) return;

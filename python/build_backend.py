@@ -1,8 +1,8 @@
-"""Makes the wheel of csrbf with CMake, for pip (PEP 517). Needs CMake, a compiler and what README.md lists, but no
-other package of Python, so that `pip install .` works without a network.
+"""Builds the wheel of csrbf with CMake, for pip (PEP 517). Needs CMake, a compiler and the requirements in README.md,
+but no other Python package, so `pip install .` works without a network.
 
-Option of pip: `--config-settings build-dir=DIR` takes the module from an existing build of CMake. The environment
-variable CMAKE_ARGS adds arguments for CMake.
+Option of pip: `--config-settings build-dir=DIR` takes the module from an existing CMake build. The environment variable
+CMAKE_ARGS adds arguments for CMake.
 """
 
 import base64
@@ -22,7 +22,7 @@ import tomllib
 import zipfile
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
-EARLIEST = 315532800  # 1980, before which zip files have no time
+EARLIEST = 315532800  # 1980, the earliest time that zip files can store
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
@@ -40,7 +40,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
-    """Writes what pip asks for before it builds; returns the name of the folder."""
+    """Writes the metadata that pip asks for before building; returns the name of the folder."""
     folder = pathlib.Path(metadata_directory, _info())
     folder.mkdir()
     for name, text in _metadata().items():
@@ -49,7 +49,7 @@ def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    """Packs what git knows of the sources; returns the name of the archive."""
+    """Packs the source files tracked by git; returns the name of the archive."""
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=SOURCE, check=True, capture_output=True, text=True)
     top = f"csrbf-{_version()}"
     with tarfile.open(pathlib.Path(sdist_directory, f"{top}.tar.gz"), "w:gz") as archive:
@@ -79,7 +79,7 @@ def _configure(build):
 
 def _run(*arguments):
     if shutil.which("cmake") is None:
-        raise SystemExit("csrbf: cmake is not installed; README.md lists what building needs")
+        raise SystemExit("csrbf: cmake is not installed; README.md lists the requirements")
     subprocess.run(["cmake", *arguments], check=True, stdout=sys.stderr)
 
 
@@ -99,7 +99,7 @@ def _pack(folder, files):
 
 
 def _metadata():
-    """The files of the folder dist-info, but for the list of all files."""
+    """The files of the dist-info folder, except the list of all files."""
     project = tomllib.loads((SOURCE / "pyproject.toml").read_text())["project"]
     lines = [
         "Metadata-Version: 2.1",

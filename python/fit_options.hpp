@@ -6,7 +6,7 @@
 
 namespace csrbf::python {
 
-/// Options by their names; those that are missing keep their defaults.
+/// Options by name; missing ones keep their defaults.
 FitOptions fit_options(const py::dict& given);
 
 py::dict to_dict(const FitReport& report);

@@ -50,7 +50,7 @@ std::vector<Property> properties_from(const py::dict& given, Index count) {
   return properties;
 }
 
-// Rows of Columns numbers of vertices.
+// Rows of Columns vertex indices.
 template <int Columns>
 Eigen::Matrix<std::int32_t, Columns, Eigen::Dynamic> numbers_from(const py::handle& given, const char* name,
                                                                   Index vertices) {
@@ -60,7 +60,7 @@ Eigen::Matrix<std::int32_t, Columns, Eigen::Dynamic> numbers_from(const py::hand
   Eigen::Matrix<std::int32_t, Columns, Eigen::Dynamic> numbers =
       Eigen::Map<const Eigen::Matrix<std::int32_t, Columns, Eigen::Dynamic>>(array.data(), Columns, array.shape(0));
   require(numbers.size() == 0 || (numbers.minCoeff() >= 0 && numbers.maxCoeff() < vertices), "Mesh", name,
-          "out of range", "must be numbers of vertices, from 0 on");
+          "out of range", "must be vertex indices, from 0 on");
   return numbers;
 }
 

@@ -6,7 +6,7 @@
 
 namespace csrbf::python {
 
-/// (vertices, faces, normals, properties) with properties as a dict of arrays of any type that .ply files know.
+/// (vertices, faces, normals, properties) with properties as a dict of arrays of any type that .ply files support.
 py::tuple to_tuple(Mesh&& mesh);
 Mesh mesh_from(const py::tuple& given);
 

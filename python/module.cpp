@@ -61,7 +61,7 @@ True
 
 }  // namespace
 
-// The names of this module are those of C++; csrbf/__init__.py makes of them what users see.
+// The names of this module are those of C++; csrbf/__init__.py wraps them for users.
 PYBIND11_MODULE(_csrbf, m) {
   using namespace csrbf;
 

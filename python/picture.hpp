@@ -8,7 +8,7 @@
 
 namespace csrbf::python {
 
-/// Options of render() by their names, with the mesh that errors are measured to.
+/// Options of render() by name, with the mesh that errors are measured to.
 class PictureOptions {
  public:
   PictureOptions(const py::dict& given, const std::optional<py::tuple>& reference);

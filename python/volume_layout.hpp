@@ -6,15 +6,14 @@
 
 namespace csrbf::python {
 
-/// Everything about an image but its values: size and axes, spacing, origin, direction, space, frames, time_step,
+/// Everything about an image except its values: size and axes, spacing, origin, direction, space, frames, time_step,
 /// components and type.
 py::dict to_dict(const VolumeLayout& layout);
 
-/// What to_dict() made.
+/// The inverse of to_dict().
 VolumeLayout layout_from(const py::dict& given);
 
-/// The image of these values, in the order of Volume. Throws InvalidInput when there are not as many as the layout
-/// says.
+/// The image of these values, in the order of Volume. Throws InvalidInput when their number does not match the layout.
 template <class Scalar>
 Volume<Scalar> volume_from(const py::array_t<Scalar, py::array::c_style | py::array::forcecast>& values,
                            const py::dict& given) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails when a link or picture inside of a folder of HTML pages leads nowhere, or a page loads anything from elsewhere.
+"""Fails when a link or picture in a folder of HTML pages is broken, or a page loads anything from another site.
 
 usage: check_site_links.py FOLDER
 """
@@ -13,7 +13,7 @@ LOADED = {("script", "src"), ("img", "src"), ("link", "href"), ("source", "src")
 
 
 class Page(HTMLParser):
-    """The links and the places of a page."""
+    """The links and the anchors of a page."""
 
     def __init__(self, path):
         super().__init__()

@@ -4,26 +4,26 @@
 build_packages=(g++ cmake ninja-build libeigen3-dev libnanoflann-dev libpng-dev libtiff-dev zlib1g-dev libqhull-dev
   libcli11-dev nlohmann-json3-dev)
 
-# What makes the surfaces in reports turn.
+# What makes the surfaces in reports interactive.
 viewer_packages=(libjs-three esbuild)
 
-# What the tests in a browser need besides.
+# What the tests in a browser need in addition.
 browser_packages=(chromium chromium-driver python3-selenium)
 
-# What the Python module needs besides.
+# What the Python module needs in addition.
 python_packages=(python3-dev python3-numpy pybind11-dev)
 
-# What its tests compare with and check by; those that are missing leave tests out.
+# What its tests compare with or use; tests whose packages are missing are skipped.
 python_test_packages=(python3-scipy python3-sklearn python3-tqdm mypy python3-pip python3-venv
   python3-matplotlib python3-yaml)
 
-# What csrbf-mpi needs besides.
+# What csrbf-mpi needs in addition.
 distributed_packages=(libopenmpi-dev openmpi-bin libmumps-dev)
 
 # What the documentation site needs.
 docs_packages=(python3-sphinx python3-myst-parser furo doxygen)
 
-# run_as_root COMMAND...: runs it directly when we are root, else through sudo.
+# run_as_root COMMAND...: runs it directly as root, else through sudo.
 run_as_root() {
   if [[ $(id -u) -eq 0 ]]; then
     "$@"

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Draws the pictures of the documentation: plots by matplotlib, surfaces by the program csrbf, all from made-up data and
-the same at every run.
+"""Draws the pictures of the documentation: plots with matplotlib, surfaces with the program csrbf, all from synthetic
+data and identical in every run.
 
 usage: make_doc_images.py --program CSRBF [--out docs/images] [NAME ...]
 
-PYTHONPATH must lead to the module csrbf, such as build/release/python. NAMEs are those of pictures, without .png.
+PYTHONPATH must contain the module csrbf, such as build/release/python. NAMEs are those of pictures, without .png.
 """
 
 import argparse
@@ -43,7 +43,7 @@ def generator(seed=0):
 
 
 def ellipsoid(center, radii, n=600):
-    """As a surface of csrbf."""
+    """An ellipsoid as a csrbf surface."""
     z = 1 - (2 * np.arange(n) + 1) / n
     angle = np.pi * (3 - 5**0.5) * np.arange(n)
     u = np.column_stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z])
@@ -53,7 +53,7 @@ def ellipsoid(center, radii, n=600):
 
 
 def rabbit():
-    """A toy of blended ellipsoids: points are scanned from it."""
+    """A toy of blended ellipsoids, from which points are scanned."""
     parts = [((0, 0, 0), (1, 0.75, 0.8)), ((0.95, 0, 0.75), (0.5, 0.42, 0.42)), ((0.75, 0.2, 1.4), (0.14, 0.1, 0.5)),
              ((0.75, -0.2, 1.4), (0.14, 0.1, 0.5)), ((-1, 0, 0.1), (0.25, 0.25, 0.25)),
              ((0.75, 0.4, -0.65), (0.4, 0.2, 0.2)), ((0.75, -0.4, -0.65), (0.4, 0.2, 0.2)),
@@ -63,7 +63,7 @@ def rabbit():
 
 
 def scan(n, noise=0.0, seed=0):
-    """Points of the rabbit, evenly over its surface."""
+    """Points on the rabbit, uniformly distributed over its surface."""
     mesh = rabbit().polygonize(120)
     a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -88,7 +88,7 @@ def flat(points, view=VIEW):
 
 
 def rendered(surface, view=VIEW, color="plain", size=(420, 420), extra=()):
-    """The picture that the program draws of a surface or a mesh."""
+    """A picture of a surface or a mesh, drawn by the program."""
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(folder, "model." + ("csrbf" if isinstance(surface, csrbf.Surface) else "ply"))
         surface.save(name)
@@ -108,7 +108,7 @@ def show(ax, image, title=None):
 
 
 def draw_mesh(ax, mesh, view, title, color="#d9d2c5"):
-    """Triangles with their edges, those in front last."""
+    """Triangles with their edges, back to front."""
     right, up, to = camera(view)
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -224,7 +224,7 @@ def curvature():
 
 
 def read_lines(path):
-    """Vertices, edges and kind of a binary .ply file of lines."""
+    """Vertices, edges and kinds of a binary .ply file of lines."""
     content = pathlib.Path(path).read_bytes()
     head, body = content.split(b"end_header\n", 1)
     types = {"float": "<f4", "char": "i1", "int": "<i4", "uint": "<u4"}
@@ -405,7 +405,7 @@ def info():
 
 
 def wendland(r):
-    """Wendland's C2 function in space."""
+    """Wendland's C2 function for three dimensions."""
     return np.clip(1 - r, 0, None) ** 4 * (4 * r + 1)
 
 

@@ -1,8 +1,8 @@
-"""Makes a picture of a page as a browser shows it.
+"""Takes a screenshot of a page in a browser.
 
 usage: page_picture.py PAGE PICTURE.png [--width N] [--height N] [--dark] [--run SCRIPT]
 
---height 0 takes all of the page. --run runs JavaScript first, such as a click on a control. Needs the Debian packages
+--height 0 takes the whole page. --run runs JavaScript first, such as a click on a control. Needs the Debian packages
 chromium, chromium-driver and python3-selenium.
 """
 
@@ -14,7 +14,7 @@ import time
 
 
 def open_browser(profile):
-    """Chromium without a window and without network, drawing on the processor; `profile` is a new folder."""
+    """Chromium without a window or network, rendering on the CPU; `profile` is a new folder."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -30,7 +30,7 @@ def open_browser(profile):
 
 
 def set_window(browser, width, height, dark=False):
-    """Size in pixels, and whether the page is asked for its dark form."""
+    """Size in pixels, and whether the page is shown in its dark theme."""
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
         "features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
@@ -38,7 +38,7 @@ def set_window(browser, width, height, dark=False):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Makes a picture of a page as a browser shows it.")
+    parser = argparse.ArgumentParser(description="Takes a screenshot of a page in a browser.")
     parser.add_argument("page")
     parser.add_argument("picture")
     parser.add_argument("--width", type=int, default=1180)

@@ -1,4 +1,4 @@
-"""Writes index.html, a page with pictures and figures that leads to the reports, from the files that ./quickstart left
+"""Writes index.html, a page with pictures and figures that links to the reports, from the files that ./quickstart left
 in a folder.
 
 usage: quickstart_page.py FOLDER
@@ -59,8 +59,8 @@ def main(folder):
 {"".join(parts)}
 <h2>Figures</h2>
 {table(reports)}
-<p class="note">Distances are those of the input points to the surface, in parts per million of the diagonal of the
-bounding box. All figures are read from the reports (<code>--report</code>).</p>
+<p class="note">Distances are from the input points to the surface, in parts per million of the diagonal of the
+bounding box. All figures come from the reports (<code>--report</code>).</p>
 <h2>Commands</h2>
 <p>Run in <code>quickstart-output/</code>; put <code>build/release/bin</code> on the <code>PATH</code> to repeat them.</p>
 <pre>{html.escape(commands)}</pre>
@@ -75,7 +75,7 @@ def section(folder, name, report):
     link = f'<a href="{name}.html#up=y">'
     return f"""
 <h2>{title}</h2>
-<p class="note">{report["input"]["points"]:,} {note}. {link}Turn and cut the surface, and see what was chosen and
+<p class="note">{report["input"]["points"]:,} {note}. {link}Rotate and cut the surface, and see what was chosen and
 why</a>.</p>
 <div class="row">
 <figure>{link}{image(folder / f"{name}.png", "surface")}</a><figcaption>The surface</figcaption></figure>
@@ -106,7 +106,7 @@ def table(reports):
         "Euler characteristic": count("euler"),
         "watertight": lambda report: "yes" if report["result"]["watertight"] else "no",
         "distance, root mean square": millionths("rms_distance"),
-        "distance, 99 % of the points within": millionths("p99_distance"),
+        "distance, 99th percentile": millionths("p99_distance"),
         "time": lambda report: f'{report["time"]["total"]:.2f} s',
         "peak memory": lambda report: f'{report["peak_memory_mb"]:.0f} MB',
     }

@@ -57,44 +57,45 @@ class CommandFlags {
   void resume(bool& value) {
     toggle(
         "--resume", value,
-        "keep finished steps in a file beside the output, named like it with .resume at the end, and go on from there "
-        "after a run that was broken off");
+        "save finished steps in a file beside the output, named like it plus .resume, and continue from there after an "
+        "interrupted run");
   }
 
   /// The flags of every command, last in the help.
   void add_common() {
-    constexpr int most_threads = 4096;
+    constexpr int most_threads = 4096;  // more is a typing error
     app_.add_option("--threads", common_.threads, "threads to use")
         ->type_name("N")
         ->default_str("all cores")
         ->check(CLI::Range(1, most_threads))
         ->group(common_group);
     app_.add_option("--report", common_.reports,
-                    "write options, results, times and warnings: .json, or .html, a page to look at; may be repeated")
+                    "write options, results, times and warnings: .json, or .html for a browser; may be repeated")
         ->type_name("FILE")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
         ->group(common_group);
-    app_.add_option("--progress", common_.progress,
-                    "show the progress on standard error; auto: on a terminal; slicer: on standard output, as 3D "
-                    "Slicer reads it")
+    app_.add_option(
+            "--progress", common_.progress,
+            "show progress on standard error; auto: on a terminal only; slicer: on standard output, in the form "
+            "that 3D Slicer reads")
         ->type_name("auto|always|never|slicer")
         ->default_str("auto")
         ->check(CLI::IsMember({"auto", "always", "never", "slicer"}))
         ->group(common_group);
     app_.add_option("--memory", common_.memory,
-                    "keep the memory in use under a cap, such as 2GB; what does not fit goes to files")
+                    "limit the memory in use, for instance to 2GB; what does not fit goes to files")
         ->type_name("SIZE")
         ->default_str("no cap")
         ->group(common_group);
-    app_.add_option("--scratch", common_.scratch, "folder of these files, on a disk with room for them")
+    app_.add_option("--scratch", common_.scratch, "folder for these files, on a disk with room for them")
         ->type_name("DIR")
         ->default_str("that of the output")
         ->group(common_group);
     app_.add_flag("-q,--quiet", common_.quiet, "print errors only")->group(common_group);
-    app_.add_flag("-v,--verbose", common_.verbose, "print the options used and the times too")->group(common_group);
+    app_.add_flag("-v,--verbose", common_.verbose, "also print the options used and the times")->group(common_group);
     app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version")->group(common_group);
-    app_.set_help_flag("-h,--help", "print this")->group(common_group);
+    app_.set_help_flag("-h,--help", "print this help")->group(common_group);
   }
 
  private:
@@ -104,7 +105,7 @@ class CommandFlags {
   CommonOptions& common_;
 };
 
-// What the command line of each command looks like: its flags are bound to the struct.
+// Declares the command line of each command: its flags, bound to the struct.
 
 void declare(CommandFlags v, ReconstructCommand& c);
 void declare(CommandFlags v, EstimateNormalsCommand& c);

@@ -85,34 +85,33 @@ Json described(const LabelAgreement& agreement) {
   return {{"dice", agreement.dice}, {"jaccard", agreement.jaccard}, {"hausdorff95", agreement.hausdorff95}};
 }
 
-// Nothing is known about the place of the image: its format holds none.
-bool has_no_place(const Grid& grid) {
+// The image has no position: its format stores none.
+bool has_no_position(const Grid& grid) {
   return grid.space == Space::unknown && grid.spacing == Point<3>::Ones() && grid.origin == Point<3>::Zero() &&
          grid.direction == Eigen::Matrix3d::Identity();
 }
 
-// Pictures and arrays take the place of the other image.
-void share_place(const CompareCommand& command, Grid& a, Grid& b, Session& session) {
-  if (a.size != b.size || has_no_place(a) == has_no_place(b)) return;
-  const bool first = has_no_place(a);
+// Pictures and arrays are given the position of the other image.
+void share_position(const CompareCommand& command, Grid& a, Grid& b, Session& session) {
+  if (a.size != b.size || has_no_position(a) == has_no_position(b)) return;
+  const bool first = has_no_position(a);
   (first ? a : b) = first ? b : a;
-  session.warn((first ? command.first : command.second) +
-               " does not say where its voxels are: they are taken to be those of " +
+  session.warn((first ? command.first : command.second) + " stores no position for its voxels: assuming that of " +
                (first ? command.second : command.first));
 }
 
-// Do both images mark one region, by different numbers?
-bool mark_alike(const Volume<float>& a, const Volume<float>& b) {
-  const auto mark_of = [](const Volume<float>& image) {
-    float mark = 0;
+// Does each image have a single label, but with different values?
+bool has_one_label_each(const Volume<float>& a, const Volume<float>& b) {
+  const auto single_label = [](const Volume<float>& image) {
+    float label = 0;
     for (const float value : image.values) {
-      if (value == 0 || value == mark) continue;
-      if (mark != 0) return 0.0F;
-      mark = value;
+      if (value == 0 || value == label) continue;
+      if (label != 0) return 0.0F;
+      label = value;
     }
-    return mark;
+    return label;
   };
-  const float in_a = mark_of(a), in_b = mark_of(b);
+  const float in_a = single_label(a), in_b = single_label(b);
   return in_a != 0 && in_b != 0 && in_a != in_b;
 }
 
@@ -120,9 +119,10 @@ void compare_images(const CompareCommand& command, Session& session) {
   Volume<float> a = session.timed("read", [&] { return read_volume(command.first); });
   Volume<float> b = session.timed("read", [&] { return read_volume(command.second); });
   session.input = {{"a", described(command.first, a)}, {"b", described(command.second, b)}};
-  share_place(command, a.grid, b.grid, session);
-  const CompareLabelsOptions options{.inside_only = mark_alike(a, b), .progress = session.progress()};
-  if (options.inside_only) session.warn("the images mark one region each, by different numbers: taken for the same");
+  share_position(command, a.grid, b.grid, session);
+  const CompareLabelsOptions options{.inside_only = has_one_label_each(a, b), .progress = session.progress()};
+  if (options.inside_only)
+    session.warn("each image has a single label, with different values: compared as the same region");
   session.options = {{"inside_only", options.inside_only}};
   const LabelsComparison c = session.timed("evaluate", [&] { return compare_labels(a, b, options); });
   session.result = described(c);
@@ -135,7 +135,7 @@ void compare_images(const CompareCommand& command, Session& session) {
   session.say("dice:                " + rounded(c.dice));
   session.say("jaccard:             " + rounded(c.jaccard));
   session.say("hausdorff 95 %:      " + rounded(c.hausdorff95) + " (units of the voxel size)");
-  constexpr std::size_t most_lines = 6;
+  constexpr std::size_t most_lines = 6;  // of the summary; the report has every label
   if (c.labels.size() < 2) return;
   for (std::size_t i = 0; i < std::min(c.labels.size(), most_lines); ++i)
     session.say("label " + std::to_string(c.labels[i].label) + ":             dice " + rounded(c.labels[i].dice) +

@@ -26,7 +26,7 @@ void add_properties(const Curvatures& at, Mesh& mesh) {
 
 void expect_geometry(const std::string& flag, const std::string& path, Session& session) {
   if (!is_polylines_file(path))
-    throw UsageError(flag + " " + path + ": only .ply and .vtp hold these properties of vertices");
+    throw UsageError(flag + " " + path + ": only .ply and .vtp store these vertex properties");
   session.expect_output(path);
 }
 

@@ -25,7 +25,7 @@ NormalOptions make_options(const EstimateNormalsCommand& command) {
   return options;
 }
 
-// As `reconstruct` does it; returns how many there were.
+// As in `reconstruct`; returns how many there were.
 Index drop_non_finite(PointCloud& cloud) {
   std::vector<Index> kept;
   for (Index i = 0; i < cloud.size(); ++i)

@@ -25,8 +25,8 @@ struct Wanted {
   }
 };
 
-// value, then value_x value_y, then value_x_x value_x_y value_y_y, then value_standard_deviation, for all components
-// each.
+// value, then value_x value_y, then value_x_x value_x_y value_y_y, then value_standard_deviation, each for all
+// components.
 std::vector<std::string> column_names(const NamedFunction& model, const Wanted& wanted) {
   std::vector<std::string> names = model.value_names;
   const std::vector<std::string>& axes = model.coordinate_names;
@@ -42,7 +42,7 @@ std::vector<std::string> column_names(const NamedFunction& model, const Wanted& 
   return names;
 }
 
-// Every column of every place: an image with the columns as components.
+// All columns at all places: an image with the columns as components.
 template <class Scalar>
 using Answers = Volume<Scalar>;
 
@@ -62,7 +62,7 @@ void make_labels(Answers<Scalar>& answers) {
 template <class Scalar>
 void evaluate_columns(const NamedFunction& model, const Places& places, const Wanted& wanted, const Progress& progress,
                       Answers<Scalar>& answers) {
-  constexpr Index slice = Index{1} << 20;
+  constexpr Index slice = Index{1} << 20;  // places at a time, to bound the temporary memory; chosen by hand
   for (Index begin = 0; begin < places.count; begin += slice) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(places.count));
     const Index n = std::min(slice, places.count - begin);
@@ -94,7 +94,7 @@ Answers<Scalar> evaluate_all(const NamedFunction& model, const Places& places, c
   return answers;
 }
 
-// The columns as arrays of VTK. Gradients are vectors, of three components in the plane too, as its programs expect.
+// The columns as VTK arrays. Gradients are vectors, with three components even in 2D, as VTK programs expect.
 template <class Scalar>
 std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wanted,
                                  const std::vector<std::string>& columns, const Answers<Scalar>& answers) {
@@ -155,7 +155,7 @@ void report_values(const std::string& output, const Answers<Scalar>& answers, In
                     {"min", any ? Json(lo) : Json(nullptr)},
                     {"max", any ? Json(hi) : Json(nullptr)}};
   if (undefined > 0)
-    session.warn(counted(undefined, "point") + " without a value: coordinates are missing or beyond the samples");
+    session.warn(counted(undefined, "point") + " without a value: coordinates are missing or outside the samples");
   session.say(output + ": " + counted(values.cols(), "point") +
               (any ? ", values from " + rounded(lo) + " to " + rounded(hi) : ""));
 }

@@ -12,7 +12,7 @@
 namespace csrbf::app {
 namespace {
 
-constexpr Index most_axes = 3;
+constexpr Index most_axes = 3;  // of a grid
 
 bool is_table_file(const std::string& path) {
   const std::string extension = file_extension(path);
@@ -28,7 +28,7 @@ Places at_points(const std::string& path, const NamedFunction& model) {
           .layout = layout};
 }
 
-// The nodes of a grid of which the first `dimension` physical coordinates are those of the function.
+// The nodes of a grid; their first `dimension` physical coordinates are the variables of the function.
 Places at_nodes(const VolumeLayout& layout, Index dimension) {
   const auto nodes = [grid = layout.grid, dimension](Index begin, Index n) {
     const auto map = grid.to_physical<3>();
@@ -53,12 +53,12 @@ Places at_nodes(const VolumeLayout& layout, Index dimension) {
 }
 
 std::array<Index, 3> parse_size(const std::string& text, Index dimension) {
-  constexpr double most = 1 << 24;
+  constexpr double most = 1 << 24;  // nodes along an axis; more is a typing error
   const Eigen::VectorXd numbers = parse_list(text, ',', "--grid");
   const bool whole = (numbers.array() == numbers.array().round()).all() && numbers.minCoeff() >= 1;
   if (!whole || numbers.maxCoeff() > most || (numbers.size() != 1 && numbers.size() != dimension))
     throw UsageError("--grid " + text + ": expected " + std::to_string(dimension) +
-                     " whole numbers, the nodes along each axis, or one for all of them");
+                     " whole numbers, the nodes along each axis, or one for all axes");
   std::array<Index, 3> size{1, 1, 1};
   for (Index a = 0; a < dimension; ++a)
     size[static_cast<std::size_t>(a)] = static_cast<Index>(numbers[numbers.size() == 1 ? 0 : a]);
@@ -135,11 +135,11 @@ void check_places(const EvaluateCommand& command) {
   if (!command.grid.empty() && is_picture_file(output) && !command.labels)
     throw UsageError("--output " + output +
                      ": pictures hold whole numbers; write .tif, .nii.gz, .nrrd or .npy, or give "
-                     "--like a picture whose type to take");
+                     "--like with a picture to take the type from");
   if (command.float32 && (command.labels || is_picture_file(output)))
     throw UsageError("--float32: labels and pictures are whole numbers; leave it out");
   if (command.float32 && (!command.points.empty() || !is_volume_file(output)))
-    throw UsageError("--float32 needs a grid or image, --grid or --like, and a file of one, such as .npy or .nii.gz");
+    throw UsageError("--float32 needs --grid or --like, and an image file as output, such as .npy or .nii.gz");
 }
 
 Places make_places(const EvaluateCommand& command, const NamedFunction& model) {

@@ -13,11 +13,10 @@ namespace csrbf::app {
 struct Places {
   Index count = 0;
   std::function<Eigen::MatrixXd(Index begin, Index n)> points;  ///< d x n
-  std::vector<Eigen::VectorXd> axes =
-      {};                         ///< coordinates along each, where they are the nodes of a grid along the axes
-  bool is_image = false;          ///< the result is an image with this layout
-  VolumeLayout layout = {};       ///< one voxel per place
-  Json options = Json::object();  ///< of the report
+  std::vector<Eigen::VectorXd> axes = {};  ///< coordinates along each axis where the places are an axis-aligned grid
+  bool is_image = false;                   ///< the result is an image with this layout
+  VolumeLayout layout = {};                ///< one voxel per place
+  Json options = Json::object();           ///< of the report
 };
 
 /// Throws UsageError unless the flags say where to evaluate, and the output can hold it.

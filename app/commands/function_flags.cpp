@@ -13,8 +13,9 @@ void add_fit_flags(CommandFlags& v, FitFlags& f) {
          "auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget, "
          "error-bounded, moving-least-squares or along-tracks; auto chooses from the data");
   v.flag("kernel", f.kernel, "NAME", "auto",
-         "radial basis function: wendland-c2, gaussian, cubic, ... (a wrong name lists those there are)");
-  v.flag("kernel-parameter", f.kernel_parameter, "P", "of the kernel", "of kernels that have one, such as matern");
+         "radial basis function: wendland-c2, gaussian, cubic, ... (an unknown name lists them all)");
+  v.flag("kernel-parameter", f.kernel_parameter, "P", "of the kernel",
+         "parameter of kernels that have one, such as matern");
   v.positive_flag("centers", f.centers, "N", "from the data", "budget of RBF centres");
   v.positive_flag("tolerance", f.tolerance, "E", "none",
                   "largest error allowed at any sample, in the unit of the values");
@@ -38,30 +39,31 @@ void declare(CommandFlags v, FitCommand& c) {
   v.flag("values", c.values, "COLUMNS", "the last one", "names or numbers of the columns of values");
   v.flag("weights", c.weights, "COLUMN", "none", "column of weights: the inverse variances of the values");
   v.flag("periods", c.periods, "P,P,...", "none",
-         "period of each coordinate, 0 for those without: 360,0 for longitude and latitude");
+         "period of each coordinate, 0 for none: 360,0 for longitude and latitude");
   v.resume(c.resume);
   v.add_common();
 }
 
 void declare(CommandFlags v, EvaluateCommand& c) {
-  v.argument("MODEL", c.input, "model to read: .csrbf, of csrbf fit or csrbf segment");
+  v.argument("MODEL", c.input, "model to read: .csrbf, from csrbf fit or csrbf segment");
   v.output(c.output, std::string("values to write: .csv .txt .npy, or - for text on standard output; grids also as "
                                  "images: ") +
                          image_formats);
   v.flag("points", c.points, "FILE", "", std::string("points to evaluate at, one per row: ") + sample_formats);
   v.flag("grid", c.grid, "NX[,NY[,NZ]]", "",
-         "evaluate at the nodes of a grid, so many along each axis; one number counts for all axes");
+         "evaluate at the nodes of a grid: their number along each axis, or one number for all axes");
   v.flag("bounds", c.bounds, "LO:HI,...", "box of the samples", "first and last node of the grid along each axis");
   v.flag("like", c.like, "FILE", "",
          "evaluate at the voxels of this image, in its physical coordinates; the result has its grid");
-  v.toggle("--gradient", c.gradient, "write the gradient behind the values");
-  v.toggle("--hessian", c.hessian, "write the upper triangle of the Hessian behind them");
+  v.toggle("--gradient", c.gradient, "write the gradient after the values");
+  v.toggle("--hessian", c.hessian, "write the upper triangle of the Hessian after them");
   v.toggle("--standard-deviation", c.standard_deviation,
-           "write last by how much a sample there would differ from the value (interpolate and partition-of-unity)");
+           "write, as the last columns, the standard deviation of a sample there from the value (interpolate and "
+           "partition-of-unity)");
   v.toggle(
       "--labels", c.labels,
-      "write labels instead of values, as of csrbf segment: 1 where the only component is positive, 0 elsewhere; of "
-      "several the number of the largest, from 0");
+      "write labels instead of values, like csrbf segment: with one component, 1 where it is positive and 0 elsewhere; "
+      "with several, the number of the largest, from 0");
   v.toggle("--float32", c.float32, "keep and write the values of a grid or image in single precision: half the memory");
   v.add_common();
 }
@@ -69,8 +71,8 @@ void declare(CommandFlags v, EvaluateCommand& c) {
 void declare(CommandFlags v, InpaintCommand& c) {
   v.argument("IMAGE", c.input, std::string("image to read: ") + image_formats + ", or DICOM (a file or folder)");
   v.output(c.output, std::string("image to write: ") + image_formats);
-  v.flag("mask", c.mask, "FILE", "", "image of the same size that is not 0 where values are missing or unreliable");
-  v.flag("missing", c.missing, "VALUE", "nan", "value of pixels that are missing; NaN always is");
+  v.flag("mask", c.mask, "FILE", "", "image of the same size, nonzero where values are missing or unreliable");
+  v.flag("missing", c.missing, "VALUE", "nan", "value that marks missing pixels; NaN always does");
   add_fit_flags(v, c.fit);
   v.add_common();
 }

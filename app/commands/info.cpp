@@ -125,7 +125,7 @@ void report_model(const Archive& archive, Session& session) {
     return;
   }
   session.say("model:       " + archive.kind);
-  constexpr std::size_t most_lines = 8;
+  constexpr std::size_t most_lines = 8;  // of the summary; the report has all entries
   std::size_t shown = 0;
   for (const auto& [name, value] : contents.items()) {
     if (++shown > most_lines) break;

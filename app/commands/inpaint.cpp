@@ -14,7 +14,7 @@
 namespace csrbf::app {
 namespace {
 
-using Image = Volume<double>;  // exact for every type of samples
+using Image = Volume<double>;  // exact for every sample type
 
 double parse_missing(const std::string& text) {
   if (text.empty() || text == "nan") return std::numeric_limits<double>::quiet_NaN();
@@ -47,7 +47,7 @@ Image read_mask(const std::string& path, const Image& image) {
 
 // Marks the voxels of every frame that are missing in all components.
 void mark_value(double value, const Image& image, std::vector<unsigned char>& missing) {
-  // The file holds the nearest number of its type.
+  // The file stores the nearest number of its type.
   const double stored = image.type == SampleType::float32 ? static_cast<double>(static_cast<float>(value)) : value;
   const auto components = static_cast<std::size_t>(image.components);
   for (std::size_t i = 0; i < missing.size(); ++i) {

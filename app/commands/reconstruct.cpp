@@ -39,7 +39,7 @@ bool wants_contours(const ReconstructCommand& command) {
   return command.method == "auto" && holds_polylines(command.input);
 }
 
-// Contours have no use for what says how to treat points.
+// Flags about points do not apply to contours.
 void expect_no_point_flags(const ReconstructCommand& command) {
   const auto refuse = [&](const char* flag) {
     throw UsageError(std::string(flag) + " is for points, not for contours; leave it out, or give --method composite");
@@ -83,7 +83,7 @@ void add_report(const ReconstructReport& r, Session& session) {
   session.result["cross_validation_error"] = r.composite->cross_validation_error;
 }
 
-// What was asked for, replaced by what was chosen.
+// The options as given, automatic ones replaced by what was chosen.
 void add_options(const ReconstructCommand& command, const ReconstructReport& r, int resolution, Session& session) {
   const auto or_null = [](bool given, const Json& value) { return given ? value : Json(nullptr); };
   session.options = {{"output", command.output},
@@ -123,7 +123,7 @@ PointCloud used_points(const PointCloud& cloud, Reconstruction& surface) {
   return used;
 }
 
-// What the surface is made from, and the surface.
+// A surface and the points that it is made from.
 struct Made {
   PointCloud used;
   Reconstruction surface;
@@ -151,7 +151,7 @@ Made from_contours(const ReconstructCommand& command, Session& session) {
   return made;
 }
 
-// The parts of the mesh that there are data for.
+// The components of the mesh with data.
 DataComponents with_data(Mesh mesh, const PointCloud& used, std::optional<double> trim_distance) {
   if (trim_distance) mesh = trim(mesh, used.points, *trim_distance, used.normals);
   return keep_components_with_data(std::move(mesh), used.points);
@@ -192,7 +192,7 @@ void run(const ReconstructCommand& command, Session& session) {
     };
     show({surface, used, mesh, resolution, mesh_at}, page);
   });
-  if (command.model.empty()) surface.field.reset();  // its memory is needed
+  if (command.model.empty()) surface.field.reset();  // frees memory
   add_mesh_summary(command.output, mesh, session);
   say_quality(surface.report, session);
 

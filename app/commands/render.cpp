@@ -21,7 +21,7 @@ struct Size {
 
 Size parse_size(const std::string& text) {
   const Eigen::VectorXd numbers = parse_numbers(text, 'x', 2, "--size");
-  constexpr double largest = 32768;
+  constexpr double largest = 32768;  // pixels; keeps an image below 4 GB
   if ((numbers.array() != numbers.array().round()).any() || numbers.minCoeff() < 1 || numbers.maxCoeff() > largest)
     throw UsageError("--size " + text + ": expected WIDTHxHEIGHT in pixels, at most 32768 each");
   return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])};

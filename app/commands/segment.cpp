@@ -67,13 +67,13 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
   for (const RegionReport& region : r.regions)
     if (region.voxels == 0)
       session.warn("label " + std::to_string(region.label) +
-                   " has no voxel: the start or the energy does not suit the image");
+                   " has no voxels: the start or the energy does not suit the image");
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
   session.say("energy: " + std::string(name_of(r.options.energy)) + ", " + std::string(name_of(r.options.mode)) + "; " +
               counted(r.iterations, "iteration") + (r.converged ? ", converged" : ", not converged") +
               (r.options.center_spacing ? "; centers every " + rounded(*r.options.center_spacing) + " voxels" : ""));
-  constexpr std::size_t most_lines = 5;
+  constexpr std::size_t most_lines = 5;  // of the summary; the report has every region
   for (std::size_t i = 0; i < std::min(r.regions.size(), most_lines); ++i) {
     const RegionReport& region = r.regions[i];
     session.say("label " + std::to_string(region.label) + ": " + counted(region.voxels, "voxel") +
@@ -84,7 +84,7 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
     session.say("and " + counted(static_cast<Index>(r.regions.size() - most_lines), "more label"));
 }
 
-// Runs segment(), telling the time of preparing from that of evolving.
+// Runs segment(), timing its preparation and its evolution separately.
 template <int Dim>
 Segmentation<Dim> timed_segment(const Volume<float>& image, SegmentOptions options, Session& session) {
   using Clock = std::chrono::steady_clock;

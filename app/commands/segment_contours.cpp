@@ -65,7 +65,7 @@ ImageContour joined(const std::vector<ImageContour>& contours) {
   return all;
 }
 
-// One mesh, whose vertices have the label of their region where there are several.
+// One mesh; with several regions, its vertices carry the label of theirs.
 Mesh joined(const std::vector<ImageSurface>& surfaces, const std::vector<int>& labels) {
   if (surfaces.size() == 1) return surfaces.front().mesh;
   Index vertices = 0, triangles = 0;

@@ -7,8 +7,8 @@
 
 namespace csrbf::app {
 
-/// The contours of all regions but the outside one: made, measured for the report and the summary, and written. Refers
-/// to the segmentation and the grid.
+/// The contours of all regions except the outside: extracts them, measures them for the report and the summary, and
+/// writes them. Refers to the segmentation and the grid.
 template <int Dim>
 class SegmentContours {
  public:
@@ -17,7 +17,7 @@ class SegmentContours {
   /// Writes them to one file; returns warnings. Throws IoError.
   std::vector<std::string> write(const std::string& path) const;
 
-  /// The surfaces of all of them as one mesh; empty in the plane. Of another resolution when that is not 0.
+  /// The surfaces of all of them as one mesh; empty in the plane. `resolution` 0: as they were extracted.
   [[nodiscard]] Mesh mesh(int resolution) const;
 
  private:

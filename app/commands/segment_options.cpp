@@ -49,13 +49,14 @@ void check_image(const std::string& path, const Volume<float>& image) {
   const auto refuse = [&](const std::string& what) { throw UsageError(path + ": " + what); };
   if (image.frames > 1)
     refuse("the image has " + std::to_string(image.frames) +
-           " frames; segment takes one: save one frame, or carry a segmentation through all of them by csrbf track");
+           " frames; segment takes one: save one frame, or segment all of them with csrbf track");
   if (image.components > 1)
-    refuse("the image has " + std::to_string(image.components) +
-           " values per pixel, as colours or transparency; convert it to grey, or keep one channel (such as by "
-           "\"convert photo.png -alpha off -colorspace gray grey.png\")");
+    refuse(
+        "the image has " + std::to_string(image.components) +
+        " values per pixel, such as colours or transparency; convert it to grey, or keep one channel (for example by "
+        "\"convert photo.png -alpha off -colorspace gray grey.png\")");
   if (std::all_of(image.values.begin(), image.values.end(), [&](float value) { return value == image.values[0]; }))
-    refuse("all voxels have the value " + rounded(image.values[0]) + ": there is nothing to tell apart");
+    refuse("all voxels have the value " + rounded(image.values[0]) + ": there is nothing to segment");
   const Grid& grid = image.grid;
   const int dimension = grid.dimension();
   for (int a = 0; a < dimension; ++a)
@@ -65,8 +66,8 @@ void check_image(const std::string& path, const Volume<float>& image) {
   if (dimension < 2) refuse("the image has one axis only (" + size_text(grid) + "); segment needs two or three");
   if (dimension == 2 && std::abs(grid.direction.topLeftCorner<2, 2>().determinant()) < 1e-6)
     refuse(
-        "the slice does not lie across the first two axes of space; write it without its place (.npy, .tif), or "
-        "reorder the axes of space");
+        "the slice does not span the first two axes of space; save it without its position (.npy, .tif), or reorder "
+        "the axes of space");
 }
 
 void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
@@ -78,7 +79,7 @@ void check_finite(const std::string& path, const Volume<float>& image, const std
     for (std::size_t a = 0; a < static_cast<std::size_t>(grid.dimension()); rest /= grid.size[a++])
       voxel += (a > 0 ? ", " : "") + std::to_string(rest % grid.size[a]);
     throw UsageError(path + ": voxel " + voxel + " is " + rounded(image.values[i]) +
-                     "; fill such voxels by csrbf inpaint, or leave them out by --mask");
+                     "; fill such voxels with csrbf inpaint, or exclude them with --mask");
   }
 }
 

@@ -6,14 +6,14 @@
 
 namespace csrbf::app {
 
-/// What the flags say, but for --init and --mask. Throws UsageError.
+/// The options that the flags ask for, except --init and --mask. Throws UsageError.
 SegmentOptions make_segment_options(const SegmentFlags& flags);
 
 /// Adds the options used to the report.
 void add_segment_options(const SegmentFlags& flags, const SegmentOptions& used, Session& session);
 
-/// Throws UsageError for images that are not one grey image of two or three axes with something to see. `path` is what
-/// the image is called.
+/// Throws UsageError unless the image is a single 2D or 3D greyscale image and not constant. `path` is its name in
+/// messages.
 void check_image(const std::string& path, const Volume<float>& image);
 
 /// Throws UsageError for a voxel in the mask (empty: everywhere) whose value is NaN or infinite.

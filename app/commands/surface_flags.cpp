@@ -50,7 +50,8 @@ void declare(CommandFlags v, EstimateNormalsCommand& c) {
   v.flag("neighbors", c.neighbors, "K", "from the points", "points that each normal is estimated from")
       ->check(CLI::Range(3, 1000));
   v.flag("orient", c.orient, "HOW", "consistent",
-         "consistent: outwards, as neighbours agree; viewpoint X,Y,Z: towards the scanner; none: either way");
+         "consistent: outwards, in agreement with their neighbours; viewpoint X,Y,Z: towards the scanner; none: either "
+         "way");
   v.add_common();
 }
 
@@ -59,13 +60,12 @@ void declare(CommandFlags v, PolygonizeCommand& c) {
   v.output(c.output, std::string("mesh to write: ") + mesh_formats);
   v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
   v.flag("method", c.method, "NAME", c.method,
-         "marching-cubes; marching-tetrahedra; dual-contouring: keeps the sharp edges of models that have some; "
-         "adaptive: "
-         "the same with larger triangles where the surface is flat")
+         "marching-cubes; marching-tetrahedra; dual-contouring: preserves sharp edges of the model; adaptive: the same "
+         "with larger triangles where the surface is flat")
       ->check(CLI::IsMember({"marching-cubes", "marching-tetrahedra", "dual-contouring", "adaptive"}));
   v.positive_flag("tolerance", c.tolerance, "E", "a tenth of a cell",
                   "adaptive: about how far the mesh may be from the surface, as a fraction of the diagonal");
-  v.flag("level", c.level, "V", "0", "the surface where the model has this value; positive values are inside");
+  v.flag("level", c.level, "V", "0", "value of the model on the surface; larger values are inside");
   v.toggle("--refine,!--no-refine", c.refine, "move the vertices onto the surface (this is the default)");
   v.add_common();
 }
@@ -83,23 +83,22 @@ void declare(CommandFlags v, RenderCommand& c) {
 
 void declare(CommandFlags v, CurvatureCommand& c) {
   v.argument("MODEL", c.input, "model to read: .csrbf");
-  v.output(c.output,
-           "mesh to write, .ply or .vtp: vertices with normal (nx ny nz), principal curvatures (k1 >= k2, positive "
-           "where the solid "
-           "is convex), their directions (d1x d1y d1z d2x d2y d2z), mean_curvature and gaussian_curvature");
+  v.output(
+      c.output,
+      "mesh to write, .ply or .vtp: vertices with normal (nx ny nz), principal curvatures (k1 >= k2, positive "
+      "where the solid is convex), their directions (d1x d1y d1z d2x d2y d2z), mean_curvature and gaussian_curvature");
   v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
   v.flag("ridges", c.ridges, "FILE", "",
          "write ridge and valley lines, .ply or .vtp: vertices with the curvature across the line and kind, 1 ridge, "
-         "-1 valley; "
-         "edges");
+         "-1 valley; edges");
   v.add_common();
 }
 
 void declare(CommandFlags v, CombineCommand& c) {
   v.argument(
        "OP", c.operation,
-       "union; intersection; difference: the first model without the others; complement: what is outside the only "
-       "one; blend: union with rounded edges")
+       "union; intersection; difference: the first model minus the others; complement: the outside of a single model; "
+       "blend: union with rounded edges")
       ->check(CLI::IsMember({"union", "intersection", "difference", "complement", "blend"}));
   v.argument("MODELS", c.inputs, "models to read: .csrbf");
   v.output(c.output, "model to write: .csrbf");
@@ -107,7 +106,7 @@ void declare(CommandFlags v, CombineCommand& c) {
       "radius", c.radius, "R", "blend: 0.05, else none",
       "range of the blend: surfaces further apart keep their shape; as a fraction of the diagonal of the box of all "
       "models");
-  v.flag("sharpness", c.sharpness, "B", "3", "how closely the blend follows the edge, from 1 (a chamfer) on")
+  v.flag("sharpness", c.sharpness, "B", "3", "how closely the blend follows the edge, 1 (a chamfer) or more")
       ->check(CLI::Range(1.0, 1e6));
   v.flag("blending", c.blending, "NAME", "super-elliptic with a radius, else sharp",
          "sharp: edges; r-function: the same edges, smooth elsewhere; super-elliptic: rounds edges within the radius; "
@@ -119,8 +118,8 @@ void declare(CommandFlags v, CombineCommand& c) {
 void declare(CommandFlags v, CompareCommand& c) {
   v.argument("A", c.first, std::string("mesh: ") + mesh_formats + "; or label image: " + image_formats);
   v.argument("B", c.second,
-             std::string("reference: a mesh, or points: then the distances go from the points to the mesh only; ") +
-                 points_or_input() + "; of a label image another one");
+             std::string("reference: a mesh, or points, of which only the distances to the mesh are measured: ") +
+                 points_or_input() + "; for a label image, another one");
   v.add_common();
 }
 

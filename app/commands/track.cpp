@@ -34,7 +34,7 @@ std::vector<fs::path> numbered_files(const fs::path& folder, const std::string& 
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     const std::size_t end = name.find_first_not_of("0123456789", stem.size());
-    constexpr std::size_t fewest_digits = 4;
+    constexpr std::size_t fewest_digits = 4;  // as in numbered()
     const bool has_number = name.starts_with(stem) && end != std::string::npos && end >= stem.size() + fewest_digits;
     const std::string extension = file_extension(name);
     const bool has_format =
@@ -44,7 +44,7 @@ std::vector<fs::path> numbered_files(const fs::path& folder, const std::string& 
   return files;
 }
 
-// The folder of the results: files are written beside it and moved into it when all of them are there.
+// The folder of the results: files are written to a temporary folder in it, and moved when all are complete.
 class ResultFolder {
  public:
   explicit ResultFolder(const std::string& path)
@@ -52,9 +52,9 @@ class ResultFolder {
     std::error_code error;
     existed_ = fs::exists(folder_, error);
     if (existed_ && !fs::is_directory(folder_, error))
-      throw UsageError("--output " + path + ": is a file; track writes a folder");
+      throw UsageError("--output " + path + ": is a file; track writes to a folder");
     fs::create_directories(drafts_ / "models", error);
-    if (error) throw WriteFailure(path + ": cannot make the folder: " + error.message());
+    if (error) throw WriteFailure(path + ": cannot create the folder: " + error.message());
   }
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
@@ -81,7 +81,7 @@ class ResultFolder {
     for (const auto& [folder, stem] : {std::pair(folder_, "labels_"), std::pair(folder_ / "models", "frame_")})
       for (const fs::path& file : numbered_files(folder, stem))
         if (!published.contains(file) && !fs::remove(file, error))
-          throw WriteFailure(file.string() + ": of an earlier run, cannot be removed: " + error.message());
+          throw WriteFailure(file.string() + ": from an earlier run, cannot be removed: " + error.message());
   }
 
  private:
@@ -89,7 +89,7 @@ class ResultFolder {
   bool existed_ = false;
 };
 
-// The frames, from one file or from many, of which one is held at a time.
+// The frames, from one file or from many; of many, one is in memory at a time.
 class Frames {
  public:
   explicit Frames(const TrackCommand& command) : paths_(command.inputs), flat_(command.slices_are_frames) {
@@ -113,7 +113,7 @@ class Frames {
   }
 
   [[nodiscard]] Index count() const { return count_; }
-  /// What frame t is called in messages.
+  /// The name of frame t in messages.
   [[nodiscard]] std::string name(Index t) const {
     return paths_.size() > 1 ? paths_[static_cast<std::size_t>(t)] : paths_[0] + ": frame " + std::to_string(t);
   }
@@ -122,7 +122,7 @@ class Frames {
       Volume<float> image = read(static_cast<std::size_t>(t));
       if (image.frames > 1)
         throw UsageError(name(t) + ": has " + std::to_string(image.frames) +
-                         " frames; files that are frames have one each");
+                         " frames; with several files, each must hold one");
       return image;
     }
     VolumeLayout layout = sequence_;
@@ -141,7 +141,7 @@ class Frames {
   Volume<float> sequence_;
 };
 
-// The extension of the labels: as asked, or as the input where labels can be written so.
+// The extension of the labels: as asked for, else that of the input where it can hold labels.
 std::string label_extension(const TrackCommand& command) {
   if (!command.format.empty()) {
     const std::string extension = (command.format[0] == '.' ? "" : ".") + command.format;
@@ -200,7 +200,7 @@ void add_result(const TrackCommand& command, const std::vector<Row>& rows, Index
   session.result = {{"frames", frames}, {"measures", measures}};
   session.warn(report.warnings);
   session.say(command.output + ": " + counted(frames, "frame") + " of " + size_text(grid) + " voxels");
-  constexpr int most_lines = 5;
+  constexpr int most_lines = 5;  // of the summary; the report has every region
   for (int label = 1; label < std::min(used.segment.regions, most_lines + 1); ++label) {
     const Row *least = nullptr, *most = nullptr;
     for (const Row& row : rows) {

@@ -32,7 +32,7 @@ std::vector<std::string> names_of(const std::vector<Usage>& subcommands) {
   return names;
 }
 
-// Bash: what may follow is looked up by the command and the word before. No match makes readline complete file names.
+// Bash: candidates are looked up by the command and the previous word. Without a match, readline completes file names.
 
 std::string bash_command(const Usage& subcommand) {
   std::string script;

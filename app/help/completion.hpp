@@ -4,7 +4,7 @@
 
 namespace csrbf::app {
 
-/// The script that makes a shell complete the command line of the program: its commands, their flags, and values that
+/// The script with which a shell completes the command line of the program: its commands, their flags, and values that
 /// are words; file names elsewhere. `shell` is bash, zsh or fish.
 std::string completion(const Usage& program, const std::string& shell);
 

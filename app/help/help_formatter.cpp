@@ -9,8 +9,8 @@
 namespace csrbf::app {
 namespace {
 
-constexpr std::size_t name_width = 28;
-constexpr std::size_t text_width = 100 - name_width;
+constexpr std::size_t name_width = 28;                // columns: most flags with their values fit
+constexpr std::size_t text_width = 100 - name_width;  // a common width of terminals
 
 }  // namespace
 
@@ -26,7 +26,7 @@ std::string HelpFormatter::make_option_name(const CLI::Option* option, bool is_p
 }
 
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
-  // The description says what matters of the checks.
+  // The checks are left out: the description states what matters of them.
   const std::string form = value_form(*option);
   return form.empty() ? "" : " " + form;
 }

@@ -6,7 +6,7 @@
 
 namespace csrbf::app {
 
-/// One line per flag with its kind of value, its description wrapped and its default behind it.
+/// One entry per flag: the form of its value, its wrapped description and its default.
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter();

@@ -32,7 +32,7 @@ std::string italic(std::string_view text) {
 
 // Running text in lines of bounded length; none may begin with a control character.
 std::string paragraph(std::string_view text) {
-  constexpr std::size_t width = 78;
+  constexpr std::size_t width = 78;  // of the source; man reflows it
   std::string roff, line;
   for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) {
     const std::string next = escaped(word);
@@ -73,7 +73,7 @@ std::string flag_item(const FlagUsage& flag) {
   return item(term, flag.shown_default.empty() ? flag.what : flag.what + " (default: " + flag.shown_default + ")");
 }
 
-// The flags that every command has, told once.
+// The flags that every command has, listed once.
 std::vector<FlagUsage> common_flags(const Usage& program) {
   std::vector<FlagUsage> common = program.subcommands.front().flags;
   std::erase_if(common, [&](const FlagUsage& flag) {
@@ -98,18 +98,19 @@ std::string command_section(const Usage& subcommand, const std::vector<FlagUsage
 }
 
 std::string exit_status() {
-  return section("EXIT STATUS") + item("0", "Success.") + item("1", "No result for valid input, or none written.") +
-         item("2", "Wrong usage or input.") + item("130", "Interrupted.") + ".PP\n" +
-         paragraph("Output files appear complete or not at all.");
+  return section("EXIT STATUS") + item("0", "Success.") +
+         item("1", "No result for valid input, or it could not be written.") + item("2", "Invalid usage or input.") +
+         item("130", "Interrupted.") + ".PP\n" + paragraph("Output files appear complete or not at all.");
 }
 
 std::string formats() {
   return section("FORMATS") +
-         paragraph("The extension of a file says its format; each command lists those of its files.") + ".PP\n" +
+         paragraph("The extension of a file determines its format; each command lists the formats of its files.") +
+         ".PP\n" +
          paragraph(
              "Text files of points may have a header, comments, and blanks, commas or semicolons between "
              "columns. The first three columns are the coordinates, the next three the normals.") +
-         ".PP\n" + paragraph("- is standard input or output where the format is text.");
+         ".PP\n" + paragraph("For text formats, - is standard input or output.");
 }
 
 std::string examples() {
@@ -122,7 +123,7 @@ std::string examples() {
          command("csrbf evaluate depth.csrbf -o depth.nrrd --grid 800,600") +
          ".PP\nFill the pixels of an image that a mask marks:\n" +
          command("csrbf inpaint photo.png -o filled.png --mask scratches.png") +
-         ".PP\nFind the organ around a place in a volume, with its surface:\n" +
+         ".PP\nSegment the organ around a point of a volume, and extract its surface:\n" +
          command(
              "csrbf segment head.nii.gz -o brain.nii.gz --mode local --init sphere:12,-8,30,10 --contour brain.ply");
 }
@@ -138,10 +139,10 @@ std::string man_page(const Usage& program) {
   roff += section("DESCRIPTION") +
           paragraph(
               "csrbf turns scattered points into an implicit surface: a smooth function that is positive inside "
-              "an object, negative outside and zero on its surface. From it come watertight meshes, pictures, "
-              "normals and curvatures. It also turns scattered samples of any quantity into a smooth function that "
-              "can be evaluated anywhere, and fills the missing pixels of images. And it parts images and volumes into "
-              "regions with smooth boundaries, through sequences as well. Each command below does one step.");
+              "an object, negative outside and zero on its surface. It yields watertight meshes, pictures, normals and "
+              "curvatures. csrbf also turns scattered samples of any quantity into a smooth function that can be "
+              "evaluated anywhere, fills the missing pixels of images, and segments images, volumes and sequences into "
+              "regions with smooth boundaries. Each command below does one step.");
   const std::vector<FlagUsage> common = common_flags(program);
   roff += section("COMMANDS");
   for (const Usage& subcommand : program.subcommands) roff += command_section(subcommand, common);

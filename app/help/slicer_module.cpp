@@ -14,7 +14,7 @@
 namespace csrbf::app {
 namespace {
 
-/// A file among the arguments and flags of a command, and what Slicer has for it: an image, a geometry or any file.
+/// A file among the arguments and flags of a command, and its Slicer parameter: an image, a geometry or any file.
 struct SlicerFile {
   std::string_view name;
   std::string_view tag, attributes, channel;
@@ -69,7 +69,7 @@ std::string identity(const std::string& name, const std::string& what) {
   return element("name", identifier) + element("label", label(name)) + element("description", what);
 }
 
-// Slicer leaves out texts and files that are empty, and passes everything else always.
+// Slicer omits empty texts and files, and always passes everything else.
 std::string option(const FlagUsage& flag, const std::string& name) {
   const bool has_default_word = std::ranges::find(flag.words, flag.shown_default) != flag.words.end();
   const std::optional<double> number = parse_number(flag.shown_default);

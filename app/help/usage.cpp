@@ -17,7 +17,7 @@ std::vector<std::string> literal_words(const std::string& form) {
   return words;
 }
 
-// The words that CLI::IsMember allows; it lists them behind the form as NAME:{first,second}.
+// The words that CLI::IsMember allows; it appends them to the form as NAME:{first,second}.
 std::vector<std::string> allowed_words(const std::string& checks) {
   std::vector<std::string> words;
   const std::size_t begin = checks.find('{'), end = checks.find('}');
@@ -27,7 +27,7 @@ std::vector<std::string> allowed_words(const std::string& checks) {
   return words;
 }
 
-// The bounds of CLI::Range, behind the form as N:INT in [2 - 16].
+// The bounds of CLI::Range, appended to the form as N:INT in [2 - 16].
 void take_range(const std::string& checks, FlagUsage& flag) {
   const std::size_t begin = checks.find(" in ["), middle = checks.find(" - "), end = checks.find(']');
   if (begin == std::string::npos || middle == std::string::npos || end == std::string::npos) return;

@@ -10,7 +10,7 @@ class Option;
 
 namespace csrbf::app {
 
-/// Title of the flags of every command in the help.
+/// Heading of the flags of every command in the help.
 inline constexpr const char* common_group = "Common flags";
 
 /// A flag as the help shows it.
@@ -19,10 +19,10 @@ struct FlagUsage {
   std::string value;                    ///< form of its value, such as N, FILE or auto|none|L; empty when it takes none
   std::vector<std::string> words = {};  ///< values that are literal words: auto and none above
   bool only_words = false;              ///< it takes nothing else
-  std::string lowest = {}, highest = {};  ///< of a number, when they are checked
+  std::string lowest = {}, highest = {};  ///< bounds of a number, where they are checked
   bool common = false;                    ///< of every command
   std::string what;
-  std::string shown_default;  ///< empty: none to tell
+  std::string shown_default;  ///< empty: none
   bool required = false;
 
   [[nodiscard]] bool takes_file() const { return value == "FILE"; }
@@ -32,7 +32,7 @@ struct ArgumentUsage {
   std::string name, what;
 };
 
-/// What the program or one of its commands understands. The program has commands and no arguments, a command the
+/// The command line of the program or of one of its commands. The program has commands and no arguments, a command the
 /// opposite.
 struct Usage {
   std::string name, what;
@@ -42,10 +42,10 @@ struct Usage {
   std::vector<Usage> subcommands = {};
 };
 
-/// Form of the value of a flag, without the checks that CLI11 lists behind it; empty when it takes none.
+/// Form of the value of a flag, without the checks that CLI11 appends; empty when it takes none.
 std::string value_form(const CLI::Option& option);
 
-/// The usage that is declared to the parser.
+/// The usage as declared to the parser.
 Usage usage_of(const CLI::App& app);
 
 }  // namespace csrbf::app

@@ -1,5 +1,5 @@
-// The program's malloc: that of the C library, and with --memory a FileMemory for large blocks. What Eigen and the
-// containers of the standard library hold all comes from here.
+// The program's malloc: that of the C library, with --memory a FileMemory for large blocks. Eigen and the containers of
+// the standard library allocate all they hold here.
 
 #include "process/file_memory.hpp"
 
@@ -29,7 +29,7 @@ FileMemory* file_memory() {
   return in_use.load(std::memory_order_acquire);
 }
 
-// Stays to the end: the last blocks are freed after main.
+// Never destroyed: the last blocks are freed after main.
 FileMemory& use_file_memory(const std::string& folder, std::size_t cap) {
   auto* memory = new FileMemory(folder, cap);
   in_use.store(memory, std::memory_order_release);
@@ -41,7 +41,7 @@ FileMemory& use_file_memory(const std::string& folder, std::size_t cap) {
 #ifdef CSRBF_OWN_MALLOC
 
 extern "C" {
-// What malloc and the others of glibc are called besides.
+// The internal names of glibc's malloc and its relatives.
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);
@@ -66,7 +66,7 @@ FileMemory* home_of(std::size_t bytes) {
 
 const std::size_t page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 
-// Blocks in files start on a page, others hardly ever.
+// Blocks in files are page-aligned, others hardly ever.
 bool may_be_in_file(const void* block) {
   return file_memory() != nullptr && reinterpret_cast<std::uintptr_t>(block) % page == 0;
 }

@@ -12,11 +12,15 @@
 namespace csrbf::app {
 namespace {
 
-constexpr std::size_t chunk = std::size_t{8} << 20;                 // given back at once
-constexpr std::size_t headroom_share = 3, most_headroom_share = 2;  // of the cap
-constexpr std::size_t announced_share = 4;  // of the cap: what there is room for before a block is filled
+// Bytes evicted at a time; larger: fewer calls, smaller: less evicted in vain. Chosen by hand.
+constexpr std::size_t chunk = std::size_t{8} << 20;
+// Parts of the cap kept free at first (1/3) and at most (1/2): a larger headroom evicts sooner, a smaller one may be
+// filled between two checks. Chosen by hand.
+constexpr std::size_t headroom_share = 3, most_headroom_share = 2;
+// Allocating a block makes room for at most this part (1/4) of the cap. Chosen by hand.
+constexpr std::size_t announced_share = 4;
 
-// Files without a name are not known everywhere; elsewhere the name goes at once.
+// Not every file system has unnamed files; elsewhere the file is unlinked at once.
 int open_nameless(const std::string& folder) {
 #ifdef O_TMPFILE
   const int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
@@ -28,14 +32,14 @@ int open_nameless(const std::string& folder) {
   return named;
 }
 
-// Signals must not be taken for a full disk.
+// A signal must not be mistaken for a full disk.
 int reserve([[maybe_unused]] int file, [[maybe_unused]] std::size_t bytes) noexcept {
 #ifdef __linux__
   int error = EINTR;
   while (error == EINTR) error = posix_fallocate(file, 0, static_cast<off_t>(bytes));
   return error;
 #else
-  return ENOTSUP;  // file_memory_supported() says so before
+  return ENOTSUP;  // file_memory_supported() has excluded this
 #endif
 }
 
@@ -62,7 +66,7 @@ void* map_file(const std::string& folder, std::size_t bytes) {
 FileMemory::FileMemory(std::string folder, std::size_t cap)
     : folder_(std::move(folder)), cap_(cap), headroom_(cap / headroom_share) {}
 
-// Most blocks are filled right after they are made.
+// Most blocks are filled right after they are allocated.
 void* FileMemory::allocate(std::size_t bytes) noexcept {
   make_room(std::min(bytes, cap_ / announced_share));
   void* block = map_file(folder_, bytes);
@@ -104,8 +108,8 @@ std::size_t FileMemory::size_of(const void* block) noexcept {
   return found == blocks_.end() ? 0 : found->second;
 }
 
-// The chunk under the hand, which moves on; returns its size.
-std::size_t FileMemory::give_back_chunk() {
+// Evicts the chunk at the clock hand, which moves on; returns its size.
+std::size_t FileMemory::evict_chunk() {
   const std::lock_guard lock(mutex_);
   if (blocks_.empty()) return 0;
   auto block = blocks_.upper_bound(hand_);
@@ -119,7 +123,7 @@ std::size_t FileMemory::give_back_chunk() {
   return bytes;
 }
 
-// On a busy machine it can be long before anyone looks: the headroom grows with what was filled meanwhile.
+// On a busy machine checks can be far apart: the headroom grows with what was filled in between.
 bool FileMemory::make_room(std::size_t bytes) {
   const std::size_t used = resident_.bytes(), high = cap_ - headroom_;
   if (used + bytes < high) return true;
@@ -131,7 +135,7 @@ bool FileMemory::make_room(std::size_t bytes) {
     all = bytes_;
   }
   for (std::size_t given = 0; given < all;) {
-    const std::size_t size = give_back_chunk();
+    const std::size_t size = evict_chunk();
     if (size == 0) break;
     given += size;
     if (resident_.bytes() + bytes < low) return true;
@@ -144,7 +148,7 @@ std::size_t FileMemory::room() const {
   return used < high ? high - used : 0;
 }
 
-// The lock must not be held where text is made: its memory may come from here.
+// The lock must not be held while text is built: its memory may come from here.
 std::string FileMemory::failure() {
   std::size_t bytes = 0;
   int error = 0;
@@ -156,7 +160,7 @@ std::string FileMemory::failure() {
   if (error == 0) return "";
   constexpr std::size_t mega = 1000 * 1000;
   return "cannot keep a block of " + std::to_string(bytes / mega) + " MB in a file in " + folder_ + ": " +
-         std::generic_category().message(error) + "; make room there, or give another folder by --scratch";
+         std::generic_category().message(error) + "; free space there, or choose another folder with --scratch";
 }
 
 }  // namespace csrbf::app

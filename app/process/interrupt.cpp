@@ -10,7 +10,7 @@ namespace {
 
 volatile std::sig_atomic_t received = 0;
 
-constexpr int signal_base = 128;
+constexpr int signal_base = 128;  // exit codes of shells: this + the number of the signal
 
 void handle(int signal) {
   if (received != 0) _exit(signal_base + signal);
@@ -20,7 +20,7 @@ void handle(int signal) {
 }  // namespace
 
 void catch_interrupts() {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a write error
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action {};
     sigaction(signal, nullptr, &action);

@@ -2,8 +2,8 @@
 
 namespace csrbf::app {
 
-/// From now on Ctrl-C (and SIGTERM, SIGHUP) asks the program to stop instead of killing it; the second time it ends at
-/// once, without leaving partly written results: those carry temporary names.
+/// From now on Ctrl-C (and SIGTERM, SIGHUP) asks the program to stop instead of killing it; a second one ends it at
+/// once, without leaving partly written results: those have temporary names.
 void catch_interrupts();
 
 /// Whether the program was asked to stop.

@@ -27,8 +27,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t mega = 1000 * 1000;
-constexpr std::size_t least_cap = 64 * mega;
-constexpr double fill_rate = 8000;  // bytes per microsecond, more than threads were seen to reach
+constexpr std::size_t least_cap = 64 * mega;  // the program, its threads and small blocks need some of it
+constexpr double fill_rate = 8000;            // bytes per microsecond: faster than threads were observed to fill memory
+// Between checks; longer: may notice growth too late, shorter: costs time. Chosen by hand.
 constexpr auto shortest_wait = 500us, longest_wait = 20000us;
 
 struct Unit {
@@ -51,7 +52,7 @@ std::size_t checked_cap(std::size_t bytes) {
   if (!file_memory_supported())
     throw UsageError("--memory: this program was built without it; it needs the GNU C library and no sanitizers");
   if (bytes < least_cap)
-    throw UsageError("--memory: " + std::to_string(bytes / mega) + " MB are too little; give at least " +
+    throw UsageError("--memory: " + std::to_string(bytes / mega) + " MB is too little; give at least " +
                      std::to_string(least_cap / mega) + "MB");
   return bytes;
 }
@@ -62,7 +63,7 @@ const std::string& checked_scratch(const std::string& folder) {
                      "; --memory needs a folder to write in");
   if (is_in_memory(folder))
     throw UsageError("--scratch " + folder +
-                     ": these files are kept in memory, which saves none; give a folder on a "
+                     ": this folder is kept in memory, which saves none; give a folder on a "
                      "disk");
   return folder;
 }
@@ -76,7 +77,7 @@ std::size_t parse_bytes(const std::string& text, const std::string& flag) {
   const auto number = parse_number(text.substr(0, end));
   if (known == units.end() || !number || !(*number > 0))
     throw UsageError(flag + " " + text + ": expected a size such as 2GB, 1500MB or 2GiB");
-  constexpr double most = 1e18;
+  constexpr double most = 1e18;  // that fits the integer
   return static_cast<std::size_t>(std::min(most, *number * known->bytes));
 }
 
@@ -86,11 +87,11 @@ MemoryCap::MemoryCap(std::size_t bytes, const std::string& scratch)
       memory_(use_file_memory(scratch_, bytes_)),
       watcher_([this](const std::stop_token& stop) { watch(stop); }) {}
 
-// Looks more often the nearer the cap is; a thread that fills memory must not reach it in between.
+// Checks more often the nearer the cap is: a thread that fills memory must not reach it in between.
 void MemoryCap::watch(const std::stop_token& stop) {
 #ifdef __linux__
-  constexpr int urgent = -10;
-  setpriority(PRIO_PROCESS, 0, urgent);  // of this thread; only the privileged may, the others do without
+  constexpr int urgent = -10;            // niceness, halfway to the highest priority
+  setpriority(PRIO_PROCESS, 0, urgent);  // of this thread; fails without privileges, which does no harm
 #endif
   while (!stop.stop_requested()) {
     std::chrono::microseconds wait = longest_wait;

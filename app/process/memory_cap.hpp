@@ -15,8 +15,8 @@ std::size_t parse_bytes(const std::string& text, const std::string& flag);
 /// gives their pages back to the system when memory gets short.
 class MemoryCap {
  public:
-  /// `scratch`: folder on a disk with room for what does not fit. Throws UsageError when the cap or the folder cannot
-  /// work.
+  /// `scratch`: folder on a disk with room for what does not fit. Throws UsageError when the cap or the folder is
+  /// unusable.
   MemoryCap(std::size_t bytes, const std::string& scratch);
 
   [[nodiscard]] std::size_t bytes() const { return bytes_; }

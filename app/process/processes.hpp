@@ -6,8 +6,8 @@
 
 namespace csrbf::app {
 
-/// The processes that run the program together, every one of them the whole of it on the same command line. Usually
-/// there is one, as in this class; for several all do the following in step.
+/// The processes of a run, each of which runs the whole program with the same command line. Usually there is only one,
+/// as in this class; several do the following in lockstep.
 class Processes {
  public:
   Processes() = default;
@@ -15,13 +15,13 @@ class Processes {
   Processes& operator=(const Processes&) = delete;
   virtual ~Processes() = default;
 
-  /// Threads of each process unless the user says; 0 = all cores.
+  /// Threads of each process unless the user sets them; 0 = all cores.
   [[nodiscard]] virtual int threads() const { return 0; }
 
   /// Whether any of them was asked to stop.
   virtual bool interrupted();
 
-  /// All of the work: an error of one of them is the error of all.
+  /// Runs all of the work; an error in one process is an error in all.
   virtual void conclude(const std::function<void()>& work) { work(); }
 
   /// What the report says about them.
@@ -31,7 +31,7 @@ class Processes {
 /// Those of this run.
 Processes& processes();
 
-/// Sets those of this run, which must outlive it; null: one process by itself.
+/// Sets those of this run, which must outlive it; null: a single process.
 void set_processes(Processes* processes);
 
 }  // namespace csrbf::app

@@ -10,7 +10,7 @@
 
 namespace csrbf::app {
 
-/// How much memory the process has in use: zero where the system does not tell by /proc.
+/// Resident memory of the process; zero on systems without /proc.
 class ResidentSet {
  public:
   ResidentSet() : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}

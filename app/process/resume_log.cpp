@@ -25,10 +25,10 @@ namespace csrbf::app {
 namespace {
 
 constexpr std::string_view magic = "csrbf resume 1\n";
-constexpr double record_seconds = 0.5;                       // of work that a kill costs at most, and again as much
-constexpr std::size_t record_bytes = std::size_t{32} << 20;  // about
-constexpr double reading_rate = 200e6;                       // bytes per second, of a slow disk
-constexpr std::size_t longest_key = std::size_t{1} << 20;
+constexpr double record_seconds = 0.5;  // of work in a record, which a kill can cost; up to twice as much
+constexpr std::size_t record_bytes = std::size_t{32} << 20;  // of a record, about: bounds the memory for it
+constexpr double reading_rate = 200e6;  // bytes per second of a slow disk: results computed faster are not saved
+constexpr std::size_t longest_key = std::size_t{1} << 20;  // a longer one is not of a log
 
 using Bytes = std::span<const std::byte>;
 
@@ -36,9 +36,9 @@ Bytes bytes_of(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-// Mixes 8 bytes at a time.
+// Multiplicative hashing of 8 bytes at a time.
 std::uint64_t hash(Bytes bytes, std::uint64_t h) {
-  constexpr std::uint64_t odd = 0x9e3779b97f4a7c15;
+  constexpr std::uint64_t odd = 0x9e3779b97f4a7c15;  // 2^64 / golden ratio
   for (std::size_t i = 0; i < bytes.size(); i += sizeof(h)) {
     std::uint64_t word = 0;
     std::memcpy(&word, bytes.data() + i, std::min(sizeof(word), bytes.size() - i));
@@ -52,9 +52,9 @@ std::uint64_t hash(Bytes bytes, std::uint64_t h) {
   throw IoError(path + ": cannot use the file: " + std::generic_category().message(error));
 }
 
-// A run that was just killed needs a moment to vanish.
+// A run that was just killed may hold the lock for another moment.
 bool lock(int file) {
-  constexpr int attempts = 30;
+  constexpr int attempts = 30;  // 3 s
   for (int i = 0; i < attempts; ++i) {
     if (flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return true;
     if (interrupted()) throw Cancelled();
@@ -125,7 +125,7 @@ ResumeLog::ResumeLog(const std::string& path, const std::string& key)
     : path_(path), file_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
   if (file_ < 0) fail(path, errno);
   try {
-    if (!lock(file_)) throw UsageError(path + ": another run is using the file; wait for its end");
+    if (!lock(file_)) throw UsageError(path + ": in use by another run; wait until it ends");
     read_header(key);
     record_ = read_record();
   } catch (...) {
@@ -144,7 +144,7 @@ void ResumeLog::remove() const {
   unlink(path_.c_str());
 }
 
-// The size comes last: without it, the run that began the log was killed right then.
+// The size is written last: a size of zero means that the run was killed while it created the log.
 void ResumeLog::read_header(const std::string& key) {
   std::string header = std::string(magic) + key;
   const std::uint64_t size = header.size(), sum = hash(bytes_of(header), size);
@@ -157,18 +157,18 @@ void ResumeLog::read_header(const std::string& key) {
   end_ = static_cast<off_t>(sizeof(there) + header.size());
   if (found == header && there[1] == sum) return;
   if (!found.empty() && there[1] == hash(bytes_of(found), found.size()))
-    throw UsageError(path_ + ": is of another input, version or set of options (" + difference(found, header) +
-                     "); run that one to its end, or delete the file to start anew");
+    throw UsageError(path_ + ": belongs to another input, version or set of options (" + difference(found, header) +
+                     "); finish that run, or delete the file to start over");
   struct stat about {};
   if (fstat(file_, &about) != 0 || (about.st_size > 0 && there[0] != 0))
-    throw UsageError(path_ + ": is no log of a run; delete or rename it to start anew");
+    throw UsageError(path_ + ": is not a resume log; delete or rename it to start over");
   const std::array<std::uint64_t, 2> front = {size, sum};
   if (ftruncate(file_, 0) != 0 || !write_all(file_, bytes_of(header), sizeof(front)) ||
       !write_all(file_, std::as_bytes(std::span(front)), 0))
     fail(path_, errno);
 }
 
-// The record at the end of what was read. Where there is no sound one, the log ends.
+// The next record. Where there is no valid one, the log is cut off.
 std::optional<ResumeLog::Record> ResumeLog::read_record() {
   Record record{};
   struct stat about {};
@@ -194,7 +194,7 @@ void ResumeLog::share(const SharedWork& work) {
   while (record_ && record_->head.work == works_) {
     const Head& head = record_->head;
     if (head.kind != kind || head.first < done || head.last > work.blocks())
-      throw UsageError(path_ + ": was left by another build of the program; delete the file to start anew");
+      throw UsageError(path_ + ": was written by another build of the program; delete the file to start over");
     work.compute_blocks(done, head.first);
     take_over(work, *record_);
     done = head.last;
@@ -236,7 +236,7 @@ void ResumeLog::compute_and_keep(const SharedWork& work, std::uint64_t kind, Ind
   }
 }
 
-// A log that cannot grow is no reason to lose the run.
+// The run goes on when the log cannot grow.
 void ResumeLog::append(Head head, Bytes results) {
   if (use_.error != 0) return;
   head.checksum = hash(results, hash(std::as_bytes(std::span(&head, 1)), 0));

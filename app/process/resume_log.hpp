@@ -12,19 +12,18 @@
 
 namespace csrbf::app {
 
-/// A number that tells the content of a file from others. Throws IoError when it cannot be read.
+/// A hash of the content of a file. Throws IoError when it cannot be read.
 std::uint64_t fingerprint(const std::string& path);
 
-/// Keeps the results of the expensive steps of a computation in a file as they come, so that a later run of the same
-/// computation takes them over. The file has a header with the key of the computation, then records: results of some
-/// blocks of a step, in the order of the steps. Every record has a checksum; what follows the last sound one is
-/// dropped. Results that are computed about as fast as they are read are left out.
+/// Saves the results of the expensive steps of a computation to a file as they become available, so that a later run
+/// of the same computation can reuse them. The file has a header with the key of the computation, then records:
+/// results of some blocks of a step, in the order of the steps. Every record has a checksum; what follows the last
+/// valid one is dropped. Results that are computed about as fast as they are read are not saved.
 ///
-/// The system gets each record at once, so it survives a killed process; when it reaches the disk is the system's
-/// affair.
+/// Each record is written at once, so it survives a killed process; when it reaches the disk is up to the system.
 class ResumeLog : public WorkSharing {
  public:
-  /// Opens the log or begins it, and shares the work of this process from now on. `key`: lines that determine the
+  /// Opens or creates the log, and handles the shared work of this process from now on. `key`: lines that determine the
   /// results. Throws UsageError when the log has another key or is in use, IoError when it cannot be written.
   ResumeLog(const std::string& path, const std::string& key);
   ~ResumeLog() override;
@@ -36,14 +35,14 @@ class ResumeLog : public WorkSharing {
 
   struct Use {
     std::size_t taken_bytes = 0, written_bytes = 0;
-    double seconds_saved = 0;  ///< what the results taken over took to compute
-    int error = 0;             ///< of the system, since when nothing is written; 0: none
+    double seconds_saved = 0;  ///< that the reused results took to compute
+    int error = 0;             ///< of the system, after which nothing is written; 0: none
   };
   [[nodiscard]] const Use& use() const { return use_; }
 
  private:
   struct Head {
-    std::uint64_t work, kind;  // number of the step; what tells it from others
+    std::uint64_t work, kind;  // number of the step; hash that identifies it
     Index first, last;         // blocks
     double seconds;            // to compute them
     std::uint64_t size, checksum;
@@ -61,7 +60,7 @@ class ResumeLog : public WorkSharing {
 
   std::string path_;
   int file_;
-  off_t end_ = 0;                 // of what was read or written
+  off_t end_ = 0;                 // of what was read or written so far
   std::optional<Record> record_;  // the next one of the log
   std::uint64_t works_ = 0;       // so far
   Use use_;

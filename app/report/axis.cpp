@@ -8,7 +8,7 @@
 namespace csrbf::app {
 namespace {
 
-constexpr double rounding = 1e-9;  // of a step
+constexpr double rounding = 1e-9;  // tolerance, of a step: above that of doubles, below what can be seen
 
 // 1, 2 or 5 times a power of ten, such that about `count` of them fill the range.
 double round_step(double range, int count) {
@@ -28,7 +28,7 @@ void set_ticks(Axis& axis) {
 
 Axis axis(double lo, double hi, std::string label, int count) {
   if (!std::isfinite(lo) || !std::isfinite(hi)) lo = hi = 0;
-  // Ticks nearer than the rounding of the numbers would never end.
+  // Ticks closer than the rounding of the numbers would never end.
   const double least = 1e-12 * std::max(std::abs(lo), std::abs(hi));
   if (!(hi - lo > least)) {
     const double half = lo == 0 ? 1 : 0.5 * std::abs(lo);
@@ -51,7 +51,7 @@ Axis round_axis(double lo, double hi, std::string label, int count) {
 std::string Axis::text(double tick) const {
   std::array<char, 40> text{};
   const double largest = std::max(std::abs(lo), std::abs(hi));
-  constexpr double plain_above = 1e-3, plain_below = 1e6;
+  constexpr double plain_above = 1e-3, plain_below = 1e6;  // powers of ten elsewhere: labels have room for six digits
   if (std::abs(tick) < rounding * step) return "0";
   if (largest >= plain_below || largest < plain_above) {
     const int digits = std::max(0, static_cast<int>(std::floor(std::log10(std::abs(tick)) + rounding) -
@@ -66,7 +66,7 @@ std::string Axis::text(double tick) const {
 
 std::string readable(double value, int digits) {
   std::array<char, 40> text{};
-  constexpr double plain_below = 1e9;
+  constexpr double plain_below = 1e9;  // powers of ten from here on
   const double size = std::abs(value), most = std::pow(10.0, digits);
   if (!(size >= most && size < plain_below)) {
     std::snprintf(text.data(), text.size(), "%.*g", digits, value);

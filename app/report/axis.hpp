@@ -18,17 +18,17 @@ struct Axis {
   [[nodiscard]] std::string text(double tick) const;
 };
 
-/// Axis from lo to hi, with about `count` ticks between them. A range that is empty or not finite becomes one about its
-/// middle (or 0).
+/// Axis from lo to hi, with about `count` ticks between them. A range that is empty or not finite is replaced by one
+/// around its middle (or 0).
 Axis axis(double lo, double hi, std::string label, int count = 5);
 
 /// The same, its ends moved outwards to ticks.
 Axis round_axis(double lo, double hi, std::string label, int count = 5);
 
-/// A number for people, with so many digits that say something: 52,980, 0.0753, 3.2×10⁻⁶.
+/// A number for people, with this many significant digits: 52,980, 0.0753, 3.2×10⁻⁶.
 std::string readable(double value, int digits = 3);
 
-/// Minus as typographers want it, and powers of ten as 3×10⁻⁵.
+/// A typographic minus, and powers of ten as 3×10⁻⁵.
 std::string pretty_number(const std::string& text);
 
 }  // namespace csrbf::app

@@ -15,7 +15,7 @@ void Drawing::add_text(double x, double y, std::string_view style, std::string_v
 }
 
 void Drawing::add_labels() {
-  constexpr double gap = 8, half_letter = 4.5, number_line = 17, name_line = 37;
+  constexpr double gap = 8, half_letter = 4.5, number_line = 17, name_line = 37;  // pixels, by eye
   const double low = top + height_;
   for (const double tick : x_.ticks) add_text(x(tick), low + number_line, "tick middle", x_.text(tick));
   for (const double tick : y_.ticks) add_text(left - gap, y(tick) + half_letter, "tick end", y_.text(tick));
@@ -38,13 +38,13 @@ void Drawing::add_frame() {
 
 void Drawing::add_mark(double value, const std::string& text) {
   add("<path class=\"mark\" d=\"M" + coordinate(x(value)) + " " + coordinate(top) + "v" + coordinate(height_) + "\"/>");
-  const bool to_the_left = x_.at(value) > 0.6;
-  constexpr double gap = 5, line = 12;
+  const bool to_the_left = x_.at(value) > 0.6;  // leaves the text room to the right of smaller values
+  constexpr double gap = 5, line = 12;          // pixels, by eye
   add_text(x(value) + (to_the_left ? -gap : gap), top + line, to_the_left ? "note end" : "note", text);
 }
 
 void Drawing::add_color_bar(const Axis& scale, const std::string& address) {
-  constexpr double gap = 8, thickness = 9, number_line = 24, more = 56;
+  constexpr double gap = 8, thickness = 9, number_line = 24, more = 56;  // pixels, by eye
   const double low = top + height_ + bottom_ + gap;
   const double from = left + width_ / 8, length = width_ * 3 / 4;
   add("<image href=\"" + address + "\" x=\"" + coordinate(from) + "\" y=\"" + coordinate(low) + "\" width=\"" +
@@ -72,7 +72,7 @@ void Drawing::add_line(const PointsRef<2>& points, std::string_view style, bool 
 
 void Drawing::add_dots(const PointsRef<2>& points, double radius, std::string_view style) {
   if (points.cols() == 0) return;
-  // Lines of no length with round ends: one short element instead of one for each dot.
+  // Lines of zero length with round caps: one short element for all dots.
   std::string path;
   for (Index i = 0; i < points.cols(); ++i)
     if (points.col(i).allFinite()) path += "M" + coordinate(x(points(0, i))) + " " + coordinate(y(points(1, i))) + "h0";

@@ -9,37 +9,37 @@
 
 namespace csrbf::app {
 
-/// An SVG drawing with two axes. Colours are those of the page (classes of its style sheet), so that drawings follow
-/// its light and dark form.
+/// An SVG drawing with two axes. Colours come from the style sheet of the page (as classes), so that drawings follow
+/// its light and dark theme.
 class Drawing {
  public:
   /// The plot area is `width` x `height`; labels go around it.
   Drawing(Axis x, Axis y, std::string_view description, double width = default_width, double height = default_height);
 
-  static constexpr double default_width = 410, default_height = 200;
+  static constexpr double default_width = 410, default_height = 200;  ///< pixels: two plots side by side on a page
 
   [[nodiscard]] double x(double value) const { return left + width_ * x_.at(value); }
   [[nodiscard]] double y(double value) const { return top + height_ * (1 - y_.at(value)); }
   [[nodiscard]] double width() const { return width_; }
   [[nodiscard]] double height() const { return height_; }
 
-  /// Lines across the plot at the ticks of y, and the numbers and names along both axes.
+  /// Lines across the plot at the ticks of y, with tick labels and names along both axes.
   void add_grid();
-  /// Numbers and names along both axes and a frame: for pictures that fill the plot.
+  /// A frame, with tick labels and names along both axes: for pictures that fill the plot.
   void add_frame();
   void add(const std::string& element) { body_ += element + "\n"; }
   void add_text(double x, double y, std::string_view style, std::string_view text);
   /// A dashed line across the plot at x = value, with its text on top.
   void add_mark(double value, const std::string& text);
-  /// A bar of colours under the plot with the numbers of its axis; `address` is a picture of the colours.
+  /// A colour bar with tick labels under the plot; `address` is a picture of the colours.
   void add_color_bar(const Axis& scale, const std::string& address);
-  /// One point after the other, joined.
+  /// A polyline.
   void add_line(const PointsRef<2>& points, std::string_view style, bool closed = false);
   void add_dots(const PointsRef<2>& points, double radius, std::string_view style);
 
   [[nodiscard]] std::string svg() const;
 
-  static constexpr double left = 58, right = 14, top = 22, below = 44;
+  static constexpr double left = 58, right = 14, top = 22, below = 44;  ///< margins for the labels, pixels
 
  private:
   void add_labels();

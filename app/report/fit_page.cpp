@@ -13,13 +13,13 @@
 namespace csrbf::app {
 namespace {
 
-constexpr Index most_samples = 200000;  // that errors are shown of
+constexpr Index most_samples = 200000;  // in the histogram: more take longer, and change nothing to be seen
 
 std::string text(double value, int digits = 3) {
   return readable(value, digits);
 }
 
-// Box of the samples and the names of the axes.
+// The box of the samples and the names of the axes.
 struct Domain {
   Eigen::MatrixXd bounds;  // d x 2
   const NamedFunction& model;
@@ -29,9 +29,9 @@ struct Domain {
   [[nodiscard]] double extent(Index a) const { return hi(a) - lo(a); }
   [[nodiscard]] const std::string& name(Index a) const { return model.coordinate_names[static_cast<std::size_t>(a)]; }
   [[nodiscard]] const std::string& value() const { return model.value_names.front(); }
-  // Are both lengths, as far as one can see?
+  // Do both axes seem to have the same unit?
   [[nodiscard]] bool to_scale(Index a, Index b) const {
-    constexpr double most = 3;
+    constexpr double most = 3;  // ratio of the extents; chosen by hand
     return extent(a) < most * extent(b) && extent(b) < most * extent(a);
   }
 };
@@ -42,16 +42,16 @@ void add_facts(const FitReport& r, const Domain& domain, Page& page) {
                 {text(r.rmse), "error at the samples, root mean square"},
                 {text(r.max_error), "largest error at a sample"}};
   if (std::isfinite(r.cross_validation_rmse))
-    page.facts.push_back({text(r.cross_validation_rmse), "error at samples left out"});
+    page.facts.push_back({text(r.cross_validation_rmse), "error at held-out samples"});
   if (std::isfinite(r.cross_validation_rmse))
-    page.findings.push_back("Samples of " + domain.value() + " that were left out of trial fits were missed by " +
+    page.findings.push_back("Held-out samples of " + domain.value() + " were predicted with an error of " +
                             text(r.cross_validation_rmse) +
                             " (root mean square): expect this error between the samples.");
-  page.findings.push_back(r.smoothing > 0
-                              ? "The function does not pass through every sample: some of what they say was taken for "
-                                "noise and smoothed away (smoothing " +
-                                    text(r.smoothing) + ")."
-                              : "The function passes through the samples: nothing was smoothed away.");
+  page.findings.push_back(
+      r.smoothing > 0 ? "The function does not pass through every sample: part of their variation was treated as "
+                        "noise and smoothed away (smoothing " +
+                            text(r.smoothing) + ")."
+                      : "The function passes through the samples: nothing was smoothed away.");
   if (domain.model.value_names.size() > 1)
     page.findings.push_back("The pictures show " + domain.value() + ", the first of " +
                             counted(static_cast<Index>(domain.model.value_names.size()), "value") + ".");
@@ -63,20 +63,20 @@ Figure error_histogram(const Eigen::VectorXd& error, const FitReport& r, const D
   std::vector<double> sizes;
   for (const double value : error)
     if (std::isfinite(value)) sizes.push_back(std::abs(value));
-  constexpr double most = 0.99, more = 1.25;
+  constexpr double most = 0.99, more = 1.25;  // the axis ends at 1.25 times the 99th percentile: outliers do not set it
   const double limit = sizes.empty() ? 1 : more * percentile(sizes, most);
   Histogram histogram{.values = {error.begin(), error.end()},
                       .lo = -limit,
                       .hi = limit,
                       .label = "sample − function, in the unit of " + domain.value(),
                       .counted = "samples"};
-  std::string caption = "The outermost bars hold all samples that are further off.";
-  if (error.size() < r.samples) caption += " Of " + counted(error.size(), "sample") + ", evenly chosen.";
+  std::string caption = "The outermost bars include all samples beyond them.";
+  if (error.size() < r.samples) caption += " Shows " + counted(error.size(), "sample") + ", evenly chosen.";
   return {"Errors at the samples", draw(histogram), caption};
 }
 
 Figure curve(const Domain& domain, const SampleTable& samples, const std::vector<Index>& chosen) {
-  constexpr Index places = 600, most = 2000;
+  constexpr Index places = 600, most = 2000;  // of the curve, about one per pixel; dots, beyond which they merge
   Eigen::MatrixXd x = Eigen::RowVectorXd::LinSpaced(places, domain.lo(0), domain.hi(0));
   Curve plot{.x_label = domain.name(0), .y_label = domain.value()};
   plot.line.resize(2, places);
@@ -91,7 +91,7 @@ Figure curve(const Domain& domain, const SampleTable& samples, const std::vector
   return {"The function", draw(plot), "The curve is the function, the dots are samples."};
 }
 
-// Values on the plane of two axes through the middle of the others.
+// Values on the plane of two axes, at the middle of the others.
 Eigen::MatrixXd plane_values(const Domain& domain, Index a, Index b, const Eigen::VectorXd& x,
                              const Eigen::VectorXd& y) {
   std::vector<Eigen::VectorXd> axes;
@@ -102,7 +102,7 @@ Eigen::MatrixXd plane_values(const Domain& domain, Index a, Index b, const Eigen
 }
 
 PlaneMap plane_map(const Domain& domain, Index a, Index b) {
-  constexpr Index longest = 260;
+  constexpr Index longest = 260;  // nodes along the longer axis; more: sharper, larger pages
   const bool to_scale = domain.to_scale(a, b);
   const double longer = std::max(domain.extent(a), domain.extent(b));
   const auto nodes = [&](Index axis) {
@@ -134,15 +134,14 @@ void set_range(const std::string& label, std::vector<PlaneMap>& maps) {
 Figure map_of_plane(const Domain& domain, const SampleTable& samples, const std::vector<Index>& chosen) {
   std::vector<PlaneMap> maps{plane_map(domain, 0, 1)};
   set_range(domain.value(), maps);
-  constexpr Index most = 3000;
+  constexpr Index most = 3000;  // dots, beyond which they hide the map
   const std::vector<Index> dots = spread_indices(static_cast<Index>(chosen.size()), most);
   maps[0].dots.resize(2, static_cast<Index>(dots.size()));
   for (std::size_t i = 0; i < dots.size(); ++i)
     maps[0].dots.col(static_cast<Index>(i)) = samples.coordinates.col(chosen[static_cast<std::size_t>(dots[i])]);
-  std::string caption = "Colours are the function, dots the places of samples";
-  caption += maps[0].dots.cols() < samples.coordinates.cols()
-                 ? " (" + counted(maps[0].dots.cols(), "of them shown") + ")."
-                 : ".";
+  const std::string shown =
+      maps[0].dots.cols() < samples.coordinates.cols() ? counted(maps[0].dots.cols(), "sample") : "the samples";
+  const std::string caption = "Colours show the function, dots the positions of " + shown + ".";
   return {"The function", draw(maps[0]), caption};
 }
 
@@ -163,7 +162,7 @@ Figure maps_of_space(const Domain& domain) {
 class Landscape {
  public:
   explicit Landscape(const Domain& domain) : domain_(domain) {
-    constexpr Index nodes = 200;
+    constexpr Index nodes = 200;  // along each axis: 40,000 vertices, within SurfaceView::most_vertices
     const double longer = std::max(domain.extent(0), domain.extent(1));
     const bool to_scale = domain.to_scale(0, 1);
     for (Index a = 0; a < 2; ++a) {
@@ -173,7 +172,7 @@ class Landscape {
     values_ = plane_values(domain, 0, 1, axes_[0], axes_[1]);
     lo_ = values_.minCoeff();
     hi_ = values_.maxCoeff();
-    constexpr double height = 0.4;
+    constexpr double height = 0.4;  // of the longer side, chosen by eye
     scale_[2] = hi_ > lo_ ? height / (hi_ - lo_) : 1;
   }
 
@@ -243,10 +242,10 @@ Figure landscape_view(const Landscape& landscape, const Domain& domain, const Sa
   view.colors.push_back(
       {domain.value(), domain.value(), landscape.lo(), landscape.hi(), false, landscape.values(), sample_values});
   std::vector<double> sizes(size.begin(), size.end());
-  constexpr double most = 0.99;
-  view.colors.push_back({"error at the samples", "Error at the samples (grey: none near)", 0, percentile(sizes, most),
-                         false, values_near(places, size, view.mesh.vertices), size(points)});
-  view.caption = "Heights are values of " + domain.value() + ", scaled to be seen.";
+  constexpr double most = 0.99;  // percentile at the end of the scale: outliers do not set it
+  view.colors.push_back({"error at the samples", "Error at the samples (grey: no samples nearby)", 0,
+                         percentile(sizes, most), false, values_near(places, size, view.mesh.vertices), size(points)});
+  view.caption = "Heights are values of " + domain.value() + ", scaled to be visible.";
   Figure figure = surface_figure(view);
   figure.title = "The function as a landscape";
   return figure;

@@ -7,7 +7,7 @@
 
 namespace csrbf::app {
 
-/// The function, and how far it is from its samples.
+/// The function, and its errors at the samples.
 void show(const NamedFunction& model, const SampleTable& samples, Page& page);
 
 }  // namespace csrbf::app

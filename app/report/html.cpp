@@ -28,7 +28,7 @@ std::string escaped(std::string_view text) {
         result += "&#39;";
         break;
       default:
-        // Other control characters have no place in a document; a report must not fail over the name of a file.
+        // Other control characters are invalid in a document; a report must not fail because of a file name.
         result += static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' ? '?' : c;
     }
   }

@@ -9,22 +9,22 @@
 
 namespace csrbf::app {
 
-/// Text that means itself in HTML and SVG, also within the quotes of an attribute.
+/// Text escaped for HTML and SVG, also within the quotes of an attribute.
 std::string escaped(std::string_view text);
 
 /// Base64 (RFC 4648) of any bytes.
 std::string base64(std::string_view bytes);
 
-/// The picture as an address that holds all of it: data:image/png;base64,...
+/// The picture as a data URL: data:image/png;base64,...
 std::string png_address(const RgbImage& picture);
 
-/// An element that shows the picture; `description` is what it shows, for those who cannot see it.
+/// An element that shows the picture; `description` is its alternative text.
 std::string picture_element(const RgbImage& picture, std::string_view description);
 
-/// Data for a script of the page: JSON that no browser takes for the end of the script.
+/// Data for a script of the page: JSON that cannot close the script element.
 std::string script_text(const nlohmann::ordered_json& data);
 
-/// A coordinate in a drawing: to a hundredth, without trailing zeros.
+/// A coordinate in a drawing: two decimals, without trailing zeros.
 std::string coordinate(double value);
 
 }  // namespace csrbf::app

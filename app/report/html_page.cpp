@@ -12,7 +12,7 @@
 namespace csrbf::app {
 namespace {
 
-// The browser itself sees to it that nothing is loaded from anywhere.
+// Makes the browser refuse to load anything from elsewhere.
 constexpr std::string_view policy =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
@@ -55,7 +55,7 @@ std::string warnings(const Json& report) {
 std::string facts(const PageContent& content) {
   std::vector<Fact> all = content.page.facts;
   all.push_back({seconds_text(content.report["time"]["total"]), "time"});
-  all.push_back({rounded(content.report["peak_memory_mb"], 3) + " MB", "memory at most"});
+  all.push_back({rounded(content.report["peak_memory_mb"], 3) + " MB", "peak memory"});
   std::string items;
   for (const Fact& fact : all)
     items += "<div><dd>" + escaped(fact.value) + "</dd><dt>" + escaped(fact.label) + "</dt></div>\n";
@@ -101,8 +101,8 @@ std::string html_page(const PageContent& content) {
   page += "<style>\n" + std::string(page_style) + "</style>\n</head>\n<body>\n<header>\n<p class=\"command\">csrbf " +
           escaped(subcommand) + "</p>\n<h1>" + escaped(title) + "</h1>\n</header>\n<main>\n";
   page += facts(content) + warnings(report);
-  const std::string told = summary(content);
-  if (!told.empty()) page += "<div class=\"summary\">\n" + told + "</div>\n";
+  const std::string summary_html = summary(content);
+  if (!summary_html.empty()) page += "<div class=\"summary\">\n" + summary_html + "</div>\n";
   page += figures(content.page);
   page += section("Options", option_table(report, content.common.flags));
   page += "<div class=\"columns\">\n" + section("Results", value_table(report["result"])) + "<div>\n" +

@@ -10,11 +10,11 @@
 
 namespace csrbf::app {
 
-/// Everything that a page tells.
+/// Everything that a page shows.
 struct PageContent {
   const nlohmann::ordered_json& report;     ///< the JSON report
   const CommonOptions& common;              ///< the command as typed, its flags
-  const std::vector<std::string>& summary;  ///< lines of the terminal
+  const std::vector<std::string>& summary;  ///< lines shown on the terminal
   const Page& page;                         ///< what the command adds
 };
 

@@ -8,8 +8,9 @@
 namespace csrbf::app {
 namespace {
 
+// Chosen by hand: more neighbours smooth more; a larger reach closes gaps in the data, a smaller one opens holes in it.
 constexpr Index neighbors = 6;
-constexpr double reach = 3;  // in spacings of the nearest point
+constexpr double reach = 3;  // relative to the distance from the nearest point to its own neighbours
 
 }  // namespace
 
@@ -18,7 +19,7 @@ Eigen::VectorXd values_near(const PointsRef<3>& points, const Eigen::VectorXd& v
   Eigen::VectorXd result = Eigen::VectorXd::Constant(places.cols(), none);
   if (points.cols() == 0) return result;
   const KdTree<3> tree(points);
-  constexpr Index grain = 256;
+  constexpr Index grain = 256;  // places per task: larger balances worse, smaller costs overhead
   parallel_for(places.cols(), grain, [&](Index begin, Index end) {
     std::array<Index, neighbors> near{}, beside{};
     std::array<double, neighbors> squared{}, spacing{};

@@ -4,8 +4,8 @@
 
 namespace csrbf::app {
 
-/// Values that are known at points (3 x n), carried to other places (3 x m): the mean of the nearest few; NaN where the
-/// points are further away than their own spacing lets expect.
+/// Values known at points (3 x n), transferred to other places (3 x m): the mean over the nearest few; NaN where the
+/// points are much further away than their own spacing.
 Eigen::VectorXd values_near(const PointsRef<3>& points, const Eigen::VectorXd& values, const PointsRef<3>& places);
 
 }  // namespace csrbf::app

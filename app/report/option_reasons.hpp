@@ -6,11 +6,11 @@
 
 namespace csrbf::app {
 
-/// Why an option has its value when nobody gave it, in a few words; empty for fixed defaults. `report` is the JSON
+/// Why an option that was not given has its value, in a few words; empty for fixed defaults. `report` is the JSON
 /// report.
 std::string option_reason(const nlohmann::ordered_json& report, const std::string& option);
 
-/// What an option means that is chosen automatically and has no flag; empty for others.
+/// The meaning of an option that is chosen automatically and has no flag; empty for others.
 std::string option_meaning(const std::string& subcommand, const std::string& option);
 
 }  // namespace csrbf::app

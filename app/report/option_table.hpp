@@ -9,7 +9,7 @@
 
 namespace csrbf::app {
 
-/// Every option with the value used, who decided it and why, and what it means.
+/// Every option with the value used, why it was chosen, and its meaning.
 std::string option_table(const nlohmann::ordered_json& report, const std::vector<FlagUse>& flags);
 
 }  // namespace csrbf::app

@@ -6,7 +6,7 @@
 
 namespace csrbf::app {
 
-/// A number to see first.
+/// A headline figure.
 struct Fact {
   std::string value;
   std::string label;
@@ -20,7 +20,7 @@ struct Figure {
   bool wide = false;  ///< takes the whole width of the page
 };
 
-/// What a command adds to its report when that is a page to look at.
+/// What a command adds to its HTML report.
 struct Page {
   std::vector<Fact> facts;
   std::vector<std::string> findings;  ///< sentences in plain words

@@ -4,7 +4,7 @@
 
 namespace csrbf::app {
 
-// Files that become part of the program when it is built (cmake/embed_page.cmake).
+// Files that are embedded in the program at build time (cmake/embed_page.cmake).
 
 extern const std::string_view page_style;    ///< viewer/report.css
 extern const std::string_view page_script;   ///< viewer/src with three.js; empty when that was not found

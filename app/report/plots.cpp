@@ -11,9 +11,9 @@ namespace {
 
 constexpr int series_colors = 6;  // of the style sheet
 
-// The colours as a picture: `width` of them from low to high.
+// The colours as a picture, `width` of them from low to high.
 std::string bar_address(const ColorScale& scale) {
-  constexpr int width = 128;
+  constexpr int width = 128;  // shades: bands are not visible
   RgbImage bar(width, 1);
   for (int i = 0; i < width; ++i) {
     const LinearRgb color = scale(scale.lo + (scale.hi - scale.lo) * i / (width - 1));
@@ -25,7 +25,7 @@ std::string bar_address(const ColorScale& scale) {
 }
 
 std::string picture_address(const Eigen::MatrixXd& values, const ColorScale& scale) {
-  constexpr std::uint8_t none = 160;
+  constexpr std::uint8_t none = 160;  // grey of undefined values
   RgbImage picture(static_cast<int>(values.cols()), static_cast<int>(values.rows()));
   std::uint8_t* out = picture.pixels.data();
   for (Index row = values.rows() - 1; row >= 0; --row)
@@ -41,7 +41,7 @@ std::string picture_address(const Eigen::MatrixXd& values, const ColorScale& sca
 }  // namespace
 
 std::string draw(const Histogram& histogram) {
-  constexpr int bins = 40;
+  constexpr int bins = 40;  // ten pixels each
   const Axis x = axis(histogram.lo, histogram.hi, histogram.label);
   std::vector<double> count(bins, 0);
   for (const double value : histogram.values) {
@@ -87,7 +87,7 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
     steps.col(2 * n + 1) << hi, 0;
     const std::string series = "series" + std::to_string(i % series_colors);
     drawing.add_line(steps, "area " + series, true);
-    constexpr double line = 17, key_width = 14;
+    constexpr double line = 17, key_width = 14;  // of the legend, pixels
     const double y = Drawing::top + 12 + line * static_cast<double>(i);
     const double x = Drawing::left + drawing.width() - 10;
     drawing.add("<path class=\"key " + series + "\" d=\"M" + coordinate(x - key_width) + " " + coordinate(y - 4) + "h" +
@@ -106,7 +106,7 @@ std::string draw(const Course& course) {
   Points<2> points(2, n);
   for (Index i = 0; i < n; ++i) points.col(i) << static_cast<double>(i), course.values[static_cast<std::size_t>(i)];
   drawing.add_line(points, "curve");
-  constexpr Index few = 40;
+  constexpr Index few = 40;  // dots, ten pixels apart
   if (n <= few) drawing.add_dots(points, 3, "accent");
   return drawing.svg();
 }
@@ -117,7 +117,7 @@ LinearRgb ColorScale::operator()(double value) const {
 }
 
 std::vector<std::string> color_stops(bool diverging) {
-  constexpr int count = 17;
+  constexpr int count = 17;  // the viewer interpolates linearly: fewer stops would show
   constexpr std::string_view digits = "0123456789abcdef";
   const ColorScale scale{.diverging = diverging};
   std::vector<std::string> stops;
@@ -134,11 +134,11 @@ std::vector<std::string> color_stops(bool diverging) {
 }
 
 std::string draw(const PlaneMap& map) {
-  constexpr double narrow = 300;
+  constexpr double narrow = 300;  // pixels; fewer ticks on axes below that
   const Point<2> extent = map.box.extent();
   double width = map.width;
   double height = map.to_scale ? width * extent.y() / extent.x() : 0.75 * width;
-  const double tallest = 1.1 * width;
+  const double tallest = 1.1 * width;  // taller maps are made narrower
   if (height > tallest) {
     width *= tallest / height;
     height = tallest;
@@ -151,7 +151,7 @@ std::string draw(const PlaneMap& map) {
               coordinate(height) + "\" preserveAspectRatio=\"none\"/>");
   for (const ContourLine& line : map.lines.lines)
     drawing.add_line(map.lines.points.middleCols(line.begin, line.size), "contour", line.closed);
-  constexpr Index many = 1500;
+  constexpr Index many = 1500;  // dots, from which they are smaller
   drawing.add_dots(map.dots, map.dots.cols() > many ? 0.7 : 1.4, "samples");
   drawing.add_frame();
   drawing.add_color_bar(axis(map.scale.lo, map.scale.hi, map.scale.label, width > narrow ? 5 : 3),

@@ -13,13 +13,13 @@
 
 namespace csrbf::app {
 
-/// A place on an axis that a plot points out.
+/// A marked value on an axis.
 struct Mark {
   double value = 0;
   std::string text;
 };
 
-/// How often values occur: an SVG drawing. Values beyond the axis count in its outermost bars, whose ends then say so.
+/// A histogram as an SVG drawing. Values beyond the axis count in the outermost bars.
 struct Histogram {
   std::vector<double> values = {};
   double lo = 0, hi = 1;  ///< of the axis
@@ -29,7 +29,7 @@ struct Histogram {
 };
 std::string draw(const Histogram& histogram);
 
-/// Several distributions over one axis, each a curve of its own colour.
+/// Several distributions over one axis, each in its own colour.
 struct Distribution {
   std::string name;
   std::vector<double> counts;  ///< in equal parts of the axis
@@ -37,7 +37,7 @@ struct Distribution {
 std::string draw(const std::vector<Distribution>& distributions, double lo, double hi, const std::string& label,
                  const std::string& counted);
 
-/// Values at 0, 1, 2, ...: a curve with a dot at each while they are few.
+/// Values at 0, 1, 2, ...: a curve, with dots when they are few.
 struct Course {
   std::vector<double> values = {};
   std::string label;    ///< of the values
@@ -54,10 +54,10 @@ struct ColorScale {
   [[nodiscard]] LinearRgb operator()(double value) const;
 };
 
-/// "#rrggbb" of evenly spaced places on a colour map.
+/// Evenly spaced colours of a colour map as "#rrggbb".
 std::vector<std::string> color_stops(bool diverging);
 
-/// Values on a plane in colours, with lines and dots on top.
+/// Values on a plane as colours, with lines and dots on top.
 struct PlaneMap {
   Eigen::MatrixXd values = {};  ///< columns along x, ascending; rows along y; NaN: none
   Box<2> box = {};

@@ -33,7 +33,7 @@ void add_facts(const ReconstructionShown& shown, Page& page) {
   const ReconstructReport& r = shown.surface.report;
   const Topology t = topology(shown.mesh);
   page.facts = {{counted(r.points_used, "point").substr(0, counted(r.points_used, "point").find(' ')), "points used"},
-                {percent_text(r.p99_distance), "of the diagonal: distance that 99 % of the points keep"},
+                {percent_text(r.p99_distance), "of the diagonal: 99th percentile of the distance of the points"},
                 {counted(t.triangles, "").substr(0, counted(t.triangles, "").find(' ')), "triangles"},
                 {t.watertight() ? "closed" : "open", "surface (" + counted(t.components, "component") + ")"}};
 }
@@ -42,32 +42,31 @@ void add_findings(const ReconstructionShown& shown, double diagonal, Page& page)
   const ReconstructReport& r = shown.surface.report;
   page.findings.push_back("99 of 100 points lie within " + readable(r.p99_distance * diagonal, 3) +
                           " of the surface, in the unit of the file; that is " + percent_text(r.p99_distance) +
-                          " of the diagonal of their box. The farthest one is " +
-                          readable(r.max_distance * diagonal, 3) + " away.");
+                          " of the diagonal of their box. The largest distance is " +
+                          readable(r.max_distance * diagonal, 3) + ".");
   if (r.composite && r.composite->cross_validation_error > 0)
-    page.findings.push_back("Points that were left out of a trial fit were missed by " +
-                            percent_text(r.composite->cross_validation_error) +
+    page.findings.push_back("Held-out points were missed by " + percent_text(r.composite->cross_validation_error) +
                             " of the diagonal on average: expect this error between the points.");
   if (r.points_used < r.points)
     page.findings.push_back(counted(r.points - r.points_used, "point") +
-                            " of the file left out: repeated, or far from all others.");
+                            " of the file left out: duplicates, or far from all others.");
   if (r.normals == NormalSource::estimated)
     page.findings.push_back(
-        "The file has no normals. They were estimated, and so was which side is the outside: look "
-        "whether the surface is inside out, or bridges gaps that should be open.");
+        "The file has no normals. They were estimated, as was which side is the outside: check that the surface is not "
+        "inside out, and does not bridge gaps that should be open.");
 }
 
-// Curvature is shown in units of one over the diagonal: 2 is a ball as large as the box.
+// Curvature is shown in units of 1 / diagonal: 2 is that of a ball whose diameter is the diagonal.
 SurfaceColors curvature_colors(const Field<3>& field, const Mesh& mesh, double diagonal) {
   const Eigen::VectorXd mean = diagonal * curvature(field, mesh.vertices).mean();
-  constexpr double shown = 0.95;
+  constexpr double shown = 0.95;  // percentile at the ends of the scale: sharp edges do not set it
   const double limit = share_below(mean, shown);
   return {"mean curvature", "Mean curvature × diagonal: blue concave, red convex", -limit, limit, true, mean};
 }
 
 SurfaceColors distance_colors(const ReconstructionShown& shown, const Eigen::VectorXd& distance, const Mesh& mesh,
                               const std::vector<Index>& points) {
-  constexpr double most = 0.99;
+  constexpr double most = 0.99;  // percentile at the end of the scale: outliers do not set it
   return {"distance of the points",
           "Distance of the points, % of the diagonal (grey: no points)",
           0,
@@ -93,17 +92,17 @@ Figure view(const ReconstructionShown& shown, const Eigen::VectorXd& distance, d
 }
 
 Figure distance_histogram(const ReconstructReport& r, const Eigen::VectorXd& distance) {
-  constexpr double most = 1.25;  // of what 99 % of the points keep
+  constexpr double most = 1.25;  // end of the axis, relative to the 99th percentile: outliers do not set it
   Histogram histogram{.values = {distance.begin(), distance.end()},
                       .hi = most * percent * r.p99_distance,
                       .label = "distance to the surface, % of the diagonal",
                       .counted = "points"};
   histogram.marks = {{percent * r.rms_distance, "root mean square"}, {percent * r.p99_distance, "99 %"}};
   return {"Distance of the points to the surface", draw(histogram),
-          "The last bar holds all points that are further away."};
+          "The last bar includes all points that are further away."};
 }
 
-// The plane through the centre of the box across an axis, as a map of the function.
+// The function on the plane through the centre of the box, normal to an axis.
 PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across) {
   const std::array<int, 2> axes{across == 0 ? 1 : 0, across == 2 ? 1 : 2};
   Box<2> plane;
@@ -116,7 +115,7 @@ PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across
     columns(axes[static_cast<std::size_t>(k)], k) = 1;
   }
   const PlaneSection<3> field(*shown.surface.field, origin, columns, plane);
-  constexpr Index longest = 220;
+  constexpr Index longest = 220;  // cells along the longer side; more: sharper, larger pages
   const double cell = plane.extent().maxCoeff() / longest;
   GridAxes<2> grid;
   for (int k = 0; k < 2; ++k)
@@ -131,10 +130,10 @@ PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across
                .description = "The function on the plane across " + std::string(1, "xyz"[across])};
   map.lines = contour_lines(field, {.resolution = static_cast<int>(longest)});
   std::vector<Index> near;
-  const double thickness = 0.004 * box.diagonal();
+  const double thickness = 0.004 * box.diagonal();  // of points shown as dots, to either side; about a pixel
   for (Index i = 0; i < shown.used.size(); ++i)
     if (std::abs(shown.used.points(across, i) - origin[across]) < thickness) near.push_back(i);
-  constexpr Index most = 800;
+  constexpr Index most = 800;  // dots, beyond which they merge
   std::vector<Index> kept;
   for (const Index i : spread_indices(static_cast<Index>(near.size()), most))
     kept.push_back(near[static_cast<std::size_t>(i)]);
@@ -150,7 +149,7 @@ Figure sections(const ReconstructionShown& shown, const Box<3>& box) {
   std::vector<PlaneMap> maps;
   for (const int across : {2, 1, 0}) maps.push_back(section(shown, box.inflated(margin * box.diagonal()), across));
   double limit = 0;
-  constexpr double most = 0.98;
+  constexpr double most = 0.98;  // percentile at the ends of the scale
   for (const PlaneMap& map : maps) limit = std::max(limit, share_below(map.values.reshaped(), most));
   limit = round_axis(0, limit, "", 1).hi;
   std::vector<std::string> drawings;
@@ -159,8 +158,8 @@ Figure sections(const ReconstructionShown& shown, const Box<3>& box) {
     drawings.push_back(draw(map));
   }
   return {"The function on three planes through the middle", side_by_side(drawings),
-          "Positive inside (red), negative outside (blue), zero on the surface (black line). Dots are the points next "
-          "to the plane.",
+          "Positive inside (red), negative outside (blue), zero on the surface (black line). Dots are the points near "
+          "the plane.",
           true};
 }
 

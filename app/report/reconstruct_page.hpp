@@ -10,16 +10,16 @@
 
 namespace csrbf::app {
 
-/// What was made of points, to be shown.
+/// A reconstruction, to be shown.
 struct ReconstructionShown {
   const Reconstruction& surface;
   const PointCloud& used;  ///< points
   const Mesh& mesh;
   int resolution;                    ///< of the mesh
-  std::function<Mesh(int)> mesh_at;  ///< the same with another one
+  std::function<Mesh(int)> mesh_at;  ///< the mesh of another resolution
 };
 
-/// The surface to turn, how far the points are from it, and its function on three planes.
+/// An interactive view of the surface, the distances of the points from it, and its function on three planes.
 void show(const ReconstructionShown& shown, Page& page);
 
 }  // namespace csrbf::app

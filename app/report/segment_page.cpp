@@ -34,23 +34,23 @@ void add_facts(const SegmentReport& r, const Json& measures, bool is_volume, Pag
                 {with_error(measures, is_volume ? "volume" : "area"), is_volume ? "volume inside" : "area inside"},
                 {with_error(measures, is_volume ? "area" : "length"),
                  is_volume ? "area of the surface" : "length of the contour"},
-                {std::to_string(r.components), "connected parts inside"}};
-  page.findings.push_back(r.converged ? "The contour came to rest after " + counted(r.iterations, "iteration") + "."
-                                      : "The contour had not come to rest after " + counted(r.iterations, "iteration") +
+                {std::to_string(r.components), "connected components inside"}};
+  page.findings.push_back(r.converged ? "The contour converged after " + counted(r.iterations, "iteration") + "."
+                                      : "The contour had not converged after " + counted(r.iterations, "iteration") +
                                             ": more may help (--iterations).");
   for (const RegionReport& region : r.regions)
     page.findings.push_back(capitalized(region_name(region)) + " has " +
                             counted(region.voxels, is_volume ? "voxel" : "pixel") + " with a mean of " +
                             readable(region.mean, 4) + " and a standard deviation of " + readable(region.sd, 4) + ".");
-  constexpr double strong = 0.5;
+  constexpr double strong = 0.5;  // one voxel in six is then beyond the middle between the means
   if (r.noise > strong)
     page.findings.push_back("The noise is strong: its standard deviation is " + rounded(r.noise, 2) +
                             " times the contrast between the regions. Look closely at small parts.");
 }
 
 Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& labels, const SegmentReport& r) {
-  constexpr std::size_t parts = 64, most_curves = 6;
-  constexpr double least = 0.002;
+  constexpr std::size_t parts = 64, most_curves = 6;  // bins of six pixels; curves, as the style sheet has colours
+  constexpr double least = 0.002;                     // percentiles at the ends of the axis: outliers do not set it
   std::vector<float> values;
   for (const float value : image.values)
     if (std::isfinite(value)) values.push_back(value);
@@ -67,12 +67,12 @@ Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& 
   }
   return {"Intensities of the regions",
           draw(distributions, lo, lo + width * parts, "intensity", image.grid.dimension() == 3 ? "voxels" : "pixels"),
-          "The less the curves overlap, the more certain the labels. The ends hold all values beyond them."};
+          "The less the curves overlap, the more certain the labels. The ends include all values beyond them."};
 }
 
 Figure descent(const SegmentReport& r) {
   return {"Descent of the energy", draw(Course{.values = r.energy, .label = "energy per voxel", .counted = "step"}),
-          r.converged ? "It ends where labels stopped changing." : "Labels were still changing at the end."};
+          r.converged ? "It ends where the labels stopped changing." : "The labels were still changing at the end."};
 }
 
 template <int Dim>
@@ -87,17 +87,17 @@ template <int Dim>
 Figure pictures(const Volume<float>& image, const Segmentation<Dim>& segmentation) {
   const std::vector<const Field<Dim>*> fields = inside_fields(segmentation);
   if (Dim == 2) {
-    constexpr int size = 900;
+    constexpr int size = 900;  // pixels along the longer side, about the width of the page
     return {"The contour on the image",
             picture_element(preview<Dim>(image, fields, {.size = size}), "The image with the contour"), "", true};
   }
   std::vector<std::string> slices;
-  constexpr int size = 420;
+  constexpr int size = 420;  // pixels: three side by side
   for (const int axis : {2, 1, 0})
     slices.push_back(picture_element(preview<Dim>(image, fields, {.axis = axis, .size = size}),
                                      "Slice across " + std::string(1, "xyz"[axis]) + " with the contour"));
   return {"The contour on slices of the image", side_by_side(slices),
-          "Across z, y and x: of each, the slice with the largest area inside.", true};
+          "Slices across z, y and x, each where the area inside is largest.", true};
 }
 
 Figure surface(const std::function<Mesh(int)>& mesh_at, int resolution) {

@@ -12,7 +12,8 @@
 
 namespace csrbf::app {
 
-/// The regions on the image, their intensities, the descent of the energy and, in a volume, the surface to turn.
+/// The regions on the image, their intensities, the descent of the energy and, in a volume, an interactive view of the
+/// surface.
 /// `measures`: the contour as in the report; `mesh_at`: the surface of a given resolution, 0 for the automatic one.
 template <int Dim>
 void show(const Volume<float>& image, const Segmentation<Dim>& segmentation, const nlohmann::ordered_json& measures,

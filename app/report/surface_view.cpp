@@ -22,7 +22,7 @@ std::string as_base64(const std::vector<Number>& numbers) {
 
 // Fractions of the box in 16 bits.
 std::string positions(const Points<3>& points, const Box<3>& box) {
-  constexpr double most = 65535;
+  constexpr double most = 65535;  // of 16 bits
   const Point<3> extent = box.extent();
   std::vector<std::uint16_t> numbers;
   for (Index i = 0; i < points.cols(); ++i)
@@ -34,7 +34,7 @@ std::string positions(const Points<3>& points, const Box<3>& box) {
 }
 
 std::string normals(const Points<3>& vectors) {
-  constexpr double most = 127;
+  constexpr double most = 127;  // of 8 bits with sign
   std::vector<std::int8_t> numbers;
   for (Index i = 0; i < vectors.cols(); ++i)
     for (Index a = 0; a < 3; ++a)
@@ -48,7 +48,7 @@ std::string triangles(const Triangles& corners) {
 
 // 0 to 254 along the scale, 255 where there is no value.
 std::string bytes(const Eigen::VectorXd& values, double lo, double hi) {
-  constexpr double most = 254;
+  constexpr double most = 254;  // of 8 bits, without 255
   std::vector<std::uint8_t> numbers;
   for (const double value : values) {
     const double part = hi > lo ? std::clamp((value - lo) / (hi - lo), 0.0, 1.0) : 0.5;
@@ -94,7 +94,7 @@ bool has_interactive_view() {
 Mesh mesh_to_show(const Mesh& mesh, int resolution, const std::function<Mesh(int)>& coarser) {
   Mesh shown = mesh;
   while (shown.vertices.cols() > SurfaceView::most_vertices) {
-    // The number of vertices goes with the square of the resolution.
+    // The number of vertices grows with the square of the resolution; 0.97 makes one step almost always enough.
     constexpr double safety = 0.97;
     const double vertices = static_cast<double>(shown.vertices.cols());
     resolution = std::max(1, static_cast<int>(safety * resolution *
@@ -116,15 +116,14 @@ Figure surface_figure(const SurfaceView& view) {
   RenderOptions options{.width = 800, .height = 500};
   options.view = {-65, 15};
   options.ground = Ground::none;
-  constexpr int few_rays = 2;  // the picture is seen until the view starts
+  constexpr int few_rays = 2;  // the picture is only seen until the viewer starts
   if (has_interactive_view()) options.occlusion_rays = few_rays;
   const std::string still = picture_element(render(view.mesh, options), "The surface, from above its front");
   std::string body = "<div class=\"stage\">" + still;
   if (has_interactive_view())
     body +=
         "<canvas tabindex=\"0\" role=\"img\" aria-label=\"The surface. Arrow keys turn it, with Shift they move it; "
-        "plus "
-        "and minus zoom, 0 resets the view.\"></canvas></div><div class=\"controls\"></div>"
+        "plus and minus zoom, 0 resets the view.\"></canvas></div><div class=\"controls\"></div>"
         "<p class=\"hint\">Drag to turn, drag with Shift or the right button to move, click and scroll to zoom. Keys: "
         "arrows, Shift, + and −, 0.</p>"
         "<p class=\"why-still\"></p><noscript><p>Scripts are off, so this is a still picture.</p></noscript>"

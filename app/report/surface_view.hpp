@@ -20,29 +20,29 @@ struct SurfaceColors {
   Eigen::VectorXd point_values = {};  ///< one for each point, or none
 };
 
-/// A surface to turn and cut.
+/// A surface to rotate and cut.
 struct SurfaceView {
   Mesh mesh = {};  ///< with normals; at most `most_vertices`
   Points<3> points{3, 0};
   std::vector<SurfaceColors> colors;
   std::string caption;
-  std::string shown = "plain";  ///< or the number of the colours that come first
+  std::string shown = "plain";  ///< or the number of the colours shown first
 
-  static constexpr Index most_vertices = 65536;  ///< what 16 bits count
-  static constexpr Index most_points = 40000;
+  static constexpr Index most_vertices = 65536;  ///< 16-bit indices
+  static constexpr Index most_points = 40000;    ///< 6 bytes each in the page; more hide the surface
 };
 
-/// Does the program hold the script that turns surfaces, or only still pictures?
+/// Does the program contain the interactive viewer, or only still pictures?
 bool has_interactive_view();
 
-/// A mesh of at most SurfaceView::most_vertices: `mesh` itself, or what `coarser` makes of a resolution below
-/// `resolution`, which `mesh` has.
+/// A mesh of at most SurfaceView::most_vertices: `mesh` itself, whose resolution is `resolution`, or `coarser` of a
+/// lower one.
 Mesh mesh_to_show(const Mesh& mesh, int resolution, const std::function<Mesh(int)>& coarser);
 
 /// At most `most` indices, evenly spaced among n.
 std::vector<Index> spread_indices(Index n, Index most);
 
-/// The view as a figure: a picture by ray tracing, and all that the script needs to take its place.
+/// The view as a figure: a ray-traced picture, and the data with which the script replaces it.
 Figure surface_figure(const SurfaceView& view);
 
 }  // namespace csrbf::app

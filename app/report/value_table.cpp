@@ -10,7 +10,7 @@
 namespace csrbf::app {
 namespace {
 
-constexpr int shown_digits = 4;
+constexpr int shown_digits = 4;  // significant; the tooltip has all
 
 bool is_list_of_records(const Json& value) {
   return value.is_array() && !value.empty() && value.front().is_object();
@@ -66,7 +66,7 @@ std::string value_text(const Json& value) {
   if (value.is_number()) return number_text(value);
   if (value.is_string()) return escaped(value.get<std::string>());
   if (!value.is_array()) return escaped(value.dump());
-  constexpr std::size_t many = 8;
+  constexpr std::size_t many = 8;  // values, that no longer fit a cell
   if (value.empty()) return "<span class=\"none\">–</span>";
   if (value.size() > many) return counted(static_cast<Index>(value.size()), "value");
   std::string text;
@@ -106,8 +106,8 @@ std::string time_table(const Json& report) {
   rows += "<tr class=\"total\"><th scope=\"row\">total</th><td>" + escaped(seconds_text(time["total"])) +
           "</td><td></td></tr>\n";
   return "<table class=\"times\">\n<tbody>\n" + rows + "</tbody></table>\n<p class=\"note\">On " +
-         counted(report["threads"].get<Index>(), "thread") +
-         ". Memory at most: " + rounded(report["peak_memory_mb"], 6) + " MB.</p>\n";
+         counted(report["threads"].get<Index>(), "thread") + ". Peak memory: " + rounded(report["peak_memory_mb"], 6) +
+         " MB.</p>\n";
 }
 
 }  // namespace csrbf::app

@@ -2,19 +2,19 @@
 
     f = csrbf.fit(points, values)         # points (n, d), values (n,) or (n, k)
     f(x), f.gradient(x), f.hessian(x)     # anywhere
-    f.standard_deviation(x)               # how far f may be from a sample there
+    f.standard_deviation(x)               # of a sample there from f
     s = csrbf.reconstruct(points)         # an implicit surface from points in space
     s.polygonize().save("mesh.ply")
     s.render("picture.png")
     g = csrbf.segment(image)              # labels and contours of an image, g.labels, g.field(x), g.contour()
-    t = csrbf.track(frames)               # the same through a sequence, t[0].labels, t.volumes()
+    t = csrbf.track(frames)               # the same for a sequence, t[0].labels, t.volumes()
     csrbf.inpaint(image, mask)            # an image with its holes filled
     (a - b).save("cut.csrbf")             # surfaces: also a | b, a & b, ~a and csrbf.combine("blend", a, b)
 
-Arrays of points have one point a row; C-contiguous float64 arrays are not copied. Computations use all cores
-(`set_thread_count`), release the interpreter lock, stop on Ctrl-C and show how far they are with ``progress=True``.
-Objects can be pickled. Wrong arguments raise ValueError, unreadable or unwritable files `IoError`, valid data without a
-result of the requested quality `SolverFailure`. The examples of all functions begin with ``import csrbf`` and
+Arrays of points have one point per row; C-contiguous float64 arrays are not copied. Computations use all cores
+(`set_thread_count`), release the interpreter lock, stop on Ctrl-C and show progress with ``progress=True``. Objects can
+be pickled. Invalid arguments raise ValueError, unreadable or unwritable files `IoError`, valid data without a result of
+the requested quality `SolverFailure`. The examples of all functions assume ``import csrbf`` and
 ``import numpy as np``.
 """
 

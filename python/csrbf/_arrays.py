@@ -1,4 +1,4 @@
-"""Arguments as the arrays that the compiled module takes."""
+"""Converts arguments to the arrays that the compiled module takes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 def floats(array: ArrayLike, name: str) -> Floats:
-    """A C-contiguous array of float64, which is `array` itself when it is one already."""
+    """A C-contiguous array of float64; `array` itself when it is one already."""
     if np.iscomplexobj(array):
         raise ValueError(f"{name}: must be real numbers")
     try:
@@ -24,15 +24,15 @@ def floats(array: ArrayLike, name: str) -> Floats:
 
 
 def rows(array: ArrayLike, name: str) -> Floats:
-    """As floats, and with two dimensions."""
+    """As floats(), with two dimensions."""
     array = floats(array, name)
     if array.ndim != 2:
-        raise ValueError(f"{name}: has shape {array.shape}; give one point a row, in an array of shape (n, d)")
+        raise ValueError(f"{name}: has shape {array.shape}; give one point per row, in an array of shape (n, d)")
     return array
 
 
 def queries(x: ArrayLike, dimension: int) -> tuple[Floats, tuple[int, ...]]:
-    """Points in an array (..., d), as rows, and the shape of what is in front."""
+    """Points of an array (..., d) as rows, and the leading shape."""
     x = floats(x, "x")
     if x.ndim == 0 or x.shape[-1] != dimension:
         raise ValueError(f"x: has shape {x.shape}; its last axis must hold the {dimension} coordinates of a point")
@@ -51,7 +51,7 @@ def smoothing_or_none(smoothing: str | float | None) -> float | None:
 
 
 class ArrayBacked(NDArrayOperatorsMixin):
-    """Base of classes that numpy and operators take for an array; results of both are plain arrays."""
+    """Base of classes that numpy and operators treat as arrays; results of both are plain arrays."""
 
     _array: NDArray[Any]
 

@@ -13,19 +13,19 @@ def combine(
     blending: str | None = None,
     progress: Progress = None,
 ) -> Surface:
-    """Join, intersect, cut or blend surfaces.
+    """Unite, intersect, subtract or blend surfaces.
 
     Parameters
     ----------
     operation : str
-        "union", "intersection", "difference" (the first without the others), "complement" (of one surface) or "blend"
+        "union", "intersection", "difference" (the first minus the others), "complement" (of one surface) or "blend"
         (a union with rounded edges).
     *surfaces : Surface
     radius : float, optional
         Range of the blend, as a fraction of the diagonal of the box of all surfaces; surfaces further apart keep their
         shape. Default: 0.05 for "blend", else edges are sharp.
     sharpness : float, optional
-        How closely the blend follows the edge, from 1 (a chamfer) on; default 3.
+        How closely the blend follows the edge, 1 (a chamfer) or more; default 3.
     blending : str, optional
         "sharp", "r-function" (the same edges, smooth elsewhere), "super-elliptic" (the default with a radius) or
         "log-sum-exp" (rounds edges, and swells a little everywhere).
@@ -39,7 +39,7 @@ def combine(
     Raises
     ------
     ValueError
-        For unknown operations, too few surfaces and options that do not go together.
+        For unknown operations, too few surfaces and incompatible options.
 
     Examples
     --------

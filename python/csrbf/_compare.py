@@ -29,7 +29,7 @@ def compare(
     seed: int = 7,
     progress: Progress = None,
 ) -> dict[str, Any]:
-    """How a mesh differs from another one or from points, or labels from other labels.
+    """Differences between a mesh and another mesh or points, or between two label images.
 
     Parameters
     ----------
@@ -39,23 +39,22 @@ def compare(
     voxel_size : float or sequence of float, optional
         Of label arrays: size of a voxel along x, y (and z); 1 when not given.
     samples, seed : int
-        Points drawn on each mesh, and the seed of the drawing.
+        Points sampled on each mesh, and the random seed.
     progress : bool or callable, optional
         See `fit`.
 
     Returns
     -------
     dict
-        Of meshes: chamfer_mean, hausdorff99 (largest distances but for 1 %), as fractions of the diagonal of the
-        reference, normal_error_deg, the distances each way (accuracy, completeness; of points: distance), and what
-        `Mesh.topology` says of the first. Of labels: dice, jaccard, hausdorff95 in units of the voxel size, and the
-        same for each label in `labels`. Images that mark one region each, by different numbers, are taken to mean the
-        same.
+        For meshes: chamfer_mean and hausdorff99 (99th percentile of the distances), as fractions of the diagonal of the
+        reference, normal_error_deg, the distances each way (accuracy, completeness; for points: distance), and the
+        `Mesh.topology` of the first. For labels: dice, jaccard, hausdorff95 in units of the voxel size, and the same
+        for each label in `labels`. Images with a single label each, of different values, are compared as one region.
 
     Raises
     ------
     ValueError
-        For meshes without triangles, images of different size or place and labels that are not whole numbers.
+        For meshes without triangles, images of different size or position and labels that are not whole numbers.
 
     Examples
     --------
@@ -80,7 +79,7 @@ def compare(
 
 
 def _opened(one: Any, other: Any) -> Any:
-    """The image or mesh of a file name; .npy is an image beside an image, and points beside a mesh."""
+    """The image or mesh of a file name; .npy is an image next to an image, and points next to a mesh."""
     if not isinstance(one, (str, os.PathLike)):
         return one
     path = os.fspath(one)
@@ -112,7 +111,7 @@ def _labels(labels: Any, voxel_size: ArrayLike | None) -> Image:
 def _compare_labels(a: Image, b: Image, listener: Any) -> dict[str, Any]:
     marks = [np.setdiff1d(np.unique(image.values), [0]) for image in (a, b)]
     alike = len(marks[0]) == len(marks[1]) == 1 and marks[0][0] != marks[1][0]
-    # An image that does not say where it is takes the place of the other one.
+    # An image without a position is given that of the other one.
     places = [b if _has_no_place(a) else a, a if _has_no_place(b) else b]
     layouts = [_placed(image, place) for image, place in zip((a, b), places)]
     numbers = [np.ascontiguousarray(image.values, dtype=np.float32).ravel() for image in (a, b)]
@@ -120,7 +119,7 @@ def _compare_labels(a: Image, b: Image, listener: Any) -> dict[str, Any]:
 
 
 def _placed(image: Image, place: Image) -> dict[str, Any]:
-    """The layout of an image, at the place of another one of the same size."""
+    """The layout of an image, at the position of another one of the same size."""
     layout, other = dict(image._layout(), type="float32"), place._layout()
     if layout["size"] == other["size"]:
         layout.update((key, other[key]) for key in ("spacing", "origin", "direction", "space"))

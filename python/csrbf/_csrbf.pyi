@@ -1,4 +1,4 @@
-"""The compiled module; csrbf/__init__.py makes of it what users see."""
+"""The compiled module, wrapped by csrbf/__init__.py for users."""
 
 from typing import Any, Callable, Sequence
 
@@ -11,7 +11,7 @@ Properties = dict[str, NDArray[Any]]
 MeshArrays = tuple[Floats, NDArray[np.int32], Floats, Properties]  # vertices, faces, normals, properties
 LineArrays = tuple[Floats, NDArray[np.int32], Properties]  # vertices, edges, properties
 CloudArrays = tuple[Floats, Floats, Properties]  # points, normals, properties
-Layout = dict[str, Any]  # where an image is, and of what numbers
+Layout = dict[str, Any]  # position and type of an image
 Options = dict[str, Any]
 Listener = Callable[[str, float], object] | None
 

@@ -7,7 +7,7 @@ from csrbf._arrays import Floats
 
 @dataclass
 class Curvature:
-    """How a surface is curved at points; NaN where its gradient is zero.
+    """Curvature of a surface at points; NaN where its gradient is zero.
 
     Attributes
     ----------

@@ -29,15 +29,14 @@ def evaluate(
     standard_deviation: bool = False,
     labels: bool = False,
 ) -> NDArray[Any]:
-    """Values of a model at points, at the nodes of a grid or at the voxels of an image, and their derivatives, as one
-    table.
+    """Values of a model at points, at the nodes of a grid or at the voxels of an image, and derivatives, in one table.
 
     Parameters
     ----------
     model : Function, Surface or file name
     points : array_like (..., d), optional
     grid : int or sequence of int, optional
-        Instead of points: so many nodes along x, y (and z).
+        Instead of points: number of nodes along x, y (and z).
     bounds : array_like (d, 2), optional
         First and last node of the grid along each axis; the box of the samples when not given.
     like : Image, array_like or file name, optional
@@ -45,18 +44,18 @@ def evaluate(
     gradient, hessian, standard_deviation : bool
         Append the gradient, the upper triangle of the Hessian and the standard deviation.
     labels : bool
-        Labels instead of values: 1 where the only component is positive, of several the number of the largest.
+        Labels instead of values: with one component 1 where it is positive, with several the number of the largest.
 
     Returns
     -------
     ndarray (..., columns), or (...) for one column
-        Points give (m, ...); a grid or an image [y, x] or [z, y, x], as images are indexed. Columns: the k values, then
-        k x d derivatives, value by value, and so on.
+        For points (m, ...); for a grid or an image [y, x] or [z, y, x], indexed as images are. Columns: the k values,
+        then k x d derivatives, value by value, and so on.
 
     Raises
     ------
     ValueError
-        Unless exactly one of `points`, `grid` and `like` says where.
+        Unless exactly one of `points`, `grid` and `like` is given.
 
     Examples
     --------
@@ -80,7 +79,7 @@ def evaluate(
     if grid is not None:
         points = _nodes(f.bounds.T if bounds is None else np.asarray(bounds, dtype=float), grid, d)
     elif like is not None:
-        points = as_image(like).centers()[..., :d]  # a volume of one slice is an image in the plane
+        points = as_image(like).centers()[..., :d]  # a volume of one slice is a 2D image
     assert points is not None
     x, shape = queries(points, d)
     columns = [f(x).reshape(len(x), -1)]

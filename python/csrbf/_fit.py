@@ -29,12 +29,12 @@ def fit(
     scale_axes: bool = True,
     progress: Progress = None,
 ) -> Function:
-    """A smooth function through, or under noise near, scattered samples.
+    """A smooth function through, or with noise near, scattered samples.
 
     Parameters
     ----------
     points : array_like (n, d)
-        In any order, d from 1 to 6. Points at the same place are merged.
+        In any order, d from 1 to 6. Coincident points are merged.
     values : array_like (n,) or (n, k)
     method : str
         "auto" chooses from the data; "interpolate", "least-squares", "partition-of-unity", "multilevel",
@@ -44,13 +44,13 @@ def fit(
     centers : int, optional
         Largest number of radial basis functions.
     smoothing : "auto", "none" or float
-        "auto" chooses by cross-validation, "none" interpolates, a number is taken as it is: larger is smoother.
+        "auto" chooses by cross-validation, "none" interpolates, a number is used as given: larger is smoother.
     kernel : str
-        "auto", "wendland-c2", "gaussian", "cubic", ...: a wrong name lists those there are.
+        "auto", "wendland-c2", "gaussian", "cubic", ...: an unknown name lists them all.
     kernel_parameter : float, optional
-        Of kernels that have one.
+        Parameter of kernels that have one.
     degree : int, optional
-        Of the polynomials; chosen when not given.
+        Degree of the polynomials; chosen automatically when not given.
     weights : array_like (n,), optional
         How much each sample counts: the inverse variance of its error, up to a factor.
     periods : sequence of float, optional
@@ -60,8 +60,8 @@ def fit(
     scale_axes : bool
         Whether axes of different units may be scaled; False where all coordinates are lengths of one unit.
     progress : bool or callable, optional
-        True shows a bar. A function is called as ``progress(stage, fraction)`` from time to time; what it raises ends
-        the fit.
+        True shows a bar. A function is called as ``progress(stage, fraction)`` from time to time; an exception from it
+        stops the fit.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def fit(
     Raises
     ------
     ValueError
-        For arrays of wrong shapes, numbers that are not finite and unknown options.
+        For arrays of wrong shapes, non-finite numbers and unknown options.
     SolverFailure
         When the tolerance cannot be met.
 
@@ -115,7 +115,7 @@ def fit_options(
     degree: int | None,
     extrapolation: str,
 ) -> dict[str, Any]:
-    """What `fit` and `inpaint` have in common, without what is left to the library."""
+    """Options common to `fit` and `inpaint`, without those left to the library."""
     if extrapolation not in ("constant", "nan"):
         raise ValueError(f'extrapolation: "{extrapolation}" is neither "constant" nor "nan"')
     options = {

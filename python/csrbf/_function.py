@@ -19,8 +19,8 @@ class Function:
     Attributes
     ----------
     report : dict
-        What the fit did: the method and all options used, also those chosen automatically, the errors at the samples,
-        the cross-validated error, times and warnings.
+        What the fit did: the method and all options used, including those chosen automatically, the errors at the
+        samples, the cross-validation error, times and warnings.
 
     Examples
     --------
@@ -134,12 +134,12 @@ class Function:
         *axes : d arrays (n1,), (n2,), ...
             Coordinates along the axes.
         dtype : numpy.float64 or numpy.float32
-            Type of the values. Single precision, to which they are rounded, takes half the memory.
+            Type of the values. Single precision, to which they are rounded, needs half the memory.
 
         Returns
         -------
         ndarray (n1, n2, ...) or (n1, n2, ..., k)
-            The value at (axes[0][i], axes[1][j], ...) is that of index i, j, ..., as with numpy's
+            The value at (axes[0][i], axes[1][j], ...) has index i, j, ..., as with numpy's
             ``meshgrid(..., indexing="ij")``.
 
         Examples
@@ -168,9 +168,9 @@ class Function:
     def standard_deviation(self, x: ArrayLike) -> Floats:
         """Standard deviations of the difference between a sample and the value there.
 
-        They hold the error of the function and the noise of the values. Of the method "interpolate" they are 0 (or that
-        of the noise) at the samples and grow between them; of "partition-of-unity" they are local errors of
-        cross-validation. NaN outside the box of the samples.
+        They include the error of the function and the noise of the values. With the method "interpolate" they are 0 (or
+        that of the noise) at the samples and grow between them; with "partition-of-unity" they are local
+        cross-validation errors. NaN outside the box of the samples.
 
         Parameters
         ----------
@@ -207,7 +207,7 @@ class Function:
         Raises
         ------
         IoError
-            When the file cannot be written; there is no half-written one then.
+            When the file cannot be written; no partial file is left.
 
         Examples
         --------

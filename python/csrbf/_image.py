@@ -12,11 +12,11 @@ from csrbf._arrays import ArrayBacked, Floats, Path
 if TYPE_CHECKING:
     ImageLike = Union["Image", ArrayLike, Path]
 
-_AXES = ("x", "yx", "zyx", "tzyx")  # what an array of so many axes is unless told otherwise
+_AXES = ("x", "yx", "zyx", "tzyx")  # default meaning of an array with that many axes
 
 
 class Image(ArrayBacked):
-    """An image or volume, which numpy takes for the array of its values, with its place in space.
+    """An image or volume with its position in space; to numpy, the array of its values.
 
     Parameters
     ----------
@@ -29,10 +29,11 @@ class Image(ArrayBacked):
     direction : array_like (3, 3), optional
         Columns: unit vectors of the axes x, y and z. Default: the axes of space.
     axes : str, optional
-        What the axes of the array are: "yx", "zyx", with a "t" in front for time and a "c" behind for components, such
-        as colours. Default: "x", "yx", "zyx" or "tzyx", as the array has axes.
+        Meaning of the axes of the array: "yx" or "zyx", preceded by "t" for time and followed by "c" for components,
+        such as colours. Default: "x", "yx", "zyx" or "tzyx", by the number of axes.
     space : "unknown", "LPS" or "RAS"
-        Which way the axes of space point: those of a patient, to the left and the back, or to the right and the front.
+        Orientation of the axes of space: those of a patient point to the left and the back, or to the right and the
+        front.
     time_step : float
         Seconds between frames.
 
@@ -40,7 +41,7 @@ class Image(ArrayBacked):
     ----------
     values : ndarray
     spacing, origin : ndarray (3,)
-        Of x, y and z, also for images in the plane.
+        Of x, y and z, also for 2D images.
     direction : ndarray (3, 3)
     axes, space, time_step
         As above.
@@ -91,7 +92,7 @@ class Image(ArrayBacked):
         Returns
         -------
         ndarray (..., d)
-            x, y (and z), indexed as the image: of [z, y, x] an array (nz, ny, nx, 3).
+            x, y (and z), indexed as the image: for [z, y, x] an array (nz, ny, nx, 3).
 
         Examples
         --------
@@ -109,9 +110,9 @@ class Image(ArrayBacked):
         return places
 
     def save(self, path: Path) -> None:
-        """Write .png, .pgm, .ppm, .tif, .nii, .nii.gz, .nrrd, .mha, .mhd or .npy, whichever the name ends with.
+        """Write .png, .pgm, .ppm, .tif, .nii, .nii.gz, .nrrd, .mha, .mhd or .npy, by the extension of the name.
 
-        The numbers keep their type where the format has it. Pictures and .npy do not hold the place in space.
+        The numbers keep their type where the format supports it. Pictures and .npy do not store the position in space.
 
         Parameters
         ----------
@@ -158,15 +159,15 @@ class Image(ArrayBacked):
 def _checked_axes(axes: str | None, ndim: int) -> str:
     if axes is None:
         if not 1 <= ndim <= 4:
-            raise ValueError(f"dimension of the image: {ndim}; must be 1 to 4, or say what the axes are")
+            raise ValueError(f"dimension of the image: {ndim}; must be 1 to 4, or give axes")
         return _AXES[ndim - 1]
     if len(axes) != ndim or axes.removeprefix("t").removesuffix("c") not in _AXES[:3]:
-        raise ValueError(f'axes: "{axes}" does not name {ndim} axes; give "yx" or "zyx", "t" before it and "c" behind')
+        raise ValueError(f'axes: "{axes}" does not name {ndim} axes; give "yx" or "zyx", "t" before and "c" after it')
     return axes
 
 
 def _three(given: ArrayLike, dimension: int, name: str, missing: float) -> Floats:
-    """One number, or one for each axis, as those of x, y and z."""
+    """One number, or one per axis, as three for x, y and z."""
     numbers = np.atleast_1d(np.asarray(given, dtype=float)).ravel()
     if len(numbers) == 1:
         numbers = np.repeat(numbers, dimension)
@@ -196,7 +197,7 @@ def read_image(path: Path) -> Image:
     Parameters
     ----------
     path : str or path-like
-        Of DICOM slices also their folder, when the library was built with GDCM.
+        For DICOM slices also their folder, when the library was built with GDCM.
 
     Returns
     -------
@@ -206,7 +207,7 @@ def read_image(path: Path) -> Image:
     Raises
     ------
     IoError
-        With the file and the place for what cannot be read.
+        With the file and the position in it, for unreadable data.
 
     Examples
     --------
@@ -222,7 +223,7 @@ def as_image(image: ImageLike, voxel_size: ArrayLike | None = None) -> Image:
     """An argument `image`: an Image, an array or the name of a file."""
     if isinstance(image, Image) or isinstance(image, (str, os.PathLike)):
         if voxel_size is not None:
-            raise ValueError("voxel_size: the image says it; give the array to use another one")
+            raise ValueError("voxel_size: the image has one; pass the array to use another one")
         return image if isinstance(image, Image) else read_image(image)
     array = np.asarray(image)
     if voxel_size is not None and np.size(voxel_size) not in (1, array.ndim):

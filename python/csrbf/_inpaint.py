@@ -34,17 +34,17 @@ def inpaint(
 ) -> Image:
     """An image with its missing or unreliable values filled in.
 
-    A smooth function is fitted to the known values (see `fit`), for every frame and component by itself. Known values
-    stay as they are.
+    A smooth function is fitted to the known values (see `fit`), separately for every frame and component. Known values
+    are unchanged.
 
     Parameters
     ----------
     image : Image, array_like or file name
-        [y, x] or [z, y, x]; an `Image` says what other axes are.
+        [y, x] or [z, y, x]; other axes need an `Image`.
     mask : Image, array_like or file name, optional
-        Like the image (or one frame of it), not 0 where values are to be replaced.
+        Like the image (or one frame of it), nonzero where values are to be replaced.
     missing : float, optional
-        Value that stands for missing ones. NaN and infinity always are missing.
+        Value that marks missing ones. NaN and infinity are always missing.
     voxel_size : float or sequence of float, optional
         Of an array: size of a voxel along x, y (and z); 1 when not given.
     method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation, progress
@@ -53,8 +53,8 @@ def inpaint(
     Returns
     -------
     Image
-        An array to numpy, of the type of `image`: whole numbers are rounded and stay in their range. Its `report` says
-        how many values were missing and known, and what the fit did.
+        An array to numpy, of the type of `image`: whole numbers are rounded and clipped to their range. Its `report`
+        has the numbers of missing and known values, and what the fit did.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def _range(dtype: np.dtype[Any]) -> tuple[float, float]:
 
 
 def _holes(image: Image, mask: ImageLike | None, missing: float | None) -> NDArray[np.uint8]:
-    """Voxels of every frame that are missing: those of the mask, and those whose components all have the value."""
+    """Missing voxels of every frame: those of the mask, and those whose components all have the value."""
     components = image.axes.endswith("c")
     shape = image.values.shape[:-1] if components else image.values.shape
     holes = np.zeros(shape, dtype=bool)

@@ -9,7 +9,7 @@ from csrbf._surface import Surface
 
 
 def load(path: Path) -> Function | Surface:
-    """What a .csrbf file holds, written by `save` or by the program csrbf.
+    """The content of a .csrbf file, written by `save` or by the program csrbf.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def load(path: Path) -> Function | Surface:
     Raises
     ------
     IoError
-        For files that are missing, damaged or of a later version.
+        For files that are missing, damaged or from a later version.
 
     Examples
     --------

@@ -17,17 +17,17 @@ if TYPE_CHECKING:
 
 
 class Mesh:
-    """Triangles over shared vertices, counter-clockwise seen from outside.
+    """Triangles over shared vertices, counter-clockwise as seen from outside.
 
     Attributes
     ----------
     vertices : ndarray (v, 3)
     faces : ndarray (t, 3) of int32
-        Numbers of vertices.
+        Indices of vertices.
     normals : ndarray (v, 3) or None
         Outward unit normals at the vertices.
     properties : dict of arrays (v,)
-        Anything else about the vertices by name; colours are "red", "green" and "blue" of type uint8.
+        Other values at the vertices, by name; colours are "red", "green" and "blue" of type uint8.
 
     Examples
     --------
@@ -56,7 +56,7 @@ class Mesh:
 
     @property
     def topology(self) -> dict[str, Any]:
-        """What the connectivity says: components, watertight, manifold, euler, boundary_edges and so on.
+        """Properties of the connectivity: components, watertight, manifold, euler, boundary_edges and so on.
 
         Examples
         --------
@@ -67,7 +67,7 @@ class Mesh:
 
     @property
     def area(self) -> float:
-        """Area of all triangles.
+        """Total area of the triangles.
 
         Examples
         --------
@@ -79,7 +79,7 @@ class Mesh:
 
     @property
     def volume(self) -> float:
-        """Volume inside; of meshes that are not watertight it has no meaning.
+        """Enclosed volume; meaningless for meshes that are not watertight.
 
         Examples
         --------
@@ -92,7 +92,7 @@ class Mesh:
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
     def save(self, path: Path) -> None:
-        """Write .ply, .obj, .off or .stl, whichever the name ends with.
+        """Write .ply, .obj, .off or .stl, by the extension of the name.
 
         Coordinates are float32 in .ply, or float64 where float32 would move one by more than a millionth of the
         diagonal of the bounding box; .stl has float32 only, and such a loss is a UserWarning.
@@ -104,7 +104,7 @@ class Mesh:
         Raises
         ------
         ValueError
-            When the arrays do not fit together.
+            When the arrays are inconsistent.
         IoError
             When the file cannot be written.
 
@@ -133,8 +133,8 @@ class Mesh:
     ) -> NDArray[np.uint8]:
         """A ray-traced picture; see `Surface.render` for the arguments.
 
-        Colours "mean-curvature" and "gaussian-curvature" are those of the properties mean_curvature and
-        gaussian_curvature; "plain" shows red, green and blue when there are such properties.
+        The colours "mean-curvature" and "gaussian-curvature" need the properties mean_curvature and gaussian_curvature;
+        "plain" shows red, green and blue when there are such properties.
 
         Returns
         -------
@@ -252,12 +252,12 @@ def read_mesh(path: Path) -> Mesh:
     Returns
     -------
     Mesh
-        Polygons become fans of triangles. A file of points alone gives a mesh without faces.
+        Polygons become fans of triangles. A file with only points gives a mesh without faces.
 
     Raises
     ------
     IoError
-        With the file and the place for what cannot be read.
+        With the file and the position in it, for unreadable data.
 
     Examples
     --------

@@ -28,7 +28,7 @@ def picture_options(
     background: Color,
     ground: bool,
 ) -> tuple[dict[str, Any], str | None]:
-    """What the compiled module takes, and the file of "error:FILE"."""
+    """Options for the compiled module, and the file of "error:FILE"."""
     if np.shape(size) != (2,) or np.shape(view) != (2,):
         raise ValueError(f"render: size {size} must be (width, height) and view {view} (azimuth, elevation)")
     name, _, file = str(color).partition(":")
@@ -59,7 +59,7 @@ def reference_mesh(reference: Mesh | Path | None) -> Any:
 
 
 def write_picture(path: Path | None, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The picture, written where a path is given."""
+    """The picture, written to a file when a path is given."""
     if path is not None:
         _csrbf.write_picture(os.fspath(path), picture)
     return picture

@@ -12,7 +12,7 @@ from csrbf._progress import Progress, listening
 
 
 class PointCloud(ArrayBacked):
-    """Points in space, which numpy takes for the array of their coordinates, with what else a file says about them.
+    """Points in space with their normals and properties; to numpy, the array of their coordinates.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ class PointCloud(ArrayBacked):
     normals : array_like (n, 3), optional
         Outward unit normals.
     properties : dict of arrays (n,), optional
-        Anything else by name; colours are "red", "green" and "blue" of type uint8.
+        Other values by name; colours are "red", "green" and "blue" of type uint8.
 
     Examples
     --------
@@ -43,7 +43,7 @@ class PointCloud(ArrayBacked):
         self.properties = properties or {}
 
     def save(self, path: Path) -> None:
-        """Write .ply, .xyz, .pts, .txt, .csv, .obj, .off or .npy, whichever the name ends with.
+        """Write .ply, .xyz, .pts, .txt, .csv, .obj, .off or .npy, by the extension of the name.
 
         Parameters
         ----------
@@ -52,7 +52,7 @@ class PointCloud(ArrayBacked):
         Raises
         ------
         ValueError
-            When the arrays do not fit together.
+            When the arrays are inconsistent.
         IoError
             When the file cannot be written.
 
@@ -84,7 +84,7 @@ def read_points(path: Path) -> PointCloud:
     Raises
     ------
     IoError
-        With the file and the line for what cannot be read.
+        With the file and the line, for unreadable data.
 
     Examples
     --------
@@ -111,23 +111,23 @@ def estimate_normals(
     ----------
     points : array_like (n, 3)
     neighbors : int, optional
-        Points that each normal is estimated from, at least 3; chosen from the noise when not given.
+        Number of points that each normal is estimated from, at least 3; chosen from the noise when not given.
     orient : "consistent", "viewpoint" or "none"
-        Outwards, as neighbours agree; towards the scanner; either way.
+        Outwards, in agreement with the neighbours; towards the scanner; either way.
     viewpoint : array_like (3,), optional
-        Where the scanner was, for the orientation "viewpoint".
+        Position of the scanner, for the orientation "viewpoint".
     progress : bool or callable, optional
         See `fit`.
 
     Returns
     -------
     ndarray (n, 3)
-        Zero where nothing determines a normal.
+        Zero where no normal is determined.
 
     Raises
     ------
     ValueError
-        For coordinates that are not finite, fewer than three different points and points on a line.
+        For non-finite coordinates, fewer than three distinct points and collinear points.
 
     Examples
     --------
@@ -149,28 +149,28 @@ def estimate_normals(
 def farthest_points(
     points: ArrayLike, n: int, *, first: int | None = None, progress: Progress = None
 ) -> NDArray[np.int64]:
-    """Well spread points: each is the one farthest from all before it.
+    """Well-spread points: each is the one farthest from all before it.
 
     Parameters
     ----------
     points : array_like (m, d)
         d from 1 to 6.
     n : int
-        How many to pick; fewer when there are not as many different points.
+        How many to pick; fewer when there are not as many distinct points.
     first : int, optional
-        Number of the point to begin with; the one nearest to the lower corner of the box when not given.
+        Index of the point to begin with; the one nearest to the lower corner of the box when not given.
     progress : bool or callable, optional
         See `fit`.
 
     Returns
     -------
     ndarray of int64
-        Numbers of the points in the order in which they were picked: the first k are well spread for every k.
+        Indices of the points in the order in which they were picked: the first k are well spread for every k.
 
     Raises
     ------
     ValueError
-        For coordinates that are not finite, a negative n and a `first` that is no point.
+        For non-finite coordinates, a negative n and a `first` out of range.
 
     Examples
     --------

@@ -13,15 +13,15 @@ from csrbf._arrays import Floats, Path, rows
 
 @dataclass(eq=False, repr=False)
 class Polylines:
-    """Curves of straight segments over shared vertices.
+    """Polygonal curves over shared vertices.
 
     Attributes
     ----------
     vertices : ndarray (v, 3)
     edges : ndarray (e, 2) of int32
-        Numbers of vertices.
+        Indices of vertices.
     properties : dict of arrays (v,)
-        Anything else about the vertices by name.
+        Other values at the vertices, by name.
 
     Examples
     --------
@@ -43,7 +43,7 @@ class Polylines:
         Raises
         ------
         ValueError
-            When the arrays do not fit together.
+            When the arrays are inconsistent.
         IoError
             When the file cannot be written.
 

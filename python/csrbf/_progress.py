@@ -1,4 +1,4 @@
-"""How long work tells how far it is."""
+"""Progress of long computations."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Progress = Union[bool, Listener, None]
 
 @contextlib.contextmanager
 def listening(progress: Progress) -> Iterator[Listener | None]:
-    """What the compiled module is to call: nothing, a bar for True, or the function given."""
+    """What the compiled module calls: nothing, a bar for True, or the given function."""
     if progress is None or progress is False:
         yield None
     elif progress is True:
@@ -36,7 +36,7 @@ def _display() -> contextlib.AbstractContextManager[Listener]:
 
 @contextlib.contextmanager
 def _bar(tqdm: Any) -> Iterator[Listener]:
-    """A bar of tqdm, which begins anew with every stage."""
+    """A tqdm bar, which restarts with every stage."""
     with tqdm(total=100, leave=False, bar_format="{desc:<16}{percentage:3.0f} %|{bar}| {elapsed} < {remaining}") as bar:
 
         def show(stage: str, fraction: float) -> None:
@@ -50,15 +50,15 @@ def _bar(tqdm: Any) -> Iterator[Listener]:
 
 @contextlib.contextmanager
 def _lines(interval: float = 2.0) -> Iterator[Listener]:
-    """A line on standard error for every stage, and one every two seconds."""
-    shown, told = "", 0.0
+    """A line on standard error for every stage and every two seconds."""
+    shown, last = "", 0.0
 
     def show(stage: str, fraction: float) -> None:
-        nonlocal shown, told
+        nonlocal shown, last
         now = time.monotonic()
-        if stage == shown and now - told < interval:
+        if stage == shown and now - last < interval:
             return
-        shown, told = stage, now
+        shown, last = stage, now
         print(f"{stage} {100 * fraction:.0f} %", file=sys.stderr)
 
     yield show

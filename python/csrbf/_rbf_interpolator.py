@@ -11,12 +11,12 @@ from csrbf._arrays import Floats, rows
 
 
 class SingularSystem(_csrbf.SolverFailure, np.linalg.LinAlgError):
-    """The equations of an interpolant have no unique solution."""
+    """The system of an interpolant is singular."""
 
 
 class RBFInterpolator:
-    """Interpolation by a radial function at every data point and a polynomial, with the arguments, the conventions and
-    the results of the class of this name in SciPy.
+    """Interpolation by a radial basis function at every data point and a polynomial, with the arguments, conventions
+    and results of the SciPy class of this name.
 
     Prefer `fit` for large or noisy data: it is smooth everywhere, needs no parameters and costs O(n).
 
@@ -27,7 +27,7 @@ class RBFInterpolator:
     d : array_like (n, ...)
         Values, real or complex.
     neighbors : int, optional
-        Every evaluation uses only that many data points nearest to it; all when not given. Systems shared by several
+        Every evaluation uses only this many nearest data points; all when not given. Systems shared by several
         evaluation points are solved once.
     smoothing : float or array_like (n,)
         Added to the diagonal of the system. 0 interpolates.
@@ -35,10 +35,10 @@ class RBFInterpolator:
         "linear", "thin_plate_spline", "cubic", "quintic", "multiquadric", "inverse_multiquadric", "inverse_quadratic",
         "gaussian", or any other kernel of csrbf, such as "wendland-c2" or "matern-c4".
     epsilon : float, optional
-        Kernels are functions of epsilon times distance; needed unless a factor of the distance makes no difference
+        Kernels are functions of epsilon times distance; required unless scaling the distance makes no difference
         (linear, thin_plate_spline, cubic, quintic).
     degree : int, optional
-        Of the polynomial, -1 for none. Default: the smallest with which the kernel is well-posed, at least 0.
+        Degree of the polynomial, -1 for none. Default: the smallest with which the kernel is well-posed, at least 0.
 
     Attributes
     ----------
@@ -48,9 +48,9 @@ class RBFInterpolator:
     Raises
     ------
     ValueError
-        For wrong arguments.
+        For invalid arguments.
     SolverFailure
-        Which is here a numpy.linalg.LinAlgError as well: when the system is singular.
+        When the system is singular; here it is a numpy.linalg.LinAlgError as well.
 
     Examples
     --------
@@ -127,15 +127,15 @@ class RBFInterpolator:
         smallest = _csrbf.RbfInterpolator.smallest_degree(self.kernel, dimension)
         if -1 <= degree < smallest:
             warnings.warn(
-                f"degree {degree} is below {smallest}, from which on the kernel {self.kernel} is well-posed: the "
-                "system may be singular, and smoothing may not smooth",
+                f"degree {degree} is below {smallest}, the smallest with which the kernel {self.kernel} is well-posed: "
+                "the system may be singular, and smoothing may not smooth",
                 UserWarning,
                 stacklevel=3,
             )
         return degree
 
     def _solve(self, epsilon: float | None, degree: int | None) -> None:
-        # The library wants a value, also where the shape of d has none.
+        # The library needs a value, even when the shape of d has none.
         values = self.d if self.d.size > 0 else np.zeros((len(self.y), 1))
         try:
             self._interpolant = _csrbf.RbfInterpolator(

@@ -27,23 +27,22 @@ def reconstruct(
     *,
     progress: Progress = None,
 ) -> Surface:
-    """A closed implicit surface through, or under noise near, a cloud of points.
+    """A closed implicit surface through, or with noise near, a cloud of points.
 
     Parameters
     ----------
     points : array_like (n, 3), PointCloud or file name
-        Normals of a cloud or file are used as `normals` are.
+        Normals of a cloud or file are used like `normals`.
     normals : array_like (n, 3), optional
-        Outward; they are turned round where they contradict each other or point inward, and estimated when there
-        are none.
+        Outward; they are flipped where they contradict each other or point inward, and estimated when there are none.
     method : str
-        "auto", "composite", "medial-axis", ...: a wrong name lists those there are.
+        "auto", "composite", "medial-axis", ...: an unknown name lists them all.
     centers : int, optional
         Largest number of radial basis functions.
     tolerance : float, optional
         Largest distance from a point to the surface, outliers aside, as a fraction of the diagonal of the bounding box.
     smoothing : "auto", "none" or float
-        "auto" chooses by cross-validation, "none" does not smooth, a number is taken as it is: larger is smoother.
+        "auto" chooses by cross-validation, "none" does not smooth, a number is used as given: larger is smoother.
     progress : bool or callable, optional
         See `fit`.
 
@@ -54,9 +53,9 @@ def reconstruct(
     Raises
     ------
     ValueError
-        For fewer than four different points, points on a line and unknown options.
+        For fewer than four distinct points, collinear points and unknown options.
     SolverFailure
-        When no surface comes out, or the tolerance cannot be reached.
+        When no surface results, or the tolerance cannot be met.
 
     Examples
     --------
@@ -82,18 +81,18 @@ def reconstruct(
 def reconstruct_contours(
     contours: Sequence[ArrayLike], *, centers: int = 2000, smoothing: str | float = "auto", progress: Progress = None
 ) -> Surface:
-    """A smooth closed implicit surface through contours that were drawn on slices.
+    """A smooth closed implicit surface through contours drawn on slices.
 
     Parameters
     ----------
     contours : sequence of array_like (n, 3)
-        Closed curves by their points in order, each in a plane of its own or with others; at least two planes, which
-        need not be parallel. Inside is where an odd number of curves of a plane is around a place.
+        Closed curves as points in order, each in one plane, which several may share; at least two planes, which need
+        not be parallel. A point is inside when an odd number of curves of its plane enclose it.
     centers : int
-        Largest number of basis functions, two for each point used.
+        Largest number of basis functions, two per point used.
     smoothing : "auto", "none" or float
-        "none" meets all contours; 1e-4 to 1e-2 smooth contours that do not fit together; "auto" smooths those in
-        zigzag, as traced from pixels.
+        "none" interpolates all contours; 1e-4 to 1e-2 smooth inconsistent contours; "auto" smooths jagged ones, as
+        traced from pixels.
     progress : bool or callable, optional
         See `fit`.
 
@@ -104,7 +103,7 @@ def reconstruct_contours(
     Raises
     ------
     ValueError
-        For curves that are not flat or enclose nothing, and fewer than two planes.
+        For curves that are not planar or enclose nothing, and fewer than two planes.
 
     Examples
     --------

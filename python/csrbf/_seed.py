@@ -1,4 +1,4 @@
-"""Where segmentations start."""
+"""Initial regions of segmentations."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FORMS = (
 
 
 def marked(given: Any, volume: _csrbf.Volume, name: str) -> NDArray[np.uint8] | None:
-    """Which voxels an array, Image or file like the image marks."""
+    """The voxels that an array, Image or file like the image marks."""
     if given is None:
         return None
     array = np.asarray(read_image(given) if isinstance(given, (str, os.PathLike)) else given)
@@ -33,7 +33,7 @@ def marked(given: Any, volume: _csrbf.Volume, name: str) -> NDArray[np.uint8] | 
 
 
 def seed(init: Any, image: Image, volume: _csrbf.Volume) -> NDArray[np.uint8] | None:
-    """Voxels that are inside at the start, or None."""
+    """The voxels that are inside initially, or None."""
     if isinstance(init, (Function, Surface)):
         return _inside(init, image)
     if not isinstance(init, (str, os.PathLike)):
@@ -68,14 +68,14 @@ def _numbers(text: str) -> NDArray[np.float64]:
 
 
 def _around(path: str, image: Image, volume: _csrbf.Volume) -> NDArray[np.uint8]:
-    """Inside points on the boundary: of a polygon in the plane, of a surface in space."""
+    """The inside of points on the boundary: of a polygon in 2D, of a surface in 3D."""
     if volume.dimension == 3:
         return _inside(reconstruct(path), image)
     return _covering(volume.seed_polygon(np.ascontiguousarray(_csrbf.read_queries(path, ["x", "y"]))), path)
 
 
 def _inside(f: Function | Surface, image: Image) -> NDArray[np.uint8]:
-    # A volume of one slice is an image in the plane.
+    # A volume of one slice is a 2D image.
     centers = image.centers()[..., : f.dimension] if isinstance(f, Function) else image.centers()
     return _covering((f(centers) > 0).astype(np.uint8), "the function")
 

@@ -45,7 +45,7 @@ def segment(
     iterations: int = 100,
     progress: Progress = None,
 ) -> Segmentation:
-    """The parts of an image by level sets.
+    """Segment an image by level sets.
 
     Parameters
     ----------
@@ -54,27 +54,27 @@ def segment(
     voxel_size : float or sequence of float, optional
         Of an array: size of a voxel along x, y (and z); 1 when not given. The first voxel is at 0.
     init : str, Image, array_like, Function or Surface
-        Where to start, which is also what is inside: "auto", "sphere:X,Y[,Z],R" or "box:X,Y[,Z],X,Y[,Z]" in physical
-        units, "mask:FILE", "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (not 0
+        The initial inside: "auto", "sphere:X,Y[,Z],R" or "box:X,Y[,Z],X,Y[,Z]" in physical
+        units, "mask:FILE", "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (nonzero
         inside), a Function or a Surface (positive inside).
     energy : str
         "chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma" or "edge".
     regions : int
         Number of labels, from 0 on.
     mode : "global" or "local"
-        Regions appear wherever they fit, or the contour moves from where it starts.
+        Regions appear wherever they fit, or the contour evolves from its start.
     method : str
         "variational", "collocation" or "finite-difference".
     mask : Image, array_like or file name, optional
-        Like the image, 0 where voxels take no part.
+        Like the image, 0 in voxels to ignore.
     center_spacing : float, optional
-        Distance of the centres of the radial functions, in voxels.
+        Spacing of the RBF centres, in voxels.
     support : float, optional
         Their support radius, in center spacings.
     kernel : str
-        A compact radial function.
+        A compactly supported radial basis function.
     smoothness : "auto" or float
-        Weight of the length of the contour, in voxels.
+        Weight of the contour length, in voxels.
     window : int, optional
         Energies are averaged over boxes of 2 window + 1 voxels.
     shading : "auto", "none", "linear" or "quadratic"
@@ -82,12 +82,12 @@ def segment(
     balloon : float
         Pressure of the energy "edge", from -1 (shrink) to 1 (grow).
     fill_holes : bool, optional
-        Whether what the contour encloses counts as inside; in local mode when not given.
+        Whether everything the contour encloses counts as inside; in local mode only when not given.
     force : callable, optional
-        Instead of an energy a function of the labels (an array like the image, 1 inside) that returns what each voxel
-        costs inside instead of outside, in an array of the same shape: negative where it wants to be inside.
+        Instead of an energy, a function of the labels (an array like the image, 1 inside) that returns the cost of each
+        voxel inside instead of outside, in an array of the same shape: negative where it should be inside.
     iterations : int
-        At most so many.
+        Largest number of iterations.
     progress : bool or callable, optional
         See `fit`.
 
@@ -98,7 +98,7 @@ def segment(
     Raises
     ------
     ValueError
-        For a constant image, numbers that are not finite, arrays of other shapes and options out of their range.
+        For a constant image, non-finite numbers, arrays of other shapes and options out of range.
     IoError
         For files that cannot be read.
 
@@ -146,7 +146,7 @@ def track(
     iterations: int = 100,
     progress: Progress = None,
 ) -> Tracking:
-    """A segmentation carried through a sequence.
+    """Segment an image sequence, frame by frame.
 
     Parameters
     ----------
@@ -155,13 +155,13 @@ def track(
     voxel_size, energy, regions
         See `segment`.
     init : str, Image, array_like, Function or Surface
-        Of the first frame; what is inside there stays inside.
+        For the first frame; what is inside there stays inside.
     mask : Image, array_like or file name, optional
-        Like a frame, 0 where voxels take no part.
+        Like a frame, 0 in voxels to ignore.
     persistence : float
-        Weight of the memory of the contour; 0: every frame by itself.
+        How strongly contours of noisy frames are pulled towards those of their neighbours; 0: not at all.
     motion : float, optional
-        How far the contour may move between frames, in voxels.
+        Largest distance the contour may move between frames, in voxels.
     sweeps : int
         1 goes forward only; 2 and more smooth over time in both directions.
     mode, method, center_spacing, support, kernel, smoothness, window, shading, balloon, fill_holes, iterations
@@ -172,12 +172,12 @@ def track(
     Returns
     -------
     Tracking
-        The list of the Segmentations of the frames.
+        A list of the Segmentations of the frames.
 
     Raises
     ------
     ValueError
-        For frames of different size, and what `segment` refuses.
+        For frames of different size, and as `segment`.
 
     Examples
     --------
@@ -236,7 +236,7 @@ def _options(
     fill_holes: bool | None,
     iterations: int,
 ) -> dict[str, Any]:
-    """What was given; the rest is automatic."""
+    """The options that were given; the others are automatic."""
     options = {
         "energy": energy,
         "regions": int(regions),

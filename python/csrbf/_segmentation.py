@@ -14,15 +14,15 @@ from csrbf._mesh import Mesh, mesh_of
 
 
 class Segmentation:
-    """The regions of an image, with smooth boundaries, as `segment` and `track` find them.
+    """The regions of an image, with smooth boundaries, as found by `segment` and `track`.
 
     Attributes
     ----------
     labels : ndarray of uint8
         Like the image, 0 outside.
     field : Function
-        The level set, a function of x, y (and z) in physical coordinates, positive inside; of more than two regions one
-        value each, of which one is positive at every place.
+        The level set, a function of x, y (and z) in physical coordinates, positive inside; for more than two regions
+        one value each, of which one is positive at every point.
     report : dict
         What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
         components, noise, speckle (the power of the amplitude that the image shows, None when it is not speckle),
@@ -50,7 +50,7 @@ class Segmentation:
 
     @property
     def energy(self) -> list[float]:
-        """What the segmentation costs, per voxel, after each step.
+        """Energy per voxel after each step.
 
         Examples
         --------
@@ -62,7 +62,7 @@ class Segmentation:
         return energy
 
     def contour(self, label: int = 1, *, resolution: int | None = None) -> Mesh | list[Floats]:
-        """The contour of a region, cut off at the border of the image, in physical coordinates.
+        """The contour of a region, clipped at the border of the image, in physical coordinates.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class Segmentation:
         Returns
         -------
         Mesh or list of ndarray (n, 2)
-            Of a volume a mesh, of an image in the plane the closed lines, with the inside on their left.
+            For a volume a mesh, for a 2D image the closed lines, with the inside on their left.
 
         Examples
         --------
@@ -87,19 +87,19 @@ class Segmentation:
         return contour if isinstance(contour, list) else mesh_of(contour)
 
     def measure(self, label: int = 1, *, resolution: int | None = None) -> dict[str, float]:
-        """Size of the contour of a region.
+        """Measures of the contour of a region.
 
         Parameters
         ----------
         label : int
         resolution : int, optional
-            As of `contour`.
+            As for `contour`.
 
         Returns
         -------
         dict
-            Of an image in the plane length and area, of a volume area and volume, and estimates of their errors:
-            area_error and so on.
+            For a 2D image length and area, for a volume area and volume, with estimates of their errors: area_error and
+            so on.
 
         Examples
         --------
@@ -111,7 +111,7 @@ class Segmentation:
         return self._segments.contour(label, 0 if resolution is None else int(resolution))[1]
 
     def save(self, path: Path) -> None:
-        """Write the labels as an image, or the level set to a .csrbf file, whichever the name ends with.
+        """Write the labels as an image, or the level set to a .csrbf file, by the extension of the name.
 
         Parameters
         ----------
@@ -151,13 +151,13 @@ def _restore(
 
 
 class Tracking(List[Segmentation]):
-    """The Segmentations of the frames of a sequence, in their order.
+    """The Segmentations of the frames of a sequence, in order.
 
     Attributes
     ----------
     measures : list of list of dict
-        For each frame one dict per region but 0: label, voxels, volume (in the plane: area) and area (length) of the
-        level set, mean.
+        For each frame one dict per region except 0: label, voxels, volume (2D: area) and area (2D: length) of the level
+        set, mean.
     warnings : list of str
 
     Examples
@@ -180,7 +180,7 @@ class Tracking(List[Segmentation]):
         self.warnings = warnings
 
     def volumes(self, label: int = 1) -> Floats:
-        """The volume (area) of a region in each frame.
+        """The volume (2D: area) of a region in each frame.
 
         Parameters
         ----------

@@ -5,16 +5,16 @@ import numpy as np
 from csrbf._arrays import Floats, smoothing_or_none
 from csrbf._rbf_interpolator import RBFInterpolator
 
-_FOLDS = 5
-_CANDIDATES = np.logspace(-6, 2, 9)  # of the smoothing, from interpolation to little more than a plane
-_MOST_SAMPLES = 1000  # of one system; more are answered by so many neighbors
+_FOLDS = 5  # of cross-validation, conventional
+_CANDIDATES = np.logspace(-6, 2, 9)  # of the smoothing, from near interpolation to little more than a plane
+_MOST_SAMPLES = 1000  # in one system; beyond, that many nearest neighbours are used. Larger: slower; chosen by hand
 
 
 def fit_spline(x: Floats, values: Floats, smoothing: str | float, weights: Floats | None) -> Standardized:
     """The polyharmonic spline of lowest order through, or near, samples of any dimension.
 
-    The smoothing that "auto" chooses is the candidate with the smallest error of cross-validation. Samples of larger
-    weight are smoothed less.
+    "auto" chooses the candidate smoothing with the smallest cross-validation error. Samples of larger weight are
+    smoothed less.
     """
     chosen = smoothing_or_none(smoothing)
     relative = np.ones(len(x)) if weights is None else weights.mean() / weights
@@ -25,7 +25,7 @@ def fit_spline(x: Floats, values: Floats, smoothing: str | float, weights: Float
 
 
 class Standardized:
-    """An RBFInterpolator of features of unit variance."""
+    """An RBFInterpolator of features scaled to unit variance."""
 
     def __init__(self, x: Floats, values: Floats, smoothing: Floats) -> None:
         spread = x.std(axis=0)

@@ -117,7 +117,7 @@ class Surface:
         True
         """
         gradient = self.gradient(x)
-        # Scaled first, for gradients whose squares are not in the range of numbers.
+        # Scaled first: squares of the gradient may overflow or underflow.
         largest = np.abs(gradient).max(axis=-1, keepdims=True, initial=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             gradient = gradient / largest
@@ -149,7 +149,7 @@ class Surface:
 
     @property
     def points(self) -> Floats:
-        """The points that the surface was made from, without those left out; none for other surfaces.
+        """The points used to make the surface; none for surfaces not made from points.
 
         Examples
         --------
@@ -198,17 +198,17 @@ class Surface:
         resolution : int, optional
             Cells along the longest side of the data; chosen from their sampling when not given.
         level : float
-            The surface where f has this value; positive values are inside.
+            Value of f on the surface; larger values are inside.
         method : str
-            "marching-cubes", "marching-tetrahedra", "dual-contouring" (keeps the sharp edges of combined surfaces) or
+            "marching-cubes", "marching-tetrahedra", "dual-contouring" (preserves sharp edges of combined surfaces) or
             "adaptive" (the same with larger triangles where the surface is flat).
         tolerance : float, optional
-            Of "adaptive", about how far the mesh may be from the surface, as a fraction of the diagonal; a tenth of a
-            cell when not given.
+            For "adaptive", approximate largest distance of the mesh from the surface, as a fraction of the diagonal; a
+            tenth of a cell when not given.
         refine : bool
             Whether vertices are moved onto the surface.
         trim : float, optional
-            Drop what is further than so many local point spacings from the data; the mesh is open then.
+            Drop what is further than this many local point spacings from the data; the mesh is then open.
         progress : bool or callable, optional
             See `fit`.
 
@@ -239,23 +239,23 @@ class Surface:
     def raycast(
         self, origins: ArrayLike, directions: ArrayLike, *, resolution: int | None = None
     ) -> tuple[Floats, Floats]:
-        """Where rays first meet the surface f = 0, from either side.
+        """First intersections of rays with the surface f = 0, from either side.
 
         Parameters
         ----------
         origins : array_like (..., 3)
-            One origin (3,) may serve all rays.
+            A single origin (3,) is used for all rays.
         directions : array_like (..., 3)
-            Of any length but 0.
+            Of any nonzero length.
         resolution : int, optional
             Cells of the search along the longest side of the data; parts thinner than one may be missed.
 
         Returns
         -------
         distances : ndarray (...)
-            Lengths, inf for rays that meet nothing. The points are origins + distances directions / \\|directions\\|.
+            Lengths, inf for rays that miss. The points are origins + distances directions / \\|directions\\|.
         normals : ndarray (..., 3)
-            Outward unit normals there, NaN for rays that meet nothing.
+            Outward unit normals there, NaN for rays that miss.
 
         Examples
         --------
@@ -274,16 +274,16 @@ class Surface:
     def ridges(
         self, mesh: Mesh | None = None, *, level: float = 0.0, least_turning: float = 2.0, progress: Progress = None
     ) -> Polylines:
-        """The lines along which the surface is bent most: ridges and valleys.
+        """Ridge and valley lines, along which the surface is curved most.
 
         Parameters
         ----------
         mesh : Mesh, optional
             Of the surface f = level, which the lines follow; made by `polygonize` when not given.
         level : float
-            The surface where f has this value.
+            Value of f on the surface.
         least_turning : float
-            Lines across which the normal turns by less than this angle in total are left out; radians.
+            Lines across which the normal turns by less than this angle in total are dropped; radians.
         progress : bool or callable, optional
             See `fit`.
 
@@ -330,13 +330,13 @@ class Surface:
         size : (int, int)
             Width and height in pixels.
         view : (float, float)
-            Where the camera stands, degrees: azimuth about the axis `up`, then elevation.
+            Position of the camera, degrees: azimuth about the axis `up`, then elevation.
         up : "x", "y" or "z"
             The axis that points up.
         color : str
             "plain", "normal", "mean-curvature", "gaussian-curvature", or "error": distance to the mesh `reference`.
         reference : Mesh or file name, optional
-            Of the colour "error"; "error:FILE" names it as well.
+            For the colour "error"; can also be given as "error:FILE".
         color_limit : float
             Value at the ends of the colour scale, in units of the diagonal of the surface; 0: from what is visible.
         field_of_view : float
@@ -344,7 +344,7 @@ class Surface:
         material, background : (float, float, float)
             Red, green and blue from 0 to 1.
         ground : bool
-            Whether there is a shadow below.
+            Whether a shadow is drawn below.
         progress : bool or callable, optional
             See `fit`.
 
@@ -356,7 +356,7 @@ class Surface:
         Raises
         ------
         ValueError
-            For options out of their range.
+            For options out of range.
         IoError
             When the picture cannot be written.
 
@@ -378,7 +378,7 @@ class Surface:
     def save(self, path: Path) -> None:
         """Write a .csrbf file, which `load` and the program csrbf read.
 
-        The report and the points are not part of it.
+        It does not contain the report and the points.
 
         Parameters
         ----------
@@ -387,7 +387,7 @@ class Surface:
         Raises
         ------
         ValueError
-            For surfaces of methods that have no file form.
+            For surfaces of methods that cannot be saved.
         IoError
             When the file cannot be written.
 
@@ -408,11 +408,11 @@ class Surface:
         return _combined("intersection", self, other)
 
     def __sub__(self, other: Surface) -> Surface:
-        """What is inside this surface and outside the other one."""
+        """The part inside this surface and outside the other one."""
         return _combined("difference", self, other)
 
     def __invert__(self) -> Surface:
-        """The same surface with inside and outside exchanged."""
+        """The same surface with inside and outside swapped."""
         from csrbf._combine import combine
 
         return combine("complement", self)

@@ -1,4 +1,4 @@
-"""The functions of csrbf as an estimator of scikit-learn."""
+"""A scikit-learn estimator for the functions of csrbf."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from csrbf._fit import fit
 from csrbf._function import Function
 from csrbf._spline import fit_spline
 
-_MOST_FEATURES = 6
+_MOST_FEATURES = 6  # dimensions that `fit` supports
 
 
 class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """Regression by `csrbf.fit`: a smooth function of the features.
 
-    For up to six features. More of them, which `fit` does not take, are answered by one polyharmonic spline of all
-    samples (`csrbf.RBFInterpolator`, kernel "linear"), smoothed as cross-validation asks for.
+    For up to six features. For more, which `fit` does not support, a single polyharmonic spline of all samples is used
+    (`csrbf.RBFInterpolator`, kernel "linear"), with its smoothing chosen by cross-validation.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self._check_n_features(features, reset=True)
         weights = None if sample_weight is None else _check_sample_weight(sample_weight, features)
         if weights is not None:
-            counts = weights > 0  # samples of no weight leave no trace
+            counts = weights > 0  # samples of zero weight have no effect
             features, targets, weights = features[counts], targets[counts], weights[counts]
             if (weights == weights[:1]).all():
                 weights = None
@@ -121,18 +121,18 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         ----------
         X : array_like (m, features)
         return_std : bool
-            Whether to return the standard deviations of samples there as well; see `Function.standard_deviation`.
+            Whether to return the standard deviations of samples there too; see `Function.standard_deviation`.
 
         Returns
         -------
         y : ndarray (m,) or (m, outputs)
         std : ndarray of the same shape
-            Only for `return_std`.
+            Only with `return_std`.
 
         Raises
         ------
         ValueError
-            For another number of features, and for `return_std` where the method has no deviations.
+            For a different number of features, and for `return_std` when the method has no deviations.
 
         Examples
         --------

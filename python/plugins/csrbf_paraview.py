@@ -1,7 +1,7 @@
-"""Filters of ParaView that call csrbf: Reconstruct, Fit and Segment.
+"""ParaView filters that call csrbf: Reconstruct, Fit and Segment.
 
-Load this file by Tools > Manage Plugins > Load New, or from pvpython by LoadPlugin(path, ns=globals()). The Python of
-ParaView must find the module csrbf.
+Load this file with Tools > Manage Plugins > Load New, or in pvpython with LoadPlugin(path, ns=globals()). ParaView's
+Python must find the module csrbf.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ def _points_of(data):
 
 
 def _fill(output, vertices, faces, normals):
-    """Makes a vtkPolyData the mesh."""
+    """Sets a vtkPolyData to the mesh."""
     points = vtkPoints()
     points.SetData(_array(vertices, "Points"))
     cells = vtkCellArray()
@@ -39,7 +39,7 @@ def _fill(output, vertices, faces, normals):
 
 
 def _number_or_none(value):
-    """0 asks for what csrbf chooses itself."""
+    """0 lets csrbf choose."""
     return value if value > 0 else None
 
 
@@ -48,7 +48,7 @@ def _number_or_none(value):
 @smproperty.input(name="Input", port_index=0)
 @smdomain.datatype(dataTypes=["vtkPointSet"], composite_data_supported=False)
 class Reconstruct(VTKPythonAlgorithmBase):
-    """A watertight mesh around points, with normals when the points have some."""
+    """A watertight mesh from points, using their normals if they have any."""
 
     def __init__(self):
         super().__init__(nInputPorts=1, nOutputPorts=1, inputType="vtkPointSet", outputType="vtkPolyData")
@@ -124,7 +124,7 @@ class Fit(VTKPythonAlgorithmBase):
         self.Modified()
 
     def RequestInformation(self, request, inputs, outputs):
-        # The size of the image follows from the points, which are not there yet.
+        # The size of the image follows from the points, which are not available yet.
         source = self.GetInputAlgorithm(0, 0)
         source.Update()
         size = self._image(source.GetOutputDataObject(self.GetInputConnection(0, 0).GetIndex()))[0]
@@ -136,7 +136,7 @@ class Fit(VTKPythonAlgorithmBase):
         data, output = vtkDataObject.GetData(inputs[0], 0), vtkDataObject.GetData(outputs, 0)
         name, values = self._values(data)
         size, origin, spacing = self._image(data)
-        axes = [a for a in range(3) if size[a] > 1]  # points in a plane make an image of two axes
+        axes = [a for a in range(3) if size[a] > 1]  # points in a plane make a 2D image
         f = csrbf.fit(np.ascontiguousarray(_points_of(data)[:, axes]), values, tolerance=_number_or_none(self._tolerance),
                       smoothing="auto" if self._smoothing < 0 else self._smoothing)
         output.SetDimensions(*(int(n) for n in size))
@@ -164,7 +164,7 @@ class Fit(VTKPythonAlgorithmBase):
         lo, hi = np.array(data.GetBounds()).reshape(3, 2).T
         longest = (hi - lo).max()
         if not longest > 0:
-            raise ValueError("csrbf Fit: the points are all at one place")
+            raise ValueError("csrbf Fit: all points coincide")
         spacing = longest / (self._nodes - 1)
         size = np.where(hi - lo > 1e-9 * longest, np.ceil((hi - lo) / spacing - 1e-9).astype(int) + 1, 1)
         return size, lo, np.where(size > 1, (hi - lo) / np.maximum(size - 1, 1), spacing)
@@ -176,7 +176,7 @@ class Fit(VTKPythonAlgorithmBase):
 @smdomain.datatype(dataTypes=["vtkImageData"], composite_data_supported=False)
 @smproperty.xml('<OutputPort name="Labels" index="0"/><OutputPort name="Contour" index="1"/>')
 class Segment(VTKPythonAlgorithmBase):
-    """The parts of an image: labels (first output) and the contour of what is inside (second)."""
+    """The regions of an image: labels (first output) and the contour of the inside (second)."""
 
     _energies = ["chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma", "edge"]
 
@@ -204,14 +204,14 @@ class Segment(VTKPythonAlgorithmBase):
     @smdomain.xml('<StringListDomain name="list">' + "".join(f'<String value="{e}"/>' for e in _energies) +
                   "</StringListDomain>")
     def SetEnergy(self, energy):
-        """What tells regions apart."""
+        """What distinguishes regions."""
         self._energy = energy
         self.Modified()
 
     @smproperty.intvector(name="Local", default_values=0)
     @smdomain.xml('<BooleanDomain name="bool"/>')
     def SetLocal(self, local):
-        """The contour moves from where it starts, instead of appearing wherever it fits."""
+        """The contour evolves from its start, instead of appearing wherever it fits."""
         self._local = bool(local)
         self.Modified()
 
@@ -237,7 +237,7 @@ class Segment(VTKPythonAlgorithmBase):
 
     @staticmethod
     def _place(image):
-        """Maps lengths along the axes from the first voxel (n, 3) to places in space."""
+        """Maps lengths along the axes from the first voxel (n, 3) to points in space."""
         matrix = image.GetDirectionMatrix()
         rows = np.array([[matrix.GetElement(i, j) for j in range(3)] for i in range(3)])
         spacing, extent = np.array(image.GetSpacing()), image.GetExtent()

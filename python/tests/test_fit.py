@@ -280,7 +280,7 @@ class Failures(unittest.TestCase):
         nan = v.copy()
         nan[7] = np.nan
         cases = [
-            ("one point a row", (x[:, 0], v), {}),
+            ("one point per row", (x[:, 0], v), {}),
             ("must be \\(50,\\)", (x, v[1:]), {}),
             ("finite", (x, nan), {}),
             ("finite", (x * np.inf, v), {}),

@@ -67,7 +67,7 @@ class Farthest(unittest.TestCase):
             ("count", (np.zeros((4, 2)), -1)),
             ("1 to 6", (np.zeros((4, 7)), 2)),
             ("finite", (np.full((4, 2), np.nan), 2)),
-            ("one point a row", (np.zeros(4), 2)),
+            ("one point per row", (np.zeros(4), 2)),
         ):
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                 csrbf.farthest_points(*arguments)

@@ -304,7 +304,7 @@ class Failures(unittest.TestCase):
         nan = d.copy()
         nan[3] = np.nan
         cases = [
-            (ValueError, "one point a row", (y[0], d), {}),
+            (ValueError, "one point per row", (y[0], d), {}),
             (ValueError, "length of its first axis", (y, d[1:]), {}),
             (ValueError, "number or \\(20,\\)", (y, d), {"smoothing": [1.0, 2.0]}),
             (ValueError, "thin-plate", (y, d), {"kernel": "magic"}),

@@ -157,7 +157,7 @@ class Reconstruction(unittest.TestCase):
         p = self.points
         cases = [
             ("3 columns", (p[:, :2],), {}),
-            ("one point a row", (p[0],), {}),
+            ("one point per row", (p[0],), {}),
             ("one for each point", (p, p[1:]), {}),
             ("method", (p,), {"method": "magic"}),
             ("", (p[:3],), {}),

@@ -66,7 +66,7 @@ py::dict compute_figure(const std::string& name, const std::string& ultrasound, 
 }  // namespace
 }  // namespace csrbf::thesis
 
-// Apart from _csrbf, so that importing csrbf does not load the figures.
+// Separate from _csrbf, so that importing csrbf does not load the figures.
 PYBIND11_MODULE(_figures, m) {
   m.def("names", &csrbf::thesis::names);
   m.def("compute", &csrbf::thesis::compute_figure);

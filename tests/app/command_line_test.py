@@ -211,7 +211,7 @@ class Usage(CommandLine):
         self.fail_with(2, "sharp: has no radius", "combine", "blend", "a.csrbf", "b.csrbf", "-o", "c.csrbf",
                        "--blending", "sharp")
         self.fail_with(2, "--radius", "combine", "union", "a.csrbf", "b.csrbf", "-o", "c.csrbf", "--radius", "0")
-        self.fail_with(2, "only .ply and .vtp hold", "curvature", "a.csrbf", "-o", "c.obj")
+        self.fail_with(2, "only .ply and .vtp store", "curvature", "a.csrbf", "-o", "c.obj")
         self.fail_with(2, "--ridges r.obj: only .ply", "curvature", "a.csrbf", "-o", "c.ply", "--ridges", "r.obj")
         self.fail_with(2, "--smoothing some", "reconstruct", "a.ply", "-o", "b.ply", "--smoothing", "some")
 
@@ -419,8 +419,8 @@ class Compare(CommandLine):
         nrrd = self.write("b.nrrd", "NRRD0004\ntype: uchar\ndimension: 2\nsizes: 3 2\nspacings: 0.5 2\nencoding: ascii\n\n"
                           "1 1 1 1 1 1\n")
         done = self.succeed("compare", picture, nrrd, "--report", self.path("report.json"))
-        self.assertIn("a.pgm does not say where its voxels are", done.stderr)
-        self.assertIn("by different numbers", done.stderr)
+        self.assertIn("a.pgm stores no position for its voxels", done.stderr)
+        self.assertIn("with different values", done.stderr)
         self.assertAlmostEqual(self.report()["result"]["dice"], 0.8)
         self.assertAlmostEqual(self.report()["result"]["hausdorff95"], 0.5)
         larger = self.write("c.pgm", "P2 3 3 255\n0 0 0 0 0 0 0 0 0\n")

@@ -341,8 +341,8 @@ class Evaluate(Functions):
         with open(self.path("grid.nrrd"), "rb") as file:
             self.assertIn(b"type: float", file.read())
         for output, flags in (("out.npy", ["--points", "-"]), ("out.csv", ["--grid", "3,3"])):
-            self.fail_with(2, "--float32 needs a grid or image", "evaluate", model, "-o", self.path(output), "--float32",
-                           *flags)
+            self.fail_with(2, "--float32 needs --grid or --like", "evaluate", model, "-o", self.path(output),
+                           "--float32", *flags)
         self.fail_with(2, "--float32: labels and pictures are whole numbers", "evaluate", model, "-o",
                        self.path("out.npy"), "--grid", "3,3", "--labels", "--float32")
 

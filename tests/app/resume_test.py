@@ -119,7 +119,7 @@ class Resume(base.CommandLine):
     def test_a_log_of_another_run_is_refused_and_kept(self):
         self.begin()
         size = os.path.getsize(self.log)
-        self.fail_with(2, "delete the file to start anew", *self.arguments, "--smoothing", "none")
+        self.fail_with(2, "delete the file to start over", *self.arguments, "--smoothing", "none")
         self.fail_with(2, 'this run "--smoothing none"', *self.arguments, "--smoothing", "none")
         with open(self.cloud, "a") as file:
             file.write("\n")
@@ -130,13 +130,13 @@ class Resume(base.CommandLine):
         self.begin()
         with open(self.log, "r+b") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
-            self.fail_with(2, "another run is using the file", *self.arguments)
+            self.fail_with(2, "in use by another run", *self.arguments)
         self.assertGreater(self.resumed()["seconds_saved"], 0)
 
     def test_a_file_that_is_no_log_is_refused_and_kept(self):
         for content in ("precious", "precious " * 100):
             self.write("mesh.ply.resume", content)
-            self.fail_with(2, "mesh.ply.resume: is no log", *self.arguments)
+            self.fail_with(2, "mesh.ply.resume: is not a resume log", *self.arguments)
             with open(self.log) as file:
                 self.assertEqual(file.read(), content)
 

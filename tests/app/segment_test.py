@@ -229,9 +229,10 @@ class Errors(Segment):
 
     def test_images_without_anything_to_tell_apart(self):
         constant = self.write_bytes("constant.npy", npy_bytes((4, 5), [3] * 20, "<f4"))
-        self.refused("all voxels have the value 3: there is nothing to tell apart", constant)
+        self.refused("all voxels have the value 3: there is nothing to segment", constant)
         nan = self.write_bytes("nan.npy", npy_bytes((4, 5), list(range(19)) + [math.nan], "<f4"))
-        self.refused("nan.npy: voxel 4, 3 is nan; fill such voxels by csrbf inpaint, or leave them out by --mask", nan)
+        self.refused("nan.npy: voxel 4, 3 is nan; fill such voxels with csrbf inpaint, or exclude them with --mask",
+                     nan)
 
     def test_center_spacings_beyond_the_image(self):
         self.refused("center_spacing = 1000: must be at most 32 voxels for this image", self.disc(), "--center-spacing",
@@ -271,10 +272,10 @@ class Errors(Segment):
                      self.disc("thin.npy", shape=(48, 1, 64)))
         self.refused("the image has one axis only (3072)", self.disc("line.npy", shape=(48 * 64,)))
         frames = self.write_bytes("frames.npy", npy_bytes((2, 3, 4, 5), list(range(120)), "<f4"))
-        self.refused("the image has 2 frames; segment takes one: save one frame, or carry a segmentation through all of "
-                     "them by csrbf track", frames)
+        self.refused("the image has 2 frames; segment takes one: save one frame, or segment all of them with "
+                     "csrbf track", frames)
         color = self.write_bytes("color.ppm", b"P6\n2 2\n255\n" + bytes(range(12)))
-        self.refused("the image has 3 values per pixel, as colours or transparency; convert it to grey", color)
+        self.refused("the image has 3 values per pixel, such as colours or transparency; convert it to grey", color)
 
     def test_damaged_files_and_unknown_types(self):
         header = bytearray(348)

@@ -140,7 +140,7 @@ TEST(ReadSamples, SaysWhatIsWrongAndInWhichLine) {
             "e.csv: no column is named \"q\"; the columns have no names, give numbers from 1 to 3");
   EXPECT_EQ(error("e.csv", "1,2,3\n", {.values = "4"}), "e.csv: there is no column \"4\"; the file has 3 columns");
   EXPECT_EQ(error("e.csv", "1,2,3\n", {.coordinates = "1,2", .values = "2"}), "e.csv: column \"2\" is used twice");
-  EXPECT_EQ(error("e.csv", "1,2,3\n", {.weights = "2,3"}), "e.csv: weights stand in one column, found \"2,3\"");
+  EXPECT_EQ(error("e.csv", "1,2,3\n", {.weights = "2,3"}), "e.csv: weights must be one column, found \"2,3\"");
   EXPECT_EQ(error("e.csv", "1,2,3\n1,2,-3\n", {.weights = "3"}),
             "e.csv: row 2 has the weight -3.000000; weights must not be negative");
   EXPECT_EQ(error("e.csv", "1\n2\n"),

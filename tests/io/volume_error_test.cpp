@@ -147,7 +147,7 @@ TEST(ReadVolume, NamesTheTypesAndFieldsThatItDoesNotSupport) {
   EXPECT_EQ(errors.reading("a.mha", "NDims = 2\nDimSize = 3\n"), "a.mha:2: expected 2 numbers, found 1");
   EXPECT_EQ(
       errors.reading("a.mha", "NDims = 2\nDimSize = 2 2\nNDims = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL"),
-      "a.mha:3: NDims stands twice");
+      "a.mha:3: NDims appears twice");
   EXPECT_EQ(errors.reading("a.mha", "NDims = 1\nDimSize = 1\nElementType = MET_UCHAR\nElementDataFile = /dev/null\n"),
             "/dev/null: the data of an image must be in a regular file");
   EXPECT_EQ(errors.reading("a.mha", "NDims = 2\nElementType = MET_STRING\n"),

@@ -1,4 +1,4 @@
-// Colours of values along a scale of evenly spaced stops, "#rrggbb" each.
+// Colours of values on a scale of evenly spaced stops, "#rrggbb" each.
 
 /** Byte that stands for "no value". */
 export const MISSING = 255;
@@ -24,7 +24,7 @@ export function colorsOf(values, stops, missing) {
   return result;
 }
 
-/** One colour for all of them. */
+/** The same colour `count` times. */
 export function uniform(count, color) {
   const result = new Float32Array(3 * count);
   for (let i = 0; i < count; ++i) result.set(color, 3 * i);

@@ -1,4 +1,4 @@
-// The row of controls beside the picture. Every one has a label and works with the keyboard.
+// The row of controls of a picture. Each has a label and can be used with the keyboard.
 
 let controls = 0;
 
@@ -47,7 +47,7 @@ export function button(text, name, pressed) {
   return {node: element("div", {className: "control"}, node)};
 }
 
-/** The bar that says which colour means which value; hidden without a scale. */
+/** The colour bar with its ticks; hidden without a scale. */
 export class Legend {
   constructor() {
     this.bar = element("div", {className: "legend-bar"});

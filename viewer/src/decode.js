@@ -1,6 +1,6 @@
-// What the program wrote about a surface, as typed arrays. See app/html_mesh_view.cpp for the other side.
+// Decodes the data of a surface, which app/page/surface_view.cpp encodes, into typed arrays.
 
-/** Bytes of a base64 text. */
+/** Bytes of base64 text. */
 export function bytes(text) {
   const binary = atob(text);
   const result = new Uint8Array(binary.length);
@@ -8,7 +8,7 @@ export function bytes(text) {
   return result;
 }
 
-/** Little-endian unsigned 16-bit numbers of a base64 text. */
+/** Little-endian unsigned 16-bit numbers of base64 text. */
 export function shorts(text) {
   return new Uint16Array(bytes(text).buffer);
 }

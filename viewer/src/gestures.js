@@ -1,7 +1,9 @@
-// Mouse, touch and keyboard turn, move and zoom an Orbit.
+// Rotates, moves and zooms an Orbit by mouse, touch and keyboard.
 
-const KEY_STEP = 0.1; // halves of the height of the picture
-const ZOOM_STEP = 1.15;
+const KEY_STEP = 0.1; // drag per key press, in units of half the height of the picture; chosen by hand
+const ZOOM_STEP = 1.15; // factor per key press; chosen by hand
+const LONGEST_SCROLL = 100; // pixels of one wheel event that count: mice and touchpads differ
+const ZOOM_PER_PIXEL = 0.002; // logarithm of the factor: a notch of a wheel zooms by 1.22 at most
 
 export function listen(canvas, orbit, changed) {
   const pointers = new Map();
@@ -37,13 +39,13 @@ export function listen(canvas, orbit, changed) {
     canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
 
-  // The wheel scrolls the page until the picture was clicked; pinching a touchpad comes with ctrlKey.
+  // The wheel scrolls the page until the picture was clicked; pinching on a touchpad sets ctrlKey.
   canvas.addEventListener(
     "wheel",
     (event) => {
       if (document.activeElement !== canvas && !event.ctrlKey) return;
       event.preventDefault();
-      orbit.zoom(Math.exp(Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 100) * 0.002));
+      orbit.zoom(Math.exp(Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), LONGEST_SCROLL) * ZOOM_PER_PIXEL));
       changed();
     },
     {passive: false},

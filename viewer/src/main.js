@@ -1,14 +1,16 @@
-// Starts an interactive view in every figure of the page that holds a surface.
+// Starts an interactive view in every figure of the page that contains a surface.
 
 import {button, choice, Legend, slider, toggle} from "./controls.js";
 import * as colors from "./colors.js";
 import * as decode from "./decode.js";
 import {listen} from "./gestures.js";
-import {Orbit, rotate} from "./orbit.js";
+import {Orbit} from "./orbit.js";
 import {Scene} from "./scene.js";
+import {Vector3} from "three";
 
-const AXES = {x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1]};
+const AXES = {x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1)};
 const PLAIN = "plain";
+const BEYOND_BOX = 1.001; // scales the depth of the cut, so that rounding spares nothing at its ends
 
 class View {
   constructor(figure, data) {
@@ -73,14 +75,11 @@ class View {
     this.changed();
   }
 
-  // What is nearer to the viewer goes, so that one looks inside. The plane stays when the surface is turned.
+  // The side facing the viewer is removed, to show the inside. The plane stays when the surface is rotated.
   startCut(axis) {
-    const toViewer = rotate(this.orbit.rotation, [0, 0, 1]);
+    const toViewer = AXES.z.clone().applyQuaternion(this.orbit.rotation);
     if (axis === "view") this.cutNormal = toViewer;
-    else if (axis in AXES) {
-      const facing = AXES[axis].reduce((sum, value, a) => sum + value * toViewer[a], 0);
-      this.cutNormal = AXES[axis].map((value) => (facing < 0 ? -value : value));
-    }
+    else if (axis in AXES) this.cutNormal = AXES[axis].clone().multiplyScalar(AXES[axis].dot(toViewer) < 0 ? -1 : 1);
     this.set({cut: axis});
   }
 
@@ -96,10 +95,10 @@ class View {
     this.recolor();
   }
 
-  // depth 0 leaves nothing of the box, 1 all of it.
+  // depth 0 keeps nothing of the box, 1 all of it.
   plane(depth) {
-    const reach = this.cutNormal.reduce((sum, value, a) => sum + Math.abs(value) * this.halfSides[a], 0);
-    return {normal: this.cutNormal, offset: reach * (2 * depth - 1) * 1.001};
+    const reach = this.cutNormal.toArray().reduce((sum, value, a) => sum + Math.abs(value) * this.halfSides[a], 0);
+    return {normal: this.cutNormal, offset: reach * (2 * depth - 1) * BEYOND_BOX};
   }
 
   recolor() {
@@ -139,7 +138,7 @@ class View {
   }
 }
 
-// The address may say which axis points upwards: report.html#up=y.
+// The URL may set the axis that points upwards: report.html#up=y.
 function upAxis(preferred) {
   const asked = new URLSearchParams(window.location.hash.slice(1)).get("up");
   return asked in AXES ? asked : preferred;

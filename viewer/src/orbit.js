@@ -1,43 +1,36 @@
-// Where the camera stands: a rotation, a distance and the point it looks at. All vectors and quaternions are arrays;
-// quaternions are [x, y, z, w].
+// Position and orientation of the camera: a rotation (THREE.Quaternion), a distance and the point it looks at
+// (THREE.Vector3).
 
-const TURN_PER_RADIUS = 2.2; // radians for a drag over half the height of the picture
-const FILLED = 0.86; // of the picture, in the first view
-const LEAST_OF_BALL = 0.7; // turned surfaces may need more room than in the first view
-const NEAREST = 0.15;
-const FARTHEST = 40;
+import {Quaternion, Vector3} from "three";
 
-export function multiply(a, b) {
-  const [ax, ay, az, aw] = a;
-  const [bx, by, bz, bw] = b;
-  return [
-    aw * bx + ax * bw + ay * bz - az * by,
-    aw * by - ax * bz + ay * bw + az * bx,
-    aw * bz + ax * by - ay * bx + az * bw,
-    aw * bw - ax * bx - ay * by - az * bz,
-  ];
-}
+const TURN_PER_RADIUS = 2.2; // radians for a drag over half the height of the picture; chosen by hand
+const FILLED = 0.86; // part of the picture that the surface fills in the first view; the rest is a margin
+const LEAST_OF_BALL = 0.7; // of the distance that shows the unit ball: a rotated surface may need more room
+const NEAREST = 0.15; // zoom, relative to the first view: close to the surface
+const FARTHEST = 40; // zoom, relative to the first view: the surface is a few pixels large
+const LARGEST_SHIFT = 2; // of the target along each axis, in half diagonals: the surface stays within reach
 
+const X = new Vector3(1, 0, 0);
+const Y = new Vector3(0, 1, 0);
+const Z = new Vector3(0, 0, 1);
+
+const radians = (degrees) => (degrees * Math.PI) / 180;
+
+/** The rotation by an angle about a unit vector, by the right-hand rule. */
 export function aboutAxis(axis, angle) {
-  const s = Math.sin(angle / 2);
-  return [axis[0] * s, axis[1] * s, axis[2] * s, Math.cos(angle / 2)];
+  return new Quaternion().setFromAxisAngle(axis, angle);
 }
 
-export function rotate(q, v) {
-  const [x, y, z] = multiply(multiply(q, [...v, 0]), [-q[0], -q[1], -q[2], q[3]]);
-  return [x, y, z];
-}
-
-// The turn from the camera's own axes (y up, looking along -z) to a view from above the front, for each axis that may
-// point upwards.
+// The rotation from the camera's own axes (y up, looking along -z) to a view from the front and slightly above, for
+// each axis that may point upwards.
 function start(up) {
   const toUp = {
-    x: multiply(aboutAxis([0, 0, 1], -Math.PI / 2), aboutAxis([0, 1, 0], Math.PI / 2)),
-    y: [0, 0, 0, 1],
-    z: aboutAxis([1, 0, 0], Math.PI / 2),
+    x: aboutAxis(Z, -Math.PI / 2).multiply(aboutAxis(Y, Math.PI / 2)),
+    y: new Quaternion(),
+    z: aboutAxis(X, Math.PI / 2),
   }[up];
-  const [azimuth, elevation] = [25, 15].map((degrees) => (degrees * Math.PI) / 180);
-  return multiply(toUp, multiply(aboutAxis([0, 1, 0], azimuth), aboutAxis([1, 0, 0], -elevation)));
+  const [azimuth, elevation] = [25, 15].map(radians);
+  return toUp.multiply(aboutAxis(Y, azimuth)).multiply(aboutAxis(X, -elevation));
 }
 
 export class Orbit {
@@ -51,27 +44,31 @@ export class Orbit {
   reset(up = this.up) {
     this.up = up;
     this.rotation = start(up);
-    this.target = [0, 0, 0];
+    this.target = new Vector3();
     this.zoomed = 1;
   }
 
-  /** Distance of the camera from its target: what fit() saw fills the picture, however narrow. */
+  // Half the height of the picture at distance 1.
+  get slope() {
+    return Math.tan(radians(this.fieldOfView) / 2);
+  }
+
+  /** Distance of the camera from its target: what fit() measured fills the picture, however narrow it is. */
   get distance() {
-    const slope = Math.tan((this.fieldOfView * Math.PI) / 360);
-    const ball = 1 / Math.sin(Math.atan(slope * Math.min(1, this.aspect)));
+    const ball = 1 / Math.sin(Math.atan(this.slope * Math.min(1, this.aspect)));
     if (!this.seen) return ball * this.zoomed;
     const [right, up, near] = this.seen;
-    const needed = near + Math.max(up, right / this.aspect) / (FILLED * slope);
+    const needed = near + Math.max(up, right / this.aspect) / (FILLED * this.slope);
     return Math.min(Math.max(needed, LEAST_OF_BALL * ball), ball) * this.zoomed;
   }
 
-  /** Takes note of how far points (x, y, z, x, ...) in the unit ball reach in the first view of the current axis. */
+  /** Measures the extent of points (x, y, z, x, ...) in the unit ball in the first view of the current axis. */
   fit(positions) {
-    const rows = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => rotate(this.rotation, axis));
+    const rows = [X, Y, Z].map((axis) => axis.clone().applyQuaternion(this.rotation));
     this.seen = rows.map((row, a) => {
       let most = 0;
       for (let i = 0; i < positions.length; i += 3) {
-        const along = row[0] * positions[i] + row[1] * positions[i + 1] + row[2] * positions[i + 2];
+        const along = row.x * positions[i] + row.y * positions[i + 1] + row.z * positions[i + 2];
         most = Math.max(most, a < 2 ? Math.abs(along) : along);
       }
       return most;
@@ -79,23 +76,20 @@ export class Orbit {
   }
 
   get position() {
-    const [x, y, z] = rotate(this.rotation, [0, 0, this.distance]);
-    return [x + this.target[0], y + this.target[1], z + this.target[2]];
+    return new Vector3(0, 0, this.distance).applyQuaternion(this.rotation).add(this.target);
   }
 
-  /** Turns the surface with a drag by so many halves of the height of the picture. */
+  /** Rotates the surface by a drag, in units of half the height of the picture. */
   turn(right, down) {
     const [azimuth, elevation] = [right, down].map((drag) => -drag * TURN_PER_RADIUS);
-    const q = multiply(this.rotation, multiply(aboutAxis([0, 1, 0], azimuth), aboutAxis([1, 0, 0], elevation)));
-    const length = Math.hypot(...q);
-    this.rotation = q.map((value) => value / length);
+    this.rotation.multiply(aboutAxis(Y, azimuth).multiply(aboutAxis(X, elevation))).normalize();
   }
 
-  /** Moves the surface with a drag by so many halves of the height of the picture. */
+  /** Moves the surface by a drag, in units of half the height of the picture. */
   pan(right, down) {
-    const reach = this.distance * Math.tan((this.fieldOfView * Math.PI) / 360);
-    const step = rotate(this.rotation, [-right * reach, down * reach, 0]);
-    this.target = this.target.map((value, a) => Math.min(Math.max(value + step[a], -2), 2));
+    const reach = this.distance * this.slope;
+    const step = new Vector3(-right * reach, down * reach, 0).applyQuaternion(this.rotation);
+    this.target.add(step).clampScalar(-LARGEST_SHIFT, LARGEST_SHIFT);
   }
 
   /** factor < 1: nearer. */

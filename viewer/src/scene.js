@@ -1,5 +1,5 @@
-// The surface and its points, drawn by three.js with shaders of our own: light comes from the viewer, so that every
-// side is lit, and what lies beyond the cut is left out.
+// The surface and its points, drawn by three.js with custom shaders: the light comes from the viewer, so that every
+// side is lit, and the part beyond the cut is discarded.
 
 import * as THREE from "three";
 
@@ -15,6 +15,7 @@ void main() {
   gl_Position = projectionMatrix * eye;
 }`;
 
+// The weights of ambient light, light from above, key light, light from the viewer and gloss were chosen by eye.
 const SURFACE_FRAGMENT = `
 uniform vec4 cut;
 uniform vec3 inside;
@@ -34,6 +35,7 @@ void main() {
   gl_FragColor = vec4(min(vTint * light + vec3(0.07 * gloss), 1.0), 1.0);
 }`;
 
+// Points are drawn 0.004 half diagonals nearer, so that the surface they lie on does not hide them.
 const POINT_VERTEX = `
 attribute vec3 tint;
 uniform float size;
@@ -100,9 +102,9 @@ export class Scene {
     this.scene.add(object);
   }
 
-  /** Leaves out what lies beyond the plane normal . x = offset; null: nothing. */
+  /** Discards the part beyond the plane normal . x = offset; null: nothing. */
   setCut(plane) {
-    this.cut.value.set(...(plane ? [...plane.normal, plane.offset] : NO_CUT));
+    this.cut.value.set(...(plane ? [...plane.normal.toArray(), plane.offset] : NO_CUT));
   }
 
   setColors(surface, points, inside) {
@@ -124,14 +126,14 @@ export class Scene {
     this.camera.aspect = this.orbit.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (!this.points) return;
-    // Dots that leave room between them, from points on a surface about as large as the unit ball.
+    // Dots with room between them, for points on a surface about as large as the unit ball; limits chosen by eye.
     const dot = Math.min(Math.max(0.9 / Math.sqrt(this.points.attributes.position.count), 0.007), 0.022);
     this.pointSize.value = (dot * height * ratio) / (2 * Math.tan((this.orbit.fieldOfView * Math.PI) / 360));
   }
 
   draw() {
-    this.camera.quaternion.set(...this.orbit.rotation);
-    this.camera.position.set(...this.orbit.position);
+    this.camera.quaternion.copy(this.orbit.rotation);
+    this.camera.position.copy(this.orbit.position);
     this.renderer.render(this.scene, this.camera);
   }
 }

@@ -1,8 +1,8 @@
-"""The gallery: the figures and tables of the thesis that csrbf follows, computed again.
+"""The gallery: the figures and tables of the thesis that csrbf follows, reproduced.
 
-`python3 -m csrbf.thesis --out DIR [FIGURE ...]` writes them as pictures and one page with what the thesis says, what
-comes out, a verdict, and the errata. Needs matplotlib (Debian: python3-matplotlib); the models of chapter 6 come with
-the package libcgal-demo, the slice of a head with mricron-data, and without them their figures are left out.
+`python3 -m csrbf.thesis --out DIR [FIGURE ...]` writes them as pictures and one page with the claims of the thesis, our
+results, verdicts, and the errata. Needs matplotlib (Debian: python3-matplotlib); the models of chapter 6 come with the
+package libcgal-demo, the slice of a head with mricron-data; without them, their figures are skipped.
 """
 
 import time
@@ -34,7 +34,7 @@ class Table:
 
 @dataclass
 class Claim:
-    """What the thesis says, what comes out, and one of VERDICTS."""
+    """A claim of the thesis, our result, and one of VERDICTS."""
 
     what: str
     published: str
@@ -53,8 +53,8 @@ class Figure:
     pictures: dict  # of arrays (height, width) of numbers
     renders: list  # of (caption, (height, width, 3) array of bytes)
     claims: list  # of Claim
-    missing: str  # data that are not there; then there is nothing else
-    seconds: float  # that computing took
+    missing: str  # unavailable data; then there is nothing else
+    seconds: float  # of the computation
 
 
 def names():
@@ -65,8 +65,7 @@ def names():
 def compute(name, ultrasound="", bone=""):
     """Computes a figure of the gallery. Takes from milliseconds to a minute, and all cores.
 
-    ultrasound, bone: files of images of yours, in the plane and in space, that "figure-8.10" and "figure-8.8" segment
-    as well.
+    ultrasound, bone: files of your own images, 2D and 3D, that "figure-8.10" and "figure-8.8" segment as well.
 
     Raises ValueError for other names, listing them, and csrbf.IoError for files that cannot be read.
     """

@@ -12,13 +12,13 @@ from csrbf.thesis.coverage import published_in
 
 
 def main(arguments=None):
-    """Writes the gallery; returns the exit status: 0, 1 for data that cannot be read, 2 for wrong usage."""
+    """Writes the gallery; returns the exit status: 0, 1 for unreadable data, 2 for invalid usage."""
     options = parse(arguments)
     if options.list:
         for name in thesis.names():
             print(f"{name:<14}{', '.join(entry.number for entry in published_in(name))}")
         return 0
-    # Ctrl-C ends the work at once; files are renamed when they are complete.
+    # Ctrl-C ends the run at once; files are renamed when they are complete.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
         write_gallery(options)
@@ -31,16 +31,16 @@ def main(arguments=None):
 def parse(arguments):
     parser = argparse.ArgumentParser(
         prog="python3 -m csrbf.thesis",
-        description="Computes the figures and tables of the thesis again and writes them as pictures (.png) and as one "
-        "page, index.html, with what the thesis says, what comes out, and the errata.",
+        description="Reproduces the figures and tables of the thesis and writes them as pictures (.png) and as one "
+        "page, index.html, with the claims of the thesis, our results, and the errata.",
         epilog="example: python3 -m csrbf.thesis --out gallery figure-2.4 figure-8.2",
     )
     parser.add_argument("figures", nargs="*", metavar="FIGURE", help="names of figures (see --list); default: all")
-    parser.add_argument("--out", metavar="DIR", type=pathlib.Path, help="folder to write to; made when missing")
+    parser.add_argument("--out", metavar="DIR", type=pathlib.Path, help="folder to write to; created when missing")
     parser.add_argument("--list", action="store_true", help="list the names of all figures and what they cover")
     parser.add_argument("--threads", metavar="N", type=int, default=0, help="threads; default: all cores")
-    parser.add_argument("--ultrasound", metavar="FILE", default="", help="image in the plane, segmented in figure-8.10")
-    parser.add_argument("--bone", metavar="FILE", default="", help="image in space, segmented in figure-8.8")
+    parser.add_argument("--ultrasound", metavar="FILE", default="", help="2D image, segmented in figure-8.10")
+    parser.add_argument("--bone", metavar="FILE", default="", help="3D image, segmented in figure-8.8")
     options = parser.parse_args(arguments)
     known = thesis.names()
     for name in options.figures:

@@ -1,4 +1,4 @@
-"""Every figure and table of the thesis, and what becomes of it in the gallery."""
+"""Every figure and table of the thesis, and its place in the gallery."""
 
 from dataclasses import dataclass
 from typing import Optional
@@ -6,12 +6,12 @@ from typing import Optional
 
 @dataclass(frozen=True)
 class Published:
-    """A figure or table of the thesis, or a part of its text with a claim that can be computed."""
+    """A figure or table of the thesis, or a part of its text with a claim that can be checked."""
 
     number: str  # as printed: "Fig. 2.4"
     what: str
     figure: Optional[str] = None  # its name in the gallery
-    reason: str = ""  # why it is not there
+    reason: str = ""  # why it is missing there
 
 
 CHAPTERS = (
@@ -20,7 +20,7 @@ CHAPTERS = (
         (
             Published("Fig. 1", "uniform and polar samples", "introduction"),
             Published("Fig. 2", "slice of a head with 75 % of its pixels missing", "figure-3.14"),
-            Published("Fig. 3", "a signal measured at equal times, with gaps", "introduction"),
+            Published("Fig. 3", "a uniformly sampled signal with gaps", "introduction"),
             Published("Perspectives of Part II: k-space", "images from samples on spokes and spirals", "k-space"),
         ),
     ),
@@ -55,7 +55,7 @@ CHAPTERS = (
             Published("Fig. 3.5", "thresholds under noise", "figure-3.4"),
             Published("Fig. 3.6", "error against threshold", "figure-3.4"),
             Published("Fig. 3.7", "Matlab's peaks", "figure-3.9"),
-            Published("Fig. 3.8", "places of the samples of peaks", "figure-3.9"),
+            Published("Fig. 3.8", "positions of the samples of peaks", "figure-3.9"),
             Published("Fig. 3.9", "peaks level by level", "figure-3.9"),
             Published("Fig. 3.10", "furthest points", "figure-3.10"),
             Published("Fig. 3.11", "Voronoi diagram bounded by the domain", "figure-3.10"),
@@ -63,14 +63,14 @@ CHAPTERS = (
             Published("Fig. 3.13", "slice of a head and its samples", "figure-3.14"),
             Published("Fig. 3.14", "reconstructions with a budget", "figure-3.14"),
             Published("Fig. 3.15", "error against budget", "figure-3.14"),
-            Published("Fig. 3.16", "reconstructions with a bound of the error", "figure-3.16"),
+            Published("Fig. 3.16", "reconstructions with bounded error", "figure-3.16"),
             Published("Perspectives of Part II: dimensions", "more than three dimensions", "dimensions"),
         ),
     ),
     (
         "Chapter 4: implicit surfaces",
         (
-            Published("Fig. 3.17", "Michelangelo's David", reason="photograph and scan of others, not free"),
+            Published("Fig. 3.17", "Michelangelo's David", reason="photograph and scan by others, not free"),
             Published("Fig. 3.18", "contours drawn on slices of a heart", "figure-4.1"),
             Published("Fig. 4.1", "implicit function and surface of an epicardium", "figure-4.1"),
         ),
@@ -100,9 +100,9 @@ CHAPTERS = (
             Published("Fig. 6.11", "supports on vessels, knot, squirrel", "figure-6.10"),
             Published("Fig. 6.12", "supports on the dragon", "figure-6.10"),
             Published("Fig. 6.13", "supports on Venus", "figure-6.10"),
-            Published("Fig. 6.14", "Lucy with more and more centres", "figure-6.17"),
-            Published("Fig. 6.15", "vessels with more and more centres", "figure-6.17"),
-            Published("Fig. 6.16", "dragon with more and more centres", "figure-6.17"),
+            Published("Fig. 6.14", "Lucy with increasing numbers of centres", "figure-6.17"),
+            Published("Fig. 6.15", "vessels with increasing numbers of centres", "figure-6.17"),
+            Published("Fig. 6.16", "dragon with increasing numbers of centres", "figure-6.17"),
             Published("Fig. 6.17", "error against centres", "figure-6.17"),
             Published("Fig. 6.18", "dragon with holes", "figure-6.18"),
             Published("Fig. 6.19", "bunny from ridges and valleys, artefacts", "figure-6.4"),
@@ -132,7 +132,7 @@ CHAPTERS = (
             Published("Fig. 8.5", "coefficients and energy against iterations", "figure-8.4"),
             Published("Fig. 8.6", "number of centres", "figure-8.6"),
             Published("Fig. 8.7", "centres along the shape", "figure-8.6"),
-            Published("Fig. 8.8", "bone in space", "figure-8.8"),
+            Published("Fig. 8.8", "bone in 3D", "figure-8.8"),
             Published("Fig. 8.9", "curvatures of its surface", "figure-8.8"),
             Published("Fig. 8.10", "echocardiography, from start to end", "figure-8.10"),
             Published("Fig. 8.11", "echocardiography in vivo", "figure-8.10"),
@@ -149,7 +149,7 @@ def published_in(name):
 
 
 def chapter_of(name):
-    """The chapter that a figure of the gallery stands in: that of its number, else the first that names it."""
+    """The chapter of a figure of the gallery: that of its number, else the first that names it."""
     owners = [(title, entry) for title, entries in CHAPTERS for entry in entries if entry.figure == name]
     own = [title for title, entry in owners if name.split("-")[-1] == entry.number.split()[-1]]
     return (own or [title for title, _ in owners])[0]

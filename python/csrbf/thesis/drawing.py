@@ -1,4 +1,4 @@
-"""What the drawings of the gallery share: colours, lines, pictures of numbers."""
+"""Common parts of the drawings of the gallery: colours, lines, pictures of numbers."""
 
 import matplotlib
 
@@ -11,10 +11,10 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullLocator  # noq
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
 DASHES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (7, 2))]
-REFERENCE = "#9aa3ad"  # what is to be met
+REFERENCE = "#9aa3ad"  # the target
 QUIET = "#5b6675"  # bounds, remarks
 
-# Pixels for an inch: drawings are shown at 96, so that they stay sharp on fine screens.
+# Pixels per inch: drawings are shown at 96, so they stay sharp on high-resolution screens.
 RESOLUTION = 150
 
 STYLE = {
@@ -57,13 +57,13 @@ def style(axis, x_label, y_label, title="", x_log=False, y_log=False):
 
 
 def plain_ticks(axis, values):
-    """Ticks at these values of a logarithmic axis, written out."""
+    """Ticks at these values of a logarithmic axis, as plain numbers."""
     axis.set_xticks(values, [f"{value:,.0f}" for value in values])
     axis.minorticks_off()
 
 
 def decimal_ticks(axis):
-    """Ticks at 1, 2 and 5 of every decade of a short logarithmic y axis, written out."""
+    """Ticks at 1, 2 and 5 of every decade of a short logarithmic y axis, as plain numbers."""
     axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.yaxis.set_major_formatter(FormatStrFormatter("%g"))
     axis.yaxis.set_minor_locator(NullLocator())
@@ -74,13 +74,13 @@ def whole_ticks(axis):
 
 
 def bound(axis, at, text, x):
-    """A dotted horizontal line with what it is."""
+    """A dotted horizontal line with a label."""
     axis.axhline(at, color=QUIET, lw=1, ls=":")
     axis.text(x, at, text, va="bottom", color=QUIET, fontsize=9)
 
 
 def bare(axis):
-    """An axis for a drawing in the plane: equal lengths, no ticks."""
+    """An axis for a 2D drawing: equal scales, no ticks."""
     axis.set_aspect("equal")
     axis.set_xticks([])
     axis.set_yticks([])
@@ -102,7 +102,7 @@ def pairs(pictures, cmap, limits=None, signed=False, **options):
     errors = {name: next((e for e in pictures if e.startswith("error") and e.endswith(name)), None) for name in names}
     low, high = limits or (pictures[names[0]].min(), pictures[names[0]].max())
     shown_errors = np.abs(np.concatenate([pictures[e].ravel() for e in errors.values() if e]))
-    # A few pixels do not make all others black.
+    # Keeps a few pixels from turning all others black.
     largest = np.percentile(shown_errors, 99.5)
     height, width = pictures[names[0]].shape
     drawing, axes = subplots(2, len(names), size=(2.2 * len(names) + 0.9, 4.4 * height / width + 0.7))
@@ -126,7 +126,7 @@ def powers(text):
 
 
 def order(x, y):
-    """The slope of log y over log x."""
+    """The slope of log y against log x."""
     return np.polyfit(np.log(x), np.log(y), 1)[0]
 
 

@@ -1,7 +1,7 @@
-"""The errata of the thesis: what is printed, what is right, and the figures of the gallery that they touch.
+"""The errata of the thesis: what is printed, what is correct, and the figures of the gallery that they affect.
 
-Each was found by deriving the formula again or by computing with both forms; docs/thesis.md names the files and tests
-of the corrected forms.
+Each was found by rederiving the formula or by computing with both forms; docs/thesis.md names the files and tests of
+the corrected forms.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Erratum:
-    """A mistake in print."""
+    """A misprint or mistake."""
 
     where: str  # equation, algorithm, table or section
     printed: str
@@ -35,7 +35,7 @@ ERRATA = (
     Erratum(
         "(1.10)",
         "the union of the patches lies in Ω; the error is bounded by the largest local error of all patches",
-        "Ω lies in the union; the patches that hold the place are enough",
+        "Ω lies in the union; the patches that contain the point are enough",
         ("figure-1.1",),
     ),
     Erratum(
@@ -78,7 +78,7 @@ ERRATA = (
     ),
     Erratum(
         "3.1.2, 3.2.4",
-        "sums over j up to M − 1 of the level below; the sum of squares is called a mean",
+        "sums over j up to M − 1 of the previous level; the sum of squares is called a mean",
         "j < M of the level itself; it is a sum, so that λ grows with N",
         ("figure-3.4",),
     ),
@@ -96,7 +96,7 @@ ERRATA = (
     ),
     Erratum(
         "Algorithm 1, end",
-        "clusters that have converged are not looked at again",
+        "clusters that have converged are not checked again",
         "later levels disturb them: all clusters have to be checked, and single samples need a last level of their own",
         ("figure-3.4", "figure-3.9"),
     ),
@@ -146,7 +146,7 @@ ERRATA = (
     Erratum(
         "(4.7)",
         "|f| / L is an upper bound of the distance; the step is f / L",
-        "a lower bound, which is why the step |f| / L is safe",
+        "a lower bound, so the step |f| / L is safe",
     ),
     Erratum("(5.1), (5.2)", "f = T − Σ", "f = Σ − T for f > 0 inside", ("chapter-5",)),
     Erratum("5.4", "plane H = {p: ⟨n, r⟩ − D = 0}", "⟨n, p⟩ − D = 0", ("chapter-5",)),
@@ -154,7 +154,7 @@ ERRATA = (
     Erratum(
         "6.1.2",
         "support R times the fill distance of the centres in the domain",
-        "in the samples; that in the box is some 8 times as large for a sphere",
+        "in the samples; that in the box is about 8 times as large for a sphere",
         ("figure-6.5", "figure-6.8"),
     ),
     Erratum(
@@ -165,8 +165,8 @@ ERRATA = (
     ),
     Erratum(
         "6.1.3, (6.25)",
-        "the system that is said to minimise (6.4)",
-        "it asks for slopes of 1 with weights 1/w; min-max has 1/w² in the matrix and 1/w at the right",
+        "the system said to minimise (6.4)",
+        "it requires slopes of 1 with weights 1/w; min-max has 1/w² in the matrix and 1/w on the right",
         ("figure-6.17",),
     ),
     Erratum(
@@ -178,7 +178,7 @@ ERRATA = (
     Erratum(
         "(6.10) ff.",
         "sums to 3(N − 1), Q without the index k, right side sⱼ",
-        "0 … 3N − 1; BᵀW (s − g): what the quadric leaves",
+        "0 … 3N − 1; BᵀW (s − g): the residual of the quadric",
         ("figure-6.8",),
     ),
     Erratum("(6.13)", "(d² − 1)² is C²", "C¹: the second derivative jumps by 8 at d = 1", ("figure-6.3",)),
@@ -208,8 +208,8 @@ ERRATA = (
     ),
     Erratum(
         "6.2.1.1",
-        "the medial axis by way of the complement of the surface",
-        "the places with two or more nearest points on the surface",
+        "the medial axis by the complement of the surface",
+        "the points with two or more nearest points on the surface",
         ("figure-6.9",),
     ),
     Erratum("(7.1)", "Γ_t = ⟨V, n⟩", "⟨V, n⟩ n: a vector", ("figure-7.1",)),
@@ -230,13 +230,13 @@ ERRATA = (
     Erratum(
         "(8.31)",
         "V = −(I − C₁)² + (I − C₂)²",
-        "the opposite sign for (7.11) and (8.18); as printed all labels change sides in every step",
+        "the opposite sign for (7.11) and (8.18); as printed, all labels flip in every step",
         ("figure-8.2", "figure-8.6"),
     ),
     Erratum(
         "8.2.6, App. D",
-        "β = σ in one, ε = 2σ = β in the other; a factor that is not 0",
-        "one of the two; a factor above 0, for a negative one turns f inside out",
+        "β = σ in one, ε = 2σ = β in the other; a nonzero factor",
+        "one of the two; a positive factor, since a negative one turns f inside out",
         ("figure-8.4",),
     ),
     Erratum(
@@ -262,5 +262,5 @@ ERRATA = (
 
 
 def errata_of(name):
-    """The errata that touch a figure of the gallery: a list of (number, Erratum)."""
+    """The errata that affect a figure of the gallery: a list of (number, Erratum)."""
     return [(i, erratum) for i, erratum in enumerate(ERRATA, 1) if name in erratum.figures]

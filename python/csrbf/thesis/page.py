@@ -1,4 +1,4 @@
-"""The page of the gallery: one file of HTML with every picture in it."""
+"""The page of the gallery: one HTML file with all pictures embedded."""
 
 import base64
 import html
@@ -11,7 +11,7 @@ from csrbf.thesis.coverage import CHAPTERS, chapter_of, published_in
 from csrbf.thesis.errata import ERRATA, errata_of
 from csrbf.thesis.plots import replace
 
-MOST_ROWS = 24  # of a table of numbers that the page shows
+MOST_ROWS = 24  # longer tables of numbers are curves, which the drawings show
 CLASSES = {"holds": "holds", "fails": "fails", "not comparable": "open"}
 SIGNS = {"holds": "✓", "fails": "✗", "not comparable": "–"}
 
@@ -93,7 +93,7 @@ footer { max-width: 1120px; margin: 4rem auto 0; padding: 20px 24px 40px; color:
 
 
 def text(words):
-    """Words as HTML; numbers such as 1e-3, powers such as x^2 and indices such as p_k become what one writes by hand."""
+    """Words as HTML; numbers such as 1e-3, powers such as x^2 and indices such as p_k are typeset."""
     words = html.escape(words)
     words = re.sub(r"\b(\d+(?:\.\d+)?)e\+?(-?)0*(\d+)\b", r"\1·10^\2\3", words)
     words = re.sub(r"\b(\w)_(\w)\b", r"\1<sub>\2</sub>", words).replace("^-", "^−")
@@ -103,7 +103,7 @@ def text(words):
 def write(path, figures, images, seconds):
     """Writes the page.
 
-    figures: those of this run; images: what plots.save returned, by their names; seconds: what all took.
+    figures: those of this run; images: the results of plots.save, by name; seconds: of the whole run.
     """
     content = page(figures, images, seconds)
     replace(path, lambda file: file.write(content.encode()))
@@ -134,19 +134,19 @@ def page(figures, images, seconds):
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>csrbf: the thesis, computed again</title>
+<title>csrbf: the thesis, reproduced</title>
 <style>{STYLE}</style>
 </head>
 <body>
 <header>
-<h1>The thesis, computed again</h1>
+<h1>The thesis, reproduced</h1>
 <p>The figures and tables of A. Gelas, “Compactly Supported Radial Basis Functions: Multidimensional Reconstruction and
-Applications” (2006): what it says and shows, and what csrbf {text(csrbf.__version__)} gives on this machine.</p>
+Applications” (2006): its claims, and the results of csrbf {text(csrbf.__version__)} on this machine.</p>
 {tiles(figures, seconds)}
-<p class="note">A claim <b>holds</b> when our numbers show what the thesis says, and <b>fails</b> when they do not, also
-when there is no difference where one is claimed. It is <b>not comparable</b> where the thesis prints no number, where
-times depend on the machine, and where something was added to what the thesis has. Most of its figures are pictures
-without numbers; where its data are not free, others take their place and the text says so.</p>
+<p class="note">A claim <b>holds</b> when our numbers confirm it, and <b>fails</b> when they do not, also when there is
+no difference where one is claimed. It is <b>not comparable</b> where the thesis prints no number, where times depend on
+the machine, and where something goes beyond the thesis. Most of its figures are pictures without numbers; where its
+data are not free, others replace them and the text says so.</p>
 {failures(figures)}
 {contents(figures)}
 </header>
@@ -155,7 +155,7 @@ without numbers; where its data are not free, others take their place and the te
 <h2 id="coverage">Every figure and table of the thesis</h2>
 {coverage(names)}
 <h2 id="errata">Errata</h2>
-<p class="note">What is printed and what is right, {len(ERRATA)} places, in the order of the thesis.</p>
+<p class="note">What is printed and what is correct, in {len(ERRATA)} places, in the order of the thesis.</p>
 {errata_table(names)}
 </main>
 <footer>csrbf {text(csrbf.__version__)}. Written by <code>python3 -m csrbf.thesis</code> in {seconds:.0f} s.</footer>
@@ -173,7 +173,7 @@ def verdicts_of(figure):
 
 
 def worst(figure):
-    """The verdict that stands for all claims of a figure."""
+    """The verdict that summarises all claims of a figure."""
     found = verdicts_of(figure)
     return next((verdict for verdict in ("fails", "holds") if verdict in found), "not comparable")
 
@@ -248,7 +248,7 @@ def duration(seconds):
 
 
 def data(path):
-    """A picture as an address that holds it, and its width and height in pixels."""
+    """A picture as a data URL, and its width and height in pixels."""
     content = path.read_bytes()
     width, height = struct.unpack(">II", content[16:24])
     return f"data:image/png;base64,{base64.b64encode(content).decode()}", width, height
@@ -281,7 +281,7 @@ def claims_table(claims):
 
 def errata_list(name):
     items = "".join(
-        f'<li><a href="#erratum-{i}">{i}</a> {text(erratum.where)}: printed “{text(erratum.printed)}”; right: '
+        f'<li><a href="#erratum-{i}">{i}</a> {text(erratum.where)}: printed “{text(erratum.printed)}”; correct: '
         f"{text(erratum.correct)}.</li>"
         for i, erratum in errata_of(name)
     )
@@ -328,5 +328,5 @@ def errata_table(names):
         links = "<br>".join(f'<a href="#{name}">{name}</a>' for name in erratum.figures if name in names)
         cells = "".join(f"<td>{text(words)}</td>" for words in (erratum.where, erratum.printed, erratum.correct))
         rows.append(f'<tr id="erratum-{i}"><td>{i}</td>{cells}<td class="names">{links}</td></tr>')
-    head = "<thead><tr><th></th><th>where</th><th>printed</th><th>right</th><th>seen in</th></tr></thead>"
+    head = "<thead><tr><th></th><th>where</th><th>printed</th><th>correct</th><th>seen in</th></tr></thead>"
     return f'<div class="scroll"><table>{head}<tbody>{"".join(rows)}</tbody></table></div>'

@@ -1,16 +1,16 @@
-"""Draws the figures of the gallery and writes them as files."""
+"""Draws the figures of the gallery and writes them to files."""
 
 import os
 
 from csrbf.thesis import level_sets, scattered_data, surfaces
 from csrbf.thesis.drawing import RESOLUTION, STYLE, plt
 
-# By name: a function of a Figure that returns a list of (suffix of the file, drawing). Others are renders alone.
+# By name: a function of a Figure that returns a list of (suffix of the file, drawing). Other figures have only renders.
 DRAW = {**scattered_data.DRAW, **surfaces.DRAW, **level_sets.DRAW}
 
 
 def save(figure, folder):
-    """Writes the pictures of a Figure: a list of (path, caption, inches of a pixel), the last None for renders."""
+    """Writes the pictures of a Figure: a list of (path, caption, inches per pixel), the last None for renders."""
     saved = []
     if figure.name in DRAW and not figure.missing:
         with plt.rc_context(STYLE):
@@ -27,7 +27,7 @@ def save(figure, folder):
 
 
 def replace(path, write):
-    """Calls write(file) with a temporary name beside path, then renames."""
+    """Calls write(file) with a temporary file beside path, then renames it."""
     part = path.with_name(path.name + ".part")
     try:
         with open(part, "wb") as file:

@@ -77,8 +77,8 @@ def figure_1_1(figure):
     axes[2].plot(x, curves["f"], color=COLORS[1], lw=1.2, label="f")
     axes[2].plot(samples["x"], samples["s"], ".", color="black", ms=4, label="samples")
     axes[2].legend(ncol=3, loc="lower right")
-    style(axes[0], "", "weight", "weights of the patches; their sum is 1")
-    style(axes[1], "", "local functions", "local functions, each where its weight is above 0")
+    style(axes[0], "", "weight", "weights of the patches, which sum to 1")
+    style(axes[1], "", "local functions", "local functions, each where its weight is positive")
     style(axes[2], "x", "f", "their blend (1.10)")
     axes[1].set_ylim(axes[2].get_ylim())
     line = drawing
@@ -133,7 +133,7 @@ def figure_2_1(figure):
 
 
 def revolved(figure):
-    """Figs. 2.1 b, d, 2.2 b, d and 2.3: the functions over the plane."""
+    """Figs. 2.1 b, d, 2.2 b, d and 2.3: the functions as surfaces over the plane."""
     chosen = [
         ("Table 2.1", "Gaussian"),
         ("Table 2.1", "inverse multiquadric"),
@@ -170,8 +170,8 @@ def figure_2_4(figure):
     drawing, axes = subplots(1, 3, size=(11, 3.2))
     for axis, column, label, y_log in [
         (axes[0], "RMSE", "root mean square error", True),
-        (axes[1], "density", "share of the matrix that is not 0", False),
-        (axes[2], "condition", "condition of the matrix", True),
+        (axes[1], "density", "fraction of nonzero matrix entries", False),
+        (axes[2], "condition", "condition number", True),
     ]:
         lines(axis, t[0], [(None, t[column])])
         style(axis, "support / sample distance", label, x_log=True, y_log=y_log)

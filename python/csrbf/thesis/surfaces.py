@@ -40,7 +40,7 @@ def chapter_5(figure):
     own = np.array([label in ("composite", "medial-axis") for label in t.labels])[best_last]
     for axis, column, text in [
         (axes[0], "rms Taubin", "rms Taubin distance [diagonals]"),
-        (axes[1], "pieces", "pieces of the surface (1 is right)"),
+        (axes[1], "pieces", "components of the surface (1 is correct)"),
         (axes[2], "seconds", "seconds"),
     ]:
         values = t[column][best_last]

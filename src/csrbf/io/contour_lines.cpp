@@ -13,7 +13,7 @@
 namespace csrbf {
 namespace {
 
-// Shorter than append_number, and still far below what can be seen.
+// Shorter than append_number, with an error still far below what can be seen.
 void append_coordinate(std::string& out, double value) {
   constexpr int digits = 9;
   std::array<char, 32> text{};
@@ -40,9 +40,9 @@ std::string path_data(const ContourLines& contours, bool closed) {
   return d;
 }
 
-// The box that is shown, and never one without an area.
+// The box that is shown; its area is never zero.
 Box<2> view_of(const ContourLines& contours, const Box<2>& wanted) {
-  constexpr double margin = 0.02;  // of the longest side
+  constexpr double margin = 0.02;  // of the longest side, by eye
   if (!wanted.empty()) {
     require(wanted.extent().allFinite() && wanted.extent().minCoeff() > 0, "write_contour_lines", "view",
             wanted.extent().transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, 0, " x ")),
@@ -56,8 +56,8 @@ Box<2> view_of(const ContourLines& contours, const Box<2>& wanted) {
 }
 
 std::string format_svg(const ContourLines& contours, const Box<2>& wanted) {
-  constexpr double pixels = 800;       // along the longest side
-  constexpr double line_width = 2e-3;  // of it
+  constexpr double pixels = 800;       // along the longest side, by eye
+  constexpr double line_width = 2e-3;  // of it, by eye
   const Box<2> view = view_of(contours, wanted);
   const double longest = view.extent().maxCoeff();
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"";

@@ -7,15 +7,15 @@
 namespace csrbf {
 
 struct ContourFileOptions {
-  /// .csv, .ply and .vtp: where point (x, y, 0) of the plane is in space.
+  /// .csv, .ply and .vtp: map from (x, y, 0) in the plane to space.
   Eigen::Affine3d placement = Eigen::Affine3d::Identity();
 
-  /// .svg: the part of the plane that is shown, as the whole image. Default (an empty box): that of the points and a
-  /// little more.
+  /// .svg: the part of the plane that the image shows. Default (an empty box): the box of the points with a small
+  /// margin.
   Box<2> view{};
 };
 
-/// Writes the lines of a contour, complete or not at all (AtomicFile). The extension says the format:
+/// Writes the lines of a contour, complete or not at all (AtomicFile). The extension determines the format:
 /// - .svg: a drawing in the coordinates of the plane, with y downwards as in images: one path of all closed lines,
 ///   filled by the even-odd rule, so that holes stay empty, and one of the open lines, not filled. 9 digits.
 /// - .csv: columns x, y, z, contour (the number of the line, from 0) and, when a line is open, closed (0 or 1). All

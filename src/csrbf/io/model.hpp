@@ -10,18 +10,18 @@
 
 namespace csrbf {
 
-/// Writes a surface to a .csrbf file, complete or not at all: read_model() gives the same values, bit for bit. Throws
-/// InvalidInput for a kind of field that has no file form, IoError when the file cannot be written.
+/// Writes a surface to a .csrbf file, complete or not at all: read_model() restores the same values, bit for bit.
+/// Throws InvalidInput for a kind of field that has no file form, IoError when the file cannot be written.
 void write_model(const std::string& path, const Field<3>& field);
 
 /// Reads the implicit surface of a .csrbf file; a function of three variables with one component counts as one. Throws
-/// IoError for files that are missing, damaged, of another kind or from the future.
+/// IoError for files that are missing, damaged, of another kind or from a newer version.
 std::shared_ptr<const Field<3>> read_model(const std::string& path);
 
-/// The level sets of a segmentation as a function of two or three variables, for write_model(): of two regions the one
-/// component `level_set`, positive in region 1; of more one for each, `region0`, `region1`, ..., of which one is
-/// positive at every place: its label. Those in space with one component are surfaces, which read_model() reads as
-/// well.
+/// The level sets of a segmentation as a function of two or three variables, for write_model(): for two regions the
+/// single component `level_set`, positive in region 1; for more, one per region, `region0`, `region1`, ..., of which at
+/// every place one is positive: the label there. In 3D, those with one component are surfaces, which read_model() reads
+/// too.
 NamedFunction to_function(const Segmentation<2>& segmentation);
 NamedFunction to_function(const Segmentation<3>& segmentation);
 
@@ -30,7 +30,7 @@ NamedFunction to_function(const Segmentation<3>& segmentation);
 /// match, IoError when the file cannot be written.
 void write_model(const std::string& path, const NamedFunction& function);
 
-/// Reads what write_model() wrote of a function. Throws IoError as read_model().
+/// Reads a function written by write_model(). Throws IoError as read_model().
 NamedFunction read_function(const std::string& path);
 
 }  // namespace csrbf

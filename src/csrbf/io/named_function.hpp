@@ -7,7 +7,7 @@
 
 namespace csrbf {
 
-/// A fitted function and the names of the columns that its samples had.
+/// A fitted function and the column names of its samples.
 struct NamedFunction {
   Function function;
   std::vector<std::string> coordinate_names = {};  ///< empty: x y z, or x1 x2 ... from four on

@@ -6,7 +6,7 @@
 
 namespace csrbf {
 
-/// Reads points from a file; its extension says the format:
+/// Reads points from a file; its extension determines the format:
 /// - .ply: ascii or binary; normals and every other scalar vertex property are kept.
 /// - .xyz .pts .txt .csv, and "-" for standard input: rows of numbers separated by blanks, tabs, commas or semicolons;
 ///   # and // begin comments; .pts may begin with the number of rows. A first line without numbers (or a comment right
@@ -14,7 +14,7 @@ namespace csrbf {
 ///   three columns are coordinates; three more are normals, or colours when they are whole numbers up to 255.
 /// - .obj (v, vn, colours), .off (vertices), .vtp (points with their arrays): faces are ignored.
 /// - .npy: an (n, 3) array of coordinates or (n, 6) with normals.
-/// Coordinates that are not finite are read as they are. Throws IoError naming the file and the place.
+/// Non-finite coordinates are kept. Throws IoError with the file and the position in it.
 PointCloud read_points(const std::string& path);
 
 /// Writes points in the format of the extension, complete or not at all (AtomicFile). .ply: binary, float coordinates
@@ -24,7 +24,7 @@ PointCloud read_points(const std::string& path);
 /// 6) doubles. Throws IoError.
 void write_points(const std::string& path, const PointCloud& cloud);
 
-/// True when the extension is one of a point file.
+/// True for the extension of a point file.
 bool is_point_file(const std::string& path);
 
 }  // namespace csrbf

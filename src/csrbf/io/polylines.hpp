@@ -6,25 +6,25 @@
 
 namespace csrbf {
 
-/// Reads curves from a file; its extension says the format:
+/// Reads curves from a file; its extension determines the format:
 /// - .csv .txt .xyz .pts, and "-" for standard input: rows of numbers as read_points() reads them, under names of
 ///   columns: x y z, and `contour` (or, without it, `slice`), a number that the points of one closed curve share. Their
-///   order in the file is that along the curve, whose last point is joined to its first, unless a column `closed` holds
-///   0 there.
+///   order in the file is that along the curve; the last point is joined to the first unless a column `closed` is 0
+///   there.
 /// - .obj: lines (l); a line that ends where it began is closed.
 /// - .ply: an element edge with vertex1 and vertex2, as write_polylines() writes it.
-/// Throws IoError naming the file and the place; also for files without a curve.
+/// Throws IoError with the file and the position in it; also for files without a curve.
 Polylines read_polylines(const std::string& path);
 
 /// Does a file hold curves rather than points or a surface: a column `contour`, or lines (edges) and no faces? False
-/// for files that cannot be read, standard input, and files of other kinds.
+/// for unreadable files, standard input, and files of other kinds.
 bool holds_polylines(const std::string& path);
 
 /// Writes curves to a binary .ply or .vtp file, complete or not at all (AtomicFile): vertices with their properties,
 /// and edges. Throws IoError, also for other extensions.
 void write_polylines(const std::string& path, const Polylines& lines);
 
-/// True when the extension is one of a file that write_polylines() writes.
+/// True for an extension that write_polylines() supports.
 bool is_polylines_file(const std::string& path);
 
 }  // namespace csrbf

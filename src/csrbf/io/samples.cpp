@@ -48,7 +48,7 @@ class ColumnPicker {
   ColumnPicker(const Table& table, std::string name)
       : table_(table), name_(std::move(name)), used_(static_cast<std::size_t>(table.values.rows()), false) {}
 
-  // The columns of a list of names and numbers, which are used from now on.
+  // The columns of a list of names and numbers, which count as used from now on.
   std::vector<Index> take(std::string_view list) {
     std::vector<Index> columns;
     while (!trimmed(list).empty()) {
@@ -59,7 +59,7 @@ class ColumnPicker {
     return columns;
   }
 
-  // All columns that nobody took, or the last of them.
+  // All unused columns, or the last of them.
   std::vector<Index> take_rest() {
     std::vector<Index> columns;
     for (Index i = 0; i < size(); ++i)
@@ -162,7 +162,7 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   const std::string name = display_name(path);
   ColumnPicker picker(table, name);
   const std::vector<Index> weights = picker.take(columns.weights);
-  if (weights.size() > 1) throw IoError(name + ": weights stand in one column, found " + in_quotes(columns.weights));
+  if (weights.size() > 1) throw IoError(name + ": weights must be one column, found " + in_quotes(columns.weights));
   std::vector<Index> values = picker.take(columns.values);
   std::vector<Index> coordinates = picker.take(columns.coordinates);
   if (values.empty()) values = picker.take_last();

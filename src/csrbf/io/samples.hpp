@@ -7,14 +7,14 @@
 
 namespace csrbf {
 
-/// Which columns of a table are what: their names or 1-based numbers, separated by commas; empty takes the default.
+/// The roles of the columns of a table: names or 1-based numbers, separated by commas; empty takes the default.
 struct SampleColumns {
   std::string coordinates = {};  ///< default: all columns that are neither values nor weights
   std::string values = {};       ///< default: the last column that is neither a coordinate nor the weight
   std::string weights = {};      ///< one column; default: none, all samples weigh 1
 };
 
-/// Scattered samples as they are read, for any dimension.
+/// Scattered samples as read from a file, for any dimension.
 struct SampleTable {
   Eigen::MatrixXd coordinates;  ///< d x n
   Eigen::MatrixXd values;       ///< n x k
@@ -31,16 +31,16 @@ std::vector<std::string> default_value_names(Index k);
 /// Reads samples: .csv .txt .tsv .dat .xyz and "-" for standard input (numbers separated by commas, semicolons, tabs or
 /// blanks, with a line of column names or without, see io/files/table.hpp) or .npy (an (n, d+1) array). Columns that
 /// are not used may hold text; empty cells, NA and null are missing numbers. Columns without names get the default
-/// ones. Throws IoError "file:line: ..." for what cannot be read, for unknown columns (naming those there are),
-/// negative weights and when no row is left.
+/// ones. Throws IoError "file:line: ..." for unreadable text, unknown columns (listing those there are), negative
+/// weights and when no row is left.
 SampleTable read_samples(const std::string& path, const SampleColumns& columns = {});
 
 /// Reads points to evaluate at, in the formats of samples: the columns of these names when the file has all of them,
-/// else the first names.size() columns; a d x m matrix. Numbers that are missing are NaN, so that every row has an
-/// answer. Throws IoError.
+/// else the first names.size() columns; a d x m matrix. Missing numbers are NaN, so that every row has a
+/// result. Throws IoError.
 Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::string>& names);
 
-/// Answers to queries.
+/// Values at queried points.
 struct ResultTable {
   std::vector<std::string> coordinate_names, value_names;
   Eigen::MatrixXd coordinates;  ///< d x m

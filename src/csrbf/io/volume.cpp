@@ -55,7 +55,7 @@ bool is_picture(const std::string& extension) {
   return extension == ".png" || extension == ".pgm" || extension == ".ppm";
 }
 
-// Refuses axes and components that the format has no place for.
+// Refuses axes and components that the format cannot hold.
 void check_shape(const std::string& extension, const VolumeLayout& layout, const std::string& path) {
   const auto check = [&](bool holds, const std::string& what) {
     if (!holds) throw IoError(path + ": " + extension + " files hold no " + what + "; write .nii.gz, .nrrd or .npy");
@@ -68,9 +68,9 @@ void check_shape(const std::string& extension, const VolumeLayout& layout, const
           "pixels of " + std::to_string(layout.components) + " components");
   }
   if (extension.starts_with(".tif")) {
-    constexpr Index most_components = 65535;
+    constexpr Index most_components = 65535;  // a 16-bit field of TIFF
     check(layout.grid.size[2] == 1 || layout.frames == 1, "sequences of three axes");
-    check(layout.components <= most_components, "pixels of so many components");
+    check(layout.components <= most_components, "pixels of " + std::to_string(layout.components) + " components");
   }
   if (extension == ".vti") check(layout.frames == 1, "time axis");
 }

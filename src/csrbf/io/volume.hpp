@@ -6,15 +6,16 @@
 
 namespace csrbf {
 
-/// Reads an image of numbers; its extension says the format:
+/// Reads an image of numbers; its extension determines the format:
 /// - .png, .pgm, .ppm: pictures of 8 and 16 bits; .tif, .tiff: pages are slices.
-/// - .nii, .nii.gz, .nrrd, .mha, .mhd: with spacing, origin and direction. Lengths are mm where the file says its unit.
+/// - .nii, .nii.gz, .nrrd, .mha, .mhd: with spacing, origin and direction. Lengths are in mm where the file gives their
+/// unit.
 /// - .vti: images of VTK and ParaView, with spacing, origin and direction as they are in the file.
 /// - .npy: [x], [y, x], [z, y, x] or [t, z, y, x]; see io/images/npy_volume.hpp for axes of components.
 /// - .dcm, other DICOM files and folders of them, when built with GDCM: see io/images/dicom.hpp.
-/// Without a header voxels have size 1 and the first is centred at the origin. Samples with a scale (NIfTI) become
-/// floats; NaN is a value like others. Throws IoError naming the file and the place; takes memory only when the file
-/// can hold what its header promises.
+/// Without a header, voxels have size 1 and the first is centred at the origin. Samples with a scale (NIfTI) become
+/// floats; NaN is a valid value. Throws IoError with the file and the position in it; allocates memory only when the
+/// file can hold what its header promises.
 template <class Scalar = float>
 Volume<Scalar> read_volume(const std::string& path);
 
@@ -26,13 +27,13 @@ Volume<Scalar> read_volume(const std::string& path);
 template <class Scalar>
 void write_volume(const std::string& path, const Volume<Scalar>& volume);
 
-/// True when the extension is one of an image that write_volume() writes.
+/// True for the extension of an image that write_volume() writes.
 bool is_volume_file(const std::string& path);
 
-/// True when it is one of an image, or when the path is a DICOM file or a folder.
+/// True for the extension of an image, a DICOM file or a folder.
 bool is_readable_volume(const std::string& path);
 
-/// True when it is one of a picture, which holds whole numbers only: .png .pgm .ppm.
+/// True for the extension of a picture, which holds whole numbers only: .png .pgm .ppm.
 bool is_picture_file(const std::string& path);
 
 }  // namespace csrbf

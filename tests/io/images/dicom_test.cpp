@@ -251,7 +251,7 @@ TEST(Dicom, RefusesSlicesThatDoNotMakeAStack) {
     write_stack(folder, {0, 1, 1, 2});
     EXPECT_EQ(
         message(folder),
-        "F/slice2: the slice is at the same place as F/slice1; sequences of volumes are not supported: move each to "
+        "F/slice2: the slice has the same position as F/slice1; sequences of volumes are not supported: move each to "
         "a folder of its own");
   }
   const auto with_second = [](const std::function<void(Written&)>& change) {

@@ -117,7 +117,7 @@ TEST(VtkFiles, SayWhatIsWrong) {
   EXPECT_EQ(error(image_text("", binary + base64(packed<std::uint32_t>({25}) + std::string(25, 'x')))),
             "array \"a\": the data have 25 bytes, 24 are expected");
   EXPECT_EQ(error(image_text("", "type=\"Float32\" format=\"appended\" offset=\"9\">")),
-            "array \"a\" begins behind the end of the file");
+            "array \"a\" begins beyond the end of the file");
   const std::string zlib = "compressor=\"vtkZLibDataCompressor\"";
   EXPECT_EQ(error(image_text(zlib, binary + base64(packed<std::uint32_t>({4e9, 16, 8, 1, 1})))),
             "array \"a\": the data are truncated");

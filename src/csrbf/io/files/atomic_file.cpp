@@ -29,15 +29,15 @@ std::string reason(int error) {
   return std::generic_category().message(error);
 }
 
-// A hidden name beside the target, unique among the processes and threads that write there now. One that was killed
-// may have left a file of this name.
+// A hidden name beside the target, unique among the processes and threads that are writing there. A killed one may
+// have left a file of this name.
 std::string temporary_name(const fs::path& target) {
   static std::atomic<unsigned> counter{0};
   const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter++);
   return (target.parent_path() / ("." + target.filename().string() + "." + unique + ".tmp")).string();
 }
 
-// Replacing a file needs no permission to write it, but whoever took that away wants to keep the file.
+// Replacing a file needs no write permission for it, but whoever removed that permission wants to keep the file.
 bool is_protected(const std::string& path) {
   return access(path.c_str(), W_OK) != 0;
 }

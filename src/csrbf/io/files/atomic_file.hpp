@@ -6,11 +6,11 @@
 
 namespace csrbf {
 
-/// A file that appears under its name only when it is complete: bytes go to a temporary name in the same folder, and
-/// commit() renames it over the target. Without commit() the temporary is removed and the target stays as it was.
+/// A file that appears under its name only when it is complete: bytes go to a temporary file in the same folder, and
+/// commit() renames it to the target. Without commit() the temporary is removed and the target stays as it was.
 /// Devices and pipes are written directly; a symbolic link keeps pointing to the file that is replaced. A file without
 /// permission to write is not replaced.
-/// Every failure is an IoError that names the target and the system's reason.
+/// Every failure is an IoError with the target and the system's reason.
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);

@@ -36,8 +36,8 @@ void append_scalar(std::string& out, T value) {
   out.append(raw.data(), raw.size());
 }
 
-/// Conversion of a value to a scalar type of a file: integers are rounded and clamped, NaN becomes 0; a float that
-/// cannot hold the value becomes infinite.
+/// Converts a value to a scalar type of a file: integers are rounded and clamped, NaN becomes 0; a float that cannot
+/// hold the value becomes infinite.
 template <class T>
 T narrow_scalar(double value) {
   constexpr auto lowest = static_cast<double>(std::numeric_limits<T>::lowest());
@@ -48,7 +48,7 @@ T narrow_scalar(double value) {
     return value < lowest ? -infinity : static_cast<T>(value);
   } else {
     if (std::isnan(value)) return 0;
-    // As a double the largest 64-bit integer is one too large to convert.
+    // Converted to double, the largest 64-bit integer is one too large to convert back.
     if (value >= highest) return std::numeric_limits<T>::max();
     return static_cast<T>(std::nearbyint(std::max(value, lowest)));
   }

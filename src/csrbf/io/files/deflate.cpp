@@ -11,11 +11,11 @@ namespace csrbf {
 namespace {
 
 constexpr std::size_t largest_chunk = std::numeric_limits<uInt>::max();
-constexpr int window = 15;
+constexpr int window = 15;  // zlib's default, and the largest
 constexpr int detect_format = 32;
 constexpr int write_gzip = 16;
 
-// zlib takes its input through pointers that are not const but never writes there.
+// zlib takes its input through non-const pointers but never writes to it.
 void give_input(z_stream& stream, std::string_view& bytes) {
   if (stream.avail_in > 0 || bytes.empty()) return;
   const std::size_t chunk = std::min(bytes.size(), largest_chunk);
@@ -40,11 +40,10 @@ class Inflater {
 
   struct Result {
     std::size_t size = 0;
-    bool cut = false;  // the stream's end is missing
+    bool cut = false;  // the end of the stream is missing
   };
 
-  // Fills `out` as far as the stream goes. The trailer of a stream, with its checksum, is
-  // read even when `out` is full.
+  // Fills `out` as far as the stream goes. The trailer of a stream, with its checksum, is read even when `out` is full.
   Result run(std::string_view compressed, std::string& out) {
     std::size_t used = 0;
     while (true) {
@@ -90,13 +89,13 @@ std::string inflate_bytes(std::string_view compressed, std::size_t size, const s
 }
 
 std::string deflate_bytes(std::initializer_list<std::string_view> parts, DeflateFormat format) {
-  constexpr int level = 3;
-  constexpr int memory_level = 8;
+  constexpr int level = 3;         // see deflate.hpp
+  constexpr int memory_level = 8;  // zlib's default
   z_stream stream{};
   if (deflateInit2(&stream, level, Z_DEFLATED, format == DeflateFormat::gzip ? window + write_gzip : window,
                    memory_level, Z_DEFAULT_STRATEGY) != Z_OK)
     throw IoError("zlib cannot start");
-  constexpr std::size_t first_guess = std::size_t{1} << 20;
+  constexpr std::size_t first_guess = std::size_t{1} << 20;  // bytes of the result; grows
   std::string out(first_guess, '\0');
   std::size_t used = 0;
   const auto run = [&](int flush) {

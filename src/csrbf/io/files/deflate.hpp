@@ -6,17 +6,17 @@
 
 namespace csrbf {
 
-/// The first `size` bytes that a gzip file (one or more members) or a zlib stream holds. Throws IoError with `name` for
-/// damaged data and for streams that end before.
+/// The first `size` bytes of the content of a gzip file (one or more members) or a zlib stream. Throws IoError with
+/// `name` for damaged data and for streams that end earlier.
 std::string inflate_bytes(std::string_view compressed, std::size_t size, const std::string& name);
 
-/// At most `size` bytes from the beginning of the stream: to look at a header. Throws IoError for damaged data.
+/// At most `size` bytes from the beginning of the stream, to inspect a header. Throws IoError for damaged data.
 std::string inflate_head(std::string_view compressed, std::size_t size, const std::string& name);
 
 enum class DeflateFormat { zlib, gzip };
 
-/// The parts, one after the other, as one stream. Compresses at zlib's level 3: a third of the default's time for some
-/// per cent more bytes.
+/// Compresses the parts, one after the other, to one stream, at zlib's level 3: a third of the time of the default
+/// level for a few per cent more bytes.
 std::string deflate_bytes(std::initializer_list<std::string_view> parts, DeflateFormat format);
 
 }  // namespace csrbf

@@ -41,7 +41,7 @@ const Scalar& scalar_of(const NpyHeader& header) {
   throw IoError(name + ": " + message);
 }
 
-// The text behind 'key': in the dictionary of the header.
+// The text after 'key': in the dictionary of the header.
 std::string_view value_of(std::string_view dictionary, std::string_view key, const std::string& name) {
   const std::size_t found = dictionary.find("'" + std::string(key) + "'");
   const std::size_t colon = found == std::string_view::npos ? found : dictionary.find(':', found);
@@ -73,7 +73,7 @@ void parse_shape(std::string_view text, const std::string& name, NpyHeader& head
   }
 }
 
-// Number of elements; refuses shapes that the data cannot fill, however large their product.
+// Number of elements; refuses shapes larger than the data, however large their product.
 std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const std::string& name) {
   const std::size_t room = data_bytes / scalar_of(header).size;
   const auto check = [&](bool fits) {
@@ -85,7 +85,7 @@ std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const 
     check(n == 0 || size <= room / n);
     size *= n;
   }
-  check(size <= room);  // a number without axes is one element
+  check(size <= room);  // without axes there is one element
   return size;
 }
 
@@ -152,7 +152,7 @@ std::string format_npy_header(std::string_view type, const std::vector<Index>& l
   std::string dictionary = "{'descr': '" + std::string(type.back() == '1' ? "|" : "<") + std::string(type) +
                            "', 'fortran_order': False, 'shape': (" + shape + "), }";
   constexpr std::size_t prefix = 10;
-  constexpr std::size_t alignment = 64;
+  constexpr std::size_t alignment = 64;  // of the data, by the format
   dictionary.append(alignment - 1 - (prefix + dictionary.size()) % alignment, ' ');
   dictionary += '\n';
   std::string out(magic);

@@ -5,16 +5,15 @@
 
 namespace csrbf {
 
-// Files where several processes make the same computation: one of them reads and writes for all.
+// File access when several processes do the same computation: one of them reads and writes for all.
 
-/// From now on read_file() asks `reader`, unless it is called inside a parallel loop; empty: it reads the file itself
-/// (default).
+/// From now on read_file() calls `reader`, except inside a parallel loop; empty: it reads the file itself (default).
 void set_file_reader(std::function<std::string(const std::string& path)> reader);
 
 /// What read_file() does without a reader.
 std::string read_file_here(const std::string& path);
 
-/// From now on files written by this process (AtomicFile) go nowhere.
+/// From now on files written by this process (AtomicFile) are discarded.
 void discard_files();
 
 }  // namespace csrbf

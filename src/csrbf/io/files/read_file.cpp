@@ -44,8 +44,8 @@ std::string read_file_here(const std::string& path) {
   const std::unique_ptr<std::FILE, Close> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
   if (!file) fail(path, errno);
 
-  // One read when the size is known; pipes say nothing and grow as they go.
-  constexpr std::size_t first_guess = std::size_t{1} << 16;
+  // A single read when the size is known; for pipes the buffer grows.
+  constexpr std::size_t first_guess = std::size_t{1} << 16;  // bytes of a pipe; grows
   std::size_t capacity = first_guess;
   if (path != "-" && fs::is_regular_file(path, error)) capacity = static_cast<std::size_t>(fs::file_size(path)) + 1;
   std::string content;

@@ -31,8 +31,8 @@ std::size_t find_comment(std::string_view line) {
   return quoted ? first : std::string_view::npos;  // a single quote is text
 }
 
-// Takes a cell in double quotes off the line, with the separator behind it, and returns what is between them; nullopt
-// when the next cell has none around it. Quotes inside are doubled (RFC 4180).
+// Removes a cell in double quotes from the line, with the separator after it, and returns its content; nullopt when
+// the next cell is not quoted. Quotes inside are doubled (RFC 4180).
 std::optional<std::string_view> take_quoted(std::string_view& line, char separator) {
   constexpr std::string_view blanks = " \t";
   const std::size_t begin = line.find_first_not_of(blanks);
@@ -50,7 +50,7 @@ std::optional<std::string_view> take_quoted(std::string_view& line, char separat
   return cell;
 }
 
-// Takes the next cell off the line; nullopt at its end. One separator at the end of a line is ignored.
+// Removes the next cell from the line; nullopt at its end. One separator at the end of a line is ignored.
 std::optional<std::string_view> take_cell(std::string_view& line, char separator) {
   if (const auto cell = take_quoted(line, separator)) return cell;
   if (separator == ' ') {
@@ -88,7 +88,7 @@ std::vector<std::string> unquoted(const std::vector<std::string_view>& cells) {
   return names;
 }
 
-// Is the line made of several numbers, some with decimal commas, between semicolons or blanks?
+// Does the line hold several numbers, some with decimal commas, between semicolons or blanks?
 bool has_decimal_commas(std::string_view line) {
   const char separator = line.find(';') != std::string_view::npos ? ';' : ' ';
   bool any = false;
@@ -103,12 +103,12 @@ bool has_decimal_commas(std::string_view line) {
   return any && cells > 1;
 }
 
-// Only '\n' ends lines for what follows; '\r' alone did on old Macs.
+// The code below expects lines to end in '\n'; on old Macs '\r' alone did.
 bool has_old_line_ends(std::string_view text) {
   return text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
 }
 
-// With or without a byte order mark: what is in tables takes one byte and a zero.
+// With or without a byte order mark: characters in tables take one byte and a zero.
 bool is_utf16(std::string_view text) {
   return text.size() >= 2 &&
          (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text[0] == '\0' || text[1] == '\0');
@@ -133,7 +133,7 @@ class TableParser {
   }
 
  private:
-  // Moves to the next line that holds something besides a comment; keeps the last whole-line comment.
+  // Moves to the next line with more than a comment; keeps the last whole-line comment.
   bool next_line() {
     while (reader_.next()) {
       line_ = reader_.line();
@@ -207,7 +207,7 @@ class TableParser {
     }
   }
 
-  // A separator at the end of the line may also stand before an empty cell: when one is missing.
+  // A separator at the end of the line may also precede an empty cell: when one cell is missing.
   [[nodiscard]] bool last_cell_is_empty() const {
     return text_cells_ == TextCells::note && separator_ != ' ' && line_.ends_with(separator_);
   }

@@ -52,7 +52,8 @@ bool LineReader::next() {
 }
 
 bool LineReader::can_hold(Index items, std::size_t values_each) const {
-  // A value takes a digit and a separator. The slack lets files that lack a few values reach the line in question.
+  // A value takes a digit and a separator. The slack lets files that lack a few values be read up to the line in
+  // question.
   constexpr std::size_t slack = std::size_t{1} << 16;
   return static_cast<std::size_t>(items) <= (rest().size() + slack) / (2 * values_each);
 }
@@ -91,7 +92,7 @@ std::string single_word(std::string_view text) {
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr std::size_t longest = 40;
+  constexpr std::size_t longest = 40;  // characters shown
   std::string out = "\"";
   for (const char c : text.substr(0, longest)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
   return out + (text.size() > longest ? "...\"" : "\"");
@@ -103,7 +104,7 @@ std::optional<double> parse_number(std::string_view word) {
   const std::errc error = parse_whole(word, value);
   if (error == std::errc()) return value;
   if (error != std::errc::result_out_of_range) return std::nullopt;
-  // Too large or too small for a double: the wider type tells which.
+  // Too large or too small for a double: the wider type shows which.
   long double wide = 0;
   if (parse_whole(word, wide) != std::errc()) return std::nullopt;
   const double magnitude = std::abs(wide) > 1 ? std::numeric_limits<double>::infinity() : 0.0;

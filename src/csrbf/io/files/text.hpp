@@ -8,8 +8,8 @@
 
 namespace csrbf {
 
-/// Walks over the lines of a text and knows its place for messages. Unix and Windows line ends; the last line may lack
-/// one. The text must outlive the reader.
+/// Iterates over the lines of a text and knows its position for messages. Unix and Windows line ends; the last line may
+/// lack one. The text must outlive the reader.
 class LineReader {
  public:
   /// `name` is the file's name in messages; what follows `comment` on a line is ignored (none by default).
@@ -21,9 +21,9 @@ class LineReader {
   [[nodiscard]] std::string_view line() const { return line_; }
   /// 1-based number of the current line.
   [[nodiscard]] Index number() const { return number_; }
-  /// The text behind the current line.
+  /// The text after the current line.
   [[nodiscard]] std::string_view rest() const { return text_.substr(position_); }
-  /// False when the text behind the current line is far too short for so many items: their memory must not be taken.
+  /// False when the text after the current line is far too short for so many items: their memory must not be allocated.
   [[nodiscard]] bool can_hold(Index items, std::size_t values_each) const;
   /// The file's name.
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -40,7 +40,7 @@ class LineReader {
   Index number_ = 0;
 };
 
-/// Takes the next word (separated by blanks) off `rest`; empty when there is none.
+/// Removes the next blank-separated word from `rest`; empty when there is none.
 std::string_view take_word(std::string_view& rest);
 
 /// Number of words left in `rest`.
@@ -55,10 +55,10 @@ std::string single_word(std::string_view text);
 /// `text` in double quotes, shortened when long and without control characters: for messages.
 std::string in_quotes(std::string_view text);
 
-/// The number that `word` is as a whole (a leading plus, nan and inf are numbers), if it is one.
+/// `word` as a number (a leading plus, nan and inf are allowed), if all of it is one.
 std::optional<double> parse_number(std::string_view word);
 
-/// The integer that `word` is as a whole, if it is one.
+/// `word` as an integer, if all of it is one.
 std::optional<std::int64_t> parse_integer(std::string_view word);
 
 /// Appends the shortest text that reads back as the same double.

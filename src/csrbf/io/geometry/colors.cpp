@@ -5,7 +5,7 @@ namespace {
 
 constexpr double brightest = 255;
 
-// Colours of floating-point type are parts of one.
+// Colours of floating-point type are in [0, 1].
 double byte_of(const Property& p, Index i) {
   const bool unit = p.type == "float" || p.type == "double";
   return std::clamp(unit ? brightest * p.values(i) : p.values(i), 0.0, brightest);
@@ -18,7 +18,7 @@ Point<3> ColorColumns::rgb(Index i) const {
 }
 
 Point<3> ColorColumns::unit_rgb(Index i) const {
-  constexpr double steps = 1e4;
+  constexpr double steps = 1e4;  // per unit: four digits, more than 8 bits need
   return (rgb(i).array() / brightest * steps).round() / steps;
 }
 

@@ -17,9 +17,9 @@ double float_coordinate_loss(const PointsRef<3>& points) {
       box.hi(axis) = std::max(box.hi(axis), x);
       moved = std::max(moved, std::abs(x - static_cast<double>(narrow_scalar<float>(x))));
     }
-  constexpr double allowed = 1e-6;
+  constexpr double allowed = 1e-6;  // of the diagonal, chosen by hand; smaller: more files in double precision
   if (box.empty()) return 0;
-  // Scaled first: the square of the extent may be too large for a double.
+  // Scaled first: the square of the extent may overflow.
   return moved > (allowed * box.hi - allowed * box.lo).stableNorm() ? moved : 0;
 }
 

@@ -4,9 +4,9 @@
 
 namespace csrbf {
 
-/// The farthest that rounding to float32 moves a coordinate, when that is more than a millionth of the diagonal of the
-/// bounding box (infinite beyond the range of float32); 0 when float32 will do. Coordinates that are not finite do not
-/// count. O(n).
+/// The largest change of a coordinate by rounding to float32, when it exceeds a millionth of the diagonal of the
+/// bounding box (infinite beyond the range of float32); 0 when float32 suffices. Non-finite coordinates are ignored.
+/// O(n).
 double float_coordinate_loss(const PointsRef<3>& points);
 
 }  // namespace csrbf

@@ -110,7 +110,7 @@ class ObjParser {
     return vertex;
   }
 
-  // Zero-based index of something that was declared before this line.
+  // Zero-based index of an item declared before this line.
   std::int32_t resolve(std::string_view text, std::string_view word, std::size_t count, const char* what) const {
     const auto index = parse_integer(text);
     if (!index || *index == 0) reader_.fail(element_ + ": " + in_quotes(word) + " is not a vertex index");
@@ -140,7 +140,7 @@ class ObjParser {
   std::vector<double> positions_, normals_, colors_;
   std::vector<std::int32_t> corners_, ends_;
   Index faces_ = 0, lines_ = 0;
-  std::string element_;  // what is being read
+  std::string element_;  // being read
   bool normals_follow_vertices_ = true;
 };
 

@@ -9,7 +9,7 @@
 namespace csrbf {
 namespace {
 
-// What a line of a vertex holds behind its coordinates: normal, colour (3 or 4 parts), texture coordinates.
+// What follows the coordinates of a vertex on its line: normal, colour (3 or 4 components), texture coordinates.
 struct Layout {
   bool normals = false;
   bool colors = false;

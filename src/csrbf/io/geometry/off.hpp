@@ -11,7 +11,7 @@ namespace csrbf {
 /// their combinations). Polygons become fans of triangles. Throws IoError "name:line: ...".
 Mesh parse_off(std::string_view text, const std::string& name);
 
-/// Vertices, normals, colours and triangles as OFF text; other properties have no place in the format.
+/// Vertices, normals, colours and triangles as OFF text; the format holds no other properties.
 std::string format_off(const Mesh& mesh);
 
 }  // namespace csrbf

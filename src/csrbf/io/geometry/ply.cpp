@@ -11,7 +11,7 @@
 namespace csrbf {
 namespace {
 
-// Where the values of a vertex property go: data[stride * i] for vertex i.
+// Where the values of a vertex property are stored: data[stride * i] for vertex i.
 struct Slot {
   double* data = nullptr;
   Index stride = 1;
@@ -39,7 +39,7 @@ std::vector<Slot> make_vertex_slots(const PlyElement& element, const std::string
                                        [&](std::string_view n) { return find_scalar(element, n) != nullptr; });
   mesh.vertices.resize(3, element.count);
   mesh.normals.resize(3, has_normals ? element.count : 0);
-  if (element.count == 0) return {};  // there is no place that a slot could be
+  if (element.count == 0) return {};  // a slot would have nothing to point to
 
   std::vector<Slot> slots(element.properties.size());
   mesh.properties.reserve(element.properties.size());
@@ -61,7 +61,7 @@ template <class Body>
 Index read_list_size(Body& body, const PlyProperty& property) {
   const double size = body.scalar(*property.count_type);
   if (!(size >= 0) || size != std::floor(size)) body.fail("a list has an impossible length");
-  // In text the last item needs no separator behind it.
+  // In text the last item needs no separator after it.
   if (size > static_cast<double>(body.room_for(property.type)) + 1) body.fail("a list is longer than the file");
   return static_cast<Index>(size);
 }
@@ -227,7 +227,7 @@ PlyType checked_type(const Property& property, Index vertices) {
   return *type;
 }
 
-// What every vertex has; `normals` has no columns when there are none.
+// The data of the vertices; `normals` has no columns when there are none.
 struct VertexColumns {
   const Points<3>& positions;
   const Points<3>& normals;

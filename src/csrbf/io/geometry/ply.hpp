@@ -16,7 +16,7 @@ Mesh parse_ply(std::string_view bytes, const std::string& name);
 /// The same for curves: edges are elements "edge" with the properties vertex1 and vertex2; faces are skipped.
 Polylines parse_ply_polylines(std::string_view bytes, const std::string& name);
 
-/// Has the file edges but no faces? False for bytes that are no PLY file.
+/// Does the file have edges but no faces? False for bytes that are not a PLY file.
 bool is_ply_of_polylines(std::string_view bytes);
 
 /// The bytes of a binary little-endian PLY file: float coordinates, or double where float would move one by more than

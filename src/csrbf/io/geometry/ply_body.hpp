@@ -7,9 +7,9 @@
 namespace csrbf {
 
 // Both bodies are read the same way: expect(element), then for each of its items begin(), one scalar() per value and
-// end(). No value is read beyond the end of the file; every failure is an IoError with the place.
+// end(). No value is read beyond the end of the file; every failure is an IoError with its position.
 
-/// The values behind a text header: one element per line.
+/// The values after a text header: one element per line.
 class PlyTextBody {
  public:
   explicit PlyTextBody(LineReader& reader) : reader_(reader) {}
@@ -58,7 +58,7 @@ class PlyTextBody {
   const PlyElement* element_ = nullptr;
 };
 
-/// The values behind a binary header.
+/// The values after a binary header.
 template <std::endian Order>
 class PlyBinaryBody {
  public:

@@ -112,7 +112,7 @@ PlyHeader parse_ply_header(LineReader& reader) {
     const std::string_view keyword = take_word(rest);
     if (keyword == "end_header") {
       if (!has_format) reader.fail("the header has no format line");
-      // An element without properties takes no room in the body.
+      // An element without properties takes no space in the body.
       std::erase_if(header.elements, [](const PlyElement& element) { return element.properties.empty(); });
       return header;
     }

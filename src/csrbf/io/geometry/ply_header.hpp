@@ -12,7 +12,7 @@ namespace csrbf {
 /// The scalar types of PLY files, under their traditional names.
 enum class PlyType { char_, uchar, short_, ushort, int_, uint, float_, double_ };
 
-/// The type called `name` in either convention (int or int32), if there is one.
+/// The type called `name` in either convention (int or int32), if any.
 std::optional<PlyType> ply_type(std::string_view name);
 
 /// The traditional name: char uchar short ushort int uint float double.
@@ -33,7 +33,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   [[nodiscard]] bool has_lists() const;
-  /// Fewest bytes that one such element can take in a binary file.
+  /// Smallest size of one such element in a binary file, in bytes.
   [[nodiscard]] std::size_t smallest_binary_size() const;
 };
 
@@ -44,7 +44,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
 };
 
-/// Reads a header (elements without properties are dropped) up to and including its last line; `reader` is left behind
+/// Reads a header (elements without properties are dropped) up to and including its last line; `reader` is left after
 /// it. Throws IoError with the line.
 PlyHeader parse_ply_header(LineReader& reader);
 

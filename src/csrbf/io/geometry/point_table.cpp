@@ -38,7 +38,7 @@ std::string standard_name(std::string name) {
   return std::find(standards.begin(), standards.end(), lower) != standards.end() ? lower : name;
 }
 
-// Names for a table that has none: x y z, then normals, colours and further columns as their number tells.
+// Names for a table that has none: x y z, then normals, colours and further columns according to their number.
 std::vector<std::string> guessed_names(const Table& table) {
   const Index columns = table.values.rows();
   std::vector<std::string> names(position_names.begin(), position_names.end());

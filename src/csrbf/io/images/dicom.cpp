@@ -44,11 +44,12 @@ namespace {
 
 using dicom::Slice;
 
-constexpr double same_direction = 1e-4;
-constexpr double same_length = 1e-4;    // of the spacing
-constexpr double most_off_line = 0.01;  // of the distance of slices
+// Tolerances for the rounding of header fields, which are decimal texts; chosen by hand.
+constexpr double same_direction = 1e-4;  // of unit vectors
+constexpr double same_length = 1e-4;     // of the spacing
+constexpr double most_off_line = 0.01;   // of the distance between slices
 
-// The slices of a folder in the order of their names.
+// The slices of a folder, ordered by file name.
 std::vector<Slice> slices_in(const std::string& folder) {
   std::vector<std::string> paths;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
@@ -81,7 +82,7 @@ void check_one_series(const std::vector<Slice>& slices, const std::string& folde
 void sort_slices(std::vector<Slice>& slices) {
   for (const Slice& slice : slices) {
     if (!slice.placed)
-      throw IoError(slice.path + ": the image has no position, so that its place among others is unknown");
+      throw IoError(slice.path + ": the image has no position, so its place among the slices is unknown");
     if ((slice.axes - slices[0].axes).cwiseAbs().maxCoeff() > same_direction)
       throw IoError(slice.path + ": the slice is not parallel to " + slices[0].path);
   }
@@ -97,7 +98,7 @@ Point<3> even_step(const std::vector<Slice>& slices) {
   const double thickness = std::abs(step.dot(slices[0].normal()));
   for (std::size_t i = 1; i < slices.size(); ++i)
     if ((slices[i].origin - slices[i - 1].origin).norm() <= most_off_line * thickness)
-      throw IoError(slices[i].path + ": the slice is at the same place as " + slices[i - 1].path +
+      throw IoError(slices[i].path + ": the slice has the same position as " + slices[i - 1].path +
                     "; sequences of volumes are not supported: move each to a folder of its own");
   for (std::size_t i = 0; i < slices.size(); ++i) {
     const double off = (slices[i].origin - slices[0].origin - static_cast<double>(i) * step).norm();
@@ -119,7 +120,7 @@ void check_alike(const dicom::Image& image, const dicom::Image& first, const std
   check((image.spacing - first.spacing).cwiseAbs().maxCoeff() <= same_length * first.spacing.minCoeff(), "spacing");
 }
 
-// Samples of slices with scales of their own, as values.
+// The values of slices whose scales differ.
 template <class T>
 void append_values(const dicom::Image& image, std::string& bytes) {
   for (std::size_t i = 0; i < image.samples.size(); i += sizeof(T)) {
@@ -130,7 +131,7 @@ void append_values(const dicom::Image& image, std::string& bytes) {
   }
 }
 
-// Reads the samples of all slices behind each other.
+// Reads the samples of all slices, one after the other.
 RawVolume read_slices(const std::vector<Slice>& slices) {
   RawVolume raw;
   dicom::Image first;

@@ -45,7 +45,7 @@ std::string text_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
   return std::string(trimmed(text));
 }
 
-// Refuses numbers that GDCM would stop the program at.
+// Refuses values with which GDCM would abort the program.
 void check_numbers(const gdcm::DataSet& data, const std::string& path) {
   const auto number = [&](std::uint16_t element) -> unsigned {
     const gdcm::ByteValue* const bytes = data.GetDataElement(gdcm::Tag(0x0028, element)).GetByteValue();
@@ -73,7 +73,7 @@ void read_place(const gdcm::DataSet& data, Slice& slice) {
   }
   constexpr double singular = 1e-6;
   if (!slice.origin.allFinite() || !(slice.normal().norm() > singular))
-    fail(slice.path, "position or orientation of the image are no numbers");
+    fail(slice.path, "position or orientation of the image are not valid numbers");
   slice.axes.colwise().normalize();
   slice.placed = true;
 }

@@ -10,10 +10,10 @@
 
 namespace csrbf::dicom {
 
-/// What the header of a file says about its place.
+/// The position of a slice, from the header of its file.
 struct Slice {
   std::string path;
-  std::string series, description;  ///< unique name, and that for people
+  std::string series, description;  ///< unique name, and a readable one
   bool placed = false;              ///< has position and orientation
   Point<3> origin = Point<3>::Zero();
   Eigen::Matrix<double, 3, 2> axes = Eigen::Matrix<double, 3, 2>::Identity();  ///< directions of rows and columns
@@ -23,7 +23,7 @@ struct Slice {
 
 /// The samples of a file.
 struct Image {
-  std::array<Index, 3> size{1, 1, 1};  ///< the last counts the frames
+  std::array<Index, 3> size{1, 1, 1};  ///< the last is the number of frames
   bool is_sequence = false;            ///< frames follow each other in time
   double time_step = 1;                ///< s
   Point<3> spacing = Point<3>::Ones();
@@ -35,7 +35,7 @@ struct Image {
 /// The header of a DICOM file with an image; nothing for other files. Throws IoError when the file is damaged.
 std::optional<Slice> read_header(const std::string& path);
 
-/// The samples of a file that read_header() found in order. Throws IoError when they cannot be read or used.
+/// The samples of a file that read_header() accepted. Throws IoError when they cannot be read or used.
 Image read_image(const std::string& path);
 
 }  // namespace csrbf::dicom

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t preamble = 132;
 constexpr std::uint32_t undefined_length = 0xffffffff;
-constexpr int deepest = 32;  // sequences within sequences
+constexpr int deepest = 32;  // nested sequences; bounds the recursion, far above what real files have
 
 constexpr std::uint32_t group_length = 0x00020000, transfer_syntax = 0x00020010, item = 0xfffee000,
                         end_of_item = 0xfffee00d, end_of_sequence = 0xfffee0dd, pixel_data = 0x7fe00010;
@@ -22,7 +22,7 @@ struct Element {
   std::string_view value;  // empty when the length is undefined
 };
 
-// Is a type of two letters in the list, where blanks separate them?
+// Is a two-letter type in the blank-separated list?
 bool holds(std::string_view list, std::string_view type) {
   for (std::size_t i = 0; i < list.size(); i += 3)
     if (list.substr(i, 2) == type) return true;

@@ -27,14 +27,14 @@ constexpr std::array<ElementType, 12> element_types{{{"MET_UCHAR", SampleType::u
                                                      {"MET_ULONG", SampleType::uint32},
                                                      {"MET_LONG", SampleType::int32}}};
 
-constexpr std::size_t most_axes = 4;
+constexpr std::size_t most_axes = 4;  // three in space and time
 
 class HeaderParser {
  public:
   HeaderParser(std::string_view text, const std::string& path)
       : reader_(text, display_name(path)), size_(text.size()) {}
 
-  // Fills the layout and says where the samples are.
+  // Fills in the layout and the location of the samples.
   RawData parse(RawVolume& raw) {
     while (!done_) {
       if (!reader_.next()) throw IoError(reader_.name() + ": the header ends without ElementDataFile");
@@ -56,7 +56,7 @@ class HeaderParser {
     const std::string_view value = trimmed(line.substr(equals + 1));
     const bool yes = value.starts_with('T') || value.starts_with('t') || value == "1";
     if (key == "NDims") {
-      if (axes_ != 0) reader_.fail("NDims stands twice");
+      if (axes_ != 0) reader_.fail("NDims appears twice");
       axes_ = static_cast<std::size_t>(integer(value, 1, most_axes));
     } else if (key == "DimSize") {
       for (const double length : numbers(value, axes_)) lengths_.push_back(checked_length(length));
@@ -111,7 +111,7 @@ class HeaderParser {
   }
 
   std::vector<double> numbers(std::string_view value, std::size_t count) {
-    if (axes_ == 0) reader_.fail("NDims must stand before this field");
+    if (axes_ == 0) reader_.fail("NDims must come before this field");
     std::vector<double> found;
     for (std::string_view word = take_word(value); !word.empty(); word = take_word(value)) {
       const auto number = parse_number(word);

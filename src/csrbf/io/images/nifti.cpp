@@ -93,7 +93,7 @@ RawVolume parse_nifti(std::string bytes, const std::string& name) {
     raw.intercept = header.intercept;
   }
   const auto least = static_cast<double>(header.version == 1 ? header_1 : header_2);
-  constexpr double farthest = 1e15;
+  constexpr double farthest = 1e15;  // bytes, a limit on damaged files
   if (header.data_offset != 0 && !(header.data_offset >= least && header.data_offset < farthest))
     fail(name, "field vox_offset is " + std::to_string(header.data_offset) + ", the header alone is " +
                    std::to_string(static_cast<int>(least)) + " bytes long");
@@ -101,7 +101,7 @@ RawVolume parse_nifti(std::string bytes, const std::string& name) {
   raw.offset = static_cast<std::size_t>(header.data_offset != 0 ? header.data_offset : least + 4);
   if (compressed) {
     const std::size_t size = raw.offset + checked_deflated_bytes(raw.layout, bytes.size(), name);
-    if (raw.offset / 1100 > bytes.size()) fail(name, "field vox_offset lies behind the end of the file");
+    if (raw.offset / 1100 > bytes.size()) fail(name, "field vox_offset lies beyond the end of the file");
     raw.bytes = inflate_bytes(bytes, size, name);
   } else {
     checked_sample_bytes(raw.layout, bytes.size() - std::min(bytes.size(), raw.offset), name);

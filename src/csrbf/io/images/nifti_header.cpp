@@ -125,7 +125,7 @@ void NiftiHeader::set_position(const Grid& grid) {
   Eigen::Matrix3d rotation = grid.direction;
   pixdim[0] = rotation.determinant() < 0 ? -1 : 1;
   rotation.col(2) *= pixdim[0];
-  constexpr double orthogonal = 1e-6;
+  constexpr double orthogonal = 1e-6;  // cosine of axes: above the rounding of float headers
   if (!(rotation.transpose() * rotation).isIdentity(orthogonal)) return;
   qform_code = scanner;
   Eigen::Quaterniond q(rotation);

@@ -9,7 +9,7 @@
 
 namespace csrbf {
 
-/// The fields of a NIfTI header that matter here, in the names of the standard.
+/// The fields of a NIfTI header that are used here, under the names of the standard.
 struct NiftiHeader {
   int version = 1;
   std::endian order = std::endian::little;
@@ -38,7 +38,7 @@ struct NiftiHeader {
 /// Reads the header at the beginning of `bytes`, of either version and byte order. Throws IoError.
 NiftiHeader parse_nifti_header(std::string_view bytes, const std::string& name);
 
-/// The little-endian header, and the four bytes that say that no extension follows.
+/// The little-endian header, and the four bytes that announce that no extension follows.
 std::string format_nifti_header(const NiftiHeader& header);
 
 }  // namespace csrbf

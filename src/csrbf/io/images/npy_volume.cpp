@@ -26,7 +26,7 @@ constexpr std::array<TypeCode, 11> type_codes{{{"u1", SampleType::uint8},
                                                {"b1", SampleType::uint8}}};
 
 bool has_components(const std::vector<Index>& shape) {
-  constexpr Index most = 4;
+  constexpr Index most = 4;  // components: grey or colours, with transparency
   const Index last = shape.empty() ? 0 : shape.back();
   if (shape.size() == 3) return (last == 3 || last == most) && shape[0] > most && shape[1] > most;
   return shape.size() == 5 || (shape.size() == 4 && last >= 2 && last <= most);

@@ -10,7 +10,7 @@
 namespace csrbf {
 namespace {
 
-// Takes the components off the front and the time off the back of the axes; what stays lies in space.
+// Removes the axes of components from the front and of time from the back; the rest lie in space.
 void set_shape(std::vector<NrrdAxis> axes, const NrrdHeader& header, VolumeLayout& layout, const std::string& name) {
   const bool placed = std::any_of(axes.begin(), axes.end(), [](const NrrdAxis& a) { return a.direction.has_value(); });
   const auto in_space = [&](const NrrdAxis& axis) {
@@ -39,7 +39,7 @@ void set_shape(std::vector<NrrdAxis> axes, const NrrdHeader& header, VolumeLayou
     else if (axes[i].spacing > 0)
       linear(axis, axis) = axes[i].spacing;
   }
-  // A slice in space leaves its normal open.
+  // A slice in space does not define its normal.
   if (placed && grid.axes == 2 && header.space_dimension == 3) linear.col(2).setZero();
   grid.origin = header.origin;
   grid.space = header.space;

@@ -4,8 +4,8 @@
 
 namespace csrbf {
 
-/// Reads a NRRD file (versions 1 to 5; raw, gzip or ascii; samples behind the header or in one other file). A first
-/// axis of kind vector, colour and the like is components, a last of kind time or a fourth in space is time. Throws
+/// Reads a NRRD file (versions 1 to 5; raw, gzip or ascii; samples after the header or in one other file). A first axis
+/// of kind vector, colour and the like holds components; a last one of kind time, or a fourth in space, is time. Throws
 /// IoError "path:line: ...".
 RawVolume parse_nrrd(std::string bytes, const std::string& path);
 

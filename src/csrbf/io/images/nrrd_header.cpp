@@ -46,7 +46,7 @@ constexpr std::array<TypeName, 31> type_names{{{"uint8", SampleType::uint8},
                                                {"ulonglong", SampleType::uint64},
                                                {"uint64_t", SampleType::uint64}}};
 
-constexpr std::size_t most_axes = 5;
+constexpr std::size_t most_axes = 5;  // components, three in space and time
 
 struct SpaceName {
   std::string_view name, abbreviation;
@@ -68,7 +68,7 @@ class HeaderParser {
     const std::string_view digit = reader_.line().substr(7);
     if (digit.size() != 1 || digit[0] < '1' || digit[0] > '5')
       reader_.fail("written in NRRD version " + in_quotes(digit) + ", this program reads 1 to 5");
-    // The blank line that ends the header is one that LineReader would jump over.
+    // LineReader would skip the blank line that ends the header.
     while (!at_end_of_header()) {
       if (!reader_.next()) break;
       read_line();
@@ -105,7 +105,7 @@ class HeaderParser {
     if (!read_description(key, value)) read_axes(key, value);
   }
 
-  // Fields of the whole; false when `key` is none of them.
+  // Fields of the whole image; false when `key` is none of them.
   bool read_description(const std::string& key, std::string_view value) {
     if (key == "type") {
       const auto* found =
@@ -140,14 +140,14 @@ class HeaderParser {
     return true;
   }
 
-  // Fields with one item per axis; what we do not know is ignored.
+  // Fields with one item per axis; unknown ones are ignored.
   void read_axes(const std::string& key, std::string_view value) {
     if (key == "dimension") {
       header_.axes.resize(static_cast<std::size_t>(integer(value, 1, most_axes)));
       return;
     }
     if (key != "sizes" && key != "spacings" && key != "kinds" && key != "space directions") return;
-    if (header_.axes.empty()) reader_.fail("the field \"dimension\" must stand before this one");
+    if (header_.axes.empty()) reader_.fail("the field \"dimension\" must come before this one");
     for (NrrdAxis& axis : header_.axes) {
       std::string_view word = key == "space directions" ? take_vector(value) : take_word(value);
       if (word.empty()) reader_.fail("expected one item for each of " + std::to_string(header_.axes.size()) + " axes");

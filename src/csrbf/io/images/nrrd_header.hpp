@@ -12,11 +12,11 @@ namespace csrbf {
 /// One axis of a NRRD file; the first is the fastest.
 struct NrrdAxis {
   Index size = 0;
-  std::string kind;                   ///< "domain", "vector", "time", ...; empty: not said
+  std::string kind;                   ///< "domain", "vector", "time", ...; empty: not given
   std::optional<Point<3>> direction;  ///< step in space; none: the axis does not lie in space
-  double spacing = 0;                 ///< 0: not said
+  double spacing = 0;                 ///< 0: not given
 
-  /// True when the kind says that the axis holds the parts of one value.
+  /// True when, by its kind, the axis holds the components of one value.
   [[nodiscard]] bool is_components() const;
 };
 
@@ -26,7 +26,7 @@ struct NrrdHeader {
   std::vector<NrrdAxis> axes;
   Space space = Space::unknown;
   int space_dimension = 0;
-  double flip_x = 1;  ///< turns x of the file into that of `space`
+  double flip_x = 1;  ///< converts x of the file to that of `space`
   Point<3> origin = Point<3>::Zero();
   RawData data;
 };

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t signature = 8;
 constexpr int wide = 16;
 
-// What libpng's callbacks share with us. libpng leaves by longjmp, over frames that own nothing.
+// What libpng's callbacks share with this code. libpng leaves by longjmp, over frames that own nothing.
 struct Session {
   std::string_view input;
   std::string* output = nullptr;
@@ -45,7 +45,7 @@ void flush_png(png_structp) {}
 
 }  // extern "C"
 
-// libpng's two objects for reading or writing.
+// The two libpng objects for reading or writing.
 class PngFile {
  public:
   PngFile(Session& session, bool writing)

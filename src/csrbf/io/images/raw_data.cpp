@@ -76,7 +76,7 @@ void load_raw_data(RawVolume& raw, const RawData& data, std::string bytes, const
     if (to_end) throw IoError(name + ": compressed data cannot be counted from their end");
     const std::size_t size = checked_deflated_bytes(raw.layout, left, name);
     const auto skipped = static_cast<std::size_t>(data.skip_bytes);
-    if (skipped / 1100 > left) throw IoError(name + ": the bytes to skip lie behind the end of the file");
+    if (skipped / 1100 > left) throw IoError(name + ": the bytes to skip lie beyond the end of the file");
     raw.bytes = inflate_bytes(rest, skipped + size, name);
     raw.offset = skipped;
     return;

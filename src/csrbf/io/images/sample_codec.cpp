@@ -7,7 +7,7 @@
 namespace csrbf {
 namespace {
 
-// Some 100 us of work per block.
+// About 100 us of work per block.
 constexpr Index grain = Index{1} << 16;
 
 template <class T, class Scalar>
@@ -43,7 +43,7 @@ template <class Scalar>
 Volume<Scalar> decode_samples(const RawVolume& raw) {
   Volume<Scalar> volume(raw.layout);
   with_sample_type(raw.layout.type, [&](auto sample) { decode_as<decltype(sample)>(raw, volume); });
-  // Scaled samples are no integers of their type any more.
+  // Scaled samples are no longer integers of their type.
   if ((raw.slope != 1 || raw.intercept != 0) && !is_floating(volume.type))
     volume.type = sample_size(volume.type) < 4 ? SampleType::float32 : SampleType::float64;
   return volume;
@@ -70,7 +70,7 @@ template std::string encode_samples(const Volume<float>&, SampleType);
 template std::string encode_samples(const Volume<double>&, SampleType);
 
 std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t available, const std::string& name) {
-  constexpr std::size_t most = std::size_t{1} << 40;
+  constexpr std::size_t most = std::size_t{1} << 40;  // a limit on damaged files: products do not overflow
   const auto& size = layout.grid.size;
   std::size_t samples = 1;
   for (const Index length : {size[0], size[1], size[2], layout.frames, layout.components}) {
@@ -87,7 +87,7 @@ std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t availab
 }
 
 std::size_t checked_deflated_bytes(const VolumeLayout& layout, std::size_t compressed, const std::string& name) {
-  constexpr std::size_t largest_ratio = 1100;
+  constexpr std::size_t largest_ratio = 1100;  // deflate's limit is 1032, see the zlib manual
   return checked_sample_bytes(layout, compressed * largest_ratio, name);
 }
 
@@ -99,10 +99,10 @@ void set_axes(Grid& grid, const Eigen::Matrix3d& linear, const std::string& name
     grid.spacing(axis) = length > 0 ? length : 1;
     grid.direction.col(axis) = linear.col(axis) / grid.spacing(axis);
   }
-  // A slice may leave its normal open.
+  // A slice may lack its normal.
   if (linear.col(2).isZero(0) && grid.size[2] == 1)
     grid.direction.col(2) = Point<3>(grid.direction.col(0).cross(grid.direction.col(1))).normalized();
-  constexpr double singular = 1e-6;
+  constexpr double singular = 1e-6;  // volume of the unit axes: far below that of any real scan
   if (!(std::abs(grid.direction.determinant()) > singular))
     throw IoError(name + ": the axes of the image lie in one plane: its directions are singular");
 }

@@ -45,9 +45,9 @@ std::string_view sample_name(SampleType type);
 struct RawVolume {
   VolumeLayout layout;
   std::string bytes;       ///< samples from `offset` on: the file itself when they are not compressed
-  std::size_t offset = 0;  ///< so that reading needs no second copy
+  std::size_t offset = 0;  ///< avoids a second copy when reading
   std::endian order = std::endian::native;
-  bool planar = false;  ///< the component runs slowest
+  bool planar = false;  ///< the component index varies slowest
   double slope = 1;     ///< value = slope * sample + intercept
   double intercept = 0;
 
@@ -57,13 +57,13 @@ struct RawVolume {
   [[nodiscard]] std::size_t byte_count() const { return samples() * sample_size(layout.type); }
 };
 
-/// A file as it is written: both parts one after the other.
+/// A file to be written: both parts, one after the other.
 struct FileParts {
   std::string head;
   std::string body;
 };
 
-/// Values of the samples; raw.bytes must hold byte_count() of them behind its offset. Parallel.
+/// Values of the samples; raw.bytes must hold byte_count() bytes after its offset. Parallel.
 template <class Scalar>
 Volume<Scalar> decode_samples(const RawVolume& raw);
 
@@ -71,8 +71,8 @@ Volume<Scalar> decode_samples(const RawVolume& raw);
 template <class Scalar>
 std::string encode_samples(const Volume<Scalar>& volume, SampleType type);
 
-/// Bytes of all samples of a layout whose parts come from a file. Throws IoError when an axis is not positive, when
-/// there are more than 2^40, or when they need more than `available` bytes: before any memory is taken.
+/// Bytes of all samples of a layout that was read from a file. Throws IoError when an axis is not positive, when there
+/// are more than 2^40 samples, or when they need more than `available` bytes: before any memory is allocated.
 std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t available, const std::string& name);
 
 /// As above for samples compressed into `compressed` bytes: deflate shrinks by less than a factor of 1100.

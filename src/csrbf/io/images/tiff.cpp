@@ -75,7 +75,7 @@ class PageReader {
     }
     const tmsize_t size = tiled ? TIFFTileSize(tiff_) : TIFFStripSize(tiff_);
     const std::size_t stride = std::size_t{width} * in_block_ * sample_;
-    // A tile may be larger than the page, but not than its compressed bytes can hold.
+    // A tile may be larger than the page, but not larger than its compressed bytes can hold.
     if (width == 0 || height == 0 || size <= 0 || static_cast<std::size_t>(size) < stride * height ||
         static_cast<std::size_t>(size) > limit_)
       throw IoError(name_ + ": the blocks of the TIFF page have no valid size");
@@ -176,13 +176,13 @@ RawVolume parse_tiff(std::string bytes, const std::string& name) {
 FileParts format_tiff(const VolumeLayout& layout, std::string_view samples, const std::string& name) {
   const Grid& grid = layout.grid;
   const auto pages = static_cast<std::size_t>(grid.size[2] * layout.frames);
-  constexpr std::size_t classic_limit = std::size_t{4000} << 20;
+  constexpr std::size_t classic_limit = std::size_t{4000} << 20;  // offsets have 32 bits; leaves room for tags
   TiffStream stream(samples.size() > classic_limit ? TiffStream::Size::big : TiffStream::Size::classic, name);
   TIFF* tiff = stream.tiff();
   const bool is_signed = !is_floating(layout.type) && sample_name(layout.type).starts_with("int");
   const bool rgb = layout.components == 3 || layout.components == 4;
   const std::size_t row_bytes = samples.size() / pages / static_cast<std::size_t>(grid.size[1]);
-  constexpr std::size_t strip_bytes = std::size_t{1} << 20;
+  constexpr std::size_t strip_bytes = std::size_t{1} << 20;  // larger: fewer strips, smaller: less memory to read one
   const std::size_t strip_rows = std::clamp<std::size_t>(strip_bytes / std::max<std::size_t>(row_bytes, 1), 1,
                                                          static_cast<std::size_t>(grid.size[1]));
   for (std::size_t page = 0; page < pages; ++page) {

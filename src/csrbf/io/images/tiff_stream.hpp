@@ -6,17 +6,17 @@
 
 namespace csrbf {
 
-/// No block of a TIFF file may take more memory than this.
+/// Largest block of a TIFF file that is read, in bytes: a limit on damaged files.
 inline constexpr std::size_t tiff_block_limit = std::size_t{1} << 30;
 
-/// A TIFF file in memory. libtiff's complaints become the text of message(); it prints nothing.
+/// A TIFF file in memory. Messages of libtiff become the text of message(); it prints nothing.
 class TiffStream {
  public:
   enum class Size { classic, big };
 
   /// Opens the bytes of a file for reading. Throws IoError.
   TiffStream(std::string bytes, const std::string& name);
-  /// Begins a file. Throws IoError.
+  /// Starts a file. Throws IoError.
   TiffStream(Size size, const std::string& name);
   TiffStream(const TiffStream&) = delete;
   TiffStream& operator=(const TiffStream&) = delete;

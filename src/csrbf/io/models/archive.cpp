@@ -10,7 +10,7 @@
 namespace csrbf {
 namespace {
 
-// The control characters are damaged by transfers in text mode.
+// Transfers in text mode damage the control characters, and so are detected.
 constexpr std::string_view magic{"CSRBF\r\n\x1a", 8};
 constexpr std::size_t size_offset = magic.size() + 4;
 constexpr std::size_t head_size = size_offset + 8;
@@ -42,7 +42,7 @@ struct ValueWriter {
   }
 };
 
-// Reads values and never beyond the end.
+// Reads values, never beyond the end.
 class Reader {
  public:
   Reader(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
@@ -60,7 +60,7 @@ class Reader {
     const auto rows = scalar<std::uint64_t>();
     const auto cols = scalar<std::uint64_t>();
     const std::size_t room = bytes_.size() / sizeof(T);
-    // An empty array may have one long side, but none that an index cannot hold.
+    // An empty array may have one long side, but not longer than an index can hold.
     constexpr auto longest = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()) * 1024;
     if (rows > longest || cols > longest || (rows > 0 && cols > room / rows)) fail("an array is larger than the file");
     ArchiveArray<T> array(static_cast<Index>(rows), static_cast<Index>(cols));
@@ -103,7 +103,7 @@ Archive::Value read_value(Reader& reader, std::size_t type) {
   }
 }
 
-// Everything that can be said before the entries are looked at.
+// Everything that can be checked before the entries are read.
 void check_file(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) throw IoError(name + ": the file is empty");
   if (!bytes.starts_with(magic)) throw IoError(name + ": not a csrbf model");

@@ -13,13 +13,13 @@ namespace csrbf {
 template <class T>
 using ArchiveArray = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// Named numbers, texts and arrays with a word that says what they describe: the content of a .csrbf file.
+/// Named numbers, texts and arrays, and the kind of object they describe: the content of a .csrbf file.
 class Archive {
  public:
   using Value = std::variant<double, std::int64_t, std::string, ArchiveArray<double>, ArchiveArray<float>,
                              ArchiveArray<std::int32_t>, ArchiveArray<std::int64_t>, ArchiveArray<std::uint8_t>>;
 
-  std::string kind;    ///< what the entries describe
+  std::string kind;    ///< of the object that the entries describe
   std::string source;  ///< the file they were read from, for messages
 
   void set(const std::string& name, double value) { values_[name] = value; }
@@ -39,7 +39,7 @@ class Archive {
   void set(const std::string& prefix, Archive part);
 
   [[nodiscard]] bool has(const std::string& name) const { return values_.count(name) > 0; }
-  /// The entries in the order of their names.
+  /// The entries, sorted by name.
   [[nodiscard]] const std::map<std::string, Value>& values() const { return values_; }
 
   /// Number, whole number or text `name`. Throws IoError when there is none of that type.
@@ -60,7 +60,7 @@ class Archive {
   /// The archive that was stored under "prefix/". Throws IoError when there is none.
   [[nodiscard]] Archive part(const std::string& prefix) const;
 
-  /// Throws IoError "source: message": for contents that do not fit together.
+  /// Throws IoError "source: message": for inconsistent contents.
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
@@ -77,7 +77,7 @@ class Archive {
   std::map<std::string, Value> values_;
 };
 
-/// Format of the files that this version writes; it reads all formats up to this one.
+/// Format version that this version writes; it reads all up to this one.
 inline constexpr int archive_format = 1;
 
 /// The bytes of an archive file. Little-endian: 8 bytes magic, uint32 format, uint64 size of the whole file, kind,
@@ -87,7 +87,7 @@ inline constexpr int archive_format = 1;
 std::string format_archive(const Archive& archive);
 
 /// Reads the bytes of an archive file. Throws IoError for anything but a complete, undamaged file of a known format;
-/// never takes more memory than a few times the size of the file.
+/// never allocates more than a few times the size of the file.
 Archive parse_archive(std::string_view bytes, const std::string& name);
 
 /// Writes an archive, complete or not at all (AtomicFile). Throws IoError.

@@ -9,8 +9,8 @@ namespace csrbf {
 
 inline constexpr const char* composite_kind = "composite surface";
 
-/// The archive of a composite field, and back: the same values, bit for bit. Throws IoError for entries that are
-/// missing or do not fit together.
+/// Converts a composite field to an archive and back: to the same values, bit for bit. Throws IoError for missing or
+/// inconsistent entries.
 Archive to_archive(const CompositeField& field);
 std::shared_ptr<const CompositeField> composite_from(const Archive& archive);
 

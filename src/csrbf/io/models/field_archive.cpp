@@ -24,7 +24,7 @@ constexpr const char* fitted_kind = "fitted field";
 constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
-constexpr std::int64_t most_regions = 256;
+constexpr std::int64_t most_regions = 256;  // limits on damaged files, above what fits make
 constexpr std::int64_t most_levels = 1024;
 
 template <int Dim>
@@ -39,7 +39,7 @@ std::shared_ptr<const Expansion<Dim>> expansion_from(const Archive& archive,
   return std::make_shared<const Expansion<Dim>>(std::move(basis), coefficients, std::move(tail), box_of<Dim>(archive));
 }
 
-// The archive of an expansion but for its basis.
+// The archive of an expansion without its basis.
 template <int Dim>
 Archive to_archive(const Expansion<Dim>& field) {
   Archive archive;
@@ -53,7 +53,7 @@ Archive to_archive(const Expansion<Dim>& field) {
   return archive;
 }
 
-// The archive of a power function but for its basis.
+// The archive of a power function without its basis.
 template <int Dim>
 Archive to_archive(const PowerFunction<Dim>& power) {
   Archive archive;
@@ -74,7 +74,7 @@ std::shared_ptr<const PowerFunction<Dim>> power_from(const Archive& archive,
   return std::make_shared<const PowerFunction<Dim>>(std::move(basis), degree, smoothing, weights);
 }
 
-// The archive of a fitted field but for the field inside.
+// The archive of a fitted field without the inner field.
 template <int Dim>
 Archive to_archive(const typename FittedField<Dim>::Frame& frame) {
   Archive archive;
@@ -192,7 +192,7 @@ std::shared_ptr<const T> FieldReader<Dim>::shared(
   if (archive_.text(prefix + "/kind") != kind) archive_.fail("\"" + prefix + "\" is not a " + kind);
   std::shared_ptr<const void>& object = read_[number];
   if (!object) object = from_archive(archive_.part(prefix));
-  return std::static_pointer_cast<const T>(object);  // its kind says its type
+  return std::static_pointer_cast<const T>(object);  // its kind determines its type
 }
 
 template <int Dim>

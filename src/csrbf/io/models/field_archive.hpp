@@ -10,17 +10,17 @@
 
 namespace csrbf {
 
-/// Is this the kind of the archives that FieldWriter makes?
+/// Is this the kind of an archive made by FieldWriter?
 bool is_field_kind(const std::string& kind);
 
-/// Turns fitted fields into archives. What several fields share (centres, covers, samples) is stored once.
+/// Turns fitted fields into archives. Parts that several fields share (centres, covers, samples) are stored once.
 template <int Dim>
 class FieldWriter {
  public:
   /// Throws InvalidInput for a kind of field that has no file form.
   Archive field(const Field<Dim>& field);
 
-  /// Adds what the fields share, after the last of them, to the archive that their archives are parts of.
+  /// After the last field: adds the shared parts to the archive that contains those of the fields.
   void store_shared(Archive& archive);
 
  private:
@@ -35,10 +35,10 @@ class FieldWriter {
 template <int Dim>
 class FieldReader {
  public:
-  /// `archive` holds what the fields share.
+  /// `archive` holds the shared parts.
   explicit FieldReader(const Archive& archive) : archive_(archive) {}
 
-  /// Throws IoError, or InvalidInput, for entries that are missing or do not fit together.
+  /// Throws IoError, or InvalidInput, for missing or inconsistent entries.
   std::shared_ptr<const Field<Dim>> field(const Archive& archive);
 
  private:

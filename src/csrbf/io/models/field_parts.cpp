@@ -27,7 +27,7 @@ void set_kernel(Archive& archive, const Kernel& kernel) {
 }
 
 Kernel kernel_of(const Archive& archive) {
-  constexpr int most_dimensions = 64;
+  constexpr int most_dimensions = 64;  // a limit on damaged files
   return Kernel(archive.text("kernel"), static_cast<int>(archive.integer("kernel_dimension", 1, most_dimensions)),
                 archive.number("kernel_parameter"));
 }
@@ -36,7 +36,7 @@ Kernel kernel_of(const Archive& archive) {
 template <int Dim>
 bool is_tree(const typename Cover<Dim>::Tree& tree) {
   const std::size_t n = tree.axis.size();
-  std::vector<std::pair<std::uint32_t, Box<Dim>>> upper;  // parts that are still to come
+  std::vector<std::pair<std::uint32_t, Box<Dim>>> upper;  // halves still to visit
   Box<Dim> cell = tree.box;
   std::uint32_t cells = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -147,7 +147,7 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> patches_from(const A
   auto data = std::make_shared<Data>(Data{Cover<Dim>(tree_from<Dim>(archive)), {}});
   LocalModels<Dim>& models = data->models;
   const Index cells = data->cover.size();
-  // The products below cannot overflow, and the monomials have 16-bit numbers.
+  // Keeps the products below from overflowing; the monomials have 16-bit indices.
   constexpr Index most = std::numeric_limits<std::int16_t>::max();
   models.kernel = kernel_of(archive);
   models.degree = static_cast<int>(archive.integer("degree", -1, most_degree));

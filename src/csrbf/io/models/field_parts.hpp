@@ -9,8 +9,8 @@
 
 namespace csrbf {
 
-/// What several fields share, as archives, and back. Reading throws IoError or InvalidInput for entries that are
-/// missing or do not fit together.
+/// Converts parts that several fields share to archives and back. Reading throws IoError or InvalidInput for missing
+/// or inconsistent entries.
 
 template <int Dim>
 Archive to_archive(const RadialBasis<Dim>& basis);
@@ -32,7 +32,7 @@ inline constexpr const char* basis_kind = "radial basis";
 inline constexpr const char* patches_kind = "cover and local functions";
 inline constexpr const char* samples_kind = "samples";
 
-/// Largest degree of a polynomial.
+/// Largest degree of a polynomial that is read: a limit on damaged files, above what fits use.
 inline constexpr int most_degree = 20;
 
 /// A number that must be positive and finite.

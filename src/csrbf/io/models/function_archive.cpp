@@ -10,7 +10,7 @@
 namespace csrbf {
 namespace {
 
-constexpr std::int64_t most_names = 1 << 20;
+constexpr std::int64_t most_names = 1 << 20;  // a limit on damaged files
 
 void set_texts(Archive& archive, const std::string& name, const std::vector<std::string>& texts) {
   archive.set(name + "s", texts.size());
@@ -102,11 +102,11 @@ Function make_function(const Archive& archive, std::int64_t components) {
   return Function(std::move(fit));
 }
 
-// The function of the dimension that is known at run time only.
+// The function, whose dimension is known at run time only.
 template <int Dim = 1>
 Function make_function(const Archive& archive, std::int64_t dimension, std::int64_t components) {
   if constexpr (Dim > std::variant_size_v<Function::Fits> - 1)
-    archive.fail("functions of " + std::to_string(dimension) + " variables are beyond this version");
+    archive.fail("functions of " + std::to_string(dimension) + " variables are not supported by this version");
   else
     return dimension == Dim ? make_function<Dim>(archive, components)
                             : make_function<Dim + 1>(archive, dimension, components);

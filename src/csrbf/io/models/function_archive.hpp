@@ -5,7 +5,7 @@
 
 namespace csrbf {
 
-/// What archives of functions are a kind of.
+/// The kind of archives of functions.
 inline constexpr const char* function_kind = "function";
 
 /// Throws InvalidInput for fields that have no file form, and when numbers of names do not match.

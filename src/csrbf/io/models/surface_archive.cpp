@@ -16,11 +16,12 @@ namespace {
 
 constexpr const char* combined_kind = "combined surface";
 constexpr const char* extended_kind = "extended surface";
+// Limits on damaged files.
 constexpr std::int64_t most_terms = 1 << 20;
-constexpr int deepest = 256;  // solids made of solids
+constexpr int deepest = 256;  // nested solids; bounds the recursion
 constexpr std::int64_t most_nodes = 4096;
 
-// Archives of trees of solids; what the fitted functions among them share is stored at the root.
+// Archives of trees of solids; parts that their fitted functions share are stored at the root.
 class Writer {
  public:
   Archive surface(const Field<3>& field);
@@ -83,7 +84,7 @@ class Reader {
 };
 
 std::shared_ptr<const Field<3>> Reader::surface(const Archive& archive, int depth) {
-  if (depth > deepest) archive.fail("solids are made of solids more than " + std::to_string(deepest) + " times");
+  if (depth > deepest) archive.fail("solids are nested more than " + std::to_string(deepest) + " levels deep");
   if (archive.kind == composite_kind) return composite_from(archive);
   if (archive.kind == transformed_kind) return transformed_from(archive);
   if (archive.kind == combined_kind) return combined(archive, depth);

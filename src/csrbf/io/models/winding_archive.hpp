@@ -5,8 +5,7 @@
 
 namespace csrbf {
 
-/// The archive of a winding number, and back. Reading throws IoError for entries that are missing or do not fit
-/// together.
+/// Converts a winding number to an archive and back. Reading throws IoError for missing or inconsistent entries.
 Archive to_archive(const WindingNumber& winding);
 WindingNumber winding_from(const Archive& archive);
 

@@ -19,7 +19,7 @@ std::string numbers(std::initializer_list<double> values) {
   return text;
 }
 
-// The array of an element PointData or CellData that holds the values; null when there is none.
+// The array with the values in an element PointData or CellData; null when there is none.
 const XmlElement* find_values(const XmlElement* data) {
   if (data == nullptr) return nullptr;
   const std::string* active = data->attribute("Scalars");
@@ -49,7 +49,7 @@ Grid read_grid(const VtkReader& reader, const std::string& name) {
   linear = linear * spacing.asDiagonal();
   Eigen::Vector3d first;
   for (Index a = 0; a < 3; ++a) {
-    constexpr double most = 1 << 30;
+    constexpr double most = 1 << 30;  // a limit on damaged files
     const double lo = (*extent)[2 * a], hi = (*extent)[2 * a + 1];
     if (lo != std::floor(lo) || hi != std::floor(hi) || !(hi >= lo && std::abs(lo) <= most && hi <= most))
       reader.fail("axis " + std::to_string(a + 1) + " of the image has no points");

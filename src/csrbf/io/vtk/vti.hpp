@@ -6,12 +6,12 @@
 
 namespace csrbf {
 
-/// Reads an image of VTK (.vti): the array of points that is named as its scalars, else the first one; without any, the
-/// arrays of cells, which are voxels about their centres. Positions are taken as they are, in no space of a patient.
+/// Reads a VTK image (.vti): the point array declared as its scalars, else the first one; without any, the cell arrays,
+/// as voxels around the centres of the cells. Positions are taken as they are, in no patient space.
 /// Throws IoError.
 RawVolume parse_vti(std::string bytes, const std::string& path);
 
-/// An image of VTK whose points are the voxels, with one array `values`. Positions are written as they are.
+/// A VTK image whose points are the voxels, with one array `values`. Positions are written as they are.
 FileParts format_vti(const VolumeLayout& layout, std::string samples);
 
 /// The same with several arrays, whose bytes are in the order of the voxels. The first is the active one.

@@ -22,15 +22,15 @@ int base64_digit(char c) {
   return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-// Bytes of an array as they follow each other, raw or in base64.
+// The stream of bytes of an array, raw or in base64.
 class ByteSource {
  public:
   ByteSource(std::string_view text, bool is_base64) : text_(text), is_base64_(is_base64) {}
 
-  // An upper bound of the bytes that are left.
+  // An upper bound on the bytes that are left.
   [[nodiscard]] std::size_t left() const { return text_.size() + carry_.size(); }
 
-  // The next bytes; fewer when the text ends before.
+  // The next bytes; fewer when the text ends earlier.
   std::string read(std::size_t size) {
     std::string out;
     if (!is_base64_) {
@@ -47,7 +47,7 @@ class ByteSource {
   }
 
  private:
-  // Four digits are three bytes; blocks of base64 that follow each other are padded each.
+  // Four digits are three bytes; consecutive blocks of base64 are padded separately.
   bool read_group(std::string& out) {
     std::array<int, 4> digits{};
     int found = 0, padding = 0;
@@ -71,7 +71,7 @@ class ByteSource {
   std::string carry_;
 };
 
-// The numbers in front of the bytes of an array, and the bytes.
+// The size header of an array, and its bytes.
 class BlockReader {
  public:
   BlockReader(ByteSource source, std::size_t header_size, std::endian order, const std::string& name)
@@ -89,7 +89,7 @@ class BlockReader {
     if (blocks > source_.left() / header_size_ || (blocks > 0 && block_size > expected && last_size == 0)) truncated();
     std::vector<std::size_t> sizes(blocks);
     for (std::size_t& size : sizes) size = read_number();
-    constexpr std::size_t largest_ratio = 1100;
+    constexpr std::size_t largest_ratio = 1100;  // deflate's limit is 1032
     if (expected / largest_ratio > source_.left()) truncated();
     std::string out;
     for (std::size_t i = 0; i < blocks; ++i) {
@@ -202,7 +202,7 @@ void VtkReader::fail(const std::string& what) const {
 Index VtkReader::count(const XmlElement& element, std::string_view attribute) const {
   const std::string* text = element.attribute(attribute);
   if (text == nullptr) return 0;
-  constexpr std::int64_t most = std::int64_t{1} << 40;
+  constexpr std::int64_t most = std::int64_t{1} << 40;  // a limit on damaged files
   const auto number = parse_integer(trimmed(*text));
   if (!number || *number < 0 || *number > most)
     fail(std::string(attribute) + " " + in_quotes(*text) + " is not a number of items");
@@ -232,7 +232,7 @@ SampleType VtkReader::type(const XmlElement& array) const {
 }
 
 Index VtkReader::components(const XmlElement& array) const {
-  constexpr Index most = 1 << 16;
+  constexpr Index most = 1 << 16;  // a limit on damaged files
   const Index components = array.attribute("NumberOfComponents") == nullptr ? 1 : count(array, "NumberOfComponents");
   if (components < 1 || components > most)
     fail(name_of_array(array) + " has " + std::to_string(components) + " components");
@@ -248,7 +248,7 @@ std::string VtkReader::bytes(const XmlElement& array, Index tuples) const {
   std::string_view text = array.text;
   if (is_appended) {
     const auto offset = static_cast<std::size_t>(count(array, "offset"));
-    if (offset > appended_.size()) fail(name_of_array(array) + " begins behind the end of the file");
+    if (offset > appended_.size()) fail(name_of_array(array) + " begins beyond the end of the file");
     text = appended_.substr(offset);
   }
   const std::string where = name_ + ": " + name_of_array(array);

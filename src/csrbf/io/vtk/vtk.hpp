@@ -9,7 +9,7 @@
 
 namespace csrbf {
 
-/// Numbers of a VTK file: `components` per point, voxel or corner.
+/// An array of a VTK file: `components` per point, voxel or corner.
 struct VtkArray {
   std::string name;
   SampleType type = SampleType::float32;
@@ -17,13 +17,13 @@ struct VtkArray {
   std::string bytes = {};  ///< little-endian
 };
 
-/// Numbers as bytes of the type: integers are rounded and clamped, NaN becomes 0.
+/// Values as bytes of the type: integers are rounded and clamped, NaN becomes 0.
 std::string vtk_bytes(SampleType type, const Eigen::Ref<const Eigen::MatrixXd>& values);
 
-/// A VTK XML file while it is written: arrays are listed in the text and follow it, raw.
+/// Writes a VTK XML file: arrays are declared in the text and appended to it, raw.
 class VtkWriter {
  public:
-  /// The tag of an array, whose bytes are kept.
+  /// The tag of an array, whose bytes are kept for the end.
   std::string array(VtkArray array);
 
   /// The file: `type` is that of the data set, such as ImageData; `content` its element.
@@ -33,7 +33,7 @@ class VtkWriter {
   std::string data_;
 };
 
-/// A VTK XML file while it is read: as text, in base64 or raw, in the place or appended, with and without zlib.
+/// Reads a VTK XML file: data as text, base64 or raw, inline or appended, with and without zlib.
 class VtkReader {
  public:
   /// `bytes` must outlive the reader. Throws IoError for other files, kinds of data sets than `type` and compressors.
@@ -55,8 +55,8 @@ class VtkReader {
   [[nodiscard]] Index components(const XmlElement& array) const;
   [[nodiscard]] std::endian order() const { return order_; }
 
-  /// The bytes of an array of that many tuples, in order(). Throws IoError: before memory is taken when the file
-  /// cannot hold them.
+  /// The bytes of an array of that many tuples, in order(). Throws IoError; when the file cannot hold them, before
+  /// memory is allocated.
   [[nodiscard]] std::string bytes(const XmlElement& array, Index tuples) const;
   /// The same as numbers, components x tuples.
   [[nodiscard]] Eigen::MatrixXd values(const XmlElement& array, Index tuples) const;

@@ -16,7 +16,7 @@ struct TypeName {
   SampleType type;
 };
 
-// 64-bit integers of files have no type among those of properties; they are held by doubles anyway.
+// Properties have no 64-bit integer type; their values are doubles anyway.
 constexpr std::array<TypeName, 8> property_types{{{"char", SampleType::int8},
                                                   {"uchar", SampleType::uint8},
                                                   {"short", SampleType::int16},
@@ -43,7 +43,7 @@ constexpr const char* color_names[] = {"red", "green", "blue", "alpha"};
 
 // Writing.
 
-// The name that properties i to i + 2 share before x, y and z; empty when they are no vector.
+// The common name of properties i to i + 2 before x, y and z; empty when they are not a vector.
 std::string vector_name(const std::vector<Property>& properties, std::size_t i) {
   if (i + 3 > properties.size() || properties[i].name.size() < 2) return {};
   const std::string stem = properties[i].name.substr(0, properties[i].name.size() - 1);

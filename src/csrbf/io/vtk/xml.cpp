@@ -56,7 +56,7 @@ class XmlParser {
     return taken;
   }
 
-  // Moves to the next tag of an element, over text, declarations and comments; what was passed over.
+  // Moves to the next tag of an element, past text, declarations and comments; returns what was skipped.
   std::string_view skip_to_tag() {
     const std::string_view from = rest_;
     while (true) {
@@ -72,7 +72,7 @@ class XmlParser {
   }
 
   XmlElement read_element(int depth) {
-    constexpr int most_levels = 32;
+    constexpr int most_levels = 32;  // bounds the recursion; VTK files have five
     if (depth >= most_levels) fail("more than 32 levels of XML elements");
     rest_.remove_prefix(1);
     XmlElement element{.name = std::string(take_name())};
