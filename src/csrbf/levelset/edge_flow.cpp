@@ -64,19 +64,18 @@ std::vector<float> edge_weights(std::span<const float> values, const Grid& grid)
 }
 
 template <int Dim>
-VariationalResult descend_to_edges(const Lattice<Dim>& lattice, const SegmentOptions& options, const Grid& grid,
+VariationalResult descend_to_edges(const Lattice<Dim>& lattice, const EdgeFlowOptions& options, const Grid& grid,
                                    std::span<const float> g, std::vector<std::uint8_t> labels) {
   constexpr double step = 0.5;         // of time, in voxels for speed 1: below the limit of the Laplacian in 3D
   constexpr int patience = 20;         // steps without a lower energy
   constexpr double noticeable = 1e-4;  // relative decrease
   const double unit = grid.spacing.template head<Dim>().minCoeff();
-  const auto smoothness = static_cast<float>(options.smoothness.value_or(1));
+  const auto smoothness = static_cast<float>(options.smoothness);
   const auto balloon = static_cast<float>(options.balloon);
   const std::size_t n = labels.size();
   const auto slopes = slopes_of<Dim>(g, grid, unit);
 
   VariationalResult result;
-  SegmentReport& report = result.report;
   std::vector<float> coefficients(static_cast<std::size_t>(lattice.array_size()), 0.0F), best;
   std::vector<float> distance(n), speed(n), force(n), pressure(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -109,8 +108,8 @@ VariationalResult descend_to_edges(const Lattice<Dim>& lattice, const SegmentOpt
   const int most = 10 * options.iterations;
   double least = std::numeric_limits<double>::infinity();
   std::vector<float> mean;
-  for (; report.iterations < most && since < patience; ++report.iterations) {
-    csrbf::report(options.progress, "evolve", static_cast<double>(report.iterations) / most);
+  for (; result.iterations < most && since < patience; ++result.iterations) {
+    report(options.progress, "evolve", static_cast<double>(result.iterations) / most);
     lattice.sweep(coefficients.data(), true, read, nullptr);
     mean = distance;
     box_mean(mean, grid.size, unit_box(grid));
@@ -129,20 +128,20 @@ VariationalResult descend_to_edges(const Lattice<Dim>& lattice, const SegmentOpt
       if (!(energy > least - noticeable * std::abs(least))) since = 0;
       least = energy;
       best = coefficients;
-      report.energy.push_back(energy);
+      result.energy.push_back(energy);
     }
   }
-  report.converged = since >= patience;
+  result.converged = since >= patience;
   update_labels(lattice, best, labels.data());
-  if (options.fill_holes.value_or(false)) fill_enclosed(labels, grid);
+  if (options.fill_holes) fill_enclosed(labels, grid);
   result.coefficients.push_back(std::move(best));
   result.labels = std::move(labels);
   return result;
 }
 
-template VariationalResult descend_to_edges<2>(const Lattice<2>&, const SegmentOptions&, const Grid&,
+template VariationalResult descend_to_edges<2>(const Lattice<2>&, const EdgeFlowOptions&, const Grid&,
                                                std::span<const float>, std::vector<std::uint8_t>);
-template VariationalResult descend_to_edges<3>(const Lattice<3>&, const SegmentOptions&, const Grid&,
+template VariationalResult descend_to_edges<3>(const Lattice<3>&, const EdgeFlowOptions&, const Grid&,
                                                std::span<const float>, std::vector<std::uint8_t>);
 
 }  // namespace csrbf

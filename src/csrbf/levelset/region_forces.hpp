@@ -2,7 +2,6 @@
 
 #include "csrbf/core/grid.hpp"
 #include "csrbf/levelset/region_model.hpp"
-#include "csrbf/levelset/segment.hpp"
 
 #include <algorithm>
 #include <array>

@@ -202,6 +202,10 @@ bool can_be_shaded(const SegmentOptions& options) {
          (options.energy == SegmentEnergy::chan_vese || options.energy == SegmentEnergy::gaussian);
 }
 
+VariationalOptions variational_options(const SegmentOptions& used, double noise) {
+  return {used.smoothness.value_or(0), noise, used.iterations, used.fill_holes.value_or(false), used.progress};
+}
+
 // Lets the means vary and goes on, if that is wanted or explains most of what constants leave.
 template <int Dim>
 void shade(const Lattice<Dim>& lattice, RegionForces<Dim>& forces, const ForceSource& source, double noise,
@@ -212,7 +216,7 @@ void shade(const Lattice<Dim>& lattice, RegionForces<Dim>& forces, const ForceSo
   if (used.shading == Shading::none) return;
   forces.set_shading_degree(used.shading == Shading::linear ? 1 : 2);
   forces.fit(result.labels);
-  result = descend_globally(lattice, source, used, noise, std::move(result.labels));
+  result = descend_globally(lattice, source, variational_options(used, noise), std::move(result.labels));
 }
 
 // Makes the region that must be inside label 1, or brings the labels of several in order.
@@ -244,29 +248,32 @@ VariationalResult descend(const Lattice<Dim>& lattice, RegionForces<Dim>& forces
                           std::span<const float> values, const Grid& grid, double noise, SegmentOptions& options,
                           std::vector<std::uint8_t> labels) {
   if (options.energy == SegmentEnergy::edge && !options.force)
-    return descend_to_edges(lattice, options, grid, edge_weights(values, grid), std::move(labels));
+    return descend_to_edges(lattice,
+                            {options.smoothness.value_or(1), options.balloon, options.mask, options.iterations,
+                             options.fill_holes.value_or(false), options.progress},
+                            grid, edge_weights(values, grid), std::move(labels));
+  const VariationalOptions how = variational_options(options, noise);
   const bool local = options.mode == SegmentMode::local;
   if (local && (!options.seed.empty() || !options.start.empty()))
-    return descend_locally(lattice, source, options, grid, noise, std::move(labels));
-  VariationalResult result = descend_globally(lattice, source, options, noise, std::move(labels));
+    return descend_locally(lattice, source, how, grid, std::move(labels));
+  VariationalResult result = descend_globally(lattice, source, how, std::move(labels));
   if (!local && can_be_shaded(options)) shade(lattice, forces, source, noise, options, result);
   choose_polarity(grid, options, result);
-  return local ? descend_locally(lattice, source, options, grid, noise, std::move(result.labels)) : result;
+  return local ? descend_locally(lattice, source, how, grid, std::move(result.labels)) : result;
 }
 
-// Where the image is speckle, places the contour where its blur says.
+// Where the image is speckle, places the contour where its blur says; returns the exponent of the speckle.
 template <int Dim>
-void place_in_speckle(Lattice<Dim>& lattice, std::span<const float> values, const Grid& grid,
-                      const SegmentOptions& options, SegmentOptions& used, VariationalResult& result) {
+std::optional<double> place_in_speckle(Lattice<Dim>& lattice, std::span<const float> values, const Grid& grid,
+                                       const SegmentOptions& options, SegmentOptions& used, VariationalResult& result) {
   const bool suits = used.energy == SegmentEnergy::generalized_gaussian || used.energy == SegmentEnergy::rayleigh ||
                      used.energy == SegmentEnergy::gamma;
-  if (!suits || options.force || options.regions > 2) return;
+  if (!suits || options.force || options.regions > 2) return {};
   std::vector<std::uint8_t> labels = result.labels;
   for (std::size_t i = 0; i < labels.size(); ++i)
     if (!options.mask.empty() && options.mask[i] == 0) labels[i] = no_region;
   const std::optional<SpeckleModel> speckle = find_speckle<Dim>(values, grid, labels);
-  if (!speckle) return;
-  result.report.speckle = speckle->exponent;
+  if (!speckle) return {};
   if (!options.center_spacing) {
     used.center_spacing = std::max(*used.center_spacing, spacing_in_speckle<Dim>(*speckle, grid));
     lattice = Lattice<Dim>(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
@@ -277,9 +284,10 @@ void place_in_speckle(Lattice<Dim>& lattice, std::span<const float> values, cons
   result.coefficients[0] = contour.descend(steps);
   update_labels(lattice, result.coefficients[0], result.labels.data());
   // The laws differ by a constant.
-  std::vector<double>& energy = result.report.energy;
+  std::vector<double>& energy = result.energy;
   for (std::size_t i = 1; i < steps.size(); ++i)
     energy.push_back(energy.back() + (steps[i] - steps[i - 1]) / static_cast<double>(labels.size()));
+  return speckle->exponent;
 }
 
 template <int Dim>
@@ -341,18 +349,25 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   if (!used.center_spacing) used.center_spacing = choose_center_spacing(noise, Dim);
 
   VariationalResult result;
+  std::optional<double> speckle_exponent;
   std::vector<std::shared_ptr<const Field<Dim>>> fields;
   if (baseline) {
     result.labels = std::move(labels);
     if (options.seed.empty()) choose_polarity(grid, options, result);
-    BaselineResult<Dim> found = segment_by_baseline<Dim>(grid, source, used, *used.center_spacing, result.labels);
+    BaselineResult<Dim> found =
+        options.method == SegmentMethod::finite_difference
+            ? segment_by_finite_difference<Dim>(grid, source, {*used.smoothness, used.iterations, used.progress},
+                                                result.labels)
+            : segment_by_collocation<Dim>(
+                  grid, source,
+                  {used.kernel, *used.support, *used.center_spacing, local, used.iterations, used.progress},
+                  result.labels);
     fields.push_back(std::move(found.field));
-    result.labels = std::move(found.labels);
-    result.report = std::move(found.report);
+    result = {{}, std::move(found.labels), found.iterations, found.converged, std::move(found.energy)};
   } else {
     Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
     result = descend(lattice, forces, source, values, grid, noise.size, used, std::move(labels));
-    place_in_speckle(lattice, values, grid, options, used, result);
+    speckle_exponent = place_in_speckle(lattice, values, grid, options, used, result);
     fields = make_fields(lattice, result.coefficients, grid);
   }
   if (!options.mask.empty())
@@ -360,8 +375,11 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
       if (options.mask[i] == 0) result.labels[i] = 0;
 
   Segmentation<Dim> segmentation;
-  segmentation.report = std::move(result.report);
   SegmentReport& report = segmentation.report;
+  report.iterations = result.iterations;
+  report.converged = result.converged;
+  report.energy = std::move(result.energy);
+  report.speckle = speckle_exponent;
   report.noise = noise.size;
   segmentation.fields = std::move(fields);
   segmentation.labels = std::move(result.labels);

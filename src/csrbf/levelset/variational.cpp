@@ -151,14 +151,13 @@ double choose_center_spacing(const ForceNoise& noise, int dimension) {
 
 template <int Dim>
 VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSource& source,
-                                   const SegmentOptions& options, double noise, std::vector<std::uint8_t> labels) {
+                                   const VariationalOptions& options, std::vector<std::uint8_t> labels) {
   VariationalResult result;
-  SegmentReport& report = result.report;
   const auto voxels = static_cast<Index>(labels.size());
   const bool two = source.regions == 2;
   std::vector<LevelSet<Dim>> sets;
   for (int k = two ? 1 : 0; k < source.regions; ++k)
-    sets.emplace_back(lattice, voxels, options.smoothness.value_or(0), noise);
+    sets.emplace_back(lattice, voxels, options.smoothness, options.noise);
   source.force(two ? 1 : 0, 1, sets[0].force);
   const double scale = force_scale(sets[0].force);
   const auto take_forces = [&] {
@@ -179,13 +178,13 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
   };
 
   double energy = total();
-  report.energy.push_back(energy / static_cast<double>(voxels));
-  while (report.iterations < options.iterations && !report.converged) {
-    csrbf::report(options.progress, "evolve", static_cast<double>(report.iterations) / options.iterations);
-    ++report.iterations;
-    const double energy_before = report.energy.back();
+  result.energy.push_back(energy / static_cast<double>(voxels));
+  while (result.iterations < options.iterations && !result.converged) {
+    report(options.progress, "evolve", static_cast<double>(result.iterations) / options.iterations);
+    ++result.iterations;
+    const double energy_before = result.energy.back();
     // New statistics, if they are better for the contours as they are.
-    if ((report.iterations > 1 || !two) && source.fit(labels)) {
+    if ((result.iterations > 1 || !two) && source.fit(labels)) {
       take_forces();
       const double next = total();
       if (next <= energy) {
@@ -200,24 +199,24 @@ VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSourc
       evolve(lattice, sets[i].energy, descent_steps, 1e-3, sets[i].coefficients, steps[i]);
       for (std::size_t j = 1; j < steps[i].size(); ++j) {
         energy += steps[i][j] - steps[i][j - 1];
-        report.energy.push_back(energy / static_cast<double>(voxels));
+        result.energy.push_back(energy / static_cast<double>(voxels));
       }
     }
     const Index changed = label_voxels(lattice, sets, labels);
-    const double first = report.energy.front(), last = report.energy.back();
-    const double hardly = noise > noisy ? 0.01 : 0.001;
-    report.converged =
-        static_cast<double>(changed) <= (noise > noisy ? still : 0.1 * still) * static_cast<double>(voxels) ||
+    const double first = result.energy.front(), last = result.energy.back();
+    const double hardly = options.noise > noisy ? 0.01 : 0.001;
+    result.converged =
+        static_cast<double>(changed) <= (options.noise > noisy ? still : 0.1 * still) * static_cast<double>(voxels) ||
         energy_before - last <= std::max(little * (first - last), hardly * std::abs(last));
   }
   // Without noise the contour needs no anchor any more: each voxel goes to its side, if the rest of the energy allows.
-  if (two && noise < clean && sets[0].energy.length == 0) {
+  if (two && options.noise < clean && sets[0].energy.length == 0) {
     const std::vector<float> before = sets[0].coefficients;
     sets[0].energy.anchor = 0;
     separate_voxels(lattice, sets[0].force.data(), side_margin, side_steps, sets[0].coefficients);
     const double next = total();
     if (next <= energy) {
-      report.energy.push_back(next / static_cast<double>(voxels));
+      result.energy.push_back(next / static_cast<double>(voxels));
       label_voxels(lattice, sets, labels);
     } else {
       sets[0].coefficients = before;
@@ -259,14 +258,14 @@ std::vector<float> band_of(const std::vector<std::uint8_t>& labels, const Grid& 
 }  // namespace
 
 template <int Dim>
-VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource& source, const SegmentOptions& options,
-                                  const Grid& grid, double noise, std::vector<std::uint8_t> labels) {
+VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource& source,
+                                  const VariationalOptions& options, const Grid& grid,
+                                  std::vector<std::uint8_t> labels) {
   constexpr Index reach = 2;  // voxels that the contour may move in a step
   constexpr int first_fit = 12, fit = 3, descent = 3;
   VariationalResult result;
-  SegmentReport& report = result.report;
   const auto voxels = static_cast<Index>(labels.size());
-  LevelSet<Dim> set(lattice, voxels, options.smoothness.value_or(0), noise);
+  LevelSet<Dim> set(lattice, voxels, options.smoothness, options.noise);
   std::vector<float> held(labels.size());
   const auto hold = [&] {  // every voxel where it is
     for (std::size_t i = 0; i < labels.size(); ++i) held[i] = labels[i] != 0 ? -1.0F : 1.0F;
@@ -286,13 +285,13 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   source.force(1, 1, set.force);
   const double scale = force_scale(set.force);
   set.others = source.force_with_prior(1, scale, set.force);
-  set.energy.eps = step.eps = std::max({0.1, noise_to_eps * noise, least_width(lattice, set.energy)});
+  set.energy.eps = step.eps = std::max({0.1, noise_to_eps * options.noise, least_width(lattice, set.energy)});
   double energy = set.total(lattice);
-  report.energy.push_back(energy / static_cast<double>(voxels));
+  result.energy.push_back(energy / static_cast<double>(voxels));
   const int most = 10 * options.iterations;  // steps are small
-  while (report.iterations < most && !report.converged) {
-    csrbf::report(options.progress, "evolve", static_cast<double>(report.iterations) / most);
-    ++report.iterations;
+  while (result.iterations < most && !result.converged) {
+    report(options.progress, "evolve", static_cast<double>(result.iterations) / most);
+    ++result.iterations;
     free_band();
     const std::vector<float> before = set.coefficients;
     fit_target(lattice, step, fit, set.coefficients);
@@ -301,12 +300,12 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
     const double next = set.total(lattice);
     if (next > energy) {
       set.coefficients = before;
-      report.converged = true;
+      result.converged = true;
       break;
     }
     energy = next;
     const Index changed = update_labels(lattice, set.coefficients, labels.data());
-    report.converged = static_cast<double>(changed) <= 0.1 * still * static_cast<double>(voxels);
+    result.converged = static_cast<double>(changed) <= 0.1 * still * static_cast<double>(voxels);
     if (source.fit(labels)) {
       set.others = source.force_with_prior(1, scale, set.force);
       const double updated = set.total(lattice);
@@ -317,10 +316,10 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
         set.others = source.force_with_prior(1, scale, set.force);
       }
     }
-    report.energy.push_back(energy / static_cast<double>(voxels));
+    result.energy.push_back(energy / static_cast<double>(voxels));
   }
   update_labels(lattice, set.coefficients, labels.data());
-  if (options.fill_holes.value_or(false) && fill_enclosed(labels, grid) > 0) {
+  if (options.fill_holes && fill_enclosed(labels, grid) > 0) {
     free_band();
     fit_target(lattice, step, first_fit, set.coefficients);
     update_labels(lattice, set.coefficients, labels.data());
@@ -331,11 +330,11 @@ VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource
   return result;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                     \
-  template VariationalResult descend_globally<Dim>(const Lattice<Dim>&, const ForceSource&, const SegmentOptions&, \
-                                                   double, std::vector<std::uint8_t>);                             \
-  template VariationalResult descend_locally<Dim>(const Lattice<Dim>&, const ForceSource&, const SegmentOptions&,  \
-                                                  const Grid&, double, std::vector<std::uint8_t>);
+#define CSRBF_INSTANTIATE(Dim)                                                                                         \
+  template VariationalResult descend_globally<Dim>(const Lattice<Dim>&, const ForceSource&, const VariationalOptions&, \
+                                                   std::vector<std::uint8_t>);                                         \
+  template VariationalResult descend_locally<Dim>(const Lattice<Dim>&, const ForceSource&, const VariationalOptions&,  \
+                                                  const Grid&, std::vector<std::uint8_t>);
 CSRBF_INSTANTIATE(2)
 CSRBF_INSTANTIATE(3)
 #undef CSRBF_INSTANTIATE

@@ -1,9 +1,13 @@
 #pragma once
 
+#include "csrbf/core/grid.hpp"
+#include "csrbf/core/progress.hpp"
 #include "csrbf/levelset/evolve.hpp"
-#include "csrbf/levelset/segment.hpp"
 
+#include <cstdint>
+#include <functional>
 #include <span>
+#include <vector>
 
 namespace csrbf {
 
@@ -25,7 +29,17 @@ struct ForceSource {
 struct VariationalResult {
   std::vector<std::vector<float>> coefficients;  ///< one level set for two regions (inside: label 1), else one of each
   std::vector<std::uint8_t> labels;
-  SegmentReport report;  ///< iterations, converged, energy
+  int iterations = 0;
+  bool converged = false;
+  std::vector<double> energy;  ///< as in SegmentReport
+};
+
+struct VariationalOptions {
+  double smoothness = 0;    ///< weight of the length of the contour, in voxels
+  double noise = 0;         ///< ForceNoise::size
+  int iterations = 100;     ///< at most; of descend_locally ten times as many, as its steps are small
+  bool fill_holes = false;  ///< of descend_locally: what the contour encloses gets label 1
+  Progress progress = {};   ///< stage "evolve"
 };
 
 /// How noisy a force is.
@@ -42,15 +56,16 @@ ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_
 /// The center spacing for that noise.
 double choose_center_spacing(const ForceNoise& noise, int dimension);
 
-/// Statistics and contours in turns, everywhere at once, from `labels`; `noise` as ForceNoise::size.
+/// Statistics and contours in turns, everywhere at once, from `labels`.
 template <int Dim>
 VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSource& source,
-                                   const SegmentOptions& options, double noise, std::vector<std::uint8_t> labels);
+                                   const VariationalOptions& options, std::vector<std::uint8_t> labels);
 
 /// The contour moves from the border of `labels` as far as the energy falls, a few voxels in each step. `weights` of
 /// the length: one per voxel, or none.
 template <int Dim>
-VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource& source, const SegmentOptions& options,
-                                  const Grid& grid, double noise, std::vector<std::uint8_t> labels);
+VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource& source,
+                                  const VariationalOptions& options, const Grid& grid,
+                                  std::vector<std::uint8_t> labels);
 
 }  // namespace csrbf
