@@ -9,7 +9,7 @@ namespace csrbf {
 namespace {
 
 // The forces of a source and the energy of the labels that they are asked for.
-ForceUpdate update_from(const ForceSource& source, std::size_t voxels, std::vector<double>& energy) {
+ForceUpdate update_from(ForceSource& source, std::size_t voxels, std::vector<double>& energy) {
   return [&source, voxels, &energy](const unsigned char* labels, float* force) {
     source.fit({labels, voxels});
     double sum = source.force(1, 1, {force, voxels}), size = 0;
@@ -24,7 +24,7 @@ ForceUpdate update_from(const ForceSource& source, std::size_t voxels, std::vect
 }  // namespace
 
 template <int Dim>
-BaselineResult<Dim> segment_by_collocation(const Grid& grid, const ForceSource& source,
+BaselineResult<Dim> segment_by_collocation(const Grid& grid, ForceSource& source,
                                            const CollocationBaselineOptions& options,
                                            const std::vector<std::uint8_t>& labels) {
   BaselineResult<Dim> result;
@@ -45,7 +45,7 @@ BaselineResult<Dim> segment_by_collocation(const Grid& grid, const ForceSource& 
 }
 
 template <int Dim>
-BaselineResult<Dim> segment_by_finite_difference(const Grid& grid, const ForceSource& source,
+BaselineResult<Dim> segment_by_finite_difference(const Grid& grid, ForceSource& source,
                                                  const FiniteDifferenceBaselineOptions& options,
                                                  const std::vector<std::uint8_t>& labels) {
   BaselineResult<Dim> result;
@@ -62,11 +62,11 @@ BaselineResult<Dim> segment_by_finite_difference(const Grid& grid, const ForceSo
   return result;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                               \
-  template BaselineResult<Dim> segment_by_collocation<Dim>(                                                  \
-      const Grid&, const ForceSource&, const CollocationBaselineOptions&, const std::vector<std::uint8_t>&); \
-  template BaselineResult<Dim> segment_by_finite_difference<Dim>(                                            \
-      const Grid&, const ForceSource&, const FiniteDifferenceBaselineOptions&, const std::vector<std::uint8_t>&);
+#define CSRBF_INSTANTIATE(Dim)                                                                         \
+  template BaselineResult<Dim> segment_by_collocation<Dim>(                                            \
+      const Grid&, ForceSource&, const CollocationBaselineOptions&, const std::vector<std::uint8_t>&); \
+  template BaselineResult<Dim> segment_by_finite_difference<Dim>(                                      \
+      const Grid&, ForceSource&, const FiniteDifferenceBaselineOptions&, const std::vector<std::uint8_t>&);
 CSRBF_INSTANTIATE(2)
 CSRBF_INSTANTIATE(3)
 #undef CSRBF_INSTANTIATE

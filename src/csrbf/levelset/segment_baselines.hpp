@@ -3,7 +3,7 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/progress.hpp"
-#include "csrbf/levelset/variational.hpp"
+#include "csrbf/levelset/force_source.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -39,11 +39,11 @@ struct BaselineResult {
 /// segment() by the methods that it is compared with, from labels whose 1 is inside, with the forces of two regions
 /// estimated anew in each iteration.
 template <int Dim>
-BaselineResult<Dim> segment_by_collocation(const Grid& grid, const ForceSource& source,
+BaselineResult<Dim> segment_by_collocation(const Grid& grid, ForceSource& source,
                                            const CollocationBaselineOptions& options,
                                            const std::vector<std::uint8_t>& labels);
 template <int Dim>
-BaselineResult<Dim> segment_by_finite_difference(const Grid& grid, const ForceSource& source,
+BaselineResult<Dim> segment_by_finite_difference(const Grid& grid, ForceSource& source,
                                                  const FiniteDifferenceBaselineOptions& options,
                                                  const std::vector<std::uint8_t>& labels);
 
