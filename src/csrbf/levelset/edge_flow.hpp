@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/contour_energy.hpp"
 #include "csrbf/levelset/variational.hpp"
 
 #include <span>

@@ -3,7 +3,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/coefficient_sums.hpp"
-#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/contour_energy.hpp"
 #include "csrbf/levelset/gaussian_blur.hpp"
 #include "csrbf/levelset/segment_fields.hpp"
 #include "csrbf/levelset/spectral_descent.hpp"

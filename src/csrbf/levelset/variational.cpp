@@ -192,7 +192,7 @@ class GlobalDescent {
   void move_contours() {
     for (LevelSet<Dim>& set : sets_) {
       std::vector<double> steps;
-      evolve(lattice_, set.energy, descent_steps, descent_tolerance, set.coefficients, steps);
+      minimize_contour_energy(lattice_, set.energy, descent_steps, descent_tolerance, set.coefficients, steps);
       for (std::size_t j = 1; j < steps.size(); ++j) {
         energy_ += steps[j] - steps[j - 1];
         add_energy(energy_);
@@ -300,7 +300,7 @@ class LocalDescent {
     const std::vector<float> before = set_.coefficients;
     fit_target(lattice_, step_, local_fit, set_.coefficients);
     std::vector<double> steps;
-    evolve(lattice_, step_, local_descent, descent_tolerance, set_.coefficients, steps);
+    minimize_contour_energy(lattice_, step_, local_descent, descent_tolerance, set_.coefficients, steps);
     const double next = set_.total(lattice_);
     if (next > energy_) {
       set_.coefficients = before;

@@ -2,7 +2,7 @@
 
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/progress.hpp"
-#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/contour_energy.hpp"
 #include "csrbf/levelset/force_source.hpp"
 
 #include <cstdint>

@@ -35,13 +35,13 @@ template <int Dim>
 void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations,
                 std::vector<float>& coefficients);
 
-/// Lowers E by the spectral projected gradient method over |alpha| <= 2 (1 with a length) with back-tracking: no step
-/// raises it. Stops
-/// after `iterations` evaluations of the derivatives, or when a step lowers it by less than `tolerance` times the
-/// decrease so far. Appends the energy at the start and after each step to `energies`; returns the evaluations used.
+/// Minimises E by the spectral projected gradient method over |alpha| <= 2 (1 with a length) with back-tracking: no
+/// step raises it. Stops after `iterations` evaluations of the derivatives, or when a step lowers it by less than
+/// `tolerance` times the decrease so far. Appends the energy at the start and after each step to `energies`; returns
+/// the evaluations used.
 template <int Dim>
-int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
-           std::vector<float>& coefficients, std::vector<double>& energies);
+int minimize_contour_energy(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
+                            std::vector<float>& coefficients, std::vector<double>& energies);
 
 /// Brings each voxel to the side of the contour that its force says: lowers sum (min(|target|, margin) - s f)^2 over
 /// the voxels where that is positive, s = 1 or -1 the sign of the target, by at most `iterations` evaluations of a

@@ -1,4 +1,4 @@
-#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/contour_energy.hpp"
 
 #include "csrbf/core/simd.hpp"
 #include "csrbf/levelset/coefficient_sums.hpp"
@@ -12,7 +12,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index piece = 256;  // voxels whose forces are gathered at a time
+constexpr Index block_size = 256;  // voxels whose forces are gathered at a time
 
 struct Profile {
   float inverse_eps, anchor, length, volume;
@@ -44,9 +44,9 @@ float target_of(float force) {
 }
 
 // H_eps, its derivative, and what f is off its target, at 16 voxels.
-struct Step {
+struct SmoothedStep {
   Wide t, bump, H, delta, off;
-  CSRBF_ALWAYS_INLINE Step(const Profile& by, const Wide& force, const Wide& f) {
+  CSRBF_ALWAYS_INLINE SmoothedStep(const Profile& by, const Wide& force, const Wide& f) {
     t = f * by.inverse_eps;
     clamp_to_one(t);
     const Wide t2 = t * t;
@@ -67,7 +67,7 @@ float region_terms(const Profile& by, const float* force, Index n, float* f) {
     Wide F, value;
     load(force + i, F);
     load(f + i, value);
-    const Step at(by, F, value);
+    const SmoothedStep at(by, F, value);
     sum += F * at.H + (0.5F * by.anchor) * at.off * at.off;
     value = by.volume * (F * at.delta + by.anchor * at.off);
     std::memcpy(f + i, &value, sizeof value);
@@ -88,7 +88,7 @@ CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, co
     load(fx + i, x);
     load(fy + i, y);
     if constexpr (Dim == 3) load(fz + i, z);
-    const Step at(by, F, value);
+    const SmoothedStep at(by, F, value);
     length *= by.length;
     const Wide norm2 = 1e-20F + x * x + y * y + z * z;
     for (Index j = 0; j < width; ++j) norm[j] = std::sqrt(norm2[j]);
@@ -121,7 +121,7 @@ float length_terms_3(const Profile& by, const float* force, const float* weights
 
 // Half the squares of what values are short of on the side that their force says, derivatives in place of f.
 CSRBF_SIMD_CLONES
-float shortfalls(float margin, const float* force, Index n, float* f) {
+float hinge_terms(float margin, const float* force, Index n, float* f) {
   Wide sum = {};
   for (Index i = 0; i < n; i += width) {
     Wide F, value;
@@ -138,10 +138,10 @@ float shortfalls(float margin, const float* force, Index n, float* f) {
   return sum_of_lanes(sum);
 }
 
-using Piece = std::array<float, piece>;
+using Block = std::array<float, block_size>;
 
 // n values of a row, one after the other, and zeros up to a multiple of `width`.
-void gather(const float* values, const LatticeRow& row, Index begin, Index n, Piece& place) {
+void gather(const float* values, const LatticeRow& row, Index begin, Index n, Block& place) {
   const float* from = values + row.voxel + begin * row.stride;
   for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(i)] = from[i * row.stride];
   std::fill(place.begin() + n, place.begin() + padded(n), 0.0F);
@@ -150,11 +150,11 @@ void gather(const float* values, const LatticeRow& row, Index begin, Index n, Pi
 template <int Dim>
 double row_energy(const Profile& profile, bool gradients, const ContourEnergy& energy, const LatticeRow& row) {
   double sum = 0;
-  Piece force, weight, f;
-  std::array<Piece, Dim> slope;
+  Block force, weight, f;
+  std::array<Block, Dim> slope;
   weight.fill(1);
-  for (Index begin = 0; begin < row.count; begin += piece) {
-    const Index n = std::min(piece, row.count - begin);
+  for (Index begin = 0; begin < row.count; begin += block_size) {
+    const Index n = std::min(block_size, row.count - begin);
     gather(energy.force, row, begin, n, force);
     // Values 0 with force 0 add force H = 0 and no length, whose gradient is 0 there.
     std::copy_n(row.value + begin, n, f.begin());
@@ -263,8 +263,8 @@ void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int it
 }
 
 template <int Dim>
-int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
-           std::vector<float>& coefficients, std::vector<double>& energies) {
+int minimize_contour_energy(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
+                            std::vector<float>& coefficients, std::vector<double>& energies) {
   // The anchor alone would be solved by about this rate.
   const double rate = 1 / (std::max(energy.anchor, 1e-3) * voxel_volume(lattice) * lattice.coefficient_weight());
   return spectral_descent(
@@ -279,13 +279,13 @@ int separate_voxels(const Lattice<Dim>& lattice, const float* force, double marg
   std::vector<double> sums;
   const auto row_sum = [&](const LatticeRow& row) {
     double sum = 0;
-    Piece forces, f;
-    for (Index begin = 0; begin < row.count; begin += piece) {
-      const Index n = std::min(piece, row.count - begin);
+    Block forces, f;
+    for (Index begin = 0; begin < row.count; begin += block_size) {
+      const Index n = std::min(block_size, row.count - begin);
       gather(force, row, begin, n, forces);
       std::copy_n(row.value + begin, n, f.begin());
       std::fill(f.begin() + n, f.begin() + padded(n), 0.0F);
-      sum += static_cast<double>(shortfalls(static_cast<float>(margin), forces.data(), padded(n), f.data()));
+      sum += static_cast<double>(hinge_terms(static_cast<float>(margin), forces.data(), padded(n), f.data()));
       std::copy_n(f.begin(), n, row.value + begin);
     }
     return sum;
@@ -338,8 +338,8 @@ Index update_labels(const Lattice<Dim>& lattice, const std::vector<float>& coeff
 #define CSRBF_INSTANTIATE(Dim)                                                                                        \
   template double contour_energy<Dim>(const Lattice<Dim>&, const ContourEnergy&, const float*, float*);               \
   template void fit_target<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, std::vector<float>&);                 \
-  template int evolve<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, double, std::vector<float>&,               \
-                           std::vector<double>&);                                                                     \
+  template int minimize_contour_energy<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, double,                   \
+                                            std::vector<float>&, std::vector<double>&);                               \
   template int separate_voxels<Dim>(const Lattice<Dim>&, const float*, double, int, std::vector<float>&);             \
   template double target_residual<Dim>(const Lattice<Dim>&, const ContourEnergy&, const std::vector<float>&, double); \
   template Index update_labels<Dim>(const Lattice<Dim>&, const std::vector<float>&, unsigned char*);
