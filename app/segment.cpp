@@ -64,10 +64,6 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
                     {"regions", regions},         {"components", r.components}, {"noise", r.noise}};
   if (r.speckle) session.result["speckle"] = *r.speckle;
   session.warn(r.warnings);
-  for (const RegionReport& region : r.regions)
-    if (region.voxels == 0)
-      session.warn("label " + std::to_string(region.label) +
-                   " has no voxel: the start or the energy does not suit the image");
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
   session.say("energy: " + std::string(name_of(r.options.energy)) + ", " + std::string(name_of(r.options.mode)) + "; " +

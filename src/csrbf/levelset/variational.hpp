@@ -31,8 +31,7 @@ template <int Dim>
 VariationalResult descend_globally(const Lattice<Dim>& lattice, ForceSource& source, const VariationalOptions& options,
                                    std::vector<std::uint8_t> labels);
 
-/// The contour moves from the border of `labels` as far as the energy falls, a few voxels in each step. `weights` of
-/// the length: one per voxel, or none.
+/// The contour moves from the border of `labels` as far as the energy falls, a few voxels in each step.
 template <int Dim>
 VariationalResult descend_locally(const Lattice<Dim>& lattice, ForceSource& source, const VariationalOptions& options,
                                   const Grid& grid, std::vector<std::uint8_t> labels);
