@@ -44,7 +44,7 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
   }
 }
 
-void add_options(const SegmentCommand& command, const SegmentOptions& used, Session& session) {
+void add_options(const SegmentCommand& command, const SegmentSettings& used, Session& session) {
   session.options = {{"output", command.output}};
   add_segment_options(command, used, session);
   session.options.update({{"contour", command.contour.empty() ? Json(nullptr) : Json(command.contour)},

@@ -10,7 +10,7 @@ namespace csrbf::app {
 SegmentOptions make_segment_options(const SegmentFlags& flags);
 
 /// Adds the options used to the report.
-void add_segment_options(const SegmentFlags& flags, const SegmentOptions& used, Session& session);
+void add_segment_options(const SegmentFlags& flags, const SegmentSettings& used, Session& session);
 
 /// Throws UsageError for images that are not one grey image of two or three axes with something to see. `path` is what
 /// the image is called.

@@ -35,16 +35,17 @@ IntensityLaw law_of(SegmentEnergy energy) {
   }
 }
 
-// The options with values in place of `automatic`, but for the center spacing and the shading.
-SegmentOptions choose_options(SegmentOptions options) {
-  const bool edge = options.energy == SegmentEnergy::edge && !options.force;
-  if (edge) options.mode = SegmentMode::local;
-  const bool smooth_by_centers = !options.smoothness || *options.smoothness > 0;
-  if (!options.center_spacing && !smooth_by_centers) options.center_spacing = 1;
-  if (!options.smoothness) options.smoothness = edge ? 1 : 0;
-  if (!options.support) options.support = options.method == SegmentMethod::collocation ? 4 : 2.5;
-  if (!options.fill_holes) options.fill_holes = options.mode == SegmentMode::local;
-  return options;
+// The settings with values in place of `automatic`, but for the center spacing, the window and the shading.
+SegmentSettings choose_settings(const SegmentOptions& given) {
+  SegmentSettings used = given;
+  const bool edge = used.energy == SegmentEnergy::edge && !given.force;
+  if (edge) used.mode = SegmentMode::local;
+  const bool smooth_by_centers = !used.smoothness || *used.smoothness > 0;
+  if (!used.center_spacing && !smooth_by_centers) used.center_spacing = 1;
+  if (!used.smoothness) used.smoothness = edge ? 1 : 0;
+  if (!used.support) used.support = used.method == SegmentMethod::collocation ? 4 : 2.5;
+  if (!used.fill_holes) used.fill_holes = used.mode == SegmentMode::local;
+  return used;
 }
 
 // About 50 voxels of their own noise tell two textures apart; centers then smooth on.
@@ -136,7 +137,7 @@ template <int Dim>
 class Segmenter {
  public:
   Segmenter(const Volume<float>& image, const SegmentOptions& options)
-      : image_(image), options_(options), grid_(image.grid), used_(choose_options(options)) {}
+      : image_(image), options_(options), grid_(image.grid), used_(choose_settings(options)) {}
 
   // The values, the source of the forces and the labels that the statistics start from.
   void start() {
@@ -205,12 +206,6 @@ class Segmenter {
         found.warnings.push_back("label " + std::to_string(region.label) +
                                  " is empty: start elsewhere, or take another energy");
     found.options = std::move(used_);
-    found.options.seed.clear();
-    found.options.mask.clear();
-    found.options.start.clear();
-    found.options.prior.clear();
-    found.options.force = {};
-    found.options.progress = {};
     return {std::move(labels), std::move(fields_), std::move(found)};
   }
 
@@ -306,7 +301,7 @@ class Segmenter {
   const Volume<float>& image_;
   const SegmentOptions& options_;
   const Grid& grid_;
-  SegmentOptions used_;
+  SegmentSettings used_;
   std::vector<float> repaired_;  // the values when some are not finite
   std::span<const float> values_;
   std::optional<RegionForces<Dim>> regions_;

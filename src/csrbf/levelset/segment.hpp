@@ -9,9 +9,9 @@
 
 namespace csrbf {
 
-/// What was done, and with which options.
+/// What was done, and with which settings.
 struct SegmentReport {
-  SegmentOptions options;  ///< with the values used in place of `automatic`; without arrays and functions
+  SegmentSettings options;  ///< with the values used in place of `automatic`
   int iterations = 0;
   bool converged = false;  ///< labels had stopped changing
   /// After each step, per voxel: 1 is what a voxel costs in the wrong region. Never increases with the variational

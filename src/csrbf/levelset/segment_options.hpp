@@ -51,7 +51,8 @@ SegmentMode segment_mode(std::string_view name);
 SegmentMethod segment_method(std::string_view name);
 Shading shading_named(std::string_view name);
 
-struct SegmentOptions {
+/// What segment() does, in numbers and words.
+struct SegmentSettings {
   SegmentEnergy energy = SegmentEnergy::chan_vese;
   SegmentMode mode = SegmentMode::global;
   SegmentMethod method = SegmentMethod::variational;
@@ -75,7 +76,10 @@ struct SegmentOptions {
   /// behind.
   std::optional<bool> fill_holes = {};
   int iterations = 100;  ///< at most: of statistics and contour in turns
+};
 
+/// Settings, and what goes with one image. `segment(image, {{.regions = 3}})` sets one of the former.
+struct SegmentOptions : SegmentSettings {
   /// Where the segmentation starts: 1 in what is inside (the seed), 0 elsewhere; one entry per voxel, or none. In
   /// global mode it only says which region is inside: the one that the seed covers more of.
   std::vector<std::uint8_t> seed = {};

@@ -80,7 +80,7 @@ class Tracker {
  public:
   Tracker(Index frames, const FrameSource& read, const TrackOptions& options)
       : frames_(frames), read_(read), options_(options), states_(static_cast<std::size_t>(frames)) {
-    report_.options = options;
+    report_.options = {options.segment, options.persistence, options.motion, options.prediction, options.sweeps};
     const SegmentOptions& base = options.segment;
     remembers_ = options.persistence > 0 && base.regions == 2 &&
                  (base.energy != SegmentEnergy::edge || static_cast<bool>(base.force));
@@ -97,12 +97,6 @@ class Tracker {
         if (sweep + 1 == sweeps_) take(t, std::move(tracked));
       }
     }
-    SegmentOptions& used = report_.options.segment;
-    used.seed.clear();
-    used.mask.clear();
-    used.start.clear();
-    used.force = {};
-    used.progress = report_.options.progress = {};
     return std::move(report_);
   }
 
@@ -117,15 +111,26 @@ class Tracker {
   State& state(Index t) { return states_[static_cast<std::size_t>(t)]; }
   std::vector<float> distance(Index t) { return contour_distance(grid_, state(t).labels, *state(t).fields[0]); }
 
+  // Those of the first frame, and with what was chosen there those of the others.
+  [[nodiscard]] SegmentOptions segment_options(bool is_first) const {
+    const SegmentOptions& given = options_.segment;
+    if (is_first) return given;
+    SegmentOptions options{report_.options.segment};
+    options.mask = given.mask;
+    options.force = given.force;
+    return options;
+  }
+
   TrackedFrame<Dim> visit(Index t, int sweep) {
     const Volume<float> image = read_(t);
-    if (sweep == 0 && t == 0)
+    const bool is_first = sweep == 0 && t == 0;
+    if (is_first)
       grid_ = image.grid;
     else
       require(image.grid.size == grid_.size, here, "size of frame " + std::to_string(t), size_text(image.grid),
               "must be that of the first frame, " + size_text(grid_));
     const Index last = sweep == 0 ? t - 1 : t;  // whose labels are known
-    SegmentOptions options = report_.options.segment;
+    SegmentOptions options = segment_options(is_first);
     options.progress = progress();
     if (last >= 0 && options.regions == 2) {
       const std::vector<std::uint8_t>& labels = state(last).labels;
@@ -152,9 +157,7 @@ class Tracker {
   // Keeps what the first frame chose, and the region.
   void settle(Index t, int sweep, const Volume<float>& image, Segmentation<Dim>& found) {
     if (sweep == 0 && t == 0) {
-      const SegmentOptions given = std::exchange(report_.options.segment, found.report.options);
-      report_.options.segment.mask = given.mask;
-      report_.options.segment.force = given.force;
+      report_.options.segment = found.report.options;
     } else if (options_.segment.regions > 2) {
       match_labels(state(t - 1).labels, found);
     } else if (is_empty(found.report)) {

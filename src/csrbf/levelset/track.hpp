@@ -38,9 +38,18 @@ struct TrackedFrame {
   std::vector<RegionMeasure> regions;  ///< all but 0
 };
 
-/// What was done, and with which options.
+/// As in TrackOptions, with the values used in place of `automatic`.
+struct TrackSettings {
+  SegmentSettings segment = {};
+  double persistence = 1;
+  std::optional<double> motion = {};
+  std::optional<double> prediction = {};
+  int sweeps = 2;
+};
+
+/// What was done, and with which settings.
 struct TrackReport {
-  TrackOptions options;  ///< with the values used in place of `automatic`; without arrays and functions
+  TrackSettings options;
   std::vector<std::string> warnings;
 };
 
