@@ -160,7 +160,7 @@ TEST(Track, CarriesTheContourThroughAFrameOfNoise) {
   // Noise may move it by three pixels of a radius of 20.
   for (std::size_t t = 0; t < discs.size(); ++t)
     EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), t == lost ? 0.85 : 0.97) << t;
-  // Without memory noise is parted into two halves.
+  // Without the prior, noise is split into two halves.
   const Tracking<2> alone = track<2>(sequence, {.persistence = 0});
   EXPECT_LT(dice(alone.frames[lost].segmentation.labels, disc_labels(discs[lost])), 0.7);
 }

@@ -13,12 +13,15 @@
 namespace csrbf {
 namespace {
 
-constexpr float band = 3;            // half width in voxels within which f is a distance; then it is constant
+constexpr float band = 3;            // half width in voxels within which f is a distance; constant beyond. By hand
 constexpr double time_step = 0.5;    // in voxels for speed 1: below the limit of the Laplacian in 3D
 constexpr int first_fit = 12;        // steps of conjugate gradients to the labels given,
-constexpr int fit_steps = 3;         // and after each step of time
-constexpr int patience = 20;         // steps without a lower energy
-constexpr double noticeable = 1e-4;  // relative decrease
+constexpr int fit_steps = 3;         // and after each step of time, which changes the target little; both by hand
+constexpr int patience = 20;         // steps without a lower energy, ten voxels of motion at most; by hand
+constexpr double noticeable = 1e-4;  // relative decrease that resets the patience; by hand
+constexpr std::size_t steep_voxels = 100;  // one voxel in so many has at least the gradient of a clear edge,
+constexpr float edge_share = 0.25F;        // of which this share halves the weight; both by hand
+constexpr float flat_from = 0.9F;          // |f| of the fit, whose target is at most 1, beyond the band
 
 std::array<Index, 3> unit_box(const Grid& grid) {
   std::array<Index, 3> width{0, 0, 0};
@@ -50,7 +53,7 @@ std::array<std::vector<float>, Dim> slopes_of(std::span<const float> values, con
   return slopes;
 }
 
-// The level set and what moves it.
+// A level set that moves to edges.
 template <int Dim>
 class EdgeFlow {
  public:
@@ -127,7 +130,7 @@ class EdgeFlow {
       const float norm = std::sqrt(norm2);
       distance_[voxel] = std::clamp(row.value[i] / norm, -band, band);
       // Where f is flat, far from the contour, only its sign is known.
-      if (std::abs(row.value[i]) > 0.9F) distance_[voxel] = row.value[i] > 0 ? band : -band;
+      if (std::abs(row.value[i]) > flat_from) distance_[voxel] = row.value[i] > 0 ? band : -band;
       speed_[voxel] = smoothness_ * along / norm - pressure_[voxel];
     }
   }
@@ -179,9 +182,9 @@ std::vector<float> edge_weights(std::span<const float> values, const Grid& grid)
   for (std::size_t i = 0; i < weights.size(); ++i)
     weights[i] = std::sqrt(slopes[0][i] * slopes[0][i] + slopes[1][i] * slopes[1][i] + slopes[2][i] * slopes[2][i]);
   std::vector<float> sorted = weights;
-  const auto steep = sorted.end() - 1 - static_cast<std::ptrdiff_t>(sorted.size() / 100);
+  const auto steep = sorted.end() - 1 - static_cast<std::ptrdiff_t>(sorted.size() / steep_voxels);
   std::nth_element(sorted.begin(), steep, sorted.end());
-  const float k = std::max(0.25F * *steep, std::numeric_limits<float>::min());
+  const float k = std::max(edge_share * *steep, std::numeric_limits<float>::min());
   for (float& weight : weights) weight = 1 / (1 + (weight / k) * (weight / k));
   return weights;
 }

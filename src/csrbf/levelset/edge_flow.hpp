@@ -7,8 +7,8 @@
 
 namespace csrbf {
 
-/// 1 where an image is flat, towards 0 where its gradient is large: 1 / (1 + (|grad I| / k)^2), k a quarter of what
-/// one voxel in a hundred exceeds, of the image smoothed over about two voxels. O(n).
+/// 1 where an image is flat, towards 0 where its gradient is large: 1 / (1 + (|grad I| / k)^2), k a quarter of the 99th
+/// percentile of |grad I|, of the image smoothed over about two voxels. O(n).
 std::vector<float> edge_weights(std::span<const float> values, const Grid& grid);
 
 struct EdgeFlowOptions {

@@ -13,8 +13,8 @@ struct ForceNoise {
   double grain = 1;  ///< 1: from voxel to voxel; up to 3 where neighbours are alike, as in speckle
 };
 
-/// From second differences of neighbours along x, and of voxels further apart inside the regions. A large size says
-/// that single voxels cannot tell the regions apart; it is 1 when the force contradicts the labels.
+/// From second differences of neighbours along x, and of voxels further apart inside the regions. With a large
+/// size, single voxels cannot distinguish the regions; it is 1 when the force contradicts the labels.
 ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_t> labels,
                        std::span<const std::uint8_t> mask, const Grid& grid);
 

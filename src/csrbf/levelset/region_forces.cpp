@@ -15,7 +15,8 @@
 namespace csrbf {
 namespace {
 
-constexpr int texture_window = 4;  // half width over which textures are compared before there is a contour
+constexpr int texture_window = 4;  // half width of the boxes in which textures are compared before there is a contour;
+                                   // by hand: 81 pixels, some more than the 50 that distinguish two textures
 
 }  // namespace
 
@@ -47,11 +48,11 @@ std::vector<std::uint8_t> RegionForces<Dim>::start() {
   for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = label_of[indices_[i]];
   if (regions() > 2 || (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian)) return labels;
 
-  // Regions of one mean differ in how far the intensities stray from it.
+  // Regions of equal mean differ in the spread of their intensities.
   std::vector<std::uint8_t> settled = labels;
   double least = settle(settled);
-  // Where intensities alone part the image, their borders are the sharper ones.
-  constexpr double alike = 0.8;
+  // Where intensities alone separate the regions, their borders are the sharper ones.
+  constexpr double alike = 0.8;  // share of labels that boxes leave as they are; by hand
   double same = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) same += labels[i] == settled[i] ? 1 : 0;
   if (same < alike * static_cast<double>(labels.size())) labels.swap(settled);
@@ -87,7 +88,7 @@ void RegionForces<Dim>::texture_labels(int moment, std::vector<std::uint8_t>& la
 // A few rounds of statistics and classification of small boxes; returns the energy.
 template <int Dim>
 double RegionForces<Dim>::settle(std::vector<std::uint8_t>& labels) {
-  constexpr int rounds = 4;
+  constexpr int rounds = 4;  // by hand: the labels only start the descent
   std::array<Index, 3> width{0, 0, 0};
   std::fill_n(width.begin(), Dim, texture_window);
   std::vector<float> cost(values_.size());
@@ -121,13 +122,14 @@ void RegionForces<Dim>::fit(std::span<const std::uint8_t> labels) {
 }
 
 // At borders a blurred image mixes the intensities of both sides. There they would widen the wider law until its region
-// takes over; the means are not drawn to either side. Labels that are mostly border are noise, which is in the laws.
+// takes over; the means are not drawn to either side. Labels that are mostly border come from noise, which the laws
+// include.
 template <int Dim>
 std::vector<Histogram> RegionForces<Dim>::histograms(std::span<const std::uint8_t> labels) const {
   std::vector<Histogram> whole = region_histograms(indices_, labels, regions(), bins_);
   const bool widens = law_ == IntensityLaw::gaussian || law_ == IntensityLaw::generalized_gaussian;
   if (!widens || border_ == 0) return whole;
-  constexpr double enough = 0.5;
+  constexpr double enough = 0.5;  // share of each region that its core must hold; by hand
   std::array<Index, 3> width{0, 0, 0};
   std::fill_n(width.begin(), Dim, border_);
   std::vector<Histogram> cores = region_histograms(indices_, region_cores(labels, grid_.size, width), regions(), bins_);
@@ -150,7 +152,7 @@ void RegionForces<Dim>::fit_models(std::span<const std::uint8_t> labels) {
   }
   if (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian) return;
   // Without noise any voxel of a blurred border would be infinitely unlikely.
-  constexpr double least = 0.03;  // of the contrast
+  constexpr double least = 0.03;  // of the contrast; by hand: larger widens laws of little noise
   double lowest = bins_.hi, highest = bins_.lo;
   for (const RegionModel& model : statistics_.models) {
     lowest = std::min(lowest, model.location);
@@ -197,7 +199,7 @@ typename RegionForces<Dim>::Terms RegionForces<Dim>::monomials(Index x, Index y,
 template <int Dim>
 std::vector<typename RegionForces<Dim>::Moments> RegionForces<Dim>::moments(
     std::span<const std::uint8_t> labels) const {
-  constexpr Index enough = 50000;
+  constexpr Index enough = 50000;  // voxels sampled: errors of half a percent
   std::vector<Moments> sums(static_cast<std::size_t>(regions()));
   const Index step = std::max<Index>(1, grid_.voxels() / enough) | 1;
   for (Index i = 0; i < grid_.voxels(); i += step) {
@@ -217,7 +219,7 @@ template <int Dim>
 typename RegionForces<Dim>::Terms RegionForces<Dim>::Moments::fit(int used) const {
   Terms c = Terms::Zero();
   Eigen::MatrixXd left = A.topLeftCorner(used, used);
-  left.diagonal().array() += 1e-9 * count();
+  left.diagonal().array() += 1e-9 * count();  // ridge, for regions within a row
   c.head(used) = left.ldlt().solve(b.head(used));
   return c;
 }
@@ -238,17 +240,17 @@ void RegionForces<Dim>::fit_means(std::span<const std::uint8_t> labels) {
 // From second differences along x.
 template <int Dim>
 double RegionForces<Dim>::noise_variance() const {
-  constexpr Index enough = 50000;
-  std::vector<double> bends;
+  constexpr Index enough = 50000;  // voxels sampled: errors of half a percent
+  std::vector<double> differences;
   for (Index i = 1; i + 1 < grid_.voxels(); i += std::max<Index>(1, grid_.voxels() / enough) | 1) {
     const Index x = i % grid_.size[0];
     const auto voxel = static_cast<std::size_t>(i);
     if (x == 0 || x + 1 == grid_.size[0] || !inside(voxel)) continue;
-    bends.push_back(static_cast<double>(std::abs(values_[voxel - 1] - 2 * values_[voxel] + values_[voxel + 1])));
+    differences.push_back(static_cast<double>(std::abs(values_[voxel - 1] - 2 * values_[voxel] + values_[voxel + 1])));
   }
-  if (bends.empty()) return 0;
-  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-  std::nth_element(bends.begin(), middle, bends.end());
+  if (differences.empty()) return 0;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
   constexpr double median_of_normal = 0.6745;
   const double sd = *middle / median_of_normal;
   return sd * sd / 6;
@@ -256,7 +258,7 @@ double RegionForces<Dim>::noise_variance() const {
 
 template <int Dim>
 double RegionForces<Dim>::shading_explains(std::span<const std::uint8_t> labels) const {
-  constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good
+  constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good; by hand
   const std::vector<Moments> sums = moments(labels);
   double constant = 0, linear = 0, count = 0, variation = 0, lowest = bins_.hi, highest = bins_.lo;
   for (const Moments& sum : sums) {

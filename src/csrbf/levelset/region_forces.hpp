@@ -11,8 +11,8 @@
 
 namespace csrbf {
 
-/// What the intensities of an image say about its regions: the statistics of each, and from them what each voxel costs
-/// in it. Labels of voxels outside the mask do not matter. Internal to segment().
+/// Forces from the intensities of an image: the statistics of each region and, from them, the cost of each voxel in it.
+/// Labels of voxels outside the mask are ignored. Internal to segment().
 template <int Dim>
 class RegionForces final : public ForceSource {
  public:
@@ -21,8 +21,8 @@ class RegionForces final : public ForceSource {
   RegionForces(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask, IntensityLaw law,
                int regions, std::span<const float> prior = {});
 
-  /// Labels to start from. Classes of the intensities; for the laws that tell textures apart the likeliest of these and
-  /// of classes of local contrast.
+  /// Labels to start from. Classes of the intensities; for the laws that distinguish textures the likeliest of these
+  /// and of classes of local contrast.
   [[nodiscard]] std::vector<std::uint8_t> start();
 
   void fit(std::span<const std::uint8_t> labels) override;
@@ -75,7 +75,7 @@ class RegionForces final : public ForceSource {
   std::span<const std::uint8_t> mask_;
   IntensityLaw law_;
   std::array<Index, 3> window_{0, 0, 0};
-  Index border_ = 3;
+  Index border_ = 3;  // voxels; by hand: larger leaves thin regions without a core
   int degree_ = 0;
   IntensityBins bins_;
   std::vector<std::uint8_t> indices_;

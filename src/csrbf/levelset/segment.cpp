@@ -48,13 +48,13 @@ SegmentSettings choose_settings(const SegmentOptions& given) {
   return used;
 }
 
-// About 50 voxels of their own noise tell two textures apart; centers then smooth on.
+// About 50 voxels of independent noise distinguish two textures; the centers smooth further.
 int choose_window(const SegmentOptions& options, const ForceNoise& noise, int dimension) {
   if (options.energy != SegmentEnergy::generalized_gaussian || options.force) return 0;
   return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
 }
 
-// What the caller says. The force depends on labels, so it is taken anew with each estimate.
+// The force of the caller, which depends on the labels of the last fit().
 class CallerForces final : public ForceSource {
  public:
   explicit CallerForces(const SegmentOptions& options) : ForceSource(2, options.prior), options_(options) {}
@@ -158,7 +158,7 @@ class Segmenter {
   void measure() {
     source().fit(labels_);
     noise_ = measure_noise(source(), labels_, options_.mask, grid_);
-    constexpr double speckle = 1.5;  // a grain above: borders are within what the laws spread over anyway
+    constexpr double speckle = 1.5;  // grain above which the laws are wide enough for borders; by hand
     if (noise_.grain > speckle) {
       regions_->set_border(0);
       source().fit(labels_);
@@ -187,7 +187,7 @@ class Segmenter {
     fields_ = make_fields(lattice, result_.coefficients, grid_);
   }
 
-  // The labels within the mask, and what was found.
+  // The labels within the mask, and the report.
   Segmentation<Dim> finish() {
     std::vector<std::uint8_t>& labels = result_.labels;
     if (!options_.mask.empty())
@@ -262,7 +262,7 @@ class Segmenter {
 
   // Lets the means vary and goes on, if that is wanted or explains most of what constants leave.
   void shade(const Lattice<Dim>& lattice, const VariationalOptions& how, VariationalResult& found) {
-    constexpr double clearly = 0.5;
+    constexpr double clearly = 0.5;  // share of the variance that is worth a second descent; by hand
     if (used_.shading == Shading::automatic)
       used_.shading = regions_->shading_explains(found.labels) > clearly ? Shading::linear : Shading::none;
     if (used_.shading == Shading::none) return;

@@ -14,13 +14,13 @@ struct SegmentReport {
   SegmentSettings options;  ///< with the values used in place of `automatic`
   int iterations = 0;
   bool converged = false;  ///< labels had stopped changing
-  /// After each step, per voxel: 1 is what a voxel costs in the wrong region. Never increases with the variational
-  /// method. In speckle the last steps are those of its own law.
+  /// After each step, per voxel, in units of the mean cost of a voxel in the wrong region. Never increases with the
+  /// variational method. In speckle the last steps follow its own law.
   std::vector<double> energy;
   std::vector<RegionReport> regions;
   Index components = 0;  ///< connected parts (by faces) of all regions but 0
   double noise = 0;      ///< standard deviation of the noise of the energies over their contrast
-  /// Where the image was found to be speckle: it shows amplitudes to that power; about 0: their logarithms.
+  /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
   std::optional<double> speckle = {};
   std::vector<std::string> warnings;
 };
@@ -34,10 +34,10 @@ struct Segmentation {
   SegmentReport report;
 };
 
-/// Parts an image of Dim axes and one component into regions with smooth boundaries (thesis part IV).
+/// Segments an image of Dim axes and one component into regions with smooth boundaries (thesis part IV).
 ///
-/// Which region is which: with two regions, a seed lies inside; without one, label 0 has most of the image border. With
-/// more, labels ascend with the mean, label 0 exchanged for the region with most of the border.
+/// Order of the labels: of two regions, the seed marks label 1; without a seed, label 0 has most of the image
+/// border. More than two are numbered by ascending mean, with label 0 exchanged for the region with most of the border.
 ///
 /// Cost: about 0.1 us per voxel and iteration, 1 to 10 iterations, 30 to 50 in local mode; memory up to 14 bytes per
 /// voxel besides the image (2.4 GB in all for 512^3).

@@ -14,10 +14,10 @@ namespace {
 
 constexpr const char* here = "segment";
 
-// Beyond half the image centres tell nothing apart; stencils for all places of a voxel between them take S^Dim memory.
+// Centres more than half the image apart resolve nothing, and the stencils take memory of the order of spacing^Dim.
 template <int Dim>
 void check_center_spacing(const Grid& grid, double center_spacing) {
-  constexpr double most = Dim == 2 ? 256 : 40;
+  constexpr double most = Dim == 2 ? 256 : 40;  // voxels: 65536 and 64000 phases
   const auto sides = Eigen::Map<const Eigen::Array<Index, 3, 1>>(grid.size.data()).head<Dim>().template cast<double>();
   const auto edges = grid.spacing.head<Dim>().array();
   const double half = std::floor((sides * edges).maxCoeff() / edges.minCoeff() / 2);

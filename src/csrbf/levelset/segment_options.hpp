@@ -11,13 +11,14 @@
 
 namespace csrbf {
 
-/// What makes a boundary good: regions whose intensities follow a law each (see IntensityLaw), or a contour on edges.
+/// The energy that is minimised: that of regions whose intensities follow a law each (see IntensityLaw), or of a
+/// contour on edges.
 enum class SegmentEnergy {
   chan_vese,             ///< two means
   gaussian,              ///< means and variances
-  generalized_gaussian,  ///< also the shape: tells textures of equal mean apart
+  generalized_gaussian,  ///< also the shape: distinguishes textures of equal mean
   rayleigh,              ///< envelopes of ultrasound
-  gamma,                 ///< the same, compounded; these three undo the blur of speckle where they find it
+  gamma,                 ///< the same, compounded; these three correct for the blur of speckle where they find it
   edge,                  ///< short contours where the gradient of the image is large; needs a start
 };
 
@@ -40,26 +41,25 @@ enum class Shading {
   quadratic,
 };
 
-/// Words of the command line and of Python: chan-vese, gaussian, ...; global, local; variational, ...; auto, none, ....
+/// Names on the command line and in Python: chan-vese, gaussian, ...; global, local; variational, ...; auto, none, ....
 std::string_view name_of(SegmentEnergy energy);
 std::string_view name_of(SegmentMode mode);
 std::string_view name_of(SegmentMethod method);
 std::string_view name_of(Shading shading);
-/// What has that name. Throws InvalidInput, listing the names, when none has.
+/// The value of that name. Throws InvalidInput, listing the names, for other words.
 SegmentEnergy segment_energy(std::string_view name);
 SegmentMode segment_mode(std::string_view name);
 SegmentMethod segment_method(std::string_view name);
 Shading shading_named(std::string_view name);
 
-/// What segment() does, in numbers and words.
+/// The options of segment() without arrays and functions.
 struct SegmentSettings {
   SegmentEnergy energy = SegmentEnergy::chan_vese;
   SegmentMode mode = SegmentMode::global;
   SegmentMethod method = SegmentMethod::variational;
   int regions = 2;  ///< 2 to 16; more than 2 in global mode of the variational method only
   /// Distance of the centres in voxels of the shortest edge, from 1 to half the longest side of the image, and at most
-  /// 256 in the plane, 40 in space; automatic: 2 to 12, the more the noisier; in
-  /// speckle six times its grain.
+  /// 256 in the plane, 40 in space; automatic: 2 to 12, growing with the noise; in speckle six times its grain.
   std::optional<double> center_spacing = {};
   /// Support radius in center spacings; automatic: 2.5, for collocation 4 as in the thesis.
   std::optional<double> support = {};
@@ -75,22 +75,22 @@ struct SegmentSettings {
   /// Whether what the contour encloses counts as inside; automatic: in local mode, whose contour leaves dark spots
   /// behind.
   std::optional<bool> fill_holes = {};
-  int iterations = 100;  ///< at most: of statistics and contour in turns
+  int iterations = 100;  ///< at most; each updates statistics and contour
 };
 
-/// Settings, and what goes with one image. `segment(image, {{.regions = 3}})` sets one of the former.
+/// Settings, with the arrays and functions of one image. `segment(image, {{.regions = 3}})` gives one of the settings.
 struct SegmentOptions : SegmentSettings {
   /// Where the segmentation starts: 1 in what is inside (the seed), 0 elsewhere; one entry per voxel, or none. In
   /// global mode it only says which region is inside: the one that the seed covers more of.
   std::vector<std::uint8_t> seed = {};
-  /// Labels of two regions that the statistics start from, such as those of the frame before; one per voxel, or none.
+  /// Labels of two regions that the statistics start from, such as those of the previous frame; one per voxel, or none.
   std::vector<std::uint8_t> start = {};
-  /// Added to what a voxel costs inside: 1 is what it costs, on average, to have a voxel in the wrong region. One per
-  /// voxel, or none; for two regions.
+  /// Added to the cost of a voxel inside, in units of the mean cost of a voxel in the wrong region. One per voxel, or
+  /// none; for two regions.
   std::vector<float> prior = {};
-  /// 0 in voxels that take no part and get label 0; one entry per voxel, or none.
+  /// 0 in voxels that are ignored and get label 0; one entry per voxel, or none.
   std::vector<std::uint8_t> mask = {};
-  /// Replaces `energy`: given labels, writes what each voxel costs inside instead of outside, in any unit.
+  /// Replaces `energy`: given labels, writes the cost of each voxel inside minus that outside, in any unit.
   ForceUpdate force = {};
   Progress progress = {};
 };

@@ -12,9 +12,10 @@ namespace csrbf {
 namespace {
 
 constexpr const char* here = "track";
+// Chosen by hand.
 constexpr double barrier = 2;       // cost, in wrong voxels, of what moved farther than it may
-constexpr double full_noise = 0.2;  // of a frame, over its contrast: all of the memory from here on
-constexpr double one_sided = 0.5;   // weight of an expectation from one side, which motion puts off the place
+constexpr double full_noise = 0.2;  // noise of a frame over its contrast from which the prior has its full weight
+constexpr double one_sided = 0.5;   // weight of an expectation from one neighbour, which motion displaces
 
 void check_options(const TrackOptions& options) {
   require(options.persistence >= 0 && options.persistence <= 100, here, "persistence", options.persistence,
@@ -36,7 +37,7 @@ std::string size_text(const Grid& grid) {
   return text;
 }
 
-// Of the two labels of a segmentation, one is all that is left in the mask.
+// One of the two labels has all voxels of the mask.
 bool is_empty(const SegmentReport& report) {
   return report.regions[0].voxels == 0 || report.regions[1].voxels == 0;
 }
@@ -74,7 +75,7 @@ void match_labels(const std::vector<std::uint8_t>& before, Segmentation<Dim>& no
   now.report.regions = std::move(regions);
 }
 
-// What goes on from frame to frame.
+// Carries labels and settings from frame to frame.
 template <int Dim>
 class Tracker {
  public:
@@ -202,7 +203,7 @@ class Tracker {
     const double edge = grid_.spacing.template head<Dim>().minCoeff();
     const double unit = *report_.options.segment.center_spacing * edge;
     if (!report_.options.motion) {
-      constexpr double least = 3, share = 0.25;
+      constexpr double least = 3, share = 0.25;  // center spacings; of the depth: TrackOptions::motion
       const double depth = static_cast<double>(*std::max_element(d.begin(), d.end()));
       report_.options.motion = std::max(share * depth, least * unit) / edge;
     }

@@ -16,28 +16,33 @@ namespace csrbf {
 namespace {
 
 constexpr int fit_steps = 6;      // of conjugate gradients: the noise of the voxels comes in with later ones
-constexpr int descent_steps = 4;  // between two estimates of the statistics
-constexpr double still = 3e-4;    // share of labels that may change at rest
-constexpr double little = 0.05;   // share of the decrease so far below which a round is the last
-constexpr double noisy = 0.01;    // above, a share of .01 of the energy is not worth a round, below it is one of .001
-constexpr double clean = 0.002;   // noise below: voxels at the contour are as sure as all others
-constexpr double side_margin = 0.02;        // that they then keep from the contour, in values of f
-constexpr int side_steps = 12;              // and the steps to bring them there
-constexpr double least_eps = 0.03;          // below, H is a step for any voxel
-constexpr double noise_to_eps = 3;          // the contour averages voxels that noise alone could move across it
-constexpr double descent_tolerance = 1e-3;  // share of the decrease so far below which a descent ends
-constexpr Index local_reach = 2;            // voxels that the contour may move in a local step
-constexpr int local_first_fit = 12, local_fit = 3, local_descent = 3;  // steps of conjugate gradients, and of descent
-constexpr double local_least_eps = 0.1;
+constexpr int descent_steps = 4;  // between two estimates of the statistics; by hand: more follow old statistics longer
+constexpr double descent_tolerance = 1e-3;  // share of the decrease so far below which a descent ends; by hand
+constexpr double changed_share = 3e-4;      // of the labels may change at convergence; by hand: larger ends earlier
+constexpr double least_progress = 0.05;     // share of the decrease so far below which a round is the last; by hand
+constexpr double noisy_from = 0.01;    // noise above: a share of .01 of the energy is not worth a round, below: of .001
+constexpr double clean_below = 0.002;  // noise below: voxels at the contour are as sure as all others
+constexpr double side_margin = 0.02;   // that they then keep from the contour, in values of f; by hand
+constexpr int side_steps = 12;         // and the steps to bring them there; by hand: more cost time for the last voxels
+constexpr double least_eps = 0.03;     // below, H is a step for any voxel
+constexpr double noise_to_eps = 3;     // the contour averages voxels that noise alone could move across it
 
-// What a voxel in the wrong region costs. Regions of one law cost nothing: then any scale will do.
+// Of local descent, all by hand: the contour may move `local_reach` voxels in a step, with these steps of conjugate
+// gradients at the start and at the end, and in each step these of conjugate gradients and of descent. More are closer
+// to the minimum within the band, which moves on anyway.
+constexpr Index local_reach = 2;
+constexpr int local_first_fit = 12, local_fit = 3, local_descent = 3;
+constexpr double local_least_eps = 0.1;  // so that H reaches the voxels next to the contour
+
+// The mean cost of a voxel in the wrong region. It is 0 for regions of one law: then any scale will do.
 double force_scale(std::span<const float> force) {
-  constexpr double least = 1e-12;
+  constexpr double least = 1e-12;  // in units of the range of intensities, or its square: rounding
   const double mean = mean_magnitude(force);
   return mean > least ? mean : 1;
 }
 
-// Without noise each voxel at the contour may be obeyed; with it the mean of many must.
+// Without noise the contour may follow each voxel, with noise only the mean of many. By hand: a larger anchor keeps f
+// closer to the least-squares fit.
 double choose_anchor(double noise) {
   return std::clamp(0.3 + 120 * noise, 0.3, 6.0);
 }
@@ -116,7 +121,7 @@ std::vector<float> band_of(const std::vector<std::uint8_t>& labels, const Grid& 
   return band;
 }
 
-// Statistics and contours in turns, everywhere at once.
+// Alternates between statistics and contours over the whole image.
 template <int Dim>
 class GlobalDescent {
  public:
@@ -137,7 +142,7 @@ class GlobalDescent {
       const Index changed = label_voxels(lattice_, sets_, result_.labels);
       result_.converged = is_at_rest(changed, before);
     }
-    if (two() && options_.noise < clean && sets_[0].energy.length == 0) obey_each_voxel();
+    if (two() && options_.noise < clean_below && sets_[0].energy.length == 0) sharpen_contour();
     for (LevelSet<Dim>& set : sets_) result_.coefficients.push_back(std::move(set.coefficients));
     return std::move(result_);
   }
@@ -154,7 +159,7 @@ class GlobalDescent {
     take_forces();
     for (LevelSet<Dim>& set : sets_) {
       fit_target(lattice_, set.energy, fit_steps, set.coefficients);
-      constexpr double clear = 0.3;  // level from which a voxel is clearly in or out
+      constexpr double clear = 0.3;  // |f| from which a voxel is clearly in or out; by hand
       const double residual = target_residual(lattice_, set.energy, set.coefficients, clear);
       set.energy.eps = std::max(least_eps, noise_to_eps * residual);
     }
@@ -201,15 +206,16 @@ class GlobalDescent {
   }
 
   [[nodiscard]] bool is_at_rest(Index changed, double energy_before) const {
-    const bool is_noisy = options_.noise > noisy;
+    const bool noise_counts = options_.noise > noisy_from;
     const double first = result_.energy.front(), last = result_.energy.back();
-    const double hardly = is_noisy ? 0.01 : 0.001;
-    return static_cast<double>(changed) <= (is_noisy ? still : 0.1 * still) * static_cast<double>(voxels_) ||
-           energy_before - last <= std::max(little * (first - last), hardly * std::abs(last));
+    const double negligible = noise_counts ? 0.01 : 0.001;  // of the energy; see noisy_from
+    return static_cast<double>(changed) <=
+               (noise_counts ? changed_share : 0.1 * changed_share) * static_cast<double>(voxels_) ||
+           energy_before - last <= std::max(least_progress * (first - last), negligible * std::abs(last));
   }
 
   // Without noise the contour needs no anchor any more: each voxel goes to its side, if the rest of the energy allows.
-  void obey_each_voxel() {
+  void sharpen_contour() {
     LevelSet<Dim>& set = sets_[0];
     const std::vector<float> before = set.coefficients;
     set.energy.anchor = 0;
@@ -309,7 +315,7 @@ class LocalDescent {
     }
     energy_ = next;
     const Index changed = update_labels(lattice_, set_.coefficients, result_.labels.data());
-    result_.converged = static_cast<double>(changed) <= 0.1 * still * static_cast<double>(held_.size());
+    result_.converged = static_cast<double>(changed) <= 0.1 * changed_share * static_cast<double>(held_.size());
     return true;
   }
 

@@ -26,12 +26,12 @@ struct VariationalResult {
   std::vector<double> energy;  ///< as in SegmentReport
 };
 
-/// Statistics and contours in turns, everywhere at once, from `labels`.
+/// Alternates between statistics and contours over the whole image, from `labels`.
 template <int Dim>
 VariationalResult descend_globally(const Lattice<Dim>& lattice, ForceSource& source, const VariationalOptions& options,
                                    std::vector<std::uint8_t> labels);
 
-/// The contour moves from the border of `labels` as far as the energy falls, a few voxels in each step.
+/// Moves the contour from the border of `labels` while the energy falls, a few voxels in each step.
 template <int Dim>
 VariationalResult descend_locally(const Lattice<Dim>& lattice, ForceSource& source, const VariationalOptions& options,
                                   const Grid& grid, std::vector<std::uint8_t> labels);
