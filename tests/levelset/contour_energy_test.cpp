@@ -9,7 +9,7 @@
 namespace csrbf {
 namespace {
 
-// A force that wants the disc of that radius about the middle, with noise.
+// A force that favours the disc of that radius about the middle, with noise.
 std::vector<float> disc_force(Index n, double radius, double noise, unsigned seed = 1) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal(0, 1);

@@ -241,7 +241,7 @@ TEST(Segment, UndoesTheBlurOfSpeckle) {
   const Phantom phantom = make_speckle(200, cavity, 0.02, 0, {1.6, 1.1, 0});
   const auto found = segment<2>(phantom.image, {{.energy = SegmentEnergy::generalized_gaussian}});
   ASSERT_TRUE(found.report.speckle);
-  // Laws of whole regions draw the contour into the darker one.
+  // With laws of whole regions the contour moves into the darker one.
   const auto drawn = segment<2>(phantom.image, {{.energy = SegmentEnergy::gaussian}});
   EXPECT_FALSE(drawn.report.speckle);
   const double missed = 1 - dice(found.labels, phantom.truth);
@@ -250,7 +250,7 @@ TEST(Segment, UndoesTheBlurOfSpeckle) {
   for (std::size_t i = 1; i < found.report.energy.size(); ++i)
     EXPECT_LE(found.report.energy[i], found.report.energy[i - 1]);
   const auto near = segment<2>(phantom.image, {{.energy = SegmentEnergy::generalized_gaussian, .center_spacing = 4.0}});
-  EXPECT_EQ(*near.report.options.center_spacing, 4);  // as told
+  EXPECT_EQ(*near.report.options.center_spacing, 4);  // as given
   const Phantom other = make_phantom(200, cavity, 1, 30);
   EXPECT_FALSE(segment<2>(other.image, {{.energy = SegmentEnergy::generalized_gaussian}}).report.speckle);
 }

@@ -57,7 +57,7 @@ TEST(Track, GivesTheSegmentationOfASingleFrame) {
   EXPECT_EQ(tracking.frames[0].regions[0].voxels, expected.report.regions[1].voxels);
 }
 
-// Clear frames are followed as they are, whatever is remembered: the area of the level set is that of the disc to far
+// Clear frames are followed as they are, with or without a prior: the area of the level set is that of the disc to far
 // less than the pixels of its border would say (a tenth of a pixel all along it: .8 % of the area).
 TEST(Track, MeasuresTheAreaOfAPulsingDiscWithinATenthOfAPixelOfItsRadius) {
   constexpr double tenth = 0.1;
@@ -132,7 +132,7 @@ TEST(Track, SmoothsTheCurveOfAreasOfNoisyFrames) {
   EXPECT_GT(remembered_dice, alone_dice);
 }
 
-// Forward only, the contour lags behind a disc that moves steadily, unless its motion is foreseen.
+// Forward only, the contour lags behind a disc that moves steadily, unless its motion is extrapolated.
 TEST(Track, ForeseesSteadyMotion) {
   std::vector<Disc> discs;
   for (int t = 0; t < 10; ++t) discs.push_back({-18.0 + 4 * t, 0, 18});

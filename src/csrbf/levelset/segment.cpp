@@ -218,7 +218,7 @@ class Segmenter {
     return *regions_;
   }
 
-  Lattice<Dim> make_lattice() const {
+  [[nodiscard]] Lattice<Dim> make_lattice() const {
     return Lattice<Dim>(grid_.size, grid_.spacing, {*used_.center_spacing, *used_.support, used_.kernel});
   }
 
