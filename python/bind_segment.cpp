@@ -174,7 +174,7 @@ std::unique_ptr<Image> frame_of(const Image& image, Index t) {
 
 py::dict to_dict(const SegmentReport& r) {
   using namespace py::literals;
-  const SegmentOptions& o = r.options;
+  const SegmentSettings& o = r.options;
   py::list regions;
   for (const RegionReport& region : r.regions)
     regions.append(py::dict("label"_a = region.label, "voxels"_a = region.voxels, "volume"_a = region.volume,

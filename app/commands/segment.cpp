@@ -44,7 +44,7 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
   }
 }
 
-void add_options(const SegmentCommand& command, const SegmentOptions& used, Session& session) {
+void add_options(const SegmentCommand& command, const SegmentSettings& used, Session& session) {
   session.options = {{"output", command.output}};
   add_segment_options(command, used, session);
   session.options.update({{"contour", command.contour.empty() ? Json(nullptr) : Json(command.contour)},
@@ -64,10 +64,6 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
                     {"regions", regions},         {"components", r.components}, {"noise", r.noise}};
   if (r.speckle) session.result["speckle"] = *r.speckle;
   session.warn(r.warnings);
-  for (const RegionReport& region : r.regions)
-    if (region.voxels == 0)
-      session.warn("label " + std::to_string(region.label) +
-                   " has no voxels: the start or the energy does not suit the image");
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
   session.say("energy: " + std::string(name_of(r.options.energy)) + ", " + std::string(name_of(r.options.mode)) + "; " +

@@ -27,7 +27,7 @@ SegmentOptions make_segment_options(const SegmentFlags& flags) {
   return options;
 }
 
-void add_segment_options(const SegmentFlags& flags, const SegmentOptions& used, Session& session) {
+void add_segment_options(const SegmentFlags& flags, const SegmentSettings& used, Session& session) {
   session.options.update({{"energy", name_of(used.energy)},
                           {"init", flags.init},
                           {"regions", used.regions},

@@ -10,7 +10,7 @@ namespace csrbf::app {
 SegmentOptions make_segment_options(const SegmentFlags& flags);
 
 /// Adds the options used to the report.
-void add_segment_options(const SegmentFlags& flags, const SegmentOptions& used, Session& session);
+void add_segment_options(const SegmentFlags& flags, const SegmentSettings& used, Session& session);
 
 /// Throws UsageError unless the image is a single 2D or 3D greyscale image and not constant. `path` is its name in
 /// messages.

@@ -180,7 +180,7 @@ void add_result(const TrackCommand& command, const std::vector<Row>& rows, Index
                 const TrackReport& report, Session& session) {
   session.options = {{"output", command.output}};
   add_segment_options(command, report.options.segment, session);
-  const TrackOptions& used = report.options;
+  const TrackSettings& used = report.options;
   const bool limited = used.motion && std::isfinite(*used.motion);
   session.options.update({{"persistence", used.persistence},
                           {"motion", limited ? Json(*used.motion) : Json(nullptr)},

@@ -159,6 +159,15 @@ class Plane(Segment):
         same = sum(a == b for a, b in zip(read_npy(self.path("l.npy"))[2], labels))
         self.assertGreater(same, 0.97 * len(labels))
 
+    def test_a_label_without_voxels_is_reported_once(self):
+        values = [10.0 if math.dist((i % 64, i // 64), (30, 20)) < 12 else 1.0 for i in range(64 * 48)]
+        values[5 * 64 + 5] = 100.0  # a class of its own, too small for a region
+        image = self.write_bytes("speck.npy", npy_bytes((48, 64), values, "<f4"))
+        _, report = self.labels(image, "--regions", "3")
+        self.assertEqual(report["result"]["regions"][2]["voxels"], 0)
+        self.assertEqual(len(report["warnings"]), 1)
+        self.assertIn("label 2", report["warnings"][0])
+
     def test_the_preview_shows_the_contour_on_the_image(self):
         self.succeed("segment", self.disc(), "-o", self.path("l.npy"), "--preview", self.path("p.png"))
         width, height, raw = read_png(self.path("p.png"))

@@ -1,6 +1,6 @@
 #include "csrbf/levelset/speckle_contour.hpp"
 
-#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/contour_energy.hpp"
 #include "levelset/speckle_testing.hpp"
 
 namespace csrbf {

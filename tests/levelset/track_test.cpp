@@ -57,7 +57,7 @@ TEST(Track, GivesTheSegmentationOfASingleFrame) {
   EXPECT_EQ(tracking.frames[0].regions[0].voxels, expected.report.regions[1].voxels);
 }
 
-// Clear frames are followed as they are, whatever is remembered: the area of the level set is that of the disc to far
+// Clear frames are followed as they are, with or without a prior: the area of the level set is that of the disc to far
 // less than the pixels of its border would say (a tenth of a pixel all along it: .8 % of the area).
 TEST(Track, MeasuresTheAreaOfAPulsingDiscWithinATenthOfAPixelOfItsRadius) {
   constexpr double tenth = 0.1;
@@ -132,7 +132,7 @@ TEST(Track, SmoothsTheCurveOfAreasOfNoisyFrames) {
   EXPECT_GT(remembered_dice, alone_dice);
 }
 
-// Forward only, the contour lags behind a disc that moves steadily, unless its motion is foreseen.
+// Forward only, the contour lags behind a disc that moves steadily, unless its motion is extrapolated.
 TEST(Track, ForeseesSteadyMotion) {
   std::vector<Disc> discs;
   for (int t = 0; t < 10; ++t) discs.push_back({-18.0 + 4 * t, 0, 18});
@@ -160,7 +160,7 @@ TEST(Track, CarriesTheContourThroughAFrameOfNoise) {
   // Noise may move it by three pixels of a radius of 20.
   for (std::size_t t = 0; t < discs.size(); ++t)
     EXPECT_GT(dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t])), t == lost ? 0.85 : 0.97) << t;
-  // Without memory noise is parted into two halves.
+  // Without the prior, noise is split into two halves.
   const Tracking<2> alone = track<2>(sequence, {.persistence = 0});
   EXPECT_LT(dice(alone.frames[lost].segmentation.labels, disc_labels(discs[lost])), 0.7);
 }

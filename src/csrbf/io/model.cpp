@@ -14,7 +14,7 @@ namespace {
 
 template <int Dim>
 NamedFunction function_of(const Segmentation<Dim>& segmentation) {
-  const SegmentOptions& options = segmentation.report.options;
+  const SegmentSettings& options = segmentation.report.options;
   Fit<Dim> fit{segmentation.fields, {}, {}};
   fit.report.method = "segment";
   fit.report.kernel = options.kernel;

@@ -52,7 +52,7 @@ struct Share {
 // By central differences: errors of about 1e-10, where probabilities below 1e-8 do not matter.
 template <class Function>
 Share share(const Function& below, double t, double shape) {
-  constexpr double step = 1e-4;
+  constexpr double step = 1e-4;  // of log shape: balances truncation, step^2, and rounding, 1e-14 / step
   const double more = below(t, shape * std::exp(step));
   const double less = below(t, shape * std::exp(-step));
   return {below(t, shape), (more - less) / (2 * step)};

@@ -7,8 +7,8 @@
 
 namespace csrbf {
 
-/// Arrays that are taken and given back by the threads of a loop that is run over and over: fresh memory would have to
-/// be mapped by the system every time.
+/// Arrays reused by the threads of a loop that runs many times: fresh memory would have to be mapped by the system each
+/// time.
 class BufferPool {
  public:
   class Buffer {
@@ -25,12 +25,12 @@ class BufferPool {
     std::vector<float> values_;
   };
 
-  /// An array of at least `size` numbers, whatever they are.
+  /// An array of at least `size` floats, not initialised.
   [[nodiscard]] std::unique_ptr<Buffer> take(std::size_t size) {
     auto buffer = std::make_unique<Buffer>(*this);
     {
       const std::lock_guard lock(mutex_);
-      // The largest first: what was used before fits again.
+      // The largest first, which most likely needs no growth.
       if (!free_.empty()) {
         std::size_t best = 0;
         for (std::size_t i = 1; i < free_.size(); ++i)

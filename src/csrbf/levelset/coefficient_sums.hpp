@@ -8,7 +8,7 @@
 
 namespace csrbf {
 
-inline constexpr Index coefficients_per_thread = 1 << 15;
+inline constexpr Index coefficients_per_thread = 1 << 15;  // 128 kB of floats: far more work than starting a task
 
 /// Sum of term(i), i < n.
 template <class Term>

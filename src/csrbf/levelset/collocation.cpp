@@ -16,9 +16,9 @@ namespace csrbf {
 namespace {
 
 constexpr const char* here = "collocate";
-// Labels must rest while the fastest values change by this many node spacings, and so many iterations at least, before
-// they count as converged: small steps take a while to change any.
-constexpr int calm_iterations = 3;
+// Converged when labels rest while the fastest values change by this many node spacings, and for at least so many
+// iterations, as small steps take a while to change any label. By hand.
+constexpr int rest_iterations = 3;
 
 class Stopwatch {
  public:
@@ -87,8 +87,7 @@ class Collocation {
 
   CollocationResult<Dim> run(const Eigen::VectorXd& start) {
     Stopwatch watch;
-    const bool clipped =
-        options_.bound != LevelSetBound::l1_norm;  // a scaled-down distance would be flat at the contour
+    const bool clipped = options_.bound != LevelSetBound::l1_norm;  // scaled down it would be flat at the contour
     mu_ = system_->solve(clipped ? Eigen::VectorXd(start.cwiseMax(-bound_).cwiseMin(bound_)) : start);
     limit();
     watch.lap(result_.solve_seconds);
@@ -96,8 +95,8 @@ class Collocation {
     sampler_->labels(*system_, mu_, result_.labels.data());
     watch.lap(result_.evaluate_seconds);
     std::vector<float> force(result_.labels.size());
-    const double calm_enough = std::max(1.0, 1 / options_.step) * calm_iterations;
-    for (int calm = 0; result_.iterations < options_.iterations && !result_.converged; ++result_.iterations) {
+    const double rest_needed = std::max(1.0, 1 / options_.step) * rest_iterations;
+    for (int resting = 0; result_.iterations < options_.iterations && !result_.converged; ++result_.iterations) {
       report(options_.progress, "evolve",
              static_cast<double>(result_.iterations) / static_cast<double>(options_.iterations));
       force_(result_.labels.data(), force.data());
@@ -109,9 +108,9 @@ class Collocation {
       watch.lap(result_.evaluate_seconds);
       result_.changes.push_back(changed);
       result_.gaps.push_back(label_gap(result_.labels, force));
-      const bool calm_now = static_cast<double>(changed) <= options_.tolerance * static_cast<double>(labels_size_);
-      calm = calm_now ? calm + 1 : 0;
-      result_.converged = calm >= calm_enough;
+      const bool rests = static_cast<double>(changed) <= options_.tolerance * static_cast<double>(labels_size_);
+      resting = rests ? resting + 1 : 0;
+      result_.converged = resting >= rest_needed;
     }
     result_.field = system_->expansion(mu_, box_);
     return std::move(result_);

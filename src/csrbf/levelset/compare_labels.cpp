@@ -11,8 +11,8 @@
 namespace csrbf {
 namespace {
 
-constexpr std::size_t most_labels = 4096;
-constexpr double most_apart = 0.01;  // of a voxel
+constexpr std::size_t most_labels = 4096;  // with more, grey values were taken for labels; by hand
+constexpr double most_apart = 0.01;        // of a voxel: headers round positions; by hand
 
 using Labels = std::vector<std::int32_t>;
 using Voxel = std::array<Index, 3>;
@@ -117,7 +117,7 @@ std::vector<std::uint8_t> border(const Voxel& size, const Labels& labels, std::i
 }
 
 double distance95(const std::vector<std::uint8_t>& from, const std::vector<float>& distance) {
-  constexpr double fraction = 0.95;
+  constexpr double fraction = 0.95;  // conventional: HD95
   std::vector<float> distances;
   for (std::size_t i = 0; i < from.size(); ++i)
     if (from[i] != 0) distances.push_back(distance[i]);

@@ -12,7 +12,7 @@ std::vector<float> contour_distance(const Grid& grid, const std::vector<std::uin
   const auto edge = static_cast<float>(grid.spacing.template head<Dim>().minCoeff());
   std::vector<float> distance = signed_distance(grid, labels.data());
 
-  // Next to the contour the level set knows more than the voxels.
+  // Next to the contour the level set is more exact than the voxels.
   std::vector<Index> close;
   for (std::size_t i = 0; i < distance.size(); ++i)
     if (std::abs(distance[i]) < edge) close.push_back(static_cast<Index>(i));
@@ -29,7 +29,7 @@ std::vector<float> contour_distance(const Grid& grid, const std::vector<std::uin
     points.col(k) = to_physical * voxel;
   }
   const Jet<Dim> jet = field.evaluate(points, Derivatives::gradient);
-  const float farthest = 1.5F * edge;
+  const float farthest = 1.5F * edge;  // these voxels are at most an edge off; by hand, against small slopes
   for (Index k = 0; k < points.cols(); ++k) {
     const double slope = jet.gradient.col(k).norm();
     if (!(slope > 0)) continue;

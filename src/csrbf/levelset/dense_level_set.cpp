@@ -12,8 +12,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 1 << 12;
-constexpr double tiny = 1e-8;  // a gradient of length 0 has no direction
+constexpr Index grain = 1 << 12;  // voxels per task: stencils are costly
+constexpr double tiny = 1e-8;     // a gradient of length 0 has no direction
 
 double square(double x) {
   return x * x;
@@ -150,7 +150,7 @@ double DenseLevelSet<Dim>::penalty_rate(const Stencil& s) const {
 
 template <int Dim>
 double DenseLevelSet<Dim>::stable_step(double largest_speed, const DenseMotion& motion) const {
-  constexpr double safety = 0.9;
+  constexpr double safety = 0.9;  // conventional share of the largest stable step
   double waves = 0, decay = 0;
   for (Index a = 0; a < Dim; ++a) {
     waves += largest_speed / grid_.spacing[a];
@@ -201,7 +201,7 @@ std::vector<float> DenseLevelSet<Dim>::anchors() const {
         const double below = s.f - s.backward[a] * s.edge[a], above = s.f + s.forward[a] * s.edge[a];
         const bool crosses_below = (below > 0) != (s.f > 0), crosses_above = (above > 0) != (s.f > 0);
         next_to = next_to || crosses_below || crosses_above;
-        // The slope where the zero is; from both sides unless f has a kink there.
+        // The slope at the zero; from both sides unless f has a kink there.
         double slope = std::abs(s.central[a]);
         if (crosses_below) slope = std::max(slope, std::abs(s.backward[a]));
         if (crosses_above) slope = std::max(slope, std::abs(s.forward[a]));

@@ -10,7 +10,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 1 << 16;
+constexpr Index grain = 1 << 16;  // voxels per task: a look-up is cheap
 
 CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const float* __restrict table,
                                          const IntensityBins& bins, float* __restrict energies) {

@@ -14,7 +14,7 @@ namespace csrbf {
 namespace {
 
 constexpr const char* here = "finite_difference";
-constexpr int window = 20;  // iterations over which labels must rest
+constexpr int window = 20;  // iterations, ten voxels of motion at most, over which labels must rest; by hand
 
 void check(const Grid& grid, const FiniteDifferenceOptions& o, int dim) {
   require(grid.dimension() == dim, here, "dimension of the image", grid.dimension(),
@@ -45,8 +45,8 @@ double speed_of(const std::vector<float>& force, std::vector<float>& speed) {
 template <int Dim>
 std::shared_ptr<const LatticeField<Dim>> interpolate_values(const Grid& grid, const std::vector<float>& values,
                                                             double clip) {
-  constexpr double support = 3;  // voxels
-  constexpr double accuracy = 1e-5;
+  constexpr double support = 3;      // voxels; by hand: larger is smoother and takes more steps to solve
+  constexpr double accuracy = 1e-5;  // relative residual; by hand
   typename LatticeField<Dim>::Data data;
   const Kernel kernel(data.kernel, Dim);
   const double edge = grid.spacing.template head<Dim>().minCoeff();
@@ -138,7 +138,7 @@ FiniteDifferenceResult<Dim> finite_difference(const Grid& grid, const unsigned c
     before = result.labels;
   }
   result.values = f.values();
-  constexpr double clip = 3;  // edges
+  constexpr double clip = 3;  // edges, as far as the support of the interpolant reaches; by hand
   result.field = interpolate_values<Dim>(grid, result.values, clip * edge);
   return result;
 }

@@ -159,7 +159,7 @@ ImageContour image_contour(const Field<2>& field, const Grid& grid, const ImageC
   contour.image = plane.bounds();
   contour.placement = grid.to_physical<3>();
   contour.placement.linear() = grid.direction;
-  constexpr int finest = 4096;
+  constexpr int finest = 4096;  // cells: bounds the cost of large images; by hand
   const int resolution =
       options.resolution != 0 ? options.resolution : std::min(finest, 2 * automatic_resolution(plane));
   contour.lines = contour_lines(plane, {.resolution = resolution, .progress = options.progress});

@@ -35,9 +35,10 @@ struct ImageSurface {
 ///
 /// Areas and volumes in space are those of quadratic patches over the triangles, with the normals of the field at their
 /// corners: the errors fall as the fourth power of the cell on smooth surfaces. What the patches add to the triangles
-/// is the term of second order; its sum without signs is the estimate of the error, larger than the error. A level set
-/// without a zero in the image has an empty mesh. Cost as contour_lines() and polygonize(). Throws InvalidInput for
-/// grids of other dimensions and a resolution out of range; SolverFailure when the field is not finite; Cancelled.
+/// is the term of second order; the sum of its absolute values is the estimate of the error, larger than the error. A
+/// level set without a zero in the image has an empty mesh. Cost as contour_lines() and polygonize(). Throws
+/// InvalidInput for grids of other dimensions and a resolution out of range; SolverFailure when the field is not
+/// finite; Cancelled.
 ImageContour image_contour(const Field<2>& field, const Grid& grid, const ImageContourOptions& options = {});
 ImageSurface image_contour(const Field<3>& field, const Grid& grid, const ImageContourOptions& options = {});
 

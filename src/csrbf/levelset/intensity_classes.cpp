@@ -51,7 +51,7 @@ IntensityClasses optimal_classes(const Histogram& histogram, Index classes) {
       Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic>::Zero(classes, n + 1);
   for (Index j = 1; j <= n; ++j) best(0, j) = runs.cost(0, j);
   for (Index c = 1; c < classes; ++c) {
-    // Of the last class only the partition of all bins is asked.
+    // Of the last class only the partition of all bins is needed.
     for (Index j = c + 1 < classes ? c + 1 : n; j <= n; ++j) {
       for (Index i = c; i < j; ++i) {
         const double energy = best(c - 1, i) + runs.cost(i, j);

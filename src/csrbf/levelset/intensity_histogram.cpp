@@ -11,7 +11,7 @@ namespace csrbf {
 namespace {
 
 constexpr Index most_bins = 256;  // an index is one byte
-constexpr Index grain = 1 << 18;
+constexpr Index grain = 1 << 18;  // voxels per task: many for each copy of the counts
 
 void require_bins(const char* function, const IntensityBins& bins) {
   require(bins.count >= 1 && bins.count <= most_bins, function, "bins.count", bins.count, "must be 1 to 256");
@@ -56,11 +56,11 @@ ValueRange range_of(std::span<const float> values, std::span<const std::uint8_t>
 }
 
 // Narrows the range where a few values lie far outside of all others.
-void leave_outliers(std::span<const float> values, std::span<const std::uint8_t> mask, double& lo, double& hi) {
-  constexpr Index most_samples = 1 << 14;
-  constexpr double tail = .001;  // of the voxels at each end are not asked how far the bins reach
-  constexpr double reach = 3;
-  constexpr double far = reach + .5;  // bins that would hardly get smaller are left alone
+void exclude_outliers(std::span<const float> values, std::span<const std::uint8_t> mask, double& lo, double& hi) {
+  constexpr Index most_samples = 1 << 14;  // 16 of them in each tail
+  constexpr double tail = .001;            // share of the voxels at each end that may be outliers; by hand
+  constexpr double reach = 3;         // ranges of the others that bins extend beyond them; by hand: less clips tails
+  constexpr double far = reach + .5;  // outliers nearer than that would make bins hardly smaller
   const auto step = static_cast<std::size_t>(1 + std::ssize(values) / most_samples);
   std::vector<float> samples;
   for (std::size_t i = 0; i < values.size(); i += step)
@@ -119,7 +119,7 @@ class RegionCounts {
   [[nodiscard]] std::size_t copy_size() const { return (regions_ + 1) * static_cast<std::size_t>(most_bins); }
 
  private:
-  static constexpr Index copies = 4;
+  static constexpr Index copies = 4;  // hide the latency of an increment
   std::uint32_t regions_;
   std::vector<std::uint32_t> counts_;
 };
@@ -194,7 +194,7 @@ IntensityBins choose_bins(std::span<const float> values, Index count, std::span<
           "must not be constant: regions of one intensity cannot be told apart");
   double lo = range.lo;
   double hi = range.hi;
-  leave_outliers(values, mask, lo, hi);
+  exclude_outliers(values, mask, lo, hi);
   if (!range.integers) {
     const double width = (hi - lo) / static_cast<double>(count - 1);
     const double first = lo - .5 * width;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Index most_groups = 8;  // of phases with sums of their own: enough for the threads, few enough for memory
 constexpr Index chunk = 512;      // blocks of tap_slack numbers that are worth a thread
-constexpr Index chunk_voxels = 1 << 14;
+constexpr Index chunk_voxels = 1 << 14;  // voxels, or coefficients, that are worth a thread
 
 Index floor_div(Index a, Index b) {
   return a / b - (a % b != 0 && a < 0 ? 1 : 0);
@@ -19,7 +19,7 @@ Index floor_div(Index a, Index b) {
 
 // The ratio of small numbers that comes closest to `wanted` >= 1; the first within the tolerance will do.
 std::pair<Index, Index> small_ratio(double wanted) {
-  constexpr double tolerance = 0.03;
+  constexpr double tolerance = 0.03;  // relative; by hand: smaller needs larger ratios, and so more phases
   std::pair<Index, Index> best{1, 1};
   double best_error = std::numeric_limits<double>::infinity();
   for (Index q = 1; q <= 8 && best_error > tolerance; ++q) {

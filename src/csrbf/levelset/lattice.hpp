@@ -17,8 +17,8 @@ struct LatticeOptions {
   std::string kernel = "wendland-c2";  ///< any compact kernel with a continuous gradient
 };
 
-/// Part of a row of voxels, count of them, and the level set there. What reads it may write the derivatives of its
-/// energy by the value and by the components of the gradient in their places.
+/// Part of a row of voxels, count of them, and the level set there. The reader may overwrite value and gradient with
+/// the derivatives of its energy by them.
 struct LatticeRow {
   std::array<Index, 3> first;  ///< x, y, z of the first voxel
   Index voxel;                 ///< its number, x fastest

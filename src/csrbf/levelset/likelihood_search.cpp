@@ -59,7 +59,7 @@ struct Limits {
 
 // Makes hessian * moved = change, where that can be of a positive definite matrix.
 void update(Matrix& hessian, const Vector& moved, const Vector& change) {
-  constexpr double least_curvature = 1e-3;  // of the one that was expected
+  constexpr double least_curvature = 1e-3;  // of the one expected: keeps the matrix positive definite; by hand
   const Vector expected = hessian * moved;
   const double curvature = moved.dot(change);
   if (!(curvature > least_curvature * moved.dot(expected))) return;
@@ -113,7 +113,7 @@ Search::Slope Search::slope(const Coordinates& c) {
 // The solution of hessian * step = -gradient in the coordinates that are not kept by their limits.
 Vector Search::step(const Coordinates& c, const Vector& gradient, Matrix hessian) const {
   Vector b = -gradient;
-  constexpr double ridge = 1e-9;
+  constexpr double ridge = 1e-9;  // of the diagonal: against rounding where parameters depend on each other
   for (Index i = 0; i < 3; ++i) {
     const bool kept = (c.x[i] <= limits_.lo[i] && b[i] <= 0) || (c.x[i] >= limits_.hi[i] && b[i] >= 0);
     if (kept || !(hessian(i, i) > 0)) {
@@ -130,8 +130,8 @@ Vector Search::step(const Coordinates& c, const Vector& gradient, Matrix hessian
 // Scoring in its first step, then as the method of Broyden, Fletcher, Goldfarb and Shanno: where the law is not that of
 // the data, scoring alone takes up to ten times the steps.
 RegionModel Search::climb(const Coordinates& start) {
-  constexpr int most_steps = 50;
-  constexpr int most_halvings = 12;
+  constexpr int most_steps = 50;       // about ten are needed
+  constexpr int most_halvings = 12;    // to 2e-4 of a step; by hand
   constexpr double precision = 1e-10;  // of the log-likelihood of a voxel: parameters to about 1e-5
   Coordinates best = start;
   double value = likelihood(best);

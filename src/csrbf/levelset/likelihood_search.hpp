@@ -6,6 +6,7 @@
 
 namespace csrbf {
 
+// Chosen by hand: from a sharp peak to an almost uniform law (generalised Gaussian) or an almost normal one (gamma).
 inline constexpr double smallest_gaussian_shape = .2;
 inline constexpr double largest_gaussian_shape = 20;
 inline constexpr double smallest_gamma_shape = .05;

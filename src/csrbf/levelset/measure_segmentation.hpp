@@ -6,7 +6,7 @@
 
 namespace csrbf {
 
-/// How large one region of a segmentation is.
+/// Size of one region of a segmentation.
 struct RegionMeasure {
   int label = 0;
   Index voxels = 0;
@@ -16,7 +16,7 @@ struct RegionMeasure {
 };
 
 /// Measures all regions but 0 by their contours within the image, with errors of fourth order in the spacing of the
-/// centers (image_contour()). Does not know of masks: a level set goes on behind them.
+/// centers (image_contour()). Ignores masks: a level set continues behind them.
 template <int Dim>
 std::vector<RegionMeasure> measure_segmentation(const Segmentation<Dim>& segmentation, const Grid& grid);
 

@@ -104,7 +104,7 @@ struct NodeSystem<Dim>::Impl {
 
 template <int Dim>
 void NodeSystem<Dim>::Impl::prepare_dense(const Points<Dim>& points, double support, const Weight& weight) {
-  constexpr double enough = 1e-6;  // of the accuracy at the nodes
+  constexpr double enough = 1e-6;  // error at the nodes of values of size 1; by hand
   const Index n = points.cols(), Q = polynomials.G.cols();
   require(n <= dense_limit, here, "number of nodes", n,
           "must be at most 4000 for a kernel that is not compact; use a Wendland function or fewer nodes");

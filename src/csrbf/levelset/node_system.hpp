@@ -52,7 +52,7 @@ class NodeSystem {
   /// "toeplitz", "sparse" or "dense".
   [[nodiscard]] const char* method() const;
 
-  static constexpr Index dense_limit = 4000;
+  static constexpr Index dense_limit = 4000;  ///< 128 MB for the matrix, and as much for its factor
 
  private:
   struct Impl;

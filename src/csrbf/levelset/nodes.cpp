@@ -66,7 +66,7 @@ double fill_distance(const Nodes<Dim>& nodes, const PointsRef<Dim>& domain) {
       diagonal += nodes.points.col(stride) - nodes.points.col(0);
     return 0.5 * diagonal.norm();
   }
-  constexpr Index grain = 4096;
+  constexpr Index grain = 4096;  // searches per task
   const KdTree<Dim> tree(nodes.points);
   std::vector<double> largest(static_cast<std::size_t>((domain.cols() + grain - 1) / grain), 0.0);
   parallel_for(domain.cols(), grain, [&](Index begin, Index end) {

@@ -9,8 +9,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index block = 256;  // lines taken together
-constexpr Index grain = 1 << 16;
+constexpr Index block = 256;      // lines taken together: their distances stay in the first cache
+constexpr Index grain = 1 << 16;  // voxels per task
 
 // Takes w voxels at each end of every run of equal labels, but for ends of the line.
 void shorten_runs(std::uint8_t* line, Index n, Index w) {
@@ -82,7 +82,7 @@ Counts voxels_by_label(std::span<const std::uint8_t> labels) {
 
 // Gives back their voxels to regions that hardly have a core.
 void restore_thin_regions(std::span<const std::uint8_t> labels, std::vector<std::uint8_t>& cores) {
-  constexpr Index least_share = 10;  // a tenth
+  constexpr Index least_share = 10;  // a tenth of the voxels, inverted; by hand: fewer do not represent a region
   const Counts before = voxels_by_label(labels);
   const Counts after = voxels_by_label(cores);
   std::array<bool, 256> thin{};

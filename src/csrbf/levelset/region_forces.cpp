@@ -15,30 +15,30 @@
 namespace csrbf {
 namespace {
 
-constexpr int texture_window = 4;  // half width over which textures are compared before there is a contour
+constexpr int texture_window = 4;  // half width of the boxes in which textures are compared before there is a contour;
+                                   // by hand: 81 pixels, some more than the 50 that distinguish two textures
 
 }  // namespace
 
 template <int Dim>
 RegionForces<Dim>::RegionForces(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask,
-                                IntensityLaw law, int regions)
-    : values_(values),
+                                IntensityLaw law, int regions, std::span<const float> prior)
+    : ForceSource(regions, prior),
+      values_(values),
       grid_(grid),
       mask_(mask),
       law_(law),
-      regions_(regions),
       bins_(choose_bins(values, 256, mask)),
       indices_(bin_indices(values, bins_)) {
   std::vector<std::uint8_t> labels(values.size(), 0);
   for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = inside(i) ? 0 : 255;
   all_ = region_histograms(indices_, labels, 1, bins_)[0];
-  voxels_ = static_cast<Index>(all_.total());
-  state_.means.assign(static_cast<std::size_t>(regions), Eigen::VectorXd::Zero(terms));
+  statistics_.means.assign(static_cast<std::size_t>(regions), Eigen::VectorXd::Zero(terms));
 }
 
 template <int Dim>
 std::vector<std::uint8_t> RegionForces<Dim>::start() {
-  const IntensityClasses classes = optimal_classes(all_, regions_);
+  const IntensityClasses classes = optimal_classes(all_, regions());
   std::array<std::uint8_t, 256> label_of{};
   for (Index bin = 0; bin < bins_.count; ++bin)
     label_of[static_cast<std::size_t>(bin)] = static_cast<std::uint8_t>(
@@ -46,13 +46,13 @@ std::vector<std::uint8_t> RegionForces<Dim>::start() {
         classes.thresholds.begin());
   std::vector<std::uint8_t> labels(values_.size());
   for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = label_of[indices_[i]];
-  if (regions_ > 2 || (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian)) return labels;
+  if (regions() > 2 || (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian)) return labels;
 
-  // Regions of one mean differ in how far the intensities stray from it.
+  // Regions of equal mean differ in the spread of their intensities.
   std::vector<std::uint8_t> settled = labels;
   double least = settle(settled);
-  // Where intensities alone part the image, their borders are the sharper ones.
-  constexpr double alike = 0.8;
+  // Where intensities alone separate the regions, their borders are the sharper ones.
+  constexpr double alike = 0.8;  // share of labels that boxes leave as they are; by hand
   double same = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) same += labels[i] == settled[i] ? 1 : 0;
   if (same < alike * static_cast<double>(labels.size())) labels.swap(settled);
@@ -88,7 +88,7 @@ void RegionForces<Dim>::texture_labels(int moment, std::vector<std::uint8_t>& la
 // A few rounds of statistics and classification of small boxes; returns the energy.
 template <int Dim>
 double RegionForces<Dim>::settle(std::vector<std::uint8_t>& labels) {
-  constexpr int rounds = 4;
+  constexpr int rounds = 4;  // by hand: the labels only start the descent
   std::array<Index, 3> width{0, 0, 0};
   std::fill_n(width.begin(), Dim, texture_window);
   std::vector<float> cost(values_.size());
@@ -108,6 +108,7 @@ double RegionForces<Dim>::settle(std::vector<std::uint8_t>& labels) {
 
 template <int Dim>
 void RegionForces<Dim>::fit(std::span<const std::uint8_t> labels) {
+  saved_ = statistics_;
   std::vector<std::uint8_t> masked;
   if (!mask_.empty()) {
     masked.assign(labels.begin(), labels.end());
@@ -121,16 +122,17 @@ void RegionForces<Dim>::fit(std::span<const std::uint8_t> labels) {
 }
 
 // At borders a blurred image mixes the intensities of both sides. There they would widen the wider law until its region
-// takes over; the means are not drawn to either side. Labels that are mostly border are noise, which is in the laws.
+// takes over; the means are not drawn to either side. Labels that are mostly border come from noise, which the laws
+// include.
 template <int Dim>
 std::vector<Histogram> RegionForces<Dim>::histograms(std::span<const std::uint8_t> labels) const {
-  std::vector<Histogram> whole = region_histograms(indices_, labels, regions_, bins_);
+  std::vector<Histogram> whole = region_histograms(indices_, labels, regions(), bins_);
   const bool widens = law_ == IntensityLaw::gaussian || law_ == IntensityLaw::generalized_gaussian;
   if (!widens || border_ == 0) return whole;
-  constexpr double enough = 0.5;
+  constexpr double enough = 0.5;  // share of each region that its core must hold; by hand
   std::array<Index, 3> width{0, 0, 0};
   std::fill_n(width.begin(), Dim, border_);
-  std::vector<Histogram> cores = region_histograms(indices_, region_cores(labels, grid_.size, width), regions_, bins_);
+  std::vector<Histogram> cores = region_histograms(indices_, region_cores(labels, grid_.size, width), regions(), bins_);
   for (std::size_t k = 0; k < whole.size(); ++k)
     if (cores[k].total() < enough * whole[k].total()) return whole;
   return cores;
@@ -139,29 +141,29 @@ std::vector<Histogram> RegionForces<Dim>::histograms(std::span<const std::uint8_
 template <int Dim>
 void RegionForces<Dim>::fit_models(std::span<const std::uint8_t> labels) {
   const std::vector<Histogram> parts = histograms(labels);
-  const bool first = state_.models.empty();
-  state_.models.resize(static_cast<std::size_t>(regions_));
+  const bool first = statistics_.models.empty();
+  statistics_.models.resize(static_cast<std::size_t>(regions()));
   for (std::size_t k = 0; k < parts.size(); ++k) {
     RegionModelOptions options;
-    if (!first) options.start = state_.models[k];
-    state_.models[k] = fit_region_model(law_, parts[k], options);
-    state_.means[k].setZero();
-    state_.means[k][0] = state_.models[k].location;
+    if (!first) options.start = statistics_.models[k];
+    statistics_.models[k] = fit_region_model(law_, parts[k], options);
+    statistics_.means[k].setZero();
+    statistics_.means[k][0] = statistics_.models[k].location;
   }
   if (law_ != IntensityLaw::gaussian && law_ != IntensityLaw::generalized_gaussian) return;
   // Without noise any voxel of a blurred border would be infinitely unlikely.
-  constexpr double least = 0.03;  // of the contrast
+  constexpr double least = 0.03;  // of the contrast; by hand: larger widens laws of little noise
   double lowest = bins_.hi, highest = bins_.lo;
-  for (const RegionModel& model : state_.models) {
+  for (const RegionModel& model : statistics_.models) {
     lowest = std::min(lowest, model.location);
     highest = std::max(highest, model.location);
   }
-  for (RegionModel& model : state_.models) model.scale = std::max(model.scale, least * (highest - lowest));
+  for (RegionModel& model : statistics_.models) model.scale = std::max(model.scale, least * (highest - lowest));
 }
 
 template <int Dim>
-void RegionForces<Dim>::set_state(State state) {
-  state_ = std::move(state);
+void RegionForces<Dim>::undo() {
+  statistics_ = saved_;
   make_tables();
 }
 
@@ -170,7 +172,7 @@ template <int Dim>
 void RegionForces<Dim>::make_tables() {
   const double range = bins_.hi - bins_.lo;
   tables_.clear();
-  for (RegionModel model : state_.models) {
+  for (RegionModel model : statistics_.models) {
     model.location = (model.location - bins_.lo) / range;
     model.scale /= range;
     tables_.push_back(energy_table(model, {0, 1, bins_.count}));
@@ -197,8 +199,8 @@ typename RegionForces<Dim>::Terms RegionForces<Dim>::monomials(Index x, Index y,
 template <int Dim>
 std::vector<typename RegionForces<Dim>::Moments> RegionForces<Dim>::moments(
     std::span<const std::uint8_t> labels) const {
-  constexpr Index enough = 50000;
-  std::vector<Moments> sums(static_cast<std::size_t>(regions_));
+  constexpr Index enough = 50000;  // voxels sampled: errors of half a percent
+  std::vector<Moments> sums(static_cast<std::size_t>(regions()));
   const Index step = std::max<Index>(1, grid_.voxels() / enough) | 1;
   for (Index i = 0; i < grid_.voxels(); i += step) {
     const auto voxel = static_cast<std::size_t>(i);
@@ -217,7 +219,7 @@ template <int Dim>
 typename RegionForces<Dim>::Terms RegionForces<Dim>::Moments::fit(int used) const {
   Terms c = Terms::Zero();
   Eigen::MatrixXd left = A.topLeftCorner(used, used);
-  left.diagonal().array() += 1e-9 * count();
+  left.diagonal().array() += 1e-9 * count();  // ridge, for regions within a row
   c.head(used) = left.ldlt().solve(b.head(used));
   return c;
 }
@@ -229,26 +231,26 @@ void RegionForces<Dim>::fit_means(std::span<const std::uint8_t> labels) {
   for (std::size_t k = 0; k < sums.size(); ++k) {
     if (sums[k].count() < 10.0 * used) continue;  // too few: the constant stays
     const Terms c = sums[k].fit(used);
-    state_.means[k] = c;
+    statistics_.means[k] = c;
     const double variance = (sums[k].squares - c.dot(sums[k].b)) / sums[k].count();
-    state_.models[k].scale = std::max(std::sqrt(std::max(variance, 0.0)), 0.25 * bins_.width());
+    statistics_.models[k].scale = std::max(std::sqrt(std::max(variance, 0.0)), 0.25 * bins_.width());
   }
 }
 
 // From second differences along x.
 template <int Dim>
 double RegionForces<Dim>::noise_variance() const {
-  constexpr Index enough = 50000;
-  std::vector<double> bends;
+  constexpr Index enough = 50000;  // voxels sampled: errors of half a percent
+  std::vector<double> differences;
   for (Index i = 1; i + 1 < grid_.voxels(); i += std::max<Index>(1, grid_.voxels() / enough) | 1) {
     const Index x = i % grid_.size[0];
     const auto voxel = static_cast<std::size_t>(i);
     if (x == 0 || x + 1 == grid_.size[0] || !inside(voxel)) continue;
-    bends.push_back(static_cast<double>(std::abs(values_[voxel - 1] - 2 * values_[voxel] + values_[voxel + 1])));
+    differences.push_back(static_cast<double>(std::abs(values_[voxel - 1] - 2 * values_[voxel] + values_[voxel + 1])));
   }
-  if (bends.empty()) return 0;
-  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-  std::nth_element(bends.begin(), middle, bends.end());
+  if (differences.empty()) return 0;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
   constexpr double median_of_normal = 0.6745;
   const double sd = *middle / median_of_normal;
   return sd * sd / 6;
@@ -256,7 +258,7 @@ double RegionForces<Dim>::noise_variance() const {
 
 template <int Dim>
 double RegionForces<Dim>::shading_explains(std::span<const std::uint8_t> labels) const {
-  constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good
+  constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good; by hand
   const std::vector<Moments> sums = moments(labels);
   double constant = 0, linear = 0, count = 0, variation = 0, lowest = bins_.hi, highest = bins_.lo;
   for (const Moments& sum : sums) {
@@ -312,7 +314,7 @@ double RegionForces<Dim>::shaded_force(int k, double scale, std::span<float> for
   const auto cost = [&](std::size_t l, double value, double mean) {
     const double off = (value - mean) / range;
     if (law_ == IntensityLaw::chan_vese) return off * off;
-    const double sd = state_.models[l].scale / range;
+    const double sd = statistics_.models[l].scale / range;
     return 0.5 * off * off / (sd * sd) + std::log(sd);
   };
   // Along a row the means are parabolas in x.
@@ -326,8 +328,8 @@ double RegionForces<Dim>::shaded_force(int k, double scale, std::span<float> for
         const Terms t = monomials(x, row % grid_.size[1], row / grid_.size[1]);
         const auto value = static_cast<double>(values_[i]);
         double mine = 0, others = std::numeric_limits<double>::infinity();
-        for (std::size_t l = 0; l < state_.means.size(); ++l) {
-          const double here = cost(l, value, t.dot(state_.means[l]));
+        for (std::size_t l = 0; l < statistics_.means.size(); ++l) {
+          const double here = cost(l, value, t.dot(statistics_.means[l]));
           if (static_cast<int>(l) == k)
             mine = here;
           else

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
+#include "csrbf/levelset/force_source.hpp"
 #include "csrbf/levelset/region_model.hpp"
-#include "csrbf/levelset/segment.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,22 +11,23 @@
 
 namespace csrbf {
 
-/// What the intensities of an image say about its regions: the statistics of each, and from them what each voxel costs
-/// in it. Labels of voxels outside the mask do not matter. Internal to segment().
+/// Forces from the intensities of an image: the statistics of each region and, from them, the cost of each voxel in it.
+/// Labels of voxels outside the mask are ignored. Internal to segment().
 template <int Dim>
-class RegionForces {
+class RegionForces final : public ForceSource {
  public:
-  /// `values`: finite, one per voxel; `mask` as in SegmentOptions. Both must outlive this. Throws InvalidInput for a
-  /// constant image.
+  /// `values`: finite, one per voxel; `mask` and `prior` as in SegmentOptions. They must outlive this. Throws
+  /// InvalidInput for a constant image.
   RegionForces(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> mask, IntensityLaw law,
-               int regions);
+               int regions, std::span<const float> prior = {});
 
-  /// Labels to start from. Classes of the intensities; for the laws that tell textures apart the likeliest of these and
-  /// of classes of local contrast.
+  /// Labels to start from. Classes of the intensities; for the laws that distinguish textures the likeliest of these
+  /// and of classes of local contrast.
   [[nodiscard]] std::vector<std::uint8_t> start();
 
-  /// Estimates the statistics of the regions with these labels.
-  void fit(std::span<const std::uint8_t> labels);
+  void fit(std::span<const std::uint8_t> labels) override;
+  void undo() override;
+  double force(int k, double scale, std::span<float> force) const override;
 
   /// Half width of the boxes over which costs are averaged.
   void set_window(int window) { std::fill_n(window_.begin(), Dim, window); }
@@ -41,22 +42,11 @@ class RegionForces {
   /// vary by a small part of the contrast only.
   [[nodiscard]] double shading_explains(std::span<const std::uint8_t> labels) const;
 
-  /// Writes (cost of region k - least cost of the others) / scale for each voxel; 0 outside the mask. Returns the sum
-  /// of the least costs of the others.
-  double force(int k, double scale, std::span<float> force) const;
-
-  /// Number of voxels inside the mask.
-  [[nodiscard]] Index voxels() const { return voxels_; }
-
-  /// The statistics, to go back to.
-  struct State {
-    std::vector<RegionModel> models;
-    std::vector<Eigen::VectorXd> means;
-  };
-  [[nodiscard]] const State& state() const { return state_; }
-  void set_state(State state);
-
  private:
+  struct Statistics {
+    std::vector<RegionModel> models;
+    std::vector<Eigen::VectorXd> means;  // in monomials(); those of degree 0 when there is no shading
+  };
   static constexpr int terms = (Dim + 1) * (Dim + 2) / 2;  // of a quadratic polynomial
   using Terms = Eigen::Matrix<double, terms, 1>;
   // Sums over voxels of a region for the least-squares fit of its mean.
@@ -84,16 +74,14 @@ class RegionForces {
   Grid grid_;
   std::span<const std::uint8_t> mask_;
   IntensityLaw law_;
-  int regions_;
   std::array<Index, 3> window_{0, 0, 0};
-  Index border_ = 3;
+  Index border_ = 3;  // voxels; by hand: larger leaves thin regions without a core
   int degree_ = 0;
   IntensityBins bins_;
   std::vector<std::uint8_t> indices_;
   Histogram all_;
-  State state_;  // means: in monomials(); those of degree 0 when there is no shading
+  Statistics statistics_, saved_;
   std::vector<std::vector<float>> tables_;
-  Index voxels_ = 0;
 };
 
 }  // namespace csrbf

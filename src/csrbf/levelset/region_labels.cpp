@@ -14,7 +14,7 @@ struct Run {
   std::uint8_t label;
 };
 
-// The runs of equal labels of all rows, and the sets of those that hang together.
+// The runs of equal labels in all rows, and their connected components.
 class Runs {
  public:
   Runs(std::span<const std::uint8_t> labels, const Grid& grid) : sets(0) {
@@ -95,7 +95,7 @@ Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid) {
 
 int seeded_region(std::span<const std::uint8_t> labels, std::span<const std::uint8_t> seed,
                   std::span<const std::uint8_t> mask) {
-  constexpr double clear = 0.05;  // difference of the covered shares, in parts of their sum
+  constexpr double clear = 0.05;  // difference of the covered shares over their sum; by hand: less is chance
   std::array<double, 2> voxels{0, 0}, covered{0, 0};
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (!takes_part(mask, i)) continue;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
-#include "csrbf/levelset/segment.hpp"
 
 #include <cstdint>
 #include <span>
@@ -9,19 +8,29 @@
 
 namespace csrbf {
 
-/// Number of parts of equal label, 0 left out, that are connected by the faces of their voxels. O(n).
+/// Number of connected components (by the faces of voxels) of all labels but 0. O(n).
 Index count_components(std::span<const std::uint8_t> labels, const Grid& grid);
 
-/// Sets to 1 what is 0 and cut off from the border of the image by voxels that are not. O(n). Returns their number.
+/// Fills holes: labels of 0 that are not connected to the border of the image become 1. O(n). Returns their number.
 Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid);
 
-/// Of two regions, the one that a seed says is inside: the one that it covers more of; -1 when it covers both alike.
+/// Which of two regions a seed marks as inside: the one of which it covers the larger share; -1 when it covers both
+/// alike.
 int seeded_region(std::span<const std::uint8_t> labels, std::span<const std::uint8_t> seed,
                   std::span<const std::uint8_t> mask);
 
 /// The region that holds most of the voxels at the border of the image, or of the mask where that has a border.
 int border_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
                   int regions);
+
+/// Statistics of one region.
+struct RegionReport {
+  int label = 0;
+  Index voxels = 0;
+  double volume = 0;  ///< in the unit of the spacing, squared or cubed
+  double mean = 0;
+  double sd = 0;
+};
 
 /// Voxels, volume, mean and standard deviation of each region over the mask.
 std::vector<RegionReport> measure_regions(std::span<const std::uint8_t> labels, std::span<const float> values,

@@ -9,7 +9,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index part = Index{1} << 18;  // voxels at a time
+constexpr Index part = Index{1} << 18;  // voxels at a time: 6 MB of centres
 
 void check_dimension(const Grid& grid, int dim) {
   require(grid.dimension() <= dim, "seed", "dimension of the image", grid.dimension(),

@@ -2,104 +2,23 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/levelset/edge_flow.hpp"
+#include "csrbf/levelset/force_noise.hpp"
 #include "csrbf/levelset/region_cores.hpp"
 #include "csrbf/levelset/region_forces.hpp"
-#include "csrbf/levelset/region_labels.hpp"
 #include "csrbf/levelset/segment_baselines.hpp"
+#include "csrbf/levelset/segment_checks.hpp"
 #include "csrbf/levelset/segment_fields.hpp"
 #include "csrbf/levelset/speckle_contour.hpp"
 #include "csrbf/levelset/variational.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 namespace csrbf {
 namespace {
 
 constexpr const char* here = "segment";
-
-void check_options(const SegmentOptions& options) {
-  require(options.regions >= 2 && options.regions <= 16, here, "regions", options.regions, "must be 2 to 16");
-  require(options.iterations > 0, here, "iterations", options.iterations, "must be positive");
-  if (options.smoothness)
-    require(*options.smoothness >= 0 && std::isfinite(*options.smoothness), here, "smoothness", *options.smoothness,
-            "must not be negative");
-  if (options.window)
-    require(*options.window >= 0 && *options.window <= 1000, here, "window", *options.window, "must be 0 to 1000");
-  require(options.balloon >= -1 && options.balloon <= 1, here, "balloon", options.balloon, "must be in [-1, 1]");
-  if (options.regions > 2) {
-    require(options.mode == SegmentMode::global && options.method == SegmentMethod::variational, here, "regions",
-            options.regions, "more than two need the mode global and the method variational");
-    require(options.energy != SegmentEnergy::edge && !options.force, here, "regions", options.regions,
-            "more than two need an energy of intensities");
-    require(options.seed.empty() && options.start.empty() && options.prior.empty(), here, "regions", options.regions,
-            "seed, start and prior are for two regions");
-  }
-  if (options.method != SegmentMethod::variational)
-    require(options.energy != SegmentEnergy::edge || options.force, here, "energy", "edge",
-            "needs the method variational");
-  if (options.energy == SegmentEnergy::edge && !options.force)
-    require(!options.seed.empty(), here, "energy", "edge", "needs a seed to start from (init)");
-}
-
-// Beyond half the image centres tell nothing apart; stencils for all places of a voxel between them take S^Dim memory.
-template <int Dim>
-void check_center_spacing(const Grid& grid, double center_spacing) {
-  constexpr double most = Dim == 2 ? 256 : 40;
-  const auto sides = Eigen::Map<const Eigen::Array<Index, 3, 1>>(grid.size.data()).head<Dim>().template cast<double>();
-  const auto edges = grid.spacing.head<Dim>().array();
-  const double half = std::floor((sides * edges).maxCoeff() / edges.minCoeff() / 2);
-  const double largest = std::clamp(half, 1.0, most);
-  std::ostringstream constraint;
-  constraint << "must be at most " << largest << " voxels for this image"
-             << (half <= most ? ", half its longest side" : "") << "; leave it out to have it chosen";
-  require(center_spacing <= largest, here, "center_spacing", center_spacing, constraint.str());
-}
-
-template <int Dim>
-void check_image(const Volume<float>& image, const SegmentOptions& options) {
-  const Grid& grid = image.grid;
-  const auto voxels = static_cast<std::size_t>(grid.voxels());
-  require(image.components == 1, here, "components", image.components, "the image must have one value per voxel");
-  require(image.frames == 1, here, "frames", image.frames, "the image must have one frame; track() takes sequences");
-  require(image.values.size() == voxels, here, "number of values", image.values.size(), "must be that of the voxels");
-  for (std::size_t a = 0; a < 3; ++a)
-    require(a < Dim ? grid.size[a] >= 2 : grid.size[a] == 1, here, "size", grid.size[a],
-            a < Dim ? "the image must have at least 2 voxels along each axis" : "the image has too many axes");
-  if (options.center_spacing) check_center_spacing<Dim>(grid, *options.center_spacing);
-  const auto check_array = [&](const std::vector<std::uint8_t>& array, const char* name) {
-    if (array.empty()) return;
-    require(array.size() == voxels, here, std::string(name) + " size", array.size(),
-            "must be the number of voxels, " + std::to_string(voxels));
-    bool any = false;
-    for (std::size_t i = 0; i < voxels && !any; ++i)
-      any = array[i] != 0 && (options.mask.empty() || options.mask.size() != voxels || options.mask[i] != 0);
-    require(
-        any, here, name, "empty",
-        std::string(name) == "mask" ? "must be set in some voxels" : "must have voxels inside the image and its mask");
-  };
-  check_array(options.mask, "mask");
-  check_array(options.seed, "seed");
-  check_array(options.start, "start");
-  require(options.prior.empty() || options.prior.size() == voxels, here, "prior size", options.prior.size(),
-          "must be the number of voxels, " + std::to_string(voxels));
-}
-
-// The values, with numbers in place of NaN outside the mask.
-std::vector<float> finite_values(const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
-  std::vector<float> values;
-  for (std::size_t i = 0; i < image.values.size(); ++i) {
-    if (std::isfinite(image.values[i])) continue;
-    require(
-        !mask.empty() && mask[i] == 0, here, "image", image.values[i],
-        "not a number in voxel " + std::to_string(i) + "; fill such voxels with inpaint() or leave them out by a mask");
-    if (values.empty()) values = image.values;
-    values[i] = 0;
-  }
-  return values;
-}
 
 IntensityLaw law_of(SegmentEnergy energy) {
   switch (energy) {
@@ -116,103 +35,62 @@ IntensityLaw law_of(SegmentEnergy energy) {
   }
 }
 
-// The options with values in place of `automatic`, but for the center spacing and the shading.
-SegmentOptions choose_options(SegmentOptions options) {
-  const bool edge = options.energy == SegmentEnergy::edge && !options.force;
-  if (edge) options.mode = SegmentMode::local;
-  const bool smooth_by_centers = !options.smoothness || *options.smoothness > 0;
-  if (!options.center_spacing && !smooth_by_centers) options.center_spacing = 1;
-  if (!options.smoothness) options.smoothness = edge ? 1 : 0;
-  if (!options.support) options.support = options.method == SegmentMethod::collocation ? 4 : 2.5;
-  if (!options.fill_holes) options.fill_holes = options.mode == SegmentMode::local;
-  return options;
+// The settings with values in place of `automatic`, but for the center spacing, the window and the shading.
+SegmentSettings choose_settings(const SegmentOptions& given) {
+  SegmentSettings used = given;
+  const bool edge = used.energy == SegmentEnergy::edge && !given.force;
+  if (edge) used.mode = SegmentMode::local;
+  const bool smooth_by_centers = !used.smoothness || *used.smoothness > 0;
+  if (!used.center_spacing && !smooth_by_centers) used.center_spacing = 1;
+  if (!used.smoothness) used.smoothness = edge ? 1 : 0;
+  if (!used.support) used.support = used.method == SegmentMethod::collocation ? 4 : 2.5;
+  if (!used.fill_holes) used.fill_holes = used.mode == SegmentMode::local;
+  return used;
 }
 
-// About 50 voxels of their own noise tell two textures apart; centers then smooth on.
+// About 50 voxels of independent noise distinguish two textures; the centers smooth further.
 int choose_window(const SegmentOptions& options, const ForceNoise& noise, int dimension) {
   if (options.energy != SegmentEnergy::generalized_gaussian || options.force) return 0;
   return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
 }
 
-void check_contrast(std::span<const float> values, const std::vector<std::uint8_t>& mask) {
-  const auto takes_part = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
-  std::size_t first = 0;
-  while (!takes_part(first)) ++first;
-  bool constant = true;
-  for (std::size_t i = first; i < values.size() && constant; ++i)
-    constant = !takes_part(i) || values[i] == values[first];
-  require(!constant, here, "image", values[first], "a constant image has no regions to tell apart");
-}
+// The force of the caller, which depends on the labels of the last fit().
+class CallerForces final : public ForceSource {
+ public:
+  explicit CallerForces(const SegmentOptions& options) : ForceSource(2, options.prior), options_(options) {}
 
-template <int Dim>
-ForceSource intensity_source(RegionForces<Dim>& forces, int regions) {
-  auto before = std::make_shared<typename RegionForces<Dim>::State>();
-  return {regions,
-          [&forces, before](std::span<const std::uint8_t> labels) {
-            *before = forces.state();
-            forces.fit(labels);
-            return true;
-          },
-          [&forces, before] { forces.set_state(*before); },
-          [&forces](int k, double scale, std::span<float> force) { return forces.force(k, scale, force); },
-          {}};
-}
+  void fit(std::span<const std::uint8_t> labels) override {
+    saved_ = std::exchange(labels_, {labels.begin(), labels.end()});
+  }
+  void undo() override { labels_ = saved_; }
+  double force(int /*k*/, double scale, std::span<float> force) const override {
+    options_.force(labels_.data(), force.data());
+    double outside = 0;  // the smaller cost of each voxel is 0
+    for (std::size_t i = 0; i < force.size(); ++i) {
+      require(std::isfinite(force[i]), here, "force", force[i], "the function must write finite numbers");
+      force[i] = options_.mask.empty() || options_.mask[i] != 0 ? static_cast<float>(force[i] / scale) : 0.0F;
+      outside += std::max(0.0, -static_cast<double>(force[i]) * scale);
+    }
+    return outside;
+  }
 
-// What the caller says. The force depends on labels, so it is taken anew with each estimate.
-ForceSource custom_source(const SegmentOptions& options) {
-  struct Forces {
-    std::vector<std::uint8_t> labels, before;
-  };
-  auto state = std::make_shared<Forces>();
-  return {2,
-          [state](std::span<const std::uint8_t> labels) {
-            state->before = std::exchange(state->labels, {labels.begin(), labels.end()});
-            return true;
-          },
-          [state] { state->labels = state->before; },
-          [state, &options](int, double scale, std::span<float> force) {
-            options.force(state->labels.data(), force.data());
-            double outside = 0;  // the smaller cost of each voxel is 0
-            for (std::size_t i = 0; i < force.size(); ++i) {
-              require(std::isfinite(force[i]), here, "force", force[i], "the function must write finite numbers");
-              force[i] = options.mask.empty() || options.mask[i] != 0 ? static_cast<float>(force[i] / scale) : 0.0F;
-              outside += std::max(0.0, -static_cast<double>(force[i]) * scale);
-            }
-            return outside;
-          },
-          {}};
-}
+ private:
+  const SegmentOptions& options_;
+  std::vector<std::uint8_t> labels_, saved_;
+};
 
 ForceNoise measure_noise(const ForceSource& source, const std::vector<std::uint8_t>& labels,
                          const std::vector<std::uint8_t>& mask, const Grid& grid) {
   ForceNoise noise;
   std::vector<float> force(labels.size());
   std::vector<std::uint8_t> is_k(labels.size());
-  for (int k = source.regions == 2 ? 1 : 0; k < source.regions; ++k) {
+  for (int k = source.regions() == 2 ? 1 : 0; k < source.regions(); ++k) {
     source.force(k, 1, force);
     for (std::size_t i = 0; i < labels.size(); ++i) is_k[i] = labels[i] == k ? 1 : 0;
     const ForceNoise found = force_noise(force, is_k, mask, grid);
     noise = {std::max(noise.size, found.size), std::max(noise.grain, found.grain)};
   }
   return noise;
-}
-
-bool can_be_shaded(const SegmentOptions& options) {
-  return !options.force && options.shading != Shading::none &&
-         (options.energy == SegmentEnergy::chan_vese || options.energy == SegmentEnergy::gaussian);
-}
-
-// Lets the means vary and goes on, if that is wanted or explains most of what constants leave.
-template <int Dim>
-void shade(const Lattice<Dim>& lattice, RegionForces<Dim>& forces, const ForceSource& source, double noise,
-           SegmentOptions& used, VariationalResult& result) {
-  constexpr double clearly = 0.5;
-  if (used.shading == Shading::automatic)
-    used.shading = forces.shading_explains(result.labels) > clearly ? Shading::linear : Shading::none;
-  if (used.shading == Shading::none) return;
-  forces.set_shading_degree(used.shading == Shading::linear ? 1 : 2);
-  forces.fit(result.labels);
-  result = descend_globally(lattice, source, used, noise, std::move(result.labels));
 }
 
 // Makes the region that must be inside label 1, or brings the labels of several in order.
@@ -238,50 +116,6 @@ void choose_polarity(const Grid& grid, const SegmentOptions& options, Variationa
       for (float& c : set) c = -c;
 }
 
-// The variational method: on edges, locally or globally.
-template <int Dim>
-VariationalResult descend(const Lattice<Dim>& lattice, RegionForces<Dim>& forces, const ForceSource& source,
-                          std::span<const float> values, const Grid& grid, double noise, SegmentOptions& options,
-                          std::vector<std::uint8_t> labels) {
-  if (options.energy == SegmentEnergy::edge && !options.force)
-    return descend_to_edges(lattice, options, grid, edge_weights(values, grid), std::move(labels));
-  const bool local = options.mode == SegmentMode::local;
-  if (local && (!options.seed.empty() || !options.start.empty()))
-    return descend_locally(lattice, source, options, grid, noise, std::move(labels));
-  VariationalResult result = descend_globally(lattice, source, options, noise, std::move(labels));
-  if (!local && can_be_shaded(options)) shade(lattice, forces, source, noise, options, result);
-  choose_polarity(grid, options, result);
-  return local ? descend_locally(lattice, source, options, grid, noise, std::move(result.labels)) : result;
-}
-
-// Where the image is speckle, places the contour where its blur says.
-template <int Dim>
-void place_in_speckle(Lattice<Dim>& lattice, std::span<const float> values, const Grid& grid,
-                      const SegmentOptions& options, SegmentOptions& used, VariationalResult& result) {
-  const bool suits = used.energy == SegmentEnergy::generalized_gaussian || used.energy == SegmentEnergy::rayleigh ||
-                     used.energy == SegmentEnergy::gamma;
-  if (!suits || options.force || options.regions > 2) return;
-  std::vector<std::uint8_t> labels = result.labels;
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    if (!options.mask.empty() && options.mask[i] == 0) labels[i] = no_region;
-  const std::optional<SpeckleModel> speckle = find_speckle<Dim>(values, grid, labels);
-  if (!speckle) return;
-  result.report.speckle = speckle->exponent;
-  if (!options.center_spacing) {
-    used.center_spacing = std::max(*used.center_spacing, spacing_in_speckle<Dim>(*speckle, grid));
-    lattice = Lattice<Dim>(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
-    result.coefficients[0] = coefficients_of_labels(lattice, result.labels);
-  }
-  SpeckleContour<Dim> contour(lattice, *speckle, values, options.mask, options.prior, result.coefficients[0]);
-  std::vector<double> steps;
-  result.coefficients[0] = contour.descend(steps);
-  update_labels(lattice, result.coefficients[0], result.labels.data());
-  // The laws differ by a constant.
-  std::vector<double>& energy = result.report.energy;
-  for (std::size_t i = 1; i < steps.size(); ++i)
-    energy.push_back(energy.back() + (steps[i] - steps[i - 1]) / static_cast<double>(labels.size()));
-}
-
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> make_fields(const Lattice<Dim>& lattice,
                                                            const std::vector<std::vector<float>>& coefficients,
@@ -298,87 +132,199 @@ std::vector<std::shared_ptr<const Field<Dim>>> make_fields(const Lattice<Dim>& l
   return fields;
 }
 
+// segment() in four steps.
+template <int Dim>
+class Segmenter {
+ public:
+  Segmenter(const Volume<float>& image, const SegmentOptions& options)
+      : image_(image), options_(options), grid_(image.grid), used_(choose_settings(options)) {}
+
+  // The values, the source of the forces and the labels that the statistics start from.
+  void start() {
+    repaired_ = finite_values(image_, options_.mask);
+    values_ = repaired_.empty() ? std::span<const float>(image_.values) : repaired_;
+    check_contrast(values_, options_.mask);
+    report(options_.progress, "prepare", 0);
+    regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, options_.prior);
+    if (options_.force) caller_.emplace(options_);
+    const bool follows_seed = !options_.seed.empty() && (is_local() || !is_variational() || options_.force);
+    given_ = options_.start.empty() && follows_seed ? options_.seed : options_.start;
+    for (std::uint8_t& label : given_) label = label != 0 ? 1 : 0;
+    labels_ = !given_.empty() && options_.force ? given_ : regions_->start();
+  }
+
+  // The noise of the forces, and what is chosen by it. It is that between the two classes of the image: a seed may lie
+  // anywhere in them.
+  void measure() {
+    source().fit(labels_);
+    noise_ = measure_noise(source(), labels_, options_.mask, grid_);
+    constexpr double speckle = 1.5;  // grain above which the laws are wide enough for borders; by hand
+    if (noise_.grain > speckle) {
+      regions_->set_border(0);
+      source().fit(labels_);
+    }
+    if (!used_.window) used_.window = choose_window(options_, noise_, Dim);
+    if (*used_.window > 0) {
+      regions_->set_window(*used_.window);
+      noise_ = measure_noise(source(), labels_, options_.mask, grid_);
+    }
+    if (!given_.empty()) {
+      labels_ = std::move(given_);
+      source().fit(labels_);
+    }
+    if (!used_.center_spacing) used_.center_spacing = choose_center_spacing(noise_, Dim);
+  }
+
+  // Labels and level sets.
+  void solve() {
+    if (!is_variational()) {
+      follow_baseline();
+      return;
+    }
+    Lattice<Dim> lattice = make_lattice();
+    result_ = descend(lattice);
+    place_in_speckle(lattice);
+    fields_ = make_fields(lattice, result_.coefficients, grid_);
+  }
+
+  // The labels within the mask, and the report.
+  Segmentation<Dim> finish() {
+    std::vector<std::uint8_t>& labels = result_.labels;
+    if (!options_.mask.empty())
+      for (std::size_t i = 0; i < labels.size(); ++i)
+        if (options_.mask[i] == 0) labels[i] = 0;
+    SegmentReport found;
+    found.iterations = result_.iterations;
+    found.converged = result_.converged;
+    found.energy = std::move(result_.energy);
+    found.regions = measure_regions(labels, values_, grid_, options_.mask, options_.regions);
+    found.components = count_components(labels, grid_);
+    found.noise = noise_.size;
+    found.speckle = speckle_;
+    for (const RegionReport& region : found.regions)
+      if (region.voxels == 0)
+        found.warnings.push_back("label " + std::to_string(region.label) +
+                                 " is empty: start elsewhere, or take another energy");
+    found.options = std::move(used_);
+    return {std::move(labels), std::move(fields_), std::move(found)};
+  }
+
+ private:
+  [[nodiscard]] bool is_local() const { return used_.mode == SegmentMode::local; }
+  [[nodiscard]] bool is_variational() const { return options_.method == SegmentMethod::variational; }
+
+  ForceSource& source() {
+    if (caller_) return *caller_;
+    return *regions_;
+  }
+
+  [[nodiscard]] Lattice<Dim> make_lattice() const {
+    return Lattice<Dim>(grid_.size, grid_.spacing, {*used_.center_spacing, *used_.support, used_.kernel});
+  }
+
+  // The methods that the variational one is compared with.
+  void follow_baseline() {
+    result_.labels = std::move(labels_);
+    if (options_.seed.empty()) choose_polarity(grid_, options_, result_);
+    BaselineResult<Dim> found =
+        used_.method == SegmentMethod::finite_difference
+            ? segment_by_finite_difference<Dim>(
+                  grid_, source(), {*used_.smoothness, used_.iterations, options_.progress}, result_.labels)
+            : segment_by_collocation<Dim>(grid_, source(),
+                                          {used_.kernel, *used_.support, *used_.center_spacing, is_local(),
+                                           used_.iterations, options_.progress},
+                                          result_.labels);
+    fields_.push_back(std::move(found.field));
+    result_ = {{}, std::move(found.labels), found.iterations, found.converged, std::move(found.energy)};
+  }
+
+  // The variational method: on edges, locally or globally.
+  VariationalResult descend(const Lattice<Dim>& lattice) {
+    if (used_.energy == SegmentEnergy::edge && !options_.force)
+      return descend_to_edges(
+          lattice,
+          {*used_.smoothness, used_.balloon, options_.mask, used_.iterations, *used_.fill_holes, options_.progress},
+          grid_, edge_weights(values_, grid_), std::move(labels_));
+    const VariationalOptions how{*used_.smoothness, noise_.size, used_.iterations, *used_.fill_holes,
+                                 options_.progress};
+    if (is_local() && (!options_.seed.empty() || !options_.start.empty()))
+      return descend_locally(lattice, source(), how, grid_, std::move(labels_));
+    VariationalResult found = descend_globally(lattice, source(), how, std::move(labels_));
+    if (!is_local() && can_be_shaded()) shade(lattice, how, found);
+    choose_polarity(grid_, options_, found);
+    return is_local() ? descend_locally(lattice, source(), how, grid_, std::move(found.labels)) : std::move(found);
+  }
+
+  [[nodiscard]] bool can_be_shaded() const {
+    return !options_.force && used_.shading != Shading::none &&
+           (used_.energy == SegmentEnergy::chan_vese || used_.energy == SegmentEnergy::gaussian);
+  }
+
+  // Lets the means vary and goes on, if that is wanted or explains most of what constants leave.
+  void shade(const Lattice<Dim>& lattice, const VariationalOptions& how, VariationalResult& found) {
+    constexpr double clearly = 0.5;  // share of the variance that is worth a second descent; by hand
+    if (used_.shading == Shading::automatic)
+      used_.shading = regions_->shading_explains(found.labels) > clearly ? Shading::linear : Shading::none;
+    if (used_.shading == Shading::none) return;
+    regions_->set_shading_degree(used_.shading == Shading::linear ? 1 : 2);
+    regions_->fit(found.labels);
+    found = descend_globally(lattice, source(), how, std::move(found.labels));
+  }
+
+  // Where the image is speckle, places the contour where its blur says.
+  void place_in_speckle(Lattice<Dim>& lattice) {
+    const bool suits = used_.energy == SegmentEnergy::generalized_gaussian || used_.energy == SegmentEnergy::rayleigh ||
+                       used_.energy == SegmentEnergy::gamma;
+    if (!suits || options_.force || options_.regions > 2) return;
+    std::vector<std::uint8_t> labels = result_.labels;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      if (!options_.mask.empty() && options_.mask[i] == 0) labels[i] = no_region;
+    const std::optional<SpeckleModel> speckle = find_speckle<Dim>(values_, grid_, labels);
+    if (!speckle) return;
+    speckle_ = speckle->exponent;
+    std::vector<float>& coefficients = result_.coefficients[0];
+    if (!options_.center_spacing) {
+      used_.center_spacing = std::max(*used_.center_spacing, spacing_in_speckle<Dim>(*speckle, grid_));
+      lattice = make_lattice();
+      coefficients = coefficients_of_labels(lattice, result_.labels);
+    }
+    SpeckleContour<Dim> contour(lattice, *speckle, values_, options_.mask, options_.prior, coefficients);
+    std::vector<double> steps;
+    coefficients = contour.descend(steps);
+    update_labels(lattice, coefficients, result_.labels.data());
+    // The laws differ by a constant.
+    std::vector<double>& energy = result_.energy;
+    for (std::size_t i = 1; i < steps.size(); ++i)
+      energy.push_back(energy.back() + (steps[i] - steps[i - 1]) / static_cast<double>(labels.size()));
+  }
+
+  const Volume<float>& image_;
+  const SegmentOptions& options_;
+  const Grid& grid_;
+  SegmentSettings used_;
+  std::vector<float> repaired_;  // the values when some are not finite
+  std::span<const float> values_;
+  std::optional<RegionForces<Dim>> regions_;
+  std::optional<CallerForces> caller_;
+  std::vector<std::uint8_t> given_;  // labels of the caller to start from
+  std::vector<std::uint8_t> labels_;
+  ForceNoise noise_;
+  VariationalResult result_;
+  std::vector<std::shared_ptr<const Field<Dim>>> fields_;
+  std::optional<double> speckle_;
+};
+
 }  // namespace
 
 template <int Dim>
 Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
-  check_options(options);
-  check_image<Dim>(image, options);
-  const Grid& grid = image.grid;
-  const std::vector<float> repaired = finite_values(image, options.mask);
-  const std::span<const float> values = repaired.empty() ? std::span<const float>(image.values) : repaired;
-  check_contrast(values, options.mask);
-
-  SegmentOptions used = choose_options(options);
-  report(options.progress, "prepare", 0);
-  const bool local = used.mode == SegmentMode::local;
-  RegionForces<Dim> forces(values, grid, options.mask, law_of(options.energy), options.regions);
-  ForceSource source = options.force ? custom_source(options) : intensity_source(forces, options.regions);
-  source.prior = options.prior;
-
-  // The noise is that between the two classes of the image: a seed may lie anywhere in them.
-  const bool baseline = options.method != SegmentMethod::variational;
-  const bool follows_seed = !options.seed.empty() && (local || baseline || options.force);
-  std::vector<std::uint8_t> start = options.start.empty() && follows_seed ? options.seed : options.start;
-  for (std::uint8_t& label : start) label = label != 0 ? 1 : 0;
-  std::vector<std::uint8_t> labels = !start.empty() && options.force ? start : forces.start();
-  source.fit(labels);
-  ForceNoise noise = measure_noise(source, labels, options.mask, grid);
-  constexpr double speckle = 1.5;  // a grain above: borders are within what the laws spread over anyway
-  if (noise.grain > speckle) {
-    forces.set_border(0);
-    source.fit(labels);
-  }
-  if (!used.window) used.window = choose_window(options, noise, Dim);
-  if (*used.window > 0) {
-    forces.set_window(*used.window);
-    noise = measure_noise(source, labels, options.mask, grid);
-  }
-  if (!start.empty()) {
-    labels = std::move(start);
-    source.fit(labels);
-  }
-  if (!used.center_spacing) used.center_spacing = choose_center_spacing(noise, Dim);
-
-  VariationalResult result;
-  std::vector<std::shared_ptr<const Field<Dim>>> fields;
-  if (baseline) {
-    result.labels = std::move(labels);
-    if (options.seed.empty()) choose_polarity(grid, options, result);
-    BaselineResult<Dim> found = segment_by_baseline<Dim>(grid, source, used, *used.center_spacing, result.labels);
-    fields.push_back(std::move(found.field));
-    result.labels = std::move(found.labels);
-    result.report = std::move(found.report);
-  } else {
-    Lattice<Dim> lattice(grid.size, grid.spacing, {*used.center_spacing, *used.support, used.kernel});
-    result = descend(lattice, forces, source, values, grid, noise.size, used, std::move(labels));
-    place_in_speckle(lattice, values, grid, options, used, result);
-    fields = make_fields(lattice, result.coefficients, grid);
-  }
-  if (!options.mask.empty())
-    for (std::size_t i = 0; i < result.labels.size(); ++i)
-      if (options.mask[i] == 0) result.labels[i] = 0;
-
-  Segmentation<Dim> segmentation;
-  segmentation.report = std::move(result.report);
-  SegmentReport& report = segmentation.report;
-  report.noise = noise.size;
-  segmentation.fields = std::move(fields);
-  segmentation.labels = std::move(result.labels);
-  report.regions = measure_regions(segmentation.labels, values, grid, options.mask, options.regions);
-  report.components = count_components(segmentation.labels, grid);
-  for (const RegionReport& region : report.regions)
-    if (region.voxels == 0)
-      report.warnings.push_back("label " + std::to_string(region.label) +
-                                " is empty: start elsewhere, or take another energy");
-  report.options = std::move(used);
-  report.options.seed.clear();
-  report.options.mask.clear();
-  report.options.start.clear();
-  report.options.prior.clear();
-  report.options.force = {};
-  report.options.progress = {};
-  return segmentation;
+  check_segment_options(options);
+  check_segment_image<Dim>(image, options);
+  Segmenter<Dim> segmenter(image, options);
+  segmenter.start();
+  segmenter.measure();
+  segmenter.solve();
+  return segmenter.finish();
 }
 
 template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);

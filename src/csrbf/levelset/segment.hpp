@@ -2,120 +2,25 @@
 
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/grid.hpp"
-#include "csrbf/core/progress.hpp"
-#include "csrbf/levelset/force_update.hpp"
+#include "csrbf/levelset/region_labels.hpp"
+#include "csrbf/levelset/segment_options.hpp"
 
-#include <cstdint>
-#include <limits>
 #include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace csrbf {
 
-/// What makes a boundary good: regions whose intensities follow a law each (see IntensityLaw), or a contour on edges.
-enum class SegmentEnergy {
-  chan_vese,             ///< two means
-  gaussian,              ///< means and variances
-  generalized_gaussian,  ///< also the shape: tells textures of equal mean apart
-  rayleigh,              ///< envelopes of ultrasound
-  gamma,                 ///< the same, compounded; these three undo the blur of speckle where they find it
-  edge,                  ///< short contours where the gradient of the image is large; needs a start
-};
-
-enum class SegmentMode {
-  global,  ///< parts of a region appear wherever they fit
-  local,   ///< the contour moves from where it starts, step by step
-};
-
-enum class SegmentMethod {
-  variational,        ///< descent of the energy on a lattice of CSRBF centres
-  collocation,        ///< the scheme of the thesis, (8.25)-(8.28), corrected: two-means thresholding between nodes
-  finite_difference,  ///< upwind differences on the voxels
-};
-
-/// How the mean of a region varies over the image.
-enum class Shading {
-  automatic,  ///< linear when that explains most of what two constants leave, else none
-  none,
-  linear,
-  quadratic,
-};
-
-/// Words of the command line and of Python: chan-vese, gaussian, ...; global, local; variational, ...; auto, none, ....
-std::string_view name_of(SegmentEnergy energy);
-std::string_view name_of(SegmentMode mode);
-std::string_view name_of(SegmentMethod method);
-std::string_view name_of(Shading shading);
-/// What has that name. Throws InvalidInput, listing the names, when none has.
-SegmentEnergy segment_energy(std::string_view name);
-SegmentMode segment_mode(std::string_view name);
-SegmentMethod segment_method(std::string_view name);
-Shading shading_named(std::string_view name);
-
-struct SegmentOptions {
-  SegmentEnergy energy = SegmentEnergy::chan_vese;
-  SegmentMode mode = SegmentMode::global;
-  SegmentMethod method = SegmentMethod::variational;
-  int regions = 2;  ///< 2 to 16; more than 2 in global mode of the variational method only
-  /// Distance of the centres in voxels of the shortest edge, from 1 to half the longest side of the image, and at most
-  /// 256 in the plane, 40 in space; automatic: 2 to 12, the more the noisier; in
-  /// speckle six times its grain.
-  std::optional<double> center_spacing = {};
-  /// Support radius in center spacings; automatic: 2.5, for collocation 4 as in the thesis.
-  std::optional<double> support = {};
-  std::string kernel = "wendland-c2";  ///< any compact kernel with a gradient; wendland-c4 for curvatures
-  /// Weight of the length (area) of the contour relative to the contrast, in voxels: details whose radius is below it
-  /// vanish. automatic: 0, as the centers smooth already; edge: 1.
-  std::optional<double> smoothness = {};
-  /// Half width in voxels of the box over which energies are averaged, eq. (8.32); automatic: 0, for
-  /// generalized_gaussian 3 (in a volume 1) and up to three times that in speckle.
-  std::optional<int> window = {};
-  Shading shading = Shading::automatic;  ///< of chan_vese and gaussian in global mode
-  double balloon = 0;                    ///< of edge: pressure in [-1, 1] towards growth (> 0) or shrinking
-  /// Whether what the contour encloses counts as inside; automatic: in local mode, whose contour leaves dark spots
-  /// behind.
-  std::optional<bool> fill_holes = {};
-  int iterations = 100;  ///< at most: of statistics and contour in turns
-
-  /// Where the segmentation starts: 1 in what is inside (the seed), 0 elsewhere; one entry per voxel, or none. In
-  /// global mode it only says which region is inside: the one that the seed covers more of.
-  std::vector<std::uint8_t> seed = {};
-  /// Labels of two regions that the statistics start from, such as those of the frame before; one per voxel, or none.
-  std::vector<std::uint8_t> start = {};
-  /// Added to what a voxel costs inside: 1 is what it costs, on average, to have a voxel in the wrong region. One per
-  /// voxel, or none; for two regions.
-  std::vector<float> prior = {};
-  /// 0 in voxels that take no part and get label 0; one entry per voxel, or none.
-  std::vector<std::uint8_t> mask = {};
-  /// Replaces `energy`: given labels, writes what each voxel costs inside instead of outside, in any unit.
-  ForceUpdate force = {};
-  Progress progress = {};
-};
-
-/// One region as found.
-struct RegionReport {
-  int label = 0;
-  Index voxels = 0;
-  double volume = 0;  ///< in the unit of the spacing, squared or cubed
-  double mean = 0;
-  double sd = 0;
-};
-
-/// What was done, and with which options.
+/// What was done, and with which settings.
 struct SegmentReport {
-  SegmentOptions options;  ///< with the values used in place of `automatic`; without arrays and functions
+  SegmentSettings options;  ///< with the values used in place of `automatic`
   int iterations = 0;
   bool converged = false;  ///< labels had stopped changing
-  /// After each step, per voxel: 1 is what a voxel costs in the wrong region. Never increases with the variational
-  /// method. In speckle the last steps are those of its own law.
+  /// After each step, per voxel, in units of the mean cost of a voxel in the wrong region. Never increases with the
+  /// variational method. In speckle the last steps follow its own law.
   std::vector<double> energy;
   std::vector<RegionReport> regions;
   Index components = 0;  ///< connected parts (by faces) of all regions but 0
   double noise = 0;      ///< standard deviation of the noise of the energies over their contrast
-  /// Where the image was found to be speckle: it shows amplitudes to that power; about 0: their logarithms.
+  /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
   std::optional<double> speckle = {};
   std::vector<std::string> warnings;
 };
@@ -129,10 +34,10 @@ struct Segmentation {
   SegmentReport report;
 };
 
-/// Parts an image of Dim axes and one component into regions with smooth boundaries (thesis part IV).
+/// Segments an image of Dim axes and one component into regions with smooth boundaries (thesis part IV).
 ///
-/// Which region is which: with two regions, a seed lies inside; without one, label 0 has most of the image border. With
-/// more, labels ascend with the mean, label 0 exchanged for the region with most of the border.
+/// Order of the labels: of two regions, the seed marks label 1; without a seed, label 0 has most of the image
+/// border. More than two are numbered by ascending mean, with label 0 exchanged for the region with most of the border.
 ///
 /// Cost: about 0.1 us per voxel and iteration, 1 to 10 iterations, 30 to 50 in local mode; memory up to 14 bytes per
 /// voxel besides the image (2.4 GB in all for 512^3).

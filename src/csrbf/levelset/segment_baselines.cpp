@@ -9,7 +9,7 @@ namespace csrbf {
 namespace {
 
 // The forces of a source and the energy of the labels that they are asked for.
-ForceUpdate update_from(const ForceSource& source, std::size_t voxels, std::vector<double>& energy) {
+ForceUpdate update_from(ForceSource& source, std::size_t voxels, std::vector<double>& energy) {
   return [&source, voxels, &energy](const unsigned char* labels, float* force) {
     source.fit({labels, voxels});
     double sum = source.force(1, 1, {force, voxels}), size = 0;
@@ -24,40 +24,51 @@ ForceUpdate update_from(const ForceSource& source, std::size_t voxels, std::vect
 }  // namespace
 
 template <int Dim>
-BaselineResult<Dim> segment_by_baseline(const Grid& grid, const ForceSource& source, const SegmentOptions& options,
-                                        double center_spacing, const std::vector<std::uint8_t>& labels) {
+BaselineResult<Dim> segment_by_collocation(const Grid& grid, ForceSource& source,
+                                           const CollocationBaselineOptions& options,
+                                           const std::vector<std::uint8_t>& labels) {
   BaselineResult<Dim> result;
-  const ForceUpdate force = update_from(source, labels.size(), result.report.energy);
-  if (options.method == SegmentMethod::finite_difference) {
-    FiniteDifferenceOptions how;
-    how.length = *options.smoothness;
-    how.iterations = 10 * options.iterations;  // of half a voxel
-    how.progress = options.progress;
-    FiniteDifferenceResult<Dim> found = finite_difference<Dim>(grid, labels.data(), force, how);
-    result.labels = std::move(found.labels);
-    result.field = found.field;
-    result.report.iterations = found.iterations;
-    result.report.converged = found.converged;
-    return result;
-  }
   CollocationOptions how;
   how.kernel = options.kernel;
   how.iterations = options.iterations;
-  how.support = *options.support;
+  how.support = options.support;
   how.tolerance = 1e-4;
   how.progress = options.progress;
-  if (options.mode == SegmentMode::local) how.eps = 1.25;
-  CollocationResult<Dim> found = collocate(grid, regular_nodes<Dim>(grid, center_spacing), labels.data(), force, how);
+  if (options.local) how.eps = 1.25;
+  CollocationResult<Dim> found = collocate(grid, regular_nodes<Dim>(grid, options.center_spacing), labels.data(),
+                                           update_from(source, labels.size(), result.energy), how);
   result.labels = std::move(found.labels);
   result.field = found.field;
-  result.report.iterations = found.iterations;
-  result.report.converged = found.converged;
+  result.iterations = found.iterations;
+  result.converged = found.converged;
   return result;
 }
 
-template BaselineResult<2> segment_by_baseline<2>(const Grid&, const ForceSource&, const SegmentOptions&, double,
-                                                  const std::vector<std::uint8_t>&);
-template BaselineResult<3> segment_by_baseline<3>(const Grid&, const ForceSource&, const SegmentOptions&, double,
-                                                  const std::vector<std::uint8_t>&);
+template <int Dim>
+BaselineResult<Dim> segment_by_finite_difference(const Grid& grid, ForceSource& source,
+                                                 const FiniteDifferenceBaselineOptions& options,
+                                                 const std::vector<std::uint8_t>& labels) {
+  BaselineResult<Dim> result;
+  FiniteDifferenceOptions how;
+  how.length = options.smoothness;
+  how.iterations = 10 * options.iterations;  // of half a voxel
+  how.progress = options.progress;
+  FiniteDifferenceResult<Dim> found =
+      finite_difference<Dim>(grid, labels.data(), update_from(source, labels.size(), result.energy), how);
+  result.labels = std::move(found.labels);
+  result.field = found.field;
+  result.iterations = found.iterations;
+  result.converged = found.converged;
+  return result;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                         \
+  template BaselineResult<Dim> segment_by_collocation<Dim>(                                            \
+      const Grid&, ForceSource&, const CollocationBaselineOptions&, const std::vector<std::uint8_t>&); \
+  template BaselineResult<Dim> segment_by_finite_difference<Dim>(                                      \
+      const Grid&, ForceSource&, const FiniteDifferenceBaselineOptions&, const std::vector<std::uint8_t>&);
+CSRBF_INSTANTIATE(2)
+CSRBF_INSTANTIATE(3)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

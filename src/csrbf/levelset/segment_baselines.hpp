@@ -1,24 +1,50 @@
 #pragma once
 
 #include "csrbf/core/field.hpp"
-#include "csrbf/levelset/segment.hpp"
-#include "csrbf/levelset/variational.hpp"
+#include "csrbf/core/grid.hpp"
+#include "csrbf/core/progress.hpp"
+#include "csrbf/levelset/force_source.hpp"
 
+#include <cstdint>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace csrbf {
+
+struct CollocationBaselineOptions {
+  std::string kernel = "wendland-c2";
+  double support = 4;         ///< radius in center spacings
+  double center_spacing = 2;  ///< in voxels of the shortest edge
+  bool local = false;         ///< delta so narrow that only the contour moves
+  int iterations = 100;       ///< at most
+  Progress progress = {};     ///< stage "evolve"
+};
+
+struct FiniteDifferenceBaselineOptions {
+  double smoothness = 0;   ///< weight of the length of the contour
+  int iterations = 100;    ///< at most ten times as many, of half a voxel each
+  Progress progress = {};  ///< stage "evolve"
+};
 
 template <int Dim>
 struct BaselineResult {
   std::vector<std::uint8_t> labels;
   std::shared_ptr<const Field<Dim>> field;
-  SegmentReport report;  ///< iterations, converged, energy
+  int iterations = 0;
+  bool converged = false;
+  std::vector<double> energy;  ///< as in SegmentReport
 };
 
-/// segment() by SegmentMethod::collocation or finite_difference, from labels whose 1 is inside, with the forces of two
-/// regions estimated anew in each iteration.
+/// segment() by the methods that it is compared with, from labels whose 1 is inside, with the forces of two regions
+/// estimated anew in each iteration.
 template <int Dim>
-BaselineResult<Dim> segment_by_baseline(const Grid& grid, const ForceSource& source, const SegmentOptions& options,
-                                        double center_spacing, const std::vector<std::uint8_t>& labels);
+BaselineResult<Dim> segment_by_collocation(const Grid& grid, ForceSource& source,
+                                           const CollocationBaselineOptions& options,
+                                           const std::vector<std::uint8_t>& labels);
+template <int Dim>
+BaselineResult<Dim> segment_by_finite_difference(const Grid& grid, ForceSource& source,
+                                                 const FiniteDifferenceBaselineOptions& options,
+                                                 const std::vector<std::uint8_t>& labels);
 
 }  // namespace csrbf

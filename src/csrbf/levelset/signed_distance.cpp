@@ -10,7 +10,7 @@
 namespace csrbf {
 
 std::vector<float> signed_distance(const Grid& grid, const unsigned char* labels) {
-  constexpr Index grain = 1 << 15;
+  constexpr Index grain = 1 << 15;  // voxels per task
   const auto n = static_cast<std::size_t>(grid.voxels());
   double half = std::numeric_limits<double>::infinity(), diagonal2 = 0;
   for (std::size_t a = 0; a < 3; ++a) {

@@ -3,7 +3,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/coefficient_sums.hpp"
-#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/contour_energy.hpp"
 #include "csrbf/levelset/gaussian_blur.hpp"
 #include "csrbf/levelset/segment_fields.hpp"
 #include "csrbf/levelset/spectral_descent.hpp"
@@ -36,8 +36,8 @@ double unit_of(const Point<3>& spacing, int dimension) {
 
 template <int Dim>
 double spacing_in_speckle(const SpeckleModel& model, const Grid& grid) {
-  constexpr double grains = 6;
-  double width = 0;  // the mean of the axes
+  constexpr double grains = 6;  // by hand: closer centres follow single grains, wider ones lose detail
+  double width = 0;             // the mean of the axes
   for (std::size_t a = 0; a < Dim; ++a)
     width += model.grain[a] * grid.spacing[static_cast<Index>(a)] / unit_of(grid.spacing, Dim) / Dim;
   return std::round(std::clamp(grains * width, 2.0, 24.0));
@@ -45,7 +45,7 @@ double spacing_in_speckle(const SpeckleModel& model, const Grid& grid) {
 
 template <int Dim>
 std::vector<float> coefficients_of_labels(const Lattice<Dim>& lattice, std::span<const std::uint8_t> labels) {
-  constexpr int steps = 6;
+  constexpr int steps = 6;  // of conjugate gradients, as in the start of a descent
   std::vector<float> force(labels.size()), coefficients(static_cast<std::size_t>(lattice.array_size()), 0.0F);
   for (std::size_t i = 0; i < force.size(); ++i) force[i] = labels[i] != 0 ? -1.0F : 1.0F;
   ContourEnergy energy;
@@ -66,7 +66,7 @@ SpeckleContour<Dim>::SpeckleContour(const Lattice<Dim>& lattice, const SpeckleMo
       powers_(values.size()),
       share_(values.size()),
       grain_(model.voxels_per_grain()) {
-  constexpr double drift = 2;  // grains
+  constexpr double drift = 2;  // grains; by hand: larger follows noise, smaller stays at the start
   const double unit = unit_of(lattice.spacing(), Dim);
   double width = 1;
   for (std::size_t a = 0; a < Dim; ++a) {
@@ -150,8 +150,8 @@ double SpeckleContour<Dim>::energy(const float* coefficients, float* derivatives
 
 template <int Dim>
 std::vector<float> SpeckleContour<Dim>::descend(std::vector<double>& energies) {
-  constexpr int evaluations = 30;
-  constexpr float farthest = 4;  // coefficients start from at most 2
+  constexpr int evaluations = 30;  // by hand: the start is close
+  constexpr float farthest = 4;    // coefficients start from at most 2
   std::vector<float> coefficients = start_;
   spectral_descent([&](const float* x, float* derivatives) { return energy(x, derivatives); },
                    {farthest, 1 / stiffness_, evaluations, 1e-3}, coefficients, energies);

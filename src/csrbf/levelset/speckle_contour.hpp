@@ -16,15 +16,15 @@ double spacing_in_speckle(const SpeckleModel& model, const Grid& grid);
 template <int Dim>
 std::vector<float> coefficients_of_labels(const Lattice<Dim>& lattice, std::span<const std::uint8_t> labels);
 
-/// What speckle says about a contour, as it is seen through the point spread of the device:
+/// Energy of a contour in speckle that is seen through the point spread of the device:
 ///
 ///     E(alpha) = sum (log P + p / P) / grain + 1/2 sum ((alpha - start) / (slope drift))^2
 ///     P = P_0 + (P_1 - P_0) G * H_eps(f)
 ///
 /// p: the power that each voxel shows, P: its mean there, G: the square of the point spread. At the contour P is half
-/// way between the regions, where the greys, of logarithms say, are close to those of the brighter one: laws of whole
-/// regions draw the contour into the darker one. grain: voxels that share an independent amplitude. The second sum lets
-/// the contour drift from where it starts by about two grains, and keeps it still where nothing is seen.
+/// way between the regions, where the greys, of logarithms say, are close to those of the brighter one: with laws of
+/// whole regions the contour moves into the darker one. grain: voxels that share an independent amplitude. The second
+/// sum lets the contour drift from where it starts by about two grains, and holds it where there is no evidence.
 template <int Dim>
 class SpeckleContour {
  public:

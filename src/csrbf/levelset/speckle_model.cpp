@@ -10,7 +10,7 @@ namespace csrbf {
 namespace {
 
 constexpr double least_exponent = 0.01;  // as good as the logarithm
-constexpr double largest_exponent = 3;
+constexpr double largest_exponent = 3;   // beyond the power, 2, with room for errors; by hand
 
 // Moment of the amplitude to the power of n exponents; amplitudes of mean power 1 are Rayleigh.
 double moment(double exponent, int n) {
@@ -31,7 +31,7 @@ double skewness(double exponent) {
 // The exponent with that variation, which ascends.
 double exponent_of_variation(double wanted) {
   double lo = least_exponent, hi = largest_exponent;
-  constexpr int halvings = 40;
+  constexpr int halvings = 40;  // to 3e-12
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (lo + hi);
     (variation(middle) < wanted ? lo : hi) = middle;
@@ -88,13 +88,15 @@ double correlation(std::span<const float> powers, const SpeckleModel& model, con
 template <int Dim>
 bool measure_grain(std::span<const float> powers, const Grid& grid, std::span<const std::uint8_t> cores,
                    SpeckleModel& model) {
-  constexpr double least = 0.3, most = 0.97, none = 0.2;
+  constexpr double least = 0.3, most = 0.97;  // correlation of neighbours: a grain of 0.65 to 4 voxels; by hand
+  constexpr double none = 0.2;                // correlation beyond the grain that may be chance; by hand
+  constexpr double independent = 0.05;        // correlation below: grains are no wider than voxels
   double largest = 0;
   for (std::size_t axis = 0; axis < Dim; ++axis) {
     const double alike = correlation(powers, model, grid, cores, axis, 1);
     largest = std::max(largest, alike);
     if (alike > most) return false;
-    model.grain[axis] = alike > 0.05 ? std::sqrt(-0.5 / std::log(alike)) : 0;
+    model.grain[axis] = alike > independent ? std::sqrt(-0.5 / std::log(alike)) : 0;
     const auto far = static_cast<Index>(std::ceil(3 * model.grain[axis])) + 1;
     if (correlation(powers, model, grid, cores, axis, far) > none) return false;
   }
@@ -116,10 +118,12 @@ double SpeckleModel::voxels_per_grain() const {
 template <int Dim>
 std::optional<SpeckleModel> find_speckle(std::span<const float> values, const Grid& grid,
                                          std::span<const std::uint8_t> labels) {
-  constexpr Index border = 5;                           // voxels at the border that hold echoes of both sides
-  constexpr double enough = 500, least_contrast = 0.5;  // voxels in a region; difference of the means in deviations
-  constexpr double least_variation = -0.1;              // what a region of no more than that differs by is chance
-  constexpr double bright_skewness = 0.4, dark_skewness = 0.8;  // what a good fit may be off; clipping changes the dark
+  // Chosen by hand; looser limits take other noise for speckle, tighter ones miss speckle that was filtered or clipped.
+  constexpr Index border = 5;               // voxels at the border that hold echoes of both sides
+  constexpr double enough = 500;            // voxels in a region
+  constexpr double least_contrast = 0.5;    // difference of the means in deviations
+  constexpr double least_variation = -0.1;  // difference of the deviations over that of the means: 0 for logarithms
+  constexpr double bright_skewness = 0.4, dark_skewness = 0.8;  // largest misfit; the dark may be clipped at black
   std::array<Index, 3> width{0, 0, 0};
   std::fill_n(width.begin(), Dim, border);
   const std::vector<std::uint8_t> cores = region_cores(labels, grid.size, width);

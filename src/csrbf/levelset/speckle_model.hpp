@@ -25,9 +25,10 @@ struct SpeckleModel {
   [[nodiscard]] double voxels_per_grain() const;
 };
 
-/// The speckle of the image, or none where it has no such law: `labels` 0 and 1 part its regions, others take no part.
-/// The means and the deviations of two regions give the exponent; that neighbours are alike, far voxels are not, and
-/// the skewness of the greys is as the law says decides. From voxels away from the border between the regions. O(n).
+/// The speckle of the image, or none where it does not follow that law: `labels` 0 and 1 are its regions, other voxels
+/// are ignored. The means and deviations of the regions give the exponent; the image counts as speckle when neighbours
+/// are correlated, distant voxels are not, and the skewness of the greys fits the law. From voxels away from the border
+/// between the regions. O(n).
 template <int Dim>
 std::optional<SpeckleModel> find_speckle(std::span<const float> values, const Grid& grid,
                                          std::span<const std::uint8_t> labels);

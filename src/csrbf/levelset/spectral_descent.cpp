@@ -8,8 +8,8 @@ namespace csrbf {
 
 int spectral_descent(const DescentEnergy& energy, const DescentOptions& options, std::vector<float>& x,
                      std::vector<double>& energies) {
-  constexpr double enough = 1e-4;  // of the decrease that the slope promises
-  constexpr int most_attempts = 10;
+  constexpr double enough = 1e-4;    // share of the decrease that the slope promises: Armijo's, conventional
+  constexpr int most_attempts = 10;  // each at least halves the step: at most 1e-3 of it is left
   const float limit = options.limit;
   const std::size_t n = x.size();
   std::vector<float> gradient(n), next(n), next_gradient(n), step(n);

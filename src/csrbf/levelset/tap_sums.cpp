@@ -10,7 +10,7 @@ namespace {
 // Sixteen floats: one AVX-512 register, two of AVX2.
 using Wide = float __attribute__((vector_size(64)));
 constexpr Index width = 16;
-constexpr Index block = 4 * width;
+constexpr Index block = 4 * width;  // one per accumulator
 static_assert(block == tap_slack);
 
 // Four accumulators share each broadcast weight and hide the latency of their sums.

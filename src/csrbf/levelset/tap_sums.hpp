@@ -16,6 +16,6 @@ struct Tap {
 /// overlap, and both must have `tap_slack` readable (out: writable) entries behind their last used one.
 void sum_taps(std::span<const Tap> taps, const float* in, Index n, float* out, bool add);
 
-inline constexpr Index tap_slack = 64;
+inline constexpr Index tap_slack = 64;  ///< floats that are summed at a time
 
 }  // namespace csrbf

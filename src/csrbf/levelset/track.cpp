@@ -12,9 +12,10 @@ namespace csrbf {
 namespace {
 
 constexpr const char* here = "track";
+// Chosen by hand.
 constexpr double barrier = 2;       // cost, in wrong voxels, of what moved farther than it may
-constexpr double full_noise = 0.2;  // of a frame, over its contrast: all of the memory from here on
-constexpr double one_sided = 0.5;   // weight of an expectation from one side, which motion puts off the place
+constexpr double full_noise = 0.2;  // noise of a frame over its contrast from which the prior has its full weight
+constexpr double one_sided = 0.5;   // weight of an expectation from one neighbour, which motion displaces
 
 void check_options(const TrackOptions& options) {
   require(options.persistence >= 0 && options.persistence <= 100, here, "persistence", options.persistence,
@@ -36,7 +37,7 @@ std::string size_text(const Grid& grid) {
   return text;
 }
 
-// Of the two labels of a segmentation, one is all that is left in the mask.
+// One of the two labels has all voxels of the mask.
 bool is_empty(const SegmentReport& report) {
   return report.regions[0].voxels == 0 || report.regions[1].voxels == 0;
 }
@@ -74,13 +75,13 @@ void match_labels(const std::vector<std::uint8_t>& before, Segmentation<Dim>& no
   now.report.regions = std::move(regions);
 }
 
-// What goes on from frame to frame.
+// Carries labels and settings from frame to frame.
 template <int Dim>
 class Tracker {
  public:
   Tracker(Index frames, const FrameSource& read, const TrackOptions& options)
       : frames_(frames), read_(read), options_(options), states_(static_cast<std::size_t>(frames)) {
-    report_.options = options;
+    report_.options = {options.segment, options.persistence, options.motion, options.prediction, options.sweeps};
     const SegmentOptions& base = options.segment;
     remembers_ = options.persistence > 0 && base.regions == 2 &&
                  (base.energy != SegmentEnergy::edge || static_cast<bool>(base.force));
@@ -97,12 +98,6 @@ class Tracker {
         if (sweep + 1 == sweeps_) take(t, std::move(tracked));
       }
     }
-    SegmentOptions& used = report_.options.segment;
-    used.seed.clear();
-    used.mask.clear();
-    used.start.clear();
-    used.force = {};
-    used.progress = report_.options.progress = {};
     return std::move(report_);
   }
 
@@ -117,15 +112,26 @@ class Tracker {
   State& state(Index t) { return states_[static_cast<std::size_t>(t)]; }
   std::vector<float> distance(Index t) { return contour_distance(grid_, state(t).labels, *state(t).fields[0]); }
 
+  // Those of the first frame, and with what was chosen there those of the others.
+  [[nodiscard]] SegmentOptions segment_options(bool is_first) const {
+    const SegmentOptions& given = options_.segment;
+    if (is_first) return given;
+    SegmentOptions options{report_.options.segment};
+    options.mask = given.mask;
+    options.force = given.force;
+    return options;
+  }
+
   TrackedFrame<Dim> visit(Index t, int sweep) {
     const Volume<float> image = read_(t);
-    if (sweep == 0 && t == 0)
+    const bool is_first = sweep == 0 && t == 0;
+    if (is_first)
       grid_ = image.grid;
     else
       require(image.grid.size == grid_.size, here, "size of frame " + std::to_string(t), size_text(image.grid),
               "must be that of the first frame, " + size_text(grid_));
     const Index last = sweep == 0 ? t - 1 : t;  // whose labels are known
-    SegmentOptions options = report_.options.segment;
+    SegmentOptions options = segment_options(is_first);
     options.progress = progress();
     if (last >= 0 && options.regions == 2) {
       const std::vector<std::uint8_t>& labels = state(last).labels;
@@ -152,9 +158,7 @@ class Tracker {
   // Keeps what the first frame chose, and the region.
   void settle(Index t, int sweep, const Volume<float>& image, Segmentation<Dim>& found) {
     if (sweep == 0 && t == 0) {
-      const SegmentOptions given = std::exchange(report_.options.segment, found.report.options);
-      report_.options.segment.mask = given.mask;
-      report_.options.segment.force = given.force;
+      report_.options.segment = found.report.options;
     } else if (options_.segment.regions > 2) {
       match_labels(state(t - 1).labels, found);
     } else if (is_empty(found.report)) {
@@ -199,7 +203,7 @@ class Tracker {
     const double edge = grid_.spacing.template head<Dim>().minCoeff();
     const double unit = *report_.options.segment.center_spacing * edge;
     if (!report_.options.motion) {
-      constexpr double least = 3, share = 0.25;
+      constexpr double least = 3, share = 0.25;  // center spacings; of the depth: TrackOptions::motion
       const double depth = static_cast<double>(*std::max_element(d.begin(), d.end()));
       report_.options.motion = std::max(share * depth, least * unit) / edge;
     }

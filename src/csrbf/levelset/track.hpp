@@ -8,11 +8,10 @@ struct TrackOptions {
   /// Of every frame. Its seed and start are those of the first one; what is automatic is chosen there and kept.
   SegmentOptions segment = {};
 
-  /// Weight of the memory of the contour: what it costs, in units of what a wrong voxel costs, to have voxels on the
-  /// other side than expected. Rises linearly with their distance from the expected contour, to all of it at one center
-  /// spacing; and with the noise of the frame, to all of it at a fifth of the contrast: clear frames are followed as
-  /// they are, noisy ones smoothed over time. 0: every frame by itself, but for where it starts. Two regions, any
-  /// energy but edge.
+  /// Weight of the contour expected from other frames: the cost, in units of a wrong voxel, of voxels on the other side
+  /// of it. Rises linearly with their distance from the expected contour, to full weight at one center spacing; and
+  /// with the noise of the frame, to full weight at a fifth of the contrast: clear frames are followed as they are,
+  /// noisy ones smoothed over time. 0: every frame by itself, except for its start. Two regions, any energy but edge.
   double persistence = 1;
 
   /// How far the contour may move from one frame to the next beyond what is expected, in voxels of the shortest edge:
@@ -20,8 +19,8 @@ struct TrackOptions {
   /// least three center spacings. Not used when persistence is 0.
   std::optional<double> motion = {};
 
-  /// Where the first sweep expects the contour: 0 where it was in the frame before, 1 as much farther as it moved to
-  /// get there. Automatic: 1 when there is one sweep, else 0, as a lost frame leads astray.
+  /// Where the first sweep expects the contour: 0 where it was in the frame before, 1 moved on as far as it had moved
+  /// there. Automatic: 1 when there is one sweep, else 0, as motion from a lost frame misleads.
   std::optional<double> prediction = {};
 
   /// Sweeps through the sequence, 1 to 100. 1: forward only, as while frames come in; the contour lags behind motion.
@@ -38,9 +37,18 @@ struct TrackedFrame {
   std::vector<RegionMeasure> regions;  ///< all but 0
 };
 
-/// What was done, and with which options.
+/// As in TrackOptions, with the values used in place of `automatic`.
+struct TrackSettings {
+  SegmentSettings segment = {};
+  double persistence = 1;
+  std::optional<double> motion = {};
+  std::optional<double> prediction = {};
+  int sweeps = 2;
+};
+
+/// What was done, and with which settings.
 struct TrackReport {
-  TrackOptions options;  ///< with the values used in place of `automatic`; without arrays and functions
+  TrackSettings options;
   std::vector<std::string> warnings;
 };
 
@@ -53,13 +61,13 @@ struct Tracking {
 /// One frame of a sequence; called for each frame once per sweep, in the order of the sweep.
 using FrameSource = std::function<Volume<float>(Index frame)>;
 
-/// Carries a segmentation through the frames of a sequence (thesis, perspectives of chapter 8): the first frame is that
+/// Tracks a segmentation through the frames of a sequence (thesis, perspectives of chapter 8): the first frame is that
 /// of segment(); each further one starts from the labels before it and from a prior, the signed distance to the contour
 /// where it is expected. The same region stays inside: it is the one that covers what was inside before.
 ///
 /// A frame in which nothing is left inside, or nothing outside, keeps the contour before it, with a warning. More than
-/// two regions have no memory: each frame is segmented by itself and its labels are given to the regions that they
-/// overlap most.
+/// two regions have no prior: each frame is segmented by itself and its labels are matched to the regions of the frame
+/// before by their overlap.
 ///
 /// Volumes and areas are those of the continuous level sets, as image_contour() measures them.
 ///

@@ -1,48 +1,48 @@
 #include "csrbf/levelset/variational.hpp"
 
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/box_mean.hpp"
+#include "csrbf/levelset/force_noise.hpp"
 #include "csrbf/levelset/region_labels.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
 
 namespace csrbf {
 namespace {
 
 constexpr int fit_steps = 6;      // of conjugate gradients: the noise of the voxels comes in with later ones
-constexpr int descent_steps = 4;  // between two estimates of the statistics
-constexpr double still = 3e-4;    // share of labels that may change at rest
-constexpr double little = 0.05;   // share of the decrease so far below which a round is the last
-constexpr double noisy = 0.01;    // above, a share of .01 of the energy is not worth a round, below it is one of .001
-constexpr double clean = 0.002;   // noise below: voxels at the contour are as sure as all others
-constexpr double side_margin = 0.02;  // that they then keep from the contour, in values of f
-constexpr int side_steps = 12;        // and the steps to bring them there
-constexpr double least_eps = 0.03;    // below, H is a step for any voxel
-constexpr double noise_to_eps = 3;    // the contour averages voxels that noise alone could move across it
+constexpr int descent_steps = 4;  // between two estimates of the statistics; by hand: more follow old statistics longer
+constexpr double descent_tolerance = 1e-3;  // share of the decrease so far below which a descent ends; by hand
+constexpr double changed_share = 3e-4;      // of the labels may change at convergence; by hand: larger ends earlier
+constexpr double least_progress = 0.05;     // share of the decrease so far below which a round is the last; by hand
+constexpr double noisy_from = 0.01;    // noise above: a share of .01 of the energy is not worth a round, below: of .001
+constexpr double clean_below = 0.002;  // noise below: voxels at the contour are as sure as all others
+constexpr double side_margin = 0.02;   // that they then keep from the contour, in values of f; by hand
+constexpr int side_steps = 12;         // and the steps to bring them there; by hand: more cost time for the last voxels
+constexpr double least_eps = 0.03;     // below, H is a step for any voxel
+constexpr double noise_to_eps = 3;     // the contour averages voxels that noise alone could move across it
 
-double mean_size(std::span<const float> force) {
-  constexpr Index grain = 1 << 16;
-  const auto n = static_cast<Index>(force.size());
-  return parallel_sum(n, grain,
-                      [&](Index begin, Index end) {
-                        double sum = 0;
-                        for (Index i = begin; i < end; ++i)
-                          sum += static_cast<double>(std::abs(force[static_cast<std::size_t>(i)]));
-                        return sum;
-                      }) /
-         static_cast<double>(n);
-}
+// Of local descent, all by hand: the contour may move `local_reach` voxels in a step, with these steps of conjugate
+// gradients at the start and at the end, and in each step these of conjugate gradients and of descent. More are closer
+// to the minimum within the band, which moves on anyway.
+constexpr Index local_reach = 2;
+constexpr int local_first_fit = 12, local_fit = 3, local_descent = 3;
+constexpr double local_least_eps = 0.1;  // so that H reaches the voxels next to the contour
 
-// What a voxel in the wrong region costs. Regions of one law cost nothing: then any scale will do.
+// The mean cost of a voxel in the wrong region. It is 0 for regions of one law: then any scale will do.
 double force_scale(std::span<const float> force) {
-  constexpr double least = 1e-12;
-  const double mean = mean_size(force);
+  constexpr double least = 1e-12;  // in units of the range of intensities, or its square: rounding
+  const double mean = mean_magnitude(force);
   return mean > least ? mean : 1;
 }
 
-// Without noise each voxel at the contour may be obeyed; with it the mean of many must.
+// Without noise the contour may follow each voxel, with noise only the mean of many. By hand: a larger anchor keeps f
+// closer to the least-squares fit.
 double choose_anchor(double noise) {
   return std::clamp(0.3 + 120 * noise, 0.3, 6.0);
 }
@@ -95,141 +95,6 @@ Index label_voxels(const Lattice<Dim>& lattice, const std::vector<LevelSet<Dim>>
   return changed;
 }
 
-}  // namespace
-
-double ForceSource::force_with_prior(int k, double scale, std::span<float> to) const {
-  const double others = force(k, scale, to) / scale;
-  for (std::size_t i = 0; i < prior.size(); ++i) to[i] += prior[i];
-  return others;
-}
-
-ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_t> labels,
-                       std::span<const std::uint8_t> mask, const Grid& grid) {
-  constexpr std::size_t enough = 50000, far = 3;
-  const auto takes_part = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
-  // What is clear in a voxel already counts no more than that, as in the targets of the level set.
-  const auto clear = static_cast<float>(2 * mean_size(force));
-  const auto at = [&](std::size_t i) { return static_cast<double>(std::clamp(force[i], -clear, clear)); };
-  std::array<double, 2> sums{0, 0}, counts{0, 0};
-  std::array<std::vector<double>, 2> bends;  // second differences of neighbours, and of voxels three apart in a region
-  const std::size_t step = std::max<std::size_t>(1, force.size() / enough) | 1;
-  const auto nx = static_cast<std::size_t>(grid.size[0]);
-  for (std::size_t i = 0; i < force.size(); i += step) {
-    if (!takes_part(i)) continue;
-    const std::size_t k = labels[i] != 0 ? 1 : 0;
-    sums[k] += at(i);
-    counts[k] += 1;
-    const std::size_t x = i % nx;
-    if (x == 0 || x + 1 >= nx || !takes_part(i - 1) || !takes_part(i + 1)) continue;
-    bends[0].push_back(std::abs(at(i - 1) - 2 * at(i) + at(i + 1)));
-    if (x < 2 * far || x + 2 * far >= nx) continue;
-    bool inside = true;
-    for (std::size_t j = i - 2 * far; j <= i + 2 * far; ++j) inside = inside && labels[j] == labels[i] && takes_part(j);
-    if (inside) bends[1].push_back(std::abs(at(i - far) - 2 * at(i) + at(i + far)));
-  }
-  const double gap = sums[0] / std::max(counts[0], 1.0) - sums[1] / std::max(counts[1], 1.0);
-  if (bends[0].empty()) return {};
-  const auto deviation = [&](std::vector<double>& values) {
-    constexpr double median_of_normal = 0.6745;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle / (median_of_normal * std::sqrt(6.0));
-  };
-  constexpr std::size_t few = 200;
-  const double near = deviation(bends[0]);
-  if (!(gap > 0)) return {near > 0 ? 1.0 : 0.0, 1};
-  if (bends[1].size() < few) return {near / gap, 1};
-  const double apart = deviation(bends[1]);
-  return {std::max(near, apart) / gap, near > 0 ? std::clamp(std::sqrt(apart / near), 1.0, 3.0) : 1};
-}
-
-double choose_center_spacing(const ForceNoise& noise, int dimension) {
-  // Measured: 2 voxels are best for a noise of 2 % of the contrast, 4 for 15 %; in a volume more voxels share a center.
-  const double spacing = 2 * noise.grain * std::cbrt(noise.size / 0.02) * (dimension == 3 ? 0.75 : 1.0);
-  return std::round(std::clamp(spacing, 2.0, 12.0));
-}
-
-template <int Dim>
-VariationalResult descend_globally(const Lattice<Dim>& lattice, const ForceSource& source,
-                                   const SegmentOptions& options, double noise, std::vector<std::uint8_t> labels) {
-  VariationalResult result;
-  SegmentReport& report = result.report;
-  const auto voxels = static_cast<Index>(labels.size());
-  const bool two = source.regions == 2;
-  std::vector<LevelSet<Dim>> sets;
-  for (int k = two ? 1 : 0; k < source.regions; ++k)
-    sets.emplace_back(lattice, voxels, options.smoothness.value_or(0), noise);
-  source.force(two ? 1 : 0, 1, sets[0].force);
-  const double scale = force_scale(sets[0].force);
-  const auto take_forces = [&] {
-    for (std::size_t i = 0; i < sets.size(); ++i)
-      sets[i].others = source.force_with_prior(two ? 1 : static_cast<int>(i), scale, sets[i].force);
-  };
-  take_forces();
-  for (LevelSet<Dim>& set : sets) {
-    fit_target(lattice, set.energy, fit_steps, set.coefficients);
-    constexpr double clear = 0.3;  // level from which a voxel is clearly in or out
-    set.energy.eps = std::max(least_eps, noise_to_eps * target_residual(lattice, set.energy, set.coefficients, clear));
-  }
-  label_voxels(lattice, sets, labels);
-  const auto total = [&] {
-    double sum = 0;
-    for (const LevelSet<Dim>& set : sets) sum += set.total(lattice);
-    return sum;
-  };
-
-  double energy = total();
-  report.energy.push_back(energy / static_cast<double>(voxels));
-  while (report.iterations < options.iterations && !report.converged) {
-    csrbf::report(options.progress, "evolve", static_cast<double>(report.iterations) / options.iterations);
-    ++report.iterations;
-    const double energy_before = report.energy.back();
-    // New statistics, if they are better for the contours as they are.
-    if ((report.iterations > 1 || !two) && source.fit(labels)) {
-      take_forces();
-      const double next = total();
-      if (next <= energy) {
-        energy = next;
-      } else {
-        source.undo();
-        take_forces();
-      }
-    }
-    std::vector<std::vector<double>> steps(sets.size());
-    for (std::size_t i = 0; i < sets.size(); ++i) {
-      evolve(lattice, sets[i].energy, descent_steps, 1e-3, sets[i].coefficients, steps[i]);
-      for (std::size_t j = 1; j < steps[i].size(); ++j) {
-        energy += steps[i][j] - steps[i][j - 1];
-        report.energy.push_back(energy / static_cast<double>(voxels));
-      }
-    }
-    const Index changed = label_voxels(lattice, sets, labels);
-    const double first = report.energy.front(), last = report.energy.back();
-    const double hardly = noise > noisy ? 0.01 : 0.001;
-    report.converged =
-        static_cast<double>(changed) <= (noise > noisy ? still : 0.1 * still) * static_cast<double>(voxels) ||
-        energy_before - last <= std::max(little * (first - last), hardly * std::abs(last));
-  }
-  // Without noise the contour needs no anchor any more: each voxel goes to its side, if the rest of the energy allows.
-  if (two && noise < clean && sets[0].energy.length == 0) {
-    const std::vector<float> before = sets[0].coefficients;
-    sets[0].energy.anchor = 0;
-    separate_voxels(lattice, sets[0].force.data(), side_margin, side_steps, sets[0].coefficients);
-    const double next = total();
-    if (next <= energy) {
-      report.energy.push_back(next / static_cast<double>(voxels));
-      label_voxels(lattice, sets, labels);
-    } else {
-      sets[0].coefficients = before;
-    }
-  }
-  for (LevelSet<Dim>& set : sets) result.coefficients.push_back(std::move(set.coefficients));
-  result.labels = std::move(labels);
-  return result;
-}
-
-namespace {
-
 // 1 in voxels at most `width` away (along the axes) from one whose label differs from that of a neighbour, else 0.
 std::vector<float> band_of(const std::vector<std::uint8_t>& labels, const Grid& grid, Index width) {
   const Index nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
@@ -256,86 +121,256 @@ std::vector<float> band_of(const std::vector<std::uint8_t>& labels, const Grid& 
   return band;
 }
 
+// Alternates between statistics and contours over the whole image.
+template <int Dim>
+class GlobalDescent {
+ public:
+  GlobalDescent(const Lattice<Dim>& lattice, ForceSource& source, const VariationalOptions& options,
+                std::vector<std::uint8_t> labels)
+      : lattice_(lattice), source_(source), options_(options), voxels_(std::ssize(labels)) {
+    result_.labels = std::move(labels);
+  }
+
+  VariationalResult run() {
+    start();
+    while (result_.iterations < options_.iterations && !result_.converged) {
+      report(options_.progress, "evolve", static_cast<double>(result_.iterations) / options_.iterations);
+      ++result_.iterations;
+      const double before = result_.energy.back();
+      if (result_.iterations > 1 || !two()) update_statistics();
+      move_contours();
+      const Index changed = label_voxels(lattice_, sets_, result_.labels);
+      result_.converged = is_at_rest(changed, before);
+    }
+    if (two() && options_.noise < clean_below && sets_[0].energy.length == 0) sharpen_contour();
+    for (LevelSet<Dim>& set : sets_) result_.coefficients.push_back(std::move(set.coefficients));
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] bool two() const { return source_.regions() == 2; }
+
+  // The level sets of the statistics of the labels given.
+  void start() {
+    for (int k = two() ? 1 : 0; k < source_.regions(); ++k)
+      sets_.emplace_back(lattice_, voxels_, options_.smoothness, options_.noise);
+    source_.force(two() ? 1 : 0, 1, sets_[0].force);
+    scale_ = force_scale(sets_[0].force);
+    take_forces();
+    for (LevelSet<Dim>& set : sets_) {
+      fit_target(lattice_, set.energy, fit_steps, set.coefficients);
+      constexpr double clear = 0.3;  // |f| from which a voxel is clearly in or out; by hand
+      const double residual = target_residual(lattice_, set.energy, set.coefficients, clear);
+      set.energy.eps = std::max(least_eps, noise_to_eps * residual);
+    }
+    label_voxels(lattice_, sets_, result_.labels);
+    energy_ = total();
+    add_energy(energy_);
+  }
+
+  void take_forces() {
+    for (std::size_t i = 0; i < sets_.size(); ++i)
+      sets_[i].others = source_.force_with_prior(two() ? 1 : static_cast<int>(i), scale_, sets_[i].force);
+  }
+
+  [[nodiscard]] double total() const {
+    double sum = 0;
+    for (const LevelSet<Dim>& set : sets_) sum += set.total(lattice_);
+    return sum;
+  }
+
+  void add_energy(double energy) { result_.energy.push_back(energy / static_cast<double>(voxels_)); }
+
+  // New statistics, if they are better for the contours as they are.
+  void update_statistics() {
+    source_.fit(result_.labels);
+    take_forces();
+    const double next = total();
+    if (next <= energy_) {
+      energy_ = next;
+      return;
+    }
+    source_.undo();
+    take_forces();
+  }
+
+  void move_contours() {
+    for (LevelSet<Dim>& set : sets_) {
+      std::vector<double> steps;
+      minimize_contour_energy(lattice_, set.energy, descent_steps, descent_tolerance, set.coefficients, steps);
+      for (std::size_t j = 1; j < steps.size(); ++j) {
+        energy_ += steps[j] - steps[j - 1];
+        add_energy(energy_);
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_at_rest(Index changed, double energy_before) const {
+    const bool noise_counts = options_.noise > noisy_from;
+    const double first = result_.energy.front(), last = result_.energy.back();
+    const double negligible = noise_counts ? 0.01 : 0.001;  // of the energy; see noisy_from
+    return static_cast<double>(changed) <=
+               (noise_counts ? changed_share : 0.1 * changed_share) * static_cast<double>(voxels_) ||
+           energy_before - last <= std::max(least_progress * (first - last), negligible * std::abs(last));
+  }
+
+  // Without noise the contour needs no anchor any more: each voxel goes to its side, if the rest of the energy allows.
+  void sharpen_contour() {
+    LevelSet<Dim>& set = sets_[0];
+    const std::vector<float> before = set.coefficients;
+    set.energy.anchor = 0;
+    separate_voxels(lattice_, set.force.data(), side_margin, side_steps, set.coefficients);
+    const double next = total();
+    if (next <= energy_) {
+      add_energy(next);
+      label_voxels(lattice_, sets_, result_.labels);
+    } else {
+      set.coefficients = before;
+    }
+  }
+
+  const Lattice<Dim>& lattice_;
+  ForceSource& source_;
+  const VariationalOptions& options_;
+  Index voxels_;
+  VariationalResult result_;
+  std::vector<LevelSet<Dim>> sets_;
+  double scale_ = 1, energy_ = 0;
+};
+
+// The contour moves with the voxels next to it; all others are held where they are.
+template <int Dim>
+class LocalDescent {
+ public:
+  LocalDescent(const Lattice<Dim>& lattice, ForceSource& source, const VariationalOptions& options, const Grid& grid,
+               std::vector<std::uint8_t> labels)
+      : lattice_(lattice),
+        source_(source),
+        options_(options),
+        grid_(grid),
+        set_(lattice, std::ssize(labels), options.smoothness, options.noise),
+        held_(labels.size()),
+        step_(set_.energy) {
+    step_.force = held_.data();
+    result_.labels = std::move(labels);
+  }
+
+  VariationalResult run() {
+    start();
+    const int most = 10 * options_.iterations;  // steps are small
+    while (result_.iterations < most && !result_.converged) {
+      report(options_.progress, "evolve", static_cast<double>(result_.iterations) / most);
+      ++result_.iterations;
+      if (!move_contour()) break;
+      update_statistics();
+      add_energy();
+    }
+    update_labels(lattice_, set_.coefficients, result_.labels.data());
+    if (options_.fill_holes) fill_holes();
+    result_.coefficients.push_back(std::move(set_.coefficients));
+    return std::move(result_);
+  }
+
+ private:
+  void hold_voxels() {
+    for (std::size_t i = 0; i < held_.size(); ++i) held_[i] = result_.labels[i] != 0 ? -1.0F : 1.0F;
+  }
+
+  void hold_all_but_band() {
+    hold_voxels();
+    const std::vector<float> band = band_of(result_.labels, grid_, local_reach);
+    for (std::size_t i = 0; i < held_.size(); ++i)
+      if (band[i] > 0) held_[i] = set_.force[i];
+  }
+
+  void start() {
+    hold_voxels();
+    fit_target(lattice_, step_, local_first_fit, set_.coefficients);
+    source_.fit(result_.labels);
+    source_.force(1, 1, set_.force);
+    scale_ = force_scale(set_.force);
+    take_force();
+    set_.energy.eps = step_.eps =
+        std::max({local_least_eps, noise_to_eps * options_.noise, least_width(lattice_, set_.energy)});
+    energy_ = set_.total(lattice_);
+    add_energy();
+  }
+
+  void take_force() { set_.others = source_.force_with_prior(1, scale_, set_.force); }
+
+  void add_energy() { result_.energy.push_back(energy_ / static_cast<double>(held_.size())); }
+
+  // False when the energy falls no further.
+  bool move_contour() {
+    hold_all_but_band();
+    const std::vector<float> before = set_.coefficients;
+    fit_target(lattice_, step_, local_fit, set_.coefficients);
+    std::vector<double> steps;
+    minimize_contour_energy(lattice_, step_, local_descent, descent_tolerance, set_.coefficients, steps);
+    const double next = set_.total(lattice_);
+    if (next > energy_) {
+      set_.coefficients = before;
+      result_.converged = true;
+      return false;
+    }
+    energy_ = next;
+    const Index changed = update_labels(lattice_, set_.coefficients, result_.labels.data());
+    result_.converged = static_cast<double>(changed) <= 0.1 * changed_share * static_cast<double>(held_.size());
+    return true;
+  }
+
+  // New statistics, if they are better for the contour as it is.
+  void update_statistics() {
+    source_.fit(result_.labels);
+    take_force();
+    const double next = set_.total(lattice_);
+    if (next <= energy_) {
+      energy_ = next;
+      return;
+    }
+    source_.undo();
+    take_force();
+  }
+
+  void fill_holes() {
+    std::vector<std::uint8_t>& labels = result_.labels;
+    if (fill_enclosed(labels, grid_) == 0) return;
+    hold_all_but_band();
+    fit_target(lattice_, step_, local_first_fit, set_.coefficients);
+    update_labels(lattice_, set_.coefficients, labels.data());
+    fill_enclosed(labels, grid_);
+  }
+
+  const Lattice<Dim>& lattice_;
+  ForceSource& source_;
+  const VariationalOptions& options_;
+  const Grid& grid_;
+  VariationalResult result_;
+  LevelSet<Dim> set_;
+  std::vector<float> held_;
+  ContourEnergy step_;  // of the voxels as they are held
+  double scale_ = 1, energy_ = 0;
+};
+
 }  // namespace
 
 template <int Dim>
-VariationalResult descend_locally(const Lattice<Dim>& lattice, const ForceSource& source, const SegmentOptions& options,
-                                  const Grid& grid, double noise, std::vector<std::uint8_t> labels) {
-  constexpr Index reach = 2;  // voxels that the contour may move in a step
-  constexpr int first_fit = 12, fit = 3, descent = 3;
-  VariationalResult result;
-  SegmentReport& report = result.report;
-  const auto voxels = static_cast<Index>(labels.size());
-  LevelSet<Dim> set(lattice, voxels, options.smoothness.value_or(0), noise);
-  std::vector<float> held(labels.size());
-  const auto hold = [&] {  // every voxel where it is
-    for (std::size_t i = 0; i < labels.size(); ++i) held[i] = labels[i] != 0 ? -1.0F : 1.0F;
-  };
-  const auto free_band = [&] {  // but for those at the contour
-    hold();
-    const std::vector<float> band = band_of(labels, grid, reach);
-    for (std::size_t i = 0; i < held.size(); ++i)
-      if (band[i] > 0) held[i] = set.force[i];
-  };
-  ContourEnergy step = set.energy;
-  step.force = held.data();
-  hold();
-  fit_target(lattice, step, first_fit, set.coefficients);
-
-  source.fit(labels);
-  source.force(1, 1, set.force);
-  const double scale = force_scale(set.force);
-  set.others = source.force_with_prior(1, scale, set.force);
-  set.energy.eps = step.eps = std::max({0.1, noise_to_eps * noise, least_width(lattice, set.energy)});
-  double energy = set.total(lattice);
-  report.energy.push_back(energy / static_cast<double>(voxels));
-  const int most = 10 * options.iterations;  // steps are small
-  while (report.iterations < most && !report.converged) {
-    csrbf::report(options.progress, "evolve", static_cast<double>(report.iterations) / most);
-    ++report.iterations;
-    free_band();
-    const std::vector<float> before = set.coefficients;
-    fit_target(lattice, step, fit, set.coefficients);
-    std::vector<double> steps;
-    evolve(lattice, step, descent, 1e-3, set.coefficients, steps);
-    const double next = set.total(lattice);
-    if (next > energy) {
-      set.coefficients = before;
-      report.converged = true;
-      break;
-    }
-    energy = next;
-    const Index changed = update_labels(lattice, set.coefficients, labels.data());
-    report.converged = static_cast<double>(changed) <= 0.1 * still * static_cast<double>(voxels);
-    if (source.fit(labels)) {
-      set.others = source.force_with_prior(1, scale, set.force);
-      const double updated = set.total(lattice);
-      if (updated <= energy) {
-        energy = updated;
-      } else {
-        source.undo();
-        set.others = source.force_with_prior(1, scale, set.force);
-      }
-    }
-    report.energy.push_back(energy / static_cast<double>(voxels));
-  }
-  update_labels(lattice, set.coefficients, labels.data());
-  if (options.fill_holes.value_or(false) && fill_enclosed(labels, grid) > 0) {
-    free_band();
-    fit_target(lattice, step, first_fit, set.coefficients);
-    update_labels(lattice, set.coefficients, labels.data());
-    fill_enclosed(labels, grid);
-  }
-  result.coefficients.push_back(std::move(set.coefficients));
-  result.labels = std::move(labels);
-  return result;
+VariationalResult descend_globally(const Lattice<Dim>& lattice, ForceSource& source, const VariationalOptions& options,
+                                   std::vector<std::uint8_t> labels) {
+  return GlobalDescent<Dim>(lattice, source, options, std::move(labels)).run();
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                     \
-  template VariationalResult descend_globally<Dim>(const Lattice<Dim>&, const ForceSource&, const SegmentOptions&, \
-                                                   double, std::vector<std::uint8_t>);                             \
-  template VariationalResult descend_locally<Dim>(const Lattice<Dim>&, const ForceSource&, const SegmentOptions&,  \
-                                                  const Grid&, double, std::vector<std::uint8_t>);
+template <int Dim>
+VariationalResult descend_locally(const Lattice<Dim>& lattice, ForceSource& source, const VariationalOptions& options,
+                                  const Grid& grid, std::vector<std::uint8_t> labels) {
+  return LocalDescent<Dim>(lattice, source, options, grid, std::move(labels)).run();
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                                   \
+  template VariationalResult descend_globally<Dim>(const Lattice<Dim>&, ForceSource&, const VariationalOptions&, \
+                                                   std::vector<std::uint8_t>);                                   \
+  template VariationalResult descend_locally<Dim>(const Lattice<Dim>&, ForceSource&, const VariationalOptions&,  \
+                                                  const Grid&, std::vector<std::uint8_t>);
 CSRBF_INSTANTIATE(2)
 CSRBF_INSTANTIATE(3)
 #undef CSRBF_INSTANTIATE

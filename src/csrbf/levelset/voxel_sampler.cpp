@@ -70,7 +70,7 @@ Point<Dim> clamped(const Grid& grid, Point<Dim> voxel) {
 
 template <int Dim>
 VoxelSampler<Dim>::VoxelSampler(const RadialBasis<Dim>& basis, Points<Dim> voxels) : voxels_(std::move(voxels)) {
-  constexpr double most_entries = 3e7;
+  constexpr double most_entries = 3e7;  // of 12 bytes
   const double entries = static_cast<double>(voxels_.cols()) * mean_entries<Dim>(basis, voxels_);
   if (!basis.kernel().compact() || entries > most_entries) return;
   matrix_ = basis.matrix(voxels_);
@@ -79,7 +79,7 @@ VoxelSampler<Dim>::VoxelSampler(const RadialBasis<Dim>& basis, Points<Dim> voxel
 
 template <int Dim>
 Index VoxelSampler<Dim>::labels(const NodeSystem<Dim>& system, const Eigen::VectorXd& mu, unsigned char* labels) const {
-  constexpr Index grain = 1 << 13;
+  constexpr Index grain = 1 << 13;  // voxels per task
   const bool sparse = matrix_.rows() > 0;
   const Index n = sparse ? matrix_.rows() : voxels_.cols();
   const Eigen::VectorXd value = sparse ? Eigen::VectorXd(n) : system.expansion(mu)->evaluate(voxels_).value;

@@ -5,8 +5,8 @@
 
 namespace csrbf {
 
-/// Which voxels lie inside a level set on nodes, again and again. Keeps the values of all basis functions at all voxels
-/// as a sparse matrix where that takes at most about 400 MB, and sums them anew where it does not.
+/// Labels of the voxels inside a level set on nodes, for repeated use. Keeps the values of all basis functions at all
+/// voxels as a sparse matrix where that takes at most about 400 MB, and sums them anew where it does not.
 template <int Dim>
 class VoxelSampler {
  public:

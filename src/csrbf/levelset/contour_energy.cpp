@@ -1,4 +1,4 @@
-#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/contour_energy.hpp"
 
 #include "csrbf/core/simd.hpp"
 #include "csrbf/levelset/coefficient_sums.hpp"
@@ -12,7 +12,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index piece = 256;  // voxels whose forces are gathered at a time
+constexpr Index block_size = 256;  // voxels gathered at a time: a few kB, which stay in the first cache
 
 struct Profile {
   float inverse_eps, anchor, length, volume;
@@ -20,10 +20,10 @@ struct Profile {
 
 // Sixteen voxels. Compilers keep the order of float sums, so they do not make vector code of such loops by themselves.
 using Wide = float __attribute__((vector_size(64)));
-constexpr Index width = 16;
+constexpr Index lanes = 16;
 
 constexpr Index padded(Index n) {
-  return (n + width - 1) / width * width;
+  return (n + lanes - 1) / lanes * lanes;
 }
 
 CSRBF_ALWAYS_INLINE void load(const float* from, Wide& to) {
@@ -35,7 +35,7 @@ CSRBF_ALWAYS_INLINE void clamp_to_one(Wide& x) {
 }
 CSRBF_ALWAYS_INLINE float sum_of_lanes(const Wide& x) {
   float sum = 0;
-  for (Index i = 0; i < width; ++i) sum += x[i];
+  for (Index i = 0; i < lanes; ++i) sum += x[i];
   return sum;
 }
 
@@ -44,9 +44,9 @@ float target_of(float force) {
 }
 
 // H_eps, its derivative, and what f is off its target, at 16 voxels.
-struct Step {
+struct SmoothedStep {
   Wide t, bump, H, delta, off;
-  CSRBF_ALWAYS_INLINE Step(const Profile& by, const Wide& force, const Wide& f) {
+  CSRBF_ALWAYS_INLINE SmoothedStep(const Profile& by, const Wide& force, const Wide& f) {
     t = f * by.inverse_eps;
     clamp_to_one(t);
     const Wide t2 = t * t;
@@ -59,15 +59,15 @@ struct Step {
   }
 };
 
-// Terms of E without the length, their derivatives in place of f. n is a multiple of `width`.
+// Terms of E without the length, their derivatives in place of f. n is a multiple of `lanes`.
 CSRBF_SIMD_CLONES
 float region_terms(const Profile& by, const float* force, Index n, float* f) {
   Wide sum = {};
-  for (Index i = 0; i < n; i += width) {
+  for (Index i = 0; i < n; i += lanes) {
     Wide F, value;
     load(force + i, F);
     load(f + i, value);
-    const Step at(by, F, value);
+    const SmoothedStep at(by, F, value);
     sum += F * at.H + (0.5F * by.anchor) * at.off * at.off;
     value = by.volume * (F * at.delta + by.anchor * at.off);
     std::memcpy(f + i, &value, sizeof value);
@@ -80,7 +80,7 @@ template <int Dim>
 CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, const float* weights, Index n, float* f,
                                        float* fx, float* fy, float* fz) {
   Wide sum = {};
-  for (Index i = 0; i < n; i += width) {
+  for (Index i = 0; i < n; i += lanes) {
     Wide F, length, value, x, y, z = {}, norm;
     load(force + i, F);
     load(weights + i, length);
@@ -88,10 +88,10 @@ CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, co
     load(fx + i, x);
     load(fy + i, y);
     if constexpr (Dim == 3) load(fz + i, z);
-    const Step at(by, F, value);
+    const SmoothedStep at(by, F, value);
     length *= by.length;
     const Wide norm2 = 1e-20F + x * x + y * y + z * z;
-    for (Index j = 0; j < width; ++j) norm[j] = std::sqrt(norm2[j]);
+    for (Index j = 0; j < lanes; ++j) norm[j] = std::sqrt(norm2[j]);
     sum += F * at.H + (0.5F * by.anchor) * at.off * at.off + length * at.delta * norm;
     const Wide slope = (-3.75F * by.inverse_eps * by.inverse_eps) * at.t * at.bump;
     value = by.volume * (F * at.delta + by.anchor * at.off + length * slope * norm);
@@ -119,11 +119,11 @@ float length_terms_3(const Profile& by, const float* force, const float* weights
   return length_terms<3>(by, force, weights, n, f, fx, fy, fz);
 }
 
-// Half the squares of what values are short of on the side that their force says, derivatives in place of f.
+// Squared hinge loss, halved: by how much values miss the margin on the side of their force; derivatives in place of f.
 CSRBF_SIMD_CLONES
-float shortfalls(float margin, const float* force, Index n, float* f) {
+float hinge_terms(float margin, const float* force, Index n, float* f) {
   Wide sum = {};
-  for (Index i = 0; i < n; i += width) {
+  for (Index i = 0; i < n; i += lanes) {
     Wide F, value;
     load(force + i, F);
     load(f + i, value);
@@ -138,10 +138,10 @@ float shortfalls(float margin, const float* force, Index n, float* f) {
   return sum_of_lanes(sum);
 }
 
-using Piece = std::array<float, piece>;
+using Block = std::array<float, block_size>;
 
-// n values of a row, one after the other, and zeros up to a multiple of `width`.
-void gather(const float* values, const LatticeRow& row, Index begin, Index n, Piece& place) {
+// n values of a row, one after the other, and zeros up to a multiple of `lanes`.
+void gather(const float* values, const LatticeRow& row, Index begin, Index n, Block& place) {
   const float* from = values + row.voxel + begin * row.stride;
   for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(i)] = from[i * row.stride];
   std::fill(place.begin() + n, place.begin() + padded(n), 0.0F);
@@ -150,11 +150,11 @@ void gather(const float* values, const LatticeRow& row, Index begin, Index n, Pi
 template <int Dim>
 double row_energy(const Profile& profile, bool gradients, const ContourEnergy& energy, const LatticeRow& row) {
   double sum = 0;
-  Piece force, weight, f;
-  std::array<Piece, Dim> slope;
+  Block force, weight, f;
+  std::array<Block, Dim> slope;
   weight.fill(1);
-  for (Index begin = 0; begin < row.count; begin += piece) {
-    const Index n = std::min(piece, row.count - begin);
+  for (Index begin = 0; begin < row.count; begin += block_size) {
+    const Index n = std::min(block_size, row.count - begin);
     gather(energy.force, row, begin, n, force);
     // Values 0 with force 0 add force H = 0 and no length, whose gradient is 0 there.
     std::copy_n(row.value + begin, n, f.begin());
@@ -191,11 +191,11 @@ double voxel_volume(const Lattice<Dim>& lattice) {
 // voxels leave undetermined, and with it the number of steps to the solution.
 template <int Dim>
 double ridge(const Lattice<Dim>& lattice) {
-  constexpr double share = 0.01;
+  constexpr double share = 0.01;  // by hand: larger biases f towards 0, smaller takes more steps
   return share * voxel_volume(lattice) * lattice.coefficient_weight();
 }
 
-constexpr float largest_coefficient = 2;
+constexpr float largest_coefficient = 2;  // by hand: room above the targets, which are at most 1
 
 // With a length |f| must not become so steep that the contour falls between voxels.
 float coefficient_bound(const ContourEnergy& energy) {
@@ -226,7 +226,7 @@ double contour_energy(const Lattice<Dim>& lattice, const ContourEnergy& energy, 
 template <int Dim>
 void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations,
                 std::vector<float>& coefficients) {
-  constexpr double accuracy = 1e-3;  // of the residual: far below what the energy tells apart
+  constexpr double accuracy = 1e-3;  // relative residual; by hand: errors far below those of the energy
   const double volume = voxel_volume(lattice), weight = ridge(lattice);
   const auto n = static_cast<std::size_t>(lattice.array_size());
   // B^T V (target - B a) - ridge a, or without the target
@@ -263,9 +263,9 @@ void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int it
 }
 
 template <int Dim>
-int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
-           std::vector<float>& coefficients, std::vector<double>& energies) {
-  // The anchor alone would be solved by about this rate.
+int minimize_contour_energy(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
+                            std::vector<float>& coefficients, std::vector<double>& energies) {
+  // About the inverse curvature of the anchor.
   const double rate = 1 / (std::max(energy.anchor, 1e-3) * voxel_volume(lattice) * lattice.coefficient_weight());
   return spectral_descent(
       [&](const float* x, float* derivatives) { return contour_energy(lattice, energy, x, derivatives); },
@@ -275,17 +275,17 @@ int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterati
 template <int Dim>
 int separate_voxels(const Lattice<Dim>& lattice, const float* force, double margin, int iterations,
                     std::vector<float>& coefficients) {
-  constexpr double tolerance = 3e-3;
+  constexpr double tolerance = 3e-3;  // share of the decrease so far; by hand: larger ends earlier
   std::vector<double> sums;
   const auto row_sum = [&](const LatticeRow& row) {
     double sum = 0;
-    Piece forces, f;
-    for (Index begin = 0; begin < row.count; begin += piece) {
-      const Index n = std::min(piece, row.count - begin);
+    Block forces, f;
+    for (Index begin = 0; begin < row.count; begin += block_size) {
+      const Index n = std::min(block_size, row.count - begin);
       gather(force, row, begin, n, forces);
       std::copy_n(row.value + begin, n, f.begin());
       std::fill(f.begin() + n, f.begin() + padded(n), 0.0F);
-      sum += static_cast<double>(shortfalls(static_cast<float>(margin), forces.data(), padded(n), f.data()));
+      sum += static_cast<double>(hinge_terms(static_cast<float>(margin), forces.data(), padded(n), f.data()));
       std::copy_n(f.begin(), n, row.value + begin);
     }
     return sum;
@@ -338,8 +338,8 @@ Index update_labels(const Lattice<Dim>& lattice, const std::vector<float>& coeff
 #define CSRBF_INSTANTIATE(Dim)                                                                                        \
   template double contour_energy<Dim>(const Lattice<Dim>&, const ContourEnergy&, const float*, float*);               \
   template void fit_target<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, std::vector<float>&);                 \
-  template int evolve<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, double, std::vector<float>&,               \
-                           std::vector<double>&);                                                                     \
+  template int minimize_contour_energy<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, double,                   \
+                                            std::vector<float>&, std::vector<double>&);                               \
   template int separate_voxels<Dim>(const Lattice<Dim>&, const float*, double, int, std::vector<float>&);             \
   template double target_residual<Dim>(const Lattice<Dim>&, const ContourEnergy&, const std::vector<float>&, double); \
   template Index update_labels<Dim>(const Lattice<Dim>&, const std::vector<float>&, unsigned char*);

@@ -1,4 +1,4 @@
-#include "csrbf/levelset/evolve.hpp"
+#include "csrbf/levelset/contour_energy.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace csrbf {
 namespace {
 
-// A force that wants the disc of that radius about the middle, with noise.
+// A force that favours the disc of that radius about the middle, with noise.
 std::vector<float> disc_force(Index n, double radius, double noise, unsigned seed = 1) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal(0, 1);
@@ -92,21 +92,21 @@ TEST(FitTarget, SolvesTheLeastSquaresPart) {
   EXPECT_LT(left, 4e-3 * before);  // it stops when the residual is a thousandth in the mean
 }
 
-TEST(Evolve, NeverRaisesTheEnergy) {
+TEST(MinimizeContourEnergy, NeverRaisesTheEnergy) {
   for (const double length : {0.0, 1.0})
     for (const double noise : {0.0, 0.5, 2.0}) {
       const Lattice<2> lattice({60, 60, 1}, Point<3>(1, 1, 1), {2, 2.5, "wendland-c2"});
       const std::vector<float> force = disc_force(60, 20, noise);
       std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
       std::vector<double> energies;
-      evolve(lattice, {force.data(), length, 0.2, 1}, 60, 1e-6, a, energies);
+      minimize_contour_energy(lattice, {force.data(), length, 0.2, 1}, 60, 1e-6, a, energies);
       ASSERT_GT(energies.size(), 3U);
       for (std::size_t i = 1; i < energies.size(); ++i) ASSERT_LE(energies[i], energies[i - 1]);
       for (const float c : a) ASSERT_LE(std::abs(c), 2.0F);
     }
 }
 
-TEST(Evolve, FindsADiscToAFractionOfAVoxel) {
+TEST(MinimizeContourEnergy, FindsADiscToAFractionOfAVoxel) {
   constexpr Index n = 80;
   for (const double radius : {10.3, 20.7, 30.5}) {
     const Lattice<2> lattice({n, n, 1}, Point<3>(1, 1, 1), {3, 2.5, "wendland-c2"});
@@ -114,7 +114,7 @@ TEST(Evolve, FindsADiscToAFractionOfAVoxel) {
     std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
     std::vector<double> energies;
     fit_target(lattice, {force.data(), 0, 1, 1}, 10, a);
-    evolve(lattice, {force.data(), 0, 0.1, 1}, 50, 1e-6, a, energies);
+    minimize_contour_energy(lattice, {force.data(), 0, 0.1, 1}, 50, 1e-6, a, energies);
     std::vector<unsigned char> labels(force.size(), 0);
     update_labels(lattice, a, labels.data());
     double area = 0;
@@ -159,7 +159,7 @@ TEST(SeparateVoxels, BringsThemToTheirSides) {
 }
 
 // With a length weight L the best disc has force + L kappa = 0 at its border.
-TEST(Evolve, ShrinksADiscByItsCurvature) {
+TEST(MinimizeContourEnergy, ShrinksADiscByItsCurvature) {
   constexpr Index n = 96;
   constexpr double radius = 20, weight = 4;
   const Lattice<2> lattice({n, n, 1}, Point<3>(1, 1, 1), {3, 3, "wendland-c4"});
@@ -172,7 +172,7 @@ TEST(Evolve, ShrinksADiscByItsCurvature) {
   std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
   fit_target(lattice, {force.data(), 0, 1, 1}, 20, a);
   std::vector<double> energies;
-  evolve(lattice, {force.data(), weight, 2 * lattice.steepest(), 0.01}, 2000, 1e-9, a, energies);
+  minimize_contour_energy(lattice, {force.data(), weight, 2 * lattice.steepest(), 0.01}, 2000, 1e-9, a, energies);
   std::vector<unsigned char> labels(force.size(), 0);
   update_labels(lattice, a, labels.data());
   double area = 0;

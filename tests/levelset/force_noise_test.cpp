@@ -1,4 +1,4 @@
-#include "csrbf/levelset/variational.hpp"
+#include "csrbf/levelset/force_noise.hpp"
 
 #include "levelset/segment_testing.hpp"
 
@@ -36,22 +36,6 @@ TEST(ForceNoise, IsLargeWhereTheForceContradictsTheLabels) {
   EXPECT_EQ(force_noise(noisy.force, inverted, {}, noisy.phantom.image.grid).size, 1);
   const std::vector<float> none(inverted.size(), 0.0F);
   EXPECT_EQ(force_noise(none, inverted, {}, noisy.phantom.image.grid).size, 0);
-}
-
-// Whatever the scale, 1 included.
-TEST(ForceSource, AddsThePriorInUnitsOfTheScale) {
-  const std::vector<float> prior{1, -1, 0.5F};
-  ForceSource source;
-  source.prior = prior;
-  source.force = [](int, double scale, std::span<float> to) {
-    for (float& value : to) value = static_cast<float>(6 / scale);
-    return 12.0;
-  };
-  for (const double scale : {1.0, 2.0, 3.0}) {
-    std::vector<float> force(3);
-    EXPECT_EQ(source.force_with_prior(1, scale, force), 12 / scale);
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_FLOAT_EQ(force[i], static_cast<float>(6 / scale) + prior[i]);
-  }
 }
 
 }  // namespace

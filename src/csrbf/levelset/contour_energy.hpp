@@ -6,16 +6,16 @@
 
 namespace csrbf {
 
-/// What a contour costs, for a level set f on a lattice (sums over voxels of volume V, in units of the shortest edge):
+/// Energy of a contour, for a level set f on a lattice (sums over voxels of volume V, in units of the shortest edge):
 ///
 ///     E(alpha) = sum V force H_eps(f) + length sum V weight H_eps'(f) |grad f|
 ///              + anchor / 2 (sum V (f - target)^2 + ridge |alpha|^2),    target = -force / 2, at most 1 in size
 ///
-/// force is what it costs to have a voxel inside instead of outside; about -1 and 1 where that is clear. H_eps rises
+/// force is the cost of a voxel inside minus its cost outside, about -1 and 1 where the choice is clear. H_eps rises
 /// from 0 at -eps to 1 at eps with two continuous derivatives, so the second sum is the length of the contour (2D) or
-/// the area of the surface (3D). The third sum holds f near what each voxel says by itself: it makes new parts appear
+/// the area of the surface (3D). The third sum keeps f near what each voxel favours by itself: it lets new parts appear
 /// anywhere, bounds f, and is a least-squares problem of its own, whose solution is the start. The smaller eps, the
-/// more exactly the voxels next to the contour are obeyed, and their noise.
+/// more closely the contour follows the voxels next to it, and their noise.
 struct ContourEnergy {
   const float* force = nullptr;    ///< one per voxel, x fastest
   double length = 0;               ///< >= 0
@@ -35,17 +35,17 @@ template <int Dim>
 void fit_target(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations,
                 std::vector<float>& coefficients);
 
-/// Lowers E by the spectral projected gradient method over |alpha| <= 2 (1 with a length) with back-tracking: no step
-/// raises it. Stops
-/// after `iterations` evaluations of the derivatives, or when a step lowers it by less than `tolerance` times the
-/// decrease so far. Appends the energy at the start and after each step to `energies`; returns the evaluations used.
+/// Minimises E by the spectral projected gradient method over |alpha| <= 2 (1 with a length) with back-tracking: no
+/// step raises it. Stops after `iterations` evaluations of the derivatives, or when a step lowers it by less than
+/// `tolerance` times the decrease so far. Appends the energy at the start and after each step to `energies`; returns
+/// the evaluations used.
 template <int Dim>
-int evolve(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
-           std::vector<float>& coefficients, std::vector<double>& energies);
+int minimize_contour_energy(const Lattice<Dim>& lattice, const ContourEnergy& energy, int iterations, double tolerance,
+                            std::vector<float>& coefficients, std::vector<double>& energies);
 
-/// Brings each voxel to the side of the contour that its force says: lowers sum (min(|target|, margin) - s f)^2 over
+/// Brings each voxel to the side of the contour that its force favours: lowers sum (min(|target|, margin) - s f)^2 over
 /// the voxels where that is positive, s = 1 or -1 the sign of the target, by at most `iterations` evaluations of a
-/// convex function. For images without noise, where the voxels close to the contour are known as well as all others but
+/// convex function. For images without noise, where the voxels close to the contour are as reliable as all others but
 /// count little in E. Returns the evaluations used.
 template <int Dim>
 int separate_voxels(const Lattice<Dim>& lattice, const float* force, double margin, int iterations,

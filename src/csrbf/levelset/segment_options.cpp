@@ -1,6 +1,7 @@
+#include "csrbf/levelset/segment_options.hpp"
+
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
-#include "csrbf/levelset/segment.hpp"
 
 #include <array>
 #include <string>

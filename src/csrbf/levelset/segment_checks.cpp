@@ -1,0 +1,115 @@
+#include "csrbf/levelset/segment_checks.hpp"
+
+#include "csrbf/core/error.hpp"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+
+namespace csrbf {
+namespace {
+
+constexpr const char* here = "segment";
+
+// Centres more than half the image apart resolve nothing, and the stencils take memory of the order of spacing^Dim.
+template <int Dim>
+void check_center_spacing(const Grid& grid, double center_spacing) {
+  constexpr double most = Dim == 2 ? 256 : 40;  // voxels: 65536 and 64000 phases
+  const auto sides = Eigen::Map<const Eigen::Array<Index, 3, 1>>(grid.size.data()).head<Dim>().template cast<double>();
+  const auto edges = grid.spacing.head<Dim>().array();
+  const double half = std::floor((sides * edges).maxCoeff() / edges.minCoeff() / 2);
+  const double largest = std::clamp(half, 1.0, most);
+  std::ostringstream constraint;
+  constraint << "must be at most " << largest << " voxels for this image"
+             << (half <= most ? ", half its longest side" : "") << "; leave it out to have it chosen";
+  require(center_spacing <= largest, here, "center_spacing", center_spacing, constraint.str());
+}
+
+// Throws for an array that is neither empty nor set in a voxel of the mask.
+void check_array(const std::vector<std::uint8_t>& array, const char* name, std::size_t voxels,
+                 const std::vector<std::uint8_t>& mask) {
+  if (array.empty()) return;
+  require(array.size() == voxels, here, std::string(name) + " size", array.size(),
+          "must be the number of voxels, " + std::to_string(voxels));
+  bool any = false;
+  for (std::size_t i = 0; i < voxels && !any; ++i)
+    any = array[i] != 0 && (mask.empty() || mask.size() != voxels || mask[i] != 0);
+  require(
+      any, here, name, "empty",
+      std::string(name) == "mask" ? "must be set in some voxels" : "must have voxels inside the image and its mask");
+}
+
+}  // namespace
+
+void check_segment_options(const SegmentOptions& options) {
+  require(options.regions >= 2 && options.regions <= 16, here, "regions", options.regions, "must be 2 to 16");
+  require(options.iterations > 0, here, "iterations", options.iterations, "must be positive");
+  if (options.smoothness)
+    require(*options.smoothness >= 0 && std::isfinite(*options.smoothness), here, "smoothness", *options.smoothness,
+            "must not be negative");
+  if (options.window)
+    require(*options.window >= 0 && *options.window <= 1000, here, "window", *options.window, "must be 0 to 1000");
+  require(options.balloon >= -1 && options.balloon <= 1, here, "balloon", options.balloon, "must be in [-1, 1]");
+  if (options.regions > 2) {
+    require(options.mode == SegmentMode::global && options.method == SegmentMethod::variational, here, "regions",
+            options.regions, "more than two need the mode global and the method variational");
+    require(options.energy != SegmentEnergy::edge && !options.force, here, "regions", options.regions,
+            "more than two need an energy of intensities");
+    require(options.seed.empty() && options.start.empty() && options.prior.empty(), here, "regions", options.regions,
+            "seed, start and prior are for two regions");
+  }
+  if (options.method != SegmentMethod::variational)
+    require(options.energy != SegmentEnergy::edge || options.force, here, "energy", "edge",
+            "needs the method variational");
+  if (options.energy == SegmentEnergy::edge && !options.force)
+    require(!options.seed.empty(), here, "energy", "edge", "needs a seed to start from (init)");
+}
+
+template <int Dim>
+void check_segment_image(const Volume<float>& image, const SegmentOptions& options) {
+  const Grid& grid = image.grid;
+  const auto voxels = static_cast<std::size_t>(grid.voxels());
+  require(image.components == 1, here, "components", image.components, "the image must have one value per voxel");
+  require(image.frames == 1, here, "frames", image.frames, "the image must have one frame; track() takes sequences");
+  require(image.values.size() == voxels, here, "number of values", image.values.size(), "must be that of the voxels");
+  for (std::size_t a = 0; a < 3; ++a)
+    require(a < Dim ? grid.size[a] >= 2 : grid.size[a] == 1, here, "size", grid.size[a],
+            a < Dim ? "the image must have at least 2 voxels along each axis" : "the image has too many axes");
+  if (options.center_spacing) check_center_spacing<Dim>(grid, *options.center_spacing);
+  check_array(options.mask, "mask", voxels, options.mask);
+  check_array(options.seed, "seed", voxels, options.mask);
+  check_array(options.start, "start", voxels, options.mask);
+  require(options.prior.empty() || options.prior.size() == voxels, here, "prior size", options.prior.size(),
+          "must be the number of voxels, " + std::to_string(voxels));
+}
+
+std::vector<float> finite_values(const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
+  std::vector<float> values;
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    if (std::isfinite(image.values[i])) continue;
+    require(
+        !mask.empty() && mask[i] == 0, here, "image", image.values[i],
+        "not a number in voxel " + std::to_string(i) + "; fill such voxels with inpaint() or leave them out by a mask");
+    if (values.empty()) values = image.values;
+    values[i] = 0;
+  }
+  return values;
+}
+
+void check_contrast(std::span<const float> values, const std::vector<std::uint8_t>& mask) {
+  const auto takes_part = [&](std::size_t i) { return mask.empty() || mask[i] != 0; };
+  std::size_t first = 0;
+  while (!takes_part(first)) ++first;
+  bool constant = true;
+  for (std::size_t i = first; i < values.size() && constant; ++i)
+    constant = !takes_part(i) || values[i] == values[first];
+  require(!constant, here, "image", values[first], "a constant image has no regions to tell apart");
+}
+
+template void check_segment_image<2>(const Volume<float>&, const SegmentOptions&);
+template void check_segment_image<3>(const Volume<float>&, const SegmentOptions&);
+
+}  // namespace csrbf

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "csrbf/core/grid.hpp"
+#include "csrbf/levelset/segment_options.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace csrbf {
+
+/// What segment() refuses: these throw InvalidInput. First the options as such, then the image and what of the options
+/// depends on it.
+void check_segment_options(const SegmentOptions& options);
+template <int Dim>
+void check_segment_image(const Volume<float>& image, const SegmentOptions& options);
+
+/// The values of an image with zeros in place of NaN and infinity, which must be outside the mask; empty when all are
+/// finite.
+std::vector<float> finite_values(const Volume<float>& image, const std::vector<std::uint8_t>& mask);
+
+/// The values inside the mask must not all be equal.
+void check_contrast(std::span<const float> values, const std::vector<std::uint8_t>& mask);
+
+}  // namespace csrbf

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "csrbf/core/progress.hpp"
+#include "csrbf/levelset/force_update.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace csrbf {
+
+/// The energy that is minimised: that of regions whose intensities follow a law each (see IntensityLaw), or of a
+/// contour on edges.
+enum class SegmentEnergy {
+  chan_vese,             ///< two means
+  gaussian,              ///< means and variances
+  generalized_gaussian,  ///< also the shape: distinguishes textures of equal mean
+  rayleigh,              ///< envelopes of ultrasound
+  gamma,                 ///< the same, compounded; these three correct for the blur of speckle where they find it
+  edge,                  ///< short contours where the gradient of the image is large; needs a start
+};
+
+enum class SegmentMode {
+  global,  ///< parts of a region appear wherever they fit
+  local,   ///< the contour moves from where it starts, step by step
+};
+
+enum class SegmentMethod {
+  variational,        ///< descent of the energy on a lattice of CSRBF centres
+  collocation,        ///< the scheme of the thesis, (8.25)-(8.28), corrected: two-means thresholding between nodes
+  finite_difference,  ///< upwind differences on the voxels
+};
+
+/// How the mean of a region varies over the image.
+enum class Shading {
+  automatic,  ///< linear when that explains most of what two constants leave, else none
+  none,
+  linear,
+  quadratic,
+};
+
+/// Names on the command line and in Python: chan-vese, gaussian, ...; global, local; variational, ...; auto, none, ....
+std::string_view name_of(SegmentEnergy energy);
+std::string_view name_of(SegmentMode mode);
+std::string_view name_of(SegmentMethod method);
+std::string_view name_of(Shading shading);
+/// The value of that name. Throws InvalidInput, listing the names, for other words.
+SegmentEnergy segment_energy(std::string_view name);
+SegmentMode segment_mode(std::string_view name);
+SegmentMethod segment_method(std::string_view name);
+Shading shading_named(std::string_view name);
+
+/// The options of segment() without arrays and functions.
+struct SegmentSettings {
+  SegmentEnergy energy = SegmentEnergy::chan_vese;
+  SegmentMode mode = SegmentMode::global;
+  SegmentMethod method = SegmentMethod::variational;
+  int regions = 2;  ///< 2 to 16; more than 2 in global mode of the variational method only
+  /// Distance of the centres in voxels of the shortest edge, from 1 to half the longest side of the image, and at most
+  /// 256 in the plane, 40 in space; automatic: 2 to 12, growing with the noise; in speckle six times its grain.
+  std::optional<double> center_spacing = {};
+  /// Support radius in center spacings; automatic: 2.5, for collocation 4 as in the thesis.
+  std::optional<double> support = {};
+  std::string kernel = "wendland-c2";  ///< any compact kernel with a gradient; wendland-c4 for curvatures
+  /// Weight of the length (area) of the contour relative to the contrast, in voxels: details whose radius is below it
+  /// vanish. automatic: 0, as the centers smooth already; edge: 1.
+  std::optional<double> smoothness = {};
+  /// Half width in voxels of the box over which energies are averaged, eq. (8.32); automatic: 0, for
+  /// generalized_gaussian 3 (in a volume 1) and up to three times that in speckle.
+  std::optional<int> window = {};
+  Shading shading = Shading::automatic;  ///< of chan_vese and gaussian in global mode
+  double balloon = 0;                    ///< of edge: pressure in [-1, 1] towards growth (> 0) or shrinking
+  /// Whether what the contour encloses counts as inside; automatic: in local mode, whose contour leaves dark spots
+  /// behind.
+  std::optional<bool> fill_holes = {};
+  int iterations = 100;  ///< at most; each updates statistics and contour
+};
+
+/// Settings, with the arrays and functions of one image. `segment(image, {{.regions = 3}})` gives one of the settings.
+struct SegmentOptions : SegmentSettings {
+  /// Where the segmentation starts: 1 in what is inside (the seed), 0 elsewhere; one entry per voxel, or none. In
+  /// global mode it only says which region is inside: the one that the seed covers more of.
+  std::vector<std::uint8_t> seed = {};
+  /// Labels of two regions that the statistics start from, such as those of the previous frame; one per voxel, or none.
+  std::vector<std::uint8_t> start = {};
+  /// Added to the cost of a voxel inside, in units of the mean cost of a voxel in the wrong region. One per voxel, or
+  /// none; for two regions.
+  std::vector<float> prior = {};
+  /// 0 in voxels that are ignored and get label 0; one entry per voxel, or none.
+  std::vector<std::uint8_t> mask = {};
+  /// Replaces `energy`: given labels, writes the cost of each voxel inside minus that outside, in any unit.
+  ForceUpdate force = {};
+  Progress progress = {};
+};
+
+}  // namespace csrbf
