@@ -1,6 +1,8 @@
 #include "csrbf/approx/rbf_interpolator.hpp"
 
 #include "csrbf/approx/global/local_interpolants.hpp"
+#include "csrbf/approx/global/rbf_system.hpp"
+#include "csrbf/approx/samples/nearest_samples.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <utility>
@@ -51,41 +53,84 @@ Index part_size(double cost_per_point) {
 
 }  // namespace
 
-RbfInterpolator::RbfInterpolator(const MatrixRef& points, const RbfInterpolatorOptions& options)
-    : points_(points),
-      smoothing_(checked_smoothing(options.smoothing, points.cols())),
-      neighbors_(std::min(options.neighbors, points.cols())),
-      basis_{make_kernel(options.kernel, points.rows()), 1, {static_cast<int>(points.rows()), -1}} {
-  require(points.rows() > 0 && points.cols() > 0, function, "points", points.cols(),
-          "at least one point of one coordinate is needed");
-  require(points.allFinite(), function, "points", "NaN or infinity", "every coordinate must be finite");
-  require(options.neighbors >= 0, function, "neighbors", options.neighbors, "must be positive");
-  epsilon_ = checked_epsilon(basis_.kernel, options.epsilon);
-  basis_.epsilon2 = epsilon_ * epsilon_;
-  degree_ = checked_degree(basis_.kernel, options.degree);
-  basis_.monomials = MonomialSteps(static_cast<int>(points.rows()), degree_);
-  const Index Q = basis_.monomials.size();
-  require(Q <= (neighbors_ > 0 ? neighbors_ : points.cols()), function, "degree", degree_,
-          "a polynomial of this degree in " + std::to_string(points.rows()) + " variables needs at least " +
-              std::to_string(Q) + " points");
-}
+struct RbfInterpolator::Data {
+  Matrix points;  // in Morton order with neighbours
+  Matrix values;  // with neighbours, in the same order
+  Eigen::VectorXd smoothing;
+  Index neighbors = 0;
+  double epsilon = 1;
+  int degree = -1;
+  RbfBasis basis;
+  RbfCoefficients solution = {};
+  std::unique_ptr<const NearestSamples> search = {};
+
+  Data(const MatrixRef& given, const RbfInterpolatorOptions& options)
+      : points(given),
+        smoothing(checked_smoothing(options.smoothing, given.cols())),
+        neighbors(std::min(options.neighbors, given.cols())),
+        basis{make_kernel(options.kernel, given.rows()), 1, {static_cast<int>(given.rows()), -1}} {
+    require(points.rows() > 0 && points.cols() > 0, function, "points", points.cols(),
+            "at least one point of one coordinate is needed");
+    require(points.allFinite(), function, "points", "NaN or infinity", "every coordinate must be finite");
+    require(options.neighbors >= 0, function, "neighbors", options.neighbors, "must be positive");
+    epsilon = checked_epsilon(basis.kernel, options.epsilon);
+    basis.epsilon2 = epsilon * epsilon;
+    degree = checked_degree(basis.kernel, options.degree);
+    basis.monomials = MonomialSteps(static_cast<int>(points.rows()), degree);
+    const Index Q = basis.monomials.size();
+    require(Q <= (neighbors > 0 ? neighbors : points.cols()), function, "degree", degree,
+            "a polynomial of this degree in " + std::to_string(points.rows()) + " variables needs at least " +
+                std::to_string(Q) + " points");
+  }
+
+  void solve(const MatrixRef& given, const Progress& progress) {
+    require(given.cols() == points.cols(), function, "values", given.cols(), "there must be one for each point");
+    require(given.allFinite(), function, "values", "NaN or infinity",
+            "every value must be finite; leave out the points without value");
+    report(progress, "solve", 0);
+    if (neighbors == 0) {
+      solution = basis.solve(points, given, smoothing);
+      return;
+    }
+    const std::vector<Index> order = nearby_order(points);
+    points = points(Eigen::all, order).eval();
+    smoothing = smoothing(order).eval();
+    values = given(Eigen::all, order);
+    search = nearest_samples(points);
+  }
+};
+
+RbfInterpolator::RbfInterpolator(std::unique_ptr<const Data> data) : data_(std::move(data)) {}
 
 RbfInterpolator::RbfInterpolator(const MatrixRef& points, const MatrixRef& values,
-                                 const RbfInterpolatorOptions& options)
-    : RbfInterpolator(points, options) {
-  require(values.cols() == points.cols(), function, "values", values.cols(), "there must be one for each point");
-  require(values.allFinite(), function, "values", "NaN or infinity",
-          "every value must be finite; leave out the points without value");
-  report(options.progress, "solve", 0);
-  if (neighbors_ == 0) {
-    solution_ = basis_.solve(points_, values, smoothing_);
-    return;
-  }
-  const std::vector<Index> order = nearby_order(points_);
-  points_ = points_(Eigen::all, order).eval();
-  smoothing_ = smoothing_(order).eval();
-  values_ = values(Eigen::all, order);
-  search_ = nearest_samples(points_);
+                                 const RbfInterpolatorOptions& options) {
+  auto data = std::make_unique<Data>(points, options);
+  data->solve(values, options.progress);
+  data_ = std::move(data);
+}
+
+RbfInterpolator::RbfInterpolator(RbfInterpolator&&) noexcept = default;
+RbfInterpolator& RbfInterpolator::operator=(RbfInterpolator&&) noexcept = default;
+RbfInterpolator::~RbfInterpolator() = default;
+
+Index RbfInterpolator::dimension() const {
+  return data_->points.rows();
+}
+
+Index RbfInterpolator::neighbors() const {
+  return data_->neighbors;
+}
+
+int RbfInterpolator::degree() const {
+  return data_->degree;
+}
+
+double RbfInterpolator::epsilon() const {
+  return data_->epsilon;
+}
+
+Eigen::MatrixXi RbfInterpolator::powers() const {
+  return data_->basis.monomials.powers();
 }
 
 int RbfInterpolator::smallest_degree(const std::string& kernel, Index dimension) {
@@ -94,50 +139,52 @@ int RbfInterpolator::smallest_degree(const std::string& kernel, Index dimension)
 
 RbfInterpolator RbfInterpolator::restore(const MatrixRef& points, const MatrixRef& coefficients,
                                          const RbfInterpolatorOptions& options) {
-  RbfInterpolator result(points, options);
-  const Index Q = result.basis_.monomials.size();
-  require(result.neighbors_ == 0 && coefficients.cols() == points.cols() + Q, function, "coefficients",
+  auto data = std::make_unique<Data>(points, options);
+  const Index Q = data->basis.monomials.size();
+  require(data->neighbors == 0 && coefficients.cols() == points.cols() + Q, function, "coefficients",
           coefficients.cols(), "there must be one for each point and monomial");
-  result.solution_ = RbfBasis::frame(result.points_);
-  result.solution_.alpha = coefficients.leftCols(points.cols()).transpose();
-  result.solution_.pi = coefficients.rightCols(Q).transpose();
-  return result;
+  data->solution = RbfBasis::frame(data->points);
+  data->solution.alpha = coefficients.leftCols(points.cols()).transpose();
+  data->solution.pi = coefficients.rightCols(Q).transpose();
+  return RbfInterpolator(std::move(data));
 }
 
 Matrix RbfInterpolator::coefficients() const {
-  if (neighbors_ > 0) return {};
-  Matrix result(solution_.alpha.cols(), solution_.alpha.rows() + solution_.pi.rows());
-  result << solution_.alpha.transpose(), solution_.pi.transpose();
+  if (data_->neighbors > 0) return {};
+  const RbfCoefficients& solution = data_->solution;
+  Matrix result(solution.alpha.cols(), solution.alpha.rows() + solution.pi.rows());
+  result << solution.alpha.transpose(), solution.pi.transpose();
   return result;
 }
 
 Matrix RbfInterpolator::evaluate(const MatrixRef& x, const Progress& progress) const {
   require(x.rows() == dimension(), function, "x", x.rows(),
           "the points must have " + std::to_string(dimension()) + " coordinates");
+  const auto& [points, values, smoothing, neighbors, epsilon, degree, basis, solution, search] = *data_;
   const Index m = x.cols();
-  const Index n = neighbors_ > 0 ? neighbors_ : points_.cols();
-  if (neighbors_ == 0) {
-    Matrix out(solution_.alpha.cols(), m);
+  const Index n = neighbors > 0 ? neighbors : points.cols();
+  if (neighbors == 0) {
+    Matrix out(solution.alpha.cols(), m);
     const Index part = part_size(static_cast<double>(n));
     for (Index begin = 0; begin < m; begin += part) {
       report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(m));
       parallel_for(std::min(part, m - begin), 64, [&](Index first, Index last) {
-        basis_.evaluate(points_, solution_, x.middleCols(begin + first, last - first),
+        basis.evaluate(points, solution, x.middleCols(begin + first, last - first),
                         out.middleCols(begin + first, last - first));
       });
     }
     return out;
   }
   require(x.allFinite(), function, "x", "NaN or infinity", "every coordinate must be finite to find its neighbors");
-  const LocalInterpolants local{basis_, *search_, points_, values_, smoothing_, neighbors_};
+  const LocalInterpolants local{basis, *search, points, values, smoothing, neighbors};
   const std::vector<Index> order = nearby_order(x);
-  Matrix out(values_.rows(), m);
+  Matrix out(values.rows(), m);
   const Index part = part_size(static_cast<double>(n * n * n));
   for (Index begin = 0; begin < m; begin += part) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(m));
     parallel_for(std::min(part, m - begin), 256, [&](Index first, Index last) {
       const std::vector<Index> queries(order.begin() + begin + first, order.begin() + begin + last);
-      Matrix found(values_.rows(), last - first);
+      Matrix found(values.rows(), last - first);
       local.evaluate(x(Eigen::all, queries), found);
       for (Index i = 0; i < last - first; ++i) out.col(queries[static_cast<std::size_t>(i)]) = found.col(i);
     });

@@ -1,10 +1,9 @@
 #pragma once
 
-#include "csrbf/approx/global/rbf_system.hpp"
-#include "csrbf/approx/samples/nearest_samples.hpp"
 #include "csrbf/core/progress.hpp"
+#include "csrbf/core/types.hpp"
 
-#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -55,29 +54,22 @@ class RbfInterpolator {
   [[nodiscard]] Eigen::MatrixXd evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x,
                                          const Progress& progress = {}) const;
 
-  [[nodiscard]] Index dimension() const { return points_.rows(); }
-  [[nodiscard]] Index neighbors() const { return neighbors_; }
-  [[nodiscard]] int degree() const { return degree_; }
+  [[nodiscard]] Index dimension() const;
+  [[nodiscard]] Index neighbors() const;
+  [[nodiscard]] int degree() const;
   /// The smallest degree with which the system is always solvable: the order of the kernel minus 1.
   [[nodiscard]] static int smallest_degree(const std::string& kernel, Index dimension);
-  [[nodiscard]] double epsilon() const { return epsilon_; }
-  [[nodiscard]] Eigen::MatrixXi powers() const { return basis_.monomials.powers(); }
+  [[nodiscard]] double epsilon() const;
+  [[nodiscard]] Eigen::MatrixXi powers() const;
 
   /// alpha and pi, k x (n + Q); empty with neighbours.
   [[nodiscard]] Eigen::MatrixXd coefficients() const;
 
  private:
-  RbfInterpolator(const Eigen::Ref<const Eigen::MatrixXd>& points, const RbfInterpolatorOptions& options);
+  struct Data;
+  explicit RbfInterpolator(std::unique_ptr<const Data> data);
 
-  Eigen::MatrixXd points_;  // in Morton order with neighbours
-  Eigen::MatrixXd values_;  // with neighbours, in the same order
-  Eigen::VectorXd smoothing_;
-  Index neighbors_ = 0;
-  double epsilon_ = 1;
-  int degree_ = -1;
-  RbfBasis basis_;
-  RbfCoefficients solution_;
-  std::unique_ptr<const NearestSamples> search_;
+  std::unique_ptr<const Data> data_;
 };
 
 }  // namespace csrbf

@@ -3,6 +3,7 @@
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/implicit/combine/transformed_field.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
+#include "csrbf/surface/baselines/method_fit.hpp"
 #include "csrbf/surface/check/surface_distances.hpp"
 #include "csrbf/surface/composite/choose_options.hpp"
 #include "csrbf/surface/composite/composite_field.hpp"

@@ -1,6 +1,7 @@
 #include "csrbf/surface/surface_method.hpp"
 
 #include "csrbf/surface/baselines/baselines.hpp"
+#include "csrbf/surface/baselines/method_fit.hpp"
 #include "csrbf/surface/medial/medial_axis.hpp"
 
 #include <algorithm>

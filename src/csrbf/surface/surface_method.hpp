@@ -1,11 +1,13 @@
 #pragma once
 
-#include "csrbf/surface/baselines/method_fit.hpp"
-
 #include <string_view>
 #include <vector>
 
 namespace csrbf {
+
+struct MethodFit;
+struct MethodOptions;
+struct PreparedCloud;
 
 /// A way to make an implicit surface of a cloud, other than the composite one.
 struct SurfaceMethod {

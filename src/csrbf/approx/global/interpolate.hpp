@@ -1,8 +1,7 @@
 #pragma once
 
-#include "csrbf/approx/basis/expansion.hpp"
-#include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/samples/samples.hpp"
+#include "csrbf/core/field.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/linalg/ridge.hpp"
 
@@ -12,6 +11,13 @@
 #include <vector>
 
 namespace csrbf {
+
+template <int Dim>
+class Expansion;
+template <int Dim>
+class KrigingVariance;
+template <int Dim>
+struct RadialMetric;
 
 struct InterpolateOptions {
   /// A name of Kernel, or "auto": the kernel with the smallest leave-one-out error (see choose_kernel()); beyond
@@ -59,6 +65,9 @@ struct Interpolation {
   /// alpha^T s / (n - r) with r coefficients of the polynomial.
   std::vector<std::shared_ptr<const KrigingVariance<Dim>>> variances = {};
   InterpolationReport report;
+
+  /// The components as fields.
+  [[nodiscard]] std::vector<std::shared_ptr<const Field<Dim>>> model() const;
 };
 
 /// Interpolation, or smoothing, by one basis function per sample and a polynomial (thesis eqs. 2.5-2.13): the symmetric
@@ -80,7 +89,11 @@ struct Interpolation {
 /// metrics with a transform per centre, and more than `dense_limit` samples with a kernel that is not compact;
 /// SolverFailure when the system is singular even with a small smoothing.
 template <int Dim>
-Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOptions& options = {},
-                               const RadialMetric<Dim>& metric = {});
+Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOptions& options,
+                               const RadialMetric<Dim>& metric);
+
+/// The same with Euclidean distances.
+template <int Dim>
+Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOptions& options = {});
 
 }  // namespace csrbf

@@ -9,13 +9,6 @@
 
 namespace csrbf {
 
-/// How a level finds its coefficients.
-enum class LevelSolve {
-  interpolation,  ///< the residual at the centres, which are samples, is met; one support for all centres
-  ridge,          ///< least squares over all samples with the penalty lambda |c|^2
-  native          ///< least squares with the penalty lambda c^T A c, A the kernel matrix of the centres
-};
-
 /// The common part of the multilevel fits: keeps the residual at the samples and adds one expansion after the other,
 /// each fitted to the residual. The first level contains the weighted mean of the data as a constant, so the model
 /// tends to it away from the data.

@@ -51,7 +51,14 @@ std::vector<Index> LevelSum<Dim>::evaluation_order(const PointsRef<Dim>& x) cons
   return evaluation_order_of<Dim>(x);
 }
 
-#define CSRBF_INSTANTIATE(Dim) template class LevelSum<Dim>;
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> LevelFit<Dim>::model() const {
+  return {fields.begin(), fields.end()};
+}
+
+#define CSRBF_INSTANTIATE(Dim)  \
+  template class LevelSum<Dim>; \
+  template std::vector<std::shared_ptr<const Field<Dim>>> LevelFit<Dim>::model() const;
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/approx/levels/level_builder.hpp"
+#include "csrbf/approx/levels/level_fit.hpp"
 #include "csrbf/approx/samples/samples.hpp"
 
 #include <string>

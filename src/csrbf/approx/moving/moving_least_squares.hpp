@@ -1,11 +1,7 @@
 #pragma once
 
-#include "csrbf/approx/basis/polynomial.hpp"
-#include "csrbf/approx/basis/support_tree.hpp"
-#include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/core/field.hpp"
-#include "csrbf/kernels/kernel.hpp"
-#include "csrbf/spatial/kd_tree.hpp"
 
 #include <memory>
 #include <string>
@@ -35,43 +31,7 @@ struct MovingLeastSquaresOptions {
 /// Where the samples around p do not determine a polynomial of the degree a lower one is used; where there is no sample
 /// at all, the value of the nearest one, with derivatives 0: f is not continuous there, but defined everywhere. Costs a
 /// dense solve per point: O(k Q^2), k samples around the point, Q monomials.
-template <int Dim>
-class MovingLeastSquares : public Field<Dim> {
- public:
-  void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
-  [[nodiscard]] Box<Dim> bounds() const override;
-
-  struct Data;
-  MovingLeastSquares(std::shared_ptr<const Data> data, Index component);
-
-  [[nodiscard]] const Data& data() const { return *data_; }
-  [[nodiscard]] Index component() const { return component_; }
-
- private:
-  std::shared_ptr<const Data> data_;
-  Index component_;
-};
-
-/// Data shared by the fields of all components.
-template <int Dim>
-struct MovingLeastSquares<Dim>::Data {
-  Samples<Dim> samples;  ///< at distinct points
-  Kernel kernel;
-  Eigen::VectorXd radii;                ///< of the weights
-  Points<Dim> directions{Dim, 0};       ///< of the tracks, or none
-  std::vector<Polynomials<Dim>> bases;  ///< of degree 0, 1, ...
-  KdTree<Dim> nearest;
-  SupportTree<Dim> supports;
-
-  Data(Samples<Dim> s, const Kernel& k, int degree) : samples(std::move(s)), kernel(k), nearest(samples.points) {
-    for (int d = 0; d <= degree; ++d) bases.emplace_back(d);
-  }
-  void set_radii(Eigen::VectorXd values) {
-    radii = std::move(values);
-    supports = SupportTree<Dim>(samples.points, radii);
-  }
-};
-
+///
 /// One field per component; they share the samples. Duplicates are merged; samples of weight 0 are ignored.
 /// Throws InvalidInput for samples that are not valid, degree < 0 or > 5 (with tracks other than 1), support <= 0,
 /// negative neighbors and kernels without compact support, or without the two derivatives that a Hessian needs.

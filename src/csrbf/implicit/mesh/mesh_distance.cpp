@@ -3,6 +3,7 @@
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
+#include "csrbf/implicit/mesh/triangle_tree.hpp"
 
 #include <algorithm>
 #include <map>
@@ -60,10 +61,10 @@ Points<3> largest_triangles(const Mesh& mesh) {
 }  // namespace
 
 MeshDistance::MeshDistance(const Mesh& mesh)
-    : tree_(mesh),
+    : tree_(std::make_shared<const TriangleTree>(mesh)),
       vertices_(mesh.vertices),
       triangles_(mesh.triangles),
-      touching_(rounding * tree_.bounds().diagonal()) {
+      touching_(rounding * tree_->bounds().diagonal()) {
   const Topology found = topology(mesh);
   require(found.watertight(), "MeshDistance", "open or inconsistent edges",
           found.boundary_edges + found.nonmanifold_edges + found.inconsistent_edges,
@@ -107,7 +108,7 @@ MeshDistance::Place MeshDistance::place_of(Index triangle, const Point<3>& p) co
 }
 
 double MeshDistance::signed_distance(const Point<3>& x, Point<3>& gradient, Eigen::Matrix3d* hessian) const {
-  const TriangleTree::Closest closest = tree_.closest(x);
+  const TriangleTree::Closest closest = tree_->closest(x);
   if (closest.triangle < 0) {  // x is not finite
     gradient.setConstant(std::numeric_limits<double>::quiet_NaN());
     if (hessian != nullptr) hessian->setConstant(gradient[0]);
@@ -138,6 +139,10 @@ void MeshDistance::evaluate_block(const PointsRef<3>& x, const JetBlock& out) co
     for (int a = 0, entry = 0; a < 3; ++a)
       for (int b = a; b < 3; ++b, ++entry) out.hessian[symmetric_size<3> * i + entry] = hessian(a, b);
   }
+}
+
+Box<3> MeshDistance::bounds() const {
+  return tree_->bounds();
 }
 
 }  // namespace csrbf

@@ -1,9 +1,13 @@
 #pragma once
 
 #include "csrbf/core/field.hpp"
-#include "csrbf/implicit/mesh/triangle_tree.hpp"
+#include "csrbf/core/mesh.hpp"
+
+#include <memory>
 
 namespace csrbf {
+
+class TriangleTree;
 
 /// Signed distance to a closed mesh, positive inside: exact up to rounding, with the edges and corners of the mesh.
 /// The gradient has length 1 and jumps where the closest point does. The sign is that of the angle-weighted normal at
@@ -14,7 +18,7 @@ class MeshDistance final : public Field<3> {
   explicit MeshDistance(const Mesh& mesh);
 
   void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
-  [[nodiscard]] Box<3> bounds() const override { return tree_.bounds(); }
+  [[nodiscard]] Box<3> bounds() const override;
   /// A point of the largest triangle of each component.
   [[nodiscard]] Points<3> seeds() const override { return seeds_; }
 
@@ -28,7 +32,7 @@ class MeshDistance final : public Field<3> {
   [[nodiscard]] Place place_of(Index triangle, const Point<3>& p) const;
   [[nodiscard]] double signed_distance(const Point<3>& x, Point<3>& gradient, Eigen::Matrix3d* hessian) const;
 
-  TriangleTree tree_;
+  std::shared_ptr<const TriangleTree> tree_;
   Points<3> vertices_;
   Triangles triangles_;
   Triangles neighbours_;      // across the edge from each corner to the next

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "csrbf/core/progress.hpp"
-#include "csrbf/surface/normals/neighbor_table.hpp"
+#include "csrbf/core/types.hpp"
 
 namespace csrbf {
+
+struct NeighborTable;
 
 /// Options of orient_normals.
 struct OrientOptions {
