@@ -7,7 +7,7 @@
 #include "csrbf/core/lanes.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/polygonize.hpp"
-#include "csrbf/levelset/lattice.hpp"
+#include "csrbf/levelset/lattice/lattice.hpp"
 #include "csrbf/levelset/segment.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
 #include "csrbf/surface/composite/composite_field.hpp"

@@ -2,8 +2,8 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/image.hpp"
-#include "csrbf/levelset/collocation.hpp"
-#include "csrbf/levelset/finite_difference.hpp"
+#include "csrbf/levelset/baselines/collocation.hpp"
+#include "csrbf/levelset/baselines/finite_difference.hpp"
 
 #include <algorithm>
 #include <array>

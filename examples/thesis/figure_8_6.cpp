@@ -1,7 +1,7 @@
 #include "figure_8_6.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/levelset/signed_distance.hpp"
+#include "csrbf/levelset/image/signed_distance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Index size = 100, published_nodes = 37;  // along each axis, of Table 8.1
 constexpr double noise = 20;                       // dB
-constexpr double curvature_support = 5.5;          // node spacings, see levelset/flow
+constexpr double curvature_support = 5.5;          // node spacings, see levelset/baselines/flow
 
 Phantom noisy_bone(Index n, double snr) {
   Phantom phantom = bone(n);

@@ -3,8 +3,8 @@
 #include "csrbf/implicit/contour_lines.hpp"
 #include "csrbf/implicit/preview.hpp"
 #include "csrbf/implicit/render.hpp"
-#include "csrbf/levelset/box_mean.hpp"
-#include "csrbf/levelset/energy_table.hpp"
+#include "csrbf/levelset/image/box_mean.hpp"
+#include "csrbf/levelset/regions/energy_table.hpp"
 #include "signals.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "csrbf/core/image.hpp"
-#include "csrbf/levelset/collocation.hpp"
+#include "csrbf/levelset/baselines/collocation.hpp"
 #include "csrbf/levelset/segment.hpp"
 #include "phantoms.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/levelset/region_model.hpp"
+#include "csrbf/levelset/regions/region_model.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/levelset/gaussian_blur.hpp"
+#include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "levelset/segment_testing.hpp"
 
 namespace csrbf {

@@ -1,4 +1,4 @@
-#include "csrbf/levelset/signed_distance.hpp"
+#include "csrbf/levelset/image/signed_distance.hpp"
 #include "thesis/figure_8_10.hpp"
 #include "thesis/figure_8_2.hpp"
 #include "thesis/figure_8_4.hpp"

@@ -4,8 +4,8 @@
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/surface_archive.hpp"
-#include "csrbf/levelset/lattice_field.hpp"
-#include "csrbf/levelset/segment_fields.hpp"
+#include "csrbf/levelset/lattice/lattice_field.hpp"
+#include "csrbf/levelset/contour/segment_fields.hpp"
 
 #include <utility>
 

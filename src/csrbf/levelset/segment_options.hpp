@@ -1,7 +1,7 @@
 #pragma once
 
 #include "csrbf/core/progress.hpp"
-#include "csrbf/levelset/force_update.hpp"
+#include "csrbf/levelset/regions/force_update.hpp"
 
 #include <cstdint>
 #include <optional>

@@ -1,8 +1,8 @@
 #include "csrbf/levelset/track.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/levelset/contour_distance.hpp"
-#include "csrbf/levelset/region_labels.hpp"
+#include "csrbf/levelset/contour/contour_distance.hpp"
+#include "csrbf/levelset/regions/region_labels.hpp"
 
 #include <algorithm>
 #include <cmath>

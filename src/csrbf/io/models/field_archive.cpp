@@ -7,7 +7,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/models/field_parts.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"
-#include "csrbf/levelset/segment_fields.hpp"
+#include "csrbf/levelset/contour/segment_fields.hpp"
 
 #include <cmath>
 #include <utility>

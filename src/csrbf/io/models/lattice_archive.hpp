@@ -1,7 +1,7 @@
 #pragma once
 
 #include "csrbf/io/models/archive.hpp"
-#include "csrbf/levelset/lattice_field.hpp"
+#include "csrbf/levelset/lattice/lattice_field.hpp"
 
 #include <memory>
 

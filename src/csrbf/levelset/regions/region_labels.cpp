@@ -1,0 +1,152 @@
+#include "csrbf/levelset/regions/region_labels.hpp"
+
+#include "csrbf/core/disjoint_sets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+struct Run {
+  Index begin, end;  // voxels along x
+  std::uint8_t label;
+};
+
+// The runs of equal labels in all rows, and their connected components.
+class Runs {
+ public:
+  Runs(std::span<const std::uint8_t> labels, const Grid& grid) : sets(0) {
+    const auto [nx, ny, nz] = grid.size;
+    for (Index row = 0; row < ny * nz; ++row) {
+      first.push_back(runs.size());
+      const std::uint8_t* label = labels.data() + nx * row;
+      for (Index x = 0; x < nx;) {
+        Index end = x + 1;
+        while (end < nx && label[end] == label[x]) ++end;
+        runs.push_back({x, end, label[x]});
+        x = end;
+      }
+    }
+    first.push_back(runs.size());
+    sets = DisjointSets(runs.size());
+    for (Index z = 0; z < nz; ++z)
+      for (Index y = 0; y < ny; ++y) {
+        if (y > 0) join(y + ny * z, y - 1 + ny * z);
+        if (z > 0) join(y + ny * z, y + ny * (z - 1));
+      }
+  }
+
+  std::vector<Run> runs;
+  std::vector<std::size_t> first;  // run of each row
+  DisjointSets sets;
+
+ private:
+  void join(Index row, Index other) {
+    std::size_t a = first[static_cast<std::size_t>(row)], b = first[static_cast<std::size_t>(other)];
+    const std::size_t a_end = first[static_cast<std::size_t>(row) + 1];
+    const std::size_t b_end = first[static_cast<std::size_t>(other) + 1];
+    while (a < a_end && b < b_end) {
+      if (runs[a].label == runs[b].label && runs[a].begin < runs[b].end && runs[b].begin < runs[a].end)
+        sets.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+      (runs[a].end < runs[b].end ? a : b) += 1;
+    }
+  }
+};
+
+bool takes_part(std::span<const std::uint8_t> mask, std::size_t i) {
+  return mask.empty() || mask[i] != 0;
+}
+
+}  // namespace
+
+Index count_components(std::span<const std::uint8_t> labels, const Grid& grid) {
+  Runs parts(labels, grid);
+  Index count = 0;
+  for (std::size_t i = 0; i < parts.runs.size(); ++i)
+    if (parts.runs[i].label != 0 && parts.sets.find(static_cast<std::uint32_t>(i)) == i) ++count;
+  return count;
+}
+
+Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid) {
+  const auto [nx, ny, nz] = grid.size;
+  Runs parts(labels, grid);
+  std::vector<bool> open(parts.runs.size(), false);
+  for (Index row = 0; row < ny * nz; ++row) {
+    const Index y = row % ny, z = row / ny;
+    const bool side = (ny > 1 && (y == 0 || y == ny - 1)) || (nz > 1 && (z == 0 || z == nz - 1));
+    for (std::size_t i = parts.first[static_cast<std::size_t>(row)]; i < parts.first[static_cast<std::size_t>(row) + 1];
+         ++i)
+      if (side || parts.runs[i].begin == 0 || parts.runs[i].end == nx)
+        open[parts.sets.find(static_cast<std::uint32_t>(i))] = true;
+  }
+  Index filled = 0;
+  for (Index row = 0; row < ny * nz; ++row)
+    for (std::size_t i = parts.first[static_cast<std::size_t>(row)]; i < parts.first[static_cast<std::size_t>(row) + 1];
+         ++i) {
+      const Run& run = parts.runs[i];
+      if (run.label != 0 || open[parts.sets.find(static_cast<std::uint32_t>(i))]) continue;
+      std::fill(labels.begin() + nx * row + run.begin, labels.begin() + nx * row + run.end, std::uint8_t{1});
+      filled += run.end - run.begin;
+    }
+  return filled;
+}
+
+int seeded_region(std::span<const std::uint8_t> labels, std::span<const std::uint8_t> seed,
+                  std::span<const std::uint8_t> mask) {
+  constexpr double clear = 0.05;  // difference of the covered shares over their sum; by hand: less is chance
+  std::array<double, 2> voxels{0, 0}, covered{0, 0};
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (!takes_part(mask, i)) continue;
+    const std::size_t k = labels[i] != 0 ? 1 : 0;
+    voxels[k] += 1;
+    if (seed[i] != 0) covered[k] += 1;
+  }
+  const double a = covered[0] / std::max(voxels[0], 1.0), b = covered[1] / std::max(voxels[1], 1.0);
+  if (std::abs(a - b) <= clear * (a + b)) return -1;
+  return b > a ? 1 : 0;
+}
+
+int border_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
+                  int regions) {
+  std::vector<Index> counts(static_cast<std::size_t>(regions), 0);
+  const auto [nx, ny, nz] = grid.size;
+  for (Index z = 0; z < nz; ++z)
+    for (Index y = 0; y < ny; ++y) {
+      const bool side = (ny > 1 && (y == 0 || y == ny - 1)) || (nz > 1 && (z == 0 || z == nz - 1));
+      const Index step = side ? 1 : std::max<Index>(1, nx - 1);
+      for (Index x = 0; x < nx; x += step) {
+        const auto i = static_cast<std::size_t>(grid.index(x, y, z));
+        if (takes_part(mask, i)) ++counts[std::min<std::size_t>(labels[i], counts.size() - 1)];
+      }
+    }
+  return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
+std::vector<RegionReport> measure_regions(std::span<const std::uint8_t> labels, std::span<const float> values,
+                                          const Grid& grid, std::span<const std::uint8_t> mask, int regions) {
+  std::vector<double> counts(static_cast<std::size_t>(regions), 0), sums = counts, squares = counts;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (!takes_part(mask, i)) continue;
+    const auto value = static_cast<double>(values[i]);
+    counts[labels[i]] += 1;
+    sums[labels[i]] += value;
+    squares[labels[i]] += value * value;
+  }
+  double volume = 1;
+  for (int a = 0; a < grid.dimension(); ++a) volume *= grid.spacing[a];
+  std::vector<RegionReport> reports(static_cast<std::size_t>(regions));
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    RegionReport& report = reports[k];
+    report.label = static_cast<int>(k);
+    report.voxels = static_cast<Index>(counts[k]);
+    report.volume = counts[k] * volume;
+    if (counts[k] == 0) continue;
+    report.mean = sums[k] / counts[k];
+    report.sd = std::sqrt(std::max(0.0, squares[k] / counts[k] - report.mean * report.mean));
+  }
+  return reports;
+}
+
+}  // namespace csrbf
