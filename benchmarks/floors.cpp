@@ -4,6 +4,7 @@
 
 #include "csrbf/approx/fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/lanes.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/polygonize.hpp"

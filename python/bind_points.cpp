@@ -1,6 +1,5 @@
 #include "mesh_arrays.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/io/points.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/spatial/farthest_points.hpp"

@@ -7,6 +7,8 @@
 #include "csrbf/levelset/segment.hpp"
 #include "csrbf/levelset/track.hpp"
 
+#include <Eigen/Geometry>
+
 #include <memory>
 #include <optional>
 #include <variant>
@@ -221,7 +223,7 @@ py::tuple contour_in_plane(const Segmentation<2>& found, const Grid& grid, Index
   for (const ContourLine& line : contour.lines.lines) {
     Points<3> points = Points<3>::Zero(3, line.size);
     points.topRows(2) = contour.lines.points.middleCols(line.begin, line.size);
-    lines.append(to_array(Points<2>((contour.placement * points).topRows(2))));
+    lines.append(to_array(Points<2>((Eigen::Affine3d(contour.placement) * points).topRows(2))));
   }
   return py::make_tuple(
       lines, py::dict("length"_a = contour.lines.length, "area"_a = contour.lines.area,
@@ -253,11 +255,10 @@ std::unique_ptr<Segments> restored(const NamedFunction& function, const Bytes& l
     found.fields = fit.components;
     found.labels = voxels_of(labels);
   };
-  const Function::Fits& fits = function.function.fits();
-  if (const auto* plane = std::get_if<Fit<2>>(&fits))
-    fill(segments->found.emplace<Segmentation<2>>(), *plane);
+  if (function.function.dimension() == 2)
+    fill(segments->found.emplace<Segmentation<2>>(), function.function.fit<2>());
   else
-    fill(segments->found.emplace<Segmentation<3>>(), std::get<Fit<3>>(fits));
+    fill(segments->found.emplace<Segmentation<3>>(), function.function.fit<3>());
   return segments;
 }
 

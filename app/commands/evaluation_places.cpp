@@ -5,6 +5,8 @@
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <memory>

@@ -1,8 +1,6 @@
 #include "commands/command_flags.hpp"
 #include "commands/formats.hpp"
 
-#include "csrbf/core/dimensions.hpp"
-
 #include <string>
 
 namespace csrbf::app {

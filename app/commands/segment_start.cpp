@@ -8,6 +8,8 @@
 #include "csrbf/io/volume.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 
 namespace csrbf::app {
@@ -70,7 +72,7 @@ Seed inside_model(const std::string& path, const Grid& grid) {
       throw UsageError("--init " + path + ": the model has " + std::to_string(function.dimension()) +
                        " variables and " + counted(function.components(), "component") + "; expected " +
                        std::to_string(Dim) + " variables and 1 component");
-    return seed_inside<Dim>(grid, *std::get<Fit<Dim>>(function.fits()).components.front());
+    return seed_inside<Dim>(grid, *function.fit<Dim>().components.front());
   }
 }
 

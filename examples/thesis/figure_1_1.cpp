@@ -1,7 +1,10 @@
 #include "figure_1_1.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "signals.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 #include "figure_2_4.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 #include "signals.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -1,5 +1,6 @@
 #include "figure_3_1.hpp"
 
+#include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 #include "signals.hpp"
 

@@ -1,6 +1,8 @@
 #include "figure_6_1.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 #include "signals.hpp"
 
 #include <cmath>

@@ -1,14 +1,22 @@
 #pragma once
 
-/// The whole library; each part also has a header of its own.
+/// The whole library. These are its public headers, all that is installed: CMake reads this list. Whatever else lies
+/// under src/ is internal.
+
+// One sentence instead of the errors that an older standard would give in the headers below.
+#if !defined(_MSVC_LANG) && __cplusplus < 202002L
+#error "csrbf needs C++20: compile with -std=c++20 or later"
+#else
 
 #include "csrbf/approx/fit.hpp"
+#include "csrbf/approx/fit_options.hpp"
 #include "csrbf/approx/function.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/inpaint.hpp"
 #include "csrbf/approx/levels/error_bounded.hpp"
 #include "csrbf/approx/levels/fixed_budget.hpp"
 #include "csrbf/approx/levels/least_squares.hpp"
+#include "csrbf/approx/levels/level_fit.hpp"
 #include "csrbf/approx/levels/multilevel.hpp"
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 #include "csrbf/approx/moving/moving_least_squares.hpp"
@@ -35,6 +43,7 @@
 #include "csrbf/implicit/preview.hpp"
 #include "csrbf/implicit/raycast.hpp"
 #include "csrbf/implicit/render.hpp"
+#include "csrbf/implicit/render_options.hpp"
 #include "csrbf/implicit/ridges.hpp"
 #include "csrbf/implicit/sample_particles.hpp"
 #include "csrbf/io/contour_lines.hpp"
@@ -46,26 +55,28 @@
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/kernels/kernel.hpp"
-#include "csrbf/kernels/wendland.hpp"
 #include "csrbf/levelset/baselines/collocation.hpp"
-#include "csrbf/levelset/compare_labels.hpp"
 #include "csrbf/levelset/baselines/finite_difference.hpp"
 #include "csrbf/levelset/baselines/flow.hpp"
+#include "csrbf/levelset/baselines/nodes.hpp"
+#include "csrbf/levelset/compare_labels.hpp"
 #include "csrbf/levelset/image_contour.hpp"
-#include "csrbf/levelset/regions/region_model.hpp"
+#include "csrbf/levelset/regions/force_update.hpp"
+#include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/seed.hpp"
 #include "csrbf/levelset/segment.hpp"
+#include "csrbf/levelset/segment_options.hpp"
 #include "csrbf/levelset/track.hpp"
-#include "csrbf/linalg/batched_cholesky.hpp"
 #include "csrbf/linalg/ridge.hpp"
-#include "csrbf/spatial/distance_transform.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
-#include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
 #include "csrbf/surface/prepare/transfer_properties.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 #include "csrbf/surface/reconstruct_contours.hpp"
+#include "csrbf/surface/reconstruct_options.hpp"
 #include "csrbf/surface/surface_method.hpp"
 #include "csrbf/surface/trim.hpp"
 #include "csrbf/version.hpp"
+
+#endif

@@ -1,5 +1,6 @@
 #include "csrbf/approx/function.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include "approx/partition_testing.hpp"

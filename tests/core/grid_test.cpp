@@ -1,5 +1,7 @@
 #include "csrbf/core/grid.hpp"
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 namespace csrbf {

@@ -4,6 +4,8 @@
 #include "csrbf/core/parallel.hpp"
 #include "implicit/plane_fields.hpp"
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -208,7 +210,7 @@ TEST(ContourLines, BecomeCurvesInSpace) {
   const ContourLines contours = contour_lines(ring(0.4, 0.8, square_box(1), off_lattice), {.resolution = 20});
   Eigen::Affine3d placement = Eigen::Affine3d::Identity();
   placement.translate(Point<3>(1, 2, 3)).scale(2);
-  const Polylines lines = to_polylines(contours, placement);
+  const Polylines lines = to_polylines(contours, placement.affine());
   ASSERT_EQ(lines.vertices.cols(), contours.points.cols());
   EXPECT_EQ(lines.edges.cols(), contours.points.cols()) << "closed lines have as many edges as points";
   for (Index i = 0; i < lines.vertices.cols(); ++i)

@@ -1,6 +1,8 @@
 #include "core/error_testing.hpp"
 #include "implicit/polygonize_fields.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 

@@ -4,6 +4,8 @@
 #include "csrbf/io/polylines.hpp"
 #include "io/io_testing.hpp"
 
+#include <Eigen/Geometry>
+
 #include <regex>
 
 namespace csrbf {
@@ -63,8 +65,9 @@ TEST(ContourFiles, OfTablesAreReadBackAsCurves) {
   placement.translate(Point<3>(0.1, -5, 7)).rotate(Eigen::AngleAxisd(0.3, Point<3>::UnitX()));
   for (const bool with_open_line : {false, true}) {
     const ContourLines contours = squares(with_open_line);
-    write_contour_lines(folder.file("lines.csv"), contours, {.placement = placement});
-    const Polylines read = read_polylines(folder.file("lines.csv")), expected = to_polylines(contours, placement);
+    write_contour_lines(folder.file("lines.csv"), contours, {.placement = placement.affine()});
+    const Polylines read = read_polylines(folder.file("lines.csv")),
+                    expected = to_polylines(contours, placement.affine());
     EXPECT_EQ(read.vertices, expected.vertices) << "all digits";
     EXPECT_EQ(read.edges, expected.edges);
     EXPECT_EQ(read.properties[0].values, expected.properties[0].values);

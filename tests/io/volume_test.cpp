@@ -5,6 +5,8 @@
 
 #include "io/io_testing.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 

@@ -2,6 +2,8 @@
 
 #include "csrbf/core/error.hpp"
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -136,7 +138,7 @@ TEST(ImageContour, InThePlaneLiesInTheImageAndIsPlacedInSpace) {
   EXPECT_NEAR(found.image.hi.y(), 39.5 * 0.4, 1e-12);
   for (Index i = 0; i < found.lines.points.cols(); ++i) {
     const Point<2> p = found.lines.points.col(i);
-    const Point<3> placed = found.placement * Point<3>(p.x(), p.y(), 0);
+    const Point<3> placed = found.placement * Eigen::Vector4d(p.x(), p.y(), 0, 1);
     ASSERT_NEAR((placed.head<2>() - middle).norm(), r, 1e-6);
     ASSERT_EQ(placed.z(), 9);
   }

@@ -229,7 +229,7 @@ TEST(Segment, TellsTexturesOfEqualMeanAndVarianceApart) {
 TEST(Segment, FollowsSpikesWithoutNoiseToTheVoxel) {
   const auto star = [](double x, double y) { return 50 + 28 * std::cos(9 * std::atan2(y, x)) - std::hypot(x, y); };
   const Phantom phantom = make_phantom(200, star, 1.5, 0);
-  const auto found = segment<2>(phantom.image, {{.center_spacing = 3.0}});
+  const auto found = segment<2>(phantom.image, {.center_spacing = 3.0});
   double wrong = 0;
   for (std::size_t i = 0; i < phantom.truth.size(); ++i) wrong += found.labels[i] != phantom.truth[i] ? 1 : 0;
   EXPECT_LE(wrong, 10);
@@ -239,20 +239,20 @@ TEST(Segment, FollowsSpikesWithoutNoiseToTheVoxel) {
 
 TEST(Segment, UndoesTheBlurOfSpeckle) {
   const Phantom phantom = make_speckle(200, cavity, 0.02, 0, {1.6, 1.1, 0});
-  const auto found = segment<2>(phantom.image, {{.energy = SegmentEnergy::generalized_gaussian}});
+  const auto found = segment<2>(phantom.image, {.energy = SegmentEnergy::generalized_gaussian});
   ASSERT_TRUE(found.report.speckle);
   // With laws of whole regions the contour moves into the darker one.
-  const auto drawn = segment<2>(phantom.image, {{.energy = SegmentEnergy::gaussian}});
+  const auto drawn = segment<2>(phantom.image, {.energy = SegmentEnergy::gaussian});
   EXPECT_FALSE(drawn.report.speckle);
   const double missed = 1 - dice(found.labels, phantom.truth);
   EXPECT_LT(missed, 0.012);
   EXPECT_LT(missed, 0.6 * (1 - dice(drawn.labels, phantom.truth)));
   for (std::size_t i = 1; i < found.report.energy.size(); ++i)
     EXPECT_LE(found.report.energy[i], found.report.energy[i - 1]);
-  const auto near = segment<2>(phantom.image, {{.energy = SegmentEnergy::generalized_gaussian, .center_spacing = 4.0}});
+  const auto near = segment<2>(phantom.image, {.energy = SegmentEnergy::generalized_gaussian, .center_spacing = 4.0});
   EXPECT_EQ(*near.report.options.center_spacing, 4);  // as given
   const Phantom other = make_phantom(200, cavity, 1, 30);
-  EXPECT_FALSE(segment<2>(other.image, {{.energy = SegmentEnergy::generalized_gaussian}}).report.speckle);
+  EXPECT_FALSE(segment<2>(other.image, {.energy = SegmentEnergy::generalized_gaussian}).report.speckle);
 }
 
 TEST(Segment, MovesTheContourLocallyAndStaysThere) {

@@ -2,6 +2,8 @@
 
 #include "csrbf/core/types.hpp"
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 #include <cmath>

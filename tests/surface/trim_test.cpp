@@ -3,6 +3,8 @@
 #include "csrbf/core/parallel.hpp"
 #include "surface/surface_testing.hpp"
 
+#include <Eigen/Geometry>
+
 #include <array>
 #include <map>
 #include <set>

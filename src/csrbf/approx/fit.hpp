@@ -1,6 +1,5 @@
 #pragma once
 
-#include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/fit_options.hpp"
 #include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/core/field.hpp"
@@ -30,5 +29,15 @@ struct Fit {
 /// SolverFailure when a tolerance cannot be met.
 template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options = {});
+
+/// The same for points held as one array each and one value per point: `fit<2>(points, values)` of a
+/// std::vector<std::array<double, 2>> and a std::vector<double>.
+template <int Dim>
+Fit<Dim> fit(std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points, std::span<const double> values,
+             const FitOptions& options = {}) {
+  return fit<Dim>(make_samples<Dim>(as_points<Dim>(points), Eigen::Map<const Eigen::VectorXd>(
+                                                                values.data(), static_cast<Index>(values.size()))),
+                  options);
+}
 
 }  // namespace csrbf

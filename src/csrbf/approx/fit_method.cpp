@@ -1,5 +1,7 @@
 #include "csrbf/approx/fit_method.hpp"
 
+#include "csrbf/approx/fit_options.hpp"
+
 #include <algorithm>
 
 namespace csrbf {

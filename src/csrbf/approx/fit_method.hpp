@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -38,8 +37,5 @@ const FitMethodInfo& info_of(FitMethod method);
 
 /// The method of that name; null: none, as for "auto".
 const FitMethodInfo* find_fit_method(std::string_view name);
-
-/// The names that FitOptions::method accepts: "auto" and those of the table.
-std::vector<std::string> fit_methods();
 
 }  // namespace csrbf

@@ -44,6 +44,9 @@ struct FitOptions {
   Progress progress = {};
 };
 
+/// The names that FitOptions::method accepts.
+std::vector<std::string> fit_methods();
+
 /// What a fit did: the options used, given or chosen, and its errors.
 struct FitReport {
   std::string method, kernel;

@@ -1,5 +1,6 @@
 #include "csrbf/approx/function.hpp"
 
+#include "csrbf/approx/function_fit.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 
@@ -9,11 +10,11 @@ namespace csrbf {
 namespace {
 
 constexpr const char* dimensions_text =
-    "must be one of those the library was built for (core/dimensions.hpp), 1 to 6; choose fewer coordinates";
+    "must be one of those the library was built for, 1 to 6; choose fewer coordinates";
 
 // Calls use(fit) with the fit held.
 template <class Use>
-auto visit_fit(const Function::Fits& fits, const Use& use) {
+auto visit_fit(const FunctionFit& fits, const Use& use) {
   using Result = decltype(use(std::get<0>(fits)));
   return std::visit(
       [&](const auto& fit) -> Result {
@@ -114,20 +115,31 @@ Function fit_in(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Re
 
 }  // namespace
 
+template <int Dim>
+Function::Function(Fit<Dim> fit) : dimension_(Dim), fit_(std::make_shared<const FunctionFit>(std::move(fit))) {}
+
+template <int Dim>
+const Fit<Dim>& Function::fit() const {
+  const Fit<Dim>* found = std::get_if<Fit<Dim>>(fit_.get());
+  require(found != nullptr, "Function::fit", "dimension", Dim,
+          "must be that of the function, " + std::to_string(dimension_));
+  return *found;
+}
+
 Index Function::components() const {
-  return visit_fit(fit_, [](const auto& fit) { return static_cast<Index>(fit.components.size()); });
+  return visit_fit(*fit_, [](const auto& fit) { return static_cast<Index>(fit.components.size()); });
 }
 
 const FitReport& Function::report() const {
-  return *visit_fit(fit_, [](const auto& fit) { return &fit.report; });
+  return *visit_fit(*fit_, [](const auto& fit) { return &fit.report; });
 }
 
 Function::Values Function::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& x, Derivatives derivatives) const {
-  return visit_fit(fit_, [&](const auto& fit) { return evaluate_all(fit, x, derivatives); });
+  return visit_fit(*fit_, [&](const auto& fit) { return evaluate_all(fit, x, derivatives); });
 }
 
 Eigen::MatrixXd Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes) const {
-  return visit_fit(fit_, [&](const auto& fit) { return evaluate_on_grid(fit, axes); });
+  return visit_fit(*fit_, [&](const auto& fit) { return evaluate_on_grid(fit, axes); });
 }
 
 void Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Ref<Eigen::MatrixXd> values,
@@ -141,11 +153,11 @@ void Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Re
 }
 
 Eigen::MatrixXd Function::standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x) const {
-  return visit_fit(fit_, [&](const auto& fit) { return deviation(fit, x); });
+  return visit_fit(*fit_, [&](const auto& fit) { return deviation(fit, x); });
 }
 
 Eigen::MatrixXd Function::bounds() const {
-  return visit_fit(fit_, [](const auto& fit) {
+  return visit_fit(*fit_, [](const auto& fit) {
     const auto box = fit.components.front()->bounds();
     Eigen::MatrixXd corners(box.lo.size(), 2);
     corners << box.lo, box.hi;
@@ -165,5 +177,11 @@ Function fit_function(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eig
       throw InvalidInput("fit: dimension = " + std::to_string(points.rows()) + ": " + dimensions_text);
   }
 }
+
+#define CSRBF_INSTANTIATE(Dim)               \
+  template Function::Function(Fit<Dim> fit); \
+  template const Fit<Dim>& Function::fit<Dim>() const;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

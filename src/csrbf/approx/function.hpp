@@ -1,30 +1,30 @@
 #pragma once
 
 #include "csrbf/approx/fit.hpp"
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/types.hpp"
 
-#include <variant>
+#include <memory>
+#include <string>
+#include <vector>
 
 namespace csrbf {
+
+struct FunctionFit;
 
 /// A fitted function whose dimension is known only at run time, as held by the program, model files and Python.
 class Function {
  public:
-#define CSRBF_ALTERNATIVE(Dim) Fit<Dim>,
-  using Fits = std::variant<CSRBF_FOR_EACH_DIM(CSRBF_ALTERNATIVE) std::monostate>;
-#undef CSRBF_ALTERNATIVE
-
   template <int Dim>
-  explicit Function(Fit<Dim> fit) : dimension_(Dim), fit_(std::move(fit)) {}
+  explicit Function(Fit<Dim> fit);
 
-  [[nodiscard]] int dimension() const {
-    return dimension_;
-  }
+  [[nodiscard]] int dimension() const { return dimension_; }
   [[nodiscard]] Index components() const;
   [[nodiscard]] const FitReport& report() const;
-  [[nodiscard]] const Fits& fits() const {
-    return fit_;
-  }
+  /// The fit. Throws InvalidInput when its dimension is another one.
+  template <int Dim>
+  [[nodiscard]] const Fit<Dim>& fit() const;
+  /// The fit of any dimension.
+  [[nodiscard]] const FunctionFit& any_fit() const { return *fit_; }
 
   /// Values and derivatives at m points: one row per point, component-major columns.
   struct Values {
@@ -57,7 +57,14 @@ class Function {
 
  private:
   int dimension_;
-  Fits fit_;
+  std::shared_ptr<const FunctionFit> fit_;
+};
+
+/// A fitted function and the column names of its samples.
+struct NamedFunction {
+  Function function;
+  std::vector<std::string> coordinate_names = {};  ///< empty: x y z, or x1 x2 ... from four on
+  std::vector<std::string> value_names = {};       ///< empty: value, or value1 value2 ...
 };
 
 /// fit() for points (d x n), values (n x k) and weights (n, or empty) in any of the supported dimensions.

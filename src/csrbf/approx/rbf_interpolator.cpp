@@ -170,7 +170,7 @@ Matrix RbfInterpolator::evaluate(const MatrixRef& x, const Progress& progress) c
       report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(m));
       parallel_for(std::min(part, m - begin), 64, [&](Index first, Index last) {
         basis.evaluate(points, solution, x.middleCols(begin + first, last - first),
-                        out.middleCols(begin + first, last - first));
+                       out.middleCols(begin + first, last - first));
       });
     }
     return out;

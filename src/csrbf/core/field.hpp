@@ -1,7 +1,5 @@
 #pragma once
 
-#include "csrbf/core/grid_tiles.hpp"
-#include "csrbf/core/parallel.hpp"
 #include "csrbf/core/types.hpp"
 
 #include <algorithm>
@@ -62,6 +60,11 @@ struct Enclosure {
   double hessian_bound = 0;  ///< |t.H t| <= hessian_bound for unit vectors t; infinite where the gradient may jump
 };
 
+/// Coordinates along each axis of a rectilinear grid. Its nodes are all their combinations; the first axis is the
+/// fastest.
+template <int Dim>
+using GridAxes = std::array<Eigen::VectorXd, Dim>;
+
 /// A smooth scalar function on R^Dim; the only interface between the parts of the library.
 ///
 /// Sign, everywhere in the library: **f > 0 inside, f = 0 on the surface, f < 0 outside**, so the outward unit normal
@@ -94,47 +97,18 @@ class Field {
   [[nodiscard]] virtual std::optional<Enclosure> enclose(const Box<Dim>& /*box*/) const { return std::nullopt; }
 
   /// Evaluates any number of points on all threads.
-  [[nodiscard]] Jet<Dim> evaluate(const PointsRef<Dim>& x, Derivatives derivatives = Derivatives::none) const {
-    if (x.cols() > block_size) {
-      const std::vector<Index> order = evaluation_order(x);
-      if (!order.empty()) return evaluate_in(order, x, derivatives);
-    }
-    Jet<Dim> jet(x.cols(), derivatives);
-    parallel_for(x.cols(), block_size, [&](Index begin, Index end) {
-      JetBlock out{jet.value.data() + begin, nullptr, nullptr};
-      if (derivatives >= Derivatives::gradient) out.gradient = jet.gradient.data() + Dim * begin;
-      if (derivatives >= Derivatives::hessian) out.hessian = jet.hessian.data() + symmetric_size<Dim> * begin;
-      evaluate_block(x.middleCols(begin, end - begin), out);
-    });
-    return jet;
+  [[nodiscard]] Jet<Dim> evaluate(const PointsRef<Dim>& x, Derivatives derivatives = Derivatives::none) const;
+
+  /// Values at points held as one array each.
+  [[nodiscard]] std::vector<double> evaluate(
+      std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points) const {
+    const Eigen::VectorXd value = evaluate(PointsRef<Dim>(as_points<Dim>(points))).value;
+    return {value.begin(), value.end()};
   }
 
   /// Values at the nodes of a rectilinear grid, on all threads; they equal those of evaluate() up to rounding. Fastest
   /// when the coordinates ascend.
-  [[nodiscard]] virtual Eigen::VectorXd evaluate_grid(const GridAxes<Dim>& axes) const {
-    const GridTiles<Dim> tiles(axes, block_size);
-    Eigen::VectorXd value(tiles.nodes());
-    if (value.size() == 0) return value;
-    parallel_for(tiles.size(), 1, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) {
-        const GridTile<Dim> tile = tiles[i];
-        Points<Dim> block(Dim, tile.nodes());
-        Eigen::VectorXd part(tile.nodes());
-        Index k = 0;
-        tiles.for_each_row(tile, [&](std::array<Index, Dim> node, Index /*first*/) {
-          for (; node[0] < tile.end[0]; ++node[0], ++k)
-            for (std::size_t a = 0; a < Dim; ++a) block(static_cast<Index>(a), k) = axes[a][node[a]];
-        });
-        evaluate_block(block, {part.data(), nullptr, nullptr});
-        const double* from = part.data();
-        tiles.for_each_row(tile, [&](const std::array<Index, Dim>& /*node*/, Index first) {
-          std::copy_n(from, tile.size(0), value.data() + first);
-          from += tile.size(0);
-        });
-      }
-    });
-    return value;
-  }
+  [[nodiscard]] virtual Eigen::VectorXd evaluate_grid(const GridAxes<Dim>& axes) const;
 
   /// Value at one point.
   [[nodiscard]] double operator()(const Point<Dim>& p) const {
@@ -154,24 +128,7 @@ class Field {
 
  private:
   [[nodiscard]] Jet<Dim> evaluate_in(const std::vector<Index>& order, const PointsRef<Dim>& x,
-                                     Derivatives derivatives) const {
-    Jet<Dim> jet(x.cols(), derivatives);
-    parallel_for(x.cols(), ordered_block_size(x.cols()), [&](Index begin, Index end) {
-      const Index n = end - begin;
-      Points<Dim> block(Dim, n);
-      Jet<Dim> part(n, derivatives);
-      for (Index i = 0; i < n; ++i) block.col(i) = x.col(order[static_cast<std::size_t>(begin + i)]);
-      evaluate_block(block, {part.value.data(), derivatives >= Derivatives::gradient ? part.gradient.data() : nullptr,
-                             derivatives >= Derivatives::hessian ? part.hessian.data() : nullptr});
-      for (Index i = 0; i < n; ++i) {
-        const Index to = order[static_cast<std::size_t>(begin + i)];
-        jet.value[to] = part.value[i];
-        if (derivatives >= Derivatives::gradient) jet.gradient.col(to) = part.gradient.col(i);
-        if (derivatives >= Derivatives::hessian) jet.hessian.col(to) = part.hessian.col(i);
-      }
-    });
-    return jet;
-  }
+                                     Derivatives derivatives) const;
 };
 
 }  // namespace csrbf

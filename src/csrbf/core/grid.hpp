@@ -1,9 +1,6 @@
 #pragma once
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/types.hpp"
-
-#include <Eigen/Geometry>
 
 #include <array>
 #include <vector>
@@ -36,55 +33,24 @@ struct Grid {
   /// Number of axes, not counting trailing ones of a single voxel; at least 1.
   [[nodiscard]] int dimension() const { return size[2] > 1 ? 3 : size[1] > 1 ? 2 : 1; }
 
-  /// Map from voxel to physical coordinates; for Dim < 3 the first Dim coordinates of both, and the rest 0.
-  /// `grid.to_physical<3>() * points` maps the columns of a matrix.
+  /// Map from voxel to physical coordinates (to call it, include <Eigen/Geometry>); for Dim < 3 the first Dim
+  /// coordinates of both, and the rest 0. `grid.to_physical<3>() * points` maps the columns of a matrix.
   template <int Dim>
-  [[nodiscard]] Eigen::Transform<double, Dim, Eigen::Affine> to_physical() const {
-    Eigen::Transform<double, Dim, Eigen::Affine> map = Eigen::Transform<double, Dim, Eigen::Affine>::Identity();
-    map.linear() = direction.topLeftCorner<Dim, Dim>() * spacing.head<Dim>().asDiagonal();
-    map.translation() = origin.head<Dim>();
-    return map;
-  }
+  [[nodiscard]] Eigen::Transform<double, Dim, Eigen::Affine> to_physical() const;
 
   /// Inverse of to_physical. Throws InvalidInput when there is none: for a slice that does not lie along the first Dim
   /// axes of space.
   template <int Dim>
-  [[nodiscard]] Eigen::Transform<double, Dim, Eigen::Affine> to_voxel() const {
-    // The columns are unit vectors: for dependent ones rounding leaves a determinant of about machine precision.
-    constexpr double singular = 1e-12;
-    const double volume = direction.topLeftCorner<Dim, Dim>().determinant();
-    require(std::abs(volume) > singular, "Grid::to_voxel", "determinant of the directions", volume,
-            "must not be 0: the axes of the image must span the first axes of space");
-    return to_physical<Dim>().inverse();
-  }
+  [[nodiscard]] Eigen::Transform<double, Dim, Eigen::Affine> to_voxel() const;
 
   /// Physical coordinates of the centres of all voxels, x fastest. Throws InvalidInput when the grid has more than Dim
   /// dimensions.
   template <int Dim>
-  [[nodiscard]] Points<Dim> centers() const {
-    require(dimension() <= Dim, "Grid::centers", "dimension of the grid", dimension(),
-            "must not exceed the dimension of the points");
-    const auto map = to_physical<3>();
-    Points<Dim> points(Dim, voxels());
-    Index i = 0;
-    for (Index z = 0; z < size[2]; ++z)
-      for (Index y = 0; y < size[1]; ++y)
-        for (Index x = 0; x < size[0]; ++x)
-          points.col(i++) =
-              (map * Point<3>(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z))).head<Dim>();
-    return points;
-  }
+  [[nodiscard]] Points<Dim> centers() const;
 };
 
 /// The grid in another space: x and y change sign between the two patient spaces.
-inline Grid in_space(Grid grid, Space space) {
-  if (grid.space != Space::unknown && space != Space::unknown && grid.space != space) {
-    grid.direction.topRows(2) *= -1;
-    grid.origin.head(2) *= -1;
-  }
-  grid.space = space;
-  return grid;
-}
+Grid in_space(Grid grid, Space space);
 
 /// Everything about an image except its values.
 struct VolumeLayout {

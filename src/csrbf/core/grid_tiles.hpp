@@ -1,16 +1,11 @@
 #pragma once
 
-#include "csrbf/core/types.hpp"
+#include "csrbf/core/field.hpp"
 
 #include <array>
 #include <cmath>
 
 namespace csrbf {
-
-/// Coordinates along each axis of a rectilinear grid. Its nodes are all their combinations; the first axis is the
-/// fastest.
-template <int Dim>
-using GridAxes = std::array<Eigen::VectorXd, Dim>;
 
 /// A block of nodes of a grid: those with begin[a] <= i_a < end[a].
 template <int Dim>

@@ -1,6 +1,5 @@
 #include "csrbf/core/types.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <vector>

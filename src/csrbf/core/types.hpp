@@ -1,11 +1,21 @@
 #pragma once
 
+#if !defined(_MSVC_LANG) && __cplusplus < 202002L
+#error "csrbf needs C++20: compile with -std=c++20 or later"
+#endif
+
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
+
+/// X(Dim) for every dimension in which the templates on `int Dim` of the library are instantiated. Their definitions
+/// live in source files; more dimensions need one more entry here.
+#define CSRBF_FOR_EACH_DIM(X) X(1) X(2) X(3) X(4) X(5) X(6)
 
 /// csrbf: smooth functions and surfaces from scattered data by compactly supported radial basis functions.
 namespace csrbf {
@@ -23,6 +33,12 @@ using Points = Eigen::Matrix<double, Dim, Eigen::Dynamic>;
 /// Read-only view of points; binds to Points, maps and column blocks without a copy.
 template <int Dim>
 using PointsRef = Eigen::Ref<const Points<Dim>>;
+
+/// Points held as one array each, without a copy: as_points<3>(v) of a std::vector<std::array<double, 3>> is 3 x n.
+template <int Dim>
+Eigen::Map<const Points<Dim>> as_points(std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points) {
+  return {points.empty() ? nullptr : points.front().data(), Dim, static_cast<Index>(points.size())};
+}
 
 /// Number of independent entries of a symmetric Dim x Dim matrix.
 template <int Dim>

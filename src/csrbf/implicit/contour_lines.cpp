@@ -3,6 +3,8 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/implicit/curves/contour_network.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 
 namespace csrbf {
@@ -205,12 +207,12 @@ ContourLines contour_lines(const Field<2>& field, const ContourLinesOptions& opt
   return contours;
 }
 
-Polylines to_polylines(const ContourLines& contours, const Eigen::Affine3d& placement) {
+Polylines to_polylines(const ContourLines& contours, const Eigen::Matrix<double, 3, 4>& placement) {
   Polylines lines;
   const Index n = contours.points.cols();
   Points<3> flat = Points<3>::Zero(3, n);
   flat.topRows<2>() = contours.points;
-  lines.vertices = placement * flat;
+  lines.vertices = Eigen::Affine3d(placement) * flat;
   lines.properties = {{"contour", "int", Eigen::VectorXd(n)}};
   Index edges = 0;
   for (const ContourLine& line : contours.lines) edges += line.closed ? line.size : line.size - 1;

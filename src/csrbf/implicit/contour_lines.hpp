@@ -4,8 +4,6 @@
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
 
-#include <Eigen/Geometry>
-
 #include <vector>
 
 namespace csrbf {
@@ -68,8 +66,9 @@ int automatic_resolution(const Field<2>& field);
 /// the field is not finite where it is evaluated (with the position); Cancelled.
 ContourLines contour_lines(const Field<2>& field, const ContourLinesOptions& options = {});
 
-/// The lines as curves in space: point (x, y) becomes placement * (x, y, 0). Vertex property `contour` (int): the
+/// The lines as curves in space: point (x, y) becomes placement * (x, y, 0, 1). Vertex property `contour` (int): the
 /// number of the line.
-Polylines to_polylines(const ContourLines& contours, const Eigen::Affine3d& placement = Eigen::Affine3d::Identity());
+Polylines to_polylines(const ContourLines& contours,
+                       const Eigen::Matrix<double, 3, 4>& placement = Eigen::Matrix<double, 3, 4>::Identity());
 
 }  // namespace csrbf

@@ -4,6 +4,8 @@
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/implicit/curves/tangents.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 
@@ -70,6 +72,18 @@ Eigen::VectorXd curvature_slopes(const Field<3>& field, const PointsRef<3>& x, c
     slopes[i] = (-3 * k * Ht.dot(g) / norm - C) / norm;
   }
   return slopes;
+}
+
+Eigen::VectorXd Curvatures::mean() const {
+  return 0.5 * (k1 + k2);
+}
+
+Eigen::VectorXd Curvatures::gaussian() const {
+  return k1.cwiseProduct(k2);
+}
+
+Index Curvatures::singular() const {
+  return (!(k1 + k2).array().isFinite()).count();
 }
 
 }  // namespace csrbf

@@ -28,10 +28,10 @@ struct Curvatures {
   Eigen::VectorXd k1, k2;
   Points<3> direction1, direction2;
 
-  [[nodiscard]] Eigen::VectorXd mean() const { return 0.5 * (k1 + k2); }
-  [[nodiscard]] Eigen::VectorXd gaussian() const { return k1.cwiseProduct(k2); }
+  [[nodiscard]] Eigen::VectorXd mean() const;
+  [[nodiscard]] Eigen::VectorXd gaussian() const;
   /// Number of points where the gradient is zero or a value is not finite.
-  [[nodiscard]] Index singular() const { return (!(k1 + k2).array().isFinite()).count(); }
+  [[nodiscard]] Index singular() const;
 };
 
 /// Curvatures of the level sets of a C2 field through n points. Progress: stage "curvature". Throws Cancelled.

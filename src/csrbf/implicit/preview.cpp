@@ -4,6 +4,8 @@
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/curves/plane_section.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 

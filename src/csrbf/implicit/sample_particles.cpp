@@ -1,6 +1,7 @@
 #include "csrbf/implicit/sample_particles.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/mesh/hash_random.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 

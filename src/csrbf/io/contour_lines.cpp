@@ -6,6 +6,8 @@
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/polylines.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -107,7 +109,7 @@ void write_contour_lines(const std::string& path, const ContourLines& contours, 
     require(line.begin >= 0 && line.size > 0 && line.begin + line.size <= contours.points.cols(), "write_contour_lines",
             "end of a line", line.begin + line.size, "must not be beyond the points");
   if (extension == ".svg") return write_file(path, format_svg(contours, options.view));
-  if (extension == ".csv") return write_file(path, format_csv(contours, options.placement));
+  if (extension == ".csv") return write_file(path, format_csv(contours, Eigen::Affine3d(options.placement)));
   write_polylines(path, to_polylines(contours, options.placement));
 }
 

@@ -8,7 +8,7 @@ namespace csrbf {
 
 struct ContourFileOptions {
   /// .csv, .ply and .vtp: map from (x, y, 0) in the plane to space.
-  Eigen::Affine3d placement = Eigen::Affine3d::Identity();
+  Eigen::Matrix<double, 3, 4> placement = Eigen::Matrix<double, 3, 4>::Identity();
 
   /// .svg: the part of the plane that the image shows. Default (an empty box): the box of the points with a small
   /// margin.

@@ -4,8 +4,8 @@
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/surface_archive.hpp"
-#include "csrbf/levelset/lattice/lattice_field.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
+#include "csrbf/levelset/lattice/lattice_field.hpp"
 
 #include <utility>
 
@@ -59,7 +59,7 @@ std::shared_ptr<const Field<3>> read_model(const std::string& path) {
     archive.fail("this is a function of " + std::to_string(function.dimension()) + " variables with " +
                  std::to_string(function.components()) +
                  " components, not a surface: surfaces are functions of 3 variables with 1 component");
-  return std::get<Fit<3>>(function.fits()).components.front();
+  return function.fit<3>().components.front();
 }
 
 void write_model(const std::string& path, const NamedFunction& function) {

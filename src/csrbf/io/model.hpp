@@ -1,7 +1,7 @@
 #pragma once
 
+#include "csrbf/approx/function.hpp"
 #include "csrbf/core/field.hpp"
-#include "csrbf/io/named_function.hpp"
 #include "csrbf/levelset/segment.hpp"
 
 #include <memory>

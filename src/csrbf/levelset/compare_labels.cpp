@@ -4,6 +4,8 @@
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/distance_transform.hpp"
 
+#include <Eigen/Geometry>
+
 #include <array>
 #include <limits>
 #include <map>

@@ -2,6 +2,8 @@
 
 #include "csrbf/core/error.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 
@@ -157,8 +159,7 @@ ImageContour image_contour(const Field<2>& field, const Grid& grid, const ImageC
   const InImage<2> plane(field, grid);
   ImageContour contour;
   contour.image = plane.bounds();
-  contour.placement = grid.to_physical<3>();
-  contour.placement.linear() = grid.direction;
+  contour.placement << grid.direction, grid.origin;
   constexpr int finest = 4096;  // cells: bounds the cost of large images; by hand
   const int resolution =
       options.resolution != 0 ? options.resolution : std::min(finest, 2 * automatic_resolution(plane));

@@ -17,8 +17,9 @@ struct ImageContour {
   /// In the axes of the image: column and row times the spacing, so that the centre of the first voxel is (0, 0); with
   /// length and area.
   ContourLines lines;
-  Eigen::Affine3d placement;  ///< from these coordinates, with z = 0, to those of space
-  Box<2> image;               ///< the image: from the outer borders of its first voxels to those of its last
+  Eigen::Matrix<double, 3, 4> placement =
+      Eigen::Matrix<double, 3, 4>::Identity();  ///< from these coordinates, with z = 0, to those of space
+  Box<2> image;  ///< the image: from the outer borders of its first voxels to those of its last
 };
 
 /// The surface of a level set in a volume.

@@ -1,4 +1,4 @@
-#include "csrbf/levelset/measure_segmentation.hpp"
+#include "csrbf/levelset/segment.hpp"
 
 #include "csrbf/levelset/image_contour.hpp"
 

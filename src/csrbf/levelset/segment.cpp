@@ -1,15 +1,15 @@
 #include "csrbf/levelset/segment.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/levelset/contour/edge_flow.hpp"
-#include "csrbf/levelset/regions/force_noise.hpp"
-#include "csrbf/levelset/regions/region_cores.hpp"
-#include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/baselines/segment_baselines.hpp"
-#include "csrbf/levelset/segment_checks.hpp"
+#include "csrbf/levelset/contour/edge_flow.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_contour.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
+#include "csrbf/levelset/regions/force_noise.hpp"
+#include "csrbf/levelset/regions/region_cores.hpp"
+#include "csrbf/levelset/regions/region_forces.hpp"
+#include "csrbf/levelset/segment_checks.hpp"
 
 #include <algorithm>
 #include <cmath>

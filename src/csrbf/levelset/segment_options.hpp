@@ -78,7 +78,7 @@ struct SegmentSettings {
   int iterations = 100;  ///< at most; each updates statistics and contour
 };
 
-/// Settings, with the arrays and functions of one image. `segment(image, {{.regions = 3}})` gives one of the settings.
+/// Settings, with the arrays and functions of one image.
 struct SegmentOptions : SegmentSettings {
   /// Where the segmentation starts: 1 in what is inside (the seed), 0 elsewhere; one entry per voxel, or none. In
   /// global mode it only says which region is inside: the one that the seed covers more of.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/levelset/measure_segmentation.hpp"
+#include "csrbf/levelset/segment.hpp"
 
 namespace csrbf {
 

@@ -1,6 +1,5 @@
 #include "csrbf/spatial/bounded_voronoi.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"

@@ -1,6 +1,5 @@
 #include "csrbf/spatial/coincident_points.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/radix_sort.hpp"

@@ -287,4 +287,14 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   return result;
 }
 
+Reconstruction reconstruct(std::span<const std::array<double, 3>> points,
+                           std::span<const std::array<double, 3>> normals, const ReconstructOptions& options) {
+  require(normals.empty() || normals.size() == points.size(), "reconstruct", "number of normals", normals.size(),
+          "must be that of the points, " + std::to_string(points.size()) + ", or 0");
+  PointCloud cloud;
+  cloud.points = as_points<3>(points);
+  cloud.normals = as_points<3>(normals);
+  return reconstruct(cloud, options);
+}
+
 }  // namespace csrbf

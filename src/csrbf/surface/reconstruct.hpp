@@ -63,4 +63,8 @@ struct Reconstruction {
 /// SolverFailure when no surface comes out or the tolerance cannot be reached.
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {});
 
+/// The same for points, and normals if there are any, held as one array each.
+Reconstruction reconstruct(std::span<const std::array<double, 3>> points,
+                           std::span<const std::array<double, 3>> normals = {}, const ReconstructOptions& options = {});
+
 }  // namespace csrbf

@@ -1,7 +1,9 @@
 #include "csrbf/approx/global/choose_kernel.hpp"
 
 #include "approx/interpolate_testing.hpp"
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 
 #include <gtest/gtest.h>
 

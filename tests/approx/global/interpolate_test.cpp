@@ -2,7 +2,9 @@
 
 #include "approx/interpolate_testing.hpp"
 #include "core/error_testing.hpp"
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/choose_kernel.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/basis/polynomial.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 

@@ -1,6 +1,7 @@
 #include "csrbf/approx/unity/held_out_error.hpp"
 
 #include "csrbf/approx/unity/fit_patches.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include "approx/approx_testing.hpp"

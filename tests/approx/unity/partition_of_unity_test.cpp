@@ -1,4 +1,5 @@
 #include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 
 #include "approx/partition_testing.hpp"
 

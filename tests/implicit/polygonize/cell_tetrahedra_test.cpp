@@ -1,5 +1,7 @@
 #include "implicit/polygonize_fields.hpp"
 
+#include <Eigen/Geometry>
+
 #include <set>
 
 namespace csrbf {

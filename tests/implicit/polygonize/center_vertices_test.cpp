@@ -2,6 +2,8 @@
 
 #include "implicit/polygonize_fields.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf::polygonization {
 namespace {
 

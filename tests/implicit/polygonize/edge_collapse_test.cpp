@@ -3,6 +3,8 @@
 #include "implicit/mesh_testing.hpp"
 #include "implicit/polygonize_fields.hpp"
 
+#include <Eigen/Geometry>
+
 #include <random>
 
 namespace csrbf::polygonization {

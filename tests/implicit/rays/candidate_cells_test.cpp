@@ -2,6 +2,8 @@
 
 #include "implicit/analytic_fields.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 

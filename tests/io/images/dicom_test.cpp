@@ -3,6 +3,8 @@
 #include "csrbf/io/volume.hpp"
 #include "io/io_testing.hpp"
 
+#include <Eigen/Geometry>
+
 #include <cstring>
 #include <functional>
 

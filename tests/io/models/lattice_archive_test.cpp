@@ -43,13 +43,13 @@ template <int Dim>
 void expect_round_trip() {
   SCOPED_TRACE(Dim);
   const TemporaryFolder folder;
-  const Segmentation<Dim> segmentation = segment<Dim>(ball_image<Dim>(), {{.kernel = "wendland-c4"}});
+  const Segmentation<Dim> segmentation = segment<Dim>(ball_image<Dim>(), {.kernel = "wendland-c4"});
   write_model(folder.file("ball.csrbf"), to_function(segmentation));
   const NamedFunction read = read_function(folder.file("ball.csrbf"));
   EXPECT_EQ(read.function.report().method, "segment");
   EXPECT_EQ(read.value_names, std::vector<std::string>{"level_set"});
   const Field<Dim>& expected = *segmentation.fields[0];
-  const auto& found = *std::get<Fit<Dim>>(read.function.fits()).components.at(0);
+  const auto& found = *read.function.template fit<Dim>().components.at(0);
   const Points<Dim> x = probes(expected);
   const Jet<Dim> a = expected.evaluate(x, Derivatives::hessian), b = found.evaluate(x, Derivatives::hessian);
   EXPECT_GT(a.value.maxCoeff(), 1);
@@ -82,7 +82,7 @@ TEST(LatticeArchive, IsASurfaceInSpace) {
 TEST(LatticeArchive, HoldsOneComponentForEachOfSeveralRegions) {
   Volume<float> image = ball_image<2>();
   for (std::size_t i = 0; i < 100; ++i) image.values[i] = 20;
-  const Segmentation<2> segmentation = segment<2>(image, {{.regions = 3}});
+  const Segmentation<2> segmentation = segment<2>(image, {.regions = 3});
   const NamedFunction function = to_function(segmentation);
   EXPECT_EQ(function.function.components(), 3);
   EXPECT_EQ(function.value_names, (std::vector<std::string>{"region0", "region1", "region2"}));

@@ -10,6 +10,8 @@
 
 #include "io/io_testing.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 

@@ -2,6 +2,8 @@
 
 #include "csrbf/core/error.hpp"
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 #include <random>

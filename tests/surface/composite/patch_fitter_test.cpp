@@ -2,6 +2,8 @@
 
 #include "surface/surface_testing.hpp"
 
+#include <Eigen/Geometry>
+
 #include <numeric>
 
 namespace csrbf {

@@ -1,6 +1,5 @@
 #include "csrbf/approx/basis/evaluation_order.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 namespace csrbf {

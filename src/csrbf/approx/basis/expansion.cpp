@@ -2,7 +2,6 @@
 
 #include "csrbf/approx/basis/evaluation_order.hpp"
 #include "csrbf/approx/basis/polynomial.hpp"
-#include "csrbf/core/dimensions.hpp"
 
 namespace csrbf {
 

@@ -1,6 +1,5 @@
 #include "csrbf/approx/basis/polynomial.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 
 #include <algorithm>

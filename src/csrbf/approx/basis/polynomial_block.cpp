@@ -1,7 +1,5 @@
 #include "csrbf/approx/basis/polynomial_block.hpp"
 
-#include "csrbf/core/dimensions.hpp"
-
 #include <Eigen/QR>
 #include <Eigen/SVD>
 

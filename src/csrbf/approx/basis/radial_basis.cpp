@@ -1,6 +1,5 @@
 #include "csrbf/approx/basis/radial_basis.hpp"
-
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>

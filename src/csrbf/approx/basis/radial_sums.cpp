@@ -1,6 +1,5 @@
 #include "csrbf/approx/basis/radial_sums.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/simd.hpp"
 
 namespace csrbf {

@@ -1,7 +1,7 @@
 #include "csrbf/approx/global/choose_kernel.hpp"
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 

@@ -1,12 +1,11 @@
 #include "csrbf/approx/global/interpolate.hpp"
 
-#include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/approx/basis/expansion.hpp"
+#include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/approx/global/choose_kernel.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/linalg/sparse_cholesky.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
@@ -271,10 +270,10 @@ std::vector<std::shared_ptr<const Field<Dim>>> Interpolation<Dim>::model() const
   return {components.begin(), components.end()};
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                      \
-  template Interpolation<Dim> interpolate<Dim>(const Samples<Dim>&, const InterpolateOptions&,                       \
-                                               const RadialMetric<Dim>&);                                            \
-  template Interpolation<Dim> interpolate<Dim>(const Samples<Dim>&, const InterpolateOptions&);                      \
+#define CSRBF_INSTANTIATE(Dim)                                                                  \
+  template Interpolation<Dim> interpolate<Dim>(const Samples<Dim>&, const InterpolateOptions&,  \
+                                               const RadialMetric<Dim>&);                       \
+  template Interpolation<Dim> interpolate<Dim>(const Samples<Dim>&, const InterpolateOptions&); \
   template std::vector<std::shared_ptr<const Field<Dim>>> Interpolation<Dim>::model() const;
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

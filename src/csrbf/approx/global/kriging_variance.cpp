@@ -1,7 +1,6 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
-#include "csrbf/core/dimensions.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>

@@ -1,8 +1,7 @@
 #include "csrbf/approx/levels/error_bounded.hpp"
 
-#include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/approx/levels/fixed_budget.hpp"
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
 #include <limits>

@@ -7,6 +7,9 @@
 
 namespace csrbf {
 
+template <int Dim>
+class LevelBuilder;
+
 struct ErrorBoundedOptions {
   std::string kernel = "wendland-c2";    ///< compactly supported
   std::optional<double> tolerance = {};  ///< largest error at any sample, in units of the values; default: 1 % of

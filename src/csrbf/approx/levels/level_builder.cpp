@@ -1,6 +1,6 @@
 #include "csrbf/approx/levels/level_builder.hpp"
 
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 

@@ -1,7 +1,6 @@
 #include "csrbf/approx/levels/level_sum.hpp"
 
 #include "csrbf/approx/basis/evaluation_order.hpp"
-#include "csrbf/core/dimensions.hpp"
 
 namespace csrbf {
 

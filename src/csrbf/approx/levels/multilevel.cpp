@@ -2,7 +2,6 @@
 
 #include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
 namespace csrbf {

@@ -1,9 +1,8 @@
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 
-#include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/approx/levels/error_bounded.hpp"
+#include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
-#include "csrbf/core/dimensions.hpp"
 
 #include <Eigen/Eigenvalues>
 

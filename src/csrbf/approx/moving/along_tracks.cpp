@@ -1,7 +1,5 @@
 #include "csrbf/approx/moving/along_tracks.hpp"
 
-#include "csrbf/core/dimensions.hpp"
-
 namespace csrbf {
 namespace {
 

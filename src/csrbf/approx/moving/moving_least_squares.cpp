@@ -1,7 +1,8 @@
 #include "csrbf/approx/moving/moving_least_squares.hpp"
 
+#include "csrbf/approx/moving/moving_least_squares_field.hpp"
 #include "csrbf/approx/moving/track_directions.hpp"
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <Eigen/QR>
 

@@ -1,6 +1,5 @@
 #include "csrbf/approx/moving/track_directions.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <cmath>

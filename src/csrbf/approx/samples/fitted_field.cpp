@@ -1,7 +1,6 @@
 #include "csrbf/approx/samples/fitted_field.hpp"
 
 #include "csrbf/approx/samples/periodic_field.hpp"
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/spatial/coincident_points.hpp"
 
 #include <limits>

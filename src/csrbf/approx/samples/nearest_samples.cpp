@@ -1,6 +1,5 @@
 #include "csrbf/approx/samples/nearest_samples.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 

@@ -1,7 +1,5 @@
 #include "csrbf/approx/samples/periodic_field.hpp"
 
-#include "csrbf/core/dimensions.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

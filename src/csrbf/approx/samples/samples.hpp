@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/types.hpp"
 
+#include <string>
 #include <vector>
 
 namespace csrbf {
@@ -27,8 +28,10 @@ struct Samples {
 template <int Dim>
 void require_valid(const Samples<Dim>& samples, const char* function) {
   require(samples.size() > 0, function, "samples", "none", "at least one sample is needed");
+  const bool is_transposed = samples.size() == Dim && samples.values.rows() > Dim;
   require(samples.values.rows() == samples.size(), function, "values", samples.values.rows(),
-          "there must be one row of values per point");
+          std::string("there must be one row of values per point") +
+              (is_transposed ? "; points are columns: transpose the N x " + std::to_string(Dim) + " matrix" : ""));
   require(samples.components() > 0, function, "values", "0 columns", "at least one value per point is needed");
   require(samples.points.allFinite(), function, "points", "NaN or infinity",
           "every coordinate must be finite; remove the other samples");
@@ -40,6 +43,20 @@ void require_valid(const Samples<Dim>& samples, const char* function) {
   require(samples.weights.allFinite() && samples.weights.minCoeff() >= 0, function, "weights", "negative or not finite",
           "weights must be finite and not negative");
   require(samples.weights.maxCoeff() > 0, function, "weights", "all zero", "at least one weight must be positive");
+}
+
+/// Samples from matrices whose sizes are known at run time only. Throws InvalidInput unless `points` is Dim x N and
+/// `values` N x k: what Eigen checks by an assertion, if at all, when they are assigned.
+template <int Dim>
+Samples<Dim> make_samples(const Eigen::Ref<const Eigen::MatrixXd>& points,
+                          const Eigen::Ref<const Eigen::MatrixXd>& values,
+                          const Eigen::Ref<const Eigen::VectorXd>& weights = Eigen::VectorXd()) {
+  const std::string columns =
+      "must be " + std::to_string(Dim) + ": one column per point; transpose an N x " + std::to_string(Dim) + " matrix";
+  require(points.rows() == Dim, "Samples", "rows of points", points.rows(), columns);
+  Samples<Dim> samples{points, values, weights};
+  require_valid(samples, "Samples");
+  return samples;
 }
 
 /// The samples of positive weight, with weights of mean 1; all of them when there are no weights.

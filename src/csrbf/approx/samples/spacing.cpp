@@ -1,6 +1,5 @@
 #include "csrbf/approx/samples/spacing.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 

@@ -1,7 +1,7 @@
 #include "csrbf/approx/unity/choose_local_options.hpp"
 
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/approx/unity/patch_samples.hpp"
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/shared_work.hpp"
 
 #include <array>

@@ -1,7 +1,6 @@
 #include "csrbf/approx/unity/cover.hpp"
 
 #include "csrbf/approx/unity/split_into_cells.hpp"
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 

@@ -1,5 +1,4 @@
 #include "csrbf/approx/unity/cover.hpp"
-#include "csrbf/core/dimensions.hpp"
 
 #include <algorithm>
 #include <cmath>

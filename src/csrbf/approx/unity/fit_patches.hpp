@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 
 namespace csrbf {
 

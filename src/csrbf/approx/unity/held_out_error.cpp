@@ -1,7 +1,6 @@
 #include "csrbf/approx/unity/held_out_error.hpp"
 
 #include "csrbf/approx/unity/fit_patches.hpp"
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 

@@ -1,7 +1,6 @@
 #include "csrbf/approx/unity/local_fit.hpp"
 
 #include "csrbf/approx/unity/patch_samples.hpp"
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/lanes.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "csrbf/approx/unity/cover.hpp"
 #include "csrbf/approx/unity/local_models.hpp"
-#include "csrbf/approx/unity/local_options.hpp"
+#include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "csrbf/linalg/batched_cholesky.hpp"
 
 #include <string>

@@ -1,7 +1,6 @@
 #include "csrbf/approx/unity/local_models.hpp"
 
 #include "csrbf/approx/unity/lane_sums.hpp"
-#include "csrbf/core/dimensions.hpp"
 
 namespace csrbf {
 namespace {

@@ -1,6 +1,6 @@
 #include "csrbf/approx/unity/local_variance.hpp"
 
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <array>

@@ -1,6 +1,6 @@
 #include "csrbf/approx/unity/lane_sums.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/shared_work.hpp"
 
 #include <algorithm>

@@ -1,7 +1,5 @@
 #include "csrbf/approx/unity/patch_samples.hpp"
 
-#include "csrbf/core/dimensions.hpp"
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 

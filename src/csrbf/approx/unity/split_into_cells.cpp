@@ -1,6 +1,5 @@
 #include "csrbf/approx/unity/split_into_cells.hpp"
 
-#include "csrbf/core/dimensions.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/shared_work.hpp"
 

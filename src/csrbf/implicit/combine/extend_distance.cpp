@@ -1,6 +1,7 @@
 #include "csrbf/implicit/combine/extend_distance.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/core/taylor.hpp"
 #include "csrbf/implicit/mesh/triangle_tree.hpp"
 #include "csrbf/implicit/polygonize.hpp"

@@ -2,8 +2,6 @@
 
 #include "csrbf/core/field.hpp"
 
-#include <Eigen/Geometry>
-
 namespace csrbf {
 
 /// A field restricted to a plane, as a field of two variables: (u, v) is the point origin + across * (u, v).

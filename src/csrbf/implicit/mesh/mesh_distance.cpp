@@ -5,6 +5,8 @@
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 #include "csrbf/implicit/mesh/triangle_tree.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <map>
 

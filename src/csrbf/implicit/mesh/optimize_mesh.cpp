@@ -2,6 +2,8 @@
 
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
+#include <Eigen/Geometry>
+
 #include <numbers>
 #include <vector>
 

@@ -1,6 +1,7 @@
 #include "csrbf/implicit/rays/candidate_cells.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <array>
 

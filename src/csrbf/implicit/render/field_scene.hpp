@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/implicit/raycast.hpp"
+#include "csrbf/implicit/rays/ray_caster.hpp"
 #include "csrbf/implicit/render/mesh_scene.hpp"
 
 namespace csrbf {

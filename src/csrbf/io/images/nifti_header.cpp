@@ -3,6 +3,8 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/bytes.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 

@@ -4,6 +4,8 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/io/files/bytes.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 

@@ -2,8 +2,9 @@
 
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/levels/level_sum.hpp"
+#include "csrbf/approx/moving/moving_least_squares_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/models/field_parts.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"

@@ -1,6 +1,7 @@
 #include "csrbf/io/models/field_parts.hpp"
 
-#include "csrbf/core/dimensions.hpp"
+#include "csrbf/approx/moving/moving_least_squares_field.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/error.hpp"
 
 #include <cmath>

@@ -2,7 +2,9 @@
 
 #include "csrbf/approx/basis/radial_basis.hpp"
 #include "csrbf/approx/moving/moving_least_squares.hpp"
+#include "csrbf/approx/moving/moving_least_squares_field.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/io/models/archive.hpp"
 
 #include <memory>

@@ -1,5 +1,6 @@
 #include "csrbf/io/models/function_archive.hpp"
 
+#include "csrbf/approx/function_fit.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/models/field_archive.hpp"
 #include "csrbf/io/samples.hpp"
@@ -105,7 +106,7 @@ Function make_function(const Archive& archive, std::int64_t components) {
 // The function, whose dimension is known at run time only.
 template <int Dim = 1>
 Function make_function(const Archive& archive, std::int64_t dimension, std::int64_t components) {
-  if constexpr (Dim > std::variant_size_v<Function::Fits> - 1)
+  if constexpr (Dim > std::variant_size_v<FunctionFitVariant> - 1)
     archive.fail("functions of " + std::to_string(dimension) + " variables are not supported by this version");
   else
     return dimension == Dim ? make_function<Dim>(archive, components)
@@ -139,7 +140,7 @@ Archive to_archive(const NamedFunction& named) {
       [&](const auto& fit) {
         if constexpr (!std::is_same_v<std::decay_t<decltype(fit)>, std::monostate>) set_components(archive, fit);
       },
-      function.fits());
+      function.any_fit());
   return archive;
 }
 

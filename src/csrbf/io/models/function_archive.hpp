@@ -1,7 +1,7 @@
 #pragma once
 
+#include "csrbf/approx/function.hpp"
 #include "csrbf/io/models/archive.hpp"
-#include "csrbf/io/named_function.hpp"
 
 namespace csrbf {
 

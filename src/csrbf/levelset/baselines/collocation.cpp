@@ -1,11 +1,14 @@
 #include "csrbf/levelset/baselines/collocation.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/levelset/image/label_gap.hpp"
 #include "csrbf/levelset/baselines/node_system.hpp"
-#include "csrbf/levelset/image/signed_distance.hpp"
 #include "csrbf/levelset/baselines/voxel_sampler.hpp"
+#include "csrbf/levelset/image/label_gap.hpp"
+#include "csrbf/levelset/image/signed_distance.hpp"
+
+#include <Eigen/Geometry>
 
 #include <chrono>
 #include <cmath>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "csrbf/approx/basis/expansion.hpp"
+#include "csrbf/core/field.hpp"
 #include "csrbf/core/progress.hpp"
-#include "csrbf/levelset/regions/force_update.hpp"
 #include "csrbf/levelset/baselines/nodes.hpp"
+#include "csrbf/levelset/regions/force_update.hpp"
 
 #include <limits>
 #include <memory>
@@ -11,6 +11,9 @@
 #include <vector>
 
 namespace csrbf {
+
+template <int Dim>
+class Expansion;
 
 /// How the velocity at a node comes from the forces on the voxels.
 enum class VelocitySampling {

@@ -4,7 +4,10 @@
 #include "csrbf/levelset/baselines/dense_level_set.hpp"
 #include "csrbf/levelset/image/label_gap.hpp"
 #include "csrbf/levelset/image/signed_distance.hpp"
+#include "csrbf/levelset/lattice/lattice_field.hpp"
 #include "csrbf/linalg/toeplitz_system.hpp"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>

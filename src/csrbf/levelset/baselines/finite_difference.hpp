@@ -1,13 +1,16 @@
 #pragma once
 
+#include "csrbf/core/grid.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/levelset/regions/force_update.hpp"
-#include "csrbf/levelset/lattice/lattice_field.hpp"
 
 #include <memory>
 #include <vector>
 
 namespace csrbf {
+
+template <int Dim>
+class LatticeField;
 
 struct FiniteDifferenceOptions {
   /// Weight of the length (area) of the contour relative to the largest force, in edges of the shortest voxel side.

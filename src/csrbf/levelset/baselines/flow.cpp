@@ -1,5 +1,6 @@
 #include "csrbf/levelset/baselines/flow.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/levelset/baselines/node_system.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/approx/basis/expansion.hpp"
+#include "csrbf/core/field.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/levelset/baselines/nodes.hpp"
 
@@ -9,6 +9,9 @@
 #include <string>
 
 namespace csrbf {
+
+template <int Dim>
+class Expansion;
 
 /// A level set in motion, at its nodes: what velocities may depend on.
 template <int Dim>

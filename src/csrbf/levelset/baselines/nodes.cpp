@@ -4,6 +4,8 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf {
 namespace {
 

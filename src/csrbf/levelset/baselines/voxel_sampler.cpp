@@ -3,6 +3,8 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/kernels/wendland.hpp"
 
+#include <Eigen/Geometry>
+
 #include <numbers>
 #include <numeric>
 

@@ -2,6 +2,8 @@
 
 #include "csrbf/levelset/image/signed_distance.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 
 namespace csrbf {

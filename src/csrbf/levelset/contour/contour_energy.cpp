@@ -1,8 +1,8 @@
 #include "csrbf/levelset/contour/contour_energy.hpp"
 
 #include "csrbf/core/simd.hpp"
-#include "csrbf/levelset/lattice/coefficient_sums.hpp"
 #include "csrbf/levelset/contour/spectral_descent.hpp"
+#include "csrbf/levelset/lattice/coefficient_sums.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,6 +2,8 @@
 
 #include "csrbf/levelset/lattice/lattice_field.hpp"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 
 namespace csrbf {

@@ -2,11 +2,11 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/parallel_sum.hpp"
-#include "csrbf/levelset/lattice/coefficient_sums.hpp"
 #include "csrbf/levelset/contour/contour_energy.hpp"
-#include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/spectral_descent.hpp"
+#include "csrbf/levelset/image/gaussian_blur.hpp"
+#include "csrbf/levelset/lattice/coefficient_sums.hpp"
 
 #include <algorithm>
 #include <cmath>

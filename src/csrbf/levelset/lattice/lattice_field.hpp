@@ -4,6 +4,8 @@
 #include "csrbf/core/grid.hpp"
 #include "csrbf/kernels/kernel.hpp"
 
+#include <Eigen/Geometry>
+
 #include <vector>
 
 namespace csrbf {

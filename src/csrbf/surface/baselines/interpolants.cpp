@@ -1,4 +1,6 @@
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
 #include "csrbf/linalg/ridge.hpp"
 #include "csrbf/surface/baselines/baselines.hpp"

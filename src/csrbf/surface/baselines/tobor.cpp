@@ -1,4 +1,6 @@
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/unity/cover.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/taylor.hpp"

@@ -1,6 +1,8 @@
 #include "csrbf/surface/prepare/bridge_gaps.hpp"
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
