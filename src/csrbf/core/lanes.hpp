@@ -63,6 +63,11 @@ struct Lanes {
   CSRBF_ALWAYS_INLINE Lanes& operator op##=(const B& b) { \
     return *this = *this op b;                            \
   }
+  friend CSRBF_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
+    Lanes c;
+    for (int k = 0; k < parts; ++k) c.part[k] = -a.part[k];
+    return c;
+  }
   CSRBF_LANE_ASSIGNMENT(+)
   CSRBF_LANE_ASSIGNMENT(-)
   CSRBF_LANE_ASSIGNMENT(*)
