@@ -9,14 +9,16 @@
 
 namespace csrbf {
 
-/// `count` numbers with arithmetic lane by lane, in vectors of the compiler of at most `bytes` each: compilers do not
-/// reliably turn loops over lanes that are inside other loops into vector code, and never sums. The arithmetic is that
-/// of plain numbers, of each lane by itself: results do not depend on `bytes`. Vectors longer than the registers would
-/// go through memory (GCC): in functions marked CSRBF_SIMD_CLONES `bytes` is 32, in those that simd_call() calls it is
-/// the parameter of theirs.
+/// `count` numbers with arithmetic lane by lane, in vectors of the compiler of at most `bytes` each, for loops that
+/// compilers do not turn into vector code: those inside other loops, and sums, whose order they keep. Each lane has the
+/// arithmetic of plain numbers, so results do not depend on `bytes`. GCC keeps vectors that are longer than the
+/// registers in memory: use the parameter of the kernel in those that simd_call() calls, else the default.
+///
+/// A product that is added is rounded once where the processor can. Give names to two products before adding them:
+/// which of them that is depends on which one the compiler computes first.
 ///
 /// Arguments are references, because vectors passed by value need a calling convention of their own.
-template <class T, int count, int bytes = 32>
+template <class T, int count, int bytes = simd_clone_bytes>
 struct Lanes {
   static constexpr int size = count;
   static constexpr int width = count * sizeof(T) <= bytes ? count : static_cast<int>(bytes / sizeof(T));
@@ -63,23 +65,22 @@ struct Lanes {
   CSRBF_ALWAYS_INLINE Lanes& operator op##=(const B& b) { \
     return *this = *this op b;                            \
   }
-  friend CSRBF_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
-    Lanes c;
-    for (int k = 0; k < parts; ++k) c.part[k] = -a.part[k];
-    return c;
-  }
   CSRBF_LANE_ASSIGNMENT(+)
   CSRBF_LANE_ASSIGNMENT(-)
   CSRBF_LANE_ASSIGNMENT(*)
   CSRBF_LANE_ASSIGNMENT(/)
-  CSRBF_LANE_ASSIGNMENT(&)  // of masks, as the next
-  CSRBF_LANE_ASSIGNMENT(|)
+  CSRBF_LANE_ASSIGNMENT(&)  // of masks
   CSRBF_LANE_OPERATOR(Mask, <)
   CSRBF_LANE_OPERATOR(Mask, >)
   CSRBF_LANE_OPERATOR(Mask, !=)
 #undef CSRBF_LANE_ASSIGNMENT
 #undef CSRBF_LANE_OPERATOR
 
+  friend CSRBF_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
+    Lanes c;
+    for (int k = 0; k < parts; ++k) c.part[k] = -a.part[k];
+    return c;
+  }
   /// Lanes of a where the condition holds, of b elsewhere.
   friend CSRBF_ALWAYS_INLINE Lanes choose(const Mask& condition, const Lanes& a, const Lanes& b) {
     Lanes c;
@@ -101,8 +102,11 @@ using Doubles = Lanes<double, 8>;
 CSRBF_ALWAYS_INLINE unsigned bits(const Doubles::Mask& condition) {
   static constexpr std::int64_t powers[] = {1, 2, 4, 8, 16, 32, 64, 128};
   const Doubles::Mask set = condition & Doubles::Mask(powers);
-  const Doubles::Mask::Part all = set.part[0] | set.part[1];
-  return static_cast<unsigned>((all[0] | all[2]) | (all[1] | all[3]));
+  Doubles::Mask::Part all = set.part[0];
+  for (int k = 1; k < Doubles::parts; ++k) all |= set.part[k];
+  std::int64_t result = 0;
+  for (int i = 0; i < Doubles::width; ++i) result |= all[i];
+  return static_cast<unsigned>(result);
 }
 
 /// Stores scale |p - q|^2 for points of `dim` coordinates, eight lanes each.

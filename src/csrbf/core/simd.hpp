@@ -14,6 +14,7 @@
 /// Lanes had better be called by simd_call(), which does without.
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && \
     !defined(__AVX512F__) && !defined(CSRBF_SANITIZED)
+#define CSRBF_HAS_CLONES
 #define CSRBF_SIMD_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 #else
 #define CSRBF_SIMD_CLONES
@@ -34,7 +35,14 @@
 
 namespace csrbf {
 
-/// Length of the registers here that simd_call() uses: 64 with AVX-512, 32 with AVX2 + FMA, 16 elsewhere.
+/// Bytes of the vectors to use in functions marked CSRBF_SIMD_CLONES.
+#if defined(CSRBF_HAS_CLONES) || defined(__AVX__)
+inline constexpr int simd_clone_bytes = 32;
+#else
+inline constexpr int simd_clone_bytes = 16;
+#endif
+
+/// Bytes of the registers here that simd_call() uses: 64 with AVX-512, 32 with AVX2 + FMA, 16 elsewhere.
 inline int simd_bytes() {
 #if defined(CSRBF_HAS_AVX)
   if (__builtin_cpu_supports("avx2") == 0 || __builtin_cpu_supports("fma") == 0) return 16;
