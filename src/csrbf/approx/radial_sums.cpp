@@ -6,9 +6,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index width = 8;
-template <int bytes>
-using Centers = Lanes<double, width, bytes>;
+constexpr Index width = 8;  // centres at a time
 
 constexpr int triangle(int dimension) {
   return dimension * (dimension + 1) / 2;
@@ -21,30 +19,31 @@ constexpr int entry(int dimension, int a, int b) {
   return row * dimension - row * (row - 1) / 2 + column - row;
 }
 
-template <int bytes>
-CSRBF_ALWAYS_INLINE double total(const Centers<bytes>& x) {
+template <class V>
+CSRBF_ALWAYS_INLINE double total(const V& x) {
   return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
 }
 
-template <int bytes, int Dim, bool Anisotropic>
+// The arrays are copies here and below: what is stored might be part of them for all the compiler knows.
+template <int Bytes, int Dim, bool Anisotropic>
 CSRBF_ALWAYS_INLINE void distances(const CenterArrays c, const double* p, bool with_directions, RadialBatch& batch) {
-  using Lanes = Centers<bytes>;
+  using V = Lanes<double, width, Bytes>;
   Index at = 0;
   for (int run = 0; run < batch.runs; ++run) {
     const Index end = batch.slot[static_cast<std::size_t>(run)] + batch.length[static_cast<std::size_t>(run)];
     for (Index i = batch.slot[static_cast<std::size_t>(run)]; i < end; i += width, at += width) {
-      Lanes x[Dim];
+      V x[Dim];
 #pragma GCC unroll 6
-      for (int a = 0; a < Dim; ++a) x[a] = p[a] - Lanes(c.position + a * c.stride + i);
-      Lanes sum(0.0);
+      for (int a = 0; a < Dim; ++a) x[a] = p[a] - V(c.position + a * c.stride + i);
+      V sum(0.0);
 #pragma GCC unroll 6
       for (int a = 0; a < Dim; ++a) {
-        Lanes v(0.0);
+        V v(0.0);
         if constexpr (Anisotropic) {
 #pragma GCC unroll 6
-          for (int b = 0; b < Dim; ++b) v += Lanes(c.shape + entry(Dim, a, b) * c.stride + i) * x[b];
+          for (int b = 0; b < Dim; ++b) v += V(c.shape + entry(Dim, a, b) * c.stride + i) * x[b];
         } else {
-          v = Lanes(c.shape + i) * x[a];
+          v = V(c.shape + i) * x[a];
         }
         sum += v * x[a];
         if (with_directions) v.store(&batch.v[a][at]);
@@ -56,35 +55,35 @@ CSRBF_ALWAYS_INLINE void distances(const CenterArrays c, const double* p, bool w
 
 enum class Sums { value, gradient, hessian };
 
-template <int bytes, int Dim, bool Anisotropic, Sums sums>
+template <int Bytes, int Dim, bool Anisotropic, Sums sums>
 CSRBF_ALWAYS_INLINE void add(const CenterArrays c, const double* coefficients, const RadialBatch& batch, double* value,
                              double* gradient, double* hessian) {
-  using Lanes = Centers<bytes>;
-  Lanes sum(0.0);
-  Lanes first[Dim]{};
-  Lanes second[triangle(Dim)]{};
+  using V = Lanes<double, width, Bytes>;
+  V sum(0.0);
+  V first[Dim]{};
+  V second[triangle(Dim)]{};
   Index at = 0;
   for (int run = 0; run < batch.runs; ++run) {
     const Index end = batch.slot[static_cast<std::size_t>(run)] + batch.length[static_cast<std::size_t>(run)];
     for (Index i = batch.slot[static_cast<std::size_t>(run)]; i < end; i += width, at += width) {
-      const Lanes alpha(coefficients + i);
-      sum += alpha * Lanes(batch.phi + at);
+      const V alpha(coefficients + i);
+      sum += alpha * V(batch.phi + at);
       if constexpr (sums != Sums::value) {
-        const Lanes g = alpha * Lanes(batch.g + at);
+        const V g = alpha * V(batch.g + at);
 #pragma GCC unroll 6
-        for (int a = 0; a < Dim; ++a) first[a] += g * Lanes(&batch.v[a][at]);
+        for (int a = 0; a < Dim; ++a) first[a] += g * V(&batch.v[a][at]);
         if constexpr (sums == Sums::hessian) {
-          const Lanes h = alpha * Lanes(batch.h + at);
+          const V h = alpha * V(batch.h + at);
 #pragma GCC unroll 6
           for (int a = 0; a < Dim; ++a) {
 #pragma GCC unroll 6
             for (int b = a; b < Dim; ++b) {
-              Lanes& target = second[entry(Dim, a, b)];
-              target += h * Lanes(&batch.v[a][at]) * Lanes(&batch.v[b][at]);
+              V& target = second[entry(Dim, a, b)];
+              target += h * V(&batch.v[a][at]) * V(&batch.v[b][at]);
               if constexpr (Anisotropic) {
-                target += g * Lanes(c.shape + entry(Dim, a, b) * c.stride + i);
+                target += g * V(c.shape + entry(Dim, a, b) * c.stride + i);
               } else {
-                if (a == b) target += g * Lanes(c.shape + i);
+                if (a == b) target += g * V(c.shape + i);
               }
             }
           }
@@ -92,34 +91,34 @@ CSRBF_ALWAYS_INLINE void add(const CenterArrays c, const double* coefficients, c
       }
     }
   }
-  *value += total<bytes>(sum);
+  *value += total(sum);
   if constexpr (sums != Sums::value)
-    for (int a = 0; a < Dim; ++a) gradient[a] += total<bytes>(first[a]);
+    for (int a = 0; a < Dim; ++a) gradient[a] += total(first[a]);
   if constexpr (sums == Sums::hessian)
-    for (int e = 0; e < triangle(Dim); ++e) hessian[e] += total<bytes>(second[e]);
+    for (int e = 0; e < triangle(Dim); ++e) hessian[e] += total(second[e]);
 }
 
 template <int Dim>
 struct Distances {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const CenterArrays* c, const double* p, bool with_directions,
                                       RadialBatch* batch) {
     if (c->anisotropic)
-      distances<bytes, Dim, true>(*c, p, with_directions, *batch);
+      distances<Bytes, Dim, true>(*c, p, with_directions, *batch);
     else
-      distances<bytes, Dim, false>(*c, p, with_directions, *batch);
+      distances<Bytes, Dim, false>(*c, p, with_directions, *batch);
   }
 };
 
 template <int Dim, Sums sums>
 struct Add {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const CenterArrays* c, const double* coefficients, const RadialBatch* batch,
                                       double* value, double* gradient, double* hessian) {
     if (c->anisotropic)
-      add<bytes, Dim, true, sums>(*c, coefficients, *batch, value, gradient, hessian);
+      add<Bytes, Dim, true, sums>(*c, coefficients, *batch, value, gradient, hessian);
     else
-      add<bytes, Dim, false, sums>(*c, coefficients, *batch, value, gradient, hessian);
+      add<Bytes, Dim, false, sums>(*c, coefficients, *batch, value, gradient, hessian);
   }
 };
 

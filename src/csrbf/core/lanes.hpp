@@ -9,25 +9,25 @@
 
 namespace csrbf {
 
-/// `count` numbers with arithmetic lane by lane, in vectors of the compiler of at most `bytes` each, for loops that
+/// `Count` numbers with arithmetic lane by lane, in vectors of the compiler of at most `Bytes` each, for loops that
 /// compilers do not turn into vector code: those inside other loops, and sums, whose order they keep. Each lane has the
-/// arithmetic of plain numbers, so results do not depend on `bytes`. GCC keeps vectors that are longer than the
+/// arithmetic of plain numbers, so results do not depend on `Bytes`. GCC keeps vectors that are longer than the
 /// registers in memory: use the parameter of the kernel in those that simd_call() calls, else the default.
 ///
 /// A product that is added is rounded once where the processor can. Give names to two products before adding them:
 /// which of them that is depends on which one the compiler computes first.
 ///
 /// Arguments are references, because vectors passed by value need a calling convention of their own.
-template <class T, int count, int bytes = simd_clone_bytes>
+template <class T, int Count, int Bytes = simd_clone_bytes>
 struct Lanes {
-  static constexpr int size = count;
-  static constexpr int width = count * sizeof(T) <= bytes ? count : static_cast<int>(bytes / sizeof(T));
-  static constexpr int parts = count / width;
-  static_assert(parts * width == count);
+  static constexpr int size = Count;
+  static constexpr int width = Count * sizeof(T) <= Bytes ? Count : static_cast<int>(Bytes / sizeof(T));
+  static constexpr int parts = Count / width;
+  static_assert(parts * width == Count);
 
   using Part [[gnu::vector_size(width * sizeof(T))]] = T;
   /// What comparisons give: integers, -1 where the condition holds and 0 elsewhere.
-  using Mask = Lanes<std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>, count, bytes>;
+  using Mask = Lanes<std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>, Count, Bytes>;
 
   Part part[parts];
 

@@ -57,9 +57,9 @@ inline int simd_bytes() {
 #if defined(CSRBF_HAS_AVX)
 namespace simd {
 
-template <class Kernel, int bytes, class... Arguments>
+template <class Kernel, int Bytes, class... Arguments>
 CSRBF_AVX512 auto with_avx512(Arguments... arguments) {
-  return Kernel::template run<bytes>(arguments...);
+  return Kernel::template run<Bytes>(arguments...);
 }
 template <class Kernel, class... Arguments>
 CSRBF_AVX2 auto with_avx2(Arguments... arguments) {
@@ -69,14 +69,14 @@ CSRBF_AVX2 auto with_avx2(Arguments... arguments) {
 }  // namespace simd
 #endif
 
-/// Kernel::run<bytes>(arguments...), a static function marked CSRBF_ALWAYS_INLINE that is written in Lanes, compiled
-/// three times: for any processor (bytes is 16), AVX2 (32) and AVX-512 (`most`). As opposed to CSRBF_SIMD_CLONES the
+/// Kernel::run<Bytes>(arguments...), a static function marked CSRBF_ALWAYS_INLINE that is written in Lanes, compiled
+/// three times: for any processor (Bytes is 16), AVX2 (32) and AVX-512 (`Most`). As opposed to CSRBF_SIMD_CLONES the
 /// kernel knows the length of the registers and may be a template, and any compiler and loader will do.
-template <class Kernel, int most = 64, class... Arguments>
+template <class Kernel, int Most = 64, class... Arguments>
 auto simd_call(Arguments... arguments) {
 #if defined(CSRBF_HAS_AVX)
   const int bytes = simd_bytes();
-  if (bytes == 64) return simd::with_avx512<Kernel, most>(arguments...);
+  if (bytes == 64) return simd::with_avx512<Kernel, Most>(arguments...);
   if (bytes == 32) return simd::with_avx2<Kernel>(arguments...);
 #endif
   return Kernel::template run<16>(arguments...);

@@ -18,8 +18,8 @@ struct Profile {
 };
 
 constexpr Index width = 16;  // voxels at a time
-template <int bytes>
-using Voxels = Lanes<float, width, bytes>;
+template <int Bytes>
+using Voxels = Lanes<float, width, Bytes>;
 
 constexpr Index padded(Index n) {
   return (n + width - 1) / width * width;
@@ -57,9 +57,9 @@ struct Step {
 
 // Terms of E without the length, their derivatives in place of f. n is a multiple of `width`.
 struct RegionTerms {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static float run(const Profile* profile, const float* force, Index n, float* f) {
-    using V = Voxels<bytes>;
+    using V = Voxels<Bytes>;
     const Profile by = *profile;
     V sum(0.0F);
     for (Index i = 0; i < n; i += width) {
@@ -77,10 +77,10 @@ struct RegionTerms {
 // As above and with the length; fz is that of three dimensions, else it is not used.
 template <int Dim>
 struct LengthTerms {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static float run(const Profile* profile, const float* force, const float* weights, Index n,
                                        float* f, float* fx, float* fy, float* fz) {
-    using V = Voxels<bytes>;
+    using V = Voxels<Bytes>;
     const Profile by = *profile;
     V sum(0.0F);
     for (Index i = 0; i < n; i += width) {
@@ -105,9 +105,9 @@ struct LengthTerms {
 
 // Half the squares of what values are short of on the side that their force says, derivatives in place of f.
 struct Shortfalls {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static float run(float margin, const float* force, Index n, float* f) {
-    using V = Voxels<bytes>;
+    using V = Voxels<Bytes>;
     V sum(0.0F);
     for (Index i = 0; i < n; i += width) {
       const V F(force + i);

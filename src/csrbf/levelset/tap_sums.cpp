@@ -7,9 +7,9 @@ namespace {
 
 struct SumBlocks {
   // Four accumulators share each broadcast weight and hide the latency of their sums.
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const Tap* taps, Index count, const float* in, Index n, float* out, bool add) {
-    using Floats = Lanes<float, 16, bytes>;
+    using Floats = Lanes<float, 16, Bytes>;
     constexpr Index width = Floats::size, block = 4 * width;
     static_assert(block == tap_slack);
     for (Index i = 0; i < n; i += block) {

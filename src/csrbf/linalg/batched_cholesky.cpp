@@ -10,11 +10,11 @@ namespace {
 // The lanes taken at a time, as many as are in a register, and the side of the square of entries that is kept in
 // registers meanwhile, where each entry loaded is used as often. The 16 registers of AVX2 hold 3 x 3 entries of four
 // lanes, the 32 of AVX-512 4 x 4 of all eight.
-template <int bytes>
+template <int Bytes>
 struct Registers {
-  static constexpr int width = bytes / static_cast<int>(sizeof(double));
-  static constexpr int tile = bytes == 64 ? 4 : 3;
-  using Entry = Lanes<double, width, bytes>;
+  static constexpr int width = Bytes / static_cast<int>(sizeof(double));
+  static constexpr int tile = Bytes == 64 ? 4 : 3;
+  using Entry = Lanes<double, width, Bytes>;
 };
 
 template <class W>
@@ -256,21 +256,21 @@ CSRBF_ALWAYS_INLINE void gram_all(const double* F, Index rows, Index n, double* 
 }
 
 struct Gram {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const double* F, Index rows, Index n, double* A) {
-    gram_all<Registers<bytes>>(F, rows, n, A);
+    gram_all<Registers<Bytes>>(F, rows, n, A);
   }
 };
 struct Factorise {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(double* A, Index n, double tolerance, double* failed) {
-    factorise_all<Registers<bytes>>(A, n, tolerance, failed);
+    factorise_all<Registers<Bytes>>(A, n, tolerance, failed);
   }
 };
 struct Solve {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const double* L, Index n, double* b, Index count) {
-    solve_all<Registers<bytes>>(L, n, b, count);
+    solve_all<Registers<Bytes>>(L, n, b, count);
   }
 };
 

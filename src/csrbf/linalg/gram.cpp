@@ -8,9 +8,9 @@ namespace {
 // A tile of 3 x 3 entries fills the 16 registers of AVX2, and each vector loaded is used three times.
 constexpr int tile = 3;
 
-template <int bytes, int R, int C>
+template <int Bytes, int R, int C>
 CSRBF_ALWAYS_INLINE void products(const double* rows_of, const double* cols_of, Index rows, Index n, double* A) {
-  using Sums = Lanes<double, gram_rows, bytes>;
+  using Sums = Lanes<double, gram_rows, Bytes>;
   Sums S[R][C] = {};
   for (Index k = 0; k < rows; k += Sums::size) {
     Sums a[R];
@@ -30,21 +30,21 @@ CSRBF_ALWAYS_INLINE void products(const double* rows_of, const double* cols_of, 
 }
 
 struct Gram {
-  template <int bytes>
+  template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const double* B, Index rows, Index n, double* A) {
     const Index even = n - n % tile;
     for (Index i = 0; i < even; i += tile) {
       // Entries above the diagonal of a diagonal tile must stay: it is done entry by entry.
       for (Index j = 0; j < i; j += tile)
-        products<bytes, tile, tile>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
-      products<bytes, 3, 1>(B + i * rows, B + i * rows, rows, n, A + i * n + i);
-      products<bytes, 2, 1>(B + (i + 1) * rows, B + (i + 1) * rows, rows, n, A + (i + 1) * n + i + 1);
-      products<bytes, 1, 1>(B + (i + 2) * rows, B + (i + 2) * rows, rows, n, A + (i + 2) * n + i + 2);
+        products<Bytes, tile, tile>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
+      products<Bytes, 3, 1>(B + i * rows, B + i * rows, rows, n, A + i * n + i);
+      products<Bytes, 2, 1>(B + (i + 1) * rows, B + (i + 1) * rows, rows, n, A + (i + 1) * n + i + 1);
+      products<Bytes, 1, 1>(B + (i + 2) * rows, B + (i + 2) * rows, rows, n, A + (i + 2) * n + i + 2);
     }
     for (Index i = even; i < n; ++i) {
       for (Index j = 0; j < even; j += tile)
-        products<bytes, 1, tile>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
-      for (Index j = even; j <= i; ++j) products<bytes, 1, 1>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
+        products<Bytes, 1, tile>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
+      for (Index j = even; j <= i; ++j) products<Bytes, 1, 1>(B + i * rows, B + j * rows, rows, n, A + j * n + i);
     }
   }
 };
