@@ -45,14 +45,14 @@ CSRBF_ALWAYS_INLINE void subtract_products(const double* const (&rows)[R], const
 // Entries (r, 0..C-1) of R rows of the solution X of X L_JJ^T = S, column block J of C columns starting at column j.
 template <class W, int R, int C>
 CSRBF_ALWAYS_INLINE void eliminate(double* const (&rows)[R], const double* const (&cols)[C], Index j) {
-  for (int half = 0; half < batch_lanes; half += W::width) {
+  for (int lane = 0; lane < batch_lanes; lane += W::width) {
     Tile<W, R, C> S;
     const double* from[R];
     const double* against[C];
 #pragma GCC unroll 4
-    for (int r = 0; r < R; ++r) from[r] = rows[r] + half;
+    for (int r = 0; r < R; ++r) from[r] = rows[r] + lane;
 #pragma GCC unroll 4
-    for (int c = 0; c < C; ++c) against[c] = cols[c] + half;
+    for (int c = 0; c < C; ++c) against[c] = cols[c] + lane;
 #pragma GCC unroll 4
     for (int r = 0; r < R; ++r) {
 #pragma GCC unroll 4
@@ -71,7 +71,7 @@ CSRBF_ALWAYS_INLINE void eliminate(double* const (&rows)[R], const double* const
 #pragma GCC unroll 4
       for (int r = 0; r < R; ++r) {
         S[r][c] *= reciprocal;
-        S[r][c].store(rows[r] + half + batch_lanes * (j + c));
+        S[r][c].store(rows[r] + lane + batch_lanes * (j + c));
       }
     }
   }
@@ -90,14 +90,14 @@ CSRBF_ALWAYS_INLINE void invert_pivots(const Entry<W>& pivot, const Entry<W>& th
 // The Cholesky factor of the diagonal block of R rows starting at row i, the rows to the left of it being done.
 template <class W, int R>
 CSRBF_ALWAYS_INLINE void factorise_diagonal(double* const (&rows)[R], Index i, double tolerance, double* failed) {
-  for (int half = 0; half < batch_lanes; half += W::width) {
-    Tile<W, R, R> S;
+  for (int lane = 0; lane < batch_lanes; lane += W::width) {
+    Tile<W, R, R> S = {};
     Entry<W> threshold[R];
-    Entry<W> marks(failed + half);
+    Entry<W> marks(failed + lane);
     const double* from[R];
 #pragma GCC unroll 4
     for (int r = 0; r < R; ++r) {
-      from[r] = rows[r] + half;
+      from[r] = rows[r] + lane;
 #pragma GCC unroll 4
       for (int c = 0; c <= r; ++c) S[r][c] = Entry<W>(from[r] + batch_lanes * (i + c));
       threshold[r] = tolerance * S[r][r];
@@ -107,16 +107,16 @@ CSRBF_ALWAYS_INLINE void factorise_diagonal(double* const (&rows)[R], Index i, d
     for (int c = 0; c < R; ++c) {
       Entry<W> reciprocal;
       invert_pivots<W>(S[c][c], threshold[c], reciprocal, marks);
-      reciprocal.store(rows[c] + half + batch_lanes * (i + c));
+      reciprocal.store(rows[c] + lane + batch_lanes * (i + c));
 #pragma GCC unroll 4
       for (int r = c + 1; r < R; ++r) {
         S[r][c] *= reciprocal;
-        S[r][c].store(rows[r] + half + batch_lanes * (i + c));
+        S[r][c].store(rows[r] + lane + batch_lanes * (i + c));
 #pragma GCC unroll 4
         for (int b = c + 1; b <= r; ++b) S[r][b] -= S[r][c] * S[b][c];
       }
     }
-    marks.store(failed + half);
+    marks.store(failed + lane);
   }
 }
 
@@ -145,24 +145,24 @@ CSRBF_ALWAYS_INLINE void factorise_all(double* A, Index n, double tolerance, dou
 // Column block J of L^T x = y, the unknowns after it being done: solves for x_J and takes it out of the rows before.
 template <class W, int R, int C>
 CSRBF_ALWAYS_INLINE void substitute_back(const double* L, Index j, double* const (&rows)[R]) {
-  for (int half = 0; half < batch_lanes; half += W::width) {
+  for (int lane = 0; lane < batch_lanes; lane += W::width) {
     Tile<W, R, C> X;
     const double* cols[C];
 #pragma GCC unroll 4
-    for (int c = 0; c < C; ++c) cols[c] = L + batch_entry(j + c, 0) + half;
+    for (int c = 0; c < C; ++c) cols[c] = L + batch_entry(j + c, 0) + lane;
 #pragma GCC unroll 4
     for (int c = C - 1; c >= 0; --c) {
       const Entry<W> reciprocal(cols[c] + batch_lanes * (j + c));
 #pragma GCC unroll 4
       for (int r = 0; r < R; ++r) {
-        X[r][c] = Entry<W>(rows[r] + half + batch_lanes * (j + c));
+        X[r][c] = Entry<W>(rows[r] + lane + batch_lanes * (j + c));
 #pragma GCC unroll 4
         for (int b = C - 1; b > c; --b) {
           const Entry<W> l(cols[b] + batch_lanes * (j + c));
           X[r][c] -= X[r][b] * l;
         }
         X[r][c] *= reciprocal;
-        X[r][c].store(rows[r] + half + batch_lanes * (j + c));
+        X[r][c].store(rows[r] + lane + batch_lanes * (j + c));
       }
     }
     for (Index i = 0; i < batch_lanes * j; i += batch_lanes) {
@@ -171,10 +171,10 @@ CSRBF_ALWAYS_INLINE void substitute_back(const double* L, Index j, double* const
       for (int c = 0; c < C; ++c) l[c] = Entry<W>(cols[c] + i);
 #pragma GCC unroll 4
       for (int r = 0; r < R; ++r) {
-        Entry<W> y(rows[r] + half + i);
+        Entry<W> y(rows[r] + lane + i);
 #pragma GCC unroll 4
         for (int c = 0; c < C; ++c) y -= l[c] * X[r][c];
-        y.store(rows[r] + half + i);
+        y.store(rows[r] + lane + i);
       }
     }
   }
@@ -212,10 +212,10 @@ CSRBF_ALWAYS_INLINE void solve_all(const double* L, Index n, double* b, Index co
 // Entries (i + r, j + c) of A += F^T F; only c <= r are stored when the block is on the diagonal.
 template <class W, int R, int C>
 CSRBF_ALWAYS_INLINE void gram_tile(const double* F, Index rows, Index n, Index i, Index j, double* A) {
-  for (int half = 0; half < batch_lanes; half += W::width) {
+  for (int lane = 0; lane < batch_lanes; lane += W::width) {
     Tile<W, R, C> S = {};
     for (Index k = 0; k < rows; ++k) {
-      const double* row = F + batch_lanes * n * k + half;
+      const double* row = F + batch_lanes * n * k + lane;
       Entry<W> a[R];
       Entry<W> b[C];
 #pragma GCC unroll 4
@@ -233,7 +233,7 @@ CSRBF_ALWAYS_INLINE void gram_tile(const double* F, Index rows, Index n, Index i
 #pragma GCC unroll 4
       for (int c = 0; c < C; ++c) {
         if (i == j && c > r) continue;
-        double* to = A + batch_entry(i + r, j + c) + half;
+        double* to = A + batch_entry(i + r, j + c) + lane;
         (Entry<W>(to) + S[r][c]).store(to);
       }
     }
