@@ -24,7 +24,7 @@ CSRBF_ALWAYS_INLINE double total(const V& x) {
   return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
 }
 
-// The arrays are copies here and below: what is stored might be part of them for all the compiler knows.
+// The arrays are copies here and below: the compiler need not ask whether the sums that are stored change them.
 template <int Bytes, int Dim, bool Anisotropic>
 CSRBF_ALWAYS_INLINE void distances(const CenterArrays c, const double* p, bool with_directions, RadialBatch& batch) {
   using V = Lanes<double, width, Bytes>;

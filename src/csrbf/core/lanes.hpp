@@ -3,8 +3,8 @@
 #include "csrbf/core/simd.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <type_traits>
 
 namespace csrbf {
@@ -26,6 +26,7 @@ struct Lanes {
   static_assert(parts * width == Count);
 
   using Part [[gnu::vector_size(width * sizeof(T))]] = T;
+  using Unaligned [[gnu::vector_size(width * sizeof(T)), gnu::aligned(alignof(T))]] = T;
   /// What comparisons give: integers, -1 where the condition holds and 0 elsewhere.
   using Mask = Lanes<std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>, Count, Bytes>;
 
@@ -36,10 +37,10 @@ struct Lanes {
     for (int k = 0; k < parts; ++k) part[k] = Part{} + value;
   }
   CSRBF_ALWAYS_INLINE explicit Lanes(const T* from) {
-    for (int k = 0; k < parts; ++k) std::memcpy(&part[k], from + k * width, sizeof(Part));
+    for (int k = 0; k < parts; ++k) part[k] = *reinterpret_cast<const Unaligned*>(from + k * width);
   }
   CSRBF_ALWAYS_INLINE void store(T* to) const {
-    for (int k = 0; k < parts; ++k) std::memcpy(to + k * width, &part[k], sizeof(Part));
+    for (int k = 0; k < parts; ++k) *reinterpret_cast<Unaligned*>(to + k * width) = part[k];
   }
   CSRBF_ALWAYS_INLINE T operator[](int lane) const { return part[lane / width][lane % width]; }
 
