@@ -9,9 +9,9 @@
 /// marked CSRBF_ALWAYS_INLINE. Results may differ in the last bits from one processor to another, never from one thread
 /// count to another.
 ///
-/// Empty where the mechanism (GNU indirect functions) is missing, where the compiler was told to use AVX-512
-/// everywhere, and under sanitizers, whose runtime is not ready when the loader runs the selectors. Loops written in
-/// Lanes had better be called by simd_call(), which does without.
+/// Empty where the mechanism (GNU indirect functions) is missing or other files cannot call the function (clang), where
+/// the compiler was told to use AVX-512 everywhere, and under sanitizers, whose runtime is not ready when the loader
+/// runs the selectors. Loops written in Lanes had better be called by simd_call(), which does without.
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && \
     !defined(__AVX512F__) && !defined(CSRBF_SANITIZED)
 #define CSRBF_HAS_CLONES
