@@ -52,16 +52,12 @@ Time time_of(const std::function<void()>& job) {
 // Multiplications and additions by the widest instructions the library uses: independent chains, all in registers.
 CSRBF_SIMD_CLONES double multiply_add(Index rounds) {
   constexpr int chains = 10;
-  Lanes sums[chains];
-  for (int c = 0; c < chains; ++c) sums[c] = Lanes(0.1 * c);
-  const Lanes a(0.999), b(1e-3);
+  Doubles sums[chains];
+  for (int c = 0; c < chains; ++c) sums[c] = Doubles(0.1 * c);
+  const Doubles a(0.999), b(1e-3);
   for (Index i = 0; i < rounds; ++i)
-    for (int c = 0; c < chains; ++c) {
-      Lanes next(b);
-      next.add_product(sums[c], a);
-      sums[c] = next;
-    }
-  double result[Lanes::size] = {};
+    for (int c = 0; c < chains; ++c) sums[c] = b + sums[c] * a;
+  double result[Doubles::size] = {};
   for (int c = 1; c < chains; ++c) sums[0] += sums[c];
   sums[0].store(result);
   return result[0];
@@ -76,7 +72,7 @@ double arithmetic_rate() {
     parallel_for(threads, 1,
                  [&](Index begin, Index) { results[static_cast<std::size_t>(begin)] = multiply_add(rounds); });
   });
-  constexpr double operations = 2.0 * 10 * Lanes::size * rounds;
+  constexpr double operations = 2.0 * 10 * Doubles::size * rounds;
   return results.front() == 0 ? 0 : operations * static_cast<double>(threads) / time.least;
 }
 

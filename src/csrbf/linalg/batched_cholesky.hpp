@@ -26,8 +26,7 @@ constexpr Index batch_matrix_size(Index n) {
 /// Bit s is set when lane s is meant.
 using BatchMask = unsigned;
 
-/// Lanes that are worked on at a time: all eight where there is AVX-512, or four on any processor. Results agree up to
-/// rounding.
+/// Lanes that are worked on at a time: as many as are in a register, or at most four. Results agree up to rounding.
 enum class BatchWidth { widest, four };
 
 /// A += F^T F for every lane: `rows` rows of n entries, entry (k, i) of lane s at F[8 * (k * n + i) + s]. O(rows n^2).

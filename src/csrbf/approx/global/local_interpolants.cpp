@@ -97,11 +97,8 @@ CSRBF_SIMD_CLONES void monomials(const double* u, Index d, Index n, const std::i
   for (Index q = 1; q < Q; ++q) {
     const double* from = G + lanes * n * parent[q];
     double* to = G + lanes * n * q;
-    for (Index i = 0; i < n; ++i) {
-      Lanes product(from + lanes * i);
-      product *= Lanes(u + lanes * (d * i + axis[q]));
-      product.store(to + lanes * i);
-    }
+    for (Index i = 0; i < n; ++i)
+      (Doubles(from + lanes * i) * Doubles(u + lanes * (d * i + axis[q]))).store(to + lanes * i);
   }
 }
 
@@ -117,8 +114,8 @@ CSRBF_SIMD_CLONES void query_distances(const double* x, const double* y, Index d
 }
 
 CSRBF_SIMD_CLONES void add_products(const double* a, const double* b, Index n, double* sum) {
-  Lanes part(sum);
-  for (Index i = 0; i < lanes * n; i += lanes) part.add_product(Lanes(a + i), Lanes(b + i));
+  Doubles part(sum);
+  for (Index i = 0; i < lanes * n; i += lanes) part += Doubles(a + i) * Doubles(b + i);
   part.store(sum);
 }
 

@@ -11,20 +11,18 @@ namespace {
 
 // Gradient and Hessian of x[axis] times a function by the product rule.
 CSRBF_ALWAYS_INLINE void derive(const double* x, int dim, int axis, int terms, const double* from, double* to) {
-  const Lanes factor(x + lanes * axis);
+  const Doubles factor(x + lanes * axis);
   const auto at = [](int term) { return lanes * term; };
   for (int a = 0; a < dim; ++a) {
-    Lanes g(from + at(1 + a));
-    g *= factor;
-    if (a == axis) g += Lanes(from);
+    Doubles g = Doubles(from + at(1 + a)) * factor;
+    if (a == axis) g += Doubles(from);
     g.store(to + at(1 + a));
   }
   for (int a = 0, t = 1 + dim; a < dim && t < terms; ++a)
     for (int b = a; b < dim; ++b, ++t) {
-      Lanes h(from + at(t));
-      h *= factor;
-      if (a == axis) h += Lanes(from + at(1 + b));
-      if (b == axis) h += Lanes(from + at(1 + a));
+      Doubles h = Doubles(from + at(t)) * factor;
+      if (a == axis) h += Doubles(from + at(1 + b));
+      if (b == axis) h += Doubles(from + at(1 + a));
       h.store(to + at(t));
     }
 }
@@ -32,34 +30,28 @@ CSRBF_ALWAYS_INLINE void derive(const double* x, int dim, int axis, int terms, c
 CSRBF_ALWAYS_INLINE void distances_in(int dim, const double* x, const double* centers, Index n, double scale,
                                       double* r2) {
   for (Index j = 0; j < n; ++j) {
-    Lanes sum(0.0);
+    Doubles sum(0.0);
     for (int a = 0; a < dim; ++a) {
-      Lanes d(x + lanes * a);
-      d -= centers[dim * j + a];
-      sum.add_product(d, d);
+      const Doubles d = Doubles(x + lanes * a) - centers[dim * j + a];
+      sum += d * d;
     }
-    sum *= scale;
-    sum.store(r2 + lanes * j);
+    (sum * scale).store(r2 + lanes * j);
   }
 }
 
 // The polynomial of a degree in the first A + 1 variables whose coefficients come next.
 template <int A>
-CSRBF_ALWAYS_INLINE void horner(const double* x, int degree, const double*& c, Lanes& p) {
-  const Lanes variable(x + lanes * A);
+CSRBF_ALWAYS_INLINE void horner(const double* x, int degree, const double*& c, Doubles& p) {
+  const Doubles variable(x + lanes * A);
   if constexpr (A == 0) {
-    p = Lanes(*c++);
-    for (int d = 0; d < degree; ++d) {
-      p *= variable;
-      p += *c++;
-    }
+    p = Doubles(*c++);
+    for (int d = 0; d < degree; ++d) p = p * variable + *c++;
   } else {
     horner<A - 1>(x, 0, c, p);
     for (int d = 1; d <= degree; ++d) {
-      Lanes row;
+      Doubles row;
       horner<A - 1>(x, d, c, row);
-      row.add_product(p, variable);
-      p = row;
+      p = row + p * variable;
     }
   }
 }
@@ -78,14 +70,13 @@ CSRBF_ALWAYS_INLINE std::size_t inside_in(const double* x, std::size_t stride, s
                                           const double* center, const double* half, std::uint32_t* found) {
   std::size_t count = 0;
   for (std::uint32_t i = begin; i < end; i += lanes) {
-    LaneMask inside;
+    Doubles::Mask inside(-1);
     for (std::size_t a = 0; a < Dim; ++a) {
-      Lanes d(x + stride * a + i);
-      d -= center[a];
-      inside.and_below(d, half[a]);
+      const Doubles d = Doubles(x + stride * a + i) - center[a];
+      inside &= (d < half[a]) & (d > -half[a]);
     }
     const std::uint32_t left = end - i;
-    const unsigned set = inside.bits() & (left < lanes ? (1U << left) - 1 : ~0U);
+    const unsigned set = bits(inside) & (left < lanes ? (1U << left) - 1 : ~0U);
     for (std::size_t l = 0; l < lanes; ++l) found[count + l] = i + lanes_of[set][l];
     count += static_cast<std::size_t>(std::popcount(set));
   }
@@ -96,26 +87,18 @@ CSRBF_ALWAYS_INLINE std::size_t inside_in(const double* x, std::size_t stride, s
 // t^2, those of `first` and `second` derived.
 CSRBF_ALWAYS_INLINE void weight_derivative(const double* t, const double* s, int dim, const double* half, int first,
                                            int second, double* w) {
-  Lanes product(1.0);
+  Doubles product(1.0);
   for (int a = 0; a < dim; ++a, t += lanes, s += lanes) {
     const double inverse = 1 / half[a];
     const int derived = (a == first ? 1 : 0) + (a == second ? 1 : 0);
-    Lanes factor(s);
-    factor *= Lanes(s);
-    if (derived == 0) {
+    const Doubles place(t), slope(s);
+    Doubles factor = slope * slope;
+    if (derived == 0)
       factor *= factor;
-    } else if (derived == 1) {
-      factor *= Lanes(s);
-      factor *= Lanes(t);
-      factor *= -8 * inverse;
-    } else {
-      Lanes inner(t);
-      inner *= Lanes(t);
-      inner *= 7;
-      inner -= 1;
-      factor *= inner;
-      factor *= 8 * inverse * inverse;
-    }
+    else if (derived == 1)
+      factor = factor * slope * place * (-8 * inverse);
+    else
+      factor = factor * (place * place * 7.0 - 1.0) * (8 * inverse * inverse);
     product *= factor;
   }
   product.store(w);
@@ -124,7 +107,7 @@ CSRBF_ALWAYS_INLINE void weight_derivative(const double* t, const double* s, int
 }  // namespace
 
 CSRBF_SIMD_CLONES void nested_polynomial(const double* x, int dim, int degree, const double* c, double* f) {
-  Lanes p;
+  Doubles p;
   switch (dim) {
     case 1:
       horner<0>(x, degree, c, p);
@@ -171,21 +154,16 @@ CSRBF_SIMD_CLONES void polynomial(const double* x, int dim, const std::int16_t* 
   for (int i = 0; i < lanes * terms; ++i) f[i] = 0;
   if (n == 0) return;
   for (int i = 0; i < lanes * terms; ++i) jets[i] = i < lanes ? 1 : 0;
-  Lanes sum(c[0]);
+  Doubles sum(c[0]);
   for (Index j = 1; j < n; ++j) {
     const double* from = jets + lanes * terms * parent[j];
     double* to = jets + lanes * terms * j;
-    Lanes product(from);
-    product *= Lanes(x + lanes * axis[j]);
+    const Doubles product = Doubles(from) * Doubles(x + lanes * axis[j]);
     product.store(to);
-    sum.add_product(c[j], product);
+    sum += c[j] * product;
     if (terms == 1) continue;
     derive(x, dim, axis[j], terms, from, to);
-    for (int i = lanes; i < lanes * terms; i += lanes) {
-      Lanes derivative(f + i);
-      derivative.add_product(c[j], Lanes(to + i));
-      derivative.store(f + i);
-    }
+    for (int i = lanes; i < lanes * terms; i += lanes) (Doubles(f + i) + c[j] * Doubles(to + i)).store(f + i);
   }
   sum.store(f);
 }
@@ -193,18 +171,12 @@ CSRBF_SIMD_CLONES void polynomial(const double* x, int dim, const std::int16_t* 
 CSRBF_SIMD_CLONES void add_row(const double* q, const double* weight, Index n, const double* c, int degree, double w,
                                double* W, double* S) {
   for (Index i = 0; i < n; i += lanes) {
-    const Lanes x(q + i);
-    Lanes p(degree < 0 ? 0 : c[degree]);
-    for (int d = degree - 1; d >= 0; --d) {
-      p *= x;
-      p += c[d];
-    }
-    Lanes share(weight + i), weights(W + i), sum(S + i);
-    share *= w;
-    weights += share;
-    sum.add_product(share, p);
-    weights.store(W + i);
-    sum.store(S + i);
+    const Doubles x(q + i);
+    Doubles p(degree < 0 ? 0 : c[degree]);
+    for (int d = degree - 1; d >= 0; --d) p = p * x + c[d];
+    const Doubles share = Doubles(weight + i) * w;
+    (Doubles(W + i) + share).store(W + i);
+    (Doubles(S + i) + share * p).store(S + i);
   }
 }
 
@@ -222,22 +194,18 @@ CSRBF_SIMD_CLONES void distances(const double* x, int dim, const double* centers
 }
 
 CSRBF_SIMD_CLONES void add_values(const double* phi, const double* alpha, Index n, double* f) {
-  Lanes sum(f);
-  for (Index j = 0; j < n; ++j) sum.add_product(alpha[j], Lanes(phi + lanes * j));
+  Doubles sum(f);
+  for (Index j = 0; j < n; ++j) sum += alpha[j] * Doubles(phi + lanes * j);
   sum.store(f);
 }
 
 CSRBF_SIMD_CLONES void add_gradients(const double* g, const double* alpha, Index n, const double* x, int dim,
                                      const double* centers, double scale, double* f) {
   for (int a = 0; a < dim; ++a) {
-    const Lanes coordinate(x + lanes * a);
-    Lanes sum(f + lanes * (1 + a));
-    for (Index j = 0; j < n; ++j) {
-      Lanes d = coordinate;
-      d -= centers[dim * j + a];
-      d *= Lanes(g + lanes * j);
-      sum.add_product(scale * alpha[j], d);
-    }
+    const Doubles coordinate(x + lanes * a);
+    Doubles sum(f + lanes * (1 + a));
+    for (Index j = 0; j < n; ++j)
+      sum += (scale * alpha[j]) * ((coordinate - centers[dim * j + a]) * Doubles(g + lanes * j));
     sum.store(f + lanes * (1 + a));
   }
 }
@@ -247,17 +215,13 @@ CSRBF_SIMD_CLONES void add_hessians(const double* g, const double* h, const doub
   double* entry = f + lanes * (1 + dim);
   for (int a = 0; a < dim; ++a)
     for (int b = a; b < dim; ++b, entry += lanes) {
-      const Lanes xa(x + lanes * a), xb(x + lanes * b);
-      Lanes sum(entry);
+      const Doubles xa(x + lanes * a), xb(x + lanes * b);
+      Doubles sum(entry);
       for (Index j = 0; j < n; ++j) {
-        Lanes outer(h + lanes * j), da = xa, db = xb;
-        da -= centers[dim * j + a];
-        db -= centers[dim * j + b];
-        outer *= da;
-        outer *= db;
-        outer *= scale;
-        if (a == b) outer += Lanes(g + lanes * j);
-        sum.add_product(scale * alpha[j], outer);
+        const Doubles da = xa - centers[dim * j + a], db = xb - centers[dim * j + b];
+        Doubles outer = Doubles(h + lanes * j) * da * db * scale;
+        if (a == b) outer += Doubles(g + lanes * j);
+        sum += (scale * alpha[j]) * outer;
       }
       sum.store(entry);
     }
@@ -267,13 +231,11 @@ CSRBF_SIMD_CLONES void box_weights(const double* x, int dim, const double* cente
                                    double* w) {
   constexpr int most = 8;
   double t[most * lanes], s[most * lanes];
-  Lanes weight(1.0);
+  Doubles weight(1.0);
   for (int a = 0; a < dim; ++a) {
-    Lanes place(x + lanes * a), factor(1.0);
-    place -= center[a];
-    place *= 1 / half[a];
-    factor.subtract_product(place, place);
-    factor.keep_positive();
+    const Doubles place = (Doubles(x + lanes * a) - center[a]) * (1 / half[a]);
+    const Doubles parabola = 1.0 - place * place, none(0.0);
+    const Doubles factor = choose(parabola > none, parabola, none);
     weight *= factor;
     place.store(t + lanes * a);
     factor.store(s + lanes * a);

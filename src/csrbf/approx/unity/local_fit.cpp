@@ -30,26 +30,23 @@ CSRBF_SIMD_CLONES void distances_to(const double* q, int dim, Index n, const Ind
 
 // out = a b, lane by lane.
 CSRBF_SIMD_CLONES void multiply(const double* a, const double* b, double* out) {
-  Lanes product(a);
-  product *= Lanes(b);
-  product.store(out);
+  (Doubles(a) * Doubles(b)).store(out);
 }
 
 // y -= F b for the first `columns` entries of each of n rows of `width` entries.
 CSRBF_SIMD_CLONES void subtract_product(const double* F, Index n, Index width, Index columns, const double* b,
                                         double* y) {
   for (Index k = 0; k < n; ++k) {
-    Lanes sum(0.0), rest(y + L * k);
-    for (Index j = 0; j < columns; ++j) sum.add_product(Lanes(F + L * (width * k + j)), Lanes(b + L * j));
-    rest -= sum;
-    rest.store(y + L * k);
+    Doubles sum(0.0);
+    for (Index j = 0; j < columns; ++j) sum += Doubles(F + L * (width * k + j)) * Doubles(b + L * j);
+    (Doubles(y + L * k) - sum).store(y + L * k);
   }
 }
 
 // sum_k a_k b_k, lane by lane.
 CSRBF_SIMD_CLONES void dot(const double* a, const double* b, Index n, double* sum) {
-  Lanes s(0.0);
-  for (Index k = 0; k < n; ++k) s.add_product(Lanes(a + L * k), Lanes(b + L * k));
+  Doubles s(0.0);
+  for (Index k = 0; k < n; ++k) s += Doubles(a + L * k) * Doubles(b + L * k);
   s.store(sum);
 }
 

@@ -7,7 +7,7 @@
 namespace csrbf {
 namespace {
 
-using Lanes = TreeNode::Lanes;
+using PerChild = TreeNode::PerChild;
 
 // Local boxes are padded by this length, 8 units of rounding in single precision, which covers that of ray arithmetic.
 constexpr double box_padding = 0x1p-20;
@@ -67,8 +67,8 @@ struct TriangleTree::LocalRay {
   double t_max = 0;      // from `origin`
   double to_caller = 1;  // local distance to the caller's t
 
-  std::array<Lanes, 3> origin_lanes;
-  std::array<Lanes, 3> inverse;
+  std::array<PerChild, 3> origins;
+  std::array<PerChild, 3> inverse;
   std::array<bool, 3> negative{};
 
   // Shear that maps the ray to the axis z (Woop, Benthin, Wald 2013).
@@ -112,7 +112,7 @@ TriangleTree::TriangleTree(const Mesh& mesh) : bounds_(surface_bounds(mesh)) {
 }
 
 TriangleTree::Closest TriangleTree::closest(const Point<3>& x, double max_distance) const {
-  using Lanes64 = Eigen::Array<double, 4, 1>;
+  using PerChild64 = Eigen::Array<double, 4, 1>;
   if (!(max_distance > 0)) return {};
   const Point<3> p = to_local(x);
   ClosestPoint best;
@@ -139,11 +139,11 @@ TriangleTree::Closest TriangleTree::closest(const Point<3>& x, double max_distan
       continue;
     }
     const TreeNode& node = nodes_[static_cast<std::size_t>(child)];
-    Lanes64 squared = Lanes64::Zero();
+    PerChild64 squared = PerChild64::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
-      const Lanes64 pk = Lanes64::Constant(p[static_cast<Index>(k)]);
-      const Lanes64 below = node.lo[k].cast<double>(), above = node.hi[k].cast<double>();
-      squared += (below - pk).max(pk - above).max(Lanes64::Zero()).square();
+      const PerChild64 pk = PerChild64::Constant(p[static_cast<Index>(k)]);
+      const PerChild64 below = node.lo[k].cast<double>(), above = node.hi[k].cast<double>();
+      squared += (below - pk).max(pk - above).max(PerChild64::Zero()).square();
     }
     const std::size_t first = top;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -183,8 +183,8 @@ bool TriangleTree::enter(const Point<3>& origin, const Point<3>& direction, doub
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<Index>(k);
     ray.negative[k] = std::signbit(d[axis]);
-    ray.origin_lanes[k] = Lanes::Constant(static_cast<float>(ray.origin[axis]));
-    ray.inverse[k] = Lanes::Constant(static_cast<float>(inverse[axis]));
+    ray.origins[k] = PerChild::Constant(static_cast<float>(ray.origin[axis]));
+    ray.inverse[k] = PerChild::Constant(static_cast<float>(inverse[axis]));
   }
   Index z = 0;
   d.cwiseAbs().maxCoeff(&z);
@@ -235,12 +235,12 @@ bool TriangleTree::traverse(LocalRay& ray) const {
       continue;
     }
     const TreeNode& node = nodes_[static_cast<std::size_t>(child)];
-    Lanes t_in = Lanes::Constant(-static_cast<float>(box_padding)), t_out = Lanes::Constant(t_max);
+    PerChild t_in = PerChild::Constant(-static_cast<float>(box_padding)), t_out = PerChild::Constant(t_max);
     for (std::size_t k = 0; k < 3; ++k) {
-      const Lanes& near_plane = ray.negative[k] ? node.hi[k] : node.lo[k];
-      const Lanes& far_plane = ray.negative[k] ? node.lo[k] : node.hi[k];
-      t_in = t_in.max((near_plane - ray.origin_lanes[k]) * ray.inverse[k]);
-      t_out = t_out.min((far_plane - ray.origin_lanes[k]) * ray.inverse[k]);
+      const PerChild& near_plane = ray.negative[k] ? node.hi[k] : node.lo[k];
+      const PerChild& far_plane = ray.negative[k] ? node.lo[k] : node.hi[k];
+      t_in = t_in.max((near_plane - ray.origins[k]) * ray.inverse[k]);
+      t_out = t_out.min((far_plane - ray.origins[k]) * ray.inverse[k]);
     }
     const std::size_t first = top;
     for (std::size_t k = 0; k < 4; ++k) {

@@ -191,8 +191,8 @@ class Builder {
 }  // namespace
 
 TreeNode::TreeNode() : child{} {
-  lo.fill(Lanes::Constant(infinity));
-  hi.fill(Lanes::Constant(-infinity));
+  lo.fill(PerChild::Constant(infinity));
+  hi.fill(PerChild::Constant(-infinity));
 }
 
 std::vector<TreeNode> build_triangle_tree(std::vector<TriangleBox>& boxes) {

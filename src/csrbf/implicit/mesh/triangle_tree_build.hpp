@@ -10,10 +10,10 @@ namespace csrbf {
 /// Node of a bounding volume hierarchy with four children, whose boxes are interleaved so that one instruction tests
 /// all of them. Slots without a child hold an empty box (lo = inf, hi = -inf).
 struct alignas(64) TreeNode {
-  using Lanes = Eigen::Array<float, 4, 1>;
+  using PerChild = Eigen::Array<float, 4, 1>;
 
-  std::array<Lanes, 3> lo;
-  std::array<Lanes, 3> hi;
+  std::array<PerChild, 3> lo;
+  std::array<PerChild, 3> hi;
   std::array<std::int32_t, 4> child;  ///< index of a node, or ~index of the first triangle of a leaf in leaf order
 
   TreeNode();

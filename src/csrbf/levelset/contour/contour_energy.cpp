@@ -1,13 +1,12 @@
 #include "csrbf/levelset/contour/contour_energy.hpp"
 
-#include "csrbf/core/simd.hpp"
+#include "csrbf/core/lanes.hpp"
 #include "csrbf/levelset/contour/spectral_descent.hpp"
 #include "csrbf/levelset/lattice/coefficient_sums.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 namespace csrbf {
 namespace {
@@ -18,24 +17,24 @@ struct Profile {
   float inverse_eps, anchor, length, volume;
 };
 
-// Sixteen voxels. Compilers keep the order of float sums, so they do not make vector code of such loops by themselves.
-using Wide = float __attribute__((vector_size(64)));
-constexpr Index lanes = 16;
+template <int Bytes>
+using Voxels = Lanes<float, width, Bytes>;
+
+constexpr Index width = 16;  // voxels at a time
 
 constexpr Index padded(Index n) {
-  return (n + lanes - 1) / lanes * lanes;
+  return (n + width - 1) / width * width;
 }
 
-CSRBF_ALWAYS_INLINE void load(const float* from, Wide& to) {
-  std::memcpy(&to, from, sizeof to);
+template <class V>
+CSRBF_ALWAYS_INLINE V clamped_to_one(const V& x) {
+  const V above = choose(x < -1.0F, V(-1.0F), x);
+  return choose(above > 1.0F, V(1.0F), above);
 }
-CSRBF_ALWAYS_INLINE void clamp_to_one(Wide& x) {
-  x = x < -1.0F ? Wide{} - 1.0F : x;
-  x = x > 1.0F ? Wide{} + 1.0F : x;
-}
-CSRBF_ALWAYS_INLINE float sum_of_lanes(const Wide& x) {
+template <class V>
+CSRBF_ALWAYS_INLINE float sum_of_lanes(const V& x) {
   float sum = 0;
-  for (Index i = 0; i < lanes; ++i) sum += x[i];
+  for (int i = 0; i < V::size; ++i) sum += x[i];
   return sum;
 }
 
@@ -44,103 +43,90 @@ float target_of(float force) {
 }
 
 // H_eps, its derivative, and what f is off its target, at 16 voxels.
-struct SmoothedStep {
-  Wide t, bump, H, delta, off;
-  CSRBF_ALWAYS_INLINE SmoothedStep(const Profile& by, const Wide& force, const Wide& f) {
-    t = f * by.inverse_eps;
-    clamp_to_one(t);
-    const Wide t2 = t * t;
+template <class V>
+struct Step {
+  V t, bump, H, delta, off;
+  CSRBF_ALWAYS_INLINE Step(const Profile& by, const V& force, const V& f) {
+    t = clamped_to_one(f * by.inverse_eps);
+    const V t2 = t * t;
     bump = 1.0F - t2;
     H = 0.5F + t * (0.9375F - t2 * (0.625F - t2 * 0.1875F));
     delta = (0.9375F * by.inverse_eps) * bump * bump;
-    Wide target = -0.5F * force;
-    clamp_to_one(target);
-    off = f - target;
+    off = f - clamped_to_one(-0.5F * force);
   }
 };
 
-// Terms of E without the length, their derivatives in place of f. n is a multiple of `lanes`.
-CSRBF_SIMD_CLONES
-float region_terms(const Profile& by, const float* force, Index n, float* f) {
-  Wide sum = {};
-  for (Index i = 0; i < n; i += lanes) {
-    Wide F, value;
-    load(force + i, F);
-    load(f + i, value);
-    const SmoothedStep at(by, F, value);
-    sum += F * at.H + (0.5F * by.anchor) * at.off * at.off;
-    value = by.volume * (F * at.delta + by.anchor * at.off);
-    std::memcpy(f + i, &value, sizeof value);
+// Terms of E without the length, their derivatives in place of f. n is a multiple of `width`.
+struct RegionTerms {
+  template <int Bytes>
+  CSRBF_ALWAYS_INLINE static float run(const Profile* profile, const float* force, Index n, float* f) {
+    using V = Voxels<Bytes>;
+    const Profile by = *profile;
+    V sum(0.0F);
+    for (Index i = 0; i < n; i += width) {
+      const V F(force + i);
+      const Step<V> at(by, F, V(f + i));
+      const V region = F * at.H, anchor = (0.5F * by.anchor) * at.off * at.off;
+      sum += region + anchor;
+      const V region_slope = F * at.delta, anchor_slope = by.anchor * at.off;
+      (by.volume * (region_slope + anchor_slope)).store(f + i);
+    }
+    return by.volume * sum_of_lanes(sum);
   }
-  return by.volume * sum_of_lanes(sum);
-}
+};
 
-// As above and with the length; gradients of components that do not exist are null.
+// As above and with the length; fz is that of three dimensions, else it is not used.
 template <int Dim>
-CSRBF_ALWAYS_INLINE float length_terms(const Profile& by, const float* force, const float* weights, Index n, float* f,
-                                       float* fx, float* fy, float* fz) {
-  Wide sum = {};
-  for (Index i = 0; i < n; i += lanes) {
-    Wide F, length, value, x, y, z = {}, norm;
-    load(force + i, F);
-    load(weights + i, length);
-    load(f + i, value);
-    load(fx + i, x);
-    load(fy + i, y);
-    if constexpr (Dim == 3) load(fz + i, z);
-    const SmoothedStep at(by, F, value);
-    length *= by.length;
-    const Wide norm2 = 1e-20F + x * x + y * y + z * z;
-    for (Index j = 0; j < lanes; ++j) norm[j] = std::sqrt(norm2[j]);
-    sum += F * at.H + (0.5F * by.anchor) * at.off * at.off + length * at.delta * norm;
-    const Wide slope = (-3.75F * by.inverse_eps * by.inverse_eps) * at.t * at.bump;
-    value = by.volume * (F * at.delta + by.anchor * at.off + length * slope * norm);
-    std::memcpy(f + i, &value, sizeof value);
-    const Wide along = by.volume * length * at.delta / norm;
-    x *= along;
-    y *= along;
-    z *= along;
-    std::memcpy(fx + i, &x, sizeof x);
-    std::memcpy(fy + i, &y, sizeof y);
-    if constexpr (Dim == 3) std::memcpy(fz + i, &z, sizeof z);
+struct LengthTerms {
+  template <int Bytes>
+  CSRBF_ALWAYS_INLINE static float run(const Profile* profile, const float* force, const float* weights, Index n,
+                                       float* f, float* fx, float* fy, float* fz) {
+    using V = Voxels<Bytes>;
+    const Profile by = *profile;
+    V sum(0.0F);
+    for (Index i = 0; i < n; i += width) {
+      const V F(force + i), x(fx + i), y(fy + i), length = V(weights + i) * by.length;
+      V z(0.0F);
+      if constexpr (Dim == 3) z = V(fz + i);
+      const Step<V> at(by, F, V(f + i));
+      const V norm = sqrt(1e-20F + x * x + y * y + z * z);
+      const V region = F * at.H, anchor = (0.5F * by.anchor) * at.off * at.off;
+      sum += region + anchor + length * at.delta * norm;
+      const V slope = (-3.75F * by.inverse_eps * by.inverse_eps) * at.t * at.bump;
+      const V region_slope = F * at.delta, anchor_slope = by.anchor * at.off;
+      (by.volume * (region_slope + anchor_slope + length * slope * norm)).store(f + i);
+      const V along = by.volume * length * at.delta / norm;
+      (x * along).store(fx + i);
+      (y * along).store(fy + i);
+      if constexpr (Dim == 3) (z * along).store(fz + i);
+    }
+    return by.volume * sum_of_lanes(sum);
   }
-  return by.volume * sum_of_lanes(sum);
-}
-
-CSRBF_SIMD_CLONES
-float length_terms_2(const Profile& by, const float* force, const float* weights, Index n, float* f, float* fx,
-                     float* fy) {
-  return length_terms<2>(by, force, weights, n, f, fx, fy, nullptr);
-}
-
-CSRBF_SIMD_CLONES
-float length_terms_3(const Profile& by, const float* force, const float* weights, Index n, float* f, float* fx,
-                     float* fy, float* fz) {
-  return length_terms<3>(by, force, weights, n, f, fx, fy, fz);
-}
+};
 
 // Squared hinge loss, halved: by how much values miss the margin on the side of their force; derivatives in place of f.
-CSRBF_SIMD_CLONES
-float hinge_terms(float margin, const float* force, Index n, float* f) {
-  Wide sum = {};
-  for (Index i = 0; i < n; i += lanes) {
-    Wide F, value;
-    load(force + i, F);
-    load(f + i, value);
-    const Wide wanted = F < 0.0F ? -0.5F * F : 0.5F * F;
-    const Wide side = F < 0.0F ? Wide{} + 1.0F : Wide{} - 1.0F;
-    Wide missing = (wanted < margin ? wanted : Wide{} + margin) - side * value;
-    missing = (missing > 0.0F) & (F != 0.0F) ? missing : Wide{};  // 0: outside the mask
-    sum += 0.5F * missing * missing;
-    value = -side * missing;
-    std::memcpy(f + i, &value, sizeof value);
+struct Shortfalls {
+  template <int Bytes>
+  CSRBF_ALWAYS_INLINE static float run(float margin, const float* force, Index n, float* f) {
+    using V = Voxels<Bytes>;
+    V sum(0.0F);
+    for (Index i = 0; i < n; i += width) {
+      const V F(force + i);
+      const V wanted = choose(F < 0.0F, -0.5F * F, 0.5F * F);
+      const V side = choose(F < 0.0F, V(1.0F), V(-1.0F));
+      const V gap = choose(wanted < margin, wanted, V(margin)) - side * V(f + i);
+      const V none(0.0F);
+      const V missing = choose(F != 0.0F, choose(gap > 0.0F, gap, none), none);  // 0: outside the mask
+      sum += 0.5F * missing * missing;
+      (-side * missing).store(f + i);
+    }
+    return sum_of_lanes(sum);
   }
-  return sum_of_lanes(sum);
-}
+};
 
 using Block = std::array<float, block_size>;
 
-// n values of a row, one after the other, and zeros up to a multiple of `lanes`.
+// n values of a row, one after the other, and zeros up to a multiple of `width`.
 void gather(const float* values, const LatticeRow& row, Index begin, Index n, Block& place) {
   const float* from = values + row.voxel + begin * row.stride;
   for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(i)] = from[i * row.stride];
@@ -160,19 +146,15 @@ double row_energy(const Profile& profile, bool gradients, const ContourEnergy& e
     std::copy_n(row.value + begin, n, f.begin());
     std::fill(f.begin() + n, f.begin() + padded(n), 0.0F);
     if (!gradients) {
-      sum += static_cast<double>(region_terms(profile, force.data(), padded(n), f.data()));
+      sum += static_cast<double>(simd_call<RegionTerms>(&profile, force.data(), padded(n), f.data()));
     } else {
       if (energy.weights != nullptr) gather(energy.weights, row, begin, n, weight);
       for (std::size_t a = 0; a < Dim; ++a) {
         std::copy_n(row.gradient[a] + begin, n, slope[a].begin());
         std::fill(slope[a].begin() + n, slope[a].begin() + padded(n), 0.0F);
       }
-      if constexpr (Dim == 2)
-        sum += static_cast<double>(length_terms_2(profile, force.data(), weight.data(), padded(n), f.data(),
-                                                  slope[0].data(), slope[1].data()));
-      else
-        sum += static_cast<double>(length_terms_3(profile, force.data(), weight.data(), padded(n), f.data(),
-                                                  slope[0].data(), slope[1].data(), slope[2].data()));
+      sum += static_cast<double>(simd_call<LengthTerms<Dim>>(&profile, force.data(), weight.data(), padded(n), f.data(),
+                                                             slope[0].data(), slope[1].data(), slope[Dim - 1].data()));
       for (std::size_t a = 0; a < Dim; ++a) std::copy_n(slope[a].begin(), n, row.gradient[a] + begin);
     }
     std::copy_n(f.begin(), n, row.value + begin);
@@ -285,7 +267,8 @@ int separate_voxels(const Lattice<Dim>& lattice, const float* force, double marg
       gather(force, row, begin, n, forces);
       std::copy_n(row.value + begin, n, f.begin());
       std::fill(f.begin() + n, f.begin() + padded(n), 0.0F);
-      sum += static_cast<double>(hinge_terms(static_cast<float>(margin), forces.data(), padded(n), f.data()));
+      sum += static_cast<double>(
+          simd_call<Shortfalls, 32>(static_cast<float>(margin), forces.data(), padded(n), f.data()));
       std::copy_n(f.begin(), n, row.value + begin);
     }
     return sum;

@@ -9,7 +9,7 @@ namespace {
 constexpr float min_eps2 = 1e-10F;
 
 // Per-lane sums.
-struct Lanes {
+struct LaneSums {
   alignas(64) float sum[10][lanes];
 };
 
@@ -125,8 +125,8 @@ constexpr int terms = Order == 0   ? 1
                                    : 10;
 
 template <int Order>
-CSRBF_ALWAYS_INLINE void sum_cell(const Tree& tree, const Cell& cell, const Frame& frame, const float* t, Lanes& near,
-                                  Lanes& far) {
+CSRBF_ALWAYS_INLINE void sum_cell(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
+                                  LaneSums& near, LaneSums& far) {
   for (int k = 0; k < terms<Order>; ++k)
     for (int l = 0; l < lanes; ++l) near.sum[k][l] = far.sum[k][l] = 0;
   for (const Range& range : cell.near)
@@ -135,16 +135,16 @@ CSRBF_ALWAYS_INLINE void sum_cell(const Tree& tree, const Cell& cell, const Fram
   add_polynomial<Order>(cell.far, t, far.sum);
 }
 
-CSRBF_SIMD_CLONES void cell_value(const Tree& tree, const Cell& cell, const Frame& frame, const float* t, Lanes& near,
-                                  Lanes& far) {
+CSRBF_SIMD_CLONES void cell_value(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
+                                  LaneSums& near, LaneSums& far) {
   sum_cell<0>(tree, cell, frame, t, near, far);
 }
 CSRBF_SIMD_CLONES void cell_gradient(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
-                                     Lanes& near, Lanes& far) {
+                                     LaneSums& near, LaneSums& far) {
   sum_cell<1>(tree, cell, frame, t, near, far);
 }
-CSRBF_SIMD_CLONES void cell_hessian(const Tree& tree, const Cell& cell, const Frame& frame, const float* t, Lanes& near,
-                                    Lanes& far) {
+CSRBF_SIMD_CLONES void cell_hessian(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
+                                    LaneSums& near, LaneSums& far) {
   sum_cell<2>(tree, cell, frame, t, near, far);
 }
 
@@ -205,7 +205,7 @@ double total(const float* sum) {
 Sums sum_cell(const Tree& tree, const Cell& cell, const Point<3>& x, Derivatives derivatives) {
   const Frame frame = make_frame(x, cell.half);
   const Eigen::Vector3f t = ((x - cell.center) / cell.half).cast<float>();
-  Lanes near, far;
+  LaneSums near, far;
   if (derivatives == Derivatives::none) cell_value(tree, cell, frame, t.data(), near, far);
   if (derivatives == Derivatives::gradient) cell_gradient(tree, cell, frame, t.data(), near, far);
   if (derivatives == Derivatives::hessian) cell_hessian(tree, cell, frame, t.data(), near, far);
