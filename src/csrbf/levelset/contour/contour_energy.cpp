@@ -17,10 +17,9 @@ struct Profile {
   float inverse_eps, anchor, length, volume;
 };
 
+constexpr Index width = 16;  // voxels at a time
 template <int Bytes>
 using Voxels = Lanes<float, width, Bytes>;
-
-constexpr Index width = 16;  // voxels at a time
 
 constexpr Index padded(Index n) {
   return (n + width - 1) / width * width;
