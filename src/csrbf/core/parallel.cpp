@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/inside_parallel_loop.hpp"
+#include "csrbf/core/interruption.hpp"
 
 #include <pthread.h>
 
@@ -43,6 +44,7 @@ struct Loop {
 
   void run(Index begin, Index end) {
     try {
+      stop_if_interrupted();
       (*body)(begin, end);
     } catch (...) {
       const std::lock_guard lock(failure_mutex);
@@ -206,7 +208,10 @@ void parallel_for(Index n, Index grain, const std::function<void(Index, Index)>&
   loop.grain = std::max<Index>(1, grain);
   loop.body = &body;
   if (inside_loop) {
-    for (Index begin = 0; begin < n; begin += loop.grain) body(begin, std::min(n, begin + loop.grain));
+    for (Index begin = 0; begin < n; begin += loop.grain) {
+      stop_if_interrupted();
+      body(begin, std::min(n, begin + loop.grain));
+    }
     return;
   }
   if (n <= loop.grain || thread_count() == 1) {
