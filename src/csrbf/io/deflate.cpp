@@ -1,16 +1,18 @@
 #include "csrbf/io/deflate.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 
 #include <zlib.h>
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 
 namespace csrbf {
 namespace {
 
-constexpr std::size_t largest_chunk = std::numeric_limits<uInt>::max();
+constexpr std::size_t largest_chunk = std::size_t{1} << 22;  // in between, the work may be interrupted
 constexpr int window = 15;
 constexpr int detect_format = 32;
 constexpr int write_gzip = 16;
@@ -48,6 +50,7 @@ class Inflater {
   Result run(std::string_view compressed, std::string& out) {
     std::size_t used = 0;
     while (true) {
+      stop_if_interrupted();
       give_input(stream_, compressed);
       give_output(stream_, out, used);
       const uInt room = stream_.avail_out;
@@ -96,6 +99,7 @@ std::string deflate_bytes(std::initializer_list<std::string_view> parts, Deflate
   if (deflateInit2(&stream, level, Z_DEFLATED, format == DeflateFormat::gzip ? window + write_gzip : window,
                    memory_level, Z_DEFAULT_STRATEGY) != Z_OK)
     throw IoError("zlib cannot start");
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, deflateEnd);
   constexpr std::size_t first_guess = std::size_t{1} << 20;
   std::string out(first_guess, '\0');
   std::size_t used = 0;
@@ -109,11 +113,11 @@ std::string deflate_bytes(std::initializer_list<std::string_view> parts, Deflate
   };
   for (std::string_view part : parts)
     while (stream.avail_in > 0 || !part.empty()) {
+      stop_if_interrupted();
       give_input(stream, part);
       run(Z_NO_FLUSH);
     }
   while (run(Z_FINISH) != Z_STREAM_END) continue;
-  deflateEnd(&stream);
   out.resize(used);
   return out;
 }

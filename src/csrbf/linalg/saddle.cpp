@@ -1,11 +1,13 @@
 #include "csrbf/linalg/saddle.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
+#include <algorithm>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -69,7 +71,9 @@ class Reduced {
   [[nodiscard]] Matrix matrix() const {
     if (Q_ == 0) return full_;
     Matrix rotated = full_;
+    stop_if_interrupted();
     rotated.applyOnTheLeft(qr_.householderQ().transpose());
+    stop_if_interrupted();
     rotated.applyOnTheRight(qr_.householderQ());
     return rotated.bottomRightCorner(unknowns(), unknowns());
   }
@@ -118,6 +122,42 @@ Matrix errors(const Matrix& alpha, const Eigen::VectorXd& inverse_diagonal, cons
   return e;
 }
 
+// Eigen's Cholesky factorisation without blocks, of a small matrix; false when it is not positive definite.
+bool factorize_block(Eigen::Ref<Matrix> A) {
+  for (Index k = 0; k < A.rows(); ++k) {
+    const Index below = A.rows() - k - 1;
+    auto row = A.row(k).head(k);
+    auto column = A.col(k).tail(below);
+    double pivot = A(k, k);
+    if (k > 0) pivot -= row.squaredNorm();
+    if (pivot <= 0) return false;
+    A(k, k) = pivot = std::sqrt(pivot);
+    if (k > 0 && below > 0) column.noalias() -= A.block(k + 1, 0, below, k) * row.adjoint();
+    if (below > 0) column /= pivot;
+  }
+  return true;
+}
+
+// The lower triangle of A is replaced by its Cholesky factor as by Eigen::LLT, bit for bit, with pauses in which the
+// work may be interrupted; false when A is not positive definite.
+bool cholesky_in_place(Matrix& A) {
+  const Index n = A.rows();
+  constexpr Index small = 32, smallest_block = 8, largest_block = 128, step = 16;
+  if (n < small) return factorize_block(A);
+  const Index block = std::clamp(n / 8 / step * step, smallest_block, largest_block);
+  for (Index k = 0; k < n; k += block) {
+    stop_if_interrupted();
+    const Index size = std::min(block, n - k), rest = n - k - size;
+    auto corner = A.block(k, k, size, size);
+    auto below = A.block(k + size, k, rest, size);
+    if (!factorize_block(corner)) return false;
+    if (rest == 0) break;
+    corner.adjoint().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(below);
+    A.block(k + size, k + size, rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
+  }
+  return true;
+}
+
 // The Cholesky factor L of Z^T A Z + lambda; raises lambda to rescue it.
 Matrix factorize(const Reduced& system, double largest_rescue, double& lambda) {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -126,11 +166,11 @@ Matrix factorize(const Reduced& system, double largest_rescue, double& lambda) {
   for (double rescue = epsilon;; rescue *= 10) {
     Matrix L = reduced;
     L.diagonal().array() += lambda;
-    const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(L);
+    const bool definite = cholesky_in_place(L);
     const double smallest = L.diagonal().minCoeff();
     const double largest = L.diagonal().maxCoeff();
     // A pivot (the square of the entry) of the size of the roundings in it is as good as none.
-    if (cholesky.info() == Eigen::Success && smallest * smallest > 2 * epsilon * largest * largest) return L;
+    if (definite && smallest * smallest > 2 * epsilon * largest * largest) return L;
     if (!(rescue <= largest_rescue)) break;
     lambda = std::max(lambda, rescue * unit);
   }
@@ -157,7 +197,9 @@ void invert_triangle(Eigen::Ref<Matrix> L) {
   auto corner = L.bottomLeftCorner(n - half, half);
   invert_triangle(top);
   invert_triangle(bottom);
+  stop_if_interrupted();
   const Matrix product = bottom.triangularView<Eigen::Lower>() * corner;
+  stop_if_interrupted();
   corner.noalias() = -(product * top.triangularView<Eigen::Lower>());
 }
 
