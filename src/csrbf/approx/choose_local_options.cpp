@@ -11,10 +11,9 @@
 namespace csrbf {
 namespace {
 
-constexpr Index patches = 256;  // half of them spread over the volume, half over the samples
-constexpr Index fewest_targets =
-    12;  // samples predicted in each, at most; more where a patch is large, because noise ...
-constexpr Index most_targets = 1200;   // ... hides small differences
+constexpr Index patches = 256;         // half of them spread over the volume, half over the samples
+constexpr Index fewest_targets = 12;   // most samples predicted in each where every sample is a centre
+constexpr Index most_targets = 1200;   // the same in larger ones with fewer centres: noise hides small differences
 constexpr Index few = 16;              // samples per cell of the cover that places the patches
 constexpr double exact = 1e-10;        // error, as a share of the range of the values, below which less is no gain
 constexpr double exact_uneven = 5e-9;  // the same for unevenly spread samples, far from which errors are larger
