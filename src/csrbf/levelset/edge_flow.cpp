@@ -1,6 +1,7 @@
 #include "csrbf/levelset/edge_flow.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/box_mean.hpp"
 #include "csrbf/levelset/region_labels.hpp"
 
@@ -56,9 +57,8 @@ std::vector<float> edge_weights(std::span<const float> values, const Grid& grid)
   for (std::size_t i = 0; i < weights.size(); ++i)
     weights[i] = std::sqrt(slopes[0][i] * slopes[0][i] + slopes[1][i] * slopes[1][i] + slopes[2][i] * slopes[2][i]);
   std::vector<float> sorted = weights;
-  const auto steep = sorted.end() - 1 - static_cast<std::ptrdiff_t>(sorted.size() / 100);
-  std::nth_element(sorted.begin(), steep, sorted.end());
-  const float k = std::max(0.25F * *steep, std::numeric_limits<float>::min());
+  const float steep = order_statistic(sorted, static_cast<std::ptrdiff_t>(sorted.size() - 1 - sorted.size() / 100));
+  const float k = std::max(0.25F * steep, std::numeric_limits<float>::min());
   for (float& weight : weights) weight = 1 / (1 + (weight / k) * (weight / k));
   return weights;
 }

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel_sum.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/box_mean.hpp"
 #include "csrbf/levelset/energy_table.hpp"
 #include "csrbf/levelset/intensity_classes.hpp"
@@ -247,10 +248,7 @@ double RegionForces<Dim>::noise_variance() const {
     bends.push_back(static_cast<double>(std::abs(values_[voxel - 1] - 2 * values_[voxel] + values_[voxel + 1])));
   }
   if (bends.empty()) return 0;
-  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-  std::nth_element(bends.begin(), middle, bends.end());
-  constexpr double median_of_normal = 0.6745;
-  const double sd = *middle / median_of_normal;
+  const double sd = median(bends) / median_of_normal;
   return sd * sd / 6;
 }
 

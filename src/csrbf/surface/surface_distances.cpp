@@ -1,5 +1,6 @@
 #include "csrbf/surface/surface_distances.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/shared_work.hpp"
 
 #include <algorithm>
@@ -32,9 +33,8 @@ void summarize_distances(std::vector<double> distance, ReconstructReport& report
   for (const double d : distance) sum += d * d;
   report.rms_distance = std::sqrt(sum / static_cast<double>(distance.size()));
   report.max_distance = *std::max_element(distance.begin(), distance.end());
-  const auto p99 = distance.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1));
-  std::nth_element(distance.begin(), p99, distance.end());
-  report.p99_distance = *p99;
+  report.p99_distance =
+      order_statistic(distance, static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1)));
 }
 
 }  // namespace csrbf
