@@ -156,8 +156,8 @@ void tell_image(const std::string& path, Session& session) {
                     {"spacing", to_json(spacing)},
                     {"origin", to_json(origin)},
                     {"not_a_number", undefined}};
-  session.result["min"] = lo <= hi ? Json(lo) : Json(nullptr);
-  session.result["max"] = lo <= hi ? Json(hi) : Json(nullptr);
+  session.result["min"] = or_null(lo <= hi, lo);
+  session.result["max"] = or_null(lo <= hi, hi);
   std::string text;
   for (int a = 0; a < image.grid.axes; ++a)
     text += (a > 0 ? " x " : "") + std::to_string(size[static_cast<std::size_t>(a)]);

@@ -88,9 +88,8 @@ void run(const InpaintCommand& command, Session& session) {
                    {"spacing", {image.grid.spacing.x(), image.grid.spacing.y(), image.grid.spacing.z()}}};
 
   const InpaintReport report = session.timed("inpaint", [&] { return inpaint(image, missing, options); });
-  session.options = {{"output", command.output},
-                     {"mask", or_null(!command.mask.empty(), command.mask)},
-                     {"missing", or_null(!std::isnan(value), value)}};
+  session.options = {
+      {"output", command.output}, {"mask", or_null(command.mask)}, {"missing", or_null(!std::isnan(value), value)}};
   session.result = {{"missing", report.missing}, {"known", report.known}};
   session.say(command.output + ": " + size_text(image) + " pixels, " + counted(report.missing, "value") + " filled");
   if (report.missing > 0) {

@@ -87,7 +87,6 @@ void add_report(const ReconstructReport& r, Session& session) {
 
 // What was asked for, replaced by what was chosen.
 void add_options(const ReconstructCommand& command, const ReconstructReport& r, int resolution, Session& session) {
-  const auto or_null = [](bool given, const Json& value) { return given ? value : Json(nullptr); };
   session.options = {{"output", command.output},
                      {"method", r.method},
                      {"normals", r.normals},
@@ -96,7 +95,7 @@ void add_options(const ReconstructCommand& command, const ReconstructReport& r, 
                      {"smoothing", r.smoothing},
                      {"resolution", resolution},
                      {"trim", command.trim},
-                     {"model", or_null(!command.model.empty(), command.model)}};
+                     {"model", or_null(command.model)}};
   if (r.patches == 0) return;
   session.options["leaf_size"] = r.options.leaf_size;
   session.options["overlap"] = r.options.overlap;
