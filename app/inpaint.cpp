@@ -29,10 +29,7 @@ void check_output(const std::string& path, Session& session) {
 }
 
 std::string size_text(const VolumeLayout& image) {
-  std::string text;
-  for (int a = 0; a < image.grid.axes; ++a)
-    text += (a > 0 ? " x " : "") + std::to_string(image.grid.size[static_cast<std::size_t>(a)]);
-  return text + (image.frames > 1 ? " x " + std::to_string(image.frames) + " frames" : "");
+  return csrbf::size_text(image.grid) + (image.frames > 1 ? " x " + std::to_string(image.frames) + " frames" : "");
 }
 
 Image read_mask(const std::string& path, const Image& image) {

@@ -70,13 +70,9 @@ void check_image(const std::string& path, const Volume<float>& image) {
 }
 
 void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
-  const Grid& grid = image.grid;
   for (std::size_t i = 0; i < image.values.size(); ++i) {
     if (std::isfinite(image.values[i]) || (!mask.empty() && mask[i] == 0)) continue;
-    auto rest = static_cast<Index>(i);
-    std::string voxel;
-    for (std::size_t a = 0; a < static_cast<std::size_t>(grid.dimension()); rest /= grid.size[a++])
-      voxel += (a > 0 ? ", " : "") + std::to_string(rest % grid.size[a]);
+    const std::string voxel = voxel_text(image.grid, static_cast<Index>(i));
     throw UsageError(path + ": voxel " + voxel + " is " + rounded(image.values[i]) +
                      "; fill such voxels by csrbf inpaint, or leave them out by --mask");
   }

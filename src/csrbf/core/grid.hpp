@@ -5,7 +5,9 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <array>
+#include <string>
 #include <vector>
 
 namespace csrbf {
@@ -75,6 +77,22 @@ struct Grid {
     return points;
   }
 };
+
+/// Voxels along the axes, for messages: "240 x 160 x 30".
+inline std::string size_text(const Grid& grid) {
+  std::string text;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(std::max(grid.axes, grid.dimension())); ++a)
+    text += (a > 0 ? " x " : "") + std::to_string(grid.size[a]);
+  return text;
+}
+
+/// Where the voxel of that index is, for messages: "3, 0, 12".
+inline std::string voxel_text(const Grid& grid, Index index) {
+  std::string text;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(grid.dimension()); index /= grid.size[a++])
+    text += (a > 0 ? ", " : "") + std::to_string(index % grid.size[a]);
+  return text;
+}
 
 /// The grid in another space: x and y change their sign between the two of patients.
 inline Grid in_space(Grid grid, Space space) {

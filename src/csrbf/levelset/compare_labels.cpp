@@ -18,13 +18,6 @@ constexpr double most_apart = 0.01;  // of a voxel
 using Labels = std::vector<std::int32_t>;
 using Voxel = std::array<Index, 3>;
 
-std::string size_text(const Grid& grid) {
-  std::string text;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(std::max(grid.axes, grid.dimension())); ++a)
-    text += (a > 0 ? " x " : "") + std::to_string(grid.size[a]);
-  return text;
-}
-
 void check_same_place(const Grid& a, const Grid& other) {
   require(a.size == other.size, "compare_labels", "size of the images", size_text(a) + " and " + size_text(other),
           "must be the same; resample one of them");
