@@ -97,6 +97,9 @@ auto run(const py::object& listener, const Work& work) {
     return work([watch](std::string_view stage, double fraction) { return watch->goes_on(stage, fraction); });
   } catch (const Cancelled&) {
     throw py::error_already_set();
+  } catch (const IoError&) {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();  // a signal ends waiting for a pipe
+    throw;
   }
 }
 

@@ -90,6 +90,14 @@ def works(folder):
         prepared["read " + name] = lambda name=name, image=image: functools.partial(
             csrbf.read_image, file(name, image())
         )
+
+    def read_pipe():
+        path = os.path.join(folder, "pipe.xyz")
+        if not os.path.exists(path):
+            os.mkfifo(path)
+        return functools.partial(csrbf.read_points, path)
+
+    prepared["wait for a pipe"] = read_pipe
     return prepared
 
 

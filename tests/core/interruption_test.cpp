@@ -13,7 +13,9 @@ namespace {
 
 TEST(Interruptible, WorkGoesOnWhereNobodyAsks) {
   EXPECT_NO_THROW(stop_if_interrupted());
-  { const Interruptible stopped([] { return true; }); }
+  {
+    const Interruptible stopped([] { return true; });
+  }
   EXPECT_NO_THROW(stop_if_interrupted());
 }
 
