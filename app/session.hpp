@@ -21,6 +21,19 @@ namespace csrbf::app {
 
 using Json = nlohmann::ordered_json;
 
+/// JSON of an option: null where it was not given.
+template <class Value>
+Json or_null(bool given, const Value& value) {
+  return given ? Json(value) : Json(nullptr);
+}
+template <class Value>
+Json or_null(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+inline Json or_null(const std::string& text) {
+  return or_null(!text.empty(), text);
+}
+
 /// A result cannot be written.
 class WriteFailure : public std::runtime_error {
  public:

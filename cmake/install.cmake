@@ -19,7 +19,8 @@ else()
 endif()
 if(TARGET GDCM::GDCM)
   set(CSRBF_GDCM ON)
-  set(CSRBF_GDCM_LIBS "-lgdcmMSFF -lgdcmDSED -lgdcmDICT -lgdcmCommon")
+  cmake_path(GET GDCM_MSFF_LIBRARY PARENT_PATH gdcm_dir)
+  set(gdcm_flags " -L${gdcm_dir} -lgdcmMSFF -lgdcmDSED -lgdcmDICT -lgdcmCommon")
   install(FILES ${CMAKE_CURRENT_LIST_DIR}/FindGDCM.cmake DESTINATION ${package_dir})
 else()
   set(CSRBF_GDCM OFF)
@@ -30,6 +31,13 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/csrbf-config-version.cmak
 install(FILES ${PROJECT_BINARY_DIR}/csrbf-config.cmake ${PROJECT_BINARY_DIR}/csrbf-config-version.cmake
         DESTINATION ${package_dir})
 
+# Who links the static library links what it uses, whether or not pkg-config is asked for --static.
+set(pc_suffix _PRIVATE)
+if(CSRBF_STATIC)
+  set(pc_suffix "")
+endif()
+set(CSRBF_PC_REQUIRES${pc_suffix} " libpng libtiff-4 zlib qhull_r")
+set(CSRBF_PC_LIBS${pc_suffix} " -pthread${gdcm_flags}")
 file(RELATIVE_PATH up_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/csrbf.pc.in ${PROJECT_BINARY_DIR}/csrbf.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/csrbf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/core/types.hpp"
 
@@ -49,42 +50,55 @@ py::array_t<typename Matrix::Scalar> to_array(Matrix&& matrix) {
   return py::array_t<typename std::decay_t<Matrix>::Scalar>(shape, data, owner);
 }
 
-/// Polls Python for signals, and stops the work when a handler raised an exception (Ctrl-C: KeyboardInterrupt).
-inline Progress watch_signals() {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds pause{50};  // between polls: longer delays Ctrl-C, shorter costs time
-  return [pause, last = Clock::now()](std::string_view /*stage*/, double /*fraction*/) mutable {
-    if (Clock::now() - last < pause) return true;
-    last = Clock::now();
-    const py::gil_scoped_acquire hold;
-    return PyErr_CheckSignals() == 0;
-  };
-}
+/// Asks Python now and then whether a signal has arrived, and tells a listener, a function of stage and fraction or
+/// None. Once the handler of a signal (Ctrl-C: KeyboardInterrupt) or the listener raised an exception, work is to stop.
+class Watch {
+ public:
+  explicit Watch(const py::object& listener) : listener_(listener.is_none() ? nullptr : listener.ptr()) {}
 
-/// As `watch`, and calls `listener`, a function of stage and fraction or None; run() passes on its exceptions.
-inline Progress telling(const py::object& listener, const Progress& watch) {
-  if (listener.is_none()) return watch;
-  return [listener = listener.ptr(), watch](std::string_view stage, double fraction) {
-    if (!watch(stage, fraction)) return false;
+  bool interrupted() {
+    if (!raised_ && Clock::now() - last_ >= pause) {
+      const py::gil_scoped_acquire hold;
+      raised_ = PyErr_CheckSignals() != 0;
+      last_ = Clock::now();
+    }
+    return raised_;
+  }
+
+  bool goes_on(std::string_view stage, double fraction) {
+    if (interrupted() || listener_ == nullptr) return !raised_;
     const py::gil_scoped_acquire hold;
     try {
-      py::reinterpret_borrow<py::function>(listener)(py::str(stage.data(), stage.size()), fraction);
-      return true;
+      py::reinterpret_borrow<py::function>(listener_)(py::str(stage.data(), stage.size()), fraction);
     } catch (py::error_already_set& error) {
       error.restore();
-      return false;
+      raised_ = true;
     }
-  };
-}
+    return !raised_;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds pause{50};
+
+  PyObject* listener_;
+  Clock::time_point last_ = Clock::now();
+  bool raised_ = false;
+};
 
 /// work(progress) without the interpreter lock; exceptions of a signal handler or the listener are passed on.
 template <class Work>
 auto run(const py::object& listener, const Work& work) {
+  const auto watch = std::make_shared<Watch>(listener);
   try {
     const py::gil_scoped_release release;
-    return work(telling(listener, watch_signals()));
+    const Interruptible interruptible([watch] { return watch->interrupted(); });
+    return work([watch](std::string_view stage, double fraction) { return watch->goes_on(stage, fraction); });
   } catch (const Cancelled&) {
     throw py::error_already_set();
+  } catch (const IoError&) {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();  // a signal ends waiting for a pipe
+    throw;
   }
 }
 

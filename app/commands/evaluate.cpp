@@ -152,8 +152,8 @@ void report_values(const std::string& output, const Answers<Scalar>& answers, In
   session.result = {{"points", values.cols()},
                     {"columns", columns},
                     {"undefined", undefined},
-                    {"min", any ? Json(lo) : Json(nullptr)},
-                    {"max", any ? Json(hi) : Json(nullptr)}};
+                    {"min", or_null(any, lo)},
+                    {"max", or_null(any, hi)}};
   if (undefined > 0)
     session.warn(counted(undefined, "point") + " without a value: coordinates are missing or outside the samples");
   session.say(output + ": " + counted(values.cols(), "point") +
@@ -199,14 +199,10 @@ void run(const EvaluateCommand& command, Session& session) {
   const Places places = session.timed("read", [&] { return make_places(command, model); });
   session.input = {
       {"file", command.input}, {"dimension", model.function.dimension()}, {"components", model.function.components()}};
-  session.options = {{"output", command.output},
-                     {"points", command.points.empty() ? Json(nullptr) : Json(command.points)},
-                     {"like", command.like.empty() ? Json(nullptr) : Json(command.like)},
-                     {"gradient", command.gradient},
-                     {"hessian", command.hessian},
-                     {"standard_deviation", command.standard_deviation},
-                     {"labels", command.labels},
-                     {"float32", command.float32}};
+  session.options = {{"output", command.output},      {"points", or_null(command.points)},
+                     {"like", or_null(command.like)}, {"gradient", command.gradient},
+                     {"hessian", command.hessian},    {"standard_deviation", command.standard_deviation},
+                     {"labels", command.labels},      {"float32", command.float32}};
   session.options.update(places.options);
   if (places.is_image && places.layout.type == SampleType::float32)
     evaluate_as<float>(command, model, places, session);

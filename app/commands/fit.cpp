@@ -53,7 +53,7 @@ void run(const FitCommand& command, Session& session) {
   session.options = {{"output", command.output},
                      {"coordinates", model.coordinate_names},
                      {"values", model.value_names},
-                     {"weights", or_null(!command.weights.empty(), command.weights)},
+                     {"weights", or_null(command.weights)},
                      {"periods", or_null(!options.periods.empty(), options.periods)}};
   session.result = {{"dimension", model.function.dimension()}, {"components", model.function.components()}};
   add_fit_report(command.fit, report, session);

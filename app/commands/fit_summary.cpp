@@ -22,20 +22,19 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
   session.add_time("prepare", r.choose_seconds);
   session.add_time("fit", r.fit_seconds);
   session.warn(r.warnings);
-  session.options.update(
-      {{"method", r.method},
-       {"kernel", or_null(!r.kernel.empty(), r.kernel)},
-       {"kernel_parameter", or_null(flags.kernel_parameter.has_value(), flags.kernel_parameter.value_or(0))},
-       {"centers", or_null(flags.centers > 0, flags.centers)},
-       {"tolerance", or_null(flags.tolerance > 0, flags.tolerance)},
-       {"smoothing", r.smoothing},
-       {"degree", or_null(r.degree >= 0, r.degree)},
-       {"extrapolation", flags.extrapolation}});
+  session.options.update({{"method", r.method},
+                          {"kernel", or_null(r.kernel)},
+                          {"kernel_parameter", or_null(flags.kernel_parameter)},
+                          {"centers", or_null(flags.centers > 0, flags.centers)},
+                          {"tolerance", or_null(flags.tolerance > 0, flags.tolerance)},
+                          {"smoothing", r.smoothing},
+                          {"degree", or_null(r.degree >= 0, r.degree)},
+                          {"extrapolation", flags.extrapolation}});
   session.result.update({{"samples", r.samples},
                          {"samples_fitted", r.samples_fitted},
                          {"merged_duplicates", r.merged_duplicates},
                          {"method", r.method},
-                         {"kernel", or_null(!r.kernel.empty(), r.kernel)},
+                         {"kernel", or_null(r.kernel)},
                          {"centers", r.centers},
                          {"levels", r.levels},
                          {"patches", r.patches},

@@ -16,10 +16,4 @@ void add_fit_report(const FitFlags& flags, const FitReport& report, Session& ses
 /// Adds the method and the errors to the summary.
 void say_fit(const FitReport& report, Session& session);
 
-/// JSON of an option: null where it was not given.
-template <class Value>
-Json or_null(bool given, const Value& value) {
-  return given ? Json(value) : Json(nullptr);
-}
-
 }  // namespace csrbf::app

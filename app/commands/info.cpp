@@ -156,12 +156,9 @@ void report_image(const std::string& path, Session& session) {
                     {"spacing", to_json(spacing)},
                     {"origin", to_json(origin)},
                     {"not_a_number", undefined}};
-  session.result["min"] = lo <= hi ? Json(lo) : Json(nullptr);
-  session.result["max"] = lo <= hi ? Json(hi) : Json(nullptr);
-  std::string text;
-  for (int a = 0; a < image.grid.axes; ++a)
-    text += (a > 0 ? " x " : "") + std::to_string(size[static_cast<std::size_t>(a)]);
-  session.say("image:       " + text + " pixels of " + std::to_string(image.components) + " " +
+  session.result["min"] = or_null(lo <= hi, lo);
+  session.result["max"] = or_null(lo <= hi, hi);
+  session.say("image:       " + size_text(image.grid) + " pixels of " + std::to_string(image.components) + " " +
               std::string(sample_name(image.type)) + ", " + counted(image.frames, "frame"));
   session.say("spacing:     " + to_text(spacing) + ", origin " + to_text(origin));
   if (lo <= hi)

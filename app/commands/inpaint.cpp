@@ -29,10 +29,7 @@ void check_output(const std::string& path, Session& session) {
 }
 
 std::string size_text(const VolumeLayout& image) {
-  std::string text;
-  for (int a = 0; a < image.grid.axes; ++a)
-    text += (a > 0 ? " x " : "") + std::to_string(image.grid.size[static_cast<std::size_t>(a)]);
-  return text + (image.frames > 1 ? " x " + std::to_string(image.frames) + " frames" : "");
+  return csrbf::size_text(image.grid) + (image.frames > 1 ? " x " + std::to_string(image.frames) + " frames" : "");
 }
 
 Image read_mask(const std::string& path, const Image& image) {
@@ -88,9 +85,8 @@ void run(const InpaintCommand& command, Session& session) {
                    {"spacing", {image.grid.spacing.x(), image.grid.spacing.y(), image.grid.spacing.z()}}};
 
   const InpaintReport report = session.timed("inpaint", [&] { return inpaint(image, missing, options); });
-  session.options = {{"output", command.output},
-                     {"mask", or_null(!command.mask.empty(), command.mask)},
-                     {"missing", or_null(!std::isnan(value), value)}};
+  session.options = {
+      {"output", command.output}, {"mask", or_null(command.mask)}, {"missing", or_null(!std::isnan(value), value)}};
   session.result = {{"missing", report.missing}, {"known", report.known}};
   session.say(command.output + ": " + size_text(image) + " pixels, " + counted(report.missing, "value") + " filled");
   if (report.missing > 0) {

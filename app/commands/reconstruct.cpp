@@ -16,6 +16,7 @@
 #include "csrbf/surface/trim.hpp"
 
 #include <utility>
+#include <variant>
 
 namespace csrbf::app {
 namespace {
@@ -34,9 +35,10 @@ ReconstructOptions make_options(const ReconstructCommand& command, Session& sess
           .progress = session.progress()};
 }
 
-bool wants_contours(const ReconstructCommand& command) {
-  if (command.method == "contours") return true;
-  return command.method == "auto" && holds_polylines(command.input);
+std::variant<PointCloud, Polylines> read_input(const ReconstructCommand& command) {
+  if (command.method == "contours") return read_polylines(command.input);
+  if (command.method == "auto") return read_points_or_polylines(command.input);
+  return read_points(command.input);
 }
 
 // Flags about points do not apply to contours.
@@ -85,7 +87,6 @@ void add_report(const ReconstructReport& r, Session& session) {
 
 // The options as given, automatic ones replaced by what was chosen.
 void add_options(const ReconstructCommand& command, const ReconstructReport& r, int resolution, Session& session) {
-  const auto or_null = [](bool given, const Json& value) { return given ? value : Json(nullptr); };
   session.options = {{"output", command.output},
                      {"method", r.method},
                      {"normals", name_of(r.normals)},
@@ -94,7 +95,7 @@ void add_options(const ReconstructCommand& command, const ReconstructReport& r, 
                      {"smoothing", r.smoothing},
                      {"resolution", resolution},
                      {"trim", command.trim},
-                     {"model", or_null(!command.model.empty(), command.model)}};
+                     {"model", or_null(command.model)}};
   if (!r.composite) return;
   const CompositeSettings& used = r.composite->settings;
   session.options["leaf_size"] = used.leaf_size;
@@ -129,9 +130,8 @@ struct Made {
   Reconstruction surface;
 };
 
-Made from_points(const ReconstructCommand& command, Session& session) {
-  const ReconstructOptions options = make_options(command, session);
-  PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
+Made from_points(const PointCloud& cloud, const ReconstructOptions& options, const ReconstructCommand& command,
+                 Session& session) {
   session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
   Made made;
   made.surface = reconstruct(cloud, options);
@@ -139,16 +139,25 @@ Made from_points(const ReconstructCommand& command, Session& session) {
   return made;
 }
 
-Made from_contours(const ReconstructCommand& command, Session& session) {
-  ContourOptions options{.smoothing = parse_smoothing(command.smoothing), .progress = session.progress()};
+Made from_contours(const Polylines& contours, const ReconstructOptions& given, const ReconstructCommand& command,
+                   Session& session) {
+  expect_no_point_flags(command);
+  ContourOptions options{.smoothing = given.smoothing, .progress = given.progress};
   if (command.centers > 0) options.centers = command.centers;
-  Polylines contours = session.timed("read", [&] { return read_polylines(command.input); });
   session.input = {{"file", command.input}, {"points", contours.vertices.cols()}, {"edges", contours.edges.cols()}};
   Made made;
   made.surface = reconstruct_contours(contours, options);
   made.used.points = contours.vertices(Eigen::all, made.surface.source);
   made.used.normals = std::move(made.surface.normals);
   return made;
+}
+
+Made make_surface(const ReconstructCommand& command, Session& session) {
+  const ReconstructOptions options = make_options(command, session);
+  const std::variant<PointCloud, Polylines> input = session.timed("read", [&] { return read_input(command); });
+  if (const Polylines* contours = std::get_if<Polylines>(&input))
+    return from_contours(*contours, options, command, session);
+  return from_points(std::get<PointCloud>(input), options, command, session);
 }
 
 // The components of the mesh with data.
@@ -177,9 +186,7 @@ void run(const ReconstructCommand& command, Session& session) {
   if (trim_distance && !(*trim_distance > 0)) throw UsageError("--trim " + command.trim + ": must be positive");
   expect_outputs(command, session);
   if (command.resume) session.resume(command.input, command.output);
-  const bool contours = wants_contours(command);
-  if (contours) expect_no_point_flags(command);
-  Made made = contours ? from_contours(command, session) : from_points(command, session);
+  Made made = make_surface(command, session);
   const PointCloud& used = made.used;
   Reconstruction& surface = made.surface;
   add_report(surface.report, session);

@@ -47,9 +47,9 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
 void add_options(const SegmentCommand& command, const SegmentSettings& used, Session& session) {
   session.options = {{"output", command.output}};
   add_segment_options(command, used, session);
-  session.options.update({{"contour", command.contour.empty() ? Json(nullptr) : Json(command.contour)},
-                          {"model", command.model.empty() ? Json(nullptr) : Json(command.model)},
-                          {"preview", command.preview.empty() ? Json(nullptr) : Json(command.preview)}});
+  session.options.update({{"contour", or_null(command.contour)},
+                          {"model", or_null(command.model)},
+                          {"preview", or_null(command.preview)}});
 }
 
 void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, Session& session) {

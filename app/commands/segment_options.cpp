@@ -31,15 +31,15 @@ void add_segment_options(const SegmentFlags& flags, const SegmentSettings& used,
   session.options.update({{"energy", name_of(used.energy)},
                           {"init", flags.init},
                           {"regions", used.regions},
-                          {"center_spacing", used.center_spacing ? Json(*used.center_spacing) : Json(nullptr)},
-                          {"support", used.support ? Json(*used.support) : Json(nullptr)},
+                          {"center_spacing", or_null(used.center_spacing)},
+                          {"support", or_null(used.support)},
                           {"kernel", used.kernel},
                           {"smoothness", used.smoothness.value_or(0)},
                           {"window", used.window.value_or(0)},
                           {"shading", name_of(used.shading)},
                           {"balloon", used.balloon},
                           {"fill_holes", used.fill_holes.value_or(false)},
-                          {"mask", flags.mask.empty() ? Json(nullptr) : Json(flags.mask)},
+                          {"mask", or_null(flags.mask)},
                           {"mode", name_of(used.mode)},
                           {"method", name_of(used.method)},
                           {"iterations", used.iterations}});
@@ -71,13 +71,9 @@ void check_image(const std::string& path, const Volume<float>& image) {
 }
 
 void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
-  const Grid& grid = image.grid;
   for (std::size_t i = 0; i < image.values.size(); ++i) {
     if (std::isfinite(image.values[i]) || (!mask.empty() && mask[i] == 0)) continue;
-    auto rest = static_cast<Index>(i);
-    std::string voxel;
-    for (std::size_t a = 0; a < static_cast<std::size_t>(grid.dimension()); rest /= grid.size[a++])
-      voxel += (a > 0 ? ", " : "") + std::to_string(rest % grid.size[a]);
+    const std::string voxel = voxel_text(image.grid, static_cast<Index>(i));
     throw UsageError(path + ": voxel " + voxel + " is " + rounded(image.values[i]) +
                      "; fill such voxels with csrbf inpaint, or exclude them with --mask");
   }

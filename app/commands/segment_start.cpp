@@ -94,13 +94,6 @@ std::string extent_text(const Grid& grid) {
 
 }  // namespace
 
-std::string size_text(const Grid& grid) {
-  std::string text;
-  for (int a = 0; a < grid.axes; ++a)
-    text += (a > 0 ? " x " : "") + std::to_string(grid.size[static_cast<std::size_t>(a)]);
-  return text;
-}
-
 std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string& path, const Grid& grid) {
   const Volume<float> image = read_volume(path);
   if (image.components != 1 || image.frames != 1)

@@ -14,7 +14,4 @@ Seed read_seed(const std::string& where, const Grid& grid, const Progress& progr
 /// The voxels of --mask FILE. Throws UsageError when it has another size, IoError.
 std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string& path, const Grid& grid);
 
-/// "240 x 160 x 30"
-std::string size_text(const Grid& grid);
-
 }  // namespace csrbf::app

@@ -183,7 +183,7 @@ void add_result(const TrackCommand& command, const std::vector<Row>& rows, Index
   const TrackSettings& used = report.options;
   const bool limited = used.motion && std::isfinite(*used.motion);
   session.options.update({{"persistence", used.persistence},
-                          {"motion", limited ? Json(*used.motion) : Json(nullptr)},
+                          {"motion", or_null(limited, used.motion.value_or(0))},
                           {"prediction", used.prediction.value_or(0)},
                           {"sweeps", used.sweeps},
                           {"format", label_extension(command).substr(1)},

@@ -1,6 +1,7 @@
 #include "figure_3_4.hpp"
 
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "signals.hpp"
 
 #include <algorithm>
@@ -55,11 +56,7 @@ ThresholdCurve threshold_curve(double snr, const std::vector<double>& thresholds
       errors[i].push_back(rms(fit.fields[0]->evaluate(samples.points).value, truth));
     }
   }
-  for (std::vector<double>& of_draws : errors) {
-    const auto middle = of_draws.begin() + draws / 2;
-    std::nth_element(of_draws.begin(), middle, of_draws.end());
-    curve.errors.push_back(*middle);
-  }
+  for (std::vector<double>& of_draws : errors) curve.errors.push_back(median(of_draws));
   return curve;
 }
 

@@ -1,5 +1,6 @@
 #include "figure_6_10.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/voronoi_poles.hpp"
@@ -11,11 +12,6 @@ namespace csrbf::thesis {
 namespace {
 
 constexpr double yellow = 0.15;  // of the diagonal
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 RgbImage sizes_picture(const Mesh& mesh, const Points<3>& centers, const Eigen::VectorXd& size, const Look& look) {
   const KdTree<3> tree(centers);

@@ -27,6 +27,7 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/image.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/progress.hpp"

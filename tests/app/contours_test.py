@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 PROGRAM = ""
@@ -65,6 +66,22 @@ class Contours(unittest.TestCase):
         )
         self.assertEqual(report["result"]["contours"], 5)
         self.assertEqual(report["options"]["centers"], 100)
+
+    def test_a_pipe_is_read_once(self):
+        pipe = os.path.join(self.folder.name, "pipe.csv")
+        os.mkfifo(pipe)
+        for points in (ball(), ball().replace(",contour", ",number")):
+            writer = threading.Thread(target=self.write, args=("pipe.csv", points), daemon=True)
+            writer.start()
+            done = subprocess.run(
+                [PROGRAM, "reconstruct", pipe, "-o", "ball.ply", "--resolution", "16"],
+                cwd=self.folder.name,
+                capture_output=True,
+                text=True,
+                timeout=60,
+            )
+            writer.join(60)
+            self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_another_method_takes_the_points_alone(self):
         self.write("ball.csv", ball(12, 24))

@@ -26,6 +26,17 @@ TEST(Grid, PlacesVoxelsAtOriginPlusStepsAlongItsAxes) {
   EXPECT_TRUE((map * Point<3>(0, 1, 0)).isApprox(grid.origin + 2 * grid.direction.col(1), rounding));
 }
 
+TEST(Grid, TellsItsSizeAndItsVoxels) {
+  Grid grid = oblique_grid();
+  EXPECT_EQ(size_text(grid), "4 x 3 x 2");
+  EXPECT_EQ(voxel_text(grid, grid.index(3, 0, 1)), "3, 0, 1");
+  grid.size = {4, 3, 1};
+  EXPECT_EQ(size_text(grid), "4 x 3 x 1");
+  EXPECT_EQ(voxel_text(grid, grid.index(1, 2)), "1, 2");
+  grid.axes = 2;
+  EXPECT_EQ(size_text(grid), "4 x 3");
+}
+
 TEST(Grid, MapsBackToVoxels) {
   const Grid grid = oblique_grid();
   const Points<3> voxels = Points<3>::Random(3, 20);

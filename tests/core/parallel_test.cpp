@@ -4,7 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <dlfcn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -139,6 +146,118 @@ TEST_F(Parallel, WorksAgainAfterAnException) {
                    [](Index, Index) { parallel_for(4, 1, [](Index, Index) { throw std::runtime_error("inner"); }); }),
       std::runtime_error);
   EXPECT_EQ(ranges(10, 4), (Ranges{{0, 4}, {4, 8}, {8, 10}}));
+}
+
+// The exit code of a child that runs `work`; 124 after a while, -1 when a signal ended it.
+template <class Work>
+int status_of_child(Work work) {
+  constexpr std::chrono::seconds patience{20};
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(10 * patience.count());  // should the parent be gone
+    work();
+    std::_Exit(::testing::Test::HasFailure() ? 1 : 0);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    if (std::chrono::steady_clock::now() - start > patience) {
+      kill(child, SIGKILL);
+      waitpid(child, &status, 0);
+      return 124;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+class ParallelFork : public Parallel {
+ protected:
+  void SetUp() override {
+    if (is_there("__tsan_init")) GTEST_SKIP() << "the thread sanitizer allows no threads in the child";
+  }
+  static bool is_there(const char* function) { return dlsym(RTLD_DEFAULT, function) != nullptr; }
+};
+
+TEST_F(ParallelFork, TheChildHasThreadsOfItsOwn) {
+  for (const int threads : {1, 2, 5}) {
+    set_thread_count(threads);
+    const Ranges expected = ranges(1001, 10);
+    const auto loop_on_all_threads = [&] {
+      EXPECT_EQ(thread_count(), threads);
+      EXPECT_EQ(ranges(1001, 10), expected);
+      // Each range waits for the others.
+      std::atomic<int> arrived{0};
+      parallel_for(threads, 1, [&](Index, Index) {
+        ++arrived;
+        while (arrived < threads) std::this_thread::yield();
+      });
+    };
+    EXPECT_EQ(status_of_child(loop_on_all_threads), 0);
+    loop_on_all_threads();
+    EXPECT_EQ(status_of_child([&] { EXPECT_EQ(status_of_child(loop_on_all_threads), 0); }), 0);
+  }
+}
+
+TEST_F(ParallelFork, TheChildMaySetTheNumberOfThreads) {
+  set_thread_count(3);
+  ranges(100, 1);
+  EXPECT_EQ(status_of_child([] {
+              set_thread_count(2);
+              EXPECT_EQ(ranges(10, 4), (Ranges{{0, 4}, {4, 8}, {8, 10}}));
+              set_thread_count(3);
+              EXPECT_EQ(ranges(3, 100), (Ranges{{0, 3}}));
+            }),
+            0);
+}
+
+TEST_F(ParallelFork, TheChildExitsAsUsual) {
+  set_thread_count(3);
+  ranges(100, 1);
+  EXPECT_EQ(status_of_child([] { std::exit(7); }), 7);
+  EXPECT_EQ(status_of_child([] {
+              ranges(100, 1);
+              std::exit(7);
+            }),
+            7);
+}
+
+TEST_F(ParallelFork, WorksAtAnyMomentOfLoopsOnOtherThreads) {
+  if (is_there("__asan_init")) GTEST_SKIP() << "the address sanitizer's own locks hang in the child";
+  set_thread_count(3);
+  std::atomic<bool> stop{false};
+  std::vector<std::thread> callers;
+  for (int c = 0; c < 2; ++c)
+    callers.emplace_back([&, c] {
+      while (!stop) {
+        parallel_for(100, 7, [](Index, Index) {});
+        set_thread_count(2 + c);
+      }
+    });
+  for (int repeat = 0; repeat < 200 && !HasFailure(); ++repeat)
+    EXPECT_EQ(status_of_child([] {
+                std::atomic<Index> sum{0};
+                parallel_for(100, 7, [&](Index begin, Index end) { sum += end - begin; });
+                EXPECT_EQ(sum, 100);
+              }),
+              0);
+  stop = true;
+  for (std::thread& caller : callers) caller.join();
+}
+
+TEST_F(ParallelFork, DoesNotWaitForALoopOfAnotherThread) {
+  set_thread_count(2);
+  std::atomic<bool> running{false}, stop{false};
+  std::thread caller([&] {
+    parallel_for(2, 1, [&](Index, Index) {
+      running = true;
+      while (!stop) std::this_thread::yield();
+    });
+  });
+  while (!running) std::this_thread::yield();
+  EXPECT_EQ(status_of_child([] { EXPECT_EQ(ranges(10, 4), (Ranges{{0, 4}, {4, 8}, {8, 10}})); }), 0);
+  stop = true;
+  caller.join();
 }
 
 TEST_F(Parallel, RefusesANegativeNumberOfThreads) {

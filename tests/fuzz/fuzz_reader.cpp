@@ -34,7 +34,10 @@ void read_and_evaluate_function(const std::string& path) {
 }
 
 void read_all_polylines(const std::string& path) {
-  (void)holds_polylines(path);
+  try {
+    (void)read_points_or_polylines(path);
+  } catch (const IoError&) {
+  }
   (void)read_polylines(path);
 }
 

@@ -3,6 +3,7 @@
 #include "core/error_testing.hpp"
 #include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/geometry/ply.hpp"
+#include "csrbf/io/points.hpp"
 #include "io/io_testing.hpp"
 
 namespace csrbf {
@@ -116,8 +117,11 @@ TEST(ReadPolylines, SaysWhereAFileIsWrong) {
   EXPECT_EQ(error("a.ply", ply), "a.ply:13: vertex index 2 is not one of the 2 vertices");
 }
 
-TEST(HoldsPolylines, TellsCurvesFromPointsAndSurfaces) {
+TEST(ReadPointsOrPolylines, TellsCurvesFromPointsAndSurfaces) {
   const TemporaryFolder folder;
+  const auto holds_polylines = [](const std::string& path) {
+    return std::holds_alternative<Polylines>(read_points_or_polylines(path));
+  };
   write_polylines(folder.file("lines.ply"), triangle());
   EXPECT_TRUE(holds_polylines(folder.file("lines.ply")));
   EXPECT_TRUE(holds_polylines(folder.with("a.csv", squares)));
@@ -126,10 +130,24 @@ TEST(HoldsPolylines, TellsCurvesFromPointsAndSurfaces) {
   EXPECT_FALSE(holds_polylines(folder.with("b.csv", "x,y,z,contours\n0,0,0,1\n")));
   EXPECT_FALSE(holds_polylines(folder.with("b.txt", "0 0 0\n# contour\n")));
   EXPECT_FALSE(holds_polylines(folder.with("b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2\nf 1 2 3\n")));
-  EXPECT_FALSE(holds_polylines(folder.with("b.ply", "no ply")));
-  EXPECT_FALSE(holds_polylines(folder.with("b.npy", "contour")));
-  EXPECT_FALSE(holds_polylines(folder.file("missing.csv")));
-  EXPECT_FALSE(holds_polylines("-"));
+  EXPECT_FALSE(holds_polylines(folder.with("b.off", "OFF\n1 0 0\n0 0 0\n")));
+}
+
+TEST(ReadPointsOrPolylines, ReadsWhatTheOtherReadersRead) {
+  const TemporaryFolder folder;
+  const std::string curves = folder.with("a.csv", squares), points = folder.with("b.xyz", "0 0 0\n1 2 3\n");
+  EXPECT_EQ(std::get<Polylines>(read_points_or_polylines(curves)).edges, read_polylines(curves).edges);
+  EXPECT_EQ(std::get<PointCloud>(read_points_or_polylines(points)).points, read_points(points).points);
+}
+
+TEST(ReadPointsOrPolylines, SaysAsReadPointsWhatIsWrong) {
+  const TemporaryFolder folder;
+  for (const std::string& path : {folder.with("b.ply", "no ply"), folder.with("b.npy", "contour"),
+                                  folder.file("missing.csv"), folder.file("missing.abc")}) {
+    const std::string message = io_error([&] { read_points_or_polylines(path); });
+    EXPECT_EQ(message, io_error([&] { read_points(path); }));
+    EXPECT_NE(message, "") << path;
+  }
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "csrbf/approx/inpaint.hpp"
 
+#include "csrbf/core/interruption.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,12 +29,14 @@ std::vector<float> distance_to(bool wanted, const Mask& mask, const Grid& grid) 
   std::vector<float> distance(mask.size());
   for (std::size_t i = 0; i < mask.size(); ++i)
     distance[i] = (mask[i] != 0) == wanted ? 0 : std::numeric_limits<float>::infinity();
+  InterruptionPoint pause(1U << 10);
   Index stride = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Index size = grid.size[axis];
     const auto step = static_cast<float>(grid.spacing[static_cast<Index>(axis)]);
     for (Index line = 0; line < grid.voxels(); line += size * stride) {
       const auto relax = [&](Index to, Index from) {
+        pause();
         float* target = distance.data() + line + to * stride;
         const float* source = distance.data() + line + from * stride;
         for (Index k = 0; k < stride; ++k) target[k] = std::min(target[k], source[k] + step);

@@ -39,6 +39,20 @@ Points<Dim> Grid::centers() const {
   return points;
 }
 
+std::string size_text(const Grid& grid) {
+  std::string text;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(std::max(grid.axes, grid.dimension())); ++a)
+    text += (a > 0 ? " x " : "") + std::to_string(grid.size[a]);
+  return text;
+}
+
+std::string voxel_text(const Grid& grid, Index index) {
+  std::string text;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(grid.dimension()); index /= grid.size[a++])
+    text += (a > 0 ? ", " : "") + std::to_string(index % grid.size[a]);
+  return text;
+}
+
 Grid in_space(Grid grid, Space space) {
   if (grid.space != Space::unknown && space != Space::unknown && grid.space != space) {
     grid.direction.topRows(2) *= -1;

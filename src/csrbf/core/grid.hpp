@@ -3,6 +3,7 @@
 #include "csrbf/core/types.hpp"
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace csrbf {
@@ -48,6 +49,12 @@ struct Grid {
   template <int Dim>
   [[nodiscard]] Points<Dim> centers() const;
 };
+
+/// Voxels along the axes, for messages: "240 x 160 x 30".
+std::string size_text(const Grid& grid);
+
+/// Where the voxel of that index is, for messages: "3, 0, 12".
+std::string voxel_text(const Grid& grid, Index index);
 
 /// The grid in another space: x and y change sign between the two patient spaces.
 Grid in_space(Grid grid, Space space);

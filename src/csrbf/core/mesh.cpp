@@ -2,6 +2,7 @@
 
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -36,7 +37,10 @@ class Counter {
   void count() {
     result_.triangles = static_cast<Index>(vertex_.size() / 3);
     collect_sides();
-    for (std::size_t v = 0; v < vertices_; ++v) count_edges_of(v);
+    for (std::size_t v = 0; v < vertices_; ++v) {
+      pause_();
+      count_edges_of(v);
+    }
     count_vertices();
     result_.euler = result_.vertices - result_.edges + result_.triangles;
   }
@@ -65,8 +69,10 @@ class Counter {
     std::partial_sum(first_side_.begin(), first_side_.end(), first_side_.begin());
     sides_.resize(corners);
     std::vector<std::uint32_t> next(first_side_.begin(), first_side_.end() - 1);
-    for (std::uint32_t c = 0; c < corners; ++c)
+    for (std::uint32_t c = 0; c < corners; ++c) {
+      pause_();
       sides_[next[smaller_vertex(c)]++] = {std::max(vertex_[c], vertex_[next_corner(c)]), c};
+    }
   }
 
   [[nodiscard]] std::size_t smaller_vertex(std::uint32_t side) const {
@@ -108,6 +114,7 @@ class Counter {
   void count_vertices() {
     std::vector<char> used(vertices_, 0);
     for (std::uint32_t c = 0; c < vertex_.size(); ++c) {
+      pause_();
       const auto v = static_cast<std::size_t>(vertex_[c]);
       if (fans_.find(c) != c) continue;
       if (used[v]) singular_[v] = 1;
@@ -129,6 +136,7 @@ class Counter {
   std::vector<std::uint32_t> first_side_;
   std::vector<Side> sides_;
   Topology& result_;
+  InterruptionPoint pause_{1U << 14};
 };
 
 }  // namespace

@@ -2,10 +2,15 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/inside_parallel_loop.hpp"
+#include "csrbf/core/interruption.hpp"
 
+#include <pthread.h>
+
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -39,6 +44,7 @@ struct Loop {
 
   void run(Index begin, Index end) {
     try {
+      stop_if_interrupted();
       (*body)(begin, end);
     } catch (...) {
       const std::lock_guard lock(failure_mutex);
@@ -51,30 +57,33 @@ struct Loop {
   }
 };
 
+// The threads, and one loop at a time that they work on. A fork copies none of them: the child begins with the state
+// that no thread works, and starts its own when a loop asks for them. mutex_ is held for moments only, never while a
+// loop runs, so a fork need not wait for one.
 class Pool {
  public:
-  Pool() { resize(0); }
+  Pool() {
+    pthread_atfork([] { Pool::pool().mutex_.lock(); }, [] { Pool::pool().mutex_.unlock(); },
+                   [] { Pool::pool().begin_again(); });
+    resize(0);
+  }
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
   ~Pool() { stop(); }
 
-  [[nodiscard]] int size() const { return static_cast<int>(workers_.size()) + 1; }
+  [[nodiscard]] int size() const { return size_; }
 
   void resize(int threads) {
-    const std::lock_guard owner(owner_);
+    const Turn turn(*this);
     if (threads <= 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     if (threads == size()) return;
     stop();
-    stopping_ = false;
-    try {
-      for (int i = 1; i < threads; ++i) workers_.emplace_back([this, seen = generation_] { serve(seen); });
-    } catch (const std::system_error&) {
-      // The system grants no more threads; fewer give the same results.
-    }
+    start(threads);
   }
 
   void run(Loop& loop) {
-    const std::lock_guard owner(owner_);
+    const Turn turn(*this);
+    if (workers_.empty()) start(size());
     {
       const std::lock_guard lock(mutex_);
       loop_ = &loop;
@@ -88,7 +97,45 @@ class Pool {
     loop_ = nullptr;
   }
 
+  static Pool& pool() {
+    static Pool instance;
+    return instance;
+  }
+
  private:
+  // Of the thread whose loop runs, or that changes the size.
+  class Turn {
+   public:
+    explicit Turn(Pool& pool) : pool_(pool) {
+      std::unique_lock lock(pool_.mutex_);
+      pool_.free_.wait(lock, [this] { return !pool_.taken_; });
+      pool_.taken_ = true;
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    ~Turn() {
+      {
+        const std::lock_guard lock(pool_.mutex_);
+        pool_.taken_ = false;
+      }
+      pool_.free_.notify_one();
+    }
+
+   private:
+    Pool& pool_;
+  };
+
+  void start(int threads) {
+    const std::lock_guard lock(mutex_);
+    stopping_ = false;
+    try {
+      for (int i = 1; i < threads; ++i) workers_.emplace_back([this, seen = generation_] { serve(seen); });
+    } catch (const std::system_error&) {
+      // The system gives no more threads; fewer do the same.
+    }
+    size_ = static_cast<int>(workers_.size()) + 1;
+  }
+
   void serve(unsigned long seen) {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -104,40 +151,50 @@ class Pool {
   }
 
   void stop() {
+    std::vector<std::thread> leaving;
     {
       const std::lock_guard lock(mutex_);
       stopping_ = true;
+      leaving.swap(workers_);
     }
     wake_.notify_all();
-    for (std::thread& worker : workers_) worker.join();
-    workers_.clear();
+    for (std::thread& worker : leaving) worker.join();
   }
 
-  std::mutex owner_;  // held by the thread whose loop runs, and while the pool changes size
+  // In the child of a fork, whose only thread holds mutex_. What waits for threads that are not there any more is
+  // replaced, not destroyed, which would wait too.
+  void begin_again() {
+    for (std::thread& worker : workers_) std::construct_at(&worker);
+    workers_.clear();
+    for (std::condition_variable* condition : {&wake_, &done_, &free_}) std::construct_at(condition);
+    loop_ = nullptr;
+    busy_ = 0;
+    taken_ = false;
+    mutex_.unlock();
+  }
+
   std::mutex mutex_;
   std::condition_variable wake_;
   std::condition_variable done_;
+  std::condition_variable free_;
   std::vector<std::thread> workers_;
+  std::atomic<int> size_{1};  // with the thread of the loop
   Loop* loop_ = nullptr;
   unsigned long generation_ = 0;
   int busy_ = 0;
+  bool taken_ = false;
   bool stopping_ = false;
 };
-
-Pool& pool() {
-  static Pool instance;
-  return instance;
-}
 
 }  // namespace
 
 int thread_count() {
-  return pool().size();
+  return Pool::pool().size();
 }
 
 void set_thread_count(int threads) {
   require(threads >= 0, "set_thread_count", "threads", threads, "must be 0 (all cores) or positive");
-  pool().resize(threads);
+  Pool::pool().resize(threads);
 }
 
 bool inside_parallel_loop() {
@@ -151,13 +208,16 @@ void parallel_for(Index n, Index grain, const std::function<void(Index, Index)>&
   loop.grain = std::max<Index>(1, grain);
   loop.body = &body;
   if (inside_loop) {
-    for (Index begin = 0; begin < n; begin += loop.grain) body(begin, std::min(n, begin + loop.grain));
+    for (Index begin = 0; begin < n; begin += loop.grain) {
+      stop_if_interrupted();
+      body(begin, std::min(n, begin + loop.grain));
+    }
     return;
   }
   if (n <= loop.grain || thread_count() == 1) {
     loop.work();
   } else {
-    pool().run(loop);
+    Pool::pool().run(loop);
   }
   if (loop.failure) std::rethrow_exception(loop.failure);
 }

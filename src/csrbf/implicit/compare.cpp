@@ -1,6 +1,7 @@
 #include "csrbf/implicit/compare.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/mesh/sample_surface.hpp"
@@ -92,10 +93,12 @@ MeshComparison compare(const Mesh& mesh, const Mesh& reference, const CompareOpt
   report(options.progress, "compare", 0.9);
 
   result.accuracy = statistics(to_reference.distance, result.diagonal);
+  stop_if_interrupted();
   result.completeness = statistics(to_mesh.distance, result.diagonal);
   result.chamfer_mean = 0.5 * (result.accuracy.mean + result.completeness.mean);
   result.hausdorff99 = std::max(result.accuracy.p99, result.completeness.p99);
   result.normal_error_deg = mean_degrees(to_reference.angle, to_mesh.angle);
+  stop_if_interrupted();
   result.topology = topology(mesh);
   report(options.progress, "compare", 1);
   return result;

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/implicit/curvature.hpp"
 
 #include <array>
@@ -55,7 +56,11 @@ Edges edges_of(const Mesh& mesh) {
       const auto [a, b] = std::minmax(mesh.triangles(c, t), mesh.triangles((c + 1) % 3, t));
       sides.push_back({{a, b}, 3 * t + c});
     }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.ends < b.ends; });
+  InterruptionPoint pause(1U << 13);
+  std::sort(sides.begin(), sides.end(), [&](const Side& a, const Side& b) {
+    pause();
+    return a.ends < b.ends;
+  });
   Edges edges;
   edges.of_triangle.resize(3, mesh.triangles.cols());
   for (const Side& side : sides) {

@@ -65,7 +65,7 @@ NpyArray array_of(const PointCloud& cloud) {
   return array;
 }
 
-PointCloud parse_points(const std::string& extension, const std::string& bytes, const std::string& name) {
+PointCloud parse_points_as(const std::string& extension, const std::string& bytes, const std::string& name) {
   if (extension == ".ply") return points_of(parse_ply(bytes, name));
   if (extension == ".obj") return points_of(parse_obj(bytes, name));
   if (extension == ".off") return points_of(parse_off(bytes, name));
@@ -89,7 +89,11 @@ std::string format_points(const std::string& extension, const PointCloud& cloud)
 
 PointCloud read_points(const std::string& path) {
   const std::string extension = checked_extension(path);
-  return parse_points(extension, read_file(path), display_name(path));
+  return parse_points_as(extension, read_file(path), display_name(path));
+}
+
+PointCloud parse_points(const std::string& bytes, const std::string& path) {
+  return parse_points_as(checked_extension(path), bytes, display_name(path));
 }
 
 void write_points(const std::string& path, const PointCloud& cloud) {

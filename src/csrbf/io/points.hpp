@@ -17,6 +17,9 @@ namespace csrbf {
 /// Non-finite coordinates are kept. Throws IoError with the file and the position in it.
 PointCloud read_points(const std::string& path);
 
+/// As read_points(), from the bytes of a file that was read already.
+PointCloud parse_points(const std::string& bytes, const std::string& path);
+
 /// Writes points in the format of the extension, complete or not at all (AtomicFile). .ply: binary, float coordinates
 /// (double where float would move one by more than a millionth of the diagonal) and normals, properties of their own
 /// type; .vtp: the same; .csv and .txt: everything under column names; .xyz .pts,

@@ -7,6 +7,7 @@
 #include "csrbf/io/geometry/obj.hpp"
 #include "csrbf/io/geometry/ply.hpp"
 #include "csrbf/io/geometry/point_table.hpp"
+#include "csrbf/io/points.hpp"
 #include "csrbf/io/vtk/vtp.hpp"
 
 #include <algorithm>
@@ -20,8 +21,9 @@ namespace {
 
 constexpr std::array<std::string_view, 4> table_extensions{".csv", ".txt", ".xyz", ".pts"};
 
-bool is_table(const std::string& extension) {
-  return std::find(table_extensions.begin(), table_extensions.end(), extension) != table_extensions.end();
+bool can_hold_polylines(const std::string& extension) {
+  return extension == ".ply" || extension == ".obj" ||
+         std::find(table_extensions.begin(), table_extensions.end(), extension) != table_extensions.end();
 }
 
 bool same_name(std::string_view name, std::string_view wanted) {
@@ -77,35 +79,44 @@ Polylines parse_table_of_contours(std::string_view text, const std::string& name
   return lines;
 }
 
-Polylines parse_polylines(const std::string& extension, const std::string& bytes, const std::string& name) {
+bool are_polylines(const std::string& extension, const std::string& bytes) {
+  try {
+    if (extension == ".ply") return is_ply_of_polylines(bytes);
+    return extension == ".obj" ? is_obj_of_polylines(bytes) : names_contours(bytes);
+  } catch (const IoError&) {
+    return false;
+  }
+}
+
+Polylines parse_all(const std::string& extension, const std::string& bytes, const std::string& name) {
   if (extension == ".ply") return parse_ply_polylines(bytes, name);
   if (extension == ".obj") return parse_obj_polylines(bytes, name);
   return parse_table_of_contours(bytes, name);
+}
+
+Polylines parse_polylines(const std::string& extension, const std::string& bytes, const std::string& name) {
+  Polylines lines = parse_all(extension, bytes, name);
+  if (lines.edges.cols() == 0)
+    throw IoError(name + ": the file holds " + std::to_string(lines.vertices.cols()) + " points but no curves");
+  return lines;
 }
 
 }  // namespace
 
 Polylines read_polylines(const std::string& path) {
   const std::string extension = path == "-" ? ".csv" : file_extension(path), name = display_name(path);
-  if (extension != ".ply" && extension != ".obj" && !is_table(extension))
+  if (!can_hold_polylines(extension))
     throw IoError(name + ": unknown extension " + in_quotes(extension) +
                   "; files of curves are .csv .txt .xyz .pts .obj .ply");
-  Polylines lines = parse_polylines(extension, read_file(path), name);
-  if (lines.edges.cols() == 0)
-    throw IoError(name + ": the file holds " + std::to_string(lines.vertices.cols()) + " points but no curves");
-  return lines;
+  return parse_polylines(extension, read_file(path), name);
 }
 
-bool holds_polylines(const std::string& path) {
+std::variant<PointCloud, Polylines> read_points_or_polylines(const std::string& path) {
   const std::string extension = file_extension(path);
-  if (path == "-" || (extension != ".ply" && extension != ".obj" && !is_table(extension))) return false;
-  try {
-    const std::string bytes = read_file(path);
-    if (extension == ".ply") return is_ply_of_polylines(bytes);
-    return extension == ".obj" ? is_obj_of_polylines(bytes) : names_contours(bytes);
-  } catch (const IoError&) {
-    return false;
-  }
+  if (path == "-" || !can_hold_polylines(extension)) return read_points(path);
+  const std::string bytes = read_file(path);
+  if (are_polylines(extension, bytes)) return parse_polylines(extension, bytes, path);
+  return parse_points(bytes, path);
 }
 
 bool is_polylines_file(const std::string& path) {

@@ -3,6 +3,7 @@
 #include "csrbf/core/mesh.hpp"
 
 #include <string>
+#include <variant>
 
 namespace csrbf {
 
@@ -16,9 +17,10 @@ namespace csrbf {
 /// Throws IoError with the file and the position in it; also for files without a curve.
 Polylines read_polylines(const std::string& path);
 
-/// Does a file hold curves rather than points or a surface: a column `contour`, or lines (edges) and no faces? False
-/// for unreadable files, standard input, and files of other kinds.
-bool holds_polylines(const std::string& path);
+/// Curves when the file holds them rather than points or a surface: a column `contour`, or lines (edges) and no faces;
+/// otherwise points, as read_points() reads them, as always from standard input. The file is read once and may be a
+/// pipe. Throws IoError.
+std::variant<PointCloud, Polylines> read_points_or_polylines(const std::string& path);
 
 /// Writes curves to a binary .ply or .vtp file, complete or not at all (AtomicFile): vertices with their properties,
 /// and edges. Throws IoError, also for other extensions.

@@ -1,6 +1,7 @@
 #include "csrbf/levelset/compare_labels.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/distance_transform.hpp"
 
@@ -18,13 +19,6 @@ constexpr double most_apart = 0.01;        // of a voxel: headers round position
 
 using Labels = std::vector<std::int32_t>;
 using Voxel = std::array<Index, 3>;
-
-std::string size_text(const Grid& grid) {
-  std::string text;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(std::max(grid.axes, grid.dimension())); ++a)
-    text += (a > 0 ? " x " : "") + std::to_string(grid.size[a]);
-  return text;
-}
 
 void check_same_place(const Grid& a, const Grid& other) {
   require(a.size == other.size, "compare_labels", "size of the images", size_text(a) + " and " + size_text(other),
@@ -47,16 +41,21 @@ void check_same_place(const Grid& a, const Grid& other) {
           "must be 0; " + places.str() + " or the directions differ: resample one of the images");
 }
 
+constexpr unsigned pause_after = 1U << 16;  // voxels
+
 Labels whole_numbers(const Volume<float>& volume, const char* which, bool inside_only) {
   require(volume.components == 1 && volume.frames == 1, "compare_labels",
           std::string("components and frames of the ") + which,
           std::to_string(volume.components) + " and " + std::to_string(volume.frames), "a voxel must have one label");
   constexpr float exact = 1 << 24;  // floats hold all whole numbers up to here
   Labels labels(volume.values.size());
+  InterruptionPoint pause(pause_after);
   for (std::size_t i = 0; i < labels.size(); ++i) {
+    pause();
     const float value = volume.values[i];
-    require(value == std::floor(value) && std::abs(value) <= exact, "compare_labels",
-            std::string("value in the ") + which, value, "labels are whole numbers; segment or round the image first");
+    if (!(value == std::floor(value) && std::abs(value) <= exact))
+      require(false, "compare_labels", std::string("value in the ") + which, value,
+              "labels are whole numbers; segment or round the image first");
     labels[i] = inside_only && value != 0 ? 1 : static_cast<std::int32_t>(value);
   }
   return labels;
@@ -78,10 +77,12 @@ struct Extent {
 
 std::map<std::int32_t, Extent> extents(const Voxel& size, const Labels& a, const Labels& b) {
   std::map<std::int32_t, Extent> found;
+  InterruptionPoint pause(pause_after);
   std::size_t i = 0;
   for (Index z = 0; z < size[2]; ++z)
     for (Index y = 0; y < size[1]; ++y)
       for (Index x = 0; x < size[0]; ++x, ++i) {
+        pause();
         if (a[i] == 0 && b[i] == 0) continue;
         for (const std::int32_t label : {a[i], b[i]})
           if (label != 0) found[label].add({x, y, z});
@@ -109,9 +110,11 @@ std::vector<std::uint8_t> border(const Voxel& size, const Labels& labels, std::i
     }
     return false;
   };
+  InterruptionPoint pause(pause_after);
   for (Index z = box.begin[2]; z < box.end[2]; ++z)
     for (Index y = box.begin[1]; y < box.end[1]; ++y)
       for (Index x = box.begin[0]; x < box.end[0]; ++x) {
+        pause();
         const Index i = x + size[0] * (y + size[1] * z);
         marked.push_back(labels[static_cast<std::size_t>(i)] == label && is_border({x, y, z}, i) ? 1 : 0);
       }
@@ -121,8 +124,11 @@ std::vector<std::uint8_t> border(const Voxel& size, const Labels& labels, std::i
 double distance95(const std::vector<std::uint8_t>& from, const std::vector<float>& distance) {
   constexpr double fraction = 0.95;  // conventional: HD95
   std::vector<float> distances;
-  for (std::size_t i = 0; i < from.size(); ++i)
+  InterruptionPoint pause(pause_after);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    pause();
     if (from[i] != 0) distances.push_back(distance[i]);
+  }
   return static_cast<double>(percentile(distances, fraction));
 }
 

@@ -90,9 +90,9 @@ std::vector<float> finite_values(const Volume<float>& image, const std::vector<s
   std::vector<float> values;
   for (std::size_t i = 0; i < image.values.size(); ++i) {
     if (std::isfinite(image.values[i])) continue;
-    require(
-        !mask.empty() && mask[i] == 0, here, "image", image.values[i],
-        "not a number in voxel " + std::to_string(i) + "; fill such voxels with inpaint() or leave them out by a mask");
+    require(!mask.empty() && mask[i] == 0, here, "image", image.values[i],
+            "not a number in voxel " + voxel_text(image.grid, static_cast<Index>(i)) +
+                "; fill such voxels with inpaint() or leave them out by a mask");
     if (values.empty()) values = image.values;
     values[i] = 0;
   }

@@ -30,13 +30,6 @@ void check_options(const TrackOptions& options) {
           "the prior is made from frame to frame; leave it empty");
 }
 
-std::string size_text(const Grid& grid) {
-  std::string text = std::to_string(grid.size[0]);
-  for (std::size_t a = 1; a < static_cast<std::size_t>(grid.dimension()); ++a)
-    text += " x " + std::to_string(grid.size[a]);
-  return text;
-}
-
 // One of the two labels has all voxels of the mask.
 bool is_empty(const SegmentReport& report) {
   return report.regions[0].voxels == 0 || report.regions[1].voxels == 0;

@@ -1,11 +1,13 @@
 #include "csrbf/linalg/saddle.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
+#include <algorithm>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -72,7 +74,9 @@ class Reduced {
   [[nodiscard]] Matrix matrix() const {
     if (Q_ == 0) return full_;
     Matrix rotated = full_;
+    stop_if_interrupted();
     rotated.applyOnTheLeft(qr_.householderQ().transpose());
+    stop_if_interrupted();
     rotated.applyOnTheRight(qr_.householderQ());
     return rotated.bottomRightCorner(unknowns(), unknowns());
   }
@@ -121,6 +125,26 @@ Matrix errors(const Matrix& alpha, const Eigen::VectorXd& inverse_diagonal, cons
   return e;
 }
 
+// The lower triangle of A is replaced by its Cholesky factor as by Eigen::LLT, block by block, so that the work may be
+// interrupted in between; false when A is not positive definite.
+bool cholesky_in_place(Matrix& A) {
+  using Block = Eigen::internal::llt_inplace<double, Eigen::Lower>;
+  const Index n = A.rows();
+  constexpr Index small = 32, smallest_block = 8, largest_block = 128, step = 16;  // as in Eigen::LLT
+  const Index block = n < small ? n : std::clamp(n / 8 / step * step, smallest_block, largest_block);
+  for (Index k = 0; k < n; k += block) {
+    stop_if_interrupted();
+    const Index size = std::min(block, n - k), rest = n - k - size;
+    auto corner = A.block(k, k, size, size);
+    auto below = A.block(k + size, k, rest, size);
+    if (Block::unblocked(corner) >= 0) return false;
+    if (rest == 0) break;
+    corner.adjoint().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(below);
+    A.block(k + size, k + size, rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
+  }
+  return true;
+}
+
 // The Cholesky factor L of Z^T A Z + lambda; raises lambda where that is not positive definite.
 Matrix factorize(const Reduced& system, double largest_jitter, double& lambda) {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -129,11 +153,11 @@ Matrix factorize(const Reduced& system, double largest_jitter, double& lambda) {
   for (double jitter = epsilon;; jitter *= 10) {
     Matrix L = reduced;
     L.diagonal().array() += lambda;
-    const Eigen::LLT<Eigen::Ref<Matrix>> cholesky(L);
+    const bool definite = cholesky_in_place(L);
     const double smallest = L.diagonal().minCoeff();
     const double largest = L.diagonal().maxCoeff();
     // A pivot (the square of the entry) no larger than its rounding error counts as 0.
-    if (cholesky.info() == Eigen::Success && smallest * smallest > 2 * epsilon * largest * largest) return L;
+    if (definite && smallest * smallest > 2 * epsilon * largest * largest) return L;
     if (!(jitter <= largest_jitter)) break;
     lambda = std::max(lambda, jitter * unit);
   }
@@ -161,7 +185,9 @@ void invert_triangle(Eigen::Ref<Matrix> L) {
   auto corner = L.bottomLeftCorner(n - half, half);
   invert_triangle(top);
   invert_triangle(bottom);
+  stop_if_interrupted();
   const Matrix product = bottom.triangularView<Eigen::Lower>() * corner;
+  stop_if_interrupted();
   corner.noalias() = -(product * top.triangularView<Eigen::Lower>());
 }
 

@@ -1,6 +1,7 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
@@ -116,9 +117,7 @@ double thickness(const Points<3>& points, const KdTree<3>& tree, Index neighbors
     }
   };
   share_arrays(stage, count, 32, compute, {ResultArray::of(ratio.data())});
-  const auto middle = ratio.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(ratio.begin(), middle, ratio.end());
-  return *middle;
+  return median(ratio);
 }
 
 Index choose_neighbors(const Points<3>& points, const KdTree<3>& tree) {

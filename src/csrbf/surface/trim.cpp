@@ -2,6 +2,7 @@
 
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
@@ -97,6 +98,8 @@ Mesh submesh(const Mesh& mesh, const std::vector<Index>& triangles) {
   return part;
 }
 
+constexpr unsigned pause_after = 1U << 13;  // sides of triangles between two questions whether the work is interrupted
+
 // Triangles around a vertex form fans, joined by common edges; every fan but the first gets its own copy of the vertex.
 void double_shared_vertices(Mesh& mesh) {
   const Index corners = 3 * mesh.triangles.cols();
@@ -105,6 +108,7 @@ void double_shared_vertices(Mesh& mesh) {
     std::int32_t from, to;
     std::uint32_t start, end;  // corners
   };
+  InterruptionPoint pause(pause_after);
   std::vector<Side> sides;
   sides.reserve(static_cast<std::size_t>(corners));
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
@@ -113,18 +117,21 @@ void double_shared_vertices(Mesh& mesh) {
       const std::int32_t a = mesh.triangles(c, t), b = mesh.triangles((c + 1) % 3, t);
       sides.push_back(a < b ? Side{a, b, start, end} : Side{b, a, end, start});
     }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+  std::sort(sides.begin(), sides.end(), [&](const Side& a, const Side& b) {
+    pause();
     return std::tie(a.from, a.to, a.start) < std::tie(b.from, b.to, b.start);
   });
-  for (std::size_t i = 1; i < sides.size(); ++i)
-    if (sides[i].from == sides[i - 1].from && sides[i].to == sides[i - 1].to) {
-      fans.unite(sides[i].start, sides[i - 1].start);
-      fans.unite(sides[i].end, sides[i - 1].end);
-    }
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    pause();
+    if (sides[i].from != sides[i - 1].from || sides[i].to != sides[i - 1].to) continue;
+    fans.unite(sides[i].start, sides[i - 1].start);
+    fans.unite(sides[i].end, sides[i - 1].end);
+  }
 
   std::vector<Index> fan_of(static_cast<std::size_t>(mesh.vertices.cols()), -1), copies;
   std::map<Index, std::int32_t> copy_of_fan;
   for (Index corner = 0; corner < corners; ++corner) {
+    pause();
     std::int32_t& vertex = mesh.triangles(corner % 3, corner / 3);
     Index& first = fan_of[static_cast<std::size_t>(vertex)];
     const Index fan = fans.find(static_cast<std::uint32_t>(corner));

@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
@@ -48,9 +49,7 @@ double median_spacing(const Points<Dim>& points, const KdTree<Dim>& tree) {
     if (tree.nearest(points.col(i), 2, indices, r2) == 2) spacings.push_back(std::sqrt(r2[1]));
   }
   if (spacings.empty()) return 1;
-  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
-  std::nth_element(spacings.begin(), middle, spacings.end());
-  return *middle;
+  return median(spacings);
 }
 
 template <int Dim>

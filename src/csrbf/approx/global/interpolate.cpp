@@ -6,6 +6,7 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/linalg/sparse_cholesky.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
@@ -89,9 +90,7 @@ double neighbor_distance(const Points<Dim>& points, Index k) {
     const Index found = tree.nearest(points.col(i), k, indices.data(), r2.data());
     distances.push_back(std::sqrt(r2[static_cast<std::size_t>(found - 1)]));
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return median(distances);
 }
 
 template <int Dim>

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "csrbf/core/field.hpp"
+#include "csrbf/core/progress.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace csrbf {

@@ -1,10 +1,12 @@
 #include "csrbf/approx/unity/split_into_cells.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/shared_work.hpp"
 
 #include <array>
 #include <limits>
+#include <span>
 #include <utility>
 
 namespace csrbf {
@@ -61,9 +63,7 @@ double near_median(const Located<Dim>* points, Index n, Index axis) {
   std::array<double, median_sample> sample;
   const Index count = std::min(n, median_sample);
   for (Index i = 0; i < count; ++i) sample[static_cast<std::size_t>(i)] = points[i * n / count].x[axis];
-  const auto middle = sample.begin() + count / 2;
-  std::nth_element(sample.begin(), middle, sample.begin() + count);
-  return *middle;
+  return median(std::span(sample.data(), static_cast<std::size_t>(count)));
 }
 
 // std::partition by x[axis] < split, with the same result: the first point that is wrong on the left is swapped with

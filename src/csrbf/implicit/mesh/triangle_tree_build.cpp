@@ -1,5 +1,6 @@
 #include "csrbf/implicit/mesh/triangle_tree_build.hpp"
 
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
 
 namespace csrbf {
@@ -114,6 +115,7 @@ std::array<Range, 2> split(std::vector<TriangleBox>& boxes, const Range& range, 
       return center(a, bins.axis) < center(b, bins.axis);
     });
   }
+  if (range.size() > (Index{1} << 16)) stop_if_interrupted();
   std::array<Range, 2> halves;
   halves[0] = {.begin = range.begin, .end = middle - boxes.begin(), .bounds = {}, .centers = {}};
   halves[1] = {.begin = halves[0].end, .end = range.end, .bounds = {}, .centers = {}};
@@ -138,6 +140,7 @@ class Builder {
       : boxes_(boxes), nodes_(nodes), deferred_size_(deferred_size), pending_(pending) {}
 
   Index build(const Range& range, int depth) {
+    stop_if_interrupted();
     const auto index = static_cast<Index>(nodes_.size());
     nodes_.emplace_back();
     std::array<Range, 4> children;

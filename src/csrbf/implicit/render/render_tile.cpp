@@ -1,5 +1,6 @@
 #include "csrbf/implicit/render/render_tile.hpp"
 
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/implicit/curves/tangents.hpp"
 
 #include <vector>
@@ -127,7 +128,9 @@ void TileSamples::cast() {
   std::vector<SurfaceHit> hits(samples_.size());
   for (int row = 0; row < rows_; ++row)
     for (int column = 0; column < columns_; ++column) rays[index(column, row)] = ray_at(column, row);
+  stop_if_interrupted();
   studio_.scene.trace(rays, hits);
+  stop_if_interrupted();
   const double diagonal = studio_.box.diagonal();
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     samples_[i] = sample_of(rays[i], hits[i]);
@@ -157,7 +160,10 @@ bool TileSamples::lamp_is_hidden(const Sample& sample, const Point<2>& lamp) con
 void TileSamples::gather_light() {
   if (studio_.pattern.rays_per_sample() == 0 || studio_.color.unlit()) return;
   for (int first_row = 0; first_row < LightPattern::side; ++first_row)
-    for (int first_column = 0; first_column < LightPattern::side; ++first_column) gather_class(first_column, first_row);
+    for (int first_column = 0; first_column < LightPattern::side; ++first_column) {
+      stop_if_interrupted();
+      gather_class(first_column, first_row);
+    }
 }
 
 void TileSamples::gather_class(int first_column, int first_row) {

@@ -1,6 +1,7 @@
 #include "csrbf/implicit/render/surface_color.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/percentile.hpp"
 
 namespace csrbf {
 
@@ -35,8 +36,7 @@ void SurfaceColor::set_scale(std::vector<double> visible_values) {
   const double smallest = color_ == RenderColor::error ? 1e-7 : 1e-2;
   if (!visible_values.empty()) {
     const auto rank = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(visible_values.size() - 1));
-    std::nth_element(visible_values.begin(), visible_values.begin() + rank, visible_values.end());
-    limit_ = visible_values[static_cast<std::size_t>(rank)];
+    limit_ = order_statistic(visible_values, rank);
   }
   limit_ = std::max(limit_, smallest);
 }

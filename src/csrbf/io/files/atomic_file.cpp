@@ -1,6 +1,7 @@
 #include "csrbf/io/files/atomic_file.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/process_files.hpp"
 
 #include <atomic>
@@ -77,7 +78,13 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::string_view bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("write");
+  constexpr std::size_t largest_write = std::size_t{1} << 24;
+  while (!bytes.empty()) {
+    stop_if_interrupted();
+    const std::string_view part = bytes.substr(0, largest_write);
+    if (std::fwrite(part.data(), 1, part.size(), file_) != part.size()) fail("write");
+    bytes.remove_prefix(part.size());
+  }
 }
 
 void AtomicFile::commit() {

@@ -1,17 +1,19 @@
 #include "csrbf/io/files/deflate.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 
 #include <zlib.h>
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 
 namespace csrbf {
 namespace {
 
-constexpr std::size_t largest_chunk = std::numeric_limits<uInt>::max();
-constexpr int window = 15;  // zlib's default, and the largest
+constexpr std::size_t largest_chunk = std::size_t{1} << 22;  // between chunks the work may be interrupted
+constexpr int window = 15;                                   // zlib's default, and the largest
 constexpr int detect_format = 32;
 constexpr int write_gzip = 16;
 
@@ -47,6 +49,7 @@ class Inflater {
   Result run(std::string_view compressed, std::string& out) {
     std::size_t used = 0;
     while (true) {
+      stop_if_interrupted();
       give_input(stream_, compressed);
       give_output(stream_, out, used);
       const uInt room = stream_.avail_out;
@@ -95,6 +98,7 @@ std::string deflate_bytes(std::initializer_list<std::string_view> parts, Deflate
   if (deflateInit2(&stream, level, Z_DEFLATED, format == DeflateFormat::gzip ? window + write_gzip : window,
                    memory_level, Z_DEFAULT_STRATEGY) != Z_OK)
     throw IoError("zlib cannot start");
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, deflateEnd);
   constexpr std::size_t first_guess = std::size_t{1} << 20;  // bytes of the result; grows
   std::string out(first_guess, '\0');
   std::size_t used = 0;
@@ -108,11 +112,11 @@ std::string deflate_bytes(std::initializer_list<std::string_view> parts, Deflate
   };
   for (std::string_view part : parts)
     while (stream.avail_in > 0 || !part.empty()) {
+      stop_if_interrupted();
       give_input(stream, part);
       run(Z_NO_FLUSH);
     }
   while (run(Z_FINISH) != Z_STREAM_END) continue;
-  deflateEnd(&stream);
   out.resize(used);
   return out;
 }

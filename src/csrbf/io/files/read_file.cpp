@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/inside_parallel_loop.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/process_files.hpp"
 
 #include <algorithm>
@@ -44,18 +45,21 @@ std::string read_file_here(const std::string& path) {
   const std::unique_ptr<std::FILE, Close> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
   if (!file) fail(path, errno);
 
-  // A single read when the size is known; for pipes the buffer grows.
-  constexpr std::size_t first_guess = std::size_t{1} << 16;  // bytes of a pipe; grows
+  // A single read when the size is known, in parts between which it may be interrupted; for pipes the buffer grows.
+  constexpr std::size_t first_guess = std::size_t{1} << 16, largest_read = std::size_t{1} << 24;  // bytes
   std::size_t capacity = first_guess;
   if (path != "-" && fs::is_regular_file(path, error)) capacity = static_cast<std::size_t>(fs::file_size(path)) + 1;
   std::string content;
   std::size_t size = 0;
   while (true) {
+    stop_if_interrupted();
     content.resize(capacity);
-    size += std::fread(content.data() + size, 1, capacity - size, file.get());
+    const std::size_t wanted = std::min(largest_read, capacity - size);
+    const std::size_t found = std::fread(content.data() + size, 1, wanted, file.get());
+    size += found;
     if (std::ferror(file.get()) != 0) fail(path, errno);
-    if (size < capacity) break;
-    capacity *= 2;
+    if (found < wanted) break;
+    if (size == capacity) capacity *= 2;
   }
   content.resize(size);
   return content;

@@ -1,6 +1,7 @@
 #include "csrbf/io/files/table.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/text.hpp"
 
 #include <algorithm>
@@ -259,7 +260,9 @@ std::string format_table(const std::vector<std::string>& names, const Eigen::Ref
   std::string out(names.empty() ? "" : head);
   for (const std::string& name : names) out.append(single_word(name)) += separator;
   if (!names.empty()) out.back() = '\n';
+  InterruptionPoint pause(1U << 12);
   for (Index row = 0; row < values.cols(); ++row) {
+    pause();
     for (Index column = 0; column < values.rows(); ++column) {
       append_number(out, values(column, row));
       out += separator;

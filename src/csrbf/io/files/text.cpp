@@ -34,6 +34,7 @@ LineReader::LineReader(std::string_view text, std::string name, char comment)
 }
 
 bool LineReader::next() {
+  pause_();
   while (position_ < text_.size()) {
     const char* begin = text_.data() + position_;
     const std::size_t left = text_.size() - position_;

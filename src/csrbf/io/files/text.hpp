@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/types.hpp"
 
 #include <optional>
@@ -38,6 +39,7 @@ class LineReader {
   std::size_t position_ = 0;
   std::string_view line_;
   Index number_ = 0;
+  InterruptionPoint pause_{1U << 12};
 };
 
 /// Removes the next blank-separated word from `rest`; empty when there is none.

@@ -1,6 +1,7 @@
 #include "csrbf/io/geometry/obj.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/geometry/colors.hpp"
 
@@ -144,6 +145,8 @@ class ObjParser {
   bool normals_follow_vertices_ = true;
 };
 
+constexpr unsigned pause_after = 1U << 12;  // rows
+
 void append_row(std::string& out, std::string_view keyword, const Point<3>& p) {
   out += keyword;
   for (int axis = 0; axis < 3; ++axis) {
@@ -177,16 +180,20 @@ std::string format_obj(const Mesh& mesh) {
   const bool has_normals = mesh.normals.cols() == mesh.vertices.cols();
   const ColorColumns colors = find_colors(mesh.properties);
   std::string out;
+  InterruptionPoint pause(pause_after);
   for (Index i = 0; i < mesh.vertices.cols(); ++i) {
+    pause();
     append_row(out, "v", mesh.vertices.col(i));
     if (colors.complete()) append_row(out, "", colors.unit_rgb(i));
     out += '\n';
   }
   for (Index i = 0; i < mesh.vertices.cols() && has_normals; ++i) {
+    pause();
     append_row(out, "vn", mesh.normals.col(i));
     out += '\n';
   }
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    pause();
     out += 'f';
     for (int corner = 0; corner < 3; ++corner) {
       const std::string index = std::to_string(mesh.triangles(corner, t) + 1);

@@ -1,6 +1,7 @@
 #include "csrbf/io/geometry/off.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/geometry/colors.hpp"
 
@@ -152,7 +153,9 @@ std::string format_off(const Mesh& mesh) {
   std::string out = colors.complete() ? "C" : "";
   out += has_normals ? "NOFF\n" : "OFF\n";
   out += std::to_string(mesh.vertices.cols()) + " " + std::to_string(mesh.triangles.cols()) + " 0\n";
+  InterruptionPoint pause(1U << 12);
   for (Index i = 0; i < mesh.vertices.cols(); ++i) {
+    pause();
     append_numbers(out, mesh.vertices.col(i));
     if (has_normals) append_numbers(out, mesh.normals.col(i));
     if (colors.complete()) {
@@ -162,6 +165,7 @@ std::string format_off(const Mesh& mesh) {
     out += '\n';
   }
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    pause();
     out += '3';
     for (int corner = 0; corner < 3; ++corner) out += ' ' + std::to_string(mesh.triangles(corner, t));
     out += '\n';

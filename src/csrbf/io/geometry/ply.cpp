@@ -1,6 +1,7 @@
 #include "csrbf/io/geometry/ply.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/geometry/float_coordinates.hpp"
 #include "csrbf/io/geometry/ply_body.hpp"
@@ -72,9 +73,13 @@ void skip_property(Body& body, const PlyProperty& property) {
   for (Index i = 0; i < values; ++i) body.scalar(property.type);
 }
 
+constexpr unsigned pause_after = 1U << 13;  // vertices or faces
+
 template <class Body>
 void read_vertices(Body& body, const PlyElement& element, const std::vector<Slot>& slots) {
+  InterruptionPoint pause(pause_after);
   for (Index i = 0; i < element.count; ++i) {
+    pause();
     body.begin(element, i);
     for (std::size_t p = 0; p < slots.size(); ++p) {
       const PlyProperty& property = element.properties[p];
@@ -117,7 +122,9 @@ void read_polygon(Body& body, const PlyProperty& property, Index vertices, std::
 template <class Body>
 void read_faces(Body& body, const PlyElement& element, Index vertices, std::vector<std::int32_t>& corners) {
   corners.reserve(static_cast<std::size_t>(3 * element.count));
+  InterruptionPoint pause(pause_after);
   for (Index i = 0; i < element.count; ++i) {
+    pause();
     body.begin(element, i);
     for (const PlyProperty& p : element.properties) {
       if (p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index"))
@@ -255,7 +262,9 @@ void append_vertices(std::string& out, const VertexColumns& columns) {
   std::vector<Append> append;
   for (const Property& p : properties) append.push_back(appender(checked_type(p, vertices)));
   out.reserve(out.size() + static_cast<std::size_t>(vertices) * (36 + 8 * append.size()));
+  InterruptionPoint pause(pause_after);
   for (Index i = 0; i < vertices; ++i) {
+    pause();
     for (int axis = 0; axis < 3; ++axis) append_coordinate(out, positions(axis, i));
     for (int axis = 0; axis < 3 && normals.cols() > 0; ++axis) append_value<float>(out, normals(axis, i));
     for (std::size_t p = 0; p < append.size(); ++p) append[p](out, properties[p].values(i));
@@ -316,7 +325,9 @@ std::string format_ply(const Mesh& mesh) {
   append_vertices(out, columns);
   constexpr std::size_t bytes_per_face = 13;
   out.reserve(out.size() + bytes_per_face * static_cast<std::size_t>(mesh.triangles.cols()));
+  InterruptionPoint pause(pause_after);
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    pause();
     append_scalar(out, std::uint8_t{3});
     for (int corner = 0; corner < 3; ++corner) append_scalar(out, mesh.triangles(corner, t));
   }

@@ -1,6 +1,7 @@
 #include "csrbf/io/geometry/stl.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/files/text.hpp"
 
@@ -8,6 +9,8 @@
 
 namespace csrbf {
 namespace {
+
+constexpr unsigned pause_after = 1U << 12;  // triangles
 
 constexpr std::size_t head_size = 84;
 constexpr std::size_t triangle_size = 50;
@@ -63,7 +66,9 @@ Mesh parse_binary(std::string_view bytes, const std::string& name) {
   mesh.triangles.resize(3, static_cast<Index>(triangles));
   VertexNumbers numbers(3 * triangles);
   constexpr std::size_t normal_size = 12;
+  InterruptionPoint pause(pause_after);
   for (std::size_t t = 0; t < triangles; ++t) {
+    pause();
     const char* corner = bytes.data() + head_size + t * triangle_size + normal_size;
     for (int c = 0; c < 3; ++c, corner += 12) {
       Point<3> p;
@@ -134,7 +139,9 @@ std::string format_stl(const Mesh& mesh) {
   out.resize(head_size - 4, ' ');
   append_scalar(out, static_cast<std::uint32_t>(mesh.triangles.cols()));
   out.reserve(head_size + triangle_size * static_cast<std::size_t>(mesh.triangles.cols()));
+  InterruptionPoint pause(pause_after);
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
+    pause();
     const Point<3> a = mesh.vertices.col(mesh.triangles(0, t));
     const Point<3> b = mesh.vertices.col(mesh.triangles(1, t));
     const Point<3> c = mesh.vertices.col(mesh.triangles(2, t));

@@ -1,6 +1,7 @@
 #include "csrbf/io/images/png.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 
 #include <png.h>
 
@@ -87,9 +88,14 @@ bool read_header(PngFile& file) {
   return true;
 }
 
-bool read_rows(PngFile& file, png_bytepp rows) {
+bool read_rows(PngFile& file, png_uint_32 height, png_bytepp rows) {
   if (setjmp(png_jmpbuf(file.png)) != 0) return false;
-  png_read_image(file.png, rows);
+  const int passes = png_set_interlace_handling(file.png);
+  for (int pass = 0; pass < passes; ++pass)
+    for (png_uint_32 y = 0; y < height; ++y) {
+      stop_if_interrupted();
+      png_read_row(file.png, rows[y], nullptr);
+    }
   png_read_end(file.png, nullptr);
   return true;
 }
@@ -100,7 +106,10 @@ bool write_rows(PngFile& file, png_uint_32 width, png_uint_32 height, int bits, 
                PNG_FILTER_TYPE_DEFAULT);
   png_write_info(file.png, file.info);
   if (bits == wide) png_set_swap(file.png);
-  png_write_image(file.png, rows);
+  for (png_uint_32 y = 0; y < height; ++y) {
+    stop_if_interrupted();
+    png_write_row(file.png, rows[y]);
+  }
   png_write_end(file.png, nullptr);
   return true;
 }
@@ -137,7 +146,7 @@ RawVolume parse_png(const std::string& bytes, const std::string& name) {
     throw IoError(name + ": the rows of the picture have an unexpected length");
   auto rows =
       row_pointers(reinterpret_cast<png_bytep>(raw.bytes.data()), stride, static_cast<std::size_t>(grid.size[1]));
-  if (!read_rows(file, rows.data())) fail();
+  if (!read_rows(file, static_cast<png_uint_32>(grid.size[1]), rows.data())) fail();
   return raw;
 }
 

@@ -1,6 +1,7 @@
 #include "csrbf/io/images/tiff.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/io/images/tiff_stream.hpp"
 
 #include <cstring>
@@ -83,6 +84,7 @@ class PageReader {
     for (std::uint16_t plane = 0; plane < planes_; ++plane)
       for (std::uint64_t y = 0; y < page_.height; y += height)
         for (std::uint64_t x = 0; x < page_.width; x += width) {
+          stop_if_interrupted();
           const auto column = static_cast<std::uint32_t>(x);
           const auto row = static_cast<std::uint32_t>(y);
           const tmsize_t done =
@@ -202,6 +204,7 @@ FileParts format_tiff(const VolumeLayout& layout, std::string_view samples, cons
     const std::string_view of_page = samples.substr(page * (samples.size() / pages), samples.size() / pages);
     std::uint32_t strip = 0;
     for (std::size_t at = 0; at < of_page.size(); at += strip_rows * row_bytes, ++strip) {
+      stop_if_interrupted();
       std::string part(of_page.substr(at, strip_rows * row_bytes));  // libtiff may swap bytes in place
       if (TIFFWriteEncodedStrip(tiff, strip, part.data(), static_cast<tmsize_t>(part.size())) < 0) stream.fail();
     }

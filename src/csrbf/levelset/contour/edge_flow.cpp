@@ -1,6 +1,7 @@
 #include "csrbf/levelset/contour/edge_flow.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 
@@ -182,9 +183,9 @@ std::vector<float> edge_weights(std::span<const float> values, const Grid& grid)
   for (std::size_t i = 0; i < weights.size(); ++i)
     weights[i] = std::sqrt(slopes[0][i] * slopes[0][i] + slopes[1][i] * slopes[1][i] + slopes[2][i] * slopes[2][i]);
   std::vector<float> sorted = weights;
-  const auto steep = sorted.end() - 1 - static_cast<std::ptrdiff_t>(sorted.size() / steep_voxels);
-  std::nth_element(sorted.begin(), steep, sorted.end());
-  const float k = std::max(edge_share * *steep, std::numeric_limits<float>::min());
+  const float steep =
+      order_statistic(sorted, static_cast<std::ptrdiff_t>(sorted.size() - 1 - sorted.size() / steep_voxels));
+  const float k = std::max(edge_share * steep, std::numeric_limits<float>::min());
   for (float& weight : weights) weight = 1 / (1 + (weight / k) * (weight / k));
   return weights;
 }

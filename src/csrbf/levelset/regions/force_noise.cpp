@@ -1,5 +1,7 @@
 #include "csrbf/levelset/regions/force_noise.hpp"
 
+#include "csrbf/core/percentile.hpp"
+
 #include "csrbf/core/parallel_sum.hpp"
 
 #include <algorithm>
@@ -50,11 +52,8 @@ ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_
   }
   const double gap = sums[0] / std::max(counts[0], 1.0) - sums[1] / std::max(counts[1], 1.0);
   if (differences[0].empty()) return {};
-  const auto deviation = [&](std::vector<double>& values) {
-    constexpr double median_of_normal = 0.6745;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle / (median_of_normal * std::sqrt(6.0));
+  const auto deviation = [](std::vector<double>& values) {
+    return median(values) / (median_of_normal * std::sqrt(6.0));
   };
   constexpr std::size_t few = 200;  // differences: fewer give the deviation to 8 % at best
   const double near = deviation(differences[0]);

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/simd.hpp"
 
 #include <mutex>
@@ -67,12 +68,8 @@ void exclude_outliers(std::span<const float> values, std::span<const std::uint8_
     if (mask.empty() || mask[i] != 0) samples.push_back(values[i]);
   if (samples.empty()) return;
   const auto outside = static_cast<std::ptrdiff_t>(tail * static_cast<double>(samples.size()));
-  const auto nth = [&](std::ptrdiff_t n) {
-    std::nth_element(samples.begin(), samples.begin() + n, samples.end());
-    return static_cast<double>(samples[static_cast<std::size_t>(n)]);
-  };
-  const double low = nth(outside);
-  const double high = nth(std::ssize(samples) - 1 - outside);
+  const auto low = static_cast<double>(order_statistic(samples, outside));
+  const auto high = static_cast<double>(order_statistic(samples, std::ssize(samples) - 1 - outside));
   const double R = high - low;
   if (R <= 0) return;
   if (lo < low - far * R) lo = low - reach * R;

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel_sum.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/regions/energy_table.hpp"
 #include "csrbf/levelset/regions/intensity_classes.hpp"
@@ -249,10 +250,7 @@ double RegionForces<Dim>::noise_variance() const {
     differences.push_back(static_cast<double>(std::abs(values_[voxel - 1] - 2 * values_[voxel] + values_[voxel + 1])));
   }
   if (differences.empty()) return 0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  constexpr double median_of_normal = 0.6745;
-  const double sd = *middle / median_of_normal;
+  const double sd = median(differences) / median_of_normal;
   return sd * sd / 6;
 }
 

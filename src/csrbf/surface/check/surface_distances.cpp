@@ -1,5 +1,6 @@
 #include "csrbf/surface/check/surface_distances.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/shared_work.hpp"
 
 #include <algorithm>
@@ -33,9 +34,7 @@ DistanceSummary summarize_distances(std::vector<double> distance) {
   for (const double d : distance) sum += d * d;
   summary.rms = std::sqrt(sum / static_cast<double>(distance.size()));
   summary.max = *std::max_element(distance.begin(), distance.end());
-  const auto p99 = distance.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1));
-  std::nth_element(distance.begin(), p99, distance.end());
-  summary.p99 = *p99;
+  summary.p99 = order_statistic(distance, static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1)));
   return summary;
 }
 

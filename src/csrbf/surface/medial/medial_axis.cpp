@@ -1,6 +1,7 @@
 #include "csrbf/surface/medial/medial_axis.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/medial/quadric_fitter.hpp"
@@ -57,10 +58,9 @@ std::vector<Index> every(Index stride, Index n) {
 WindingNumber calibrated_winding(WindingNumber::Data centers) {
   WindingNumber winding(centers);
   Eigen::VectorXd u = shared_evaluate(winding, centers.points).value;
-  const Index middle = u.size() / 2;
-  std::nth_element(u.begin(), u.begin() + middle, u.end());
-  if (u[middle] <= 0) return winding;
-  centers.areas /= u[middle] + 1;
+  const double usual = median(u);
+  if (usual <= 0) return winding;
+  centers.areas /= usual + 1;
   return WindingNumber(centers);
 }
 

@@ -1,6 +1,7 @@
 #include "csrbf/surface/medial/slope_penalty.hpp"
 
 #include "csrbf/approx/basis/radial_basis.hpp"
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/sparse_least_squares.hpp"
 #include "csrbf/surface/medial/quadric_fitter.hpp"
@@ -55,7 +56,10 @@ Eigen::SparseMatrix<double> penalty(const SlopeSystem& s) {
   Eigen::SparseMatrix<double> P(s.B.cols(), s.B.cols());
   P.setIdentity();
   P *= ridge * static_cast<double>(s.B.rows()) / static_cast<double>(s.B.cols());
-  for (const Rows& D : s.D) P += Eigen::SparseMatrix<double>(D.transpose() * D);
+  for (const Rows& D : s.D) {
+    stop_if_interrupted();
+    P += Eigen::SparseMatrix<double>(D.transpose() * D);
+  }
   return P;
 }
 

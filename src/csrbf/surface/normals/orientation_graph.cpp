@@ -1,5 +1,6 @@
 #include "csrbf/surface/normals/orientation_graph.hpp"
 
+#include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 
 namespace csrbf::orientation {
 namespace {
+
+constexpr unsigned pause_after = 1U << 14;  // edges between two questions whether the work is interrupted
 
 constexpr double certain_cost = 0.4;  // below, an edge is reliable; larger: fewer clusters, wrong signs inside. By hand
 constexpr double max_cost = 4;        // largest total: 2 for the edge, 1 for the roughness at each end
@@ -62,8 +65,11 @@ std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, 
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   certain = begin[static_cast<std::size_t>(certain_cost / max_cost * buckets)];
   std::vector<Edge> edges(begin[buckets]);
-  for (std::size_t e = 0; e < bucket.size(); ++e)
+  InterruptionPoint pause(pause_after);
+  for (std::size_t e = 0; e < bucket.size(); ++e) {
+    pause();
     if (bucket[e] < buckets) edges[begin[bucket[e]]++] = {ids[e / k], ids[table.index[e]]};
+  }
   return edges;
 }
 
@@ -99,7 +105,9 @@ Cut cut_tree(const Graph& graph, const Points<3>& normals, std::size_t trusted, 
   Cut cut;
   SignedSets sets(normals.cols());
   std::vector<Edge> waiting;
+  InterruptionPoint pause(pause_after);
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    pause();
     const Edge& edge = graph.edges[e];
     const std::uint32_t a = sets.find(edge.a).root, b = sets.find(edge.b).root;
     if (a == b) continue;
@@ -109,8 +117,10 @@ Cut cut_tree(const Graph& graph, const Points<3>& normals, std::size_t trusted, 
       cut.inside.push_back(edge);
     }
   }
-  for (const Edge& edge : waiting)
+  for (const Edge& edge : waiting) {
+    pause();
     if (sets.join(edge.a, edge.b, agreement(normals, edge))) cut.between.push_back(edge);
+  }
   return cut;
 }
 
@@ -191,7 +201,11 @@ Graph make_graph(const Points<3>& points, const Points<3>& normals, const Neighb
   graph.edges = sort_edges(points, normals, table, ids, graph.certain);
   graph.near = graph.edges.size();
   SignedSets sets(points.cols());
-  for (const Edge& edge : graph.edges) sets.join(edge.a, edge.b, 1);
+  InterruptionPoint pause(pause_after);
+  for (const Edge& edge : graph.edges) {
+    pause();
+    sets.join(edge.a, edge.b, 1);
+  }
   std::erase_if(ids, [&](std::uint32_t id) { return !(normals.col(id).squaredNorm() > 0); });
   while (!connected(ids, sets)) {
     ids = thin_out(ids, points.cols(), sets);

@@ -1,6 +1,7 @@
 #include "csrbf/surface/prepare/prepare.hpp"
 
 #include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/coincident_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
@@ -80,12 +81,6 @@ Eigen::VectorXd local_spacing(const Points<3>& normals, const NeighborTable& nea
   return spacing;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Whether j is a neighbour of i. A stray point has neighbours on the surface, but is a neighbour of none of them.
 bool is_neighbor(const NeighborTable& near, Index i, Index j) {
   return std::find(near.of(i).begin(), near.of(i).end(), static_cast<std::uint32_t>(j)) != near.of(i).end();
@@ -152,7 +147,7 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   for (Index i = 0; i < points.cols(); ++i)
     reach[static_cast<std::size_t>(i)] =
         (points.col(i) - points.col(near.of(i)[static_cast<std::size_t>(near.k / 2)])).norm();
-  const double usual = median(reach);
+  const double usual = median(std::vector(reach));
   DisjointSets clusters = link(points, near, reach);
   std::vector<Index> size(n, 0);
   std::vector<double> sum(n, 0), variation(n, 0);

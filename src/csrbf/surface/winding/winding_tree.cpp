@@ -1,5 +1,7 @@
 #include "csrbf/surface/winding/winding_tree.hpp"
 
+#include "csrbf/core/interruption.hpp"
+
 #include <array>
 #include <memory>
 #include <numbers>
@@ -84,6 +86,7 @@ class Builder {
 
  private:
   Moments build(std::size_t begin, std::size_t end, int depth) {
+    pause_();
     const std::size_t id = nodes_.size();
     nodes_.emplace_back();
     Moments moments;
@@ -195,6 +198,7 @@ class Builder {
   std::vector<Item> items_;
   std::unique_ptr<Item[]> buffer_;  // uninitialised: only the part written to takes physical memory
   std::vector<Node> nodes_;
+  InterruptionPoint pause_{256};
 };
 
 }  // namespace
