@@ -67,11 +67,9 @@ CSRBF_SIMD_CLONES double multiply_add(Index rounds) {
 double arithmetic_rate() {
   constexpr Index rounds = 20'000'000;
   const auto threads = static_cast<Index>(thread_count());
-  std::vector<double> results(static_cast<std::size_t>(threads));
-  const Time time = time_of([&] {
-    parallel_for(threads, 1,
-                 [&](Index begin, Index) { results[static_cast<std::size_t>(begin)] = multiply_add(rounds); });
-  });
+  std::vector<double> results(threads);
+  const Time time =
+      time_of([&] { parallel_for(threads, 1, [&](Index begin, Index) { results[begin] = multiply_add(rounds); }); });
   constexpr double operations = 2.0 * 10 * Doubles::size * rounds;
   return results.front() == 0 ? 0 : operations * static_cast<double>(threads) / time.least;
 }
@@ -95,7 +93,7 @@ double sorting_seconds(Index cells, Index numbers) {
   std::uniform_int_distribution<std::uint32_t> cell(0, static_cast<std::uint32_t>(cells - 1));
   std::vector<Keyed> given(samples);
   for (std::size_t i = 0; i < given.size(); ++i) given[i] = {cell(random), static_cast<std::uint32_t>(i)};
-  std::vector<double> from(static_cast<std::size_t>(samples * numbers), 1.0), to(from.size());
+  std::vector<double> from(samples * numbers, 1.0), to(from.size());
   std::vector<Keyed> items;
   std::vector<double> seconds;
   for (int run = 0; run < runs; ++run) {
@@ -104,8 +102,7 @@ double sorting_seconds(Index cells, Index numbers) {
       radix_sort(items, static_cast<std::uint32_t>(cells));
       parallel_for(samples, 1 << 14, [&](Index begin, Index end) {
         for (Index i = begin; i < end; ++i)
-          std::copy_n(from.data() + numbers * items[static_cast<std::size_t>(i)].index, numbers,
-                      to.data() + numbers * i);
+          std::copy_n(from.data() + numbers * items[i].index, numbers, to.data() + numbers * i);
       });
     }));
   }
@@ -268,7 +265,7 @@ void segment_row(const Rates& rates) {
         const double g = std::sin(k * static_cast<double>(x)) * std::cos(k * static_cast<double>(y)) +
                          std::sin(k * static_cast<double>(y)) * std::cos(k * static_cast<double>(z)) +
                          std::sin(k * static_cast<double>(z)) * std::cos(k * static_cast<double>(x));
-        image.values[static_cast<std::size_t>(i)] = (g > 0 ? 200.F : 0.F) + noise(random);
+        image.values[i] = (g > 0 ? 200.F : 0.F) + noise(random);
       }
   Segmentation<3> result;
   const Time time = time_of([&] { result = segment<3>(image); });

@@ -3,6 +3,7 @@
 // cycle when all are fused multiply-adds, and four square roots in 9 to 12 cycles.
 
 #include "csrbf/csrbf.hpp"
+#include "csrbf/linalg/batched_cholesky.hpp"
 #include "csrbf/linalg/gram.hpp"
 #include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/composite/composite.hpp"
@@ -79,7 +80,7 @@ Points<3> shell_points(const csrbf::OrientedPoints& cloud, double offset) {
 std::vector<double> random_numbers(Index n) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
-  std::vector<double> numbers(static_cast<std::size_t>(n));
+  std::vector<double> numbers(n);
   for (double& x : numbers) x = normal(random);
   return numbers;
 }
@@ -98,7 +99,7 @@ void count_flops(benchmark::State& state, Index per_iteration) {
 void batch_gram(benchmark::State& state) {
   const Index n = state.range(0), rows = 4 * n;
   const std::vector<double> F = random_numbers(csrbf::batch_lanes * rows * n);
-  std::vector<double> A(static_cast<std::size_t>(csrbf::batch_matrix_size(n)));
+  std::vector<double> A(csrbf::batch_matrix_size(n));
   for (auto _ : state) {
     csrbf::batch_gram(F.data(), rows, n, A.data());
     benchmark::ClobberMemory();
@@ -113,7 +114,7 @@ BENCHMARK(batch_gram)->ArgName("n")->Arg(10)->Arg(20)->Arg(40);
 void batch_cholesky(benchmark::State& state) {
   const Index n = state.range(0), size = csrbf::batch_matrix_size(n);
   const std::vector<double> F = random_numbers(csrbf::batch_lanes * 2 * n * n);
-  std::vector<double> A(static_cast<std::size_t>(size)), b = random_numbers(csrbf::batch_lanes * n);
+  std::vector<double> A(size), b = random_numbers(csrbf::batch_lanes * n);
   csrbf::batch_gram(F.data(), 2 * n, n, A.data());
   std::vector<double> L(A.size()), x(b.size());
   for (auto _ : state) {
@@ -134,7 +135,7 @@ BENCHMARK(batch_cholesky)->ArgName("n")->Arg(10)->Arg(20)->Arg(40);
 void gram(benchmark::State& state) {
   const Index rows = state.range(0), n = state.range(1);
   const std::vector<double> B = random_numbers(rows * n);
-  std::vector<double> A(static_cast<std::size_t>(n * n));
+  std::vector<double> A(n * n);
   for (auto _ : state) {
     csrbf::gram(B.data(), rows, n, A.data());
     benchmark::ClobberMemory();
@@ -253,7 +254,7 @@ void winding_number(benchmark::State& state) {
   const Eigen::VectorXd& areas = fitted_torus().areas;
   const csrbf::WindingNumber winding({cloud.points, cloud.normals, areas, 0.7 * areas.cwiseSqrt()});
   const Points<3> x = shell_points(cloud, static_cast<double>(state.range(0)));
-  std::vector<double> value(static_cast<std::size_t>(queries));
+  std::vector<double> value(queries);
   winding.evaluate_block(x, {value.data()});
   for (auto _ : state) {
     winding.evaluate_block(x, {value.data()});

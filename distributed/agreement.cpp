@@ -85,7 +85,7 @@ void Agreement::fail_together(int root, const std::exception_ptr& mine) {
   int length = static_cast<int>(message.size());
   MPI_Bcast(&kind, 1, MPI_INT, root, comm_);
   MPI_Bcast(&length, 1, MPI_INT, root, comm_);
-  message.resize(static_cast<std::size_t>(length));
+  message.resize(length);
   MPI_Bcast(message.data(), length, MPI_CHAR, root, comm_);
   agreed_ = make_error(kind, message);
   std::rethrow_exception(agreed_);

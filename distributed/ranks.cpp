@@ -105,8 +105,8 @@ void Ranks::share(const SharedWork& work) {
   ++traffic.works;
   traffic.items += work.items;
   if (first(rank) < first(rank + 1)) traffic.computed += work.end(first(rank + 1) - 1) - work.begin(first(rank));
-  std::vector<Index> next(static_cast<std::size_t>(ranks));  // block of each rank that comes next
-  for (int r = 0; r < ranks; ++r) next[static_cast<std::size_t>(r)] = first(r);
+  std::vector<Index> next(ranks);  // block of each rank that comes next
+  for (int r = 0; r < ranks; ++r) next[r] = first(r);
   Index mine = first(rank), done = 0;
   ByteWriter out;
   Round round;
@@ -139,7 +139,7 @@ void Ranks::exchange(std::span<const std::byte> mine, std::int64_t blocks, Round
     total += all[2 * r];
     if (total > INT_MAX) throw SolverFailure("shared work: a block of results is too large to be sent");
   }
-  round.received.resize(static_cast<std::size_t>(total));
+  round.received.resize(total);
   MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_BYTE, round.received.data(), round.bytes.data(),
                  round.begin.data(), MPI_BYTE, comm_);
 }

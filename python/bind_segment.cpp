@@ -29,7 +29,7 @@ struct Segments {
 // [z, y, x] of the axes that the image has.
 std::vector<py::ssize_t> shape_of(const Grid& grid) {
   std::vector<py::ssize_t> shape;
-  for (int a = grid.axes; a-- > 0;) shape.push_back(grid.size[static_cast<std::size_t>(a)]);
+  for (int a = grid.axes; a-- > 0;) shape.push_back(grid.size[a]);
   return shape;
 }
 
@@ -135,11 +135,11 @@ TrackedSequence track_in(const std::vector<const Image*>& images, const TrackOpt
   TrackedSequence result;
   result.frames.resize(images.size());
   TrackReport report = track<Dim>(
-      static_cast<Index>(images.size()), [&](Index t) { return *images[static_cast<std::size_t>(t)]; }, options,
+      static_cast<Index>(images.size()), [&](Index t) { return *images[t]; }, options,
       [&](Index t, TrackedFrame<Dim>&& frame) {
-        Tracked& to = result.frames[static_cast<std::size_t>(t)];
+        Tracked& to = result.frames[t];
         to.segments = std::make_unique<Segments>();
-        to.segments->grid = images[static_cast<std::size_t>(t)]->grid;
+        to.segments->grid = images[t]->grid;
         to.segments->found = std::move(frame.segmentation);
         to.regions = std::move(frame.regions);
       });
@@ -210,7 +210,7 @@ template <class Fields>
 const auto& field_of(const Fields& fields, Index label) {
   const Index k = fields.size() == 1 ? label - 1 : label;
   require(k >= 0 && k < static_cast<Index>(fields.size()), "contour", "label", label, "there is no such region");
-  return *fields[static_cast<std::size_t>(k)];
+  return *fields[k];
 }
 
 // Arrays of the points of each line, and its measures.

@@ -77,7 +77,7 @@ void compare_points(const Mesh& mesh, const PointCloud& points, Session& session
 
 Json described(const std::string& path, const Volume<float>& image) {
   Json size = Json::array();
-  for (int a = 0; a < image.grid.axes; ++a) size.push_back(image.grid.size[static_cast<std::size_t>(a)]);
+  for (int a = 0; a < image.grid.axes; ++a) size.push_back(image.grid.size[a]);
   return {{"file", path}, {"size", size}};
 }
 

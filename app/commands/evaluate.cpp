@@ -105,8 +105,7 @@ std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wante
     const Index rows = is_gradient ? d : 1;
     Eigen::MatrixXd values = Eigen::MatrixXd::Zero(rows == 2 ? 3 : rows, answers.grid.voxels());
     values.topRows(rows) = answers.frame().middleRows(row, rows).template cast<double>();
-    const std::string name = is_gradient ? model.value_names[static_cast<std::size_t>((row - k) / d)] + "_gradient"
-                                         : columns[static_cast<std::size_t>(row)];
+    const std::string name = is_gradient ? model.value_names[(row - k) / d] + "_gradient" : columns[row];
     arrays.push_back({name, answers.type, values.rows(), vtk_bytes(answers.type, values)});
     row += rows;
   }

@@ -47,7 +47,7 @@ Places at_nodes(const VolumeLayout& layout, Index dimension) {
   const Grid& grid = layout.grid;
   if (grid.direction.isIdentity(0) && grid.dimension() <= dimension)
     for (Index a = 0; a < dimension; ++a) {
-      const Index n = grid.size[static_cast<std::size_t>(a)];
+      const Index n = grid.size[a];
       places.axes.push_back(grid.origin[a] +
                             grid.spacing[a] * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)));
     }
@@ -62,8 +62,7 @@ std::array<Index, 3> parse_size(const std::string& text, Index dimension) {
     throw UsageError("--grid " + text + ": expected " + std::to_string(dimension) +
                      " whole numbers, the nodes along each axis, or one for all axes");
   std::array<Index, 3> size{1, 1, 1};
-  for (Index a = 0; a < dimension; ++a)
-    size[static_cast<std::size_t>(a)] = static_cast<Index>(numbers[numbers.size() == 1 ? 0 : a]);
+  for (Index a = 0; a < dimension; ++a) size[a] = static_cast<Index>(numbers[numbers.size() == 1 ? 0 : a]);
   return size;
 }
 
@@ -93,7 +92,7 @@ Places on_grid(const EvaluateCommand& command, const NamedFunction& model) {
   grid.size = parse_size(command.grid, d);
   const Eigen::MatrixXd bounds = command.bounds.empty() ? model.function.bounds() : parse_bounds(command.bounds, d);
   for (Index a = 0; a < d; ++a) {
-    const Index n = grid.size[static_cast<std::size_t>(a)];
+    const Index n = grid.size[a];
     const double extent = bounds(a, 1) - bounds(a, 0);
     grid.origin[a] = n > 1 ? bounds(a, 0) : bounds.row(a).mean();
     const double step = n > 1 ? extent / static_cast<double>(n - 1) : extent;

@@ -101,8 +101,7 @@ void report_function(const NamedFunction& named, Session& session) {
        {"cross_validation_rmse", r.cross_validation_rmse}});
   std::string box;
   for (Index a = 0; a < lo.size(); ++a)
-    box += (a > 0 ? ", " : "") + named.coordinate_names[static_cast<std::size_t>(a)] + " from " + rounded(lo[a]) +
-           " to " + rounded(hi[a]);
+    box += (a > 0 ? ", " : "") + named.coordinate_names[a] + " from " + rounded(lo[a]) + " to " + rounded(hi[a]);
   if (r.method == "segment") {
     session.say("model:       " + counted(function.components(), "level set") + " of " +
                 joined(named.coordinate_names) + ", of an image of " + counted(r.samples, "voxel"));

@@ -55,7 +55,7 @@ void mark_value(double value, const Image& image, std::vector<unsigned char>& mi
 }
 
 std::vector<unsigned char> missing_voxels(const InpaintCommand& command, double value, const Image& image) {
-  std::vector<unsigned char> missing(static_cast<std::size_t>(image.grid.voxels() * image.frames), 0);
+  std::vector<unsigned char> missing(image.grid.voxels() * image.frames, 0);
   if (!command.mask.empty()) {
     const Image mask = read_mask(command.mask, image);
     for (std::size_t i = 0; i < missing.size(); ++i) missing[i] = mask.values[i % mask.values.size()] != 0 ? 1 : 0;

@@ -2,6 +2,8 @@
 
 #include "commands/segment_start.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 
@@ -60,7 +62,7 @@ void check_image(const std::string& path, const Volume<float>& image) {
   const Grid& grid = image.grid;
   const int dimension = grid.dimension();
   for (int a = 0; a < dimension; ++a)
-    if (grid.size[static_cast<std::size_t>(a)] < 2)
+    if (grid.size[a] < 2)
       refuse("the image has one voxel along " + std::string(1, "xyz"[a]) + " (" + size_text(grid) +
              "); a slice must be thin along its last axis: reorder the axes, or write the slice as a plane image");
   if (dimension < 2) refuse("the image has one axis only (" + size_text(grid) + "); segment needs two or three");

@@ -82,8 +82,7 @@ std::string extent_text(const Grid& grid) {
   Box<3> box;
   for (int corner = 0; corner < 8; ++corner) {
     Point<3> p;
-    for (int a = 0; a < 3; ++a)
-      p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5 : -0.5;
+    for (int a = 0; a < 3; ++a) p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
     box.add(Point<3>(grid.to_physical<3>() * p));
   }
   std::string text;

@@ -115,7 +115,7 @@ class Frames {
   [[nodiscard]] Index count() const { return count_; }
   /// The name of frame t in messages.
   [[nodiscard]] std::string name(Index t) const {
-    return paths_.size() > 1 ? paths_[static_cast<std::size_t>(t)] : paths_[0] + ": frame " + std::to_string(t);
+    return paths_.size() > 1 ? paths_[t] : paths_[0] + ": frame " + std::to_string(t);
   }
   [[nodiscard]] Volume<float> operator()(Index t) const {
     if (paths_.size() > 1) {

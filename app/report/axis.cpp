@@ -89,7 +89,7 @@ std::string pretty_number(const std::string& text) {
   const int power = std::stoi(text.substr(e + 1));
   result += "×10";
   if (power < 0) result += "⁻";
-  for (const char c : std::to_string(std::abs(power))) result += raised[static_cast<std::size_t>(c - '0')];
+  for (const char c : std::to_string(std::abs(power))) result += raised[c - '0'];
   return result;
 }
 

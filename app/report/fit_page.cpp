@@ -27,7 +27,7 @@ struct Domain {
   [[nodiscard]] double lo(Index a) const { return bounds(a, 0); }
   [[nodiscard]] double hi(Index a) const { return bounds(a, 1); }
   [[nodiscard]] double extent(Index a) const { return hi(a) - lo(a); }
-  [[nodiscard]] const std::string& name(Index a) const { return model.coordinate_names[static_cast<std::size_t>(a)]; }
+  [[nodiscard]] const std::string& name(Index a) const { return model.coordinate_names[a]; }
   [[nodiscard]] const std::string& value() const { return model.value_names.front(); }
   // Do both axes seem to have the same unit?
   [[nodiscard]] bool to_scale(Index a, Index b) const {
@@ -85,7 +85,7 @@ Figure curve(const Domain& domain, const SampleTable& samples, const std::vector
   const std::vector<Index> dots = spread_indices(static_cast<Index>(chosen.size()), most);
   plot.dots.resize(2, static_cast<Index>(dots.size()));
   for (std::size_t i = 0; i < dots.size(); ++i) {
-    const Index sample = chosen[static_cast<std::size_t>(dots[i])];
+    const Index sample = chosen[dots[i]];
     plot.dots.col(static_cast<Index>(i)) << samples.coordinates(0, sample), samples.values(sample, 0);
   }
   return {"The function", draw(plot), "The curve is the function, the dots are samples."};
@@ -138,7 +138,7 @@ Figure map_of_plane(const Domain& domain, const SampleTable& samples, const std:
   const std::vector<Index> dots = spread_indices(static_cast<Index>(chosen.size()), most);
   maps[0].dots.resize(2, static_cast<Index>(dots.size()));
   for (std::size_t i = 0; i < dots.size(); ++i)
-    maps[0].dots.col(static_cast<Index>(i)) = samples.coordinates.col(chosen[static_cast<std::size_t>(dots[i])]);
+    maps[0].dots.col(static_cast<Index>(i)) = samples.coordinates.col(chosen[dots[i]]);
   const std::string shown =
       maps[0].dots.cols() < samples.coordinates.cols() ? counted(maps[0].dots.cols(), "sample") : "the samples";
   const std::string caption = "Colours show the function, dots the positions of " + shown + ".";
@@ -167,7 +167,7 @@ class Landscape {
     const bool to_scale = domain.to_scale(0, 1);
     for (Index a = 0; a < 2; ++a) {
       scale_[a] = 1 / (to_scale ? longer : domain.extent(a));
-      axes_[static_cast<std::size_t>(a)] = Eigen::VectorXd::LinSpaced(nodes, domain.lo(a), domain.hi(a));
+      axes_[a] = Eigen::VectorXd::LinSpaced(nodes, domain.lo(a), domain.hi(a));
     }
     values_ = plane_values(domain, 0, 1, axes_[0], axes_[1]);
     lo_ = values_.minCoeff();
@@ -238,7 +238,7 @@ Figure landscape_view(const Landscape& landscape, const Domain& domain, const Sa
   const Eigen::VectorXd size = error.cwiseAbs();
   Eigen::VectorXd sample_values(static_cast<Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i)
-    sample_values[static_cast<Index>(i)] = samples.values(chosen[static_cast<std::size_t>(points[i])], 0);
+    sample_values[static_cast<Index>(i)] = samples.values(chosen[points[i]], 0);
   view.colors.push_back(
       {domain.value(), domain.value(), landscape.lo(), landscape.hi(), false, landscape.values(), sample_values});
   std::vector<double> sizes(size.begin(), size.end());

@@ -26,9 +26,9 @@ Eigen::VectorXd values_near(const PointsRef<3>& points, const Eigen::VectorXd& v
     for (Index i = begin; i < end; ++i) {
       const Index found = tree.nearest(places.col(i), neighbors, near.data(), squared.data());
       const Index around = tree.nearest(points.col(near[0]), neighbors, beside.data(), spacing.data());
-      if (squared[0] > reach * reach * spacing[static_cast<std::size_t>(around - 1)]) continue;
+      if (squared[0] > reach * reach * spacing[around - 1]) continue;
       double sum = 0;
-      for (Index k = 0; k < found; ++k) sum += values[near[static_cast<std::size_t>(k)]];
+      for (Index k = 0; k < found; ++k) sum += values[near[k]];
       result[i] = sum / static_cast<double>(found);
     }
   });

@@ -18,8 +18,7 @@ std::string bar_address(const ColorScale& scale) {
   for (int i = 0; i < width; ++i) {
     const LinearRgb color = scale(scale.lo + (scale.hi - scale.lo) * i / (width - 1));
     for (int c = 0; c < 3; ++c)
-      bar.pixels[static_cast<std::size_t>(3 * i + c)] =
-          static_cast<std::uint8_t>(std::lround(255 * srgb_from_linear(color[c])));
+      bar.pixels[3 * i + c] = static_cast<std::uint8_t>(std::lround(255 * srgb_from_linear(color[c])));
   }
   return png_address(bar);
 }
@@ -56,7 +55,7 @@ std::string draw(const Histogram& histogram) {
   const double width = drawing.width() / bins;
   std::string path;
   for (int i = 0; i < bins; ++i) {
-    const double height = drawing.y(0) - drawing.y(count[static_cast<std::size_t>(i)]);
+    const double height = drawing.y(0) - drawing.y(count[i]);
     if (height > 0)
       path += "M" + coordinate(Drawing::left + i * width + 0.5) + " " + coordinate(drawing.y(0)) + "v" +
               coordinate(-height) + "h" + coordinate(width - 1) + "v" + coordinate(height) + "z";
@@ -81,8 +80,8 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
     steps.col(0) << lo, 0;
     for (Index k = 0; k < n; ++k) {
       const double width = (hi - lo) / static_cast<double>(n), from = lo + width * static_cast<double>(k);
-      steps.col(2 * k + 1) << from, counts[static_cast<std::size_t>(k)];
-      steps.col(2 * k + 2) << from + width, counts[static_cast<std::size_t>(k)];
+      steps.col(2 * k + 1) << from, counts[k];
+      steps.col(2 * k + 2) << from + width, counts[k];
     }
     steps.col(2 * n + 1) << hi, 0;
     const std::string series = "series" + std::to_string(i % series_colors);
@@ -104,7 +103,7 @@ std::string draw(const Course& course) {
                   round_axis(*lo, *hi, course.label, 4), course.label + " by " + course.counted);
   drawing.add_grid();
   Points<2> points(2, n);
-  for (Index i = 0; i < n; ++i) points.col(i) << static_cast<double>(i), course.values[static_cast<std::size_t>(i)];
+  for (Index i = 0; i < n; ++i) points.col(i) << static_cast<double>(i), course.values[i];
   drawing.add_line(points, "curve");
   constexpr Index few = 40;  // dots, ten pixels apart
   if (n <= few) drawing.add_dots(points, 3, "accent");

@@ -8,7 +8,7 @@
 
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/curvature.hpp"
-#include "csrbf/implicit/curves/plane_section.hpp"
+#include "csrbf/implicit/plane_section.hpp"
 #include "csrbf/surface/check/surface_distances.hpp"
 
 #include <cmath>
@@ -110,16 +110,16 @@ PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across
   Point<3> origin = Point<3>::Zero();
   origin[across] = box.center()[across];
   for (int k = 0; k < 2; ++k) {
-    plane.lo[k] = box.lo[axes[static_cast<std::size_t>(k)]];
-    plane.hi[k] = box.hi[axes[static_cast<std::size_t>(k)]];
-    columns(axes[static_cast<std::size_t>(k)], k) = 1;
+    plane.lo[k] = box.lo[axes[k]];
+    plane.hi[k] = box.hi[axes[k]];
+    columns(axes[k], k) = 1;
   }
   const PlaneSection<3> field(*shown.surface.field, origin, columns, plane);
   constexpr Index longest = 220;  // cells along the longer side; more: sharper, larger pages
   const double cell = plane.extent().maxCoeff() / longest;
   GridAxes<2> grid;
   for (int k = 0; k < 2; ++k)
-    grid[static_cast<std::size_t>(k)] =
+    grid[k] =
         Eigen::VectorXd::LinSpaced(std::max<Index>(2, std::lround(plane.extent()[k] / cell)), plane.lo[k], plane.hi[k]);
   const Eigen::VectorXd values = field.evaluate_grid(grid);
   PlaneMap map{.values = Eigen::Map<const Eigen::MatrixXd>(values.data(), grid[0].size(), grid[1].size()).transpose(),
@@ -135,12 +135,10 @@ PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across
     if (std::abs(shown.used.points(across, i) - origin[across]) < thickness) near.push_back(i);
   constexpr Index most = 800;  // dots, beyond which they merge
   std::vector<Index> kept;
-  for (const Index i : spread_indices(static_cast<Index>(near.size()), most))
-    kept.push_back(near[static_cast<std::size_t>(i)]);
+  for (const Index i : spread_indices(static_cast<Index>(near.size()), most)) kept.push_back(near[i]);
   map.dots.resize(2, static_cast<Index>(kept.size()));
   for (std::size_t i = 0; i < kept.size(); ++i)
-    for (int k = 0; k < 2; ++k)
-      map.dots(k, static_cast<Index>(i)) = shown.used.points(axes[static_cast<std::size_t>(k)], kept[i]);
+    for (int k = 0; k < 2; ++k) map.dots(k, static_cast<Index>(i)) = shown.used.points(axes[k], kept[i]);
   return map;
 }
 

@@ -107,7 +107,7 @@ Mesh mesh_to_show(const Mesh& mesh, int resolution, const std::function<Mesh(int
 std::vector<Index> spread_indices(Index n, Index most) {
   const Index count = std::min(n, most);
   std::vector<Index> indices;
-  indices.reserve(static_cast<std::size_t>(count));
+  indices.reserve(count);
   for (Index i = 0; i < count; ++i) indices.push_back(i * n / count);
   return indices;
 }

@@ -56,10 +56,10 @@ Agreement compare(const Heart& heart, const csrbf::Tracking<Dim>& tracking) {
   const std::vector<double> truth = true_volumes(heart);
   std::vector<double> errors;
   for (Index t = 0; t < heart.frames; ++t) {
-    const auto& frame = tracking.frames[static_cast<std::size_t>(t)];
+    const auto& frame = tracking.frames[t];
     result.volumes.push_back(frame.regions[0].volume);
     result.dice.push_back(dice(frame.segmentation.labels, true_labels(heart, t)));
-    errors.push_back((result.volumes.back() - truth[static_cast<std::size_t>(t)]) / truth[0]);
+    errors.push_back((result.volumes.back() - truth[t]) / truth[0]);
   }
   for (const double value : result.dice) {
     result.mean_dice += value / static_cast<double>(heart.frames);
@@ -94,7 +94,7 @@ void say(const char* what, const Agreement& a, double truth) {
 csrbf::RgbImage side_by_side(const std::vector<csrbf::RgbImage>& pictures) {
   csrbf::RgbImage row(0, pictures[0].height);
   for (const csrbf::RgbImage& picture : pictures) row.width += picture.width;
-  row.pixels.resize(static_cast<std::size_t>(3 * row.width * row.height));
+  row.pixels.resize(3 * row.width * row.height);
   std::ptrdiff_t at = 0;
   for (const csrbf::RgbImage& picture : pictures) {
     for (std::ptrdiff_t y = 0; y < row.height; ++y)
@@ -108,7 +108,7 @@ csrbf::RgbImage side_by_side(const std::vector<csrbf::RgbImage>& pictures) {
 void draw(const std::string& path, const csrbf::Volume<float>& sequence, const csrbf::Tracking<2>& tracking) {
   std::vector<csrbf::RgbImage> pictures;
   for (const Index t : {Index{0}, sequence.frames / 6, sequence.frames / 3}) {
-    const auto& segmentation = tracking.frames[static_cast<std::size_t>(t)].segmentation;
+    const auto& segmentation = tracking.frames[t].segmentation;
     csrbf::PreviewOptions look;
     look.frame = t;
     look.size = 256;

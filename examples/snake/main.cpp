@@ -128,9 +128,8 @@ std::vector<double> blurred(std::vector<double> values) {
         double sum = 0;
         for (Index dy = -1; dy <= 1; ++dy)
           for (Index dx = -1; dx <= 1; ++dx)
-            sum += values[static_cast<std::size_t>(std::clamp<Index>(x + dx, 0, size - 1) +
-                                                   size * std::clamp<Index>(y + dy, 0, size - 1))];
-        next[static_cast<std::size_t>(x + size * y)] = sum / 9;
+            sum += values[std::clamp<Index>(x + dx, 0, size - 1) + size * std::clamp<Index>(y + dy, 0, size - 1)];
+        next[x + size * y] = sum / 9;
       }
     values.swap(next);
   }
@@ -147,8 +146,7 @@ SnakeForce edge_force(const std::vector<float>& values) {
   const std::vector<double> smooth = blurred({values.begin(), values.end()});
   std::vector<double> strength(smooth.size());
   for (Index i = 0; i < size * size; ++i)
-    strength[static_cast<std::size_t>(i)] =
-        gradient(smooth, {static_cast<double>(i % size), static_cast<double>(i / size)}).norm();
+    strength[i] = gradient(smooth, {static_cast<double>(i % size), static_cast<double>(i / size)}).norm();
   strength = blurred(std::move(strength));
   double largest = 0;
   for (Index i = 0; i < size * size; ++i)
@@ -200,18 +198,14 @@ void write_picture(const std::string& path, const Picture& picture, const Row& r
   const Case drawn = draw(picture);
   csrbf::RgbImage image(size * zoom, size * zoom);
   const auto paint = [&](Index x, Index y, int channel) {
-    for (int c = 0; c < 3; ++c)
-      image.pixels[static_cast<std::size_t>(3 * (x + size * zoom * y) + c)] = c == channel ? 255 : 0;
+    for (int c = 0; c < 3; ++c) image.pixels[3 * (x + size * zoom * y) + c] = c == channel ? 255 : 0;
   };
-  const auto label = [&](Index x, Index y) {
-    return row.level_set[static_cast<std::size_t>(x / zoom + size * (y / zoom))];
-  };
+  const auto label = [&](Index x, Index y) { return row.level_set[x / zoom + size * (y / zoom)]; };
   for (Index y = 0; y < size * zoom; ++y)
     for (Index x = 0; x < size * zoom; ++x) {
-      const float value = drawn.values[static_cast<std::size_t>(x / zoom + size * (y / zoom))];
+      const float value = drawn.values[x / zoom + size * (y / zoom)];
       for (int c = 0; c < 3; ++c)
-        image.pixels[static_cast<std::size_t>(3 * (x + size * zoom * y) + c)] =
-            static_cast<std::uint8_t>(std::clamp(value, 0.F, 255.F));
+        image.pixels[3 * (x + size * zoom * y) + c] = static_cast<std::uint8_t>(std::clamp(value, 0.F, 255.F));
       if (x > 0 && y > 0 && (label(x, y) != label(x - 1, y) || label(x, y) != label(x, y - 1))) paint(x, y, 1);
     }
   for (Index i = 0; i < row.snake.cols(); ++i)

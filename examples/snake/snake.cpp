@@ -16,8 +16,7 @@ Polygon respaced(const Polygon& points, double spacing) {
   const Index n = points.cols();
   std::vector<double> length(static_cast<std::size_t>(n) + 1, 0.0);
   for (Index i = 0; i < n; ++i)
-    length[static_cast<std::size_t>(i) + 1] =
-        length[static_cast<std::size_t>(i)] + (points.col((i + 1) % n) - points.col(i)).norm();
+    length[static_cast<std::size_t>(i) + 1] = length[i] + (points.col((i + 1) % n) - points.col(i)).norm();
   const Index m = std::max<Index>(8, std::lround(length.back() / spacing));
   Polygon result(2, m);
   std::size_t k = 0;
@@ -83,7 +82,7 @@ Polygon move_snake(Polygon points, const SnakeForce& force, const SnakeOptions& 
 }
 
 std::vector<unsigned char> fill(const Polygon& points, Index n) {
-  std::vector<unsigned char> labels(static_cast<std::size_t>(n * n), 0);
+  std::vector<unsigned char> labels(n * n, 0);
   std::vector<double> crossings;
   for (Index y = 0; y < n; ++y) {
     const auto row = static_cast<double>(y);
@@ -97,7 +96,7 @@ std::vector<unsigned char> fill(const Polygon& points, Index n) {
     for (std::size_t c = 0; c + 1 < crossings.size(); c += 2)
       for (Index x = std::max<Index>(0, static_cast<Index>(std::ceil(crossings[c])));
            x < n && static_cast<double>(x) < crossings[c + 1]; ++x)
-        labels[static_cast<std::size_t>(x + n * y)] = 1;
+        labels[x + n * y] = 1;
   }
   return labels;
 }

@@ -1,6 +1,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/io/points.hpp"
+#include "csrbf/surface/baselines/method_fit.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 #include "csrbf/surface/surface_method.hpp"
 #include "csrbf/surface/trim.hpp"

@@ -16,7 +16,7 @@ namespace {
 constexpr int lloyd_steps = 10;
 
 std::vector<Index> everything(Index n) {
-  std::vector<Index> ids(static_cast<std::size_t>(n));
+  std::vector<Index> ids(n);
   std::iota(ids.begin(), ids.end(), Index{0});
   return ids;
 }
@@ -25,24 +25,23 @@ std::vector<Index> random_samples(Index n, Index count) {
   std::vector<Index> ids = everything(n);
   std::mt19937_64 random(5);
   std::shuffle(ids.begin(), ids.end(), random);
-  ids.resize(static_cast<std::size_t>(count));
+  ids.resize(count);
   return ids;
 }
 
 // The samples nearest to the means; a sample that is taken gives way to the next.
 std::vector<Index> nearest_samples(const Points<3>& points, const Points<3>& means) {
   const KdTree<3> tree(points);
-  std::vector<bool> taken(static_cast<std::size_t>(points.cols()), false);
+  std::vector<bool> taken(points.cols(), false);
   std::vector<Index> ids;
   for (Index i = 0; i < means.cols(); ++i) {
     for (Index k = 1;; k = std::min(2 * k, points.cols())) {
-      std::vector<Index> near(static_cast<std::size_t>(k));
+      std::vector<Index> near(k);
       std::vector<double> squared(near.size());
       tree.nearest(means.col(i), k, near.data(), squared.data());
-      const auto free =
-          std::find_if(near.begin(), near.end(), [&](Index id) { return !taken[static_cast<std::size_t>(id)]; });
+      const auto free = std::find_if(near.begin(), near.end(), [&](Index id) { return !taken[id]; });
       if (free == near.end()) continue;
-      taken[static_cast<std::size_t>(*free)] = true;
+      taken[*free] = true;
       ids.push_back(*free);
       break;
     }

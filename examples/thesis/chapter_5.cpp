@@ -1,5 +1,6 @@
 #include "chapter_5.hpp"
 
+#include "csrbf/surface/baselines/method_fit.hpp"
 #include "csrbf/surface/surface_method.hpp"
 #include "models.hpp"
 #include "signals.hpp"

@@ -63,7 +63,7 @@ Claim definite(const std::string& what, const std::vector<Kernel>& kernels, doub
     std::vector<double> found = {smallest_eigenvalue<1>(phi, kernel.order(), support),
                                  smallest_eigenvalue<2>(phi, kernel.order(), support),
                                  smallest_eigenvalue<3>(phi, kernel.order(), support)};
-    found.resize(static_cast<std::size_t>(kernel.dimension()));
+    found.resize(kernel.dimension());
     for (const double eigenvalue : found)
       if (eigenvalue < least) least = eigenvalue, where = kernel.name();
   }

@@ -53,11 +53,11 @@ Figure figure_2_4() {
   const std::vector<double> shown{0.8, 4, 40};
   const Points<1> x = line(1001);
   Table curves{.name = "curves", .columns = {"x", "signal", "0.8 h", "4 h", "40 h"}};
-  curves.rows.resize(static_cast<std::size_t>(x.cols()));
-  for (Index i = 0; i < x.cols(); ++i) curves.rows[static_cast<std::size_t>(i)] = {x(0, i), wavy_signal(x(0, i))};
+  curves.rows.resize(x.cols());
+  for (Index i = 0; i < x.cols(); ++i) curves.rows[i] = {x(0, i), wavy_signal(x(0, i))};
   for (const double support : shown) {
     const Eigen::VectorXd f = interpolant(support)->evaluate(x).value;
-    for (Index i = 0; i < x.cols(); ++i) curves.rows[static_cast<std::size_t>(i)].push_back(f[i]);
+    for (Index i = 0; i < x.cols(); ++i) curves.rows[i].push_back(f[i]);
   }
 
   const auto sizes = support_sizes({0.5, 0.8, 1, 1.2, 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 40});

@@ -73,7 +73,7 @@ Figure figure_3_1() {
       pca_multiresolution<2>({points, values, {}}, {.tolerance = 1e-9, .cluster_size = sample_count});
   const auto& levels = fit.fields[0]->levels();
   std::vector<Index> all(sample_count);
-  for (Index i = 0; i < sample_count; ++i) all[static_cast<std::size_t>(i)] = i;
+  for (Index i = 0; i < sample_count; ++i) all[i] = i;
   std::vector<Cluster> clusters{cluster(points, all)};
   double largest = 0;
   std::size_t depth = 0;

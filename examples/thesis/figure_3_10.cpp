@@ -1,6 +1,7 @@
 #include "figure_3_10.hpp"
 
 #include "csrbf/approx/levels/fixed_budget.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "signals.hpp"
@@ -54,7 +55,7 @@ Figure figure_3_10() {
   for (const auto& p : points.colwise()) samples.rows.push_back({p.x(), p.y()});
   Table table{.name = "centers", .columns = {"x", "y", "scale", "distance to earlier picks"}};
   for (Index i = 0; i < budget; ++i)
-    table.rows.push_back({centers(0, i), centers(1, i), chosen.scales[i], picks.radii[static_cast<std::size_t>(i)]});
+    table.rows.push_back({centers(0, i), centers(1, i), chosen.scales[i], picks.radii[i]});
   const double cell = (box.hi - box.lo).norm() / static_cast<double>(fine - 1);
   const double off = (chosen.scales - seen.farthest).cwiseAbs().maxCoeff();
   const bool falls = std::is_sorted(picks.radii.rbegin(), picks.radii.rend());

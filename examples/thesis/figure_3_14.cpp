@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/fit.hpp"
 #include "csrbf/approx/levels/fixed_budget.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
 #include "signals.hpp"
 
 #include <algorithm>

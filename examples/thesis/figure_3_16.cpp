@@ -1,6 +1,7 @@
 #include "figure_3_16.hpp"
 
 #include "csrbf/approx/levels/error_bounded.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
 #include "signals.hpp"
 
 namespace csrbf::thesis {
@@ -18,7 +19,7 @@ BoundedLevels bounded_levels(const SampledSlice& sampled, double tolerance, Inde
     result.max_errors[level] = errors.maxCoeff();
     result.above[level] = static_cast<double>((errors > result.tolerance).count()) / static_cast<double>(errors.size());
     result.rmse.push_back(rms(result.levels.col(level), sampled.slice.values));
-    result.centers.push_back(static_cast<double>(fit.levels[static_cast<std::size_t>(level)].centers));
+    result.centers.push_back(static_cast<double>(fit.levels[level].centers));
   }
   const Eigen::VectorXd at_samples = fit.fields[0]->evaluate(sampled.samples.points).value;
   result.largest_error = (at_samples - sampled.samples.values.col(0)).cwiseAbs().maxCoeff();
@@ -41,10 +42,9 @@ Figure figure_3_16() {
   const auto count = b.levels.cols();
   double functions = 0;
   for (Index level = 0; level < count; ++level) {
-    functions += b.centers[static_cast<std::size_t>(level)];
-    table.rows.push_back({static_cast<double>(level), b.centers[static_cast<std::size_t>(level)],
-                          b.max_errors[level] / sampled.range(), b.above[level],
-                          b.rmse[static_cast<std::size_t>(level)] / sampled.range()});
+    functions += b.centers[level];
+    table.rows.push_back({static_cast<double>(level), b.centers[level], b.max_errors[level] / sampled.range(),
+                          b.above[level], b.rmse[level] / sampled.range()});
   }
   figure.tables.push_back(table);
   figure.pictures.push_back({"original", slice->width, slice->height, slice->values});

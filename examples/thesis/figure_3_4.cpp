@@ -1,5 +1,6 @@
 #include "figure_3_4.hpp"
 
+#include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "signals.hpp"
@@ -99,7 +100,7 @@ void add_noisy_curves(Figure& figure, const ThresholdCurve& curve) {
     table.columns.push_back("threshold " + number(threshold, 2));
     const LevelFit<1> fit = pca_multiresolution<1>(samples, {.tolerance = threshold, .cluster_size = cluster_size});
     const Eigen::VectorXd f = fit.fields[0]->evaluate(x).value;
-    for (Index i = 0; i < x.cols(); ++i) table.rows[static_cast<std::size_t>(i)].push_back(f[i]);
+    for (Index i = 0; i < x.cols(); ++i) table.rows[i].push_back(f[i]);
   }
   Table noisy{.name = "noisy samples", .columns = {"x", "s"}};
   for (Index i = 0; i < samples.size(); ++i) noisy.rows.push_back({samples.points(0, i), samples.values(i, 0)});

@@ -1,6 +1,7 @@
 #include "figure_3_9.hpp"
 
 #include "csrbf/approx/fit.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 #include "signals.hpp"
 

@@ -2,6 +2,7 @@
 
 #include "csrbf/surface/medial/medial_axis.hpp"
 #include "csrbf/surface/medial/slope_penalty.hpp"
+#include "csrbf/surface/prepare/prepare.hpp"
 #include "models.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -3,6 +3,7 @@
 #include "csrbf/surface/composite/choose_options.hpp"
 #include "csrbf/surface/composite/composite_field.hpp"
 #include "csrbf/surface/medial/medial_axis.hpp"
+#include "csrbf/surface/prepare/prepare.hpp"
 #include "models.hpp"
 
 namespace csrbf::thesis {
@@ -106,7 +107,7 @@ Figure figure_6_6() {
     figure.claims.push_back(against(figure.tables[4], other, "rms Taubin, medial axis"));
   }
   for (const auto& [t, what] : {std::pair{3, "composite"}, std::pair{4, "medial axis"}}) {
-    const auto& rows = figure.tables[static_cast<std::size_t>(t)].rows;
+    const auto& rows = figure.tables[t].rows;
     figure.claims.push_back({std::string("rms Taubin, ") + what + ", 500 and 10,000 furthest points",
                              "starts at .016 (unit unknown)",
                              number(rows.front().back(), 2) + ", " + number(rows.back().back(), 2) + " of the diagonal",

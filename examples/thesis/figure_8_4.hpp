@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/field.hpp"
 #include "figure.hpp"
 #include "level_sets.hpp"
 
@@ -10,7 +11,7 @@ struct Evolution {
   std::vector<double> coefficient_changes;  ///< largest, in pixels
   std::vector<double> energy;               ///< sum of (I - C1)^2 inside and (I - C2)^2 outside, before each iteration
   std::vector<std::uint8_t> labels;
-  std::shared_ptr<const Expansion<2>> field;
+  std::shared_ptr<const Field<2>> field;
   double support = 0;   ///< pixels
   double largest = 0;   ///< |f| at the nodes
   double steepest = 0;  ///< |grad f| on the contour

@@ -18,15 +18,14 @@ std::vector<Index> spaced_pixels(const Grid& grid, const std::vector<Index>& ord
   std::vector<char> taken(order.size(), 0);
   std::vector<Index> chosen;
   for (const Index i : order) {
-    if (taken[static_cast<std::size_t>(i)] != 0) continue;
+    if (taken[i] != 0) continue;
     chosen.push_back(i);
-    const double radius = scale * spacing[static_cast<std::size_t>(i)];
+    const double radius = scale * spacing[i];
     const auto reach = static_cast<Index>(radius);
     const Index x = i % grid.size[0], y = i / grid.size[0];
     for (Index v = std::max<Index>(0, y - reach); v <= std::min(grid.size[1] - 1, y + reach); ++v)
       for (Index u = std::max<Index>(0, x - reach); u <= std::min(grid.size[0] - 1, x + reach); ++u)
-        if (std::hypot(static_cast<double>(u - x), static_cast<double>(v - y)) < radius)
-          taken[static_cast<std::size_t>(grid.index(u, v))] = 1;
+        if (std::hypot(static_cast<double>(u - x), static_cast<double>(v - y)) < radius) taken[grid.index(u, v)] = 1;
   }
   return chosen;
 }
@@ -55,9 +54,7 @@ Nodes<2> nodes_along(const Grid& grid, const std::vector<std::uint8_t>& shape, I
   for (float& d : distance) d = std::abs(d);
   std::vector<Index> order(distance.size());
   std::iota(order.begin(), order.end(), Index{0});
-  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
-    return distance[static_cast<std::size_t>(a)] < distance[static_cast<std::size_t>(b)];
-  });
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return distance[a] < distance[b]; });
   std::vector<double> spacing(distance.size());
   std::transform(distance.begin(), distance.end(), spacing.begin(),
                  [&](double d) { return 1 + (ratio - 1) * std::min(1.0, d / width); });

@@ -24,7 +24,7 @@ Phantom noisy_bone(Index n, double snr) {
 Points<3> border(const Grid& grid, const std::vector<std::uint8_t>& labels) {
   std::vector<Index> chosen;
   for (Index i = 0; i + 1 < grid.voxels(); ++i)
-    if (labels[static_cast<std::size_t>(i)] != labels[static_cast<std::size_t>(i + 1)]) chosen.push_back(i);
+    if (labels[i] != labels[i + 1]) chosen.push_back(i);
   return grid.centers<3>()(Eigen::all, chosen);
 }
 

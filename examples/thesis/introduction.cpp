@@ -30,8 +30,7 @@ void add_gaps(Figure& figure) {
   const auto n = static_cast<Index>(measured.rows.size());
   Points<1> at(1, n);
   Eigen::VectorXd values(n);
-  for (Index i = 0; i < n; ++i)
-    at(0, i) = measured.rows[static_cast<std::size_t>(i)][0], values[i] = measured.rows[static_cast<std::size_t>(i)][1];
+  for (Index i = 0; i < n; ++i) at(0, i) = measured.rows[i][0], values[i] = measured.rows[i][1];
   const Points<1> x = (days - 1) * line(1201);
   const Eigen::VectorXd found = fit<1>({at, values, {}}).components[0]->evaluate(x).value;
   Table curves{.name = "curves", .columns = {"day", "truth", "fit"}};

@@ -150,8 +150,7 @@ KSpaceResult reconstruct_k_space(Trajectory kind, Index side) {
   Eigen::MatrixXd fitted(indices.cols(), 2);
   result.fit_seconds = seconds([&] {
     const Fit<2> f = fit<2>(samples, {.scale_axes = false});
-    for (Index part = 0; part < 2; ++part)
-      fitted.col(part) = f.components[static_cast<std::size_t>(part)]->evaluate(indices).value;
+    for (Index part = 0; part < 2; ++part) fitted.col(part) = f.components[part]->evaluate(indices).value;
   });
   const auto image = [&](const Eigen::MatrixXd& values) { return image_of(on_grid(values, indices, side)); };
   const Eigen::MatrixXcd reference = image(phantom_transform(indices));

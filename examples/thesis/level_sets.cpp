@@ -58,9 +58,8 @@ TwoMeans two_means(const std::vector<float>& values, const unsigned char* labels
 
 std::vector<std::uint8_t> ball_labels(const Grid& grid, const Point<3>& center, double radius) {
   const Points<3> centers = grid.centers<3>();
-  std::vector<std::uint8_t> labels(static_cast<std::size_t>(grid.voxels()));
-  for (Index i = 0; i < centers.cols(); ++i)
-    labels[static_cast<std::size_t>(i)] = (centers.col(i) - center).norm() < radius ? 1 : 0;
+  std::vector<std::uint8_t> labels(grid.voxels());
+  for (Index i = 0; i < centers.cols(); ++i) labels[i] = (centers.col(i) - center).norm() < radius ? 1 : 0;
   return labels;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/core/image.hpp"
 #include "csrbf/levelset/baselines/collocation.hpp"
 #include "csrbf/levelset/segment.hpp"

@@ -58,7 +58,7 @@ PointCloud sampled(const Mesh& mesh, Index samples) {
   SurfaceSamples drawn = sample_surface(mesh, samples);
   const Points<3> normals = vertex_normals(mesh);
   for (Index i = 0; i < samples; ++i) {
-    const auto t = mesh.triangles.col(drawn.triangle[static_cast<std::size_t>(i)]);
+    const auto t = mesh.triangles.col(drawn.triangle[i]);
     Eigen::Matrix3d corners, corner_normals;
     for (int k = 0; k < 3; ++k) {
       corners.col(k) = mesh.vertices.col(t[k]);

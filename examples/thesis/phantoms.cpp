@@ -23,31 +23,29 @@ Volume<float> empty_image(Index width, Index height, Index depth = 1) {
 // Convolution with a Gaussian along one axis; the image goes on mirrored beyond its border.
 void blur(std::vector<float>& values, const Grid& grid, std::size_t axis, double deviation) {
   const auto reach = static_cast<Index>(std::ceil(4 * deviation));
-  std::vector<double> weights(static_cast<std::size_t>(reach + 1));
+  std::vector<double> weights(reach + 1);
   double sum = 0;
   for (Index k = 0; k <= reach; ++k) {
     const double t = static_cast<double>(k) / deviation;
-    weights[static_cast<std::size_t>(k)] = std::exp(-0.5 * t * t);
-    sum += (k == 0 ? 1 : 2) * weights[static_cast<std::size_t>(k)];
+    weights[k] = std::exp(-0.5 * t * t);
+    sum += (k == 0 ? 1 : 2) * weights[k];
   }
   const Index n = grid.size[axis];
   const Index stride = axis == 0 ? 1 : axis == 1 ? grid.size[0] : grid.size[0] * grid.size[1];
   const Index lines = grid.voxels() / n;
   parallel_for(lines, 64, [&](Index begin, Index end) {
-    std::vector<float> line(static_cast<std::size_t>(n));
+    std::vector<float> line(n);
     for (Index l = begin; l < end; ++l) {
       const Index first = (l / stride) * stride * n + l % stride;
-      for (Index i = 0; i < n; ++i)
-        line[static_cast<std::size_t>(i)] = values[static_cast<std::size_t>(first + i * stride)];
+      for (Index i = 0; i < n; ++i) line[i] = values[first + i * stride];
       for (Index i = 0; i < n; ++i) {
         double value = 0;
         for (Index k = -reach; k <= reach; ++k) {
           const Index turned = (((i + k) % (2 * n)) + 2 * n) % (2 * n);
           const Index at = turned < n ? turned : 2 * n - 1 - turned;
-          value +=
-              weights[static_cast<std::size_t>(std::abs(k))] * static_cast<double>(line[static_cast<std::size_t>(at)]);
+          value += weights[std::abs(k)] * static_cast<double>(line[at]);
         }
-        values[static_cast<std::size_t>(first + i * stride)] = static_cast<float>(value / sum);
+        values[first + i * stride] = static_cast<float>(value / sum);
       }
     }
   });
@@ -68,7 +66,7 @@ Phantom covered(Index n, double edge, const std::function<double(double, double)
                        ? 1
                        : 0;
       const double share = static_cast<double>(count) / (parts * parts);
-      phantom.image.values[static_cast<std::size_t>(x + n * y)] = static_cast<float>(share);
+      phantom.image.values[x + n * y] = static_cast<float>(share);
       phantom.truth.push_back(share >= 0.5 ? 1 : 0);
     }
   for (std::size_t axis = 0; axis < 2; ++axis) blur(phantom.image.values, phantom.image.grid, axis, edge);
@@ -164,7 +162,7 @@ Phantom bone(Index n) {
   const Eigen::VectorXd f = Trabeculae(n).evaluate(phantom.image.grid.centers<3>()).value;
   for (Index i = 0; i < f.size(); ++i) {
     phantom.truth.push_back(f[i] > 0 ? 1 : 0);
-    phantom.image.values[static_cast<std::size_t>(i)] = f[i] > 0 ? 1 : 0;
+    phantom.image.values[i] = f[i] > 0 ? 1 : 0;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) blur(phantom.image.values, phantom.image.grid, axis, 1);
   for (float& value : phantom.image.values) value = static_cast<float>(dark + contrast * static_cast<double>(value));

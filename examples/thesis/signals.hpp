@@ -57,7 +57,7 @@ Eigen::MatrixXd values_by_level(const LevelSum<Dim>& sum, const PointsRef<Dim>& 
   Eigen::MatrixXd values(x.cols(), static_cast<Index>(sum.levels().size()));
   Eigen::VectorXd total = Eigen::VectorXd::Zero(x.cols());
   for (Index level = 0; level < values.cols(); ++level) {
-    total += sum.levels()[static_cast<std::size_t>(level)]->evaluate(x).value;
+    total += sum.levels()[level]->evaluate(x).value;
     values.col(level) = total;
   }
   return values;

@@ -48,10 +48,10 @@ Slice drawn_slice(Index width, Index height) {
 }
 
 SampledSlice sample_slice(const Slice& slice, double share, unsigned seed) {
-  std::vector<Index> order(static_cast<std::size_t>(slice.values.size()));
+  std::vector<Index> order(slice.values.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::shuffle(order.begin(), order.end(), std::mt19937_64(seed));
-  order.resize(static_cast<std::size_t>(std::llround(share * static_cast<double>(order.size()))));
+  order.resize(std::llround(share * static_cast<double>(order.size())));
   std::sort(order.begin(), order.end());
   return {slice, order, {slice.pixels()(Eigen::all, order), slice.values(order), {}}};
 }

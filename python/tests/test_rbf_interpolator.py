@@ -317,7 +317,7 @@ class Failures(unittest.TestCase):
             (ValueError, "every value must be finite", (y, nan), {}),
             (ValueError, "every coordinate must be finite", (y * [1, np.inf], d), {}),
             (ValueError, "real numbers", (y + 1j, d), {}),
-            (csrbf.SolverFailure, "merge points", (np.repeat(y[:10], 2, axis=0), d), {}),
+            (csrbf.SolverFailure, "merge coincident points", (np.repeat(y[:10], 2, axis=0), d), {}),
             (csrbf.SolverFailure, "2 of its 3", (np.column_stack([d, d]), d), {}),
         ]
         for error, message, arguments, keywords in cases:

@@ -93,7 +93,7 @@ class Plane(unittest.TestCase):
 
         with self.assertRaisesRegex(KeyError, "mine"):
             csrbf.segment(image, force=broken, init="sphere:30,20,5")
-        with self.assertRaisesRegex(ValueError, "size of what force returns"):
+        with self.assertRaisesRegex(ValueError, "size of the result of force"):
             csrbf.segment(image, force=lambda labels: np.zeros(3), init="sphere:30,20,5")
 
     def test_wrong_arguments_are_value_errors(self):

@@ -150,7 +150,7 @@ class Reconstruction(unittest.TestCase):
                 m.save(os.path.join(folder, "m.magic"))
             with self.assertRaises(OSError):
                 m.save(os.path.join(folder, "missing", "m.ply"))
-            with self.assertRaisesRegex(ValueError, "numbers of vertices"):
+            with self.assertRaisesRegex(ValueError, "must be vertex indices"):
                 csrbf.Mesh(m.vertices[:4], m.faces, m.normals[:4]).save(os.path.join(folder, "m.ply"))
 
     def test_wrong_arguments_raise_value_errors(self):

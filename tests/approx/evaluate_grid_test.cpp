@@ -5,6 +5,7 @@
 
 #include "approx/partition_testing.hpp"
 #include "core/error_testing.hpp"
+#include "csrbf/core/grid_tiles.hpp"
 
 namespace csrbf {
 namespace {
@@ -87,7 +88,7 @@ TEST(EvaluateGrid, HasNodesOnTheBordersOfCells) {
   const Cover<2>& cover = fit.data->cover;
   GridAxes<2> axes{Eigen::VectorXd(cover.size()), Eigen::VectorXd(cover.size())};
   for (Index i = 0; i < cover.size(); ++i)
-    for (Index a = 0; a < 2; ++a) axes[static_cast<std::size_t>(a)][i] = cover.cell(i).lo[a];
+    for (Index a = 0; a < 2; ++a) axes[a][i] = cover.cell(i).lo[a];
   for (auto& axis : axes) std::sort(axis.begin(), axis.end());
   expect_values_at_nodes<2>(*fit.fields()[0], axes);
 }

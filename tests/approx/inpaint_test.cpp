@@ -28,7 +28,7 @@ Volume<double> picture_of(const VolumeLayout& layout, const Function& f) {
     for (Index y = 0; y < grid.size[1]; ++y)
       for (Index x = 0; x < grid.size[0]; ++x) {
         const Point<3> voxel(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
-        image.values[static_cast<std::size_t>(grid.index(x, y, z))] = f(Point<3>(grid.spacing.cwiseProduct(voxel)));
+        image.values[grid.index(x, y, z)] = f(Point<3>(grid.spacing.cwiseProduct(voxel)));
       }
   return image;
 }
@@ -51,7 +51,7 @@ Mask hole(const Grid& grid, const Point<3>& center, double radius) {
     for (Index y = 0; y < grid.size[1]; ++y)
       for (Index x = 0; x < grid.size[0]; ++x)
         if ((Point<3>(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)) - center).norm() < radius)
-          mask[static_cast<std::size_t>(grid.index(x, y, z))] = 1;
+          mask[grid.index(x, y, z)] = 1;
   return mask;
 }
 
@@ -129,7 +129,7 @@ TEST(Inpaint, OfAHoleTakesTheKnownPixelsAroundItOnly) {
 
   // What lies far away has no influence at all.
   Volume<double> other = spoiled(truth, mask);
-  for (Index x = 0; x < 200; ++x) other.values[static_cast<std::size_t>(other.grid.index(x, 5))] = 1e9;
+  for (Index x = 0; x < 200; ++x) other.values[other.grid.index(x, 5)] = 1e9;
   inpaint(other, mask);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (mask[i] != 0) {

@@ -18,14 +18,13 @@ double plain_value(const LocalModels<Dim>& models, Index i, Index component, con
   double sum = 0;
   for (Index j = 0; j < monomials.size(); ++j) {
     double monomial = 1;
-    for (int a = 0; a < Dim; ++a) monomial *= std::pow(q[a], monomials.exponents(j)[static_cast<std::size_t>(a)]);
-    sum += models.polynomial[static_cast<std::size_t>(row * monomials.size() + j)] * monomial;
+    for (int a = 0; a < Dim; ++a) monomial *= std::pow(q[a], monomials.exponents(j)[a]);
+    sum += models.polynomial[row * monomials.size() + j] * monomial;
   }
   const Index M = models.centers_each;
   for (Index j = 0; j < M; ++j) {
     const Eigen::Map<const Point<Dim>> center(models.position.data() + Dim * (M * i + j));
-    sum +=
-        models.alpha[static_cast<std::size_t>(row * M + j)] * models.kernel.value((q - center).norm() / models.support);
+    sum += models.alpha[row * M + j] * models.kernel.value((q - center).norm() / models.support);
   }
   return sum;
 }

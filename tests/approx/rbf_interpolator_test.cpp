@@ -65,7 +65,7 @@ TEST(RbfInterpolator, WithNeighborsIsTheInterpolantOfTheNearestPoints) {
       for (Index j = 0; j < y.cols(); ++j) nearest.emplace_back((y.col(j) - x.col(i)).norm(), j);
       std::sort(nearest.begin(), nearest.end());
       std::vector<Index> list;
-      for (Index j = 0; j < neighbors; ++j) list.push_back(nearest[static_cast<std::size_t>(j)].second);
+      for (Index j = 0; j < neighbors; ++j) list.push_back(nearest[j].second);
       const RbfInterpolator local(y(Eigen::all, list), s(Eigen::all, list), {.smoothing = smoothing(list)});
       EXPECT_LT((found.col(i) - local.evaluate(x.col(i))).norm(), rounding) << neighbors << " " << i;
     }
@@ -157,11 +157,11 @@ TEST(RbfInterpolator, RefusesWhatItCannotUse) {
 TEST(RbfInterpolator, SaysWhySystemsAreSingular) {
   const Matrix y = random_points(2, 20, 14);
   const Matrix twice = y.leftCols(10).replicate(1, 2);
-  expect_error<SolverFailure>([&] { RbfInterpolator(twice, smooth_values(y)); }, "merge points");
+  expect_error<SolverFailure>([&] { RbfInterpolator(twice, smooth_values(y)); }, "merge coincident points");
   const Matrix line = y.row(0).replicate(2, 1);
   expect_error<SolverFailure>([&] { RbfInterpolator(line, smooth_values(y)); }, "2 of its 3 coefficients");
   const RbfInterpolator local(twice, smooth_values(y), {.neighbors = 8});
-  expect_error<SolverFailure>([&] { (void)local.evaluate(y); }, "merge points");
+  expect_error<SolverFailure>([&] { (void)local.evaluate(y); }, "merge coincident points");
 }
 
 }  // namespace

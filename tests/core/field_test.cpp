@@ -32,7 +32,7 @@ class Counting : public Field<2> {
   [[nodiscard]] Box<2> bounds() const override { return {}; }
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<2>& x) const override {
     if (!ordered_) return {};
-    std::vector<Index> order(static_cast<std::size_t>(x.cols()));
+    std::vector<Index> order(x.cols());
     std::iota(order.begin(), order.end(), Index{0});
     std::sort(order.begin(), order.end(), [&](Index i, Index j) { return x(0, i) < x(0, j); });
     return order;

@@ -1,4 +1,5 @@
 #include "csrbf/core/grid.hpp"
+#include "csrbf/core/error.hpp"
 
 #include <Eigen/Geometry>
 

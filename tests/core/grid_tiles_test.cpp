@@ -18,7 +18,7 @@ GridAxes<Dim> axes_of(const std::array<Index, Dim>& sizes) {
 template <int Dim>
 std::vector<int> visits(const std::array<Index, Dim>& sizes, Index nodes_per_tile) {
   const GridTiles<Dim> tiles(axes_of<Dim>(sizes), nodes_per_tile);
-  std::vector<int> count(static_cast<std::size_t>(tiles.nodes()), 0);
+  std::vector<int> count(tiles.nodes(), 0);
   for (Index i = 0; i < tiles.size(); ++i) {
     const GridTile<Dim> tile = tiles[i];
     EXPECT_LE(tile.nodes(), nodes_per_tile);
@@ -26,7 +26,7 @@ std::vector<int> visits(const std::array<Index, Dim>& sizes, Index nodes_per_til
       Index number = 0;
       for (std::size_t a = Dim; a-- > 0;) number = number * sizes[a] + node[a];
       EXPECT_EQ(number, first);
-      for (Index k = 0; k < tile.size(0); ++k) ++count[static_cast<std::size_t>(first + k)];
+      for (Index k = 0; k < tile.size(0); ++k) ++count[first + k];
     });
   }
   return count;

@@ -211,12 +211,11 @@ TEST(Topology, DoesNotDependOnTheNumberingOfVerticesAndTriangles) {
   order.setIdentity();
   std::shuffle(order.indices().data(), order.indices().data() + order.size(), random);
   std::vector<int> name(54);
-  for (int i = 0; i < 54; ++i) name[static_cast<std::size_t>(i)] = i;
+  for (int i = 0; i < 54; ++i) name[i] = i;
   std::shuffle(name.begin(), name.end(), random);
   Mesh shuffled = mesh;
   shuffled.triangles = mesh.triangles * order;
-  for (Index i = 0; i < shuffled.triangles.size(); ++i)
-    shuffled.triangles(i) = name[static_cast<std::size_t>(shuffled.triangles(i))];
+  for (Index i = 0; i < shuffled.triangles.size(); ++i) shuffled.triangles(i) = name[shuffled.triangles(i)];
   expect_equal(topology(shuffled), topology(mesh));
 }
 

@@ -61,7 +61,7 @@ TEST_F(Parallel, EveryIndexIsVisitedOnceWhateverTheNumberOfThreads) {
     set_thread_count(threads);
     std::vector<std::atomic<int>> visits(10'007);
     parallel_for(10'007, 13, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
+      for (Index i = begin; i < end; ++i) ++visits[i];
     });
     for (const auto& count : visits) ASSERT_EQ(count, 1);
   }

@@ -29,7 +29,7 @@ class Wave : public Field<2> {
   }
   [[nodiscard]] Box<2> bounds() const override { return {Point<2>(0, 0), Point<2>(1, 1)}; }
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<2>& x) const override {
-    std::vector<Index> order(static_cast<std::size_t>(x.cols()));
+    std::vector<Index> order(x.cols());
     std::iota(order.begin(), order.end(), Index{0});
     std::sort(order.begin(), order.end(), [&](Index a, Index b) { return x(0, a) > x(0, b); });
     return order;
@@ -39,10 +39,10 @@ class Wave : public Field<2> {
 };
 
 std::vector<double> squares(Index n) {
-  std::vector<double> result(static_cast<std::size_t>(n));
+  std::vector<double> result(n);
   share_arrays("squares", n, 10,
                [&](Index begin, Index end) {
-                 for (Index i = begin; i < end; ++i) result[static_cast<std::size_t>(i)] = static_cast<double>(i * i);
+                 for (Index i = begin; i < end; ++i) result[i] = static_cast<double>(i * i);
                },
                {ResultArray::of(result.data())});
   return result;

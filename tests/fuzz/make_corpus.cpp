@@ -110,7 +110,7 @@ Volume<float> ball_image(Index length, int axes, SampleType type) {
   for (Index i = 0; i < layout.grid.voxels(); ++i) {
     const Point<3> p(static_cast<double>(i % length) - middle, static_cast<double>(i / length % length) - middle,
                      axes == 3 ? static_cast<double>(i / (length * length)) - middle : 0.0);
-    image.values[static_cast<std::size_t>(i)] = p.norm() < middle / 2 ? 200.0F : 10.0F;
+    image.values[i] = p.norm() < middle / 2 ? 200.0F : 10.0F;
   }
   return image;
 }

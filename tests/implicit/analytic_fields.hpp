@@ -30,8 +30,8 @@ class AnalyticField : public Field<3> {
     for (Index i = 0; i < p.cols(); ++i) {
       Variables x;
       for (int k = 0; k < 3; ++k) {
-        x[static_cast<std::size_t>(k)].value = p(k, i);
-        x[static_cast<std::size_t>(k)].gradient[k] = 1;
+        x[k].value = p(k, i);
+        x[k].gradient[k] = 1;
       }
       const Taylor<3> f = expression_(x);
       out.value[i] = f.value;
@@ -178,9 +178,9 @@ inline testing::AssertionResult encloses(const Field<3>& field, const Box<3>& ar
       const double bend = jet.hessian_matrix(k).selfadjointView<Eigen::Lower>().eigenvalues().cwiseAbs().maxCoeff();
       if (jet.value[k] < e->lo - slack || jet.value[k] > e->hi + slack)
         return testing::AssertionFailure() << jet.value[k] << " is not in [" << e->lo << ", " << e->hi << "]";
-      if (jet.gradient.col(k).norm() > e->slope * (1 + 1e-12) || !(bend <= e->bend * (1 + 1e-9) + slack))
-        return testing::AssertionFailure() << "slope " << jet.gradient.col(k).norm() << " of " << e->slope << ", bend "
-                                           << bend << " of " << e->bend;
+      if (jet.gradient.col(k).norm() > e->lipschitz * (1 + 1e-12) || !(bend <= e->hessian_bound * (1 + 1e-9) + slack))
+        return testing::AssertionFailure() << "slope " << jet.gradient.col(k).norm() << " of " << e->lipschitz
+                                           << ", bend " << bend << " of " << e->hessian_bound;
     }
   }
   return testing::AssertionSuccess();

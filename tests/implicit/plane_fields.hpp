@@ -21,8 +21,8 @@ class PlaneField : public Field<2> {
     for (Index i = 0; i < p.cols(); ++i) {
       std::array<Variable, 2> x;
       for (Index k = 0; k < 2; ++k) {
-        x[static_cast<std::size_t>(k)].value = p(k, i);
-        x[static_cast<std::size_t>(k)].gradient[k] = 1;
+        x[k].value = p(k, i);
+        x[k].gradient[k] = 1;
       }
       const Taylor<2> f = expression_(x[0], x[1]);
       out.value[i] = f.value;

@@ -151,7 +151,7 @@ inline Implicit noise(int n, std::uint64_t seed, bool small_integers = false) {
     for (int c = 0; c < 8; ++c) {
       const Eigen::Array3i d(c & 1, c >> 1 & 1, c >> 2);
       const Eigen::Array3i at = cell + d;
-      const double v = node[static_cast<std::size_t>((at[2] * n + at[1]) * n + at[0])];
+      const double v = node[(at[2] * n + at[1]) * n + at[0]];
       const Point<3> w = (d == 1).select(t.array(), 1 - t.array());
       const Point<3> sign = (d == 1).select(Eigen::Array3d::Ones(), -1.0);
       f += v * w.prod();

@@ -1,4 +1,5 @@
 #include "core/error_testing.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "implicit/polygonize_fields.hpp"
 
 #include <Eigen/Geometry>

@@ -1,5 +1,6 @@
 #include "csrbf/implicit/polygonize.hpp"
 
+#include "csrbf/core/parallel.hpp"
 #include "implicit/polygonize_fields.hpp"
 
 #include <Eigen/Geometry>

@@ -16,8 +16,7 @@ Image image_of(const std::array<Index, 3>& size, const std::function<float(Index
   Image image(layout);
   for (Index z = 0; z < size[2]; ++z)
     for (Index y = 0; y < size[1]; ++y)
-      for (Index x = 0; x < size[0]; ++x)
-        image.values[static_cast<std::size_t>(layout.grid.index(x, y, z))] = at(x, y, z);
+      for (Index x = 0; x < size[0]; ++x) image.values[layout.grid.index(x, y, z)] = at(x, y, z);
   return image;
 }
 
@@ -122,8 +121,7 @@ TEST(Preview, ShowsPatientsTheSameInEverySpace) {
   for (Index z = 0; z < 7; ++z)
     for (Index y = 0; y < 8; ++y)
       for (Index x = 0; x < 9; ++x)
-        turned.values[static_cast<std::size_t>(turned.grid.index(8 - x, 7 - y, z))] =
-            image.values[static_cast<std::size_t>(image.grid.index(x, y, z))];
+        turned.values[turned.grid.index(8 - x, 7 - y, z)] = image.values[image.grid.index(x, y, z)];
   turned.grid.direction.diagonal() << -1, -1, 1;
   turned.grid.origin = {8, 7, 0};
   turned.grid = in_space(turned.grid, Space::right_anterior_superior);

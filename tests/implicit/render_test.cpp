@@ -40,7 +40,7 @@ double mean_difference(const RgbImage& a, const RgbImage& b) {
 
 LinearRgb linear(const Color& color) {
   LinearRgb light;
-  for (int k = 0; k < 3; ++k) light[k] = linear_from_srgb(static_cast<float>(color[static_cast<std::size_t>(k)]) / 255);
+  for (int k = 0; k < 3; ++k) light[k] = linear_from_srgb(static_cast<float>(color[k]) / 255);
   return light;
 }
 

@@ -3,6 +3,7 @@
 #include "core/error_testing.hpp"
 #include "implicit/polygonize_fields.hpp"
 
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 namespace csrbf {

@@ -245,7 +245,7 @@ TEST_P(WendlandOf, HasTheSameValuesInBatches) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(0, 1.3);
   for (const int n : {0, 1, 3, 7, 8, 9, 15, 16, 37, 64, 100}) {
-    std::vector<double> r2(static_cast<std::size_t>(n));
+    std::vector<double> r2(n);
     for (double& x : r2) x = uniform(random) * uniform(random);
     for (std::size_t i = 0; i < r2.size(); i += 5) r2[i] = std::vector<double>{0, 1, 1e-80, 1e300}[i / 5 % 4];
     constexpr double untouched = 77;

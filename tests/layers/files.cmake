@@ -3,6 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 set(longest 400)
+set(fullest 34)  # code files in a folder
 set(code "\\.(hpp|cpp)$")
 
 # Nothing says on which machine, where or when the project was written.
@@ -42,12 +43,25 @@ foreach(file IN LISTS files)
     if(lines GREATER longest)
       string(APPEND violations "\n  ${file}: has ${lines} lines, more than ${longest}; split it by what it does")
     endif()
+    cmake_path(GET file PARENT_PATH folder)
+    set_property(GLOBAL APPEND PROPERTY in_${folder} ${file})
+    set_property(GLOBAL APPEND PROPERTY folders ${folder})
     if(NOT file MATCHES "(^|/)[a-z0-9_]+\\.(hpp|cpp)$")
       string(APPEND violations "\n  ${file}: name files in snake_case")
     endif()
     if(file MATCHES "\\.hpp$" AND NOT text MATCHES "^#pragma once\n")
       string(APPEND violations "\n  ${file}: start headers with #pragma once")
     endif()
+  endif()
+endforeach()
+
+get_property(folders GLOBAL PROPERTY folders)
+list(REMOVE_DUPLICATES folders)
+foreach(folder IN LISTS folders)
+  get_property(inside GLOBAL PROPERTY in_${folder})
+  list(LENGTH inside count)
+  if(count GREATER fullest AND NOT folder STREQUAL "examples/thesis")
+    string(APPEND violations "\n  ${folder}: holds ${count} files of code, more than ${fullest}; sort them into rooms")
   endif()
 endforeach()
 

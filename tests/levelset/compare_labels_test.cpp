@@ -24,8 +24,7 @@ Labels labels(const std::array<Index, 3>& size, const LabelAt& at, const Point<3
   Labels volume(layout);
   for (Index z = 0; z < size[2]; ++z)
     for (Index y = 0; y < size[1]; ++y)
-      for (Index x = 0; x < size[0]; ++x)
-        volume.values[static_cast<std::size_t>(layout.grid.index(x, y, z))] = static_cast<float>(at(x, y, z));
+      for (Index x = 0; x < size[0]; ++x) volume.values[layout.grid.index(x, y, z)] = static_cast<float>(at(x, y, z));
   return volume;
 }
 
@@ -38,7 +37,7 @@ std::vector<Point<3>> border_of(const Labels& volume, float label) {
   const auto& size = volume.grid.size;
   const auto holds = [&](Index x, Index y, Index z) {
     return x >= 0 && y >= 0 && z >= 0 && x < size[0] && y < size[1] && z < size[2] &&
-           volume.values[static_cast<std::size_t>(volume.grid.index(x, y, z))] == label;
+           volume.values[volume.grid.index(x, y, z)] == label;
   };
   for (Index z = 0; z < size[2]; ++z)
     for (Index y = 0; y < size[1]; ++y)

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
-#include "csrbf/levelset/regions/force_update.hpp"
+#include "csrbf/levelset/segment_options.hpp"
 
 #include <cmath>
 #include <functional>

@@ -1,5 +1,7 @@
 #include "csrbf/levelset/seed.hpp"
 
+#include <Eigen/Geometry>
+
 #include "csrbf/core/error.hpp"
 
 #include <gtest/gtest.h>
@@ -79,8 +81,7 @@ TEST(Seed, OfAPolygonDoesNotDependOnTheOrderOfItsCorners) {
   shuffled << 14.5, 4.5, 4.5, 14.5, 9.5, 2.5, 9.5, 2.5;
   const Seed seed = seed_polygon(grid, square);
   for (Index y = 0; y < 21; ++y)
-    for (Index x = 0; x < 21; ++x)
-      ASSERT_EQ(seed[static_cast<std::size_t>(grid.index(x, y))], x > 4 && x < 15 && y > 2 && y < 10 ? 1 : 0);
+    for (Index x = 0; x < 21; ++x) ASSERT_EQ(seed[grid.index(x, y)], x > 4 && x < 15 && y > 2 && y < 10 ? 1 : 0);
   EXPECT_EQ(seed_polygon(grid, shuffled), seed);
 }
 

@@ -43,8 +43,7 @@ TEST(Segment, FindsEverythingFromAnySeedAndNeverInvertsIt) {
   const Phantom phantom = make_phantom(n, islands, 1.5, 3);
   std::vector<std::uint8_t> checkerboard(phantom.truth.size());
   for (Index y = 0; y < n; ++y)
-    for (Index x = 0; x < n; ++x)
-      checkerboard[static_cast<std::size_t>(x + n * y)] = (x / 10 + y / 10) % 2 == 0 ? 1 : 0;
+    for (Index x = 0; x < n; ++x) checkerboard[x + n * y] = (x / 10 + y / 10) % 2 == 0 ? 1 : 0;
   for (const std::vector<std::uint8_t>& seed :
        {disc_seed(n, 30, 0, 20), disc_seed(n, 40, 5, 2.5), disc_seed(n, 80, -80, 8), checkerboard}) {
     SegmentOptions options;
@@ -75,17 +74,11 @@ TEST(Segment, TurnsWithTheImage) {
   const Phantom phantom = make_phantom(n, islands, 2, 15);
   Phantom turned = phantom;
   for (Index y = 0; y < n; ++y)
-    for (Index x = 0; x < n; ++x)
-      turned.image.values[static_cast<std::size_t>(n - 1 - y + n * x)] =
-          phantom.image.values[static_cast<std::size_t>(x + n * y)];
+    for (Index x = 0; x < n; ++x) turned.image.values[n - 1 - y + n * x] = phantom.image.values[x + n * y];
   const Segmentation<2> plain = segment<2>(phantom.image), other = segment<2>(turned.image);
   Index differ = 0;
   for (Index y = 0; y < n; ++y)
-    for (Index x = 0; x < n; ++x)
-      differ +=
-          plain.labels[static_cast<std::size_t>(x + n * y)] != other.labels[static_cast<std::size_t>(n - 1 - y + n * x)]
-              ? 1
-              : 0;
+    for (Index x = 0; x < n; ++x) differ += plain.labels[x + n * y] != other.labels[n - 1 - y + n * x] ? 1 : 0;
   EXPECT_LE(differ, 4);  // sums in another order
 }
 
@@ -135,8 +128,7 @@ TEST(Segment, GivesAFieldWithTheLabelsAndAboutTheDistance) {
   const Points<2> centers = phantom.image.grid.centers<2>();
   const Jet<2> jet = result.fields[0]->evaluate(centers, Derivatives::gradient);
   Index differ = 0;
-  for (Index i = 0; i < centers.cols(); ++i)
-    differ += (jet.value[i] > 0) != (result.labels[static_cast<std::size_t>(i)] != 0) ? 1 : 0;
+  for (Index i = 0; i < centers.cols(); ++i) differ += (jet.value[i] > 0) != (result.labels[i] != 0) ? 1 : 0;
   EXPECT_LE(differ, 2);  // values of the size of the rounding of floats
   // Along the x axis through the middle of the disc, of radius 25 in physical units.
   const Point<2> middle(10 + 50, -20 + 50);
@@ -196,8 +188,7 @@ TEST(Segment, TellsFourRegionsApart) {
 TEST(Segment, SeesThroughShading) {
   Phantom phantom = make_phantom(n, islands, 1, 4);
   for (Index y = 0; y < n; ++y)
-    for (Index x = 0; x < n; ++x)
-      phantom.image.values[static_cast<std::size_t>(x + n * y)] += 85.0F * static_cast<float>(x) / n;
+    for (Index x = 0; x < n; ++x) phantom.image.values[x + n * y] += 85.0F * static_cast<float>(x) / n;
   const Segmentation<2> result = segment<2>(phantom.image);
   EXPECT_EQ(result.report.options.shading, Shading::linear);
   EXPECT_GT(dice(result.labels, phantom.truth), 0.997);
@@ -265,7 +256,7 @@ TEST(Segment, MovesTheContourLocallyAndStaysThere) {
   const Segmentation<2> result = segment<2>(phantom.image, options);
   std::vector<std::uint8_t> left = phantom.truth;
   for (Index y = 0; y < n; ++y)
-    for (Index x = n / 2; x < n; ++x) left[static_cast<std::size_t>(x + n * y)] = 0;
+    for (Index x = n / 2; x < n; ++x) left[x + n * y] = 0;
   EXPECT_GT(dice(result.labels, left), 0.985);
   EXPECT_EQ(result.report.components, 1);
   expect_falling_energy(result);
@@ -296,8 +287,7 @@ TEST(Segment, DoesWhatTheThesisDid) {
   EXPECT_EQ(result.report.components, 2);
   const Points<2> centers = phantom.image.grid.centers<2>();
   const Eigen::VectorXd values = result.fields[0]->evaluate(centers).value;
-  for (Index i = 0; i < centers.cols(); ++i)
-    ASSERT_EQ(values[i] > 0, result.labels[static_cast<std::size_t>(i)] != 0) << i;
+  for (Index i = 0; i < centers.cols(); ++i) ASSERT_EQ(values[i] > 0, result.labels[i] != 0) << i;
   options.seed = disc_seed(n, 0, 0, 30);
   EXPECT_GT(dice(segment<2>(phantom.image, options).labels, phantom.truth), 0.985);
 }

@@ -58,12 +58,12 @@ inline double dice(const std::vector<std::uint8_t>& a, const std::vector<std::ui
 }
 
 inline std::vector<std::uint8_t> disc_seed(Index n, double x, double y, double radius) {
-  std::vector<std::uint8_t> seed(static_cast<std::size_t>(n * n), 0);
+  std::vector<std::uint8_t> seed(n * n, 0);
   const double middle = 0.5 * static_cast<double>(n - 1);
   for (Index j = 0; j < n; ++j)
     for (Index i = 0; i < n; ++i)
       if (std::hypot(static_cast<double>(i) - middle - x, static_cast<double>(j) - middle - y) < radius)
-        seed[static_cast<std::size_t>(i + n * j)] = 1;
+        seed[i + n * j] = 1;
   return seed;
 }
 

@@ -155,7 +155,7 @@ TEST(Track, CarriesTheContourThroughAFrameOfNoise) {
   std::mt19937 random(5);
   std::normal_distribution<float> normal(100, 40);
   constexpr Index lost = 3;
-  for (Index i = 0; i < n * n; ++i) sequence.values[static_cast<std::size_t>(lost * n * n + i)] = normal(random);
+  for (Index i = 0; i < n * n; ++i) sequence.values[lost * n * n + i] = normal(random);
   const Tracking<2> tracking = track<2>(sequence, {});
   // Noise may move it by three pixels of a radius of 20.
   for (std::size_t t = 0; t < discs.size(); ++t)
@@ -170,7 +170,7 @@ TEST(Track, CarriesTheContourThroughAnOcclusion) {
   Volume<float> sequence = disc_sequence(discs, 10);
   constexpr Index hidden = 3;
   for (Index y = n / 2 - 8; y < n / 2 + 8; ++y)  // a dark bar across the disc: 34 % of it
-    for (Index x = 0; x < n; ++x) sequence.values[static_cast<std::size_t>(hidden * n * n + y * n + x)] = 40;
+    for (Index x = 0; x < n; ++x) sequence.values[hidden * n * n + y * n + x] = 40;
   const auto worst = [&](double persistence) {
     const Tracking<2> tracking = track<2>(sequence, {.persistence = persistence, .motion = 4});
     double least = 1;
@@ -186,7 +186,7 @@ TEST(Track, NothingAppearsFarFromTheContour) {
   const std::vector<Disc> discs(4, Disc{-15, 0, 18});
   Volume<float> sequence = disc_sequence(discs, 10);
   for (Index y = 40; y < 56; ++y)  // as bright, beside it, in one frame
-    for (Index x = 76; x < 92; ++x) sequence.values[static_cast<std::size_t>(2 * n * n + y * n + x)] = 210;
+    for (Index x = 76; x < 92; ++x) sequence.values[2 * n * n + y * n + x] = 210;
   const Tracking<2> tracking = track<2>(sequence, {});
   for (const TrackedFrame<2>& frame : tracking.frames) EXPECT_EQ(frame.segmentation.report.components, 1);
   EXPECT_EQ(track<2>(sequence, {.persistence = 0}).frames[2].segmentation.report.components, 2);
@@ -205,13 +205,12 @@ TEST(Track, MeasuresTheVolumeOfAShrinkingBall) {
   for (Index t = 0; t < 3; ++t)
     for (Index i = 0; i < layout.grid.voxels(); ++i) {
       const double d = radius(t) - (centers.col(i) - middle).norm();
-      sequence.values[static_cast<std::size_t>(t * layout.grid.voxels() + i)] =
-          static_cast<float>(100 + 60 * std::erf(d));
+      sequence.values[t * layout.grid.voxels() + i] = static_cast<float>(100 + 60 * std::erf(d));
     }
   const Tracking<3> tracking = track<3>(sequence, {});
   constexpr double part_of_a_voxel = 0.15;
   for (Index t = 0; t < 3; ++t) {
-    const RegionMeasure& region = tracking.frames[static_cast<std::size_t>(t)].regions[0];
+    const RegionMeasure& region = tracking.frames[t].regions[0];
     EXPECT_NEAR(std::cbrt(0.75 * region.volume / pi), radius(t), part_of_a_voxel);
     EXPECT_NEAR(std::sqrt(0.25 * region.area / pi), radius(t), 2 * part_of_a_voxel);
   }
@@ -220,9 +219,7 @@ TEST(Track, MeasuresTheVolumeOfAShrinkingBall) {
 TEST(Track, KeepsTheLabelsOfSeveralRegions) {
   // A ring whose brightness rises past that of the disc: labels by intensity would be exchanged.
   Volume<float> sequence = disc_sequence({{}, {}, {}}, 0);
-  const auto at = [&](Index t, Index x, Index y) -> float& {
-    return sequence.values[static_cast<std::size_t>(t * n * n + y * n + x)];
-  };
+  const auto at = [&](Index t, Index x, Index y) -> float& { return sequence.values[t * n * n + y * n + x]; };
   for (Index t = 0; t < 3; ++t)
     for (Index y = 0; y < n; ++y)
       for (Index x = 0; x < n; ++x) {
@@ -261,7 +258,7 @@ TEST(Track, ReadsOneFrameAfterTheOtherAndHandsThemOverWhenFinal) {
   };
   track<2>(4, source, {.sweeps = 2}, [&](Index t, TrackedFrame<2>&& frame) {
     taken.push_back(t);
-    EXPECT_EQ(frame.segmentation.labels, whole.frames[static_cast<std::size_t>(t)].segmentation.labels);
+    EXPECT_EQ(frame.segmentation.labels, whole.frames[t].segmentation.labels);
   });
   EXPECT_EQ(read, (std::vector<Index>{0, 1, 2, 3, 3, 2, 1, 0}));
   EXPECT_EQ(taken, (std::vector<Index>{3, 2, 1, 0}));
@@ -309,7 +306,7 @@ TEST(Track, RefusesOptionsOutOfTheirRanges) {
   EXPECT_NE(message({.prediction = 2.0}).find("prediction = 2"), std::string::npos);
   EXPECT_NE(message({.sweeps = 0}).find("sweeps = 0"), std::string::npos);
   TrackOptions prior;
-  prior.segment.prior.assign(static_cast<std::size_t>(n * n), 0.0F);
+  prior.segment.prior.assign(n * n, 0.0F);
   EXPECT_NE(message(prior).find("prior"), std::string::npos);
   EXPECT_NE(invalid_input_message([] { track<2>(Volume<float>(), {}); }), "");
 }

@@ -37,11 +37,10 @@ Batch random_systems(Index n, unsigned seed) {
 
 std::vector<double> interleave_triangles(const Batch& systems) {
   const Index n = systems[0].rows();
-  std::vector<double> A(static_cast<std::size_t>(batch_matrix_size(n)));
+  std::vector<double> A(batch_matrix_size(n));
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j <= i; ++j)
-      for (int s = 0; s < batch_lanes; ++s)
-        A[static_cast<std::size_t>(batch_entry(i, j) + s)] = systems[static_cast<std::size_t>(s)](i, j);
+      for (int s = 0; s < batch_lanes; ++s) A[batch_entry(i, j) + s] = systems[s](i, j);
   return A;
 }
 
@@ -56,7 +55,7 @@ std::vector<double> interleave_columns(const Batch& columns) {
 
 Eigen::MatrixXd columns_of_lane(const std::vector<double>& b, Index n, int lane) {
   Eigen::MatrixXd x(n, static_cast<Index>(b.size()) / (batch_lanes * n));
-  for (Index i = 0; i < x.size(); ++i) x.reshaped()[i] = b[static_cast<std::size_t>(batch_lanes * i + lane)];
+  for (Index i = 0; i < x.size(); ++i) x.reshaped()[i] = b[batch_lanes * i + lane];
   return x;
 }
 
@@ -116,7 +115,7 @@ TEST(BatchedCholesky, GathersTheSameGramMatrixAsADenseProduct) {
       Batch transposed;
       for (Eigen::MatrixXd& F : transposed) F = random_matrix(n, rows, random);
       const std::vector<double> F = interleave_columns(transposed);
-      std::vector<double> A(static_cast<std::size_t>(batch_matrix_size(n)), 2.5);
+      std::vector<double> A(batch_matrix_size(n), 2.5);
       batch_gram(F.data(), rows, n, A.data());
       for (std::size_t s = 0; s < batch_lanes; ++s) {
         const Eigen::MatrixXd gram = transposed[s] * transposed[s].transpose();
@@ -135,13 +134,13 @@ TEST(BatchedCholesky, SolvesLeastSquaresWithTheDataAsLastColumn) {
   Batch transposed;
   for (Eigen::MatrixXd& F : transposed) F = random_matrix(unknowns + 1, rows, random);
   const std::vector<double> F = interleave_columns(transposed);
-  std::vector<double> A(static_cast<std::size_t>(batch_matrix_size(unknowns + 1)), 0.0);
+  std::vector<double> A(batch_matrix_size(unknowns + 1), 0.0);
   batch_gram(F.data(), rows, unknowns + 1, A.data());
   ASSERT_EQ(batch_cholesky(A.data(), unknowns), 0U);
   double* right = A.data() + batch_entry(unknowns, 0);
   batch_solve(A.data(), unknowns, right);
   for (int s = 0; s < batch_lanes; ++s) {
-    const Eigen::MatrixXd& lane = transposed[static_cast<std::size_t>(s)];
+    const Eigen::MatrixXd& lane = transposed[s];
     const Eigen::MatrixXd B = lane.topRows(unknowns).transpose();
     const Eigen::VectorXd expected = B.colPivHouseholderQr().solve(lane.row(unknowns).transpose());
     for (Index i = 0; i < unknowns; ++i) EXPECT_NEAR(right[batch_lanes * i + s], expected[i], rounding);
@@ -187,7 +186,7 @@ TEST(BatchedCholesky, ReportsAFailedPivotAndLeavesItsUnknownOut) {
       if (i != bad) others.push_back(i);
     for (const int s : {2, 5}) {
       const Eigen::VectorXd solution = columns_of_lane(x, n, s);
-      const Eigen::MatrixXd reduced = systems[static_cast<std::size_t>(s)](others, others);
+      const Eigen::MatrixXd reduced = systems[s](others, others);
       const Eigen::VectorXd expected = reduced.fullPivLu().solve(right[0](others, 0));
       EXPECT_EQ(solution[bad], 0);
       EXPECT_LT((solution(others) - expected).norm(), rounding);
@@ -243,8 +242,7 @@ TEST(BatchedCholesky, DoesNotDependOnTheScaleOfTheSystems) {
     EXPECT_EQ(batch_cholesky(A.data(), n, 1e-14), 0U);
     for (Index i = 0; i < n; ++i)
       for (Index j = 0; j <= i; ++j)
-        EXPECT_EQ(std::ldexp(A[static_cast<std::size_t>(batch_entry(i, j))], (i == j ? 1 : -1) * exponent / 2),
-                  unit[static_cast<std::size_t>(batch_entry(i, j))]);
+        EXPECT_EQ(std::ldexp(A[batch_entry(i, j)], (i == j ? 1 : -1) * exponent / 2), unit[batch_entry(i, j)]);
   }
 }
 
@@ -256,7 +254,7 @@ std::vector<double> solve_normal_equations(Index n, Index solutions, BatchWidth 
   for (Eigen::MatrixXd& F : rows) F = random_matrix(n, n + more_rows, random);
   for (Eigen::MatrixXd& b : sides) b = random_matrix(n, solutions, random);
   rows[3].row(n - 1).setZero();
-  std::vector<double> A(static_cast<std::size_t>(batch_matrix_size(n))), b = interleave_columns(sides);
+  std::vector<double> A(batch_matrix_size(n)), b = interleave_columns(sides);
   batch_gram(interleave_columns(rows).data(), n + more_rows, n, A.data(), width);
   EXPECT_EQ(batch_cholesky(A.data(), n, rounding, width), 8U) << n;
   batch_solve(A.data(), n, b.data(), solutions, width);

@@ -34,19 +34,17 @@ struct Systems {
   }
 
   void solve() {
-    matrix.resize(static_cast<std::size_t>(batch_matrix_size(n)));
-    polynomial.resize(static_cast<std::size_t>(batch_lanes * n * Q));
-    right.resize(static_cast<std::size_t>(batch_lanes * n * count));
-    pi.resize(static_cast<std::size_t>(batch_lanes * Q * count));
-    std::vector<double> work(static_cast<std::size_t>(batch_saddle_work(n)));
+    matrix.resize(batch_matrix_size(n));
+    polynomial.resize(batch_lanes * n * Q);
+    right.resize(batch_lanes * n * count);
+    pi.resize(batch_lanes * Q * count);
+    std::vector<double> work(batch_saddle_work(n));
     for (int l = 0; l < batch_lanes; ++l) {
       const auto lane = static_cast<std::size_t>(l);
       for (Index i = 0; i < n; ++i) {
-        for (Index j = 0; j <= i; ++j) matrix[static_cast<std::size_t>(batch_entry(i, j) + l)] = A[lane](i, j);
-        for (Index q = 0; q < Q; ++q)
-          polynomial[static_cast<std::size_t>(batch_lanes * (q * n + i) + l)] = G[lane](i, q);
-        for (Index c = 0; c < count; ++c)
-          right[static_cast<std::size_t>(batch_lanes * (c * n + i) + l)] = s[lane](i, c);
+        for (Index j = 0; j <= i; ++j) matrix[batch_entry(i, j) + l] = A[lane](i, j);
+        for (Index q = 0; q < Q; ++q) polynomial[batch_lanes * (q * n + i) + l] = G[lane](i, q);
+        for (Index c = 0; c < count; ++c) right[batch_lanes * (c * n + i) + l] = s[lane](i, c);
       }
     }
     failed = batch_saddle({n, Q, count, matrix.data(), polynomial.data(), right.data(), pi.data(), work.data()});
@@ -56,8 +54,8 @@ struct Systems {
   [[nodiscard]] Eigen::MatrixXd found(int l) const {
     Eigen::MatrixXd x(n + Q, count);
     for (Index c = 0; c < count; ++c) {
-      for (Index i = 0; i < n; ++i) x(i, c) = right[static_cast<std::size_t>(batch_lanes * (c * n + i) + l)];
-      for (Index q = 0; q < Q; ++q) x(n + q, c) = pi[static_cast<std::size_t>(batch_lanes * (c * Q + q) + l)];
+      for (Index i = 0; i < n; ++i) x(i, c) = right[batch_lanes * (c * n + i) + l];
+      for (Index q = 0; q < Q; ++q) x(n + q, c) = pi[batch_lanes * (c * Q + q) + l];
     }
     return x;
   }

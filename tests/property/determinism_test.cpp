@@ -49,7 +49,7 @@ void expect_same_bits(Work&& work) {
 
 // The numbers 0 to n - 1: ascending, descending, by stride, at random.
 std::vector<Index> order_of(Index n, int order) {
-  std::vector<Index> ids(static_cast<std::size_t>(n));
+  std::vector<Index> ids(n);
   std::iota(ids.begin(), ids.end(), 0);
   if (order == 1) std::reverse(ids.begin(), ids.end());
   if (order == 2) std::stable_sort(ids.begin(), ids.end(), [](Index a, Index b) { return a % 37 < b % 37; });
@@ -162,7 +162,7 @@ TEST(Determinism, OfSegment) {
   const Points<3> x = layout.grid.centers<3>();
   for (Index i = 0; i < x.cols(); ++i) {
     const double inside = (x.col(i) - Point<3>(7, 6, 5)).norm() < 4 ? 1 : 0;
-    image.values[static_cast<std::size_t>(i)] = static_cast<float>(inside + 0.3 * random.normal());
+    image.values[i] = static_cast<float>(inside + 0.3 * random.normal());
   }
   expect_same_bits([&](int order) {
     const Segmentation<3> result = segment<3>(image);

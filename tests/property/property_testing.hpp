@@ -37,7 +37,7 @@ class Random {
 
   template <class T>
   const T& any_of(const std::vector<T>& choices) {
-    return choices[static_cast<std::size_t>(whole(0, static_cast<int>(choices.size()) - 1))];
+    return choices[whole(0, static_cast<int>(choices.size()) - 1)];
   }
 
   template <int Dim>

@@ -3,6 +3,7 @@
 #include "csrbf/surface/estimate_normals.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
+#include "csrbf/surface/baselines/method_fit.hpp"
 #include "property/random_cloud.hpp"
 
 namespace csrbf {
@@ -14,7 +15,7 @@ ReconstructOptions random_options(Random& random, bool any_method) {
   ReconstructOptions options;
   if (any_method) {
     const auto& methods = surface_methods();
-    options.method = methods[static_cast<std::size_t>(random.whole(0, static_cast<int>(methods.size()) - 1))].name;
+    options.method = methods[random.whole(0, static_cast<int>(methods.size()) - 1)].name;
   }
   options.normals = static_cast<Normals>(random.whole(0, 2));
   options.normal_rows = static_cast<NormalRows>(random.whole(0, 1));

@@ -27,7 +27,7 @@ Volume<float> random_image(Random& random, int dim) {
     const Index parity = (i + i / size[0] + i / size[0] / size[1]) % 2;
     const std::array<float, 8> values{x,           x > 0.5F ? 1.0F : 0.0F, i % 7 == 0 ? 1e6F + x : x,  1e20F * x,
                                       -1e-20F * x, static_cast<float>(i),  static_cast<float>(parity), 7};
-    image.values[static_cast<std::size_t>(i)] = values[static_cast<std::size_t>(kind)];
+    image.values[i] = values[kind];
   }
   if (random.one_in(20)) image.values.front() = std::numeric_limits<float>::quiet_NaN();
   return image;

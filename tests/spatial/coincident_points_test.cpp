@@ -34,7 +34,7 @@ TEST(CoincidentPoints, AgreesWithComparingAllPairs) {
   for (Index i = 0; i < points.cols(); ++i) {
     Index expected = 0;
     while (points.col(expected) != points.col(i)) ++expected;
-    EXPECT_EQ(first[static_cast<std::size_t>(i)], expected);
+    EXPECT_EQ(first[i], expected);
   }
 }
 

@@ -38,7 +38,7 @@ TEST(DistanceTransform, OfOneVoxelIsTheDistanceToIt) {
   for (Index z = 0; z < 5; ++z)
     for (Index x = 0; x < 7; ++x) {
       const double expected = std::hypot(0.5 * static_cast<double>(x - 3), 2.0 * static_cast<double>(z - 1));
-      EXPECT_NEAR(distance[static_cast<std::size_t>(x + 7 * z)], expected, float_rounding * 5);
+      EXPECT_NEAR(distance[x + 7 * z], expected, float_rounding * 5);
     }
 }
 

@@ -14,7 +14,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 template <int Dim>
 FarthestPoints brute_force(const Points<Dim>& points, Index count, Index first) {
   FarthestPoints picks;
-  std::vector<double> distances(static_cast<std::size_t>(points.cols()), infinity);
+  std::vector<double> distances(points.cols(), infinity);
   auto next = static_cast<std::size_t>(first);
   while (static_cast<Index>(picks.indices.size()) < count && distances[next] > 0) {
     picks.indices.push_back(static_cast<Index>(next));

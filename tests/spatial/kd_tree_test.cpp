@@ -56,8 +56,8 @@ TYPED_TEST(KdTreeIn, FindsTheNearestNeighboursOfASearchThroughAllPoints) {
       for (Index q = 0; q < x.cols(); ++q) {
         const std::vector<double> expected = sorted_distances<Dim>(points, x.col(q));
         for (const Index k : {Index{1}, Index{2}, Index{5}, Index{20}, n, n + 3}) {
-          std::vector<Index> indices(static_cast<std::size_t>(k));
-          std::vector<double> distances(static_cast<std::size_t>(k));
+          std::vector<Index> indices(k);
+          std::vector<double> distances(k);
           const Index found = tree.nearest(x.col(q), k, indices.data(), distances.data());
           ASSERT_EQ(found, std::min(k, n)) << name;
           const auto count = static_cast<std::size_t>(found);

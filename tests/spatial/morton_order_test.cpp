@@ -34,7 +34,7 @@ TEST(MortonOrder, VisitsAGridByTheInterleavedBitsOfItsCoordinates) {
       Index code = 0;
       for (Index bit = 0; bit < 3; ++bit) code |= (x >> bit & 1) << 2 * bit | (y >> bit & 1) << (2 * bit + 1);
       grid.col(y * side + x) = Point<2>(static_cast<double>(x), static_cast<double>(y));
-      expected[static_cast<std::size_t>(code)] = y * side + x;
+      expected[code] = y * side + x;
     }
   }
   grid *= static_cast<double>(side - 1) / static_cast<double>(side);  // any scale
@@ -54,7 +54,7 @@ TYPED_TEST(MortonOrderIn, IsAPermutation) {
     for (const auto& [name, points] : point_sets<Dim>(n)) {
       std::vector<Index> order = morton_order<Dim>(points);
       std::sort(order.begin(), order.end());
-      std::vector<Index> expected(static_cast<std::size_t>(n));
+      std::vector<Index> expected(n);
       std::iota(expected.begin(), expected.end(), Index{0});
       EXPECT_EQ(order, expected) << name;
     }
@@ -93,7 +93,7 @@ TYPED_TEST(MortonOrderIn, RoughIsAPermutationThatKeepsNeighboursTogether) {
   for (const auto& [name, points] : point_sets<Dim>(500)) {
     std::vector<Index> order = rough_morton_order<Dim>(points);
     std::sort(order.begin(), order.end());
-    std::vector<Index> expected(static_cast<std::size_t>(points.cols()));
+    std::vector<Index> expected(points.cols());
     std::iota(expected.begin(), expected.end(), Index{0});
     EXPECT_EQ(order, expected) << name;
   }

@@ -27,7 +27,7 @@ Partition partition_of(const Points<Dim>& points, Index leaf_size) {
 }
 
 std::vector<Index> leaf(const Partition& parts, Index i) {
-  const auto at = [&](Index leaf) { return parts.order.begin() + parts.begin[static_cast<std::size_t>(leaf)]; };
+  const auto at = [&](Index leaf) { return parts.order.begin() + parts.begin[leaf]; };
   std::vector<Index> ids(at(i), at(i + 1));
   std::sort(ids.begin(), ids.end());
   return ids;
@@ -297,18 +297,18 @@ TYPED_TEST(PartitionIn, HalvesAcrossTheLongestAxis) {
     Points<Dim> points = uniform_points<Dim>(n, 14);
     points.row(0) *= 10;
     const Points<Dim> turned = random_rotation<Dim>(3) * points;
-    std::vector<Index> ids(static_cast<std::size_t>(n));
+    std::vector<Index> ids(n);
     std::iota(ids.begin(), ids.end(), Index{0});
     const Index middle = halve<Dim>(turned, Points<Dim>(Dim, 0), ids.data(), n);
     EXPECT_EQ(middle, n / 2);
     std::vector<Index> sorted = ids;
     std::sort(sorted.begin(), sorted.end());
-    for (Index i = 0; i < n; ++i) EXPECT_EQ(sorted[static_cast<std::size_t>(i)], i);
+    for (Index i = 0; i < n; ++i) EXPECT_EQ(sorted[i], i);
     if (n < 100) continue;
     // The principal axis is nearly the long side: the halves overlap along it by a fraction of its length at most.
     const auto mean = [&](Index begin, Index end) {
       double sum = 0;
-      for (Index i = begin; i < end; ++i) sum += points(0, ids[static_cast<std::size_t>(i)]);
+      for (Index i = begin; i < end; ++i) sum += points(0, ids[i]);
       return sum / static_cast<double>(end - begin);
     };
     EXPECT_GT(std::abs(mean(0, middle) - mean(middle, n)), 8);
@@ -326,8 +326,7 @@ TEST(Partition, CutsANoisySheetAcrossNotAlong) {
   ASSERT_EQ(parts.leaves(), 256);
   for (std::size_t leaf = 0; leaf < 256; ++leaf) {
     Box<3> box;
-    for (Index k = parts.begin[leaf]; k < parts.begin[leaf + 1]; ++k)
-      box.add(Point<3>(points.col(parts.order[static_cast<std::size_t>(k)])));
+    for (Index k = parts.begin[leaf]; k < parts.begin[leaf + 1]; ++k) box.add(Point<3>(points.col(parts.order[k])));
     EXPECT_LT(box.extent().head<2>().maxCoeff(), 0.2);  // three times the side of 1 / 256 of the square
   }
 }

@@ -64,7 +64,7 @@ TEST(EstimateNormals, AgreeWithPrincipalAxesFoundByBruteForce) {
     for (Index j = 0; j < 300; ++j) near.emplace_back((points.col(j) - points.col(i)).squaredNorm(), j);
     std::sort(near.begin(), near.end());
     Points<3> chosen(3, neighbors);
-    for (Index j = 0; j < neighbors; ++j) chosen.col(j) = points.col(near[static_cast<std::size_t>(j)].second);
+    for (Index j = 0; j < neighbors; ++j) chosen.col(j) = points.col(near[j].second);
     chosen = (chosen.colwise() - chosen.rowwise().mean()).eval();
     axes.col(i) = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(chosen * chosen.transpose()).eigenvectors().col(0);
   }

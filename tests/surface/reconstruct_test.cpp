@@ -1,5 +1,6 @@
 #include "csrbf/surface/reconstruct.hpp"
 
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/surface/trim.hpp"
@@ -126,6 +127,19 @@ TEST(Reconstruct, TakesNormalsOffTheSurfaceAsWell) {
   const Mesh mesh = mesh_of(sphere(2000), {.normal_rows = NormalRows::off_surface});
   expect_closed(mesh, 1, 2);
   EXPECT_LT(largest_sphere_error(mesh), sphere_accuracy);
+}
+
+TEST(Reconstruct, TakesPointsInVectors) {
+  const PointCloud cloud = sphere(500);
+  std::vector<std::array<double, 3>> points, normals;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    points.push_back({cloud.points(0, i), cloud.points(1, i), cloud.points(2, i)});
+    normals.push_back({cloud.normals(0, i), cloud.normals(1, i), cloud.normals(2, i)});
+  }
+  const Point<3> p(0.3, -0.2, 0.8);
+  EXPECT_EQ((*reconstruct(points, normals).field)(p), (*reconstruct(cloud).field)(p));
+  normals.pop_back();
+  EXPECT_THROW((void)reconstruct(points, normals), InvalidInput);
 }
 
 TEST(Reconstruct, KeepsTheBudgetOfCenters) {

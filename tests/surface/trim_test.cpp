@@ -124,7 +124,7 @@ std::vector<Index> kept_by_definition(const Mesh& mesh, const Points<3>& points,
   }
   std::vector<Index> kept;
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const auto is_near = [&](Index c) { return near[static_cast<std::size_t>(mesh.triangles(c, t))]; };
+    const auto is_near = [&](Index c) { return near[mesh.triangles(c, t)]; };
     if (is_near(0) && is_near(1) && is_near(2)) kept.push_back(t);
   }
   return kept;
@@ -203,8 +203,7 @@ TEST(Trim, DoublesAVertexThatWouldJoinTwoPieces) {
   Points<3> samples(3, 40);
   for (Index i = 0; i < 40; ++i) {
     const std::array<Index, 5> with_data = {0, 1, 2, 4, 5};
-    samples.col(i) =
-        mesh.vertices.col(with_data[static_cast<std::size_t>(i % 5)]) + 0.05 * sphere_cloud(40).points.col(i);
+    samples.col(i) = mesh.vertices.col(with_data[i % 5]) + 0.05 * sphere_cloud(40).points.col(i);
   }
   const Mesh trimmed = trim(mesh, samples, 3);
   const Topology t = topology(trimmed);

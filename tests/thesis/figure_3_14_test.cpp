@@ -16,9 +16,9 @@ TEST(Figure_3_14, SamplesAreDistinctPixelsWithTheirValues) {
   const SampledSlice sampled = sample_slice(drawn_slice(40, 30), 0.3, 1);
   ASSERT_EQ(sampled.samples.size(), 360);
   for (Index i = 0; i < 360; ++i) {
-    const Index id = sampled.ids[static_cast<std::size_t>(i)];
+    const Index id = sampled.ids[i];
     if (i > 0) {
-      EXPECT_GT(id, sampled.ids[static_cast<std::size_t>(i - 1)]);
+      EXPECT_GT(id, sampled.ids[i - 1]);
     }
     EXPECT_EQ(sampled.samples.points(0, i), static_cast<double>(id % 40));
     EXPECT_EQ(sampled.samples.points(1, i), static_cast<double>(id / 40));

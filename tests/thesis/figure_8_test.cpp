@@ -1,3 +1,4 @@
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/levelset/image/signed_distance.hpp"
 #include "thesis/figure_8_10.hpp"
 #include "thesis/figure_8_2.hpp"
@@ -42,7 +43,8 @@ TEST(Figure_8_4, WithoutTheNormalisationFGrowsSteepAndNeverRests) {
   EXPECT_GT(without.coefficient_changes.back(), 0.1 * without.coefficient_changes.front());
   EXPECT_LE(with.largest, with.support);
   EXPECT_LT(with.coefficient_changes.back(), 1e-6 * with.coefficient_changes.front());
-  EXPECT_NEAR(with.field->coefficients().lpNorm<1>(), with.support, 1e-9 * with.support);  // (8.28)
+  EXPECT_NEAR(dynamic_cast<const Expansion<2>&>(*with.field).coefficients().lpNorm<1>(), with.support,
+              1e-9 * with.support);  // (8.28)
   EXPECT_LT(with.energy.back(), 0.1 * with.energy.front());
 }
 
@@ -75,8 +77,7 @@ TEST(Figure_8_7, CentersAreDenserAtTheBorder) {
   for (const double d : distance)
     (std::abs(d) < 3 ? close_pixels : far_pixels) += std::abs(d) < 3 || std::abs(d) > 12 ? 1 : 0;
   for (Index i = 0; i < nodes.points.cols(); ++i) {
-    const double d = std::abs(distance[static_cast<std::size_t>(
-        grid.index(std::lround(nodes.points(0, i)), std::lround(nodes.points(1, i))))]);
+    const double d = std::abs(distance[grid.index(std::lround(nodes.points(0, i)), std::lround(nodes.points(1, i)))]);
     (d < 3 ? close_nodes : far_nodes) += d < 3 || d > 12 ? 1 : 0;
   }
   // Up to 4 times the spacing: 16 times the density at the border itself.

@@ -43,7 +43,7 @@ Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::Mat
           "this fit has none; use interpolate with at most 4000 samples, or partition-of-unity");
   Eigen::MatrixXd result(x.cols(), static_cast<Index>(fit.variances.size()));
   for (Index c = 0; c < result.cols(); ++c)
-    result.col(c) = shared_evaluate(*fit.variances[static_cast<std::size_t>(c)], points).value.cwiseSqrt();
+    result.col(c) = shared_evaluate(*fit.variances[c], points).value.cwiseSqrt();
   return result;
 }
 
@@ -58,7 +58,7 @@ Function::Values evaluate_all(const Fit<Dim>& fit, const Eigen::Ref<const Eigen:
   result.gradient.resize(m, derivatives >= Derivatives::gradient ? k * Dim : 0);
   result.hessian.resize(m, derivatives >= Derivatives::hessian ? k * symmetric_size<Dim> : 0);
   for (Index c = 0; c < k; ++c) {
-    const Jet<Dim> jet = shared_evaluate(*fit.components[static_cast<std::size_t>(c)], points, derivatives);
+    const Jet<Dim> jet = shared_evaluate(*fit.components[c], points, derivatives);
     result.value.col(c) = jet.value;
     if (derivatives >= Derivatives::gradient) result.gradient.middleCols(c * Dim, Dim) = jet.gradient.transpose();
     if (derivatives >= Derivatives::hessian)

@@ -53,7 +53,7 @@ std::vector<float> distance_to(bool wanted, const Mask& mask, const Grid& grid) 
 std::vector<int> long_axes(const Grid& grid) {
   std::vector<int> axes;
   for (int a = 0; a < 3; ++a)
-    if (grid.size[static_cast<std::size_t>(a)] > 1) axes.push_back(a);
+    if (grid.size[a] > 1) axes.push_back(a);
   return axes;
 }
 
@@ -71,7 +71,7 @@ std::vector<Index> sample_voxels(const Mask& missing, const Grid& grid, Index kn
   const auto rim = static_cast<float>(std::max(rim_voxels * mean_spacing(grid), rim_depths * depth));
   const std::vector<float> to_missing = distance_to(true, missing, grid);
   std::vector<Index> near, all;
-  all.reserve(static_cast<std::size_t>(known));
+  all.reserve(known);
   for (std::size_t i = 0; i < missing.size(); ++i) {
     if (missing[i] != 0) continue;
     all.push_back(static_cast<Index>(i));
@@ -86,9 +86,9 @@ Points<Dim> positions(const std::vector<Index>& voxels, const Grid& grid) {
   const std::vector<int> axes = long_axes(grid);
   Points<Dim> points = Points<Dim>::Zero(Dim, static_cast<Index>(voxels.size()));
   for (Index k = 0; k < points.cols(); ++k) {
-    Index rest = voxels[static_cast<std::size_t>(k)];
+    Index rest = voxels[k];
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      const Index size = grid.size[static_cast<std::size_t>(axes[i])];
+      const Index size = grid.size[axes[i]];
       points(static_cast<Index>(i), k) = grid.spacing[axes[i]] * static_cast<double>(rest % size);
       rest /= size;
     }
@@ -135,8 +135,8 @@ std::vector<Index> marked(const Mask& mask) {
 Mask shifted(const Mask& missing, const Grid& grid, int axis, Index by) {
   Mask result(missing.size(), 0);
   Index stride = 1;
-  for (int a = 0; a < axis; ++a) stride *= grid.size[static_cast<std::size_t>(a)];
-  const Index size = grid.size[static_cast<std::size_t>(axis)];
+  for (int a = 0; a < axis; ++a) stride *= grid.size[a];
+  const Index size = grid.size[axis];
   for (std::size_t i = 0; i < missing.size(); ++i) {
     const Index to = static_cast<Index>(i) / stride % size + by;
     const std::size_t target = i + static_cast<std::size_t>(by * stride);
@@ -175,7 +175,7 @@ FitOptions for_holes(const Part<Scalar>& part, const FitOptions& options) {
   const std::vector<Index> hidden =
       marked(trial_holes(part.missing, part.grid, part.frame.cols() - part.missing_voxels()));
   Mask missing = part.missing;
-  for (const Index i : hidden) missing[static_cast<std::size_t>(i)] = 1;
+  for (const Index i : hidden) missing[i] = 1;
   const Index known = std::count(missing.begin(), missing.end(), 0);
   if (hidden.empty() || known <= few) return options;
   const Samples<Dim> truth = samples_at<Dim>(hidden, part);
@@ -189,8 +189,7 @@ FitOptions for_holes(const Part<Scalar>& part, const FitOptions& options) {
     const Fit<Dim> fitted = fit(samples, trial);
     double sum = 0;
     for (Index c = 0; c < part.count; ++c)
-      sum += (fitted.components[static_cast<std::size_t>(c)]->evaluate(truth.points).value - truth.values.col(c))
-                 .squaredNorm();
+      sum += (fitted.components[c]->evaluate(truth.points).value - truth.values.col(c)).squaredNorm();
     if (!(sum < smallest)) continue;
     smallest = sum;
     best = trial;
@@ -210,9 +209,8 @@ FitReport fill(Part<Scalar>& part, const FitOptions& options) {
   const std::vector<Index> wanted = marked(part.missing);
   const Points<Dim> points = positions<Dim>(wanted, part.grid);
   for (Index c = 0; c < part.count; ++c) {
-    const Eigen::VectorXd values = fitted.components[static_cast<std::size_t>(c)]->evaluate(points).value;
-    for (Index k = 0; k < values.size(); ++k)
-      part.frame(part.first + c, wanted[static_cast<std::size_t>(k)]) = static_cast<Scalar>(values[k]);
+    const Eigen::VectorXd values = fitted.components[c]->evaluate(points).value;
+    for (Index k = 0; k < values.size(); ++k) part.frame(part.first + c, wanted[k]) = static_cast<Scalar>(values[k]);
   }
   return fitted.report;
 }
@@ -230,8 +228,7 @@ std::vector<Part<Scalar>> parts_of(Volume<Scalar>& image, Index t, const unsigne
   const auto frame = image.frame(t);
   const auto mask_of = [&](Index c) {
     Mask mask(static_cast<std::size_t>(frame.cols()));
-    for (Index i = 0; i < frame.cols(); ++i)
-      mask[static_cast<std::size_t>(i)] = missing[i] != 0 || !std::isfinite(frame(c, i)) ? 1 : 0;
+    for (Index i = 0; i < frame.cols(); ++i) mask[i] = missing[i] != 0 || !std::isfinite(frame(c, i)) ? 1 : 0;
     return mask;
   };
   std::vector<Part<Scalar>> parts;

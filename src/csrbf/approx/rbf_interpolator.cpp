@@ -186,7 +186,7 @@ Matrix RbfInterpolator::evaluate(const MatrixRef& x, const Progress& progress) c
       const std::vector<Index> queries(order.begin() + begin + first, order.begin() + begin + last);
       Matrix found(values.rows(), last - first);
       local.evaluate(x(Eigen::all, queries), found);
-      for (Index i = 0; i < last - first; ++i) out.col(queries[static_cast<std::size_t>(i)]) = found.col(i);
+      for (Index i = 0; i < last - first; ++i) out.col(queries[i]) = found.col(i);
     });
   }
   return out;

@@ -42,6 +42,10 @@ class RbfInterpolator {
   RbfInterpolator(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
                   const RbfInterpolatorOptions& options = {});
 
+  RbfInterpolator(RbfInterpolator&&) noexcept;
+  RbfInterpolator& operator=(RbfInterpolator&&) noexcept;
+  ~RbfInterpolator();
+
   /// One that is already solved, with `coefficients` (k x (n + Q)) as returned by coefficients().
   static RbfInterpolator restore(const Eigen::Ref<const Eigen::MatrixXd>& points,
                                  const Eigen::Ref<const Eigen::MatrixXd>& coefficients,

@@ -15,11 +15,11 @@ Jet<Dim> Field<Dim>::evaluate_in(const std::vector<Index>& order, const PointsRe
     const Index n = end - begin;
     Points<Dim> block(Dim, n);
     Jet<Dim> part(n, derivatives);
-    for (Index i = 0; i < n; ++i) block.col(i) = x.col(order[static_cast<std::size_t>(begin + i)]);
+    for (Index i = 0; i < n; ++i) block.col(i) = x.col(order[begin + i]);
     evaluate_block(block, {part.value.data(), derivatives >= Derivatives::gradient ? part.gradient.data() : nullptr,
                            derivatives >= Derivatives::hessian ? part.hessian.data() : nullptr});
     for (Index i = 0; i < n; ++i) {
-      const Index to = order[static_cast<std::size_t>(begin + i)];
+      const Index to = order[begin + i];
       jet.value[to] = part.value[i];
       if (derivatives >= Derivatives::gradient) jet.gradient.col(to) = part.gradient.col(i);
       if (derivatives >= Derivatives::hessian) jet.hessian.col(to) = part.hessian.col(i);

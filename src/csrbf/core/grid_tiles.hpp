@@ -12,9 +12,7 @@ template <int Dim>
 struct GridTile {
   std::array<Index, Dim> begin, end;
 
-  [[nodiscard]] Index size(int axis) const {
-    return end[static_cast<std::size_t>(axis)] - begin[static_cast<std::size_t>(axis)];
-  }
+  [[nodiscard]] Index size(int axis) const { return end[axis] - begin[axis]; }
   [[nodiscard]] Index nodes() const {
     Index product = 1;
     for (int a = 0; a < Dim; ++a) product *= size(a);

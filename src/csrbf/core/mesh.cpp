@@ -49,7 +49,7 @@ class Counter {
   // The vertices of all triangles with three distinct ones.
   static std::vector<std::int32_t> collect_corners(const Mesh& mesh) {
     std::vector<std::int32_t> corners;
-    corners.reserve(static_cast<std::size_t>(mesh.triangles.size()));
+    corners.reserve(mesh.triangles.size());
     for (Index t = 0; t < mesh.triangles.cols(); ++t) {
       const auto triangle = mesh.triangles.col(t);
       for (int i = 0; i < 3; ++i)

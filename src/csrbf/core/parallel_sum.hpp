@@ -12,9 +12,8 @@ namespace csrbf {
 /// of threads.
 template <class Body>
 double parallel_sum(Index n, Index grain, const Body& body) {
-  std::vector<double> sums(static_cast<std::size_t>((n + grain - 1) / grain), 0.0);
-  parallel_for(n, grain,
-               [&](Index begin, Index end) { sums[static_cast<std::size_t>(begin / grain)] = body(begin, end); });
+  std::vector<double> sums((n + grain - 1) / grain, 0.0);
+  parallel_for(n, grain, [&](Index begin, Index end) { sums[begin / grain] = body(begin, end); });
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 

@@ -16,7 +16,7 @@ Jet<Dim> shared_evaluate(const Field<Dim>& field, const std::type_identity_t<Poi
   std::vector<Index> order = field.evaluation_order(x);
   const Index grain = order.empty() ? Field<Dim>::block_size : Field<Dim>::ordered_block_size(n);
   if (order.empty()) {
-    order.resize(static_cast<std::size_t>(n));
+    order.resize(n);
     std::iota(order.begin(), order.end(), Index{0});
   }
   const Points<Dim> sorted = x(Eigen::all, order);

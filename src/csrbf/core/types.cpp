@@ -15,10 +15,9 @@ Box<Dim> bounding_box(const PointsRef<Dim>& points) {
     return box;
   };
   if (points.cols() <= grain) return box_of(points);
-  std::vector<Box<Dim>> parts(static_cast<std::size_t>((points.cols() + grain - 1) / grain));
-  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
-    parts[static_cast<std::size_t>(begin / grain)] = box_of(points.middleCols(begin, end - begin));
-  });
+  std::vector<Box<Dim>> parts((points.cols() + grain - 1) / grain);
+  parallel_for(points.cols(), grain,
+               [&](Index begin, Index end) { parts[begin / grain] = box_of(points.middleCols(begin, end - begin)); });
   Box<Dim> box;
   for (const Box<Dim>& part : parts) box.add(part);
   return box;

@@ -91,7 +91,7 @@ class LineCollector {
   }
 
  private:
-  [[nodiscard]] const EdgeRoot& root(std::int32_t v) const { return network_.roots[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] const EdgeRoot& root(std::int32_t v) const { return network_.roots[v]; }
   [[nodiscard]] Index border_corner(std::int32_t v) const {
     return network_.border_corners[static_cast<std::size_t>(v) - network_.roots.size()];
   }
@@ -131,7 +131,7 @@ class LineCollector {
     if (line.size >= (line.closed ? 3 : 2))
       lines_.push_back(line);
     else
-      coordinates_.resize(static_cast<std::size_t>(2 * begin_));
+      coordinates_.resize(2 * begin_);
     begin_ = size();
   }
 

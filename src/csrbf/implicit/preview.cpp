@@ -2,7 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
-#include "csrbf/implicit/curves/plane_section.hpp"
+#include "csrbf/implicit/plane_section.hpp"
 
 #include <Eigen/Geometry>
 
@@ -24,13 +24,13 @@ struct Slice {
   Slice(const Grid& g, int axis, Index n)
       : grid(g), axes{axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}, across(axis), number(n) {}
 
-  [[nodiscard]] Index size(std::size_t k) const { return grid.size[static_cast<std::size_t>(axes[k])]; }
+  [[nodiscard]] Index size(std::size_t k) const { return grid.size[axes[k]]; }
   [[nodiscard]] double spacing(std::size_t k) const { return grid.spacing[axes[k]]; }
   [[nodiscard]] Index voxel(Index u, Index v) const {
     std::array<Index, 3> at{};
-    at[static_cast<std::size_t>(axes[0])] = u;
-    at[static_cast<std::size_t>(axes[1])] = v;
-    at[static_cast<std::size_t>(across)] = number;
+    at[axes[0]] = u;
+    at[axes[1]] = v;
+    at[across] = number;
     return grid.index(at[0], at[1], at[2]);
   }
   // The field on the slice, in voxels.
@@ -124,9 +124,8 @@ void validate(const Volume<float>& image, const PreviewOptions& options) {
   require(grid.dimension() <= Dim, "preview", "axes of the image", grid.dimension(),
           "must be at most those of the field");
   require(options.axis >= 0 && options.axis < 3, "preview", "axis", options.axis, "must be 0, 1 or 2");
-  require(options.slice >= -1 && options.slice < grid.size[static_cast<std::size_t>(options.axis)], "preview", "slice",
-          options.slice,
-          "must be one of the " + std::to_string(grid.size[static_cast<std::size_t>(options.axis)]) +
+  require(options.slice >= -1 && options.slice < grid.size[options.axis], "preview", "slice", options.slice,
+          "must be one of the " + std::to_string(grid.size[options.axis]) +
               " slices, from 0 on, or -1 for the one with the largest area inside");
   require(options.frame >= 0 && options.frame < image.frames, "preview", "frame", options.frame,
           "must be one of the " + std::to_string(image.frames) + " frames, from 0 on");
@@ -168,7 +167,7 @@ template <int Dim>
 Index largest_slice(const Grid& grid, const std::vector<const Field<Dim>*>& fields, int axis, double level) {
   constexpr Index points_per_side = 64;  // at which areas are estimated; chosen by hand
   require(axis >= 0 && axis < 3, "largest_slice", "axis", axis, "must be 0, 1 or 2");
-  const Index slices = grid.size[static_cast<std::size_t>(axis)];
+  const Index slices = grid.size[axis];
   Index best = slices / 2, most = 0;
   for (Index number = 0; number < slices; ++number) {
     const Slice slice(grid, axis, number);

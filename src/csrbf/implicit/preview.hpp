@@ -3,7 +3,7 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/image.hpp"
-#include "csrbf/implicit/curves/draw_contour.hpp"
+#include "csrbf/implicit/draw_contour.hpp"
 
 #include <vector>
 

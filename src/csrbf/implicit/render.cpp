@@ -53,7 +53,7 @@ std::vector<double> visible_values(const Scene& scene, const Camera& camera, con
   std::vector<double> values(rays.size(), std::numeric_limits<double>::quiet_NaN());
   constexpr Index grain = 512;
   parallel_for(static_cast<Index>(rays.size()), grain, [&](Index begin, Index end) {
-    std::vector<SurfaceHit> hits(static_cast<std::size_t>(end - begin));
+    std::vector<SurfaceHit> hits(end - begin);
     scene.trace(std::span(rays).subspan(begin, hits.size()), hits);
     for (Index i = begin; i < end; ++i)
       if (hits[i - begin].exists()) values[i] = color.value(hits[i - begin]);

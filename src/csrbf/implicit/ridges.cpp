@@ -50,7 +50,7 @@ Edges edges_of(const Mesh& mesh) {
     Index corner;
   };
   std::vector<Side> sides;
-  sides.reserve(static_cast<std::size_t>(mesh.triangles.size()));
+  sides.reserve(mesh.triangles.size());
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     for (Index c = 0; c < 3; ++c) {
       const auto [a, b] = std::minmax(mesh.triangles(c, t), mesh.triangles((c + 1) % 3, t));
@@ -165,8 +165,8 @@ std::vector<Segment> segments_of(const Edges& edges, const Crossings& crossings,
     std::array<std::int32_t, 3> cut{};
     int count = 0;
     for (Index c = 0; c < 3; ++c) {
-      const std::int32_t point = crossings.of_edge[static_cast<std::size_t>(edges.of_triangle(c, t))];
-      if (point >= 0) cut[static_cast<std::size_t>(count++)] = point;
+      const std::int32_t point = crossings.of_edge[edges.of_triangle(c, t)];
+      if (point >= 0) cut[count++] = point;
     }
     if (count == 2 && std::isfinite(k[cut[0]]) && std::isfinite(k[cut[1]])) segments.push_back({cut[0], cut[1]});
   }
@@ -189,7 +189,7 @@ std::vector<Segment> strong(const std::vector<Segment>& segments, const Points<3
 
 void append(const std::vector<Segment>& segments, const Points<3>& x, const Eigen::VectorXd& k, Kind kind,
             Polylines& lines) {
-  std::vector<std::int32_t> number(static_cast<std::size_t>(x.cols()), -1);
+  std::vector<std::int32_t> number(x.cols(), -1);
   const Index before = lines.vertices.cols(), edges = lines.edges.cols();
   Index count = before;
   for (const Segment& segment : segments)

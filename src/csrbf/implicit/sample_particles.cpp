@@ -119,12 +119,12 @@ class Population {
   void push_apart(const Points<3>& gradient) {
     const auto n = static_cast<Index>(particles_.size());
     Points<3> p(3, n);
-    for (Index i = 0; i < n; ++i) p.col(i) = particles_[static_cast<std::size_t>(i)].p;
+    for (Index i = 0; i < n; ++i) p.col(i) = particles_[i].p;
     const KdTree<3> tree(p);
     parallel_for(n, grain, [&](Index begin, Index end) {
       std::vector<Index> near;
       for (Index i = begin; i < end; ++i) {
-        Particle& self = particles_[static_cast<std::size_t>(i)];
+        Particle& self = particles_[i];
         tree.within(p.col(i), reach * largest_radius, near);
         self.energy = 0;
         self.velocity.setZero();
@@ -132,7 +132,7 @@ class Population {
         for (const Index j : near) {
           if (j == i || gradient.col(i).dot(gradient.col(j)) < 0) continue;
           const Point<3> r = p.col(i) - p.col(j);
-          const double other = particles_[static_cast<std::size_t>(j)].radius, r2 = r.squaredNorm();
+          const double other = particles_[j].radius, r2 = r.squaredNorm();
           const double e = energy_scale * std::exp(-r2 / (2 * self.radius * self.radius));
           const double e_other = energy_scale * std::exp(-r2 / (2 * other * other));
           self.energy += e;

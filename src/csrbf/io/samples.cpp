@@ -86,8 +86,8 @@ class ColumnPicker {
 
  private:
   [[nodiscard]] Index size() const { return table_.values.rows(); }
-  [[nodiscard]] bool used(Index column) const { return used_[static_cast<std::size_t>(column)]; }
-  void use(Index column) { used_[static_cast<std::size_t>(column)] = true; }
+  [[nodiscard]] bool used(Index column) const { return used_[column]; }
+  void use(Index column) { used_[column] = true; }
 
   Index take_one(std::string_view word) {
     const auto found = std::find(table_.names.begin(), table_.names.end(), word);
@@ -125,7 +125,7 @@ std::vector<std::string> names_of(const Table& table, const std::vector<Index>& 
                                   const std::vector<std::string>& defaults) {
   if (table.names.empty()) return defaults;
   std::vector<std::string> names;
-  for (const Index column : columns) names.push_back(table.names[static_cast<std::size_t>(column)]);
+  for (const Index column : columns) names.push_back(table.names[column]);
   return names;
 }
 
@@ -141,8 +141,8 @@ std::vector<Index> complete_rows(const Table& table, const std::vector<Index>& u
 void check_weights(const Eigen::VectorXd& weights, const std::vector<Index>& rows, const std::string& name) {
   for (Index i = 0; i < weights.size(); ++i)
     if (!(weights(i) >= 0))
-      throw IoError(name + ": row " + std::to_string(rows[static_cast<std::size_t>(i)] + 1) + " has the weight " +
-                    std::to_string(weights(i)) + "; weights must not be negative");
+      throw IoError(name + ": row " + std::to_string(rows[i] + 1) + " has the weight " + std::to_string(weights(i)) +
+                    "; weights must not be negative");
 }
 
 }  // namespace
@@ -219,7 +219,7 @@ void write_table(const std::string& path, const ResultTable& table) {
   if (extension == ".npy") {
     NpyArray array{{rows}, {}};
     if (table.values.cols() != 1) array.shape.push_back(table.values.cols());
-    array.values.resize(static_cast<std::size_t>(table.values.size()));
+    array.values.resize(table.values.size());
     Eigen::Map<Eigen::MatrixXd>(array.values.data(), table.values.cols(), rows) = table.values.transpose();
     write_file(path, format_npy(array));
     return;

@@ -54,7 +54,7 @@ double power(double a, int exponent) {
 template <int Degree, std::size_t Size>
 CSRBF_ALWAYS_INLINE double horner(const std::array<double, Size>& coefficients, double r) {
   double sum = coefficients[Degree];
-  for (int j = Degree - 1; j >= 0; --j) sum = sum * r + coefficients[static_cast<std::size_t>(j)];
+  for (int j = Degree - 1; j >= 0; --j) sum = sum * r + coefficients[j];
   return sum;
 }
 

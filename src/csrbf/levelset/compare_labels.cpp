@@ -28,7 +28,7 @@ void check_same_place(const Grid& a, const Grid& other) {
   for (int corner = 0; corner < 8; ++corner) {
     Point<3> voxel = Point<3>::Zero();
     for (Index k = 0; k < 3; ++k)
-      if ((corner >> k & 1) != 0) voxel[k] = static_cast<double>(a.size[static_cast<std::size_t>(k)] - 1);
+      if ((corner >> k & 1) != 0) voxel[k] = static_cast<double>(a.size[k] - 1);
     apart = std::max(apart, (a.to_physical<3>() * voxel - b.to_physical<3>() * voxel).norm());
   }
   const double closest = a.spacing.head(a.dimension()).minCoeff();
@@ -98,15 +98,14 @@ std::map<std::int32_t, Extent> extents(const Voxel& size, const Labels& a, const
 // Marks the border voxels of a label within its box.
 std::vector<std::uint8_t> border(const Voxel& size, const Labels& labels, std::int32_t label, const Extent& box) {
   std::vector<std::uint8_t> marked;
-  marked.reserve(static_cast<std::size_t>((box.end[0] - box.begin[0]) * (box.end[1] - box.begin[1]) *
-                                          (box.end[2] - box.begin[2])));
+  marked.reserve((box.end[0] - box.begin[0]) * (box.end[1] - box.begin[1]) * (box.end[2] - box.begin[2]));
   const std::array<Index, 3> stride{1, size[0], size[0] * size[1]};
   const auto is_border = [&](const Voxel& v, Index i) {
     for (std::size_t a = 0; a < 3; ++a) {
       if (size[a] == 1) continue;
       if (v[a] == 0 || v[a] + 1 == size[a]) return true;
-      if (labels[static_cast<std::size_t>(i - stride[a])] != label) return true;
-      if (labels[static_cast<std::size_t>(i + stride[a])] != label) return true;
+      if (labels[i - stride[a]] != label) return true;
+      if (labels[i + stride[a]] != label) return true;
     }
     return false;
   };
@@ -116,7 +115,7 @@ std::vector<std::uint8_t> border(const Voxel& size, const Labels& labels, std::i
       for (Index x = box.begin[0]; x < box.end[0]; ++x) {
         pause();
         const Index i = x + size[0] * (y + size[1] * z);
-        marked.push_back(labels[static_cast<std::size_t>(i)] == label && is_border({x, y, z}, i) ? 1 : 0);
+        marked.push_back(labels[i] == label && is_border({x, y, z}, i) ? 1 : 0);
       }
   return marked;
 }

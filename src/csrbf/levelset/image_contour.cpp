@@ -21,7 +21,7 @@ class InImage final : public Field<Dim> {
     to_physical_.linear() = grid.direction.topLeftCorner<Dim, Dim>();
     for (Index a = 0; a < Dim; ++a) {
       box_.lo[a] = -0.5 * grid.spacing[a];
-      box_.hi[a] = (static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5) * grid.spacing[a];
+      box_.hi[a] = (static_cast<double>(grid.size[a]) - 0.5) * grid.spacing[a];
     }
   }
 
@@ -76,8 +76,7 @@ Points<3> sign_changes(const Field<3>& field, int resolution) {
       found.push_back(p);
     }
   }
-  return Points<3>::NullaryExpr(3, static_cast<Index>(found.size()),
-                                [&](Index row, Index i) { return found[static_cast<std::size_t>(i)][row]; });
+  return Points<3>::NullaryExpr(3, static_cast<Index>(found.size()), [&](Index row, Index i) { return found[i][row]; });
 }
 
 // Do all corners of a triangle lie in one side of the box?

@@ -40,8 +40,7 @@ Seed seed_where(const Grid& grid, const Inside& inside) {
   check_dimension(grid, Dim);
   Seed seed(static_cast<std::size_t>(grid.voxels()), 0);
   for_all_centers<Dim>(grid, [&](Index first, const Points<Dim>& centers) {
-    for (Index k = 0; k < centers.cols(); ++k)
-      seed[static_cast<std::size_t>(first + k)] = inside(Point<Dim>(centers.col(k))) ? 1 : 0;
+    for (Index k = 0; k < centers.cols(); ++k) seed[first + k] = inside(Point<Dim>(centers.col(k))) ? 1 : 0;
   });
   return seed;
 }
@@ -57,9 +56,9 @@ Seed seed_ball(const Grid& grid, const Point<Dim>& center, double radius) {
   Point<3> at = Point<3>::Zero();
   at.template head<Dim>() = voxel;
   for (Index a = 0; a < 3; ++a)
-    if (!(at[a] >= 0 && at[a] < static_cast<double>(grid.size[static_cast<std::size_t>(a)]))) return seed;
+    if (!(at[a] >= 0 && at[a] < static_cast<double>(grid.size[a]))) return seed;
   const auto whole = at.cast<Index>();
-  seed[static_cast<std::size_t>(grid.index(whole[0], whole[1], whole[2]))] = 1;
+  seed[grid.index(whole[0], whole[1], whole[2])] = 1;
   return seed;
 }
 
@@ -93,7 +92,7 @@ Seed seed_inside(const Grid& grid, const Field<Dim>& field) {
   Seed seed(static_cast<std::size_t>(grid.voxels()), 0);
   for_all_centers<Dim>(grid, [&](Index first, const Points<Dim>& centers) {
     const Eigen::VectorXd f = field.evaluate(centers).value;
-    for (Index k = 0; k < f.size(); ++k) seed[static_cast<std::size_t>(first + k)] = f[k] > 0 ? 1 : 0;
+    for (Index k = 0; k < f.size(); ++k) seed[first + k] = f[k] > 0 ? 1 : 0;
   });
   return seed;
 }

@@ -9,6 +9,7 @@
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_cores.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
+#include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 
 #include <algorithm>
@@ -110,7 +111,7 @@ void choose_polarity(const Grid& grid, const SegmentOptions& options, Variationa
       label = 0;
   }
   if (options.regions > 2)
-    std::swap(result.coefficients[0], result.coefficients[static_cast<std::size_t>(outside)]);
+    std::swap(result.coefficients[0], result.coefficients[outside]);
   else
     for (std::vector<float>& set : result.coefficients)
       for (float& c : set) c = -c;

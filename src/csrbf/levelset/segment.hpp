@@ -2,7 +2,6 @@
 
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/grid.hpp"
-#include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_options.hpp"
 
 #include <memory>

@@ -1,9 +1,10 @@
 #pragma once
 
 #include "csrbf/core/progress.hpp"
-#include "csrbf/levelset/regions/force_update.hpp"
+#include "csrbf/core/types.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -78,6 +79,10 @@ struct SegmentSettings {
   int iterations = 100;  ///< at most; each updates statistics and contour
 };
 
+/// Given the labels of all voxels (1 inside, 0 outside), writes the cost of each voxel inside minus its cost outside:
+/// negative where it belongs inside. A level set f follows f_t = -force delta(f).
+using ForceUpdate = std::function<void(const unsigned char* labels, float* force)>;
+
 /// Settings, with the arrays and functions of one image.
 struct SegmentOptions : SegmentSettings {
   /// Where the segmentation starts: 1 in what is inside (the seed), 0 elsewhere; one entry per voxel, or none. In
@@ -93,6 +98,15 @@ struct SegmentOptions : SegmentSettings {
   /// Replaces `energy`: given labels, writes the cost of each voxel inside minus that outside, in any unit.
   ForceUpdate force = {};
   Progress progress = {};
+};
+
+/// Statistics of one region.
+struct RegionReport {
+  int label = 0;
+  Index voxels = 0;
+  double volume = 0;  ///< in the unit of the spacing, squared or cubed
+  double mean = 0;
+  double sd = 0;
 };
 
 }  // namespace csrbf

@@ -102,7 +102,7 @@ class Tracker {
     double noise = 0;
   };
 
-  State& state(Index t) { return states_[static_cast<std::size_t>(t)]; }
+  State& state(Index t) { return states_[t]; }
   std::vector<float> distance(Index t) { return contour_distance(grid_, state(t).labels, *state(t).fields[0]); }
 
   // Those of the first frame, and with what was chosen there those of the others.
@@ -247,7 +247,7 @@ Tracking<Dim> track(const Volume<float>& sequence, const TrackOptions& options) 
   require(static_cast<Index>(sequence.values.size()) == sequence.values_per_frame() * sequence.frames, here,
           "number of values", sequence.values.size(), "must be that of the voxels of all frames");
   Tracking<Dim> tracking;
-  tracking.frames.resize(static_cast<std::size_t>(std::max<Index>(sequence.frames, 0)));
+  tracking.frames.resize(std::max<Index>(sequence.frames, 0));
   const FrameSource read = [&](Index t) {
     VolumeLayout layout = sequence;
     layout.frames = 1;
@@ -255,9 +255,8 @@ Tracking<Dim> track(const Volume<float>& sequence, const TrackOptions& options) 
     std::copy_n(sequence.values.begin() + t * sequence.values_per_frame(), image.values.size(), image.values.begin());
     return image;
   };
-  tracking.report = track<Dim>(sequence.frames, read, options, [&](Index t, TrackedFrame<Dim>&& frame) {
-    tracking.frames[static_cast<std::size_t>(t)] = std::move(frame);
-  });
+  tracking.report = track<Dim>(sequence.frames, read, options,
+                               [&](Index t, TrackedFrame<Dim>&& frame) { tracking.frames[t] = std::move(frame); });
   return tracking;
 }
 

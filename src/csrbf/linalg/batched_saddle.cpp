@@ -136,8 +136,8 @@ CSRBF_SIMD_CLONES void expand(const BatchSaddle& m, const Reflector* H, const do
 }  // namespace
 
 BatchMask batch_saddle(const BatchSaddle& m) {
-  std::vector<Reflector> H(static_cast<std::size_t>(m.Q));
-  std::vector<double> R(static_cast<std::size_t>(lanes * m.Q));
+  std::vector<Reflector> H(m.Q);
+  std::vector<double> R(lanes * m.Q);
   double deficient[lanes] = {};
   simd_call<Reduce>(&m, H.data(), R.data(), deficient);
   const Index z = m.n - m.Q;

@@ -2,6 +2,8 @@
 
 #include "csrbf/core/error.hpp"
 
+#include <Eigen/LU>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>

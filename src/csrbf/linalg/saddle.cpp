@@ -3,6 +3,8 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 
+#include <Eigen/LU>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>

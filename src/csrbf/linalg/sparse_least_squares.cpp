@@ -53,9 +53,9 @@ struct Problem {
 
 // The indices of the columns that have an entry.
 std::vector<int> used_columns(const Rows& B) {
-  std::vector<char> used(static_cast<std::size_t>(B.cols()), 0);
+  std::vector<char> used(B.cols(), 0);
   for (Index i = 0; i < B.nonZeros(); ++i)
-    if (B.valuePtr()[i] != 0) used[static_cast<std::size_t>(B.innerIndexPtr()[i])] = 1;
+    if (B.valuePtr()[i] != 0) used[B.innerIndexPtr()[i]] = 1;
   std::vector<int> columns;
   for (std::size_t j = 0; j < used.size(); ++j)
     if (used[j] != 0) columns.push_back(static_cast<int>(j));

@@ -63,15 +63,15 @@ void transform(const std::array<Index, Dim>& size, bool inverse, std::vector<Com
     const Index n = size[a], lines = static_cast<Index>(data.size()) / n;
     parallel_for(lines, std::max<Index>(1, chunk / n), [&](Index begin, Index end) {
       Eigen::FFT<double> fft;
-      std::vector<Complex> in(static_cast<std::size_t>(n)), out(static_cast<std::size_t>(n));
+      std::vector<Complex> in(n), out(static_cast<std::size_t>(n));
       for (Index line = begin; line < end; ++line) {
         Complex* first = data.data() + line % stride + line / stride * stride * n;
-        for (Index i = 0; i < n; ++i) in[static_cast<std::size_t>(i)] = first[i * stride];
+        for (Index i = 0; i < n; ++i) in[i] = first[i * stride];
         if (inverse)
           fft.inv(out.data(), in.data(), n);
         else
           fft.fwd(out.data(), in.data(), n);
-        for (Index i = 0; i < n; ++i) first[i * stride] = out[static_cast<std::size_t>(i)];
+        for (Index i = 0; i < n; ++i) first[i * stride] = out[i];
       }
     });
   }
@@ -95,12 +95,12 @@ std::vector<Complex> spectrum(const std::array<Index, Dim>& size, const std::arr
                               const double* values) {
   std::array<Index, Dim> half = torus;
   half[0] = torus[0] / 2 + 1;
-  std::vector<Complex> data(static_cast<std::size_t>(product<Dim>(half)), 0.0);
+  std::vector<Complex> data(product<Dim>(half), 0.0);
   const Index n = size[0], rows = product<Dim>(size) / n;
   parallel_for(rows, std::max<Index>(1, chunk / torus[0]), [&](Index begin, Index end) {
     Eigen::FFT<double> fft;
     fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-    std::vector<double> line(static_cast<std::size_t>(torus[0]), 0.0);
+    std::vector<double> line(torus[0], 0.0);
     for (Index row = begin; row < end; ++row) {
       std::copy_n(values + row * n, n, line.data());
       fft.fwd(data.data() + torus_row<Dim>(size, torus, row) * half[0], line.data(), torus[0]);
@@ -121,7 +121,7 @@ void from_spectrum(const std::array<Index, Dim>& size, const std::array<Index, D
   parallel_for(rows, std::max<Index>(1, chunk / torus[0]), [&](Index begin, Index end) {
     Eigen::FFT<double> fft;
     fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-    std::vector<double> line(static_cast<std::size_t>(torus[0]));
+    std::vector<double> line(torus[0]);
     for (Index row = begin; row < end; ++row) {
       fft.inv(line.data(), data.data() + torus_row<Dim>(size, torus, row) * half[0], torus[0]);
       std::copy_n(line.data(), n, values + row * n);
@@ -162,11 +162,11 @@ template <int Dim>
 void ToeplitzSystem<Dim>::make_symbol(const std::vector<ToeplitzTap<Dim>>& taps) {
   constexpr double rounding = 1e-15;  // of the transform, relative: smaller values may be negative
   for (std::size_t a = 0; a < Dim; ++a) torus_[a] = smooth_size(size_[a] + reach_[a], a == 0 ? 4 : 1);
-  std::vector<double> circulant(static_cast<std::size_t>(product<Dim>(torus_)), 0.0);
+  std::vector<double> circulant(product<Dim>(torus_), 0.0);
   for (const ToeplitzTap<Dim>& tap : taps) {
     Index at = 0;
     for (std::size_t a = Dim; a-- > 0;) at = at * torus_[a] + (tap.offset[a] % torus_[a] + torus_[a]) % torus_[a];
-    circulant[static_cast<std::size_t>(at)] += tap.weight;
+    circulant[at] += tap.weight;
   }
   const std::vector<Complex> symbol = spectrum<Dim>(torus_, torus_, circulant.data());
   double largest = 0, smallest = std::numeric_limits<double>::infinity();
@@ -182,7 +182,7 @@ void ToeplitzSystem<Dim>::make_symbol(const std::vector<ToeplitzTap<Dim>>& taps)
 template <int Dim>
 Eigen::VectorXd ToeplitzSystem<Dim>::multiply(const Eigen::VectorXd& x) const {
   const Index n = size_[0], pad = reach_[0], rows = points_ / n;
-  std::vector<double> padded(static_cast<std::size_t>(rows * (n + 2 * pad)), 0.0);
+  std::vector<double> padded(rows * (n + 2 * pad), 0.0);
   for (Index row = 0; row < rows; ++row) std::copy_n(x.data() + row * n, n, padded.data() + row * (n + 2 * pad) + pad);
   Eigen::VectorXd y(points_);
   multiply_padded(padded, y);
@@ -233,16 +233,16 @@ Eigen::VectorXd ToeplitzSystem<Dim>::solve(const Eigen::VectorXd& b) const {
   require(b.size() == points_, "ToeplitzSystem::solve", "size of b", b.size(), "must be the number of points");
   const Index n = size_[0], pad = reach_[0], length = n + 2 * pad, rows = points_ / n;
   const Index grain = std::max<Index>(1, chunk / n);
-  std::vector<double> padded(static_cast<std::size_t>(rows * length), 0.0);
+  std::vector<double> padded(rows * length, 0.0);
   const auto direction = [&](Index row) { return Eigen::Map<Eigen::VectorXd>(padded.data() + row * length + pad, n); };
   Eigen::VectorXd x = Eigen::VectorXd::Zero(points_), residual = b, z(points_), image(points_);
-  std::vector<double> sums(static_cast<std::size_t>((rows + grain - 1) / grain));
+  std::vector<double> sums((rows + grain - 1) / grain);
   // The sum of body(row) over all rows.
   const auto for_rows = [&](const auto& body) {
     parallel_for(rows, grain, [&](Index begin, Index end) {
       double sum = 0;
       for (Index row = begin; row < end; ++row) sum += body(row);
-      sums[static_cast<std::size_t>(begin / grain)] = sum;
+      sums[begin / grain] = sum;
     });
     return std::accumulate(sums.begin(), sums.end(), 0.0);
   };

@@ -26,7 +26,7 @@ class Cell {
       for (int axis = 0; axis < Dim; ++axis) {
         const int upper = (corner >> axis) & 1;
         c.position[axis] = upper != 0 ? hi[axis] : lo[axis];
-        c.facets[static_cast<std::size_t>(axis)] = 2 * axis + upper;
+        c.facets[axis] = 2 * axis + upper;
       }
       corners_.push_back(c);
     }
@@ -104,15 +104,15 @@ class Neighbours {
   bool get(Index i, Index& index, double& squared_distance) {
     if (i >= tree_.size()) return false;
     if (i >= found_) fetch(std::min(2 * found_, tree_.size()));
-    index = indices_[static_cast<std::size_t>(i)];
-    squared_distance = squared_distances_[static_cast<std::size_t>(i)];
+    index = indices_[i];
+    squared_distance = squared_distances_[i];
     return true;
   }
 
  private:
   void fetch(Index k) {
-    indices_.resize(static_cast<std::size_t>(k));
-    squared_distances_.resize(static_cast<std::size_t>(k));
+    indices_.resize(k);
+    squared_distances_.resize(k);
     found_ = tree_.nearest(center_, k, indices_.data(), squared_distances_.data());
   }
 
@@ -173,11 +173,10 @@ Eigen::VectorXd discrete_voronoi_scales(const PointsRef<Dim>& centers, const Poi
   Eigen::VectorXd scales = Eigen::VectorXd::Zero(centers.cols());
   if (centers.cols() == 0) return scales;
   const KdTree<Dim> tree(centers);
-  std::vector<Index> nearest(static_cast<std::size_t>(points.cols()));
+  std::vector<Index> nearest(points.cols());
   std::vector<double> squared(nearest.size());
   parallel_for(points.cols(), 1024, [&](Index first, Index last) {
-    for (Index i = first; i < last; ++i)
-      tree.nearest(points.col(i), 1, &nearest[static_cast<std::size_t>(i)], &squared[static_cast<std::size_t>(i)]);
+    for (Index i = first; i < last; ++i) tree.nearest(points.col(i), 1, &nearest[i], &squared[i]);
   });
   for (std::size_t i = 0; i < nearest.size(); ++i) scales[nearest[i]] = std::max(scales[nearest[i]], squared[i]);
   return scales.cwiseSqrt();

@@ -34,8 +34,7 @@ std::vector<Keyed> sort_by_hash(const PointsRef<Dim>& points) {
   parallel_for(points.cols(), grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Point<Dim> p = points.col(i);
-      items[static_cast<std::size_t>(i)] = {static_cast<std::uint32_t>(hash<Dim>(p.data())) & limit,
-                                            static_cast<std::uint32_t>(i)};
+      items[i] = {static_cast<std::uint32_t>(hash<Dim>(p.data())) & limit, static_cast<std::uint32_t>(i)};
     }
   });
   radix_sort(items, limit);

@@ -25,7 +25,7 @@ class Envelope {
     for (Index i = 0; i < n; ++i) {
       while (k + 1 < count_ && from_[k + 1] <= static_cast<double>(i)) ++k;
       const auto away = static_cast<double>(i - place_[k]);
-      d[static_cast<std::size_t>(i)] = low_[static_cast<std::size_t>(place_[k])] + h2_ * away * away;
+      d[i] = low_[place_[k]] + h2_ * away * away;
     }
   }
 
@@ -34,7 +34,7 @@ class Envelope {
   void build(const std::vector<double>& d) {
     count_ = 0;
     for (Index j = 0; j < static_cast<Index>(d.size()); ++j) {
-      if (std::isinf(d[static_cast<std::size_t>(j)])) continue;
+      if (std::isinf(d[j])) continue;
       double start = -std::numeric_limits<double>::infinity();
       for (; count_ > 0; --count_) {
         start = crossing(d, place_[count_ - 1], j);
@@ -48,7 +48,7 @@ class Envelope {
 
   // Where the parabola at j falls below the one at i < j.
   [[nodiscard]] double crossing(const std::vector<double>& d, Index i, Index j) const {
-    const double rise = (d[static_cast<std::size_t>(j)] - d[static_cast<std::size_t>(i)]) / h2_;
+    const double rise = (d[j] - d[i]) / h2_;
     return 0.5 * (static_cast<double>(i + j) + rise / static_cast<double>(j - i));
   }
 
@@ -70,14 +70,12 @@ void transform_axis(Index n, Index stride, double h, std::vector<float>& squared
     for (Index t = begin; t < end; ++t) {
       const Index first = t % tiles * lines_per_tile, width = std::min(lines_per_tile, stride - first);
       float* const corner = squared.data() + t / tiles * n * stride + first;
-      for (Index l = 0; l < width; ++l) lines[static_cast<std::size_t>(l)].resize(static_cast<std::size_t>(n));
+      for (Index l = 0; l < width; ++l) lines[l].resize(n);
       for (Index i = 0; i < n; ++i)
-        for (Index l = 0; l < width; ++l)
-          lines[static_cast<std::size_t>(l)][static_cast<std::size_t>(i)] = static_cast<double>(corner[i * stride + l]);
-      for (Index l = 0; l < width; ++l) envelope.apply(lines[static_cast<std::size_t>(l)]);
+        for (Index l = 0; l < width; ++l) lines[l][i] = static_cast<double>(corner[i * stride + l]);
+      for (Index l = 0; l < width; ++l) envelope.apply(lines[l]);
       for (Index i = 0; i < n; ++i)
-        for (Index l = 0; l < width; ++l)
-          corner[i * stride + l] = static_cast<float>(lines[static_cast<std::size_t>(l)][static_cast<std::size_t>(i)]);
+        for (Index l = 0; l < width; ++l) corner[i * stride + l] = static_cast<float>(lines[l][i]);
     }
   });
 }

@@ -99,7 +99,7 @@ std::vector<Index> rough_morton_order(const PointsRef<Dim>& points) {
   const int bits = std::clamp((static_cast<int>(std::bit_width(n)) + extra_bits) / Dim, 1, 32 / Dim);
   std::vector<Keyed> items(n);
   for_each_code<Dim>(points, bits, [&](Index i, std::uint64_t code) {
-    items[static_cast<std::size_t>(i)] = {static_cast<std::uint32_t>(code), static_cast<std::uint32_t>(i)};
+    items[i] = {static_cast<std::uint32_t>(code), static_cast<std::uint32_t>(i)};
   });
   radix_sort(items, static_cast<std::uint32_t>((std::uint64_t{1} << (bits * Dim)) - 1));
   return has_longer_run(items, largest_cube) ? morton_order<Dim>(points) : indices_of(items);

@@ -57,8 +57,8 @@ bool principal_axes(const PointsRef<Dim>& columns, const Index* ids, Index n, Ei
 
 template <int Dim>
 std::vector<Keyed> project(const PointsRef<Dim>& columns, const Index* ids, Index n, const Point<Dim>& axis) {
-  std::vector<Keyed> keyed(static_cast<std::size_t>(n));
-  for (Index i = 0; i < n; ++i) keyed[static_cast<std::size_t>(i)] = {axis.dot(columns.col(ids[i])), ids[i]};
+  std::vector<Keyed> keyed(n);
+  for (Index i = 0; i < n; ++i) keyed[i] = {axis.dot(columns.col(ids[i])), ids[i]};
   return keyed;
 }
 
@@ -82,7 +82,7 @@ template <int Dim>
 void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* ids, Index n, Index cut) {
   std::array<Index, axes_sample> sample;
   const Index count = std::min(n, axes_sample);
-  for (Index i = 0; i < count; ++i) sample[static_cast<std::size_t>(i)] = ids[i * n / count];
+  for (Index i = 0; i < count; ++i) sample[i] = ids[i * n / count];
   Point<Dim> normal = Point<Dim>::Zero();
   if (normals.cols() > 0) normal = mean_of<Dim>(normals, sample.data(), count);
   normal = normal.norm() > flat ? Point<Dim>(normal.normalized()) : Point<Dim>(Point<Dim>::Zero());
@@ -235,7 +235,7 @@ std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>
         part.leaf = in.take<bool>();
       }
       if (parts[i].leaf) continue;
-      std::vector<std::uint32_t> ids(static_cast<std::size_t>(parts[i].end - parts[i].begin));
+      std::vector<std::uint32_t> ids(parts[i].end - parts[i].begin);
       in.take(ids.data(), static_cast<Index>(ids.size()));
       std::copy(ids.begin(), ids.end(), order.begin() + parts[i].begin);
     }
@@ -262,7 +262,7 @@ Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
   require(normals.cols() == 0 || normals.cols() == n, "partition", "normals", normals.cols(), "one per point or none");
   require(spacing.size() == 0 || spacing.size() == n, "partition", "spacing", spacing.size(), "one per point or none");
   Partition result;
-  result.order.resize(static_cast<std::size_t>(n));
+  result.order.resize(n);
   std::iota(result.order.begin(), result.order.end(), Index{0});
   result.begin = {0};
   if (n == 0) return result;

@@ -32,7 +32,7 @@ void radix_sort(std::vector<Keyed>& items, std::uint32_t limit) {
     const auto for_each_part = [&](const auto& action) {
       parallel_for(static_cast<std::ptrdiff_t>(parts), 1, [&](std::ptrdiff_t part, std::ptrdiff_t) {
         const std::size_t begin = each * static_cast<std::size_t>(part), end = std::min(n, begin + each);
-        Counts& places = next[static_cast<std::size_t>(part)];
+        Counts& places = next[part];
         action(places, begin, end);
       });
     };

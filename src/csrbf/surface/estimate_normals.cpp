@@ -6,6 +6,7 @@
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/local_normal.hpp"
+#include "csrbf/surface/normals/neighbor_table.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -43,7 +44,7 @@ Cloud sort_unique(const PointsRef<3>& input) {
   for (const Index i : order) {
     const Point<3> p = (input.col(i) - center) / scale;
     if (count == 0 || p != cloud.points.col(count - 1)) cloud.points.col(count++) = p;
-    cloud.unique_of[static_cast<std::size_t>(i)] = count - 1;
+    cloud.unique_of[i] = count - 1;
   }
   cloud.points.conservativeResize(3, count);
   return cloud;
@@ -78,7 +79,7 @@ class Neighborhood {
   void query(const Point<3>& center, Index count) {
     count = std::min(count, points_.cols());
     if (static_cast<Index>(ids_.size()) < count) {
-      ids_.resize(static_cast<std::size_t>(count));
+      ids_.resize(count);
       d2_.resize(ids_.size());
     }
     count_ = static_cast<std::size_t>(tree_.nearest(center, count, ids_.data(), d2_.data()));
@@ -107,13 +108,13 @@ class Neighborhood {
 // Median of (l0 / l1)^(1/2) over a sample of the points.
 double thickness(const Points<3>& points, const KdTree<3>& tree, Index neighbors) {
   const Index count = std::min(sampled_points, points.cols());
-  std::vector<double> ratio(static_cast<std::size_t>(count));
+  std::vector<double> ratio(count);
   const auto compute = [&](Index begin, Index end) {
     Neighborhood near(points, tree);
     for (Index s = begin; s < end; ++s) {
       near.query(points.col((2 * s + 1) * points.cols() / (2 * count)), neighbors);
       const Eigen::Vector3d& l = near.frame().eigenvalues;
-      ratio[static_cast<std::size_t>(s)] = l[1] > 0 ? std::sqrt(std::max(0.0, l[0]) / l[1]) : 1.0;
+      ratio[s] = l[1] > 0 ? std::sqrt(std::max(0.0, l[0]) / l[1]) : 1.0;
     }
   };
   share_arrays(stage, count, 32, compute, {ResultArray::of(ratio.data())});
@@ -149,7 +150,7 @@ void keep_neighbors(const Neighborhood& near, Index i, NeighborTable& table) {
   Index kept = 0;
   for (std::size_t j = 0; j < near.ids().size() && kept < table.k; ++j) {
     if (near.ids()[j] == i) continue;
-    table.index[static_cast<std::size_t>(i * table.k + kept++)] = static_cast<std::uint32_t>(near.ids()[j]);
+    table.index[i * table.k + kept++] = static_cast<std::uint32_t>(near.ids()[j]);
     table.reach[i] = std::sqrt(near.d2()[j]);
   }
 }
@@ -186,7 +187,7 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
   graph = std::min(graph, n - 1);
   if (per_fit == 1 && neighbors > graph) {
     fit.table.k = graph;
-    fit.table.index.resize(static_cast<std::size_t>(n * graph));
+    fit.table.index.resize(n * graph);
     fit.table.reach.resize(n);
   }
   const Index slice = std::max<Index>(n / 16, 1 << 16) / per_fit * per_fit;
@@ -228,7 +229,7 @@ Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& opti
   }
   Points<3> output(3, points.cols());
   for (Index i = 0; i < points.cols(); ++i) {
-    output.col(i) = normals.col(cloud.unique_of[static_cast<std::size_t>(i)]);
+    output.col(i) = normals.col(cloud.unique_of[i]);
     if (options.orient == Orient::viewpoint && output.col(i).dot(options.viewpoint - points.col(i)) < 0)
       output.col(i) = -output.col(i).eval();
     result.undetermined += output.col(i).squaredNorm() > 0 ? 0 : 1;

@@ -32,11 +32,11 @@ Points<3> in_morton_order(const PointsRef<3>& points) {
 
 // Index of the nearest point for every query.
 std::vector<Index> nearest_points(const KdTree<3>& tree, const PointsRef<3>& queries) {
-  std::vector<Index> nearest(static_cast<std::size_t>(queries.cols()));
+  std::vector<Index> nearest(queries.cols());
   parallel_for(queries.cols(), 1024, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       double squared = 0;
-      tree.nearest(queries.col(i), 1, &nearest[static_cast<std::size_t>(i)], &squared);
+      tree.nearest(queries.col(i), 1, &nearest[i], &squared);
     }
   });
   return nearest;
@@ -47,7 +47,7 @@ double spacing_at(const KdTree<3>& tree, const PointsRef<3>& points, Index i) {
   std::array<double, spacing_neighbors + 1> squared{};
   const Index found = tree.nearest(points.col(i), spacing_neighbors + 1, index.data(), squared.data());
   double sum = 0;
-  for (Index k = 1; k < found; ++k) sum += std::sqrt(squared[static_cast<std::size_t>(k)]);
+  for (Index k = 1; k < found; ++k) sum += std::sqrt(squared[k]);
   return sum / static_cast<double>(found - 1);
 }
 
@@ -58,7 +58,7 @@ std::vector<char> near_samples(const Mesh& mesh, const PointsRef<3>& points, dou
   const Points<3> sorted = points(Eigen::all, order);
   const KdTree<3> tree(sorted);
   const Index asked = normals.cols() > 0 ? std::min(facing_neighbors, points.cols()) : 1;
-  std::vector<char> near(static_cast<std::size_t>(mesh.vertices.cols()));
+  std::vector<char> near(mesh.vertices.cols());
   parallel_for(mesh.vertices.cols(), 1024, [&](Index begin, Index end) {
     std::array<Index, facing_neighbors> index{};
     std::array<double, facing_neighbors> squared{};
@@ -66,9 +66,7 @@ std::vector<char> near_samples(const Mesh& mesh, const PointsRef<3>& points, dou
       const Index found = tree.nearest(mesh.vertices.col(v), asked, index.data(), squared.data());
       const double reach = distance * spacing_at(tree, sorted, index[0]);
       for (std::size_t k = 0; k < static_cast<std::size_t>(found) && squared[k] <= reach * reach; ++k)
-        if (normals.cols() == 0 ||
-            normals.col(order[static_cast<std::size_t>(index[k])]).dot(mesh.normals.col(v)) > facing)
-          near[static_cast<std::size_t>(v)] = 1;
+        if (normals.cols() == 0 || normals.col(order[index[k]]).dot(mesh.normals.col(v)) > facing) near[v] = 1;
     }
   });
   return near;
@@ -76,9 +74,9 @@ std::vector<char> near_samples(const Mesh& mesh, const PointsRef<3>& points, dou
 
 // The chosen triangles and their vertices, in the old order.
 Mesh submesh(const Mesh& mesh, const std::vector<Index>& triangles) {
-  std::vector<char> used(static_cast<std::size_t>(mesh.vertices.cols()), 0);
+  std::vector<char> used(mesh.vertices.cols(), 0);
   for (const Index t : triangles)
-    for (int c = 0; c < 3; ++c) used[static_cast<std::size_t>(mesh.triangles(c, t))] = 1;
+    for (int c = 0; c < 3; ++c) used[mesh.triangles(c, t)] = 1;
   std::vector<Index> kept;
   std::vector<std::int32_t> number(used.size(), -1);
   for (std::size_t v = 0; v < used.size(); ++v)
@@ -93,8 +91,7 @@ Mesh submesh(const Mesh& mesh, const std::vector<Index>& triangles) {
     part.properties.push_back({property.name, property.type, property.values(kept)});
   part.triangles.resize(3, static_cast<Index>(triangles.size()));
   for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int c = 0; c < 3; ++c)
-      part.triangles(c, static_cast<Index>(t)) = number[static_cast<std::size_t>(mesh.triangles(c, triangles[t]))];
+    for (int c = 0; c < 3; ++c) part.triangles(c, static_cast<Index>(t)) = number[mesh.triangles(c, triangles[t])];
   return part;
 }
 
@@ -110,7 +107,7 @@ void double_shared_vertices(Mesh& mesh) {
   };
   InterruptionPoint pause(pause_after);
   std::vector<Side> sides;
-  sides.reserve(static_cast<std::size_t>(corners));
+  sides.reserve(corners);
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     for (Index c = 0; c < 3; ++c) {
       const auto start = static_cast<std::uint32_t>(3 * t + c), end = static_cast<std::uint32_t>(3 * t + (c + 1) % 3);
@@ -128,12 +125,12 @@ void double_shared_vertices(Mesh& mesh) {
     fans.unite(sides[i].end, sides[i - 1].end);
   }
 
-  std::vector<Index> fan_of(static_cast<std::size_t>(mesh.vertices.cols()), -1), copies;
+  std::vector<Index> fan_of(mesh.vertices.cols(), -1), copies;
   std::map<Index, std::int32_t> copy_of_fan;
   for (Index corner = 0; corner < corners; ++corner) {
     pause();
     std::int32_t& vertex = mesh.triangles(corner % 3, corner / 3);
-    Index& first = fan_of[static_cast<std::size_t>(vertex)];
+    Index& first = fan_of[vertex];
     const Index fan = fans.find(static_cast<std::uint32_t>(corner));
     if (first < 0) first = fan;
     if (first == fan) continue;
@@ -143,7 +140,7 @@ void double_shared_vertices(Mesh& mesh) {
     vertex = copy->second;
   }
   if (copies.empty()) return;
-  std::vector<Index> columns(static_cast<std::size_t>(mesh.vertices.cols()));
+  std::vector<Index> columns(mesh.vertices.cols());
   std::iota(columns.begin(), columns.end(), Index{0});
   columns.insert(columns.end(), copies.begin(), copies.end());
   mesh.vertices = Points<3>(mesh.vertices(Eigen::all, columns));
@@ -157,7 +154,7 @@ std::vector<Index> components(const Mesh& mesh, Index& count) {
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     for (int c = 1; c < 3; ++c)
       sets.unite(static_cast<std::uint32_t>(mesh.triangles(0, t)), static_cast<std::uint32_t>(mesh.triangles(c, t)));
-  std::vector<Index> label(static_cast<std::size_t>(mesh.vertices.cols()));
+  std::vector<Index> label(mesh.vertices.cols());
   count = 0;
   for (std::uint32_t v = 0; v < label.size(); ++v) {
     const std::uint32_t first = sets.find(v);
@@ -167,22 +164,20 @@ std::vector<Index> components(const Mesh& mesh, Index& count) {
 }
 
 std::vector<double> areas(const Mesh& mesh, const std::vector<Index>& label, Index count) {
-  std::vector<double> area(static_cast<std::size_t>(count), 0);
+  std::vector<double> area(count, 0);
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     const Point<3> a = mesh.vertices.col(mesh.triangles(0, t)), b = mesh.vertices.col(mesh.triangles(1, t)),
                    c = mesh.vertices.col(mesh.triangles(2, t));
-    area[static_cast<std::size_t>(label[static_cast<std::size_t>(mesh.triangles(0, t))])] +=
-        0.5 * (b - a).cross(c - a).norm();
+    area[label[static_cast<std::size_t>(mesh.triangles(0, t))]] += 0.5 * (b - a).cross(c - a).norm();
   }
   return area;
 }
 
 // Indices of the columns of x within `distance` of a point of the tree.
 std::vector<Index> ids_within(const KdTree<3>& tree, const PointsRef<3>& x, double distance) {
-  std::vector<char> is_near(static_cast<std::size_t>(x.cols()));
+  std::vector<char> is_near(x.cols());
   parallel_for(x.cols(), 1024, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i)
-      is_near[static_cast<std::size_t>(i)] = tree.any_within(x.col(i), distance) ? 1 : 0;
+    for (Index i = begin; i < end; ++i) is_near[i] = tree.any_within(x.col(i), distance) ? 1 : 0;
   });
   std::vector<Index> ids;
   for (std::size_t i = 0; i < is_near.size(); ++i)
@@ -203,10 +198,10 @@ std::vector<double> samples_of_components(const Mesh& mesh, const std::vector<In
   const std::vector<Index> rivals = ids_within(other_tree, mesh.vertices, 2 * distance);
   const Points<3> rival_vertices = mesh.vertices(Eigen::all, rivals);
   const KdTree<3> rival_tree(rival_vertices);
-  std::vector<double> samples(static_cast<std::size_t>(count), 0);
-  samples[static_cast<std::size_t>(largest)] = static_cast<double>(points.cols()) - static_cast<double>(open.size());
+  std::vector<double> samples(count, 0);
+  samples[largest] = static_cast<double>(points.cols()) - static_cast<double>(open.size());
   for (const Index v : nearest_points(rival_tree, in_morton_order(points(Eigen::all, open))))
-    samples[static_cast<std::size_t>(label[static_cast<std::size_t>(rivals[static_cast<std::size_t>(v)])])] += 1;
+    samples[label[static_cast<std::size_t>(rivals[static_cast<std::size_t>(v)])]] += 1;
   return samples;
 }
 
@@ -220,7 +215,7 @@ Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const P
   const std::vector<char> near = near_samples(mesh, points, distance, normals);
   std::vector<Index> kept;
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const auto is_near = [&](int c) { return near[static_cast<std::size_t>(mesh.triangles(c, t))] != 0; };
+    const auto is_near = [&](int c) { return near[mesh.triangles(c, t)] != 0; };
     if (is_near(0) && is_near(1) && is_near(2)) kept.push_back(t);
   }
   Mesh trimmed = submesh(mesh, kept);
@@ -240,13 +235,12 @@ DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) 
   std::vector<char> keep(samples.size());
   for (std::size_t c = 0; c < keep.size(); ++c)
     keep[c] = samples[c] >= fewest_samples && samples[c] >= expected_share * density * area[c] ? 1 : 0;
-  keep[static_cast<std::size_t>(std::max_element(samples.begin(), samples.end()) - samples.begin())] = 1;
+  keep[std::max_element(samples.begin(), samples.end()) - samples.begin()] = 1;
   const Index dropped = std::count(keep.begin(), keep.end(), 0);
   if (dropped == 0) return {std::move(mesh), 0};
   std::vector<Index> triangles;
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
-    if (keep[static_cast<std::size_t>(label[static_cast<std::size_t>(mesh.triangles(0, t))])] != 0)
-      triangles.push_back(t);
+    if (keep[label[static_cast<std::size_t>(mesh.triangles(0, t))]] != 0) triangles.push_back(t);
   return {submesh(mesh, triangles), dropped};
 }
 

@@ -2,6 +2,7 @@
 
 #include "approx/approx_testing.hpp"
 #include "core/error_testing.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

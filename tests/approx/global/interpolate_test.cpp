@@ -19,7 +19,7 @@ template <int Dim>
 double largest_residual(const Interpolation<Dim>& fit, const Samples<Dim>& samples) {
   double largest = 0;
   for (Index k = 0; k < samples.components(); ++k) {
-    const Eigen::VectorXd values = fit.components[static_cast<std::size_t>(k)]->evaluate(samples.points).value;
+    const Eigen::VectorXd values = fit.components[k]->evaluate(samples.points).value;
     largest = std::max(largest, (values - samples.values.col(k)).cwiseAbs().maxCoeff());
   }
   return largest;
@@ -99,8 +99,7 @@ TEST(Interpolate, SolvesAllComponentsLikeEachAlone) {
   const Points<2> x = random_points<2>(50, 8);
   for (Index k = 0; k < 2; ++k) {
     const Interpolation<2> one = interpolate<2>({samples.points, samples.values.col(k), {}}, options);
-    EXPECT_TRUE(one.components[0]->evaluate(x).value.isApprox(
-        both.components[static_cast<std::size_t>(k)]->evaluate(x).value, 1e-12));
+    EXPECT_TRUE(one.components[0]->evaluate(x).value.isApprox(both.components[k]->evaluate(x).value, 1e-12));
   }
 }
 

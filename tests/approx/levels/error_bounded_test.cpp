@@ -1,6 +1,7 @@
 #include "csrbf/approx/levels/error_bounded.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 
 namespace csrbf {
@@ -28,8 +29,7 @@ void expect_bound(const Samples<Dim>& data, double tolerance, const char* name) 
     const LevelFit<Dim> fit = method(data, tolerance);
     EXPECT_TRUE(fit.converged) << name << " " << Dim;
     for (Index c = 0; c < data.components(); ++c)
-      EXPECT_LE(largest_error<Dim>(*fit.fields[static_cast<std::size_t>(c)], data, c), tolerance + slack * range)
-          << name << " " << Dim;
+      EXPECT_LE(largest_error<Dim>(*fit.fields[c], data, c), tolerance + slack * range) << name << " " << Dim;
     EXPECT_LE(fit.last().max_error, tolerance + slack * range) << name << " " << Dim;
   }
 }

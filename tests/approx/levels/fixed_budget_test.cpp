@@ -1,6 +1,7 @@
 #include "csrbf/approx/levels/fixed_budget.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
 
 namespace csrbf {
 namespace {

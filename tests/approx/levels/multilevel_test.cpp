@@ -3,6 +3,9 @@
 #include "approx/approx_testing.hpp"
 #include "core/error_testing.hpp"
 #include "csrbf/approx/levels/least_squares.hpp"
+#include "csrbf/approx/levels/level_builder.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
+#include "csrbf/kernels/kernel.hpp"
 
 namespace csrbf {
 namespace {

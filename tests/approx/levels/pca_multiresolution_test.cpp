@@ -1,6 +1,7 @@
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
 
 namespace csrbf {
 namespace {

@@ -28,7 +28,7 @@ class Cubic : public Field<2> {
   [[nodiscard]] Box<2> bounds() const override { return {Point<2>(-9, -9), Point<2>(9, 9)}; }
   [[nodiscard]] double feature_size() const override { return .5; }
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<2>& y) const override {
-    std::vector<Index> order(static_cast<std::size_t>(y.cols()));
+    std::vector<Index> order(y.cols());
     std::iota(order.rbegin(), order.rend(), Index{0});
     return order;
   }

@@ -1,6 +1,7 @@
 #include "csrbf/approx/unity/choose_local_options.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "csrbf/core/parallel.hpp"
 
 namespace csrbf {
 namespace {

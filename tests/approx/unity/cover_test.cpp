@@ -2,6 +2,7 @@
 
 #include "approx/approx_testing.hpp"
 #include "core/error_testing.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <numeric>
 
@@ -42,7 +43,7 @@ void expect_sorted_points(const Points<Dim>& points, Index leaf_size) {
   Index next = 0;
   for (Index cell = 0; cell < cover.size(); ++cell)
     for (Index k = 0; k < cover.count(cell); ++k, ++next) {
-      EXPECT_EQ(cover.points().col(next), points.col(order[static_cast<std::size_t>(next)]));
+      EXPECT_EQ(cover.points().col(next), points.col(order[next]));
       EXPECT_EQ(cover.find(cover.points().col(next)), cell);
     }
   EXPECT_EQ(next, points.cols());
@@ -97,8 +98,7 @@ void expect_same_cover_of_sorted_points(const Points<Dim>& points) {
     EXPECT_EQ(members(again), members(direct)) << other;
     for (Index cell = 0; cell < direct.size(); ++cell)
       EXPECT_TRUE(std::ranges::equal(again.supports_over(cell), direct.supports_over(cell)));
-    for (Index i = 0; i < points.cols(); ++i)
-      EXPECT_EQ(again.points().col(i), points.col(again.order()[static_cast<std::size_t>(i)]));
+    for (Index i = 0; i < points.cols(); ++i) EXPECT_EQ(again.points().col(i), points.col(again.order()[i]));
   }
 }
 
@@ -186,10 +186,10 @@ void expect_nearest(const Cover<Dim>& cover, const Point<Dim>& x, Index n, doubl
   const Points<Dim>& points = cover.points();
   typename Cover<Dim>::Search search;
   cover.nearest(x, n, reach, search);
-  std::vector<double> expected(static_cast<std::size_t>(points.cols()));
-  for (Index i = 0; i < points.cols(); ++i) expected[static_cast<std::size_t>(i)] = (points.col(i) - x).squaredNorm();
+  std::vector<double> expected(points.cols());
+  for (Index i = 0; i < points.cols(); ++i) expected[i] = (points.col(i) - x).squaredNorm();
   std::sort(expected.begin(), expected.end());
-  expected.resize(static_cast<std::size_t>(std::min(n, points.cols())));
+  expected.resize(std::min(n, points.cols()));
   ASSERT_EQ(search.found.size(), expected.size());
   std::vector<std::uint32_t> ids;
   for (std::size_t k = 0; k < expected.size(); ++k) {

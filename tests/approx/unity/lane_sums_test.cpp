@@ -22,7 +22,7 @@ std::vector<double> random_numbers(Index count, unsigned seed) {
 template <int Dim>
 Point<Dim> lane(const std::vector<double>& x, int l) {
   Point<Dim> p;
-  for (int a = 0; a < Dim; ++a) p[a] = x[static_cast<std::size_t>(L * a + l)];
+  for (int a = 0; a < Dim; ++a) p[a] = x[L * a + l];
   return p;
 }
 
@@ -38,9 +38,9 @@ void expect_polynomials(int degree) {
   }
   const std::vector<double> x = random_numbers(L * Dim, 1), c = random_numbers(Q, 2);
   const Eigen::Map<const Eigen::VectorXd> coefficients(c.data(), Q);
-  std::vector<double> jets(static_cast<std::size_t>(L * all * Q));
+  std::vector<double> jets(L * all * Q);
   for (const int terms : {1, 1 + Dim, all}) {
-    std::vector<double> f(static_cast<std::size_t>(L * all), 77.0);
+    std::vector<double> f(L * all, 77.0);
     lane_sums::polynomial(x.data(), Dim, parent.data(), axis.data(), Q, c.data(), terms, jets.data(), f.data());
     for (int l = 0; l < L; ++l) {
       const Point<Dim> p = lane<Dim>(x, l);
@@ -49,8 +49,7 @@ void expect_polynomials(int degree) {
       Eigen::VectorXd expected(all);
       expected << value * coefficients, gradient * coefficients, hessian * coefficients;
       for (int t = 0; t < all; ++t)
-        EXPECT_NEAR(f[static_cast<std::size_t>(L * t + l)], t < terms ? expected[t] : 77, 100 * rounding)
-            << Dim << " " << degree << " " << t;
+        EXPECT_NEAR(f[L * t + l], t < terms ? expected[t] : 77, 100 * rounding) << Dim << " " << degree << " " << t;
     }
   }
 }
@@ -67,7 +66,7 @@ TEST(LaneSums, SumPolynomialsAndTheirDerivatives) {
 }
 
 TEST(LaneSums, AreZeroForNoMonomials) {
-  std::vector<double> f(static_cast<std::size_t>(3 * L), 5.0);
+  std::vector<double> f(3 * L, 5.0);
   lane_sums::polynomial(f.data(), 1, nullptr, nullptr, 0, nullptr, 3, nullptr, f.data());
   EXPECT_EQ(f, std::vector<double>(static_cast<std::size_t>(3 * L), 0.0));
 }
@@ -78,13 +77,12 @@ void expect_nested_polynomials(int degree) {
   const Index Q = basis.size();
   const std::vector<double> x = random_numbers(L * Dim, 1), c = random_numbers(Q, 2);
   std::vector<double> nested, f(L);
-  for (const Index j : nested_order(basis)) nested.push_back(c[static_cast<std::size_t>(j)]);
+  for (const Index j : nested_order(basis)) nested.push_back(c[j]);
   lane_sums::nested_polynomial(x.data(), Dim, degree, nested.data(), f.data());
   for (int l = 0; l < L; ++l) {
     Eigen::RowVectorXd monomials(Q);
     basis.rows(lane<Dim>(x, l), monomials.data());
-    EXPECT_NEAR(f[static_cast<std::size_t>(l)], monomials * Eigen::Map<const Eigen::VectorXd>(c.data(), Q),
-                100 * rounding)
+    EXPECT_NEAR(f[l], monomials * Eigen::Map<const Eigen::VectorXd>(c.data(), Q), 100 * rounding)
         << Dim << " " << degree;
   }
 }
@@ -135,7 +133,7 @@ void expect_box_weights() {
   const std::vector<double> x = random_numbers(L * Dim, 1);
   const Point<Dim> center = Point<Dim>::Constant(.1), half = Point<Dim>::LinSpaced(.8, 1.1);
   for (const int terms : {1, 1 + Dim, all}) {
-    std::vector<double> w(static_cast<std::size_t>(L * all), 77.0);
+    std::vector<double> w(L * all, 77.0);
     lane_sums::box_weights(x.data(), Dim, center.data(), half.data(), terms, w.data());
     for (int l = 0; l < L; ++l) {
       const Point<Dim> t = (lane<Dim>(x, l) - center).cwiseQuotient(half);
@@ -156,9 +154,7 @@ void expect_box_weights() {
       for (int a = 0; a < Dim; ++a)
         for (int b = a; b < Dim; ++b) expected.push_back(derivative(a, b));
       for (int k = 0; k < all; ++k)
-        EXPECT_NEAR(w[static_cast<std::size_t>(L * k + l)], k < terms ? expected[static_cast<std::size_t>(k)] : 77,
-                    100 * rounding)
-            << Dim << " " << k;
+        EXPECT_NEAR(w[L * k + l], k < terms ? expected[k] : 77, 100 * rounding) << Dim << " " << k;
     }
   }
 }
@@ -188,7 +184,7 @@ void expect_sums(Index n) {
   const std::vector<double> x = random_numbers(L * Dim, 1), centers = random_numbers(Dim * n, 2),
                             alpha = random_numbers(n, 3), phi = random_numbers(L * n, 4), g = random_numbers(L * n, 5),
                             h = random_numbers(L * n, 6);
-  std::vector<double> f(static_cast<std::size_t>(L * all), before), r2(static_cast<std::size_t>(L * n));
+  std::vector<double> f(L * all, before), r2(static_cast<std::size_t>(L * n));
   lane_sums::distances(x.data(), Dim, centers.data(), n, scale, r2.data());
   lane_sums::add_values(phi.data(), alpha.data(), n, f.data());
   lane_sums::add_gradients(g.data(), alpha.data(), n, x.data(), Dim, centers.data(), scale, f.data());
@@ -199,17 +195,17 @@ void expect_sums(Index n) {
     Eigen::Matrix<double, Dim, Dim> hessian = Eigen::Matrix<double, Dim, Dim>::Constant(before);
     for (Index j = 0; j < n; ++j) {
       const auto at = static_cast<std::size_t>(L * j + l);
-      const double a = alpha[static_cast<std::size_t>(j)];
+      const double a = alpha[j];
       const Point<Dim> d = lane<Dim>(x, l) - Eigen::Map<const Point<Dim>>(centers.data() + Dim * j);
       EXPECT_NEAR(r2[at], scale * d.squaredNorm(), rounding);
       value += a * phi[at];
       gradient += a * scale * g[at] * d;
       hessian += a * scale * (g[at] * Eigen::Matrix<double, Dim, Dim>::Identity() + scale * h[at] * d * d.transpose());
     }
-    EXPECT_NEAR(f[static_cast<std::size_t>(l)], value, rounding);
+    EXPECT_NEAR(f[l], value, rounding);
     for (int a = 0, t = 1 + Dim; a < Dim; ++a) {
-      EXPECT_NEAR(f[static_cast<std::size_t>(L * (1 + a) + l)], gradient[a], rounding);
-      for (int b = a; b < Dim; ++b, ++t) EXPECT_NEAR(f[static_cast<std::size_t>(L * t + l)], hessian(a, b), rounding);
+      EXPECT_NEAR(f[L * (1 + a) + l], gradient[a], rounding);
+      for (int b = a; b < Dim; ++b, ++t) EXPECT_NEAR(f[L * t + l], hessian(a, b), rounding);
     }
   }
 }

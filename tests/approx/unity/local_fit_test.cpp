@@ -55,7 +55,7 @@ std::vector<std::pair<double, std::uint32_t>> nearest(const Problem<Dim>& proble
   for (Index i = 0; i < points.cols(); ++i)
     all.emplace_back((points.col(i) - problem.cover.cell(cell).center()).squaredNorm(), static_cast<std::uint32_t>(i));
   std::sort(all.begin(), all.end());
-  all.resize(static_cast<std::size_t>(std::min(count, points.cols())));
+  all.resize(std::min(count, points.cols()));
   return all;
 }
 
@@ -186,7 +186,7 @@ void expect_interpolation(const LocalOptions& options) {
   const std::array<Index, 3> cells = even_cells(problem, options.samples);
   const LocalModels<Dim> models = problem.fit(options, {cells.begin(), cells.end()});
   for (Index i = 0; i < 3; ++i) {
-    const Dense<Dim> dense(problem, cells[static_cast<std::size_t>(i)], options);
+    const Dense<Dim> dense(problem, cells[i], options);
     EXPECT_LE((values_at<Dim>(models, i, dense.q) - dense.s).cwiseAbs().maxCoeff(), 1e-5) << Dim;
   }
 }
@@ -208,7 +208,7 @@ void expect_dense_solution(const LocalOptions& options, bool weighted) {
   const std::vector<Index> cells = {a, b, c, a, b, c, a, b, c, b};  // more than one batch
   const LocalModels<Dim> models = problem.fit(options, cells);
   for (const Index i : {0, 5, 9}) {
-    const Dense<Dim> dense(problem, cells[static_cast<std::size_t>(i)], options);
+    const Dense<Dim> dense(problem, cells[i], options);
     const Eigen::MatrixXd x = options.centers < options.samples ? dense.least_squares() : dense.interpolant();
     const Eigen::MatrixXd at_samples = dense.P * x.topRows(dense.P.cols()) + dense.A * x.bottomRows(dense.A.cols());
     EXPECT_LE((values_at<Dim>(models, i, dense.q) - at_samples).cwiseAbs().maxCoeff(), solved)
@@ -246,10 +246,10 @@ void expect_left_out_errors(const LocalOptions& options, bool weighted) {
   models.resize(3);
   const std::array<Index, 3> cells = even_cells(problem, options.samples);
   fitter.fit(cells.data(), 3, models, 0);
-  std::vector<double> error(static_cast<std::size_t>(batch_lanes * 2 * targets));
+  std::vector<double> error(batch_lanes * 2 * targets);
   fitter.left_out_errors(targets, error.data());
   for (Index lane = 0; lane < 3; ++lane) {
-    const Dense<Dim> dense(problem, cells[static_cast<std::size_t>(lane)], options);
+    const Dense<Dim> dense(problem, cells[lane], options);
     for (Index k = 0; k < targets; ++k) {
       Eigen::RowVectorXd expected(2);
       if (options.centers >= options.samples) {
@@ -260,8 +260,7 @@ void expect_left_out_errors(const LocalOptions& options, bool weighted) {
             dense.s.row(k) - dense.P.row(k) * b.topRows(dense.P.cols()) - dense.A.row(k) * b.bottomRows(dense.A.cols());
       }
       for (Index c = 0; c < 2; ++c)
-        EXPECT_NEAR(error[static_cast<std::size_t>((lane * 2 + c) * targets + k)], expected[c],
-                    1e-5 * (1 + std::abs(expected[c])))
+        EXPECT_NEAR(error[(lane * 2 + c) * targets + k], expected[c], 1e-5 * (1 + std::abs(expected[c])))
             << Dim << " " << weighted << " " << options.centers << " " << options.smoothing;
     }
   }

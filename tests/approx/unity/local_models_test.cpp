@@ -37,12 +37,12 @@ std::array<std::array<double, LocalModels<Dim>::lanes>, LocalEvaluator<Dim>::ter
   constexpr int L = LocalModels<Dim>::lanes, terms = LocalEvaluator<Dim>::terms;
   std::array<double, Dim * L> lanes;
   for (int a = 0; a < Dim; ++a)
-    for (int l = 0; l < L; ++l) lanes[static_cast<std::size_t>(L * a + l)] = x(a, l);
+    for (int l = 0; l < L; ++l) lanes[L * a + l] = x(a, l);
   double f[terms][L];
   LocalEvaluator<Dim>(models).evaluate(i, component, lanes.data(), derivatives, f);
   std::array<std::array<double, L>, terms> result{};
   const int wanted = derivatives == Derivatives::none ? 1 : derivatives == Derivatives::gradient ? 1 + Dim : terms;
-  for (int t = 0; t < wanted; ++t) std::copy_n(f[t], L, result[static_cast<std::size_t>(t)].begin());
+  for (int t = 0; t < wanted; ++t) std::copy_n(f[t], L, result[t].begin());
   return result;
 }
 
@@ -56,8 +56,7 @@ void expect_formula(const std::string& kernel, int degree, Index centers, double
       for (const Derivatives derivatives : {Derivatives::none, Derivatives::gradient, Derivatives::hessian}) {
         const auto f = evaluate<Dim>(models, i, c, x, derivatives);
         for (int l = 0; l < 8; ++l)
-          EXPECT_NEAR(f[0][static_cast<std::size_t>(l)], plain_value<Dim>(models, i, c, x.col(l)), rounding)
-              << kernel << " " << Dim;
+          EXPECT_NEAR(f[0][l], plain_value<Dim>(models, i, c, x.col(l)), rounding) << kernel << " " << Dim;
       }
 }
 
@@ -95,8 +94,7 @@ void expect_derivatives(const std::string& kernel, int degree, Index centers, do
         for (int c = b; c < Dim; ++c, ++t) {
           if (b != a && c != a) continue;
           const auto other = static_cast<std::size_t>(1 + (b == a ? c : b));
-          EXPECT_NEAR(f[static_cast<std::size_t>(t)][l], (plus[other][l] - minus[other][l]) / (2 * h), tolerance)
-              << kernel << " " << Dim;
+          EXPECT_NEAR(f[t][l], (plus[other][l] - minus[other][l]) / (2 * h), tolerance) << kernel << " " << Dim;
         }
     }
   }

@@ -2,6 +2,7 @@
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 
 #include "approx/partition_testing.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <Eigen/Geometry>
 

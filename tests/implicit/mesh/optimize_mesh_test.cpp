@@ -1,6 +1,7 @@
 #include "csrbf/implicit/mesh/optimize_mesh.hpp"
 
 #include "core/error_testing.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "implicit/mesh_testing.hpp"
 #include "implicit/polygonize_fields.hpp"
 

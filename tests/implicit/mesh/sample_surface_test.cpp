@@ -34,7 +34,7 @@ TEST(SampleSurface, DrawsEachTriangleInProportionToItsAreaUpToOneSample) {
       2, 2, 1, 2;
   const Index n = 700;
   std::array<double, 4> count{};
-  for (const std::int32_t t : sample_surface(mesh, n).triangle) ++count[static_cast<std::size_t>(t)];
+  for (const std::int32_t t : sample_surface(mesh, n).triangle) ++count[t];
   EXPECT_NEAR(count[0], 100, 1);
   EXPECT_NEAR(count[1], 200, 1);
   EXPECT_EQ(count[2], 0);

@@ -23,7 +23,7 @@ Surface quad(const std::array<Point<3>, 4>& corners, const Point<3>& crossing) {
   s.crossings.vertices = crossing;
   s.crossings.normals = Point<3>::UnitZ();
   s.mesh.vertices.resize(3, 4);
-  for (int i = 0; i < 4; ++i) s.mesh.vertices.col(i) = corners[static_cast<std::size_t>(i)];
+  for (int i = 0; i < 4; ++i) s.mesh.vertices.col(i) = corners[i];
   return s;
 }
 
@@ -84,7 +84,7 @@ TEST(TriangulateQuads, TakesInTheVerticesOnSides) {
   for (int e = 0; e < n; ++e) {
     for (int i = 0; i < 4; ++i) {
       s.dual.quads(i, e) = 4 * e + i;
-      s.mesh.vertices.col(4 * e + i) = square[static_cast<std::size_t>(i)] + Point<3>(3 * e, 0, 0);
+      s.mesh.vertices.col(4 * e + i) = square[i] + Point<3>(3 * e, 0, 0);
     }
     s.crossings.vertices.col(e) = Point<3>(3 * e + 0.5, 0.5, 0);
   }
@@ -104,7 +104,7 @@ TEST(TriangulateQuads, TakesInTheVerticesOnSides) {
     const Eigen::Vector3i c = s.mesh.triangles.col(t);
     int e = -1;
     for (int p = 0; p < n; ++p) {
-      const auto& polygon = polygons[static_cast<std::size_t>(p)];
+      const auto& polygon = polygons[p];
       if (std::all_of(c.begin(), c.end(), [&](int w) { return std::count(polygon.begin(), polygon.end(), w) == 1; }))
         e = p;
     }
@@ -112,11 +112,11 @@ TEST(TriangulateQuads, TakesInTheVerticesOnSides) {
     if (t < 2 * n) {
       EXPECT_EQ(e, t / 2);
     }
-    ++triangles[static_cast<std::size_t>(e)];
+    ++triangles[e];
     const double z =
         area_vector(s.mesh.vertices.col(c[0]), s.mesh.vertices.col(c[1]), s.mesh.vertices.col(c[2]))[2] / 2;
     EXPECT_GT(z, 0);
-    area[static_cast<std::size_t>(e)] += z;
+    area[e] += z;
     for (int i = 0; i < 3; ++i) edges.emplace(c[i], c[(i + 1) % 3]);
   }
   for (std::size_t e = 0; e < n; ++e) {

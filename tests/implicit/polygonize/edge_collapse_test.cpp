@@ -154,7 +154,7 @@ TEST(EdgeCollapser, TurnsNoTriangleByMoreThan80DegreesAndMakesNoNeedles) {
   for (int trial = 0; trial < 4000; ++trial) {
     Mesh mesh = sphere;
     EdgeCollapser collapser(mesh);
-    const int u = 2 + trial % 50, v = collapser.neighbours(u)[static_cast<std::size_t>(trial / 50 % 4)];
+    const int u = 2 + trial % 50, v = collapser.neighbours(u)[trial / 50 % 4];
     if (v < 2) continue;  // a pole
     const Point<3> p = mesh.vertices.col(u) + Point<3>(normal(random), normal(random), normal(random));
     const Change change = change_of(mesh, u, v, p);

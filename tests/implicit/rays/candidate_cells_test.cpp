@@ -59,8 +59,7 @@ struct PlainCells {
       const Point<3> middle = ray.origin + 0.5 * (walls[i] + walls[i + 1]) * ray.direction;
       const Eigen::Array3i cell = ((middle - origin) / side).array().floor().cast<int>();
       const bool in_lattice = (cell >= 0).all() && (cell < size).all();
-      const Enclosure* here =
-          in_lattice ? &cells[static_cast<std::size_t>(cell[0] + size[0] * (cell[1] + size[1] * cell[2]))] : nullptr;
+      const Enclosure* here = in_lattice ? &cells[cell[0] + size[0] * (cell[1] + size[1] * cell[2])] : nullptr;
       if (here == nullptr || !kept(*here)) {
         length = 0;
         continue;

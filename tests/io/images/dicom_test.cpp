@@ -162,8 +162,7 @@ TEST(Dicom, OrdersSlicesAlongTheirNormal) {
   EXPECT_TRUE(grid.direction.col(1).isApprox(w.column, decimals));
   EXPECT_TRUE(grid.direction.col(2).isApprox(w.row.cross(w.column), decimals));
   for (Index z = 0; z < 4; ++z)
-    for (Index i = 0; i < 12; ++i)
-      EXPECT_EQ(volume.values[static_cast<std::size_t>(12 * z + i)], static_cast<float>(2500 * z + i));
+    for (Index i = 0; i < 12; ++i) EXPECT_EQ(volume.values[12 * z + i], static_cast<float>(2500 * z + i));
 }
 
 TEST(Dicom, ReadsOneFile) {

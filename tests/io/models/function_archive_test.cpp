@@ -1,4 +1,5 @@
 #include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/io/model.hpp"
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/fit.hpp"

@@ -27,7 +27,7 @@ Volume<float> ball_image() {
   for (Index i = 0; i < layout.grid.voxels(); ++i) {
     const Point<3> p(static_cast<double>(i % 24) - 12, static_cast<double>(i / 24 % 20) - 10,
                      Dim == 3 ? static_cast<double>(i / 480) - 8 : 0.0);
-    image.values[static_cast<std::size_t>(i)] = p.norm() < 6 ? 10.0F : 1.0F;
+    image.values[i] = p.norm() < 6 ? 10.0F : 1.0F;
   }
   return image;
 }

@@ -97,7 +97,7 @@ TEST(SurfaceArchive, RefusesTreesThatAreTooDeep) {
   Solid solid = fitted();
   for (int i = 0; i < 300; ++i) solid = ~solid;
   const Archive deep = surface_to_archive(*solid);
-  EXPECT_NE(io_error([&] { (void)surface_from(deep); }).find("more than 256 times"), std::string::npos);
+  EXPECT_NE(io_error([&] { (void)surface_from(deep); }).find("more than 256 levels deep"), std::string::npos);
 }
 
 TEST(SurfaceArchive, RefusesFieldsWithoutFileForm) {

@@ -100,7 +100,7 @@ TEST(DenseLevelSet, ShrinksACircleByItsCurvature) {
     const Index middle = grid.size[0] / 2;
     double previous = 0;
     for (Index x = middle; x < grid.size[0]; ++x) {
-      const auto value = static_cast<double>(f.values()[static_cast<std::size_t>(grid.index(x, middle))]);
+      const auto value = static_cast<double>(f.values()[grid.index(x, middle)]);
       if (value <= 0) {
         error[i] =
             std::abs((static_cast<double>(x - middle) - 1 + previous / (previous - value)) * grid.spacing[0] - radius);
@@ -142,9 +142,8 @@ TEST(DenseLevelSet, BecomesADistanceWithoutMovingItsZeros) {
   const std::vector<float> exact = sampled(grid, ball<2>(.5));
   double largest = 0;
   for (const Index i : f.active()) {
-    const double d = static_cast<double>(exact[static_cast<std::size_t>(i)]);
-    if (std::abs(d) < .15)
-      largest = std::max(largest, std::abs(static_cast<double>(f.values()[static_cast<std::size_t>(i)]) - d));
+    const double d = static_cast<double>(exact[i]);
+    if (std::abs(d) < .15) largest = std::max(largest, std::abs(static_cast<double>(f.values()[i]) - d));
   }
   EXPECT_LT(largest, .02);  // one voxel edge
   EXPECT_NEAR(radius_of<2>(grid, f.values()), before, 1e-3);
@@ -185,8 +184,7 @@ TEST(DenseLevelSet, HasThePenaltyOfLiForGradientsOtherThanOne) {
   const std::vector<float> rate = f.rate({nullptr, 0, 1});
   double along = 0;
   const Points<3> p = grid.centers<3>();
-  for (Index i = 0; i < grid.voxels(); ++i)
-    along -= static_cast<double>(rate[static_cast<std::size_t>(i)]) * eta(p.col(i)) * .02 * .02;
+  for (Index i = 0; i < grid.voxels(); ++i) along -= static_cast<double>(rate[i]) * eta(p.col(i)) * .02 * .02;
   EXPECT_NEAR(variation, .548, 1e-3);
   EXPECT_NEAR(along, variation, 1e-3);  // of the squared spacing
 }
@@ -197,9 +195,7 @@ TEST(DenseLevelSet, TendsToADistanceUnderThePenalty) {
     DenseLevelSet<2> f(grid, sampled(grid, [slope](const Point<3>& p) { return slope * (.5 - p.head<2>().norm()); }),
                        whole);
     advance(f, .3, 0, {nullptr, 0, 1});
-    const auto value = [&](Index x) {
-      return static_cast<double>(f.values()[static_cast<std::size_t>(grid.index(x, 20))]);
-    };
+    const auto value = [&](Index x) { return static_cast<double>(f.values()[grid.index(x, 20)]); };
     EXPECT_NEAR((value(29) - value(31)) / (2 * grid.spacing[0]), 1, .1) << slope;  // at a distance of .5
   }
 }

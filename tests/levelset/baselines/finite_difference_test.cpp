@@ -2,6 +2,7 @@
 
 #include "core/error_testing.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/levelset/lattice/lattice_field.hpp"
 #include "levelset/levelset_testing.hpp"
 
 #include <gtest/gtest.h>
@@ -92,8 +93,7 @@ TEST(FiniteDifference, InterpolatesItsValuesByAField) {
   const Eigen::VectorXd value = result.field->evaluate(image.grid.centers<2>()).value;
   constexpr double accuracy = 1e-3;  // of the interpolation, in voxels
   for (Index i = 0; i < value.size(); ++i)
-    EXPECT_NEAR(value[i], std::clamp(static_cast<double>(result.values[static_cast<std::size_t>(i)]), -3.0, 3.0),
-                accuracy);
+    EXPECT_NEAR(value[i], std::clamp(static_cast<double>(result.values[i]), -3.0, 3.0), accuracy);
 }
 
 TEST(FiniteDifference, RemovesSmallPartsByTheLength) {
@@ -107,8 +107,8 @@ TEST(FiniteDifference, RemovesSmallPartsByTheLength) {
   options.length = 4;
   const FiniteDifferenceResult<2> result =
       finite_difference<2>(image.grid, image.truth.data(), chan_vese_force(image.values), options);
-  EXPECT_EQ(result.labels[static_cast<std::size_t>(image.grid.index(50, 30))], 0);
-  EXPECT_EQ(result.labels[static_cast<std::size_t>(image.grid.index(25, 30))], 1);
+  EXPECT_EQ(result.labels[image.grid.index(50, 30)], 0);
+  EXPECT_EQ(result.labels[image.grid.index(25, 30)], 1);
 }
 
 TEST(FiniteDifference, StopsWhereThereIsNoForce) {

@@ -13,13 +13,12 @@ namespace {
 std::vector<float> disc_force(Index n, double radius, double noise, unsigned seed = 1) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal(0, 1);
-  std::vector<float> force(static_cast<std::size_t>(n * n));
+  std::vector<float> force(n * n);
   const double middle = 0.5 * static_cast<double>(n - 1);
   for (Index y = 0; y < n; ++y)
     for (Index x = 0; x < n; ++x) {
       const double d = radius - std::hypot(static_cast<double>(x) - middle, static_cast<double>(y) - middle);
-      force[static_cast<std::size_t>(x + n * y)] =
-          static_cast<float>(-std::clamp(d, -1.0, 1.0) + (noise > 0 ? noise * normal(generator) : 0.0));
+      force[x + n * y] = static_cast<float>(-std::clamp(d, -1.0, 1.0) + (noise > 0 ? noise * normal(generator) : 0.0));
     }
   return force;
 }
@@ -35,14 +34,13 @@ TEST(ContourEnergy, HasTheDerivativesOfItsValues) {
   std::vector<float> weights(force.size());
   for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = 0.5F + 0.25F * std::abs(force[i]);
   const ContourEnergy energy{force.data(), 0.7, 0.4, 0.8, weights.data()};
-  std::vector<float> a(static_cast<std::size_t>(lattice.array_size())), g(a.size()), direction(a.size());
+  std::vector<float> a(lattice.array_size()), g(a.size()), direction(a.size());
   std::mt19937 generator(6);
   for (float& c : a) c = std::uniform_real_distribution<float>(-0.5F, 0.5F)(generator);
   for (float& c : direction) c = std::uniform_real_distribution<float>(-1, 1)(generator);
   contour_energy(lattice, energy, a.data(), g.data());
   double slope = 0;
-  for (Index i = 0; i < lattice.coefficients(); ++i)
-    slope += static_cast<double>(g[static_cast<std::size_t>(i)] * direction[static_cast<std::size_t>(i)]);
+  for (Index i = 0; i < lattice.coefficients(); ++i) slope += static_cast<double>(g[i] * direction[i]);
   constexpr float h = 1e-3F;  // between the rounding of floats and the curvature of E
   const auto moved = [&](float t) {
     std::vector<float> there = a;
@@ -61,9 +59,9 @@ TEST(ContourEnergy, MeasuresTheLengthOfACircle) {
   const double middle = 0.5 * (n - 1);
   for (Index y = 0; y < n; ++y)
     for (Index x = 0; x < n; ++x)
-      force[static_cast<std::size_t>(x + n * y)] = static_cast<float>(
+      force[x + n * y] = static_cast<float>(
           -(radius - std::hypot(static_cast<double>(x) - middle, static_cast<double>(y) - middle)) / 10);
-  std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
+  std::vector<float> a(lattice.array_size(), 0.0F);
   fit_target(lattice, {force.data(), 0, 1, 1}, 200, a);
   const std::vector<float> none(force.size(), 0.0F);
   for (const double eps : {0.1, 0.2}) {
@@ -76,7 +74,7 @@ TEST(FitTarget, SolvesTheLeastSquaresPart) {
   const Lattice<2> lattice({40, 40, 1}, Point<3>(1, 1, 1), {3, 2.5, "wendland-c2"});
   const std::vector<float> force = disc_force(40, 12, 0.2);
   const ContourEnergy energy{force.data(), 0, 1, 1};
-  std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F), g(a.size());
+  std::vector<float> a(lattice.array_size(), 0.0F), g(a.size());
   const std::vector<float> none(force.size(), 0.0F);
   fit_target(lattice, energy, 500, a);
   // The derivative of what is left of E without the force in H is that of the least squares; so take H out by eps.
@@ -86,8 +84,8 @@ TEST(FitTarget, SolvesTheLeastSquaresPart) {
   contour_energy(lattice, flat, start.data(), at_start.data());
   double left = 0, before = 0;
   for (Index i = 0; i < lattice.coefficients(); ++i) {
-    left = std::max(left, static_cast<double>(std::abs(g[static_cast<std::size_t>(i)])));
-    before = std::max(before, static_cast<double>(std::abs(at_start[static_cast<std::size_t>(i)])));
+    left = std::max(left, static_cast<double>(std::abs(g[i])));
+    before = std::max(before, static_cast<double>(std::abs(at_start[i])));
   }
   EXPECT_LT(left, 4e-3 * before);  // it stops when the residual is a thousandth in the mean
 }
@@ -97,7 +95,7 @@ TEST(MinimizeContourEnergy, NeverRaisesTheEnergy) {
     for (const double noise : {0.0, 0.5, 2.0}) {
       const Lattice<2> lattice({60, 60, 1}, Point<3>(1, 1, 1), {2, 2.5, "wendland-c2"});
       const std::vector<float> force = disc_force(60, 20, noise);
-      std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
+      std::vector<float> a(lattice.array_size(), 0.0F);
       std::vector<double> energies;
       minimize_contour_energy(lattice, {force.data(), length, 0.2, 1}, 60, 1e-6, a, energies);
       ASSERT_GT(energies.size(), 3U);
@@ -111,7 +109,7 @@ TEST(MinimizeContourEnergy, FindsADiscToAFractionOfAVoxel) {
   for (const double radius : {10.3, 20.7, 30.5}) {
     const Lattice<2> lattice({n, n, 1}, Point<3>(1, 1, 1), {3, 2.5, "wendland-c2"});
     const std::vector<float> force = disc_force(n, radius, 0);
-    std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
+    std::vector<float> a(lattice.array_size(), 0.0F);
     std::vector<double> energies;
     fit_target(lattice, {force.data(), 0, 1, 1}, 10, a);
     minimize_contour_energy(lattice, {force.data(), 0, 0.1, 1}, 50, 1e-6, a, energies);
@@ -128,16 +126,16 @@ TEST(MinimizeContourEnergy, FindsADiscToAFractionOfAVoxel) {
 TEST(SeparateVoxels, BringsThemToTheirSides) {
   constexpr Index n = 120;
   const Lattice<2> lattice({n, n, 1}, Point<3>(1, 1, 1), {2.5, 2.5, "wendland-c2"});
-  std::vector<float> force(static_cast<std::size_t>(n * n));
+  std::vector<float> force(n * n);
   const double middle = 0.5 * (n - 1);
   for (Index y = 0; y < n; ++y)
     for (Index x = 0; x < n; ++x) {
       const double dx = static_cast<double>(x) - middle, dy = static_cast<double>(y) - middle;
       const double d = 35 + 14 * std::cos(7 * std::atan2(dy, dx)) - std::hypot(dx, dy);
-      force[static_cast<std::size_t>(x + n * y)] = static_cast<float>(-std::clamp(2 * d, -2.0, 2.0));
+      force[x + n * y] = static_cast<float>(-std::clamp(2 * d, -2.0, 2.0));
     }
   std::fill_n(force.begin(), n * 10, 0.0F);  // these voxels take no part
-  std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
+  std::vector<float> a(lattice.array_size(), 0.0F);
   fit_target(lattice, {force.data(), 0, 1, 1}, 6, a);
   std::vector<unsigned char> labels(force.size(), 0);
   const auto wrong = [&] {
@@ -163,13 +161,13 @@ TEST(MinimizeContourEnergy, ShrinksADiscByItsCurvature) {
   constexpr Index n = 96;
   constexpr double radius = 20, weight = 4;
   const Lattice<2> lattice({n, n, 1}, Point<3>(1, 1, 1), {3, 3, "wendland-c4"});
-  std::vector<float> force(static_cast<std::size_t>(n * n));
+  std::vector<float> force(n * n);
   const double middle = 0.5 * (n - 1), slope = 0.1;
   for (Index y = 0; y < n; ++y)
     for (Index x = 0; x < n; ++x)
-      force[static_cast<std::size_t>(x + n * y)] = static_cast<float>(
+      force[x + n * y] = static_cast<float>(
           -slope * (radius - std::hypot(static_cast<double>(x) - middle, static_cast<double>(y) - middle)));
-  std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 0.0F);
+  std::vector<float> a(lattice.array_size(), 0.0F);
   fit_target(lattice, {force.data(), 0, 1, 1}, 20, a);
   std::vector<double> energies;
   minimize_contour_energy(lattice, {force.data(), weight, 2 * lattice.steepest(), 0.01}, 2000, 1e-9, a, energies);
@@ -184,7 +182,7 @@ TEST(MinimizeContourEnergy, ShrinksADiscByItsCurvature) {
 
 TEST(UpdateLabels, CountsWhatChanged) {
   const Lattice<2> lattice({16, 16, 1}, Point<3>(1, 1, 1), {2, 2.5, "wendland-c2"});
-  std::vector<float> a(static_cast<std::size_t>(lattice.array_size()), 1.0F);
+  std::vector<float> a(lattice.array_size(), 1.0F);
   std::vector<unsigned char> labels(256, 0);
   EXPECT_EQ(update_labels(lattice, a, labels.data()), 256);
   EXPECT_EQ(update_labels(lattice, a, labels.data()), 0);

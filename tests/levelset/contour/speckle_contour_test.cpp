@@ -30,8 +30,7 @@ TEST(SpeckleContour, HasTheDerivativesOfItsEnergy) {
   }
   contour.energy(at.data(), derivatives.data());
   double slope = 0;
-  for (Index i = 0; i < lattice.coefficients(); ++i)
-    slope += static_cast<double>(derivatives[static_cast<std::size_t>(i)] * direction[static_cast<std::size_t>(i)]);
+  for (Index i = 0; i < lattice.coefficients(); ++i) slope += static_cast<double>(derivatives[i] * direction[i]);
   constexpr float h = 2e-3F;  // between the rounding of floats and the curvature of E
   const auto moved = [&](float t) {
     std::vector<float> there = at;

@@ -22,7 +22,7 @@ TEST(SpectralDescent, FindsTheLeastValueWithinTheLimit) {
   std::vector<float> x(20, -0.5F);
   std::vector<double> energies;
   spectral_descent(bowl, {1.2F, 0.01, 200, 0}, x, energies);
-  for (int i = 0; i < 20; ++i) EXPECT_NEAR(x[static_cast<std::size_t>(i)], std::min(1.2, 0.1 * i), 1e-4);
+  for (int i = 0; i < 20; ++i) EXPECT_NEAR(x[i], std::min(1.2, 0.1 * i), 1e-4);
 }
 
 TEST(SpectralDescent, GoesOnFromBeyondTheLimit) {
@@ -30,7 +30,7 @@ TEST(SpectralDescent, GoesOnFromBeyondTheLimit) {
   x[3] = 5;
   std::vector<double> energies;
   spectral_descent(bowl, {1.2F, 0.01, 200, 0}, x, energies);
-  for (int i = 0; i < 20; ++i) EXPECT_NEAR(x[static_cast<std::size_t>(i)], std::min(1.2, 0.1 * i), 1e-4);
+  for (int i = 0; i < 20; ++i) EXPECT_NEAR(x[i], std::min(1.2, 0.1 * i), 1e-4);
 }
 
 TEST(SpectralDescent, NeverRaisesTheFunctionAndCountsItsEvaluations) {

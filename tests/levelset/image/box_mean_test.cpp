@@ -19,7 +19,7 @@ constexpr double rounding = 10 * 3 * 6e-8;
 std::vector<float> random_values(const Size& size, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(-10, 10);
-  std::vector<float> values(static_cast<std::size_t>(size[0] * size[1] * size[2]));
+  std::vector<float> values(size[0] * size[1] * size[2]);
   for (float& value : values) value = uniform(random);
   return values;
 }
@@ -30,7 +30,7 @@ double mean_around(const std::vector<float>& values, const Size& size, const Siz
   for (Index k = std::max<Index>(0, z - w[2]); k <= std::min(size[2] - 1, z + w[2]); ++k)
     for (Index j = std::max<Index>(0, y - w[1]); j <= std::min(size[1] - 1, y + w[1]); ++j)
       for (Index i = std::max<Index>(0, x - w[0]); i <= std::min(size[0] - 1, x + w[0]); ++i, ++n)
-        sum += static_cast<double>(values[static_cast<std::size_t>(i + size[0] * (j + size[1] * k))]);
+        sum += static_cast<double>(values[i + size[0] * (j + size[1] * k)]);
   return sum / static_cast<double>(n);
 }
 
@@ -72,8 +72,7 @@ TEST(BoxMean, DoesNotDriftAlongALongLine) {
   const std::vector<float> before = values;
   box_mean(values, size, {2, 0, 0});
   for (Index x = size[0] - 100; x < size[0]; ++x)
-    EXPECT_NEAR(static_cast<double>(values[static_cast<std::size_t>(x)]), mean_around(before, size, {2, 0, 0}, x, 0, 0),
-                rounding);
+    EXPECT_NEAR(static_cast<double>(values[x]), mean_around(before, size, {2, 0, 0}, x, 0, 0), rounding);
 }
 
 TEST(BoxMean, DoesNotDependOnTheNumberOfThreads) {

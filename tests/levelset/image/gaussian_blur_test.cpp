@@ -28,7 +28,7 @@ TEST(GaussianBlur, SpreadsAVoxelAsAGaussian) {
   gaussian_blur(values, {n, n, 1}, {1.5, 2.5, 0});
   double sum = 0, xx = 0, yy = 0;
   for (Index i = 0; i < n * n; ++i) {
-    const auto value = static_cast<double>(values[static_cast<std::size_t>(i)]);
+    const auto value = static_cast<double>(values[i]);
     const auto x = static_cast<double>(i % n - 20), y = static_cast<double>(i / n - 20);
     sum += value;
     xx += value * x * x;

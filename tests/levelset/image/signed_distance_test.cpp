@@ -14,11 +14,10 @@ TEST(SignedDistance, IsTheDistanceFromAPlaneMidwayBetweenVoxels) {
   grid.spacing = Point<3>(2, 3, 1);
   std::vector<unsigned char> labels(81);
   for (Index y = 0; y < 9; ++y)
-    for (Index x = 0; x < 9; ++x) labels[static_cast<std::size_t>(grid.index(x, y))] = x < 4 ? 1 : 0;
+    for (Index x = 0; x < 9; ++x) labels[grid.index(x, y)] = x < 4 ? 1 : 0;
   const std::vector<float> d = signed_distance(grid, labels.data());
   for (Index y = 0; y < 9; ++y)
-    for (Index x = 0; x < 9; ++x)
-      EXPECT_NEAR(d[static_cast<std::size_t>(grid.index(x, y))], 2 * (3.5 - static_cast<double>(x)), rounding);
+    for (Index x = 0; x < 9; ++x) EXPECT_NEAR(d[grid.index(x, y)], 2 * (3.5 - static_cast<double>(x)), rounding);
 }
 
 TEST(SignedDistance, AgreesWithBruteForceOnAnisotropicVoxels) {
@@ -33,10 +32,9 @@ TEST(SignedDistance, AgreesWithBruteForceOnAnisotropicVoxels) {
   for (Index i = 0; i < grid.voxels(); ++i) {
     double nearest = std::numeric_limits<double>::infinity();
     for (Index j = 0; j < grid.voxels(); ++j)
-      if (labels[static_cast<std::size_t>(j)] != labels[static_cast<std::size_t>(i)])
-        nearest = std::min(nearest, (p.col(i) - p.col(j)).norm());
-    const double sign = labels[static_cast<std::size_t>(i)] != 0 ? 1 : -1;
-    EXPECT_NEAR(d[static_cast<std::size_t>(i)], sign * (nearest - .3), rounding);
+      if (labels[j] != labels[i]) nearest = std::min(nearest, (p.col(i) - p.col(j)).norm());
+    const double sign = labels[i] != 0 ? 1 : -1;
+    EXPECT_NEAR(d[i], sign * (nearest - .3), rounding);
   }
 }
 

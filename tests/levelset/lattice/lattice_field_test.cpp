@@ -24,7 +24,7 @@ typename LatticeField<Dim>::Data random_lattice(const std::string& kernel) {
   Index nodes = 1;
   for (int a = 0; a < Dim; ++a) {
     data.step[a] = 0.8 + 0.3 * a;
-    data.size[static_cast<std::size_t>(a)] = 7 + a;
+    data.size[a] = 7 + a;
     nodes *= 7 + a;
   }
   Eigen::Transform<double, Dim, Eigen::Affine> to_physical;
@@ -34,8 +34,7 @@ typename LatticeField<Dim>::Data random_lattice(const std::string& kernel) {
   for (Index i = 0; i < nodes; ++i) data.coefficients.push_back(uniform(random));
   for (int corner = 0; corner < 1 << Dim; ++corner) {
     Point<Dim> p;
-    for (int a = 0; a < Dim; ++a)
-      p[a] = (corner >> a & 1) != 0 ? static_cast<double>(data.size[static_cast<std::size_t>(a)] - 1) : 0;
+    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a & 1) != 0 ? static_cast<double>(data.size[a] - 1) : 0;
     data.bounds.add(to_physical * p);
   }
   return data;
@@ -68,8 +67,8 @@ Jet<Dim> brute_force(const typename LatticeField<Dim>::Data& data, const Points<
       Point<Dim> node;
       auto rest = static_cast<Index>(n);
       for (int a = 0; a < Dim; ++a) {
-        node[a] = static_cast<double>(rest % data.size[static_cast<std::size_t>(a)]);
-        rest /= data.size[static_cast<std::size_t>(a)];
+        node[a] = static_cast<double>(rest % data.size[a]);
+        rest /= data.size[a];
       }
       const Point<Dim> d = x.col(i) - to_physical * node;
       const double r = d.norm() / data.support, c = data.coefficients[n];

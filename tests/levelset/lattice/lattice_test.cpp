@@ -15,7 +15,7 @@ constexpr double float_sums = 2e-6;  // rounding of the sums of a few hundred fl
 std::vector<float> random_coefficients(Index size, unsigned seed) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<float> uniform(-1, 1);
-  std::vector<float> coefficients(static_cast<std::size_t>(size));
+  std::vector<float> coefficients(size);
   for (float& c : coefficients) c = uniform(generator);
   return coefficients;
 }
@@ -30,7 +30,7 @@ Sampled sample(const Lattice<Dim>& lattice, const std::vector<float>& coefficien
   Index voxels = 1;
   for (const Index n : lattice.size()) voxels *= n;
   Sampled result;
-  result.value.assign(static_cast<std::size_t>(voxels), std::numeric_limits<double>::quiet_NaN());
+  result.value.assign(voxels, std::numeric_limits<double>::quiet_NaN());
   result.gradient.resize(result.value.size());
   lattice.sweep(
       coefficients.data(), true,
@@ -54,7 +54,7 @@ void expect_sums_over_nodes(const std::array<Index, 3>& size, const Point<3>& sp
   const Sampled sampled = sample(lattice, coefficients);
   const Point<Dim> first = lattice.first_node(), step = lattice.node_step();
   std::array<Index, 3> nodes{1, 1, 1};
-  for (int a = 0; a < Dim; ++a) nodes[static_cast<std::size_t>(a)] = lattice.nodes(a);
+  for (int a = 0; a < Dim; ++a) nodes[a] = lattice.nodes(a);
   std::size_t voxel = 0;
   for (Index z = 0; z < size[2]; ++z)
     for (Index y = 0; y < size[1]; ++y)
@@ -74,16 +74,14 @@ void expect_sums_over_nodes(const std::array<Index, 3>& size, const Point<3>& sp
               }
               const double r = d.norm() / lattice.support();
               if (r >= 1) continue;
-              const double c =
-                  lattice.scale() * static_cast<double>(coefficients[static_cast<std::size_t>(lattice.coefficient(k))]);
+              const double c = lattice.scale() * static_cast<double>(coefficients[lattice.coefficient(k)]);
               value += c * lattice.kernel().value(r);
               gradient += c * lattice.kernel().g(r) / (lattice.support() * lattice.support()) *
                           d.cwiseProduct(lattice.stretch().template head<Dim>());
             }
         ASSERT_NEAR(sampled.value[voxel], value, float_sums) << x << " " << y << " " << z;
         for (int a = 0; a < Dim; ++a)
-          ASSERT_NEAR(sampled.gradient[voxel][static_cast<std::size_t>(a)], gradient[a],
-                      float_sums / spacing.head<Dim>().minCoeff());
+          ASSERT_NEAR(sampled.gradient[voxel][a], gradient[a], float_sums / spacing.head<Dim>().minCoeff());
       }
 }
 
@@ -130,15 +128,14 @@ TEST(Lattice, HasDerivativesThatAreTheAdjointOfItsSums) {
     const double sum = lattice.sweep(coefficients.data(), true, row, derivatives.data());
     double product = 0;
     for (Index i = 0; i < lattice.coefficients(); ++i)
-      product += static_cast<double>(coefficients[static_cast<std::size_t>(i)]) *
-                 static_cast<double>(derivatives[static_cast<std::size_t>(i)]);
+      product += static_cast<double>(coefficients[i]) * static_cast<double>(derivatives[i]);
     EXPECT_NEAR(product, sum, 2e-5 * static_cast<double>(weights.size()) / 100);
   }
 }
 
 TEST(Lattice, IsAtMostOneForCoefficientsUpToOne) {
   const Lattice<2> lattice({40, 30, 1}, Point<3>(1, 1, 1), {3, 2.5, "wendland-c2"});
-  const std::vector<float> ones(static_cast<std::size_t>(lattice.array_size()), 1.0F);
+  const std::vector<float> ones(lattice.array_size(), 1.0F);
   const Sampled sampled = sample(lattice, ones);
   EXPECT_NEAR(*std::max_element(sampled.value.begin(), sampled.value.end()), 1, float_sums);
   EXPECT_GT(*std::min_element(sampled.value.begin(), sampled.value.end()), 0.95);  // also at the border
@@ -146,10 +143,10 @@ TEST(Lattice, IsAtMostOneForCoefficientsUpToOne) {
 
 TEST(Lattice, IsSteepestBetweenHalfPlanes) {
   const Lattice<2> lattice({80, 80, 1}, Point<3>(1, 1, 1), {4, 2.5, "wendland-c2"});
-  std::vector<float> halves(static_cast<std::size_t>(lattice.array_size()), 0.0F);
+  std::vector<float> halves(lattice.array_size(), 0.0F);
   for (Index y = 0; y < lattice.nodes(1); ++y)
     for (Index x = 0; x < lattice.nodes(0); ++x)
-      halves[static_cast<std::size_t>(lattice.coefficient({x, y, 0}))] = 2 * x < lattice.nodes(0) ? 1.0F : -1.0F;
+      halves[lattice.coefficient({x, y, 0})] = 2 * x < lattice.nodes(0) ? 1.0F : -1.0F;
   const Sampled sampled = sample(lattice, halves);
   double steepest = 0;
   for (const auto& gradient : sampled.gradient) steepest = std::max(steepest, std::abs(gradient[0]));
@@ -162,9 +159,8 @@ TEST(Lattice, MirrorsWithTheImage) {
   for (int a = 0; a < 2; ++a) {
     const double last = first[a] + static_cast<double>(lattice.nodes(a) - 1) * lattice.node_step()[a];
     // Nodes that no voxel needs may lie on one side only.
-    EXPECT_NEAR(std::remainder(first[a] + last - static_cast<double>(lattice.size()[static_cast<std::size_t>(a)] - 1),
-                               lattice.node_step()[a]),
-                0, 1e-12);
+    EXPECT_NEAR(std::remainder(first[a] + last - static_cast<double>(lattice.size()[a] - 1), lattice.node_step()[a]), 0,
+                1e-12);
   }
 }
 

@@ -18,7 +18,7 @@ TEST(EnergyTable, IsMinusTheLogDensityOverTheRange) {
     for (Index k = 1; k < 255; ++k) {
       const double expected = -log_density(model, bins.center(k)) - std::log(8.0);
       if (expected > 6) continue;  // there the contamination is seen, and near 0 that a bin has a width
-      EXPECT_NEAR(table[static_cast<std::size_t>(k)], expected, .04) << name_of(law) << " " << k;
+      EXPECT_NEAR(table[k], expected, .04) << name_of(law) << " " << k;
     }
   }
 }
@@ -26,7 +26,7 @@ TEST(EnergyTable, IsMinusTheLogDensityOverTheRange) {
 TEST(EnergyTable, IsLinearBetweenTheBins) {
   const IntensityBins bins{-1, 3, 8};
   std::vector<float> table(8);
-  for (Index k = 0; k < 8; ++k) table[static_cast<std::size_t>(k)] = static_cast<float>(2 * bins.center(k) + 1);
+  for (Index k = 0; k < 8; ++k) table[k] = static_cast<float>(2 * bins.center(k) + 1);
   const std::vector<float> values = {-.75f, 0, .1f, 1.33f, 2.75f};
   std::vector<float> energies(values.size());
   look_up_energies(values, table, bins, energies);

@@ -66,8 +66,8 @@ TEST(IntensityClasses, SeparateTheMostVariance) {
       double n = 0;
       double sum = 0;
       for (Index k = 0; k < end; ++k) {
-        n += histogram.counts[static_cast<std::size_t>(k)];
-        sum += histogram.counts[static_cast<std::size_t>(k)] * histogram.bins.center(k);
+        n += histogram.counts[k];
+        sum += histogram.counts[k] * histogram.bins.center(k);
       }
       const double rest = histogram.total() - n;
       const double difference = sum / n - (histogram.total() * histogram.mean() - sum) / rest;
@@ -77,7 +77,7 @@ TEST(IntensityClasses, SeparateTheMostVariance) {
     }
     const double threshold = two_class_threshold(histogram);
     for (Index k = 0; k < 64; ++k) {
-      if (histogram.counts[static_cast<std::size_t>(k)] <= 0) continue;
+      if (histogram.counts[k] <= 0) continue;
       EXPECT_EQ(histogram.bins.center(k) < threshold, k < cut) << seed;
     }
   }
@@ -101,8 +101,7 @@ TEST(IntensityClasses, AreThoseOfTheNearestMean) {
     for (Index k = 0; k < 256; ++k) {
       const auto region = std::count_if(classes.thresholds.begin(), classes.thresholds.end(),
                                         [&](double t) { return t < histogram.bins.center(k); });
-      parts[static_cast<std::size_t>(region)].add(histogram.bins.center(k),
-                                                  histogram.counts[static_cast<std::size_t>(k)]);
+      parts[region].add(histogram.bins.center(k), histogram.counts[k]);
     }
     double energy = 0;
     for (std::size_t c = 0; c < 4; ++c) {

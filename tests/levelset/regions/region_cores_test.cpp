@@ -35,9 +35,7 @@ Labels random_labels(const Size& size, unsigned seed) {
 }
 
 bool has_other_label_around(const Labels& labels, const Size& size, const Size& w, Index x, Index y, Index z) {
-  const auto at = [&](Index i, Index j, Index k) {
-    return labels[static_cast<std::size_t>(i + size[0] * (j + size[1] * k))];
-  };
+  const auto at = [&](Index i, Index j, Index k) { return labels[i + size[0] * (j + size[1] * k)]; };
   for (Index k = std::max<Index>(0, z - w[2]); k <= std::min(size[2] - 1, z + w[2]); ++k)
     for (Index j = std::max<Index>(0, y - w[1]); j <= std::min(size[1] - 1, y + w[1]); ++j)
       for (Index i = std::max<Index>(0, x - w[0]); i <= std::min(size[0] - 1, x + w[0]); ++i)

@@ -17,7 +17,7 @@ Grid grid_of(Index nx, Index ny, Index nz) {
 std::vector<std::uint8_t> random_labels(Index voxels, int labels, unsigned seed) {
   std::mt19937 generator(seed);
   std::uniform_int_distribution<int> uniform(0, labels - 1);
-  std::vector<std::uint8_t> values(static_cast<std::size_t>(voxels));
+  std::vector<std::uint8_t> values(voxels);
   for (std::uint8_t& value : values) value = static_cast<std::uint8_t>(uniform(generator));
   return values;
 }
@@ -27,10 +27,10 @@ std::vector<std::vector<Index>> parts_of(const std::vector<std::uint8_t>& labels
   std::vector<std::vector<Index>> parts;
   std::vector<bool> seen(labels.size(), false);
   for (Index start = 0; start < grid.voxels(); ++start) {
-    if (seen[static_cast<std::size_t>(start)]) continue;
+    if (seen[start]) continue;
     parts.emplace_back();
     std::queue<Index> queue({start});
-    seen[static_cast<std::size_t>(start)] = true;
+    seen[start] = true;
     while (!queue.empty()) {
       const Index i = queue.front();
       queue.pop();
@@ -41,7 +41,7 @@ std::vector<std::vector<Index>> parts_of(const std::vector<std::uint8_t>& labels
         for (const Index side : {-1, 1}) {
           if (at[a] + side < 0 || at[a] + side >= grid.size[a]) continue;
           const auto j = static_cast<std::size_t>(i + side * strides[a]);
-          if (seen[j] || labels[j] != labels[static_cast<std::size_t>(i)]) continue;
+          if (seen[j] || labels[j] != labels[i]) continue;
           seen[j] = true;
           queue.push(static_cast<Index>(j));
         }
@@ -64,8 +64,7 @@ TEST(CountComponents, AgreesWithFlooding) {
       for (const int labels : {2, 4}) {
         const auto values = random_labels(grid.voxels(), labels, seed);
         Index expected = 0;
-        for (const auto& part : parts_of(values, grid))
-          expected += values[static_cast<std::size_t>(part[0])] != 0 ? 1 : 0;
+        for (const auto& part : parts_of(values, grid)) expected += values[part[0]] != 0 ? 1 : 0;
         EXPECT_EQ(count_components(values, grid), expected);
       }
 }
@@ -78,11 +77,11 @@ TEST(FillEnclosed, FillsWhatDoesNotReachTheBorder) {
       std::vector<std::uint8_t> expected = values;
       Index filled = 0;
       for (const auto& part : parts_of(values, grid)) {
-        bool open = values[static_cast<std::size_t>(part[0])] != 0;
+        bool open = values[part[0]] != 0;
         for (const Index i : part) open = open || at_border(grid, i);
         if (open) continue;
         filled += static_cast<Index>(part.size());
-        for (const Index i : part) expected[static_cast<std::size_t>(i)] = 1;
+        for (const Index i : part) expected[i] = 1;
       }
       std::vector<std::uint8_t> result = values;
       EXPECT_EQ(fill_enclosed(result, grid), filled);
@@ -109,7 +108,7 @@ TEST(BorderRegion, CountsEachVoxelOfTheBorderOnce) {
       const auto values = random_labels(grid.voxels(), 3, seed), mask = random_labels(grid.voxels(), 2, seed + 9);
       std::array<Index, 3> counts{0, 0, 0};
       for (Index i = 0; i < grid.voxels(); ++i)
-        if (at_border(grid, i) && mask[static_cast<std::size_t>(i)] != 0) ++counts[values[static_cast<std::size_t>(i)]];
+        if (at_border(grid, i) && mask[i] != 0) ++counts[values[i]];
       EXPECT_EQ(border_region(values, grid, mask, 3), std::max_element(counts.begin(), counts.end()) - counts.begin());
     }
 }

@@ -154,8 +154,7 @@ TEST(RegionModel, OfChanAndVeseIsTheMean) {
   EXPECT_EQ(model.location, histogram.mean());
   const std::vector<float> table = energy_table(model, histogram.bins);
   for (Index k = 0; k < 256; ++k)
-    EXPECT_FLOAT_EQ(table[static_cast<std::size_t>(k)],
-                    static_cast<float>(std::pow(histogram.bins.center(k) - model.location, 2)));
+    EXPECT_FLOAT_EQ(table[k], static_cast<float>(std::pow(histogram.bins.center(k) - model.location, 2)));
 }
 
 TEST(RegionModel, IsLikelierThanItsNeighbours) {

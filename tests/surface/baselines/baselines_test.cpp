@@ -1,5 +1,6 @@
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/io/model.hpp"
+#include "csrbf/surface/baselines/method_fit.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 #include "csrbf/surface/surface_method.hpp"
 #include "surface/surface_testing.hpp"

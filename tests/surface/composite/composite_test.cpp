@@ -3,6 +3,8 @@
 #include "csrbf/core/parallel.hpp"
 #include "surface/surface_testing.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <array>
 #include <set>
@@ -151,8 +153,7 @@ TEST(Composite, UsesNoCentresBeyondTheBudget) {
   const Patches patches = fit_composite(cloud, options).patches;
   std::set<Index> used;
   for (Index p = 0; p < patches.size(); ++p) {
-    const auto begin = patches.center_begin()[static_cast<std::size_t>(p)],
-               end = patches.center_begin()[static_cast<std::size_t>(p) + 1];
+    const auto begin = patches.center_begin()[p], end = patches.center_begin()[static_cast<std::size_t>(p) + 1];
     for (Index j = begin; j < end; ++j) {
       const Eigen::Map<const Point<3>> local(patches.center_coordinates().data() + 3 * j);
       const Point<3> c = patches.patch(p).center + patches.patch(p).T.inverse() * local;

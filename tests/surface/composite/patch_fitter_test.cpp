@@ -36,9 +36,9 @@ Eigen::Matrix<double, 10, 1> quadric_in_world(const Patch& p) {
 }
 
 std::vector<Index> nearest(const KdTree<3>& tree, const Point<3>& x, Index k) {
-  std::vector<Index> ids(static_cast<std::size_t>(k));
+  std::vector<Index> ids(k);
   std::vector<double> d2(ids.size());
-  ids.resize(static_cast<std::size_t>(tree.nearest(x, k, ids.data(), d2.data())));
+  ids.resize(tree.nearest(x, k, ids.data(), d2.data()));
   return ids;
 }
 
@@ -184,7 +184,7 @@ TEST(PatchFitter, MakesAPatchOfOneToSevenPoints) {
     const KdTree<3> tree(cloud.points);
     const CompositeOptions options;
     PatchFitter fitter(cloud, tree, options);
-    std::vector<Index> all(static_cast<std::size_t>(n));
+    std::vector<Index> all(n);
     std::iota(all.begin(), all.end(), Index{0});
     for (const std::vector<Index>& ids : {all, {n - 1}}) {
       const FittedPatch fitted = fitter.fit(ids.data(), static_cast<Index>(ids.size()));

@@ -4,6 +4,7 @@
 #include "csrbf/implicit/combine/transformed_field.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/io/model.hpp"
+#include "csrbf/surface/prepare/prepare.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 #include "surface/surface_testing.hpp"
 

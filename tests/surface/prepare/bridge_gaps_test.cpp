@@ -98,7 +98,7 @@ TEST(BridgeGaps, OfAReconstructionAreNoPointsOfItsInput) {
   ASSERT_EQ(static_cast<Index>(result.source.size()), cloud.size());
   ASSERT_EQ(result.normals.cols(), cloud.size());
   for (Index i = 0; i < cloud.size(); ++i)
-    EXPECT_NEAR(result.normals.col(i).dot(cloud.normals.col(result.source[static_cast<std::size_t>(i)])), 1, 1e-12);
+    EXPECT_NEAR(result.normals.col(i).dot(cloud.normals.col(result.source[i])), 1, 1e-12);
 }
 
 TEST(BridgeGaps, DoesNotDependOnPlaceSizeAndDirection) {

@@ -26,8 +26,7 @@ PointCloud without_normals(PointCloud cloud) {
 double outward(const PreparedCloud& prepared, const PointCloud& input) {
   double sum = 0;
   for (Index i = 0; i < prepared.cloud.size(); ++i)
-    sum +=
-        prepared.cloud.normals.col(i).dot(input.points.col(prepared.source[static_cast<std::size_t>(i)]).normalized());
+    sum += prepared.cloud.normals.col(i).dot(input.points.col(prepared.source[i]).normalized());
   return sum / static_cast<double>(prepared.cloud.size());
 }
 
@@ -37,7 +36,7 @@ void expect_points_of_the_input(const PreparedCloud& prepared, const PointCloud&
   EXPECT_EQ(prepared.cloud.spacing.size(), prepared.cloud.size());
   Box<3> box;
   for (Index i = 0; i < prepared.cloud.size(); ++i) {
-    const Point<3> p = input.points.col(prepared.source[static_cast<std::size_t>(i)]);
+    const Point<3> p = input.points.col(prepared.source[i]);
     const Point<3> found = prepared.origin + prepared.scale * prepared.cloud.points.col(i);
     EXPECT_NEAR((found - p).norm() / prepared.scale, 0, rounding);
     EXPECT_NEAR(prepared.cloud.normals.col(i).norm(), 1, rounding);
@@ -234,7 +233,7 @@ TEST(Prepare, TurnsOnlyTheBodyWhoseNormalsPointInward) {
   const PreparedCloud turned = prepare(cloud, Normals::automatic);
   EXPECT_TRUE(warns(turned, "point inward on some parts: turned"));
   for (Index i = 0; i < turned.cloud.size(); ++i) {
-    const Index from = turned.source[static_cast<std::size_t>(i)];
+    const Index from = turned.source[i];
     const Point<3> center(from < good.size() ? 0 : 3, 0, 0);
     EXPECT_GT(turned.cloud.normals.col(i).dot(cloud.points.col(from) - center), 0.9);
   }
@@ -261,7 +260,7 @@ TEST(Prepare, FillsMissingNormals) {
   EXPECT_TRUE(warns(prepared, "669 missing normals estimated"));
   expect_points_of_the_input(prepared, input);
   for (Index i = 0; i < prepared.cloud.size(); ++i)
-    EXPECT_GT(prepared.cloud.normals.col(i).dot(input.points.col(prepared.source[static_cast<std::size_t>(i)])), 0.98);
+    EXPECT_GT(prepared.cloud.normals.col(i).dot(input.points.col(prepared.source[i])), 0.98);
 }
 
 TEST(Prepare, EstimatesAllNormalsWhenMostAreMissing) {

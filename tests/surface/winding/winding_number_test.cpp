@@ -1,6 +1,7 @@
 #include "csrbf/surface/winding/winding_number.hpp"
 
 #include "core/error_testing.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "surface/oriented_shapes.hpp"
 
 #include <gtest/gtest.h>

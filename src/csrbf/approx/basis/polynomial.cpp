@@ -21,7 +21,7 @@ Polynomials<Dim>::Polynomials(int degree) : degree_(degree) {
     for (std::size_t parent = first; parent < end; ++parent) {
       for (int axis = d == 1 ? 0 : steps_[parent].axis; axis < Dim; ++axis) {
         exponents_.push_back(exponents_[parent]);
-        ++exponents_.back()[static_cast<std::size_t>(axis)];
+        ++exponents_.back()[axis];
         steps_.push_back({static_cast<Index>(parent), axis});
       }
     }
@@ -85,7 +85,7 @@ void Polynomials<Dim>::rows(const PointsRef<Dim>& x, double* value, double* grad
 
 template <int Dim>
 std::vector<Index> nested_order(const Polynomials<Dim>& basis) {
-  std::vector<Index> order(static_cast<std::size_t>(basis.size()));
+  std::vector<Index> order(basis.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::sort(order.begin(), order.end(), [&](Index i, Index j) {
     const auto &a = basis.exponents(i), &b = basis.exponents(j);

@@ -28,7 +28,7 @@ class Polynomials {
   [[nodiscard]] static int largest_degree(Index count);
 
   /// The power of each variable in monomial j.
-  [[nodiscard]] const std::array<int, Dim>& exponents(Index j) const { return exponents_[static_cast<std::size_t>(j)]; }
+  [[nodiscard]] const std::array<int, Dim>& exponents(Index j) const { return exponents_[j]; }
 
   /// All monomials at n points, and their derivatives unless the pointers are null (a Hessian needs the gradient). O(n
   /// Q), Dim and Dim^2 times that.

@@ -65,7 +65,7 @@ Eigen::VectorXd RadialBasis<Dim>::search_radii() const {
   Eigen::VectorXd radii(size());
   for (Index j = 0; j < size(); ++j) {
     radii[j] = margin * support(j);
-    if (own_transforms()) radii[j] /= smallest_stretch<Dim>(metric_.transforms[static_cast<std::size_t>(j)]);
+    if (own_transforms()) radii[j] /= smallest_stretch<Dim>(metric_.transforms[j]);
   }
   return radii;
 }
@@ -103,7 +103,7 @@ void RadialBasis<Dim>::fill_arrays(const Points<Dim>& mapped) {
       shape_(i, 0) = 1 / (support(j) * support(j));
       continue;
     }
-    const Matrix scaled = metric_.transforms[static_cast<std::size_t>(j)] / support(j);
+    const Matrix scaled = metric_.transforms[j] / support(j);
     const Matrix S = scaled.transpose() * scaled;
     for (int a = 0, entry = 0; a < Dim; ++a)
       for (int b = a; b < Dim; ++b, ++entry) shape_(i, entry) = S(a, b);
@@ -143,8 +143,8 @@ void RadialBasis<Dim>::for_each_batch(const Point<Dim>& x, bool with_directions,
     for (const auto& run : runs) {
       for (Index begin = run.begin; begin < run.end;) {
         const Index length = std::min(run.end - begin, RadialBatch::capacity - batch.size);
-        batch.slot[static_cast<std::size_t>(batch.runs)] = begin;
-        batch.length[static_cast<std::size_t>(batch.runs++)] = length;
+        batch.slot[batch.runs] = begin;
+        batch.length[batch.runs++] = length;
         batch.size += length;
         begin += length;
         if (batch.size == RadialBatch::capacity) flush();
@@ -216,8 +216,8 @@ void RadialBasis<Dim>::row(const Point<Dim>& x, Runs& runs, RadialBatch& batch,
     kernel_.values(b.r2, b.size, b.phi);
     Index at = 0;
     for (int run = 0; run < b.runs; ++run) {
-      const Index begin = b.slot[static_cast<std::size_t>(run)];
-      for (Index i = 0; i < b.length[static_cast<std::size_t>(run)]; ++i, ++at) {
+      const Index begin = b.slot[run];
+      for (Index i = 0; i < b.length[run]; ++i, ++at) {
         const Index j = tree_.ball(begin + i);
         if (j >= 0 && (b.r2[at] < 1 || !kernel_.compact())) entries.emplace_back(static_cast<int>(j), b.phi[at]);
       }
@@ -240,13 +240,13 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> RadialBasis<Dim>::matrix(const Poin
   require(kernel_.compact(), function, "kernel", kernel_.name(), "a sparse matrix needs a compactly supported kernel");
   constexpr Index grain = 1024;  // rows per task, chosen by hand
   const Index n = points.cols();
-  std::vector<std::vector<std::pair<int, double>>> blocks(static_cast<std::size_t>((n + grain - 1) / grain));
+  std::vector<std::vector<std::pair<int, double>>> blocks((n + grain - 1) / grain);
   std::vector<Index> begin(static_cast<std::size_t>(n) + 1, 0);
   parallel_for(n, grain, [&](Index first, Index last) {
     const auto batch = std::make_unique<RadialBatch>();
     Runs runs;
     std::vector<std::pair<int, double>> entries;
-    auto& block = blocks[static_cast<std::size_t>(first / grain)];
+    auto& block = blocks[first / grain];
     for (Index k = first; k < last; ++k) {
       row(points.col(k), runs, *batch, entries);
       block.insert(block.end(), entries.begin(), entries.end());
@@ -261,8 +261,8 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> RadialBasis<Dim>::matrix(const Poin
   B.resizeNonZeros(begin.back());
   std::transform(begin.begin(), begin.end(), B.outerIndexPtr(), [](Index i) { return static_cast<int>(i); });
   parallel_for(n, grain, [&](Index first, Index /*last*/) {
-    auto& block = blocks[static_cast<std::size_t>(first / grain)];
-    Index at = begin[static_cast<std::size_t>(first)];
+    auto& block = blocks[first / grain];
+    Index at = begin[first];
     for (const auto& [column, value] : block) {
       B.innerIndexPtr()[at] = column;
       B.valuePtr()[at++] = value;

@@ -29,8 +29,8 @@ CSRBF_ALWAYS_INLINE void distances(const CenterArrays c, const double* p, bool w
   using V = Lanes<double, width, Bytes>;
   Index at = 0;
   for (int run = 0; run < batch.runs; ++run) {
-    const Index end = batch.slot[static_cast<std::size_t>(run)] + batch.length[static_cast<std::size_t>(run)];
-    for (Index i = batch.slot[static_cast<std::size_t>(run)]; i < end; i += width, at += width) {
+    const Index end = batch.slot[run] + batch.length[run];
+    for (Index i = batch.slot[run]; i < end; i += width, at += width) {
       V x[Dim];
 #pragma GCC unroll 6
       for (int a = 0; a < Dim; ++a) x[a] = p[a] - V(c.position + a * c.stride + i);
@@ -63,8 +63,8 @@ CSRBF_ALWAYS_INLINE void add(const CenterArrays c, const double* coefficients, c
   V second[triangle(Dim)]{};
   Index at = 0;
   for (int run = 0; run < batch.runs; ++run) {
-    const Index end = batch.slot[static_cast<std::size_t>(run)] + batch.length[static_cast<std::size_t>(run)];
-    for (Index i = batch.slot[static_cast<std::size_t>(run)]; i < end; i += width, at += width) {
+    const Index end = batch.slot[run] + batch.length[run];
+    for (Index i = batch.slot[run]; i < end; i += width, at += width) {
       const V alpha(coefficients + i);
       sum += alpha * V(batch.phi + at);
       if constexpr (sums != Sums::value) {

@@ -28,7 +28,7 @@ class SupportTree {
 
   /// Radii may be infinite; such balls contain every point.
   SupportTree(const PointsRef<Dim>& centers, const Eigen::VectorXd& radii) : centers_(centers), radii_(radii) {
-    std::vector<Index> ids(static_cast<std::size_t>(centers.cols()));
+    std::vector<Index> ids(centers.cols());
     std::iota(ids.begin(), ids.end(), Index{0});
     const auto octave = [&](Index j) { return std::isfinite(radii[j]) ? std::ilogb(radii[j]) : 1 << 20; };
     std::stable_sort(ids.begin(), ids.end(), [&](Index i, Index j) { return octave(i) < octave(j); });
@@ -43,7 +43,7 @@ class SupportTree {
   [[nodiscard]] Index slots() const { return static_cast<Index>(slots_.size()); }
 
   /// The ball in slot i, or -1 for an empty slot.
-  [[nodiscard]] Index ball(Index i) const { return slots_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] Index ball(Index i) const { return slots_[i]; }
 
   /// Replaces `runs` by slots that include every ball with x strictly inside. Ascending.
   void find(const Point<Dim>& x, std::vector<Run>& runs) const { find(Box<Dim>{x, x}, runs); }
@@ -89,7 +89,7 @@ class SupportTree {
     if (n <= leaf_size) {
       node.begin = slots();
       slots_.insert(slots_.end(), ids, ids + n);
-      slots_.resize(static_cast<std::size_t>(node.begin + leaf_size), -1);
+      slots_.resize(node.begin + leaf_size, -1);
     } else {
       Index axis = 0;
       node.box.extent().maxCoeff(&axis);

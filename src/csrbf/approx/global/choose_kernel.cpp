@@ -63,7 +63,7 @@ Patch make_patch(const Samples<Dim>& samples, const std::vector<Index>& indices,
     for (int a = 0; a < Dim; ++a) patch.r2.col(j).array() += (x.row(a).array() - x(a, j)).square().transpose();
   patch.values = samples.values(indices, Eigen::all) * units.cwiseInverse().asDiagonal();
   patch.weights.resize(n);
-  for (Index i = 0; i < n; ++i) patch.weights[i] = samples.weight(indices[static_cast<std::size_t>(i)]);
+  for (Index i = 0; i < n; ++i) patch.weights[i] = samples.weight(indices[i]);
   patch.core = core;
   for (int degree = -1; degree <= largest_degree; ++degree)
     patch.G.push_back(polynomial_block<Dim>(x, degree, RankDeficiency::reduce).G);
@@ -86,15 +86,15 @@ std::vector<Patch> make_patches(const Samples<Dim>& samples, const KdTree<Dim>& 
   const Eigen::RowVectorXd units = deviations(samples.values);
   std::vector<Patch> patches;
   if (n <= size) {
-    std::vector<Index> all(static_cast<std::size_t>(n));
+    std::vector<Index> all(n);
     std::iota(all.begin(), all.end(), Index{0});
     patches.push_back(make_patch(samples, all, n, units, largest_degree));
     return patches;
   }
   constexpr Index count = 3;  // neighbourhoods, chosen by hand: more cost time, fewer may not be representative
-  std::vector<double> r2(static_cast<std::size_t>(size));
+  std::vector<double> r2(size);
   for (Index k = 0; k < count; ++k) {
-    std::vector<Index> indices(static_cast<std::size_t>(size));
+    std::vector<Index> indices(size);
     tree.nearest(samples.points.col((2 * k + 1) * n / (2 * count)), size, indices.data(), r2.data());
     patches.push_back(make_patch(samples, indices, size / 2, units, largest_degree));
   }
@@ -114,7 +114,7 @@ class CrossValidation {
     const int columns = candidate.degree + 1;  // of polynomials, by degree
     try {
       for (const Patch& patch : patches_) {
-        const Eigen::MatrixXd& G = patch.G[static_cast<std::size_t>(columns)];
+        const Eigen::MatrixXd& G = patch.G[columns];
         const Eigen::MatrixXd A = matrix(candidate.kernel, patch, support);
         SaddleOptions saddle{.lambda = trial.smoothing, .weights = patch.weights, .largest_rescue = largest_jitter};
         if (!options_.smoothing) {
@@ -265,7 +265,7 @@ KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOption
   constexpr Index finalists = 2;  // candidates whose supports are refined, chosen by hand
   parallel_for(std::min(finalists, count), 1, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
-      const std::size_t i = order[static_cast<std::size_t>(k)];
+      const std::size_t i = order[k];
       if (candidates[i].supports.size() > 1 && best[i].score > 0 && best[i].score < infinity)
         best[i] = refine(validation, candidates[i], best[i]);
     }

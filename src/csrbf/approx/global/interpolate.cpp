@@ -83,12 +83,12 @@ template <int Dim>
 double neighbor_distance(const Points<Dim>& points, Index k) {
   const KdTree<Dim> tree(points);
   constexpr Index at_most = 1000;  // points that the median is taken of, about; chosen by hand
-  std::vector<Index> indices(static_cast<std::size_t>(k));
-  std::vector<double> r2(static_cast<std::size_t>(k));
+  std::vector<Index> indices(k);
+  std::vector<double> r2(k);
   std::vector<double> distances;
   for (Index i = 0; i < points.cols(); i += std::max<Index>(1, points.cols() / at_most)) {
     const Index found = tree.nearest(points.col(i), k, indices.data(), r2.data());
-    distances.push_back(std::sqrt(r2[static_cast<std::size_t>(found - 1)]));
+    distances.push_back(std::sqrt(r2[found - 1]));
   }
   return median(distances);
 }

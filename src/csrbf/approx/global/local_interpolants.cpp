@@ -31,34 +31,32 @@ struct Neighborhoods {
   std::vector<Group> groups;  // larger ones first
 
   [[nodiscard]] const Index* list(Index query) const { return lists.data() + k * query; }
-  [[nodiscard]] const Index* neighbors(const Group& g) const { return list(order[static_cast<std::size_t>(g.begin)]); }
+  [[nodiscard]] const Index* neighbors(const Group& g) const { return list(order[g.begin]); }
   // Query number i of a group, the last one again beyond its end.
-  [[nodiscard]] Index query(const Group& g, Index i) const {
-    return order[static_cast<std::size_t>(std::min(g.begin + i, g.end - 1))];
-  }
+  [[nodiscard]] Index query(const Group& g, Index i) const { return order[std::min(g.begin + i, g.end - 1)]; }
 };
 
 Neighborhoods find_neighborhoods(const LocalInterpolants& samples, const MatrixRef& x) {
   const Index m = x.cols();
   Neighborhoods found{samples.neighbors, {}, {}, {}};
   const Index k = found.k;
-  found.lists.resize(static_cast<std::size_t>(k * m));
-  std::vector<double> squared_distances(static_cast<std::size_t>(k));
+  found.lists.resize(k * m);
+  std::vector<double> squared_distances(k);
   for (Index i = 0; i < m; ++i) {
     Index* list = found.lists.data() + k * i;
     samples.search.nearest(x.col(i).data(), k, list, squared_distances.data());
     std::sort(list, list + k);
   }
-  found.order.resize(static_cast<std::size_t>(m));
+  found.order.resize(m);
   std::iota(found.order.begin(), found.order.end(), Index{0});
   std::sort(found.order.begin(), found.order.end(), [&](Index a, Index b) {
     const auto [in_a, in_b] = std::mismatch(found.list(a), found.list(a) + k, found.list(b));
     return in_a == found.list(a) + k ? a < b : *in_a < *in_b;
   });
   for (Index begin = 0; begin < m;) {
-    const Index* list = found.list(found.order[static_cast<std::size_t>(begin)]);
+    const Index* list = found.list(found.order[begin]);
     Index end = begin + 1;
-    while (end < m && std::equal(list, list + k, found.list(found.order[static_cast<std::size_t>(end)]))) ++end;
+    while (end < m && std::equal(list, list + k, found.list(found.order[end]))) ++end;
     found.groups.push_back({begin, end});
     begin = end;
   }
@@ -151,7 +149,7 @@ class Batch {
     basis_.kernel.values(r2_.data(), batch_matrix_size(n_), A_.data());
     for (int l = 0; l < lanes; ++l) {
       const Index* list = found_.neighbors(group(first, l));
-      for (Index i = 0; i < n_; ++i) A_[static_cast<std::size_t>(batch_entry(i, i) + l)] += samples_.smoothing[list[i]];
+      for (Index i = 0; i < n_; ++i) A_[batch_entry(i, i) + l] += samples_.smoothing[list[i]];
     }
     return batch_saddle({n_, Q_, k_, A_.data(), G_.data(), s_.data(), pi_.data(), work_.data()});
   }
@@ -159,8 +157,7 @@ class Batch {
   // Query number i of each group.
   void evaluate(std::size_t first, Index i, const MatrixRef& x, Eigen::Ref<Eigen::MatrixXd> out) {
     for (int l = 0; l < lanes; ++l)
-      for (Index a = 0; a < d_; ++a)
-        y_query_[static_cast<std::size_t>(lanes * a + l)] = x(a, found_.query(group(first, l), i));
+      for (Index a = 0; a < d_; ++a) y_query_[lanes * a + l] = x(a, found_.query(group(first, l), i));
     query_distances(y_query_.data(), y_.data(), d_, n_, basis_.epsilon2, r2_.data());
     basis_.kernel.values(r2_.data(), lanes * n_, A_.data());
     to_frame(y_query_.data(), d_, 1, shift_.data(), scale_.data(), u_.data());
@@ -182,10 +179,8 @@ class Batch {
     for (int l = 0; l < lanes; ++l) {
       const Index* list = found_.neighbors(group(first, l));
       for (Index i = 0; i < n_; ++i) {
-        for (Index a = 0; a < d_; ++a)
-          y_[static_cast<std::size_t>(lanes * (d_ * i + a) + l)] = samples_.points(a, list[i]);
-        for (Index c = 0; c < k_; ++c)
-          s_[static_cast<std::size_t>(lanes * (c * n_ + i) + l)] = samples_.values(c, list[i]);
+        for (Index a = 0; a < d_; ++a) y_[lanes * (d_ * i + a) + l] = samples_.points(a, list[i]);
+        for (Index c = 0; c < k_; ++c) s_[lanes * (c * n_ + i) + l] = samples_.values(c, list[i]);
       }
     }
   }
@@ -206,7 +201,7 @@ void solve_alone(const LocalInterpolants& samples, const Neighborhoods& found, c
   const Eigen::MatrixXd y = samples.points(Eigen::all, list);
   const RbfCoefficients f = samples.basis.solve(y, samples.values(Eigen::all, list), samples.smoothing(list));
   for (Index i = group.begin; i < group.end; ++i) {
-    const Index query = found.order[static_cast<std::size_t>(i)];
+    const Index query = found.order[i];
     samples.basis.evaluate(y, f, x.col(query), out.col(query));
   }
 }

@@ -22,10 +22,9 @@ constexpr Index lanes = lane_sums::lanes;
 
 // Up to eight points coordinate by coordinate; missing ones are copies of the last.
 void gather(const MatrixRef& x, Index begin, Index count, std::vector<double>& to) {
-  to.resize(static_cast<std::size_t>(lanes * x.rows()));
+  to.resize(lanes * x.rows());
   for (Index a = 0; a < x.rows(); ++a)
-    for (Index l = 0; l < lanes; ++l)
-      to[static_cast<std::size_t>(lanes * a + l)] = x(a, begin + std::min(l, count - 1));
+    for (Index l = 0; l < lanes; ++l) to[lanes * a + l] = x(a, begin + std::min(l, count - 1));
 }
 
 // Throws with the likely reason why a system is singular.
@@ -91,8 +90,8 @@ MonomialSteps::MonomialSteps(int d, int degree) : dimension(d) {
 Eigen::MatrixXi MonomialSteps::powers() const {
   Eigen::MatrixXi result = Eigen::MatrixXi::Zero(size(), dimension);
   for (Index j = 1; j < size(); ++j) {
-    result.row(j) = result.row(parent[static_cast<std::size_t>(j)]);
-    ++result(j, axis[static_cast<std::size_t>(j)]);
+    result.row(j) = result.row(parent[j]);
+    ++result(j, axis[j]);
   }
   return result;
 }
@@ -100,10 +99,7 @@ Eigen::MatrixXi MonomialSteps::powers() const {
 Matrix MonomialSteps::values(const MatrixRef& x) const {
   Matrix result(x.cols(), size());
   if (size() > 0) result.col(0).setOnes();
-  for (Index j = 1; j < size(); ++j)
-    result.col(j) = x.row(axis[static_cast<std::size_t>(j)])
-                        .transpose()
-                        .cwiseProduct(result.col(parent[static_cast<std::size_t>(j)]));
+  for (Index j = 1; j < size(); ++j) result.col(j) = x.row(axis[j]).transpose().cwiseProduct(result.col(parent[j]));
   return result;
 }
 
@@ -124,7 +120,7 @@ Matrix RbfBasis::matrix(const Matrix& y, const VectorRef& smoothing) const {
   // Eight columns at a time, from the diagonal down.
   const auto columns = [&](Index group_begin, Index group_end) {
     std::vector<double> at;
-    std::vector<double> r2(static_cast<std::size_t>(lanes * n));
+    std::vector<double> r2(lanes * n);
     std::vector<double> phi(r2.size());
     for (Index j = lanes * group_begin; j < std::min(n, lanes * group_end); j += lanes) {
       const Index count = std::min(lanes, n - j);
@@ -132,7 +128,7 @@ Matrix RbfBasis::matrix(const Matrix& y, const VectorRef& smoothing) const {
       lane_sums::distances(at.data(), static_cast<int>(y.rows()), y.col(j).data(), n - j, epsilon2, r2.data());
       kernel.values(r2.data(), lanes * (n - j), phi.data());
       for (Index l = 0; l < count; ++l)
-        for (Index i = j; i < n; ++i) A(i, j + l) = phi[static_cast<std::size_t>(lanes * (i - j) + l)];
+        for (Index i = j; i < n; ++i) A(i, j + l) = phi[lanes * (i - j) + l];
     }
   };
   parallel_for((n + lanes - 1) / lanes, 4, columns);
@@ -164,9 +160,9 @@ void RbfBasis::evaluate(const Matrix& y, const RbfCoefficients& f, const MatrixR
   const Index n = y.cols();
   const Index k = f.alpha.cols();
   std::vector<double> at;
-  std::vector<double> local(static_cast<std::size_t>(lanes * d));
-  std::vector<double> jets(static_cast<std::size_t>(lanes * std::max<Index>(monomials.size(), 1)));
-  std::vector<double> sums(static_cast<std::size_t>(lanes * k));
+  std::vector<double> local(lanes * d);
+  std::vector<double> jets(lanes * std::max<Index>(monomials.size(), 1));
+  std::vector<double> sums(lanes * k);
   std::array<double, lanes * tile> r2;
   std::array<double, lanes * tile> phi;
   for (Index i = 0; i < x.cols(); i += lanes) {
@@ -188,7 +184,7 @@ void RbfBasis::evaluate(const Matrix& y, const RbfCoefficients& f, const MatrixR
         lane_sums::add_values(phi.data(), f.alpha.col(c).data() + j, part, sums.data() + lanes * c);
     }
     for (Index l = 0; l < count; ++l)
-      for (Index c = 0; c < k; ++c) values(c, i + l) = sums[static_cast<std::size_t>(lanes * c + l)];
+      for (Index c = 0; c < k; ++c) values(c, i + l) = sums[lanes * c + l];
   }
 }
 

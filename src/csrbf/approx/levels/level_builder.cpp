@@ -33,7 +33,7 @@ LevelBuilder<Dim>::LevelBuilder(const Samples<Dim>& samples, const char* functio
   merged_ = merge_duplicates(samples, duplicates);
   mean_ = weighted_mean(merged_.samples);
   residual_ = merged_.samples.values.rowwise() - mean_;
-  expansions_.resize(static_cast<std::size_t>(samples.components()));
+  expansions_.resize(samples.components());
 }
 
 // Centres far from everything that a level changes have coefficients of the size of rounding errors: dropping them
@@ -57,7 +57,7 @@ void LevelBuilder<Dim>::append(const std::shared_ptr<const RadialBasis<Dim>>& ba
   for (Index c = 0; c < samples().components(); ++c) {
     PolynomialTail<Dim> tail;
     if (reports_.empty()) tail = {0, Point<Dim>::Zero(), 1, Eigen::VectorXd::Constant(1, mean_[c])};
-    expansions_[static_cast<std::size_t>(c)].push_back(
+    expansions_[c].push_back(
         std::make_shared<const Expansion<Dim>>(used, coefficients(kept, c), std::move(tail), bounds));
   }
   LevelReport level;
@@ -128,7 +128,7 @@ void LevelBuilder<Dim>::add_diagonal(const Kernel& kernel, const std::vector<Ind
   Eigen::VectorXd supports(n);
   Eigen::MatrixXd coefficients(n, residual_.cols());
   for (Index j = 0; j < n; ++j) {
-    const Index i = ids[static_cast<std::size_t>(j)];
+    const Index i = ids[j];
     centers.col(j) = samples().points.col(i);
     supports[j] = nearest_distance<Dim>(tree, centers.col(j));
     coefficients.row(j) = residual_.row(i);
@@ -143,8 +143,7 @@ std::vector<Index> LevelBuilder<Dim>::violations(double tolerance) {
   // The sums of a fit and of an evaluation round differently.
   const LevelFit<Dim> fit = finish();
   for (Index c = 0; c < residual_.cols(); ++c)
-    residual_.col(c) =
-        samples().values.col(c) - shared_evaluate(*fit.fields[static_cast<std::size_t>(c)], samples().points).value;
+    residual_.col(c) = samples().values.col(c) - shared_evaluate(*fit.fields[c], samples().points).value;
   std::vector<Index> ids;
   for (Index i = 0; i < samples().size(); ++i)
     if (error(i) > tolerance) ids.push_back(i);

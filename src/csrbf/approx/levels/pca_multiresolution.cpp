@@ -63,9 +63,9 @@ class Clusters {
 
  private:
   [[nodiscard]] Point<Dim> centroid(const Range& range) const {
-    const Point<Dim> first = points_.col(order_[static_cast<std::size_t>(range.begin)]);
+    const Point<Dim> first = points_.col(order_[range.begin]);
     Point<Dim> sum = Point<Dim>::Zero();
-    for (Index k = range.begin; k < range.end; ++k) sum += points_.col(order_[static_cast<std::size_t>(k)]) - first;
+    for (Index k = range.begin; k < range.end; ++k) sum += points_.col(order_[k]) - first;
     return first + sum / static_cast<double>(range.size());
   }
 

@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/moving/moving_least_squares_field.hpp"
 #include "csrbf/approx/moving/track_directions.hpp"
+#include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <Eigen/QR>
@@ -81,12 +82,12 @@ class LocalFit {
     weights_.resize(n);
     scale_ = 0;
     for (Index k = 0; k < n; ++k) {
-      points_.col(k) = data_.samples.points.col(ids_[static_cast<std::size_t>(k)]) - p;
+      points_.col(k) = data_.samples.points.col(ids_[k]) - p;
       scale_ = std::max(scale_, points_.col(k).norm());
     }
     if (scale_ == 0) scale_ = 1;
     for (Index k = 0; k < n; ++k) {
-      const Index i = ids_[static_cast<std::size_t>(k)];
+      const Index i = ids_[k];
       values_[k] = data_.samples.values(i, component_);
       weights_[k] = weight_of<Dim>(data_, i, -points_.col(k), false).value;
     }
@@ -127,7 +128,7 @@ class LocalFit {
     const Eigen::VectorXd misfit = values_ - rows_ * coefficients_;
     Eigen::MatrixXd slopes(rows, Dim), bends(rows, symmetric_size<Dim>);  // of the weights
     for (Index k = 0; k < n; ++k) {
-      const Index i = ids_[static_cast<std::size_t>(k)];
+      const Index i = ids_[k];
       const Weight<Dim> w = weight_of<Dim>(data_, i, -scale_ * points_.col(k), true);
       slopes.row(k) = scale_ / weight_unit_ * w.gradient.transpose();
       for (int a = 0, entry = 0; a < Dim; ++a)
@@ -160,7 +161,7 @@ class LocalFit {
   [[nodiscard]] Eigen::VectorXd penalty_shares() const {
     Eigen::VectorXd shares(weights_.size());
     for (Index k = 0; k < shares.size(); ++k) {
-      const double radius = data_.radii[ids_[static_cast<std::size_t>(k)]] / scale_;
+      const double radius = data_.radii[ids_[k]] / scale_;
       shares[k] = track_ridge * radius * radius;
     }
     return shares;
@@ -208,7 +209,7 @@ Eigen::VectorXd sample_radii(const Points<Dim>& points, const KdTree<Dim>& tree,
   const Index k = std::min(neighbors + 1, points.cols());
   Eigen::VectorXd radii(points.cols());
   parallel_for(points.cols(), 256, [&](Index first, Index last) {
-    std::vector<Index> indices(static_cast<std::size_t>(k));
+    std::vector<Index> indices(k);
     std::vector<double> squared(indices.size());
     for (Index i = first; i < last; ++i) {
       tree.nearest(points.col(i), k, indices.data(), squared.data());

@@ -14,7 +14,7 @@ Points<Dim> track_directions(const Points<Dim>& points, const KdTree<Dim>& tree)
   const Index k = std::min(neighbors + 1, points.cols());
   Points<Dim> directions = Points<Dim>::Zero(Dim, points.cols());
   parallel_for(points.cols(), 256, [&](Index first, Index last) {
-    std::vector<Index> found(static_cast<std::size_t>(k));
+    std::vector<Index> found(k);
     std::vector<double> squared(found.size());
     Points<Dim> to(Dim, k);
     Eigen::VectorXd distance(k);

@@ -41,7 +41,7 @@ Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& out
   Point<Dim> y;
   for (int a = 0; a < Dim; ++a) {
     const double inside = frame_.periods[a] > 0 ? x[a] : std::clamp(x[a], frame_.box.lo[a], frame_.box.hi[a]);
-    outside[static_cast<std::size_t>(a)] = inside != x[a];
+    outside[a] = inside != x[a];
     y[a] = inside / frame_.scales[a];
   }
   return y;
@@ -62,17 +62,17 @@ template <int Dim>
 void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
   if (is_same_inside<Dim>(frame_) && contains<Dim>(frame_.box, x)) return repeated_->evaluate_block(x, out);
   Points<Dim> y(Dim, x.cols());
-  std::vector<std::array<bool, Dim>> outside(static_cast<std::size_t>(x.cols()));
-  for (Index i = 0; i < x.cols(); ++i) y.col(i) = map(x.col(i), outside[static_cast<std::size_t>(i)]);
+  std::vector<std::array<bool, Dim>> outside(x.cols());
+  for (Index i = 0; i < x.cols(); ++i) y.col(i) = map(x.col(i), outside[i]);
   repeated_->evaluate_block(y, out);
   for (Index i = 0; i < x.cols(); ++i) {
-    const std::array<bool, Dim>& moved = outside[static_cast<std::size_t>(i)];
+    const std::array<bool, Dim>& moved = outside[i];
     const bool any = std::find(moved.begin(), moved.end(), true) != moved.end();
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     const bool undefined = !x.col(i).allFinite() || (any && frame_.extrapolation == Extrapolation::nan);
     if (undefined) out.value[i] = nan;
     // A coordinate that was moved to the box has no influence.
-    const auto factor = [&](int a) { return moved[static_cast<std::size_t>(a)] ? 0.0 : 1 / frame_.scales[a]; };
+    const auto factor = [&](int a) { return moved[a] ? 0.0 : 1 / frame_.scales[a]; };
     if (out.gradient != nullptr)
       for (int a = 0; a < Dim; ++a) out.gradient[Dim * i + a] = undefined ? nan : out.gradient[Dim * i + a] * factor(a);
     if (out.hessian == nullptr) continue;

@@ -15,7 +15,7 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
   const auto& points = samples.points;
   const std::vector<Index> first = first_coincident<Dim>(points);
   Index distinct = 0;
-  for (Index i = 0; i < n; ++i) distinct += first[static_cast<std::size_t>(i)] == i ? 1 : 0;
+  for (Index i = 0; i < n; ++i) distinct += first[i] == i ? 1 : 0;
   if (distinct == n) {
     MergedSamples<Dim> same{std::move(samples), Eigen::VectorXd::Zero(n), std::vector<Index>(first.size())};
     std::iota(same.place.begin(), same.place.end(), Index{0});
@@ -33,10 +33,10 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
   Eigen::MatrixXd largest = -least;
   Index next = 0;
   for (Index i = 0; i < n; ++i) {
-    const Index leader = first[static_cast<std::size_t>(i)];
+    const Index leader = first[i];
     if (leader == i) m.points.col(next) = points.col(i);
-    const Index place = leader == i ? next++ : merged.place[static_cast<std::size_t>(leader)];
-    merged.place[static_cast<std::size_t>(i)] = place;
+    const Index place = leader == i ? next++ : merged.place[leader];
+    merged.place[i] = place;
     // Running means: the mean of equal values is that value.
     count[place] += 1;
     least.row(place) = least.row(place).cwiseMin(samples.values.row(i));

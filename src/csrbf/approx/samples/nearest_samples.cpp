@@ -32,10 +32,10 @@ class FullSearch : public NearestSamples {
   void nearest(const double* x, Index k, Index* indices, double* /*squared_distances*/) const override {
     const Eigen::Map<const Eigen::VectorXd> at(x, points_.rows());
     std::vector<std::pair<double, Index>> candidates;
-    candidates.reserve(static_cast<std::size_t>(points_.cols()));
+    candidates.reserve(points_.cols());
     for (Index i = 0; i < points_.cols(); ++i) candidates.emplace_back((points_.col(i) - at).squaredNorm(), i);
     std::nth_element(candidates.begin(), candidates.begin() + (k - 1), candidates.end());
-    for (Index j = 0; j < k; ++j) indices[j] = candidates[static_cast<std::size_t>(j)].second;
+    for (Index j = 0; j < k; ++j) indices[j] = candidates[j].second;
   }
 
  private:
@@ -65,7 +65,7 @@ std::vector<Index> nearby_order(const MatrixRef& points) {
     CSRBF_FOR_EACH_DIM(CSRBF_CASE)
 #undef CSRBF_CASE
     default: {
-      std::vector<Index> order(static_cast<std::size_t>(points.cols()));
+      std::vector<Index> order(points.cols());
       std::iota(order.begin(), order.end(), Index{0});
       return order;
     }

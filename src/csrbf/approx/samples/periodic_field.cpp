@@ -53,7 +53,7 @@ Eigen::VectorXd wrap(const Eigen::VectorXd& x, double lo, double period) {
   const double rounding =
       8 * std::numeric_limits<double>::epsilon() * (x.cwiseAbs().maxCoeff() + std::abs(lo) + period);
   Eigen::VectorXd c = x.array() - period * ((x.array() - lo) / period).floor();
-  std::vector<Index> order(static_cast<std::size_t>(c.size()));
+  std::vector<Index> order(c.size());
   std::iota(order.begin(), order.end(), Index{0});
   for (double& value : c)
     if (value > lo + period - rounding) value = lo;
@@ -71,9 +71,9 @@ void append(Samples<Dim>& samples, const std::vector<Index>& source, int axis, c
   samples.values.conservativeResize(n + more, Eigen::NoChange);
   if (samples.weights.size() > 0) samples.weights.conservativeResize(n + more);
   for (Index i = 0; i < more; ++i) {
-    const Index from = source[static_cast<std::size_t>(i)];
+    const Index from = source[i];
     samples.points.col(n + i) = samples.points.col(from);
-    samples.points(axis, n + i) = coordinate[static_cast<std::size_t>(i)];
+    samples.points(axis, n + i) = coordinate[i];
     samples.values.row(n + i) = samples.values.row(from);
     if (samples.weights.size() > 0) samples.weights[n + i] = samples.weights[from];
   }

@@ -1,5 +1,6 @@
 #include "csrbf/approx/unity/choose_local_options.hpp"
 
+#include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/approx/unity/patch_samples.hpp"
 #include "csrbf/core/shared_work.hpp"
@@ -64,7 +65,7 @@ class CrossValidation {
     typename Cover<Dim>::Search search;
     Index lopsided_patches = 0;
     for (Index i = 0; i < volume_cells_; ++i) {
-      const Box<Dim>& cell = cover_.cell(cells_[static_cast<std::size_t>(i)]);
+      const Box<Dim>& cell = cover_.cell(cells_[i]);
       cover_.nearest(cell.center(), samples, cell.diagonal(), search);
       if (lopsided<Dim>(cover_.points(), search.found)) ++lopsided_patches;
     }
@@ -89,25 +90,23 @@ class CrossValidation {
       LocalFitter<Dim> fitter(cover_, values_, weights_, options);
       LocalModels<Dim> models = fitter.models();
       models.resize(batch_lanes);
-      std::vector<double> left_out(static_cast<std::size_t>(batch_lanes * components * targets));
+      std::vector<double> left_out(batch_lanes * components * targets);
       for (Index b = begin; b < end; ++b) {
         const int used = static_cast<int>(std::min<Index>(batch_lanes, count - batch_lanes * b));
         std::array<Index, batch_lanes> cells{};
-        for (int l = 0; l < used; ++l)
-          cells[static_cast<std::size_t>(l)] =
-              cells_[static_cast<std::size_t>(chosen[static_cast<std::size_t>(batch_lanes * b + l)])];
+        for (int l = 0; l < used; ++l) cells[l] = cells_[chosen[static_cast<std::size_t>(batch_lanes * b + l)]];
         fitter.fit(cells.data(), used, models, 0);
         fitter.left_out_errors(targets, left_out.data());
         for (int l = 0; l < used; ++l) {
           const Eigen::Map<const Eigen::ArrayXXd> lane(left_out.data() + components * targets * l, targets, components);
-          const Index patch = chosen[static_cast<std::size_t>(batch_lanes * b + l)];
+          const Index patch = chosen[batch_lanes * b + l];
           for (Index t = 0; t < targets; ++t) error(t, patch) = mean(lane.row(t));
         }
       }
     };
     const auto for_each_patch = [&](Index begin, Index end, const auto& action) {
       for (Index k = batch_lanes * begin; k < std::min(count, batch_lanes * end); ++k)
-        action(error.col(chosen[static_cast<std::size_t>(k)]).data());
+        action(error.col(chosen[k]).data());
     };
     const auto pack = [&](Index begin, Index end, ByteWriter& out) {
       for_each_patch(begin, end, [&](const double* column) { out.put(column, targets); });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/approx/unity/cover.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
 
 namespace csrbf {

@@ -105,7 +105,7 @@ Eigen::MatrixXd Cover<Dim>::in_order(const Eigen::Ref<const Eigen::MatrixXd>& ro
   Eigen::MatrixXd sorted(rows.rows(), rows.cols());
   parallel_for(rows.rows(), grain, [&](Index begin, Index end) {
     for (Index column = 0; column < rows.cols(); ++column)
-      for (Index i = begin; i < end; ++i) sorted(i, column) = rows(order_[static_cast<std::size_t>(i)], column);
+      for (Index i = begin; i < end; ++i) sorted(i, column) = rows(order_[i], column);
   });
   return sorted;
 }
@@ -130,7 +130,7 @@ void Cover<Dim>::find_supports() {
       const Point<Dim> center = cell(i).center(), half = 0.5 * growth() * cell(i).extent();
       // The weights are 0 on the border of a support.
       const Point<Dim> last = (center + half).unaryExpr([](double x) { return std::nextafter(x, -infinity); });
-      for_each_cell({center - half, last}, [&](std::uint32_t c) { reached[static_cast<std::size_t>(i)].push_back(c); });
+      for_each_cell({center - half, last}, [&](std::uint32_t c) { reached[i].push_back(c); });
     }
   });
   over_begin_.assign(cells_.size() + 1, 0);
@@ -150,7 +150,7 @@ void Cover<Dim>::make_grid() {
   parts_ = std::max<Index>(1, static_cast<Index>(std::pow(static_cast<double>(size()), 1.0 / Dim)));
   const Point<Dim> side = box().extent() / static_cast<double>(parts_);
   parts_per_length_ = side.cwiseInverse();
-  start_.resize(static_cast<std::size_t>(std::llround(std::pow(static_cast<double>(parts_), Dim))));
+  start_.resize(std::llround(std::pow(static_cast<double>(parts_), Dim)));
   parallel_for(static_cast<Index>(start_.size()), 256, [&](Index begin, Index end) {
     for (Index part = begin; part < end; ++part) {
       Point<Dim> lo;
@@ -168,7 +168,7 @@ void Cover<Dim>::make_grid() {
           break;
         }
       }
-      start_[static_cast<std::size_t>(part)] = static_cast<std::uint32_t>(node);
+      start_[part] = static_cast<std::uint32_t>(node);
     }
   });
 }
@@ -182,7 +182,7 @@ Index Cover<Dim>::find(const Point<Dim>& x) const {
     inside = inside && t >= 0 && t < static_cast<double>(parts_);  // not for NaN
     part = parts_ * part + (inside ? static_cast<Index>(t) : 0);
   }
-  std::size_t node = inside ? start_[static_cast<std::size_t>(part)] : 0;
+  std::size_t node = inside ? start_[part] : 0;
   while (tree_.axis[node] >= 0) node = x[tree_.axis[node]] < tree_.split[node] ? node + 1 : tree_.right[node];
   return tree_.right[node];
 }

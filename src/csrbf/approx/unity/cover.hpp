@@ -47,7 +47,7 @@ class Cover {
   [[nodiscard]] Index size() const { return static_cast<Index>(cells_.size()); }
   [[nodiscard]] const Box<Dim>& box() const { return tree_.box; }
   [[nodiscard]] double growth() const { return tree_.growth; }
-  [[nodiscard]] const Box<Dim>& cell(Index i) const { return cells_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const Box<Dim>& cell(Index i) const { return cells_[i]; }
 
   /// The cell of the tree that x falls into, also for x outside the box.
   [[nodiscard]] Index find(const Point<Dim>& x) const;
@@ -69,9 +69,7 @@ class Cover {
   /// InvalidInput unless there is a row per point or none.
   [[nodiscard]] Eigen::MatrixXd in_order(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
   /// Number of points in a cell.
-  [[nodiscard]] Index count(Index cell) const {
-    return begin_[static_cast<std::size_t>(cell) + 1] - begin_[static_cast<std::size_t>(cell)];
-  }
+  [[nodiscard]] Index count(Index cell) const { return begin_[static_cast<std::size_t>(cell) + 1] - begin_[cell]; }
 
   /// Work space of `nearest`.
   struct Search {

@@ -1,7 +1,9 @@
 #include "csrbf/approx/unity/fit_patches.hpp"
 
+#include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/shared_work.hpp"
+#include "csrbf/linalg/batched_cholesky.hpp"
 
 #include <algorithm>
 #include <array>
@@ -25,13 +27,13 @@ Index leaf_size(const LocalOptions& options) {
 // Batches of cells to fit.
 template <int Dim>
 std::vector<Index> wanted_batches(const Cover<Dim>& cover, const Points<Dim>* places) {
-  std::vector<Index> batches(static_cast<std::size_t>((cover.size() + lanes - 1) / lanes));
+  std::vector<Index> batches((cover.size() + lanes - 1) / lanes);
   std::iota(batches.begin(), batches.end(), Index{0});
   if (places == nullptr) return batches;
   std::vector<bool> wanted(batches.size(), false);
   for (const auto& x : places->colwise())
     for (const std::uint32_t support : cover.supports_over(cover.find(x))) wanted[support / lanes] = true;
-  std::erase_if(batches, [&](Index b) { return !wanted[static_cast<std::size_t>(b)]; });
+  std::erase_if(batches, [&](Index b) { return !wanted[b]; });
   return batches;
 }
 
@@ -66,7 +68,7 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_cover(Cover<Dim>
     report(progress, "fit", static_cast<double>(done) / static_cast<double>(count));
     const auto for_each_batch = [&](Index begin, Index end, const auto& action) {
       for (Index k = done + begin; k < done + end; ++k) {
-        const Index first = lanes * batches[static_cast<std::size_t>(k)];
+        const Index first = lanes * batches[k];
         action(first, std::min(lanes, cover.size() - first));
       }
     };

@@ -17,8 +17,7 @@ HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
   const std::vector<Index> order = morton_order<Dim>(samples.points);
   const Index stride = std::max(one_in, samples.size() / most);
   std::vector<Index> kept, held_out;
-  for (Index i = 0; i < samples.size(); ++i)
-    (i % stride == stride / 2 ? held_out : kept).push_back(order[static_cast<std::size_t>(i)]);
+  for (Index i = 0; i < samples.size(); ++i) (i % stride == stride / 2 ? held_out : kept).push_back(order[i]);
   const auto take = [&](const std::vector<Index>& chosen) {
     Samples<Dim> some{samples.points(Eigen::all, chosen), samples.values(chosen, Eigen::all), {}};
     if (samples.weights.size() > 0) some.weights = samples.weights(chosen);

@@ -85,7 +85,7 @@ LocalFitter<Dim>::LocalFitter(const Cover<Dim>& cover, const Eigen::MatrixXd& va
   s_.resize(L * n * C);
   weight_.resize(L * n);
   F_.resize(L * n * width);
-  G_.resize(static_cast<std::size_t>(batch_matrix_size(static_cast<Index>(width))));
+  G_.resize(batch_matrix_size(static_cast<Index>(width)));
   const std::size_t pairs = interpolates() ? static_cast<std::size_t>(batch_matrix_size(n_)) : L * n * M;
   r2_.resize(pairs);
   A_.resize(pairs);
@@ -126,12 +126,12 @@ void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& m
       models.radius[first + l] = radius;
     }
     for (Index k = 0; k < n_; ++k) {
-      const std::uint32_t id = search_.found[static_cast<std::size_t>(k)].second;
+      const std::uint32_t id = search_.found[k].second;
       Point<Dim> q = (cover_.points().col(id) - center) / radius;
       if (anisotropic_) q = metric * q;
-      for (int a = 0; a < Dim; ++a) q_[static_cast<std::size_t>(L * (Dim * k + a) + l)] = q[a];
-      for (Index c = 0; c < C_; ++c) s_[static_cast<std::size_t>(L * (n_ * c + k) + l)] = values_(id, c);
-      weight_[static_cast<std::size_t>(L * k + l)] = weights_.size() == 0 ? 1 : std::sqrt(weights_[id]);
+      for (int a = 0; a < Dim; ++a) q_[L * (Dim * k + a) + l] = q[a];
+      for (Index c = 0; c < C_; ++c) s_[L * (n_ * c + k) + l] = values_(id, c);
+      weight_[L * k + l] = weights_.size() == 0 ? 1 : std::sqrt(weights_[id]);
     }
   }
 }
@@ -145,7 +145,7 @@ void LocalFitter<Dim>::polynomial_rows(Index width) {
       if (j == 0) {
         std::copy_n(weight_.data() + L * k, L, row);
       } else {
-        const auto& step = basis_.steps()[static_cast<std::size_t>(j)];
+        const auto& step = basis_.steps()[j];
         multiply(row + L * step.parent, q_.data() + L * (Dim * k + step.axis), row + L * j);
       }
     }
@@ -163,8 +163,8 @@ void LocalFitter<Dim>::fit(const Index* cells, int count, LocalModels<Dim>& mode
   for (int l = 0; l < count; ++l)
     for (Index j = 0; j < M_; ++j)
       for (int a = 0; a < Dim; ++a)
-        models.position[static_cast<std::size_t>(Dim * (M_ * (first + l) + j) + a)] =
-            q_[static_cast<std::size_t>(L * (Dim * center_rows_[static_cast<std::size_t>(j)] + a) + l)];
+        models.position[Dim * (M_ * (first + l) + j) + a] =
+            q_[L * (Dim * center_rows_[static_cast<std::size_t>(j)] + a) + l];
 }
 
 template <int Dim>
@@ -182,15 +182,13 @@ void LocalFitter<Dim>::fit_interpolant(LocalModels<Dim>& models, Index first, in
     batch_cholesky(G_.data(), Q_, dependent);
     for (Index k = 0; k < n_; ++k)  // the unweighted monomials
       for (Index j = 0; j < Q_; ++j)
-        for (int l = 0; l < L; ++l)
-          F_[static_cast<std::size_t>(L * (width * k + j) + l)] /= weight_[static_cast<std::size_t>(L * k + l)];
+        for (int l = 0; l < L; ++l) F_[L * (width * k + j) + l] /= weight_[L * k + l];
     for (Index c = 0; c < C_; ++c) {
       double* b = G_.data() + batch_entry(Q_ + c, 0);
       batch_solve(G_.data(), Q_, b);
       subtract_product(F_.data(), n_, width, Q_, b, s_.data() + L * n_ * c);
       for (int l = 0; l < count; ++l)
-        for (Index j = 0; j < Q_; ++j)
-          models.polynomial[static_cast<std::size_t>(Q_ * (C_ * (first + l) + c) + j)] = b[L * j + l];
+        for (Index j = 0; j < Q_; ++j) models.polynomial[Q_ * (C_ * (first + l) + c) + j] = b[L * j + l];
     }
   }
   // (A + lambda W^-1) alpha = residual.
@@ -198,17 +196,14 @@ void LocalFitter<Dim>::fit_interpolant(LocalModels<Dim>& models, Index first, in
   kernel_.values(r2_.data(), static_cast<Index>(r2_.size()), A_.data());
   for (Index k = 0; k < n_; ++k)
     for (int l = 0; l < L; ++l) {
-      const double w = weight_[static_cast<std::size_t>(L * k + l)];
-      A_[static_cast<std::size_t>(batch_entry(k, k) + l)] +=
-          options_.smoothing / (w * w) + round_off * static_cast<double>(n_);
+      const double w = weight_[L * k + l];
+      A_[batch_entry(k, k) + l] += options_.smoothing / (w * w) + round_off * static_cast<double>(n_);
     }
   batch_cholesky(A_.data(), n_, round_off);
   batch_solve(A_.data(), n_, s_.data(), C_);
   for (int l = 0; l < count; ++l)
     for (Index c = 0; c < C_; ++c)
-      for (Index j = 0; j < n_; ++j)
-        models.alpha[static_cast<std::size_t>(n_ * (C_ * (first + l) + c) + j)] =
-            s_[static_cast<std::size_t>(L * (n_ * c + j) + l)];
+      for (Index j = 0; j < n_; ++j) models.alpha[n_ * (C_ * (first + l) + c) + j] = s_[L * (n_ * c + j) + l];
 }
 
 template <int Dim>
@@ -228,19 +223,16 @@ void LocalFitter<Dim>::fit_least_squares(LocalModels<Dim>& models, Index first, 
   for (Index i = 0; i < M_; ++i)
     for (Index j = 0; j <= i; ++j)
       for (int l = 0; l < L; ++l)
-        G_[static_cast<std::size_t>(batch_entry(Q_ + i, Q_ + j) + l)] +=
-            options_.smoothing *
-            A_[static_cast<std::size_t>(L * (M_ * center_rows_[static_cast<std::size_t>(i)] + j) + l)];
+        G_[batch_entry(Q_ + i, Q_ + j) + l] +=
+            options_.smoothing * A_[L * (M_ * center_rows_[static_cast<std::size_t>(i)] + j) + l];
   add_ridge(G_.data(), unknowns, round_off);
   batch_cholesky(G_.data(), unknowns, dependent);
   for (Index c = 0; c < C_; ++c) {
     double* b = G_.data() + batch_entry(unknowns + c, 0);
     batch_solve(G_.data(), unknowns, b);
     for (int l = 0; l < count; ++l) {
-      for (Index j = 0; j < Q_; ++j)
-        models.polynomial[static_cast<std::size_t>(Q_ * (C_ * (first + l) + c) + j)] = b[L * j + l];
-      for (Index j = 0; j < M_; ++j)
-        models.alpha[static_cast<std::size_t>(M_ * (C_ * (first + l) + c) + j)] = b[L * (Q_ + j) + l];
+      for (Index j = 0; j < Q_; ++j) models.polynomial[Q_ * (C_ * (first + l) + c) + j] = b[L * j + l];
+      for (Index j = 0; j < M_; ++j) models.alpha[M_ * (C_ * (first + l) + c) + j] = b[L * (Q_ + j) + l];
     }
   }
 }
@@ -259,16 +251,15 @@ void LocalFitter<Dim>::left_out_errors(Index targets, double* error) {
 template <int Dim>
 void LocalFitter<Dim>::interpolant_errors(Index targets, double* error) {
   const Index width = Q_ + C_, n = n_;
-  work_.assign(static_cast<std::size_t>(L * n * (Q_ + targets)), 0.0);
+  work_.assign(L * n * (Q_ + targets), 0.0);
   double* EP = work_.data();
   double* unit = EP + L * n * Q_;
   for (Index j = 0; j < Q_; ++j)
     for (Index k = 0; k < n; ++k) std::copy_n(F_.data() + L * (width * k + j), L, EP + L * (n * j + k));
   for (Index t = 0; t < targets; ++t) std::fill_n(unit + L * (n * t + t), L, 1.0);
   batch_solve(A_.data(), n, work_.data(), Q_ + targets);
-  std::vector<double> S(static_cast<std::size_t>(batch_matrix_size(Q_))),
-      rhs(static_cast<std::size_t>(L * Q_ * (C_ + targets)));
-  std::vector<double> column(static_cast<std::size_t>(L * n));
+  std::vector<double> S(batch_matrix_size(Q_)), rhs(static_cast<std::size_t>(L * Q_ * (C_ + targets)));
+  std::vector<double> column(L * n);
   for (Index i = 0; i < Q_; ++i) {
     for (Index k = 0; k < n; ++k) std::copy_n(F_.data() + L * (width * k + i), L, column.data() + L * k);
     for (Index j = 0; j <= i; ++j) dot(column.data(), EP + L * n * j, n, S.data() + batch_entry(i, j));
@@ -289,7 +280,7 @@ void LocalFitter<Dim>::interpolant_errors(Index targets, double* error) {
       for (int l = 0; l < L; ++l) {
         const double diagonal = unit[L * (n * t + t) + l],
                      M = std::max(diagonal - drop[l], smallest_freedom * diagonal);
-        error[(l * C_ + c) * targets + t] = (s_[static_cast<std::size_t>(L * (n * c + t) + l)] - shift[l]) / M;
+        error[(l * C_ + c) * targets + t] = (s_[L * (n * c + t) + l] - shift[l]) / M;
       }
     }
   }
@@ -299,7 +290,7 @@ void LocalFitter<Dim>::interpolant_errors(Index targets, double* error) {
 template <int Dim>
 void LocalFitter<Dim>::least_squares_errors(Index targets, double* error) {
   const Index unknowns = Q_ + M_, width = unknowns + C_;
-  work_.resize(static_cast<std::size_t>(L * unknowns * targets));
+  work_.resize(L * unknowns * targets);
   for (Index t = 0; t < targets; ++t)
     std::copy_n(F_.data() + L * width * t, L * unknowns, work_.data() + L * unknowns * t);
   batch_solve(G_.data(), unknowns, work_.data(), targets);
@@ -312,8 +303,7 @@ void LocalFitter<Dim>::least_squares_errors(Index targets, double* error) {
       dot(row, G_.data() + batch_entry(unknowns + c, 0), unknowns, fitted);
       for (int l = 0; l < L; ++l)
         error[(l * C_ + c) * targets + t] = (row[L * (unknowns + c) + l] - fitted[l]) /
-                                            std::max(1 - leverage[l], smallest_freedom) /
-                                            weight_[static_cast<std::size_t>(L * t + l)];
+                                            std::max(1 - leverage[l], smallest_freedom) / weight_[L * t + l];
     }
   }
 }

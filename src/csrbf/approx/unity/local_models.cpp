@@ -46,9 +46,9 @@ void LocalModels<Dim>::resize(Index models) {
   center.resize(Dim, models);
   radius.resize(models);
   metric.resize(static_cast<std::size_t>(anisotropic ? Dim * Dim * models : 0));
-  position.resize(static_cast<std::size_t>(Dim * centers_each * models));
-  alpha.resize(static_cast<std::size_t>(components * centers_each * models));
-  polynomial.resize(static_cast<std::size_t>(components * polynomial_size() * models));
+  position.resize(Dim * centers_each * models);
+  alpha.resize(components * centers_each * models);
+  polynomial.resize(components * polynomial_size() * models);
 }
 
 template <int Dim>
@@ -62,7 +62,7 @@ LocalEvaluator<Dim>::LocalEvaluator(const LocalModels<Dim>& models) : models_(mo
   nested_.resize(nested_order_.size());
   const auto M = static_cast<std::size_t>(lanes * models.centers_each);
   q_.resize(Dim * lanes);
-  monomial_.resize(static_cast<std::size_t>(lanes * terms * basis.size()));
+  monomial_.resize(lanes * terms * basis.size());
   r2_.resize(M);
   phi_.resize(M);
   g_.resize(M);
@@ -75,8 +75,7 @@ void LocalEvaluator<Dim>::evaluate(Index i, Index component, const double* x, De
   const int wanted = derivatives == Derivatives::none ? 1 : derivatives == Derivatives::gradient ? 1 + Dim : terms;
   const double inverse = 1 / models_.radius[i];
   for (int a = 0; a < Dim; ++a)
-    for (int l = 0; l < lanes; ++l)
-      q_[static_cast<std::size_t>(lanes * a + l)] = (x[lanes * a + l] - models_.center(a, i)) * inverse;
+    for (int l = 0; l < lanes; ++l) q_[lanes * a + l] = (x[lanes * a + l] - models_.center(a, i)) * inverse;
   const double* metric = models_.anisotropic ? models_.metric.data() + Dim * Dim * i : nullptr;
   if (metric != nullptr) into_metric<Dim>(metric, q_.data());
   const double* q = q_.data();

@@ -1,7 +1,9 @@
 #include "csrbf/approx/unity/local_variance.hpp"
 
+#include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/linalg/batched_cholesky.hpp"
 
 #include <array>
 #include <cmath>
@@ -54,19 +56,18 @@ Errors<Dim> left_out_errors(const Cover<Dim>& cover, const Samples<Dim>& samples
     LocalModels<Dim> models = fitter.models();
     models.resize(lanes);
     typename Cover<Dim>::Search search;
-    std::vector<double> error(static_cast<std::size_t>(lanes * C * targets));
+    std::vector<double> error(lanes * C * targets);
     for (Index first = lanes * begin; first < std::min(count, lanes * end); first += lanes) {
       const Index used = std::min(lanes, count - first);
       fitter.fit(cells.data() + first, static_cast<int>(used), models, 0);
       fitter.left_out_errors(targets, error.data());
       for (Index l = 0; l < used; ++l) {
-        const Box<Dim>& cell = cover.cell(cells[static_cast<std::size_t>(first + l)]);
+        const Box<Dim>& cell = cover.cell(cells[first + l]);
         cover.nearest(cell.center(), targets, cell.diagonal(), search);
         for (Index t = 0; t < targets; ++t) {
           const Index k = (first + l) * targets + t;
-          errors.points.col(k) = cover.points().col(search.found[static_cast<std::size_t>(t)].second);
-          for (Index c = 0; c < C; ++c)
-            errors.squares(c, k) = std::pow(error[static_cast<std::size_t>((l * C + c) * targets + t)], 2);
+          errors.points.col(k) = cover.points().col(search.found[t].second);
+          for (Index c = 0; c < C; ++c) errors.squares(c, k) = std::pow(error[(l * C + c) * targets + t], 2);
         }
       }
     }

@@ -4,6 +4,7 @@
 #include "csrbf/approx/unity/fit_patches.hpp"
 #include "csrbf/approx/unity/lane_sums.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
+#include "csrbf/linalg/batched_cholesky.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
 
@@ -92,7 +93,7 @@ class Evaluation {
     std::uint32_t cell = 0;
     for (Index i = 0; i < x.cols(); ++i) {
       if (!cover.cell(cell).contains(x.col(i))) cell = static_cast<std::uint32_t>(cover.find(x.col(i)));
-      order_[static_cast<std::size_t>(i)] = {cell, static_cast<std::uint32_t>(i)};
+      order_[i] = {cell, static_cast<std::uint32_t>(i)};
     }
     radix_sort(order_, static_cast<std::uint32_t>(cover.size()));
     x_.resize(Dim * (n + lanes));

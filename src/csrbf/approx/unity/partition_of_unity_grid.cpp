@@ -1,7 +1,9 @@
 #include "csrbf/approx/unity/lane_sums.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
+#include "csrbf/core/grid_tiles.hpp"
 #include "csrbf/core/shared_work.hpp"
+#include "csrbf/linalg/batched_cholesky.hpp"
 
 #include <algorithm>
 #include <array>
@@ -139,9 +141,9 @@ class GridEvaluation {
         double powers[32];
         powers[0] = 1;
         for (int p = 1; p <= data_.models.degree; ++p) powers[p] = powers[p - 1] * q;
-        reduced.assign(static_cast<std::size_t>(reduction.size), 0.0);
+        reduced.assign(reduction.size, 0.0);
         for (std::size_t j = 0; j < reduction.target.size(); ++j)
-          reduced[static_cast<std::size_t>(reduction.target[j])] += c[j] * powers[reduction.power[j]];
+          reduced[reduction.target[j]] += c[j] * powers[reduction.power[j]];
         node_[A] = range.x[at];
         add_rows<A - 1>(reduced.data(), weight * range.weight[at], offset + k * range.stride);
       }
@@ -158,12 +160,10 @@ class GridEvaluation {
     }
     for (Index begin = 0; begin < padded; begin += lanes) {
       for (Index a = 0; a < Dim; ++a)
-        for (Index l = 0; l < lanes; ++l)
-          lane_x_[lanes * a + l] =
-              a == 0 ? range.x[static_cast<std::size_t>(begin + l)] : node_[static_cast<std::size_t>(a)];
+        for (Index l = 0; l < lanes; ++l) lane_x_[lanes * a + l] = a == 0 ? range.x[begin + l] : node_[a];
       evaluator_.evaluate(support_, component_, lane_x_, Derivatives::none, &f_);
       for (Index l = 0; l < lanes; ++l) {
-        const double w = weight * range.weight[static_cast<std::size_t>(begin + l)];
+        const double w = weight * range.weight[begin + l];
         W[begin + l] += w;
         S[begin + l] += w * f_[l];
       }

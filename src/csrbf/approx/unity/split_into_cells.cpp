@@ -62,7 +62,7 @@ template <int Dim>
 double near_median(const Located<Dim>* points, Index n, Index axis) {
   std::array<double, median_sample> sample;
   const Index count = std::min(n, median_sample);
-  for (Index i = 0; i < count; ++i) sample[static_cast<std::size_t>(i)] = points[i * n / count].x[axis];
+  for (Index i = 0; i < count; ++i) sample[i] = points[i * n / count].x[axis];
   return median(std::span(sample.data(), static_cast<std::size_t>(count)));
 }
 
@@ -129,7 +129,7 @@ std::vector<std::vector<Part<Dim>>> split_roughly(std::vector<Located<Dim>>& poi
   while (static_cast<Index>(levels.back().size()) < enough_parts) {
     std::vector<Part<Dim>>& parts = levels.back();
     parallel_for(static_cast<Index>(parts.size()), 1, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) cut(points, leaf_size, smallest, sorted, parts[static_cast<std::size_t>(i)]);
+      for (Index i = begin; i < end; ++i) cut(points, leaf_size, smallest, sorted, parts[i]);
     });
     std::vector<Part<Dim>> next;
     for (Part<Dim>& part : parts) {
@@ -204,7 +204,7 @@ std::vector<CellNodes> split_all(std::vector<Located<Dim>>& located, const Point
   const auto pack = [&](Index begin, Index end, ByteWriter& out) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       csrbf::pack(branches[i], out);
-      for (Index k = parts[i].begin; k < parts[i].end; ++k) out.put(located[static_cast<std::size_t>(k)].id);
+      for (Index k = parts[i].begin; k < parts[i].end; ++k) out.put(located[k].id);
     }
   };
   const auto unpack = [&](Index begin, Index end, ByteReader& in) {
@@ -212,7 +212,7 @@ std::vector<CellNodes> split_all(std::vector<Located<Dim>>& located, const Point
       csrbf::unpack(branches[i], in);
       for (Index k = parts[i].begin; k < parts[i].end; ++k) {
         const auto id = in.take<std::uint32_t>();
-        located[static_cast<std::size_t>(k)] = {points.col(id), id};
+        located[k] = {points.col(id), id};
       }
     }
   };
@@ -248,10 +248,9 @@ void link(CellNodes& nodes) {
 template <int Dim>
 CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, Index leaf_size,
                            std::vector<Located<Dim>>& located, const CellNodes& sorted) {
-  located.resize(static_cast<std::size_t>(points.cols()));
+  located.resize(points.cols());
   parallel_for(points.cols(), grain, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i)
-      located[static_cast<std::size_t>(i)] = {points.col(i), static_cast<std::uint32_t>(i)};
+    for (Index i = begin; i < end; ++i) located[i] = {points.col(i), static_cast<std::uint32_t>(i)};
   });
   const double coordinate = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
   const double smallest = std::max(smallest_cell * box.extent().maxCoeff(), 4 * smallest_side * coordinate);

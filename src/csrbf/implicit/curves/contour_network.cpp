@@ -24,15 +24,14 @@ bool advance(EdgeRoot& root, double value) {
 }
 
 void add_roots(const Lattice& lattice, Network& network) {
-  network.vertex_on.assign(static_cast<std::size_t>(2 * lattice.value.size()), none);
+  network.vertex_on.assign(2 * lattice.value.size(), none);
   for (Index j = 0; j <= lattice.cells(1); ++j)
     for (Index i = 0; i <= lattice.cells(0); ++i)
       for (int axis = 0; axis < 2; ++axis) {
         if ((axis == 0 ? i : j) == lattice.cells(static_cast<std::size_t>(axis))) continue;
         const Index from = lattice.corner(i, j), to = axis == 0 ? from + 1 : lattice.corner(i, j + 1);
         if (lattice.inside(from) == lattice.inside(to)) continue;
-        network.vertex_on[static_cast<std::size_t>(lattice.edge(from, axis))] =
-            static_cast<std::int32_t>(network.roots.size());
+        network.vertex_on[lattice.edge(from, axis)] = static_cast<std::int32_t>(network.roots.size());
         const Point<2> start = lattice.position(from);
         const double secant = lattice.value[from] / (lattice.value[from] - lattice.value[to]);
         network.roots.push_back({start, lattice.position(to) - start, lattice.inside(from), secant});
@@ -56,8 +55,7 @@ void add_segments_of_cell(const Lattice& lattice, Index i, Index j, Network& net
     exits += inside[k] ? 1 : 0;
   }
   const auto join = [&](std::size_t from, std::size_t to) {
-    network.next[static_cast<std::size_t>(network.vertex_on[static_cast<std::size_t>(edge[from])])] =
-        network.vertex_on[static_cast<std::size_t>(edge[to])];
+    network.next[network.vertex_on[static_cast<std::size_t>(edge[from])]] = network.vertex_on[edge[to]];
   };
   if (exits == 1) join(exit, entry);
   if (exits < 2) return;
@@ -91,10 +89,10 @@ void add_border(const Lattice& lattice, Network& network) {
   }
   network.next.resize(network.roots.size() + network.border_corners.size(), none);
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    const std::int32_t crossing = network.vertex_on[static_cast<std::size_t>(edges[k])];
+    const std::int32_t crossing = network.vertex_on[edges[k]];
     const std::int32_t to = vertex[(k + 1) % corners.size()];
-    if (vertex[k] != none) network.next[static_cast<std::size_t>(vertex[k])] = crossing != none ? crossing : to;
-    if (vertex[k] == none && to != none) network.next[static_cast<std::size_t>(crossing)] = to;
+    if (vertex[k] != none) network.next[vertex[k]] = crossing != none ? crossing : to;
+    if (vertex[k] == none && to != none) network.next[crossing] = to;
   }
 }
 
@@ -113,11 +111,11 @@ void solve_roots(const Field<2>& field, double level, std::vector<EdgeRoot>& roo
   for (EdgeRoot& root : roots) open.push_back(&root);
   for (int evaluation = 0; evaluation < most_evaluations && !open.empty(); ++evaluation) {
     Points<2> x(2, static_cast<Index>(open.size()));
-    for (Index i = 0; i < x.cols(); ++i) x.col(i) = open[static_cast<std::size_t>(i)]->position();
+    for (Index i = 0; i < x.cols(); ++i) x.col(i) = open[i]->position();
     const Jet<2> jet = field.evaluate(x, Derivatives::gradient);
     std::size_t kept = 0;
     for (Index i = 0; i < x.cols(); ++i) {
-      EdgeRoot& root = *open[static_cast<std::size_t>(i)];
+      EdgeRoot& root = *open[i];
       const double value = jet.value[i] - level;
       if (!std::isfinite(value)) refuse(value, x.col(i));
       root.gradient = jet.gradient.col(i);

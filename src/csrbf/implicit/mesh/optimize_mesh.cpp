@@ -25,17 +25,16 @@ class Optimizer {
       : field_(field), level_(level), mesh_(mesh), first_(static_cast<std::size_t>(mesh.vertices.cols()) + 1) {
     for (Index i = 0; i < mesh.triangles.size(); ++i) ++first_[static_cast<std::size_t>(mesh.triangles(i)) + 1];
     for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-    corner_.resize(static_cast<std::size_t>(mesh.triangles.size()));
+    corner_.resize(mesh.triangles.size());
     std::vector<Index> next(first_.begin(), first_.end() - 1);
-    for (Index i = 0; i < mesh.triangles.size(); ++i)
-      corner_[static_cast<std::size_t>(next[static_cast<std::size_t>(mesh.triangles(i))]++)] = i;
+    for (Index i = 0; i < mesh.triangles.size(); ++i) corner_[next[static_cast<std::size_t>(mesh.triangles(i))]++] = i;
     take_normals(field.evaluate(mesh.vertices, Derivatives::gradient));
     fix_sharp_vertices();
   }
 
   void relax() {
     for (Index v = 0; v < mesh_.vertices.cols(); ++v)
-      if (!fixed_[static_cast<std::size_t>(v)]) relax(v);
+      if (!fixed_[v]) relax(v);
   }
 
   // A Newton step of every vertex, and the normals there.
@@ -45,7 +44,7 @@ class Optimizer {
     for (Index v = 0; v < mesh_.vertices.cols(); ++v) {
       const Point<3> gradient = jet.gradient.col(v);
       const double slope = gradient.norm(), step = (level_ - jet.value[v]) / slope;
-      if (fixed_[static_cast<std::size_t>(v)] || !(std::abs(step) <= longest_step * reach(v))) continue;
+      if (fixed_[v] || !(std::abs(step) <= longest_step * reach(v))) continue;
       mesh_.vertices.col(v) += step * gradient / slope;
     }
     if (mesh_.normals.cols() > 0) mesh_.normals = normals_;
@@ -55,8 +54,8 @@ class Optimizer {
   // Calls visit(b, c) for the triangles (v, b, c) around a vertex.
   template <class Visit>
   void for_each_triangle(Index v, const Visit& visit) const {
-    for (Index i = first_[static_cast<std::size_t>(v)]; i < first_[static_cast<std::size_t>(v) + 1]; ++i) {
-      const Index corner = corner_[static_cast<std::size_t>(i)], t = corner / 3;
+    for (Index i = first_[v]; i < first_[static_cast<std::size_t>(v) + 1]; ++i) {
+      const Index corner = corner_[i], t = corner / 3;
       visit(mesh_.triangles((corner + 1) % 3, t), mesh_.triangles((corner + 2) % 3, t));
     }
   }
@@ -72,11 +71,11 @@ class Optimizer {
   }
 
   void fix_sharp_vertices() {
-    fixed_.assign(static_cast<std::size_t>(mesh_.vertices.cols()), 0);
+    fixed_.assign(mesh_.vertices.cols(), 0);
     for (Index v = 0; v < mesh_.vertices.cols(); ++v)
       for_each_triangle(v, [&](int b, int c) {
         const Point<3> area = area_vector(mesh_.vertices.col(v), mesh_.vertices.col(b), mesh_.vertices.col(c));
-        if (!(area.dot(normals_.col(v)) >= largest_tilt * area.norm())) fixed_[static_cast<std::size_t>(v)] = 1;
+        if (!(area.dot(normals_.col(v)) >= largest_tilt * area.norm())) fixed_[v] = 1;
       });
   }
 

@@ -12,7 +12,7 @@ constexpr Index grain = 4096;  // triangles or samples per task
 
 // Sums of twice the areas of the triangles up to and including each one.
 std::vector<double> cumulative_area(const Mesh& mesh) {
-  std::vector<double> area(static_cast<std::size_t>(mesh.triangles.cols()));
+  std::vector<double> area(mesh.triangles.cols());
   parallel_for(mesh.triangles.cols(), grain, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       const auto corner = [&](int k) { return mesh.vertices.col(mesh.triangles(k, t)); };

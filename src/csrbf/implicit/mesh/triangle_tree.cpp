@@ -90,7 +90,7 @@ TriangleTree::TriangleTree(const Mesh& mesh) : bounds_(surface_bounds(mesh)) {
   });
 
   const Index n = mesh.triangles.cols();
-  std::vector<TriangleBox> boxes(static_cast<std::size_t>(n));
+  std::vector<TriangleBox> boxes(n);
   parallel_for(n, grain, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t) {
       Box<3> box;
@@ -138,7 +138,7 @@ TriangleTree::Closest TriangleTree::closest(const Point<3>& x, double max_distan
       }
       continue;
     }
-    const TreeNode& node = nodes_[static_cast<std::size_t>(child)];
+    const TreeNode& node = nodes_[child];
     PerChild64 squared = PerChild64::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
       const PerChild64 pk = PerChild64::Constant(p[static_cast<Index>(k)]);
@@ -234,7 +234,7 @@ bool TriangleTree::traverse(LocalRay& ray) const {
         if (intersect(*leaf, ray) && AnyHit) return true;
       continue;
     }
-    const TreeNode& node = nodes_[static_cast<std::size_t>(child)];
+    const TreeNode& node = nodes_[child];
     PerChild t_in = PerChild::Constant(-static_cast<float>(box_padding)), t_out = PerChild::Constant(t_max);
     for (std::size_t k = 0; k < 3; ++k) {
       const PerChild& near_plane = ray.negative[k] ? node.hi[k] : node.lo[k];

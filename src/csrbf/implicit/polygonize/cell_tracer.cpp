@@ -36,8 +36,7 @@ Crossings crossings_of(const Brick& brick) {
   crossings.cells = brick.pending & mixed_cells(inside);
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side)
-      crossings.faces[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)] =
-          crossings.cells & mixed_faces(inside, axis, side);
+      crossings.faces[axis][side] = crossings.cells & mixed_faces(inside, axis, side);
   return crossings;
 }
 
@@ -148,7 +147,7 @@ void CellTracer::visit_cells() {
 
 void CellTracer::push_across_faces(Brick& brick, const Faces& faces) {
   for (int axis = 0; axis < 3; ++axis) {
-    const auto [down, up] = faces[static_cast<std::size_t>(axis)];
+    const auto [down, up] = faces[axis];
     queue(brick, moved_up(up, axis));
     if (const Mask carried = carried_up(up, axis)) queue(grid_.upper(brick, 1 << axis), carried);
     queue(brick, moved_down(down, axis));

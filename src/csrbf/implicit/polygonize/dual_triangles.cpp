@@ -62,15 +62,15 @@ bool is_folded(const Eigen::Vector3i& v, const Mesh& mesh) {
 
 // The loose vertices of folded triangles.
 std::vector<char> folded_vertices(const DualSurface& surface, const Mesh& crossings, const Mesh& mesh) {
-  std::vector<char> folded(static_cast<std::size_t>(surface.quads.cols()));
+  std::vector<char> folded(surface.quads.cols());
   parallel_for(surface.quads.cols(), quads_per_range, [&](Index begin, Index end) {
     for (Index e = begin; e < end; ++e)
       for (const Eigen::Vector3i& triangle : cut_quad(surface.quads, e, crossings, mesh))
-        if (is_folded(triangle, mesh)) folded[static_cast<std::size_t>(e)] = 1;
+        if (is_folded(triangle, mesh)) folded[e] = 1;
   });
-  std::vector<char> vertices(static_cast<std::size_t>(mesh.vertices.cols()));
+  std::vector<char> vertices(mesh.vertices.cols());
   for (Index e = 0; e < surface.quads.cols(); ++e)
-    for (int i = 0; i < 4 && folded[static_cast<std::size_t>(e)]; ++i) {
+    for (int i = 0; i < 4 && folded[e]; ++i) {
       const auto v = static_cast<std::size_t>(surface.quads(i, e));
       vertices[v] = surface.loose[v];
     }
@@ -120,7 +120,7 @@ void unfold_quads(const DualSurface& surface, const Mesh& crossings, Mesh& mesh)
     Eigen::VectorXd count = Eigen::VectorXd::Zero(mesh.vertices.cols());
     for (Index e = 0; e < surface.quads.cols(); ++e)
       for (const int v : surface.quads.col(e)) {
-        if (!folded[static_cast<std::size_t>(v)]) continue;
+        if (!folded[v]) continue;
         sum.col(v) += crossings.vertices.col(e);
         count[v] += 1;
       }

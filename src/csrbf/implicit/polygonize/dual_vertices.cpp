@@ -71,7 +71,7 @@ class DualBuilder {
   DualSurface build() {
     count_loops();
     surface_.loop_vertices = first_.back();
-    surface_.loose.resize(static_cast<std::size_t>(first_.back()));
+    surface_.loose.resize(first_.back());
     surface_.quads.resize(4, crossings_.vertices.cols());
     mesh_.vertices.resize(3, first_.back());
     mesh_.normals.resize(3, first_.back());
@@ -110,12 +110,12 @@ class DualBuilder {
         quadric.add(crossings_.vertices.col(e) - corner, crossings_.normals.col(e));
         normal += crossings_.normals.col(e);
         surface_.quads(quad_corner(edge, lower_end_is_inside(brick, cell, edge)), e) = static_cast<int>(vertex);
-        if (planes_ != nullptr) add_plane(e, (*planes_)[static_cast<std::size_t>(vertex)]);
+        if (planes_ != nullptr) add_plane(e, (*planes_)[vertex]);
       }
-      if (planes_ != nullptr) (*planes_)[static_cast<std::size_t>(vertex)].cell = brick.corner(cell);
+      if (planes_ != nullptr) (*planes_)[vertex].cell = brick.corner(cell);
       const Box<3> room = room_for_vertices(lattice_, corner, 1);
       const Point<3> p = quadric.minimizer({room.lo - corner, room.hi - corner});
-      surface_.loose[static_cast<std::size_t>(vertex)] = quadric.distance(p) > loose_fit * lattice_.spacing.minCoeff();
+      surface_.loose[vertex] = quadric.distance(p) > loose_fit * lattice_.spacing.minCoeff();
       mesh_.vertices.col(vertex) = corner + p;
       mesh_.normals.col(vertex) = normal.stableNormalized();
       ++vertex;
@@ -143,7 +143,7 @@ class DualBuilder {
     mesh_.vertices.conservativeResize(3, surface_.loop_vertices + n);
     mesh_.normals.conservativeResize(3, surface_.loop_vertices + n);
     mesh_.normals.rightCols(n).setZero();
-    for (Index i = 0; i < n; ++i) mesh_.vertices.col(surface_.loop_vertices + i) = points[static_cast<std::size_t>(i)];
+    for (Index i = 0; i < n; ++i) mesh_.vertices.col(surface_.loop_vertices + i) = points[i];
   }
 
   // If both cuts of the upper face along an axis lead to the same vertex, the second gets a vertex on the face.

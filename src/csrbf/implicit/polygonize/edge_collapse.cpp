@@ -108,7 +108,7 @@ std::vector<int> EdgeCollapser::finish() {
   }
   Index kept = 0;
   for (Index t = 0; t < mesh_.triangles.cols(); ++t) {
-    if (gone_[static_cast<std::size_t>(t)]) continue;
+    if (gone_[t]) continue;
     const Eigen::Vector3i triangle = mesh_.triangles.col(t);
     mesh_.triangles.col(kept++) << new_number[triangle[0]], new_number[triangle[1]], new_number[triangle[2]];
   }

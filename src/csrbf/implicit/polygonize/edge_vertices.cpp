@@ -100,7 +100,7 @@ class EdgeBlock {
   // The field at the current estimates of the open roots.
   void sample(bool gradient) {
     const auto n = static_cast<Index>(open_.size());
-    for (Index i = 0; i < n; ++i) points_.col(i) = position(*open_[static_cast<std::size_t>(i)]);
+    for (Index i = 0; i < n; ++i) points_.col(i) = position(*open_[i]);
     sampler_.sample_block(points_.leftCols(n), value_.data(), gradient ? gradient_.data() : nullptr);
   }
 
@@ -124,10 +124,9 @@ class EdgeBlock {
 
   void take_normals() {
     const auto n = static_cast<Index>(roots_.size());
-    for (Index i = 0; i < n; ++i) points_.col(i) = mesh_.vertices.col(roots_[static_cast<std::size_t>(i)].vertex);
+    for (Index i = 0; i < n; ++i) points_.col(i) = mesh_.vertices.col(roots_[i].vertex);
     sampler_.sample_block(points_.leftCols(n), value_.data(), gradient_.data());
-    for (Index i = 0; i < n; ++i)
-      mesh_.normals.col(roots_[static_cast<std::size_t>(i)].vertex) = outward_normal(gradient_.col(i));
+    for (Index i = 0; i < n; ++i) mesh_.normals.col(roots_[i].vertex) = outward_normal(gradient_.col(i));
   }
 
   // Vertices clamped to the margin of their edge move onto the surface along the gradient.
@@ -222,12 +221,11 @@ void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& 
     const auto compute = [&](Index begin, Index end) {
       EdgeBlock block(lattice, sampler, demand, mesh);
       for (Index i = first + begin; i < first + end; ++i)
-        place_vertices_of_brick(lattice, *bricks[static_cast<std::size_t>(i)], demand.normals, mesh, block);
+        place_vertices_of_brick(lattice, *bricks[i], demand.normals, mesh, block);
       block.flush();
     };
     const auto vertices = [&](Index begin, Index end) {
-      const Index lo = first_vertex(*bricks[static_cast<std::size_t>(first + begin)]),
-                  hi = last_vertex(*bricks[static_cast<std::size_t>(first + end - 1)]);
+      const Index lo = first_vertex(*bricks[first + begin]), hi = last_vertex(*bricks[first + end - 1]);
       return std::pair{lo, hi - lo};
     };
     const auto pack = [&](Index begin, Index end, ByteWriter& out) {

@@ -62,7 +62,7 @@ CandidateCells::CandidateCells(const Field<3>& field, int resolution, const Mesh
   const Eigen::Array3i needed = (bounds.extent() / side_).array().ceil().cast<int>() + 2 * margin;
   cells_ = (needed + block_side - 1) / block_side * block_side;
   const Corner blocks = cells_ / block_side;
-  block_.assign(static_cast<std::size_t>(blocks.cast<Index>().prod()), -1);
+  block_.assign(blocks.cast<Index>().prod(), -1);
   report(progress, "cells", 0);
   if (guaranteed_) {
     collect_enclosed(field, progress);
@@ -84,7 +84,7 @@ Box<3> CandidateCells::box_of(const Corner& corner, int cells) const {
 CandidateCells::Cell* CandidateCells::find(const Corner& cell) {
   if ((cell < 0).any() || (cell >= cells_).any()) return nullptr;
   const Corner blocks = cells_ / block_side, b = cell / block_side, c = cell - block_side * b;
-  std::int32_t& begin = block_[static_cast<std::size_t>(b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2]))];
+  std::int32_t& begin = block_[b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2])];
   if (begin < 0) {
     begin = static_cast<std::int32_t>(cell_.size() / block_cells);
     cell_.resize(cell_.size() + block_cells);
@@ -95,7 +95,7 @@ CandidateCells::Cell* CandidateCells::find(const Corner& cell) {
 
 const CandidateCells::Cell* CandidateCells::find(const Corner& cell, bool& block_is_empty) const {
   const Corner blocks = cells_ / block_side, b = cell / block_side, c = cell - block_side * b;
-  const std::int32_t begin = block_[static_cast<std::size_t>(b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2]))];
+  const std::int32_t begin = block_[b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2])];
   block_is_empty = begin < 0;
   if (begin < 0) return nullptr;
   const Cell& found = cell_[static_cast<std::size_t>(begin) * block_cells +
@@ -175,7 +175,7 @@ std::vector<CandidateCells::Corner> CandidateCells::candidates() const {
         for (int x = 0; x < size[0]; ++x) visit(Corner(x, y, z));
   };
   each(blocks, [&](const Corner& b) {
-    if (block_[static_cast<std::size_t>(b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2]))] < 0) return;
+    if (block_[b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2])] < 0) return;
     each(Corner::Constant(block_side), [&](const Corner& c) {
       bool block_is_empty = false;
       if (find(block_side * b + c, block_is_empty) != nullptr) found.push_back(block_side * b + c);
@@ -217,7 +217,7 @@ void CandidateCells::spread(const Field<3>& field, double typical_slope, const P
     std::vector<Corner> near;
     for (Index i = 0; i < first.value.size(); ++i) {
       const double slope = std::max(typical_slope, first.gradient.col(i).norm());
-      if (std::abs(first.value[i]) <= safety_factor * slope * reach) near.push_back(cells[static_cast<std::size_t>(i)]);
+      if (std::abs(first.value[i]) <= safety_factor * slope * reach) near.push_back(cells[i]);
     }
     const Jet<3> jet = field.evaluate(centers_of(near), Derivatives::hessian);
     front.clear();
@@ -225,8 +225,8 @@ void CandidateCells::spread(const Field<3>& field, double typical_slope, const P
       const double slope = jet.gradient.col(i).norm(), bend = jet.hessian_matrix(i).norm();
       if (std::abs(jet.value[i]) > safety_factor * (slope + 0.5 * bend * reach) * reach) continue;
       const double curved = estimate_factor * bend + least_bend * slope / side_;
-      mark(near[static_cast<std::size_t>(i)], slope + curved * reach, curved);
-      front.push_back(near[static_cast<std::size_t>(i)]);
+      mark(near[i], slope + curved * reach, curved);
+      front.push_back(near[i]);
     }
   }
 }

@@ -55,9 +55,9 @@ void RayCaster::cast(std::span<const Ray> rays, double t_max, std::span<RayHit> 
     }
     while (!open.empty()) {
       const auto n = static_cast<Index>(open.size());
-      for (Index k = 0; k < n; ++k) x.col(k) = searches[open[static_cast<std::size_t>(k)]].query();
+      for (Index k = 0; k < n; ++k) x.col(k) = searches[open[k]].query();
       field_.evaluate_block(x.leftCols(n), {value.data(), gradient.data(), nullptr});
-      for (Index k = 0; k < n; ++k) searches[open[static_cast<std::size_t>(k)]].answer(value[k], gradient.col(k));
+      for (Index k = 0; k < n; ++k) searches[open[k]].answer(value[k], gradient.col(k));
       std::erase_if(open, [&](std::size_t i) { return searches[i].done(); });
     }
     for (std::size_t i = 0; i < count; ++i) {

@@ -36,7 +36,7 @@ void RaySearch::next_interval() {
     return;
   }
   begin_ = end_;
-  end_ = ends_[static_cast<std::size_t>(--left_)];
+  end_ = ends_[--left_];
   t_ = 0.5 * (begin_ + end_);
   step_ = Step::isolate;
 }
@@ -106,7 +106,7 @@ void RaySearch::isolate(double value, double slope) {
     step_ = Step::probe;
     t_ = end_;
   } else {
-    ends_[static_cast<std::size_t>(left_++)] = end_;
+    ends_[left_++] = end_;
     end_ = t_;
     t_ = 0.5 * (begin_ + end_);
   }

@@ -25,7 +25,7 @@ FieldScene::FieldScene(const Field<3>& field, const RenderOptions& options)
       triangles_(mesh_, mesh_options(options)),
       caster_(field, options.field_resolution, mesh_, options.progress),
       clearance_(clearance_in_cells * field.bounds().extent().maxCoeff() / options.field_resolution) {
-  for (int k = 0; k < 3; ++k) material_[k] = linear_from_srgb(options.material[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < 3; ++k) material_[k] = linear_from_srgb(options.material[k]);
 }
 
 void FieldScene::trace(std::span<const Ray> rays, std::span<SurfaceHit> hits) const {

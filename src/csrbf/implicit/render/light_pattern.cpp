@@ -34,7 +34,7 @@ Point<2> disk_point(const Point<2>& square) {
 LightPattern::LightPattern(int rays_per_sample) : rays_per_sample_(rays_per_sample) {
   const Point<2> shift(1.0 / 256, 1.0 / 256);  // off the corner where the sequence starts
   const int count = classes * rays_per_sample;
-  sky_.reserve(static_cast<std::size_t>(count));
+  sky_.reserve(count);
   for (int i = 0; i < count; ++i) {
     const Point<2> p = disk_point(sobol_point(static_cast<std::uint32_t>(i)) + shift);
     const double z = std::sqrt(std::max(0.0, 1 - p.squaredNorm()));

@@ -36,10 +36,10 @@ class LightPattern {
 
   [[nodiscard]] const SkyRay& sky(int light_class, int ray) const {
     const int i = light_class * rays_per_sample_ + ray;
-    return sky_[static_cast<std::size_t>(i)];
+    return sky_[i];
   }
   /// Point of the unit disk.
-  [[nodiscard]] const Point<2>& lamp(int light_class) const { return lamp_[static_cast<std::size_t>(light_class)]; }
+  [[nodiscard]] const Point<2>& lamp(int light_class) const { return lamp_[light_class]; }
 
  private:
   int rays_per_sample_;

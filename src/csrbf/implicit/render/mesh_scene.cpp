@@ -48,7 +48,7 @@ MeshScene::MeshScene(const Mesh& mesh, const RenderOptions& options)
   } else {
     rgb_[0] = nullptr;
   }
-  for (int k = 0; k < 3; ++k) material_[k] = linear_from_srgb(options.material[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < 3; ++k) material_[k] = linear_from_srgb(options.material[k]);
 
   if (inside_out()) orientation_ = -1;
   if (shading_ == MeshShading::smooth && mesh.normals.cols() == 0) collect_fans();
@@ -65,7 +65,7 @@ bool MeshScene::inside_out() const {
   constexpr Index grain = 8192;
   const Index n = mesh_.triangles.cols();
   const Point<3> center = tree_.bounds().center();
-  std::vector<double> volumes(static_cast<std::size_t>((n + grain - 1) / grain), 0.0);
+  std::vector<double> volumes((n + grain - 1) / grain, 0.0);
   parallel_for(n, grain, [&](Index begin, Index end) {
     for (Index t = begin; t < end; ++t)
       volumes[begin / grain] += area_of(t).dot(mesh_.vertices.col(mesh_.triangles(0, t)) - center);
@@ -80,13 +80,13 @@ void MeshScene::collect_fans() {
   fan_begin_.assign(static_cast<std::size_t>(mesh_.vertices.cols()) + 2, 0);
   for (Index i = 0; i < mesh_.triangles.size(); ++i) ++fan_begin_[mesh_.triangles.data()[i] + 2];
   for (std::size_t v = 2; v < fan_begin_.size(); ++v) fan_begin_[v] += fan_begin_[v - 1];
-  fan_.resize(static_cast<std::size_t>(mesh_.triangles.size()));
+  fan_.resize(mesh_.triangles.size());
   for (Index i = 0; i < mesh_.triangles.size(); ++i)
     fan_[fan_begin_[mesh_.triangles.data()[i] + 1]++] = static_cast<std::int32_t>(i / 3);
 }
 
 void MeshScene::keep_used_vertices() {
-  std::vector<bool> used(static_cast<std::size_t>(mesh_.vertices.cols()), false);
+  std::vector<bool> used(mesh_.vertices.cols(), false);
   for (Index i = 0; i < mesh_.triangles.size(); ++i) used[mesh_.triangles.data()[i]] = true;
   outline_.resize(3, std::count(used.begin(), used.end(), true));
   for (Index v = 0, kept = 0; v < mesh_.vertices.cols(); ++v)
@@ -150,7 +150,7 @@ SurfaceHit MeshScene::shade(const Ray& ray, const TriangleTree::Hit& hit) const 
     surface.color.setZero();
     for (int c = 0; c < 3; ++c) {
       for (int k = 0; k < 3; ++k) {
-        const double value = rgb_scale_ * rgb_[static_cast<std::size_t>(c)]->values[vertex(k)];
+        const double value = rgb_scale_ * rgb_[c]->values[vertex(k)];
         const double encoded = std::min(1.0, std::max(0.0, value));  // NaN becomes 0
         surface.color[c] += static_cast<float>(hit.weights[k]) * linear_from_srgb(static_cast<float>(encoded));
       }

@@ -224,10 +224,10 @@ class TableParser {
       if (cell.empty()) reader_.fail("cell " + std::to_string(column + 1) + " is empty");
       reader_.fail(in_quotes(cell) + " is not a number");
     }
-    holds_text_.resize(static_cast<std::size_t>(columns_));
-    if (!is_missing(cell) && !holds_text_[static_cast<std::size_t>(column)]) {
+    holds_text_.resize(columns_);
+    if (!is_missing(cell) && !holds_text_[column]) {
       refuse_decimal_commas();
-      holds_text_[static_cast<std::size_t>(column)] = true;
+      holds_text_[column] = true;
       table_.text_cells.push_back({column, reader_.number(), std::string(cell)});
     }
     return std::numeric_limits<double>::quiet_NaN();

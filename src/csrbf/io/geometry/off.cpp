@@ -99,7 +99,7 @@ class OffParser {
 
   void read_faces() {
     std::vector<std::int32_t> corners;
-    corners.reserve(static_cast<std::size_t>(3 * faces_));
+    corners.reserve(3 * faces_);
     for (Index face = 0; face < faces_; ++face) {
       next_line("faces", face, faces_);
       std::string_view rest = reader_.line();

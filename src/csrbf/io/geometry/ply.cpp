@@ -121,7 +121,7 @@ void read_polygon(Body& body, const PlyProperty& property, Index vertices, std::
 
 template <class Body>
 void read_faces(Body& body, const PlyElement& element, Index vertices, std::vector<std::int32_t>& corners) {
-  corners.reserve(static_cast<std::size_t>(3 * element.count));
+  corners.reserve(3 * element.count);
   InterruptionPoint pause(pause_after);
   for (Index i = 0; i < element.count; ++i) {
     pause();
@@ -138,7 +138,7 @@ void read_faces(Body& body, const PlyElement& element, Index vertices, std::vect
 
 template <class Body>
 void read_edges(Body& body, const PlyElement& element, Index vertices, std::vector<std::int32_t>& ends) {
-  ends.assign(static_cast<std::size_t>(2 * element.count), 0);
+  ends.assign(2 * element.count, 0);
   for (Index i = 0; i < element.count; ++i) {
     body.begin(element, i);
     for (const PlyProperty& p : element.properties) {
@@ -147,7 +147,7 @@ void read_edges(Body& body, const PlyElement& element, Index vertices, std::vect
         skip_property(body, p);
         continue;
       }
-      ends[static_cast<std::size_t>(2 * i + (first ? 0 : 1))] = checked_index(body, body.scalar(p.type), vertices);
+      ends[2 * i + (first ? 0 : 1)] = checked_index(body, body.scalar(p.type), vertices);
     }
     body.end();
   }

@@ -83,9 +83,9 @@ class Columns {
   Points<3> take(const std::array<std::string_view, 3>& names) {
     Points<3> rows(3, table_.values.cols());
     for (int i = 0; i < 3; ++i) {
-      const Index column = index_of(names[static_cast<std::size_t>(i)]);
+      const Index column = index_of(names[i]);
       rows.row(i) = table_.values.row(column);
-      used_[static_cast<std::size_t>(column)] = true;
+      used_[column] = true;
     }
     return rows;
   }

@@ -174,7 +174,7 @@ FileParts format_metaimage(const VolumeLayout& layout, std::string samples, cons
   };
   for (int i = 0; i < axes; ++i) {
     const bool time = i == 3;
-    size += " " + std::to_string(time ? layout.frames : grid.size[static_cast<std::size_t>(i)]);
+    size += " " + std::to_string(time ? layout.frames : grid.size[i]);
     add(spacing, time ? layout.time_step : grid.spacing(i));
     add(origin, time ? 0 : grid.origin(i));
     for (int j = 0; j < axes; ++j)

@@ -72,8 +72,7 @@ RawVolume parse_npy_volume(std::string bytes, const std::string& name) {
 FileParts format_npy_volume(const VolumeLayout& layout, std::string samples) {
   std::vector<Index> shape;
   if (layout.frames > 1) shape.push_back(layout.frames);
-  for (int axis = layout.grid.axes - 1; axis >= 0; --axis)
-    shape.push_back(layout.grid.size[static_cast<std::size_t>(axis)]);
+  for (int axis = layout.grid.axes - 1; axis >= 0; --axis) shape.push_back(layout.grid.size[axis]);
   if (layout.components > 1) shape.push_back(layout.components);
   const auto* code =
       std::find_if(type_codes.begin(), type_codes.end(), [&](const TypeCode& t) { return t.type == layout.type; });

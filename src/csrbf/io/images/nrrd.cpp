@@ -83,8 +83,7 @@ FileParts format_nrrd(const VolumeLayout& layout, const std::string& samples) {
   if (layout.components > 1)
     add_axis(layout.components, "none", layout.components == 3 ? "3-vector" : "vector", unknown);
   for (int axis = 0; axis < grid.axes; ++axis)
-    add_axis(grid.size[static_cast<std::size_t>(axis)], vector(grid.direction.col(axis) * grid.spacing(axis)), "domain",
-             unknown);
+    add_axis(grid.size[axis], vector(grid.direction.col(axis) * grid.spacing(axis)), "domain", unknown);
   if (layout.frames > 1) add_axis(layout.frames, "none", "time", layout.time_step);
   const int axes = grid.axes + (layout.components > 1 ? 1 : 0) + (layout.frames > 1 ? 1 : 0);
   std::string head =

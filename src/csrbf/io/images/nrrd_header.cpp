@@ -143,7 +143,7 @@ class HeaderParser {
   // Fields with one item per axis; unknown ones are ignored.
   void read_axes(const std::string& key, std::string_view value) {
     if (key == "dimension") {
-      header_.axes.resize(static_cast<std::size_t>(integer(value, 1, most_axes)));
+      header_.axes.resize(integer(value, 1, most_axes));
       return;
     }
     if (key != "sizes" && key != "spacings" && key != "kinds" && key != "space directions") return;

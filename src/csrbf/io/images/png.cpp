@@ -163,7 +163,7 @@ FileParts format_png(const VolumeLayout& layout, std::string_view samples, const
   auto rows = row_pointers(first, samples.size() / height, height);
   const int bits = layout.type == SampleType::uint16 ? wide : 8;
   if (!write_rows(file, static_cast<png_uint_32>(layout.grid.size[0]), static_cast<png_uint_32>(height), bits,
-                  color_types[static_cast<std::size_t>(layout.components - 1)], rows.data()))
+                  color_types[layout.components - 1], rows.data()))
     throw IoError(name + ": cannot encode the picture: " + session.message.data());
   return parts;
 }

@@ -22,9 +22,8 @@ void decode_as(const RawVolume& raw, Volume<Scalar>& volume) {
     for (Index i = begin; i < end; ++i) {
       const Index source = raw.planar ? (i % components) * voxels + i / components : i;
       const T sample = load_scalar<T>(bytes + static_cast<std::size_t>(source) * sizeof(T), raw.order);
-      volume.values[static_cast<std::size_t>(i)] =
-          scaled ? static_cast<Scalar>(raw.slope * static_cast<double>(sample) + raw.intercept)
-                 : static_cast<Scalar>(sample);
+      volume.values[i] = scaled ? static_cast<Scalar>(raw.slope * static_cast<double>(sample) + raw.intercept)
+                                : static_cast<Scalar>(sample);
     }
   });
 }

@@ -80,7 +80,7 @@ class PageReader {
     if (width == 0 || height == 0 || size <= 0 || static_cast<std::size_t>(size) < stride * height ||
         static_cast<std::size_t>(size) > limit_)
       throw IoError(name_ + ": the blocks of the TIFF page have no valid size");
-    std::vector<char> buffer(static_cast<std::size_t>(size));
+    std::vector<char> buffer(size);
     for (std::uint16_t plane = 0; plane < planes_; ++plane)
       for (std::uint64_t y = 0; y < page_.height; y += height)
         for (std::uint64_t x = 0; x < page_.width; x += width) {

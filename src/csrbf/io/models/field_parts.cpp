@@ -105,7 +105,7 @@ Archive to_archive(const RadialBasis<Dim>& basis) {
   archive.set("supports", basis.supports());
   const auto& transforms = basis.metric().transforms;
   Eigen::MatrixXd columns(Dim * Dim, static_cast<Index>(transforms.size()));
-  for (Index j = 0; j < columns.cols(); ++j) columns.col(j) = transforms[static_cast<std::size_t>(j)].reshaped();
+  for (Index j = 0; j < columns.cols(); ++j) columns.col(j) = transforms[j].reshaped();
   archive.set("transforms", columns);
   archive.set("periods", basis.metric().periods);
   return archive;

@@ -2,6 +2,8 @@
 
 #include "csrbf/io/models/field_parts.hpp"
 
+#include <Eigen/LU>
+
 namespace csrbf {
 
 template <int Dim>

@@ -53,7 +53,7 @@ Grid read_grid(const VtkReader& reader, const std::string& name) {
     const double lo = (*extent)[2 * a], hi = (*extent)[2 * a + 1];
     if (lo != std::floor(lo) || hi != std::floor(hi) || !(hi >= lo && std::abs(lo) <= most && hi <= most))
       reader.fail("axis " + std::to_string(a + 1) + " of the image has no points");
-    grid.size[static_cast<std::size_t>(a)] = static_cast<Index>(hi - lo) + 1;
+    grid.size[a] = static_cast<Index>(hi - lo) + 1;
     first[a] = lo;
   }
   grid.origin = origin + linear * first;
@@ -64,7 +64,7 @@ Grid read_grid(const VtkReader& reader, const std::string& name) {
 // Cells lie between points.
 void turn_into_cells(Grid& grid) {
   for (Index a = 0; a < 3; ++a) {
-    Index& size = grid.size[static_cast<std::size_t>(a)];
+    Index& size = grid.size[a];
     if (size > 1) grid.origin += grid.spacing[a] / 2 * grid.direction.col(a);
     size = std::max<Index>(1, size - 1);
   }

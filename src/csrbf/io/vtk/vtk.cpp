@@ -58,7 +58,7 @@ class ByteSource {
       text_.remove_prefix(1);
       if (digit < 0 && c != '=') continue;
       padding += c == '=' ? 1 : 0;
-      digits[static_cast<std::size_t>(found++)] = std::max(digit, 0);
+      digits[found++] = std::max(digit, 0);
     }
     if (found < 4) return false;
     const int bits = digits[0] << 18 | digits[1] << 12 | digits[2] << 6 | digits[3];

@@ -52,8 +52,7 @@ Box<Dim> image_box(const Grid& grid) {
   Box<Dim> box;
   for (int corner = 0; corner < (1 << Dim); ++corner) {
     Point<Dim> p;
-    for (int a = 0; a < Dim; ++a)
-      p[a] = (corner >> a) % 2 == 0 ? -0.5 : static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5;
+    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a) % 2 == 0 ? -0.5 : static_cast<double>(grid.size[a]) - 0.5;
     box.add(Point<Dim>(map * p));
   }
   return box;
@@ -94,7 +93,7 @@ class Collocation {
     mu_ = system_->solve(clipped ? Eigen::VectorXd(start.cwiseMax(-bound_).cwiseMin(bound_)) : start);
     limit();
     watch.lap(result_.solve_seconds);
-    result_.labels.assign(static_cast<std::size_t>(labels_size_), 0);
+    result_.labels.assign(labels_size_, 0);
     sampler_->labels(*system_, mu_, result_.labels.data());
     watch.lap(result_.evaluate_seconds);
     std::vector<float> force(result_.labels.size());

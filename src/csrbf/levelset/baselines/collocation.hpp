@@ -3,7 +3,7 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/levelset/baselines/nodes.hpp"
-#include "csrbf/levelset/regions/force_update.hpp"
+#include "csrbf/levelset/segment_options.hpp"
 
 #include <limits>
 #include <memory>
@@ -11,9 +11,6 @@
 #include <vector>
 
 namespace csrbf {
-
-template <int Dim>
-class Expansion;
 
 /// How the velocity at a node comes from the forces on the voxels.
 enum class VelocitySampling {
@@ -55,7 +52,7 @@ struct CollocationOptions {
 
 template <int Dim>
 struct CollocationResult {
-  std::shared_ptr<const Expansion<Dim>> field;
+  std::shared_ptr<const Field<Dim>> field;
   std::vector<unsigned char> labels;  ///< 1 where f > 0, of every voxel
   int iterations = 0;
   bool converged = false;

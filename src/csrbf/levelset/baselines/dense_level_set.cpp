@@ -81,7 +81,7 @@ template <int Dim>
 void DenseLevelSet<Dim>::widen_band(int voxels) {
   if (static_cast<Index>(active_.size()) == grid_.voxels()) return;
   std::vector<std::uint8_t> inside(values_.size(), 0);
-  for (const Index i : active_) inside[static_cast<std::size_t>(i)] = 1;
+  for (const Index i : active_) inside[i] = 1;
   std::size_t first = 0;
   for (int k = 0; k < voxels; ++k) {
     const std::size_t last = active_.size();
@@ -93,7 +93,7 @@ void DenseLevelSet<Dim>::widen_band(int voxels) {
         for (const Index side : {-1, 1}) {
           if (at + side < 0 || at + side >= grid_.size[a]) continue;
           const Index next = voxel + side * stride;
-          if (std::exchange(inside[static_cast<std::size_t>(next)], std::uint8_t{1}) == 0) active_.push_back(next);
+          if (std::exchange(inside[next], std::uint8_t{1}) == 0) active_.push_back(next);
         }
         rest /= grid_.size[a];
         stride *= grid_.size[a];
@@ -105,7 +105,7 @@ void DenseLevelSet<Dim>::widen_band(int voxels) {
 
 template <int Dim>
 typename DenseLevelSet<Dim>::Stencil DenseLevelSet<Dim>::stencil(const std::vector<float>& f, Index voxel) const {
-  const auto value = [&f](Index i) { return static_cast<double>(f[static_cast<std::size_t>(i)]); };
+  const auto value = [&f](Index i) { return static_cast<double>(f[i]); };
   Stencil s;
   s.f = value(voxel);
   Index rest = voxel, stride = 1;
@@ -164,7 +164,7 @@ std::vector<float> DenseLevelSet<Dim>::rate(const DenseMotion& motion) const {
   std::vector<float> rate(active_.size());
   parallel_for(static_cast<Index>(active_.size()), grain, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
-      const Index i = active_[static_cast<std::size_t>(k)];
+      const Index i = active_[k];
       const auto voxel = static_cast<std::size_t>(i);
       const Stencil s = stencil(values_, i);
       double sum = 0;
@@ -172,7 +172,7 @@ std::vector<float> DenseLevelSet<Dim>::rate(const DenseMotion& motion) const {
         sum += static_cast<double>(motion.speed[voxel]) * s.upwind_norm(motion.speed[voxel] > 0);
       if (motion.curvature > 0) sum += motion.curvature * s.bending();
       if (motion.penalty > 0) sum += motion.penalty * penalty_rate(s);
-      rate[static_cast<std::size_t>(k)] = static_cast<float>(sum);
+      rate[k] = static_cast<float>(sum);
     }
   });
   return rate;
@@ -183,7 +183,7 @@ void DenseLevelSet<Dim>::step(const DenseMotion& motion, double tau) {
   const std::vector<float> change = rate(motion);
   const auto limit = static_cast<float>(band_);
   for (std::size_t k = 0; k < active_.size(); ++k) {
-    float& f = values_[static_cast<std::size_t>(active_[k])];
+    float& f = values_[active_[k]];
     f = std::clamp(f + static_cast<float>(tau) * change[k], -limit, limit);
   }
 }
@@ -194,7 +194,7 @@ std::vector<float> DenseLevelSet<Dim>::anchors() const {
   std::vector<float> anchors(active_.size());
   parallel_for(static_cast<Index>(active_.size()), grain, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
-      const Stencil s = stencil(values_, active_[static_cast<std::size_t>(k)]);
+      const Stencil s = stencil(values_, active_[k]);
       double norm2 = 0;
       bool next_to = false;
       for (std::size_t a = 0; a < Dim; ++a) {
@@ -207,7 +207,7 @@ std::vector<float> DenseLevelSet<Dim>::anchors() const {
         if (crosses_above) slope = std::max(slope, std::abs(s.forward[a]));
         norm2 += square(slope);
       }
-      anchors[static_cast<std::size_t>(k)] =
+      anchors[k] =
           next_to ? static_cast<float>(s.f / std::sqrt(norm2 + square(tiny))) : std::numeric_limits<float>::quiet_NaN();
     }
   });
@@ -232,7 +232,7 @@ void DenseLevelSet<Dim>::reinitialize(int steps, int moved) {
         next[k] = std::clamp(static_cast<float>(sign * std::max(sign * after, 0.0)), -limit, limit);
       }
     });
-    for (std::size_t k = 0; k < active_.size(); ++k) values_[static_cast<std::size_t>(active_[k])] = next[k];
+    for (std::size_t k = 0; k < active_.size(); ++k) values_[active_[k]] = next[k];
   }
   if (std::isfinite(band_)) {
     find_band();

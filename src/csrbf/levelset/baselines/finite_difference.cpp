@@ -66,8 +66,7 @@ std::shared_ptr<const LatticeField<Dim>> interpolate_values(const Grid& grid, co
   }
   std::copy_n(grid.size.begin(), Dim, data.size.begin());
   Eigen::VectorXd clipped(grid.voxels());
-  for (Index i = 0; i < clipped.size(); ++i)
-    clipped[i] = std::clamp(static_cast<double>(values[static_cast<std::size_t>(i)]), -clip, clip);
+  for (Index i = 0; i < clipped.size(); ++i) clipped[i] = std::clamp(static_cast<double>(values[i]), -clip, clip);
   ToeplitzOptions options;
   options.tolerance = accuracy;
   const Eigen::VectorXd c = ToeplitzSystem<Dim>(data.size, taps, options).solve(clipped);
@@ -78,8 +77,7 @@ std::shared_ptr<const LatticeField<Dim>> interpolate_values(const Grid& grid, co
   const auto map = grid.to_physical<Dim>();
   for (int corner = 0; corner < (1 << Dim); ++corner) {
     Point<Dim> p;
-    for (int a = 0; a < Dim; ++a)
-      p[a] = (corner >> a) % 2 == 0 ? -0.5 : static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5;
+    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a) % 2 == 0 ? -0.5 : static_cast<double>(grid.size[a]) - 0.5;
     data.bounds.add(Point<Dim>(map * p));
   }
   return std::make_shared<const LatticeField<Dim>>(std::move(data));

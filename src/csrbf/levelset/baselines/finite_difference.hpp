@@ -1,16 +1,14 @@
 #pragma once
 
+#include "csrbf/core/field.hpp"
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/progress.hpp"
-#include "csrbf/levelset/regions/force_update.hpp"
+#include "csrbf/levelset/segment_options.hpp"
 
 #include <memory>
 #include <vector>
 
 namespace csrbf {
-
-template <int Dim>
-class LatticeField;
 
 struct FiniteDifferenceOptions {
   /// Weight of the length (area) of the contour relative to the largest force, in edges of the shortest voxel side.
@@ -27,7 +25,7 @@ struct FiniteDifferenceOptions {
 template <int Dim>
 struct FiniteDifferenceResult {
   /// Interpolates the final values at the voxels, clipped at 3 edges, by a Wendland function each.
-  std::shared_ptr<const LatticeField<Dim>> field;
+  std::shared_ptr<const Field<Dim>> field;
   std::vector<float> values;          ///< at the voxels: about the signed distance, in the unit of the spacing
   std::vector<unsigned char> labels;  ///< 1 where they are positive
   int iterations = 0;

@@ -10,9 +10,6 @@
 
 namespace csrbf {
 
-template <int Dim>
-class Expansion;
-
 /// A level set in motion, at its nodes: what velocities may depend on.
 template <int Dim>
 struct FlowState {
@@ -60,7 +57,7 @@ struct FlowOptions {
 
 template <int Dim>
 struct FlowResult {
-  std::shared_ptr<const Expansion<Dim>> field;
+  std::shared_ptr<const Field<Dim>> field;
   Eigen::VectorXd values;  ///< at the nodes
   Index steps = 0;
   double largest_step = 0;  ///< in time

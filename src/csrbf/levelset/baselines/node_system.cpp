@@ -71,17 +71,16 @@ template <int Dim>
 Eigen::SparseMatrix<double> sparse_matrix(const Points<Dim>& points, double support, const Weight& weight) {
   const Index n = points.cols();
   const KdTree<Dim> tree(points);
-  std::vector<std::vector<Index>> columns(static_cast<std::size_t>(n));
+  std::vector<std::vector<Index>> columns(n);
   parallel_for(n, 256, [&](Index begin, Index end) {
-    for (Index j = begin; j < end; ++j) tree.within(points.col(j), support, columns[static_cast<std::size_t>(j)]);
+    for (Index j = begin; j < end; ++j) tree.within(points.col(j), support, columns[j]);
   });
   Eigen::SparseMatrix<double> H(n, n);
   Eigen::VectorXi sizes(n);
-  for (Index j = 0; j < n; ++j) sizes[j] = static_cast<int>(columns[static_cast<std::size_t>(j)].size());
+  for (Index j = 0; j < n; ++j) sizes[j] = static_cast<int>(columns[j].size());
   H.reserve(sizes);
   for (Index j = 0; j < n; ++j)
-    for (const Index i : columns[static_cast<std::size_t>(j)])
-      H.insert(i, j) = weight((points.col(i) - points.col(j)).norm() / support);
+    for (const Index i : columns[j]) H.insert(i, j) = weight((points.col(i) - points.col(j)).norm() / support);
   H.makeCompressed();
   return H;
 }
@@ -137,8 +136,7 @@ NodeSystem<Dim>::NodeSystem(const Nodes<Dim>& nodes, const Kernel& kernel, doubl
     require(product == n, here, "number of nodes", n, "must be the product of their numbers along the axes");
   }
   const std::vector<Index> first = first_coincident<Dim>(nodes.points);
-  for (Index i = 0; i < n; ++i)
-    require(first[static_cast<std::size_t>(i)] == i, here, "node", i, "must not be at the place of another one");
+  for (Index i = 0; i < n; ++i) require(first[i] == i, here, "node", i, "must not be at the place of another one");
   impl_->basis = std::make_shared<const RadialBasis<Dim>>(kernel, nodes.points, Eigen::VectorXd::Constant(1, support));
   impl_->polynomials = polynomial_block<Dim>(nodes.points, kernel.order() - 1, RankDeficiency::keep);
   const double bias = bias_of<Dim>(nodes, support, kernel);

@@ -70,9 +70,9 @@ double fill_distance(const Nodes<Dim>& nodes, const PointsRef<Dim>& domain) {
   }
   constexpr Index grain = 4096;  // searches per task
   const KdTree<Dim> tree(nodes.points);
-  std::vector<double> largest(static_cast<std::size_t>((domain.cols() + grain - 1) / grain), 0.0);
+  std::vector<double> largest((domain.cols() + grain - 1) / grain, 0.0);
   parallel_for(domain.cols(), grain, [&](Index begin, Index end) {
-    double& worst = largest[static_cast<std::size_t>(begin / grain)];
+    double& worst = largest[begin / grain];
     for (Index i = begin; i < end; ++i) {
       Index nearest = 0;
       double squared = 0;

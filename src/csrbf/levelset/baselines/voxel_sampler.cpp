@@ -85,7 +85,7 @@ Index VoxelSampler<Dim>::labels(const NodeSystem<Dim>& system, const Eigen::Vect
   const bool sparse = matrix_.rows() > 0;
   const Index n = sparse ? matrix_.rows() : voxels_.cols();
   const Eigen::VectorXd value = sparse ? Eigen::VectorXd(n) : system.expansion(mu)->evaluate(voxels_).value;
-  std::vector<Index> changed(static_cast<std::size_t>((n + grain - 1) / grain), 0);
+  std::vector<Index> changed((n + grain - 1) / grain, 0);
   parallel_for(n, grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       double f = 0;
@@ -94,7 +94,7 @@ Index VoxelSampler<Dim>::labels(const NodeSystem<Dim>& system, const Eigen::Vect
       else
         f = value[i];
       const unsigned char now = f > 0 ? 1 : 0;
-      changed[static_cast<std::size_t>(begin / grain)] += now != labels[i] ? 1 : 0;
+      changed[begin / grain] += now != labels[i] ? 1 : 0;
       labels[i] = now;
     }
   });
@@ -108,10 +108,10 @@ Eigen::SparseMatrix<float, Eigen::RowMajor> velocity_weights(const Grid& grid, c
   const auto to_voxel = grid.to_voxel<Dim>();
   const Eigen::Matrix<double, Dim, Dim> linear = grid.to_physical<Dim>().linear();
   const Point<Dim> reach = radius * to_voxel.linear().rowwise().norm();
-  std::vector<std::vector<std::pair<Index, double>>> rows(static_cast<std::size_t>(points.cols()));
+  std::vector<std::vector<std::pair<Index, double>>> rows(points.cols());
   parallel_for(points.cols(), 1024, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
-      auto& row = rows[static_cast<std::size_t>(i)];
+      auto& row = rows[i];
       const Point<Dim> at = to_voxel * Point<Dim>(points.col(i));
       double sum = 0;
       for_each_voxel<Dim>(grid, at, reach, [&](Index voxel, const Point<Dim>& offset) {
@@ -134,13 +134,13 @@ Eigen::SparseMatrix<float, Eigen::RowMajor> velocity_weights(const Grid& grid, c
 template <int Dim>
 Eigen::SparseMatrix<double, Eigen::RowMajor> linear_weights(const Grid& grid, const Points<Dim>& points) {
   const auto to_voxel = grid.to_voxel<Dim>();
-  std::vector<std::vector<std::pair<Index, double>>> rows(static_cast<std::size_t>(points.cols()));
+  std::vector<std::vector<std::pair<Index, double>>> rows(points.cols());
   parallel_for(points.cols(), 1024, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i)
       for_each_voxel<Dim>(grid, clamped<Dim>(grid, to_voxel * Point<Dim>(points.col(i))), Point<Dim>::Ones(),
                           [&](Index voxel, const Point<Dim>& offset) {
                             const double weight = (1 - offset.array().abs()).prod();
-                            if (weight > 0) rows[static_cast<std::size_t>(i)].emplace_back(voxel, weight);
+                            if (weight > 0) rows[i].emplace_back(voxel, weight);
                           });
   });
   return from_rows<double>(rows, grid.voxels());

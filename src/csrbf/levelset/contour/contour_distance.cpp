@@ -21,10 +21,10 @@ std::vector<float> contour_distance(const Grid& grid, const std::vector<std::uin
   Points<Dim> points(Dim, static_cast<Index>(close.size()));
   const auto to_physical = grid.to_physical<Dim>();
   for (Index k = 0; k < points.cols(); ++k) {
-    Index rest = close[static_cast<std::size_t>(k)];
+    Index rest = close[k];
     Point<Dim> voxel;
     for (Index a = 0; a < Dim; ++a) {
-      const Index size = grid.size[static_cast<std::size_t>(a)];
+      const Index size = grid.size[a];
       voxel[a] = static_cast<double>(rest % size);
       rest /= size;
     }
@@ -35,7 +35,7 @@ std::vector<float> contour_distance(const Grid& grid, const std::vector<std::uin
   for (Index k = 0; k < points.cols(); ++k) {
     const double slope = jet.gradient.col(k).norm();
     if (!(slope > 0)) continue;
-    distance[static_cast<std::size_t>(close[static_cast<std::size_t>(k)])] =
+    distance[close[static_cast<std::size_t>(k)]] =
         std::clamp(static_cast<float>(jet.value[k] / slope), -farthest, farthest);
   }
   return distance;

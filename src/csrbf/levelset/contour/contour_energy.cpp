@@ -128,7 +128,7 @@ using Block = std::array<float, block_size>;
 // n values of a row, one after the other, and zeros up to a multiple of `width`.
 void gather(const float* values, const LatticeRow& row, Index begin, Index n, Block& place) {
   const float* from = values + row.voxel + begin * row.stride;
-  for (Index i = 0; i < n; ++i) place[static_cast<std::size_t>(i)] = from[i * row.stride];
+  for (Index i = 0; i < n; ++i) place[i] = from[i * row.stride];
   std::fill(place.begin() + n, place.begin() + padded(n), 0.0F);
 }
 

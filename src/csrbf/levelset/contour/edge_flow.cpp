@@ -45,9 +45,7 @@ std::array<std::vector<float>, Dim> slopes_of(std::span<const float> values, con
           const Index at = a == 0 ? x : a == 1 ? row % ny : row / ny, i = x + nx * row;
           const Index lo = at > 0 ? strides[a] : 0, hi = at + 1 < grid.size[a] ? strides[a] : 0;
           const double steps = lo > 0 && hi > 0 ? 2 : 1;
-          slopes[a][static_cast<std::size_t>(i)] = static_cast<float>(
-              static_cast<double>(values[static_cast<std::size_t>(i + hi)] - values[static_cast<std::size_t>(i - lo)]) /
-              (steps * step));
+          slopes[a][i] = static_cast<float>(static_cast<double>(values[i + hi] - values[i - lo]) / (steps * step));
         }
     });
   }

@@ -75,22 +75,20 @@ std::shared_ptr<const Field<Dim>> lattice_field(const Lattice<Dim>& lattice, con
   data.to_lattice = nodes * grid.template to_voxel<Dim>();
   data.step = step.cwiseProduct(grid.spacing.template head<Dim>()).cwiseProduct(lattice.stretch().template head<Dim>());
   std::array<Index, 3> size{1, 1, 1};
-  for (int a = 0; a < Dim; ++a) size[static_cast<std::size_t>(a)] = lattice.nodes(a);
+  for (int a = 0; a < Dim; ++a) size[a] = lattice.nodes(a);
   std::copy_n(size.begin(), Dim, data.size.begin());
 
   const double factor = lattice.scale() / slope;
-  data.coefficients.reserve(static_cast<std::size_t>(lattice.nodes()));
+  data.coefficients.reserve(lattice.nodes());
   std::array<Index, 3> k{};
   for (k[2] = 0; k[2] < size[2]; ++k[2])
     for (k[1] = 0; k[1] < size[1]; ++k[1])
       for (k[0] = 0; k[0] < size[0]; ++k[0])
-        data.coefficients.push_back(
-            factor * static_cast<double>(coefficients[static_cast<std::size_t>(lattice.coefficient(k))]));
+        data.coefficients.push_back(factor * static_cast<double>(coefficients[lattice.coefficient(k)]));
   const auto to_physical = grid.template to_physical<Dim>();
   for (int corner = 0; corner < (1 << Dim); ++corner) {
     Point<Dim> p;
-    for (int a = 0; a < Dim; ++a)
-      p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5 : -0.5;
+    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
     data.bounds.add(to_physical * p);
   }
   return std::make_shared<LatticeField<Dim>>(std::move(data));

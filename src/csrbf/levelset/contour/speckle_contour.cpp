@@ -119,8 +119,7 @@ double SpeckleContour<Dim>::energy(const float* coefficients, float* derivatives
   lattice_.sweep(
       coefficients, false,
       [&](const LatticeRow& row) {
-        for (Index i = 0; i < row.count; ++i)
-          share_[static_cast<std::size_t>(row.voxel + i * row.stride)] = step_at(row.value[i] * inverse_eps);
+        for (Index i = 0; i < row.count; ++i) share_[row.voxel + i * row.stride] = step_at(row.value[i] * inverse_eps);
         return 0.0;
       },
       nullptr);

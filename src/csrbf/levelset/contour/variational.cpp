@@ -105,13 +105,13 @@ std::vector<float> band_of(const std::vector<std::uint8_t>& labels, const Grid& 
       for (Index x = 0; x < nx; ++x) {
         const std::array<Index, 3> at{x, row % ny, row / ny};
         const Index i = x + nx * row;
-        const std::uint8_t label = labels[static_cast<std::size_t>(i)];
+        const std::uint8_t label = labels[i];
         bool edge = false;
         for (std::size_t a = 0; a < 3; ++a) {
-          if (at[a] > 0) edge |= labels[static_cast<std::size_t>(i - strides[a])] != label;
-          if (at[a] + 1 < grid.size[a]) edge |= labels[static_cast<std::size_t>(i + strides[a])] != label;
+          if (at[a] > 0) edge |= labels[i - strides[a]] != label;
+          if (at[a] + 1 < grid.size[a]) edge |= labels[i + strides[a]] != label;
         }
-        if (edge) band[static_cast<std::size_t>(i)] = 1;
+        if (edge) band[i] = 1;
       }
   });
   std::array<Index, 3> widths{width, width, width};

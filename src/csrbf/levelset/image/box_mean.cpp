@@ -46,7 +46,7 @@ void filter_axis(float* values, const Lines& lines, Index across, Index planes, 
   const Index blocks = (across + block - 1) / block;
   const Index grain = std::max<Index>(1, (1 << 16) / (lines.n * block));
   parallel_for(blocks * planes, grain, [&](Index begin, Index end) {
-    std::vector<float> copy(static_cast<std::size_t>(lines.n * block));
+    std::vector<float> copy(lines.n * block);
     for (Index b = begin; b < end; ++b) {
       const Index line = b % blocks * block;
       float* first = values + b / blocks * plane_step + line * lines.line_step;
@@ -64,7 +64,7 @@ void box_mean(std::span<float> values, const std::array<Index, 3>& size, const s
   for (const Index w : half_width) require(w >= 0, "box_mean", "half_width", w, "must not be negative");
   if (values.empty()) return;
   const auto width = [&](int axis) {  // beyond the image nothing is added
-    return std::min(half_width[static_cast<std::size_t>(axis)], size[static_cast<std::size_t>(axis)]);
+    return std::min(half_width[axis], size[axis]);
   };
   float* v = values.data();
   if (nx > 1 && width(0) > 0) filter_axis(v, {nx, 1, nx}, ny * nz, 1, 0, width(0));

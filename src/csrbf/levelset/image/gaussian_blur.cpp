@@ -49,19 +49,17 @@ void blur_axis(float* values, const Lines& lines, double sd) {
   const auto count = static_cast<Index>(weights.size());
   const Index reach = count / 2, blocks = (lines.across + block - 1) / block;
   parallel_for(blocks * lines.planes, std::max<Index>(1, (1 << 16) / (lines.n * block)), [&](Index begin, Index end) {
-    std::vector<float> copy(static_cast<std::size_t>((lines.n + 2 * reach) * block), 0.0F);
+    std::vector<float> copy((lines.n + 2 * reach) * block, 0.0F);
     std::array<float, block> sums;
     for (Index b = begin; b < end; ++b) {
       const Index line = b % blocks * block, used = std::min(block, lines.across - line);
       float* first = values + b / blocks * lines.plane_step + line * lines.line_step;
       for (Index i = -reach; i < lines.n + reach; ++i)
         for (Index l = 0; l < used; ++l)
-          copy[static_cast<std::size_t>((i + reach) * block + l)] =
-              first[mirrored(i, lines.n) * lines.step + l * lines.line_step];
+          copy[(i + reach) * block + l] = first[mirrored(i, lines.n) * lines.step + l * lines.line_step];
       for (Index i = 0; i < lines.n; ++i) {
         sum_lines(weights.data(), count, copy.data() + i * block, sums.data());
-        for (Index l = 0; l < used; ++l)
-          first[i * lines.step + l * lines.line_step] = sums[static_cast<std::size_t>(l)];
+        for (Index l = 0; l < used; ++l) first[i * lines.step + l * lines.line_step] = sums[l];
       }
     }
   });

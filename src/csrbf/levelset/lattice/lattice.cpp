@@ -37,7 +37,7 @@ void check(const std::array<Index, 3>& size, const Point<3>& spacing, const Latt
            const Kernel& kernel, int dim) {
   constexpr const char* here = "Lattice";
   for (int a = 0; a < 3; ++a) {
-    const Index n = size[static_cast<std::size_t>(a)];
+    const Index n = size[a];
     if (a < dim)
       require(n >= 2, here, "size", n, "the image must have at least 2 voxels along each axis");
     else
@@ -89,7 +89,7 @@ Lattice<Dim>::Lattice(const std::array<Index, 3>& size, const Point<3>& spacing,
   plane_ = (plane_ + tap_slack - 1) / tap_slack * tap_slack;
   slack_ = reach[0] + axes_[0].length * (reach[1] + axes_[1].length * reach[2]) + tap_slack;
 
-  phases_.resize(static_cast<std::size_t>(phases));
+  phases_.resize(phases);
   std::size_t i = 0;
   for (Index z = 0; z < axes_[2].p; ++z)
     for (Index y = 0; y < axes_[1].p; ++y)
@@ -103,8 +103,8 @@ Lattice<Dim>::Lattice(const std::array<Index, 3>& size, const Point<3>& spacing,
 
 template <int Dim>
 void Lattice<Dim>::make_phase(Phase& phase) const {
-  phase.backward.resize(static_cast<std::size_t>(classes_));
-  phase.backward_with_gradient.resize(static_cast<std::size_t>(classes_));
+  phase.backward.resize(classes_);
+  phase.backward_with_gradient.resize(classes_);
   std::array<Index, 3> lo{0, 0, 0}, hi{0, 0, 0}, k{};
   for (std::size_t a = 0; a < Dim; ++a) {
     const double radius = support_ / axes_[a].step();
@@ -135,8 +135,8 @@ void Lattice<Dim>::add_tap(Phase& phase, const std::array<Index, 3>& k) const {
                                                      : g * x[static_cast<Index>(part) - 1] * axes_[part - 1].stretch);
     phase.forward[part].push_back({group * plane_ + offset, weight});
     const Tap back{static_cast<Index>(part) * part_size() + slack_ - offset, weight};
-    if (part == 0) phase.backward[static_cast<std::size_t>(group)].push_back(back);
-    phase.backward_with_gradient[static_cast<std::size_t>(group)].push_back(back);
+    if (part == 0) phase.backward[group].push_back(back);
+    phase.backward_with_gradient[group].push_back(back);
   }
 }
 
@@ -183,8 +183,8 @@ double Lattice<Dim>::sweep(const float* coefficients, bool gradients,
   const auto phases = static_cast<Index>(phases_.size());
   const Index groups = phases < 4 ? 1 : std::min(phases, most_groups);
   const auto workspace_size = static_cast<std::size_t>((gradients ? Dim + 1 : 1) * part_size());
-  std::vector<double> sums(static_cast<std::size_t>(groups), 0.0);
-  std::vector<std::unique_ptr<BufferPool::Buffer>> parts(static_cast<std::size_t>(groups));
+  std::vector<double> sums(groups, 0.0);
+  std::vector<std::unique_ptr<BufferPool::Buffer>> parts(groups);
   const auto run = [&](Index group) {
     const auto workspace = buffers_->take(workspace_size);
     for (Index part = 0; part < (gradients ? Dim + 1 : 1); ++part) {  // around what sweep_phase fills
@@ -194,13 +194,12 @@ double Lattice<Dim>::sweep(const float* coefficients, bool gradients,
     }
     float* sum = nullptr;
     if (derivatives != nullptr) {
-      parts[static_cast<std::size_t>(group)] = buffers_->take(static_cast<std::size_t>(array_size()));
-      sum = parts[static_cast<std::size_t>(group)]->data();
+      parts[group] = buffers_->take(static_cast<std::size_t>(array_size()));
+      sum = parts[group]->data();
       std::fill_n(sum, array_size(), 0.F);
     }
     for (Index i = group; i < phases; i += groups)
-      sums[static_cast<std::size_t>(group)] +=
-          sweep_phase(phases_[static_cast<std::size_t>(i)], coefficients, gradients, row, workspace->data(), sum);
+      sums[group] += sweep_phase(phases_[i], coefficients, gradients, row, workspace->data(), sum);
   };
   if (groups == 1) {
     run(0);  // its loops have threads
@@ -226,8 +225,8 @@ double Lattice<Dim>::sweep_phase(const Phase& phase, const float* coefficients, 
   const Index blocks = plane_ / tap_slack;
   parallel_for(blocks, chunk, [&](Index begin, Index end) {
     for (Index part = 0; part < components; ++part)
-      sum_taps(phase.forward[static_cast<std::size_t>(part)], coefficients + begin * tap_slack,
-               (end - begin) * tap_slack, workspace + part * part_size() + slack_ + begin * tap_slack, false);
+      sum_taps(phase.forward[part], coefficients + begin * tap_slack, (end - begin) * tap_slack,
+               workspace + part * part_size() + slack_ + begin * tap_slack, false);
   });
 
   const Index ny = axes_[1].length, rows = ny * axes_[2].length;
@@ -265,7 +264,7 @@ double Lattice<Dim>::visit_row(const Phase& phase, bool gradients, const std::fu
     if (component == 0)
       part.value = values;
     else
-      part.gradient[static_cast<std::size_t>(component - 1)] = values;
+      part.gradient[component - 1] = values;
   }
   if (count == 0) return 0;
   part.first = {px, axes_[1].p * y + py, axes_[2].p * z + pz};

@@ -66,7 +66,7 @@ class Lattice {
                float* derivatives) const;
 
   /// Number of nodes of the lattice along an axis; nodes() is their product.
-  [[nodiscard]] Index nodes(int axis) const { return axes_[static_cast<std::size_t>(axis)].nodes(); }
+  [[nodiscard]] Index nodes(int axis) const { return axes_[axis].nodes(); }
   [[nodiscard]] Index nodes() const;
   /// Position of node (0, 0, 0) and the steps to its neighbours, in voxels (the centre of the first voxel is 0).
   [[nodiscard]] Point<Dim> first_node() const;

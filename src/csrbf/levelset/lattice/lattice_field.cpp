@@ -191,7 +191,7 @@ Points<Dim> LatticeField<Dim>::seeds() const {
     }
   }
   Points<Dim> seeds(Dim, static_cast<Index>(found.size()));
-  for (Index i = 0; i < seeds.cols(); ++i) seeds.col(i) = found[static_cast<std::size_t>(i)];
+  for (Index i = 0; i < seeds.cols(); ++i) seeds.col(i) = found[i];
   return seeds;
 }
 

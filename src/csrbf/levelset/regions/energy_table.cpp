@@ -32,18 +32,18 @@ CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const flo
 }  // namespace
 
 std::vector<float> energy_table(const RegionModel& model, const IntensityBins& bins) {
-  std::vector<float> table(static_cast<std::size_t>(bins.count));
+  std::vector<float> table(bins.count);
   if (model.law == IntensityLaw::chan_vese) {
     for (Index k = 0; k < bins.count; ++k) {
       const double d = bins.center(k) - model.location;
-      table[static_cast<std::size_t>(k)] = static_cast<float>(d * d);
+      table[k] = static_cast<float>(d * d);
     }
     return table;
   }
   BinProbabilities p;
   bin_probabilities(model, bins, p);
   for (Index k = 0; k < bins.count; ++k)
-    table[static_cast<std::size_t>(k)] = static_cast<float>(-std::log(p.values[k] * static_cast<double>(bins.count)));
+    table[k] = static_cast<float>(-std::log(p.values[k] * static_cast<double>(bins.count)));
   return table;
 }
 

@@ -17,8 +17,7 @@ double mean_magnitude(std::span<const float> force) {
   return parallel_sum(n, grain,
                       [&](Index begin, Index end) {
                         double sum = 0;
-                        for (Index i = begin; i < end; ++i)
-                          sum += static_cast<double>(std::abs(force[static_cast<std::size_t>(i)]));
+                        for (Index i = begin; i < end; ++i) sum += static_cast<double>(std::abs(force[i]));
                         return sum;
                       }) /
          static_cast<double>(n);

@@ -10,7 +10,7 @@ class Runs {
  public:
   explicit Runs(const Histogram& histogram) : shift_(histogram.mean()) {
     for (Index k = 0; k < std::ssize(histogram.counts); ++k) {
-      const double count = histogram.counts[static_cast<std::size_t>(k)];
+      const double count = histogram.counts[k];
       if (count <= 0) continue;
       const double x = histogram.bins.center(k) - shift_;  // small numbers: little is lost in the difference below
       sums_.push_back(sums_.back() + Sums(count, count * x, count * x * x));
@@ -29,9 +29,7 @@ class Runs {
 
  private:
   using Sums = Eigen::Vector3d;
-  [[nodiscard]] Sums sum(Index begin, Index end) const {
-    return sums_[static_cast<std::size_t>(end)] - sums_[static_cast<std::size_t>(begin)];
-  }
+  [[nodiscard]] Sums sum(Index begin, Index end) const { return sums_[end] - sums_[begin]; }
   double shift_;
   std::vector<Sums> sums_{Sums::Zero()};
 };
@@ -64,11 +62,11 @@ IntensityClasses optimal_classes(const Histogram& histogram, Index classes) {
 
   IntensityClasses result;
   result.energy = best(classes - 1, n);
-  result.means.resize(static_cast<std::size_t>(classes));
+  result.means.resize(classes);
   Index end = n;
   for (Index c = classes - 1; c >= 0; --c) {
     const Index begin = start(c, end);
-    result.means[static_cast<std::size_t>(c)] = runs.mean(begin, end);
+    result.means[c] = runs.mean(begin, end);
     end = begin;
   }
   for (std::size_t c = 0; c + 1 < result.means.size(); ++c)

@@ -131,10 +131,10 @@ std::vector<Histogram> count_regions(std::span<const std::uint8_t> indices, cons
     const std::lock_guard lock(mutex);
     part.add_to(sums);
   });
-  std::vector<Histogram> histograms(static_cast<std::size_t>(regions), Histogram(bins));
+  std::vector<Histogram> histograms(regions, Histogram(bins));
   for (Index r = 0; r < regions; ++r) {
     const auto first = sums.begin() + r * most_bins;
-    auto& counts = histograms[static_cast<std::size_t>(r)].counts;
+    auto& counts = histograms[r].counts;
     std::copy(first, first + bins.count, counts.begin());
     require(std::all_of(first + bins.count, first + most_bins, [](std::int64_t n) { return n == 0; }),
             "region_histograms", "indices", "beyond the bins", "must be those of bin_indices with the same bins");
@@ -159,7 +159,7 @@ double Histogram::moment(int order, double about) const {
     const double d = bins.center(k) - about;
     double power = 1;
     for (int i = 0; i < order; ++i) power *= d;
-    sum += counts[static_cast<std::size_t>(k)] * power;
+    sum += counts[k] * power;
   }
   const double n = total();
   return n > 0 ? sum / n : 0;
@@ -170,7 +170,7 @@ double Histogram::quantile(double fraction) const {
   double below = 0;
   if (n > 0) {
     for (Index k = 0; k < std::ssize(counts); ++k) {
-      const double count = counts[static_cast<std::size_t>(k)];
+      const double count = counts[k];
       if (count > 0 && below + count >= fraction * n)
         return bins.lo + (static_cast<double>(k) + std::max(0.0, fraction * n - below) / count) * bins.width();
       below += count;

@@ -33,7 +33,7 @@ struct Histogram {
   Histogram() = default;
   explicit Histogram(const IntensityBins& layout) : bins(layout), counts(static_cast<std::size_t>(layout.count), 0.0) {}
 
-  void add(double value, double weight = 1) { counts[static_cast<std::size_t>(bins.index(value))] += weight; }
+  void add(double value, double weight = 1) { counts[bins.index(value)] += weight; }
   void subtract(double value, double weight = 1) { add(value, -weight); }
 
   /// Sum of the counts.

@@ -3,6 +3,8 @@
 #include "csrbf/levelset/regions/bin_probabilities.hpp"
 #include "csrbf/levelset/regions/gamma_functions.hpp"
 
+#include <Eigen/LU>
+
 #include <Eigen/Cholesky>
 
 namespace csrbf {

@@ -73,7 +73,7 @@ Counts voxels_by_label(std::span<const std::uint8_t> labels) {
   parallel_for(std::ssize(labels), grain, [&](Index begin, Index end) {
     // Neighbours in different copies: an increment waits for the one before of the same label.
     std::array<Counts, 4> counts{};
-    for (Index i = begin; i < end; ++i) ++counts[static_cast<std::size_t>(i % 4)][labels[static_cast<std::size_t>(i)]];
+    for (Index i = begin; i < end; ++i) ++counts[i % 4][labels[i]];
     const std::lock_guard lock(mutex);
     for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += counts[0][k] + counts[1][k] + counts[2][k] + counts[3][k];
   });

@@ -34,7 +34,7 @@ RegionForces<Dim>::RegionForces(std::span<const float> values, const Grid& grid,
   std::vector<std::uint8_t> labels(values.size(), 0);
   for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = inside(i) ? 0 : 255;
   all_ = region_histograms(indices_, labels, 1, bins_)[0];
-  statistics_.means.assign(static_cast<std::size_t>(regions), Eigen::VectorXd::Zero(terms));
+  statistics_.means.assign(regions, Eigen::VectorXd::Zero(terms));
 }
 
 template <int Dim>
@@ -42,7 +42,7 @@ std::vector<std::uint8_t> RegionForces<Dim>::start() {
   const IntensityClasses classes = optimal_classes(all_, regions());
   std::array<std::uint8_t, 256> label_of{};
   for (Index bin = 0; bin < bins_.count; ++bin)
-    label_of[static_cast<std::size_t>(bin)] = static_cast<std::uint8_t>(
+    label_of[bin] = static_cast<std::uint8_t>(
         std::upper_bound(classes.thresholds.begin(), classes.thresholds.end(), bins_.center(bin)) -
         classes.thresholds.begin());
   std::vector<std::uint8_t> labels(values_.size());
@@ -143,7 +143,7 @@ template <int Dim>
 void RegionForces<Dim>::fit_models(std::span<const std::uint8_t> labels) {
   const std::vector<Histogram> parts = histograms(labels);
   const bool first = statistics_.models.empty();
-  statistics_.models.resize(static_cast<std::size_t>(regions()));
+  statistics_.models.resize(regions());
   for (std::size_t k = 0; k < parts.size(); ++k) {
     RegionModelOptions options;
     if (!first) options.start = statistics_.models[k];
@@ -201,7 +201,7 @@ template <int Dim>
 std::vector<typename RegionForces<Dim>::Moments> RegionForces<Dim>::moments(
     std::span<const std::uint8_t> labels) const {
   constexpr Index enough = 50000;  // voxels sampled: errors of half a percent
-  std::vector<Moments> sums(static_cast<std::size_t>(regions()));
+  std::vector<Moments> sums(regions());
   const Index step = std::max<Index>(1, grid_.voxels() / enough) | 1;
   for (Index i = 0; i < grid_.voxels(); i += step) {
     const auto voxel = static_cast<std::size_t>(i);
@@ -297,8 +297,7 @@ double RegionForces<Dim>::table_force(int k, double scale, std::span<float> forc
     for (std::size_t bin = 0; bin < bins; ++bin) others[bin] = std::min(others[bin], tables_[l][bin]);
   }
   for (std::size_t bin = 0; bin < bins; ++bin)
-    table[bin] =
-        static_cast<float>(static_cast<double>(tables_[static_cast<std::size_t>(k)][bin] - others[bin]) / scale);
+    table[bin] = static_cast<float>(static_cast<double>(tables_[k][bin] - others[bin]) / scale);
   look_up_energies(values_, table, bins_, force);
   if (!mask_.empty())
     for (std::size_t i = 0; i < force.size(); ++i)

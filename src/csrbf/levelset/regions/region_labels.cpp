@@ -44,7 +44,7 @@ class Runs {
 
  private:
   void join(Index row, Index other) {
-    std::size_t a = first[static_cast<std::size_t>(row)], b = first[static_cast<std::size_t>(other)];
+    std::size_t a = first[row], b = first[other];
     const std::size_t a_end = first[static_cast<std::size_t>(row) + 1];
     const std::size_t b_end = first[static_cast<std::size_t>(other) + 1];
     while (a < a_end && b < b_end) {
@@ -76,15 +76,13 @@ Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid) {
   for (Index row = 0; row < ny * nz; ++row) {
     const Index y = row % ny, z = row / ny;
     const bool side = (ny > 1 && (y == 0 || y == ny - 1)) || (nz > 1 && (z == 0 || z == nz - 1));
-    for (std::size_t i = parts.first[static_cast<std::size_t>(row)]; i < parts.first[static_cast<std::size_t>(row) + 1];
-         ++i)
+    for (std::size_t i = parts.first[row]; i < parts.first[static_cast<std::size_t>(row) + 1]; ++i)
       if (side || parts.runs[i].begin == 0 || parts.runs[i].end == nx)
         open[parts.sets.find(static_cast<std::uint32_t>(i))] = true;
   }
   Index filled = 0;
   for (Index row = 0; row < ny * nz; ++row)
-    for (std::size_t i = parts.first[static_cast<std::size_t>(row)]; i < parts.first[static_cast<std::size_t>(row) + 1];
-         ++i) {
+    for (std::size_t i = parts.first[row]; i < parts.first[static_cast<std::size_t>(row) + 1]; ++i) {
       const Run& run = parts.runs[i];
       if (run.label != 0 || open[parts.sets.find(static_cast<std::uint32_t>(i))]) continue;
       std::fill(labels.begin() + nx * row + run.begin, labels.begin() + nx * row + run.end, std::uint8_t{1});
@@ -110,7 +108,7 @@ int seeded_region(std::span<const std::uint8_t> labels, std::span<const std::uin
 
 int border_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
                   int regions) {
-  std::vector<Index> counts(static_cast<std::size_t>(regions), 0);
+  std::vector<Index> counts(regions, 0);
   const auto [nx, ny, nz] = grid.size;
   for (Index z = 0; z < nz; ++z)
     for (Index y = 0; y < ny; ++y) {
@@ -126,7 +124,7 @@ int border_region(std::span<const std::uint8_t> labels, const Grid& grid, std::s
 
 std::vector<RegionReport> measure_regions(std::span<const std::uint8_t> labels, std::span<const float> values,
                                           const Grid& grid, std::span<const std::uint8_t> mask, int regions) {
-  std::vector<double> counts(static_cast<std::size_t>(regions), 0), sums = counts, squares = counts;
+  std::vector<double> counts(regions, 0), sums = counts, squares = counts;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (!takes_part(mask, i)) continue;
     const auto value = static_cast<double>(values[i]);
@@ -136,7 +134,7 @@ std::vector<RegionReport> measure_regions(std::span<const std::uint8_t> labels, 
   }
   double volume = 1;
   for (int a = 0; a < grid.dimension(); ++a) volume *= grid.spacing[a];
-  std::vector<RegionReport> reports(static_cast<std::size_t>(regions));
+  std::vector<RegionReport> reports(regions);
   for (std::size_t k = 0; k < reports.size(); ++k) {
     RegionReport& report = reports[k];
     report.label = static_cast<int>(k);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
+#include "csrbf/levelset/segment_options.hpp"
 
 #include <cstdint>
 #include <span>
@@ -22,15 +23,6 @@ int seeded_region(std::span<const std::uint8_t> labels, std::span<const std::uin
 /// The region that holds most of the voxels at the border of the image, or of the mask where that has a border.
 int border_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
                   int regions);
-
-/// Statistics of one region.
-struct RegionReport {
-  int label = 0;
-  Index voxels = 0;
-  double volume = 0;  ///< in the unit of the spacing, squared or cubed
-  double mean = 0;
-  double sd = 0;
-};
 
 /// Voxels, volume, mean and standard deviation of each region over the mask.
 std::vector<RegionReport> measure_regions(std::span<const std::uint8_t> labels, std::span<const float> values,

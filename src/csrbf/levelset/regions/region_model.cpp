@@ -25,7 +25,7 @@ RegionModel with_moments(IntensityLaw law, const Histogram& histogram, double lo
   double absolute = 0;
   double total = 0;
   for (Index k = 0; k < std::ssize(histogram.counts); ++k) {
-    const double count = histogram.counts[static_cast<std::size_t>(k)];
+    const double count = histogram.counts[k];
     absolute += count * std::abs(histogram.bins.center(k) - location);
     total += count;
   }
@@ -68,8 +68,7 @@ double mode_of(const Histogram& histogram) {
   Index mode = 0;
   for (Index k = 0; k < std::ssize(counts); ++k) {
     double sum = 0;
-    for (Index i = std::max<Index>(0, k - 1); i <= std::min(std::ssize(counts) - 1, k + 1); ++i)
-      sum += counts[static_cast<std::size_t>(i)];
+    for (Index i = std::max<Index>(0, k - 1); i <= std::min(std::ssize(counts) - 1, k + 1); ++i) sum += counts[i];
     if (sum <= most) continue;
     most = sum;
     mode = k;

@@ -171,7 +171,7 @@ class BlobFitter {
                                                               static_cast<double>(own.size()));
     const Point<3> step = split_offset * std::sqrt(std::max(0.0, axes.eigenvalues()[2])) * axes.eigenvectors().col(2);
     const Index worst = owner(own.front());
-    Blob half = blobs_[static_cast<std::size_t>(worst)];
+    Blob half = blobs_[worst];
     half.b /= 2;
     Blob other = half;
     half.center += step;
@@ -195,7 +195,7 @@ class BlobFitter {
   }
 
   void replace(Index k, const Blob& by) {
-    Blob& blob = blobs_[static_cast<std::size_t>(k)];
+    Blob& blob = blobs_[k];
     add(blob, -1);
     blob = by;
     add(blob, 1);
@@ -219,19 +219,19 @@ class BlobFitter {
     Eigen::VectorXd error = Eigen::VectorXd::Zero(static_cast<Index>(blobs_.size()));
     for (Index i = 0; i < count(); ++i) {
       const Index k = owner(i);
-      own[static_cast<std::size_t>(k)].push_back(i);
+      own[k].push_back(i);
       error[k] += errors_of(sums_.col(i), samples_.normals.col(i)).squaredNorm();
     }
     Index worst = 0;
     error.maxCoeff(&worst);
-    return own[static_cast<std::size_t>(worst)];
+    return own[worst];
   }
 
   [[nodiscard]] std::vector<Index> nearest(Index k) const {
     std::vector<Index> near(blobs_.size());
     std::iota(near.begin(), near.end(), Index{0});
-    const Point<3> at = blobs_[static_cast<std::size_t>(k)].center;
-    const auto distance = [&](Index j) { return (blobs_[static_cast<std::size_t>(j)].center - at).squaredNorm(); };
+    const Point<3> at = blobs_[k].center;
+    const auto distance = [&](Index j) { return (blobs_[j].center - at).squaredNorm(); };
     std::sort(near.begin(), near.end(), [&](Index i, Index j) { return distance(i) < distance(j); });
     near.resize(std::min<std::size_t>(active_blobs, near.size()));
     return near;
@@ -242,16 +242,15 @@ class BlobFitter {
   void improve(const std::vector<Index>& active) {
     std::vector<Index> ids;
     for (Index i = 0; i < count(); ++i)
-      if (std::any_of(active.begin(), active.end(), [&](Index k) {
-            return blobs_[static_cast<std::size_t>(k)].value(samples_.points.col(i)) > least_value;
-          }))
+      if (std::any_of(active.begin(), active.end(),
+                      [&](Index k) { return blobs_[k].value(samples_.points.col(i)) > least_value; }))
         ids.push_back(i);
     const double before = energy();
     const std::vector<Blob> old_blobs = blobs_;
     const Eigen::Matrix4Xd old_sums = sums_;
     Eigen::VectorXd x(parameters * static_cast<Index>(active.size()));
     for (std::size_t k = 0; k < active.size(); ++k) {
-      Blob& blob = blobs_[static_cast<std::size_t>(active[k])];
+      Blob& blob = blobs_[active[k]];
       x.segment<parameters>(static_cast<Index>(k) * parameters) = pack(blob);
       add(blob, -1);
       blob.b = 0;
@@ -279,7 +278,7 @@ MethodFit finish(const std::vector<Blob>& blobs, const Box<3>& bounds, double sm
   Points<3> centers(3, M);
   Eigen::VectorXd lengths(M), coefficients(M);
   for (Index k = 0; k < M; ++k) {
-    const Blob& blob = blobs[static_cast<std::size_t>(k)];
+    const Blob& blob = blobs[k];
     centers.col(k) = blob.center;
     lengths[k] = 1 / std::sqrt(blob.a);
     coefficients[k] = blob.b;

@@ -91,7 +91,7 @@ MethodFit dinh(const PreparedCloud& cloud, const MethodOptions& options) {
   const Points<3> centers = samples.points.leftCols(count);
   const KdTree<3> tree(centers);
   RadialMetric<3> metric;
-  std::vector<Index> ids(static_cast<std::size_t>(dinh_neighbors));
+  std::vector<Index> ids(dinh_neighbors);
   std::vector<double> squared(ids.size());
   for (Index i = 0; i < count; ++i) {
     const Index found = tree.nearest(centers.col(i), dinh_neighbors, ids.data(), squared.data());

@@ -16,7 +16,7 @@ constexpr int most_halvings = 5;   // of kappa
 std::vector<Index> keep(const PreparedCloud& cloud, Index count) {
   const Index n = cloud.cloud.size();
   if (count > 0 && count < n) return farthest_points<3>(cloud.cloud.points, count).indices;
-  std::vector<Index> all(static_cast<std::size_t>(n));
+  std::vector<Index> all(n);
   std::iota(all.begin(), all.end(), Index{0});
   return all;
 }

@@ -33,8 +33,7 @@ OrientedPoints cluster(const OrientedPoints& cloud, double cell) {
   std::map<std::array<Index, 3>, std::vector<Index>> cells;
   for (Index i = 0; i < cloud.size(); ++i) {
     std::array<Index, 3> key{};
-    for (Index c = 0; c < 3; ++c)
-      key[static_cast<std::size_t>(c)] = static_cast<Index>(std::floor(cloud.points(c, i) / cell));
+    for (Index c = 0; c < 3; ++c) key[c] = static_cast<Index>(std::floor(cloud.points(c, i) / cell));
     cells[key].push_back(i);
   }
   const auto n = static_cast<Index>(cells.size());
@@ -91,7 +90,7 @@ class Octree {
       std::array<Index, mpu_samples> nearest{};
       std::array<double, mpu_samples> squared{};
       const Index found = tree_.nearest(center, mpu_samples, nearest.data(), squared.data());
-      support = std::max(support, 1.2 * std::sqrt(squared[static_cast<std::size_t>(found - 1)]));
+      support = std::max(support, 1.2 * std::sqrt(squared[found - 1]));
     }
     const QuadricFitter::Quadric quadric = fitter_.fit(center, support);
     if (few || depth == mpu_depth || fitter_.residual() <= tolerance_) {

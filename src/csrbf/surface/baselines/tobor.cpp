@@ -76,7 +76,7 @@ void SplinePartition::evaluate_block(const PointsRef<3>& x, const JetBlock& out)
 MethodFit tobor(const PreparedCloud& cloud, const MethodOptions& options) {
   const Samples<3> samples = off_surface_samples(cloud, options.centers, Offsets::both);
   Cover<3> cover(samples.points, points_per_cell, growth);
-  std::vector<std::shared_ptr<const Expansion<3>>> splines(static_cast<std::size_t>(cover.size()));
+  std::vector<std::shared_ptr<const Expansion<3>>> splines(cover.size());
   parallel_for(cover.size(), 8, [&](Index begin, Index end) {
     Cover<3>::Search search;
     for (Index cell = begin; cell < end; ++cell) {
@@ -95,7 +95,7 @@ MethodFit tobor(const PreparedCloud& cloud, const MethodOptions& options) {
           ids.push_back(cover.order()[column]);
       }
       const Samples<3> local{samples.points(Eigen::all, ids), samples.values(ids, Eigen::all), {}};
-      splines[static_cast<std::size_t>(cell)] =
+      splines[cell] =
           interpolate<3>(local, {.kernel = "cubic", .smoothing = options.smoothing.value_or(0)}).components.front();
     }
   });

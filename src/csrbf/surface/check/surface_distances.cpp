@@ -15,14 +15,13 @@ constexpr double smallest_slope = 0.1;  // floor of |grad f|, which is about 1 n
 
 std::vector<double> surface_distances(const Field<3>& field, const PointsRef<3>& points, double diagonal) {
   constexpr Index grain = Field<3>::block_size;
-  std::vector<double> distance(static_cast<std::size_t>(points.cols()));
+  std::vector<double> distance(points.cols());
   const auto compute = [&](Index begin, Index end) {
     Eigen::Matrix<double, grain, 1> value;
     Eigen::Matrix<double, 3, grain> gradient;
     field.evaluate_block(points.middleCols(begin, end - begin), {value.data(), gradient.data(), nullptr});
     for (Index i = begin; i < end; ++i)
-      distance[static_cast<std::size_t>(i)] =
-          std::abs(value[i - begin]) / std::max(gradient.col(i - begin).norm(), smallest_slope) / diagonal;
+      distance[i] = std::abs(value[i - begin]) / std::max(gradient.col(i - begin).norm(), smallest_slope) / diagonal;
   };
   share_arrays("evaluate", points.cols(), grain, compute, {ResultArray::of(distance.data())});
   return distance;

@@ -79,7 +79,7 @@ class CrossValidation {
  private:
   // The samples nearest to sample `middle` along the sheet, whatever their noise across it.
   void add_block(Index middle) {
-    std::vector<Index> near(static_cast<std::size_t>(std::min(around_block, cloud_.size())));
+    std::vector<Index> near(std::min(around_block, cloud_.size()));
     std::vector<double> squared(near.size());
     const Point<3> center = cloud_.points.col(middle);
     tree_.nearest(center, static_cast<Index>(near.size()), near.data(), squared.data());
@@ -130,7 +130,7 @@ class CrossValidation {
     }
     Point<3> center = Point<3>::Zero();
     for (const Index i : ids) center += cloud_.points.col(i) / static_cast<double>(ids.size());
-    std::vector<Index> leaf(static_cast<std::size_t>(leaf_size));
+    std::vector<Index> leaf(leaf_size);
     std::vector<double> distance(leaf.size());
     const Index found = tree_.nearest(center, leaf_size, leaf.data(), distance.data());
     add(fitter, fitter.fit(leaf.data(), found), found, ids, sum);

@@ -117,10 +117,10 @@ void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, co
   const auto compute = [&](Index begin, Index end) {
     double W = 0;
     for (Index i = begin; i < end; ++i) {
-      const Leaf& leaf = fragments[static_cast<std::size_t>(i)];
+      const Leaf& leaf = fragments[i];
       for (Index k = leaf.begin; k < leaf.end; ++k) {
-        patches.weights(cloud.points.col(order[static_cast<std::size_t>(k)]), &W);
-        if (W < sufficient_weight) needed[static_cast<std::size_t>(i)] = 1;
+        patches.weights(cloud.points.col(order[k]), &W);
+        if (W < sufficient_weight) needed[i] = 1;
       }
     }
   };
@@ -139,29 +139,28 @@ Index batch_size(Index leaves) {
 template <class MakeFitter>
 std::vector<std::vector<Leaf>> fit_leaves(Partition& parts, Index first, Index count, const CompositeOptions& options,
                                           const MakeFitter& make_fitter) {
-  std::vector<std::vector<Leaf>> fitted(static_cast<std::size_t>(count));
+  std::vector<std::vector<Leaf>> fitted(count);
   const auto compute = [&](Index begin, Index end) {
     LeafFitter fitter = make_fitter();
     for (Index i = begin; i < end; ++i) {
       const auto part = static_cast<std::size_t>(first + i);
-      fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[static_cast<std::size_t>(i)]);
+      fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[i]);
     }
   };
   // Halving a part for a tolerance changes the order within it.
   const auto order = [&](Index begin, Index end) {
-    const Index from = parts.begin[static_cast<std::size_t>(first + begin)],
-                to = options.tolerance.size() > 0 ? parts.begin[static_cast<std::size_t>(first + end)] : from;
+    const Index from = parts.begin[first + begin], to = options.tolerance.size() > 0 ? parts.begin[first + end] : from;
     return std::span(parts.order).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
   };
   const auto send = [&](Index begin, Index end, ByteWriter& out) {
     const std::span<const Index> ids = order(begin, end);
     out.put(ids.data(), static_cast<Index>(ids.size()));
-    for (Index i = begin; i < end; ++i) pack(fitted[static_cast<std::size_t>(i)], out);
+    for (Index i = begin; i < end; ++i) pack(fitted[i], out);
   };
   const auto receive = [&](Index begin, Index end, ByteReader& in) {
     const std::span<Index> ids = order(begin, end);
     in.take(ids.data(), static_cast<Index>(ids.size()));
-    for (Index i = begin; i < end; ++i) unpack(fitted[static_cast<std::size_t>(i)], in);
+    for (Index i = begin; i < end; ++i) unpack(fitted[i], in);
   };
   share_work({"fit", count, patches_per_task, compute, send, receive});
   return fitted;
@@ -173,19 +172,18 @@ void cover(const std::vector<CoverageGap>& bare, const MakeFitter& make_fitter, 
   std::vector<std::optional<FittedPatch>> fitted(bare.size());
   const auto compute = [&](Index begin, Index end) {
     LeafFitter fitter = make_fitter();
-    for (Index i = begin; i < end; ++i)
-      fitted[static_cast<std::size_t>(i)] = fitter.cover(bare[static_cast<std::size_t>(i)]);
+    for (Index i = begin; i < end; ++i) fitted[i] = fitter.cover(bare[i]);
   };
   const auto send = [&](Index begin, Index end, ByteWriter& out) {
     for (Index i = begin; i < end; ++i) {
-      const std::optional<FittedPatch>& patch = fitted[static_cast<std::size_t>(i)];
+      const std::optional<FittedPatch>& patch = fitted[i];
       out.put(patch.has_value());
       if (patch) patch->pack(out);
     }
   };
   const auto receive = [&](Index begin, Index end, ByteReader& in) {
     for (Index i = begin; i < end; ++i)
-      if (in.take<bool>()) fitted[static_cast<std::size_t>(i)].emplace().unpack(in);
+      if (in.take<bool>()) fitted[i].emplace().unpack(in);
   };
   share_work({"fit", static_cast<Index>(bare.size()), patches_per_task, compute, send, receive});
   for (const std::optional<FittedPatch>& patch : fitted)
@@ -214,8 +212,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
         fit_leaves(parts, done, count, options, [&] { return LeafFitter(cloud, tree, options, parts.order); });
     for (std::vector<Leaf>& part : fitted) {
       for (Leaf& leaf : part) {
-        for (Index k = leaf.begin; k < leaf.end; ++k)
-          result.areas[parts.order[static_cast<std::size_t>(k)]] = leaf.area;
+        for (Index k = leaf.begin; k < leaf.end; ++k) result.areas[parts.order[k]] = leaf.area;
         if (fragment_ratio * (leaf.end - leaf.begin) >= usual_leaf) {
           add(leaf.patch, result.patches);
         } else {

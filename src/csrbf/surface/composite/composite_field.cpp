@@ -84,7 +84,7 @@ struct Pending {
   Eigen::Matrix<double, 3, lanes> points;
 
   void add(int l, const Point<3>& x) {
-    lane[static_cast<std::size_t>(count)] = l;
+    lane[count] = l;
     points.col(count++) = x;
   }
 };
@@ -189,7 +189,7 @@ void complete(const CompositeField::Data& data, const PatchSums& finest, const P
     PatchSums sums;
     data.levels[level].accumulate(asking.points.leftCols(asking.count), derivatives, sums);
     for (std::size_t i = 0; i < static_cast<std::size_t>(asking.count); ++i)
-      add_level(cascade[static_cast<std::size_t>(asking.lane[i])], sums, static_cast<int>(i));
+      add_level(cascade[asking.lane[i]], sums, static_cast<int>(i));
   }
   for (std::size_t p = 0; p < count; ++p) {
     Cascade<Scalar> sure;

@@ -30,9 +30,9 @@ constexpr std::array<std::array<double, 2>, 8> directions = {{{1, 0},
 
 std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
   const Index tasks = (patches.size() + patches_per_task - 1) / patches_per_task;
-  std::vector<std::vector<CoverageGap>> found(static_cast<std::size_t>(tasks));
+  std::vector<std::vector<CoverageGap>> found(tasks);
   const auto compute = [&](Index begin, Index end) {
-    std::vector<CoverageGap>& gaps = found[static_cast<std::size_t>(begin / patches_per_task)];
+    std::vector<CoverageGap>& gaps = found[begin / patches_per_task];
     std::array<double, directions.size()> W;
     Points<3> probes(3, directions.size());
     for (Index i = begin; i < end; ++i) {
@@ -50,7 +50,7 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
     }
   };
   const auto pack = [&](Index begin, Index /*end*/, ByteWriter& out) {
-    const std::vector<CoverageGap>& gaps = found[static_cast<std::size_t>(begin / patches_per_task)];
+    const std::vector<CoverageGap>& gaps = found[begin / patches_per_task];
     out.put(gaps.size());
     for (const CoverageGap& gap : gaps) {
       for (const Point<3>* vector : {&gap.middle, &gap.normal, &gap.onward}) out.put(vector->data(), 3);
@@ -58,7 +58,7 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
     }
   };
   const auto unpack = [&](Index begin, Index /*end*/, ByteReader& in) {
-    std::vector<CoverageGap>& gaps = found[static_cast<std::size_t>(begin / patches_per_task)];
+    std::vector<CoverageGap>& gaps = found[begin / patches_per_task];
     gaps.resize(in.take<std::size_t>());
     for (CoverageGap& gap : gaps) {
       for (Point<3>* vector : {&gap.middle, &gap.normal, &gap.onward}) in.take(vector->data(), 3);

@@ -169,7 +169,7 @@ void PatchFitter::thin() {
   const Index stride = (count + options_.max_fit_points - 1) / options_.max_fit_points;
   std::size_t kept = 0;
   for (Index k = 0; k < count; ++k) {
-    const Index i = support_[static_cast<std::size_t>(k)];
+    const Index i = support_[k];
     if (k % stride == 0 || std::binary_search(options_.centers.begin(), options_.centers.end(), i))
       support_[kept++] = i;
   }
@@ -204,9 +204,8 @@ void PatchFitter::choose_centers() {
     if (options_.centers.empty() || std::binary_search(options_.centers.begin(), options_.centers.end(), support_[k]))
       centers_.push_back(static_cast<Index>(k));
   const auto count = static_cast<Index>(centers_.size()), kept = std::min(options_.centers_per_patch, count);
-  for (Index j = 0; j < kept; ++j)
-    centers_[static_cast<std::size_t>(j)] = centers_[static_cast<std::size_t>(j * count / kept)];
-  centers_.resize(static_cast<std::size_t>(kept));
+  for (Index j = 0; j < kept; ++j) centers_[j] = centers_[j * count / kept];
+  centers_.resize(kept);
 }
 
 void PatchFitter::localize(const Patch& patch) {
@@ -217,7 +216,7 @@ void PatchFitter::localize(const Patch& patch) {
   weight_.setZero(padded);
   offset_.setZero(padded);
   for (Index k = 0; k < count; ++k) {
-    const Index i = support_[static_cast<std::size_t>(k)];
+    const Index i = support_[k];
     const Point<3> q = patch.T * (cloud_.points.col(i) - patch.center);
     q_.row(k) = q;
     target_.row(k) = -patch.radius * (patch.T * cloud_.normals.col(i));

@@ -258,10 +258,10 @@ Box<3> support_box(const Patch& p) {
 }  // namespace
 
 void Patches::reserve(Index patches, Index centers_per_patch) {
-  patches_.reserve(static_cast<std::size_t>(patches));
-  center_begin_.reserve(static_cast<std::size_t>(patches + 1));
-  alpha_.reserve(static_cast<std::size_t>(patches * centers_per_patch));
-  centers_.reserve(static_cast<std::size_t>(3 * patches * centers_per_patch));
+  patches_.reserve(patches);
+  center_begin_.reserve(patches + 1);
+  alpha_.reserve(patches * centers_per_patch);
+  centers_.reserve(3 * patches * centers_per_patch);
 }
 
 void Patches::add(const Patch& patch, const PointsRef<3>& centers, const Eigen::Ref<const Eigen::VectorXd>& alpha) {
@@ -284,14 +284,14 @@ Index Patches::build_node(const std::vector<Box<3>>& boxes, Index begin, Index e
   nodes_.push_back({Box<3>{}, begin, end, 0});
   Box<3> box;
   if (end - begin <= leaf_patches) {
-    for (Index i = begin; i < end; ++i) box.add(boxes[static_cast<std::size_t>(i)]);
+    for (Index i = begin; i < end; ++i) box.add(boxes[i]);
   } else {
     const Index middle = begin + (end - begin) / 2;
     build_node(boxes, begin, middle);
     const Index right = build_node(boxes, middle, end);
     nodes_[index].right = right;
     box = nodes_[index + 1].box;
-    box.add(nodes_[static_cast<std::size_t>(right)].box);
+    box.add(nodes_[right].box);
   }
   nodes_[index].box = box;
   return static_cast<Index>(index);
@@ -303,14 +303,14 @@ void Patches::visit(const Box<3>& box, const Visit& visit) const {
   if (nodes_.empty()) return;
   std::array<Index, 64> stack;
   int depth = 0;
-  stack[static_cast<std::size_t>(depth++)] = 0;
+  stack[depth++] = 0;
   while (depth > 0) {
-    const Index index = stack[static_cast<std::size_t>(--depth)];
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
+    const Index index = stack[--depth];
+    const Node& node = nodes_[index];
     if (!node.box.intersects(box)) continue;
     if (node.right != 0) {
-      stack[static_cast<std::size_t>(depth++)] = node.right;
-      stack[static_cast<std::size_t>(depth++)] = index + 1;
+      stack[depth++] = node.right;
+      stack[depth++] = index + 1;
       continue;
     }
     for (Index i = node.begin; i < node.end; ++i)

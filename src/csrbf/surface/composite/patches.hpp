@@ -56,7 +56,7 @@ class Patches {
   [[nodiscard]] Index size() const { return static_cast<Index>(patches_.size()); }
   /// Total number of CSRBF centres.
   [[nodiscard]] Index centers() const { return static_cast<Index>(alpha_.size()); }
-  [[nodiscard]] const Patch& patch(Index i) const { return patches_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const Patch& patch(Index i) const { return patches_[i]; }
   [[nodiscard]] const std::vector<Patch>& patches() const { return patches_; }
   [[nodiscard]] const std::vector<Index>& center_begin() const { return center_begin_; }
   [[nodiscard]] const std::vector<double>& center_coordinates() const { return centers_; }

@@ -19,10 +19,10 @@ constexpr Index grain = 16;        // contour points per task
 // The first point along the loop, in steps of `step` from `at`, that is at least `distance` away.
 Point<3> walk(const Points<3>& points, const ContourLoop& loop, Index at, Index step, double distance) {
   const auto n = static_cast<Index>(loop.size());
-  const Point<3> start = points.col(loop[static_cast<std::size_t>(at)]);
+  const Point<3> start = points.col(loop[at]);
   Point<3> p = start;
   for (Index k = 1; k <= n / 3 || k == 1; ++k) {
-    p = points.col(loop[static_cast<std::size_t>(((at + k * step) % n + n) % n)]);
+    p = points.col(loop[((at + k * step) % n + n) % n]);
     if ((p - start).norm() >= distance) break;
   }
   return p;
@@ -49,7 +49,7 @@ double find_offset(const Slice& slice, const ContourPoint& p, double most) {
 
 ContourPoint contour_point(const Points<3>& points, const ContourLoop& loop, Index at, const Slice& slice,
                            double spacing) {
-  ContourPoint p{points.col(loop[static_cast<std::size_t>(at)])};
+  ContourPoint p{points.col(loop[at])};
   const Point<3> a = walk(points, loop, at, -1, offset_share * spacing),
                  b = walk(points, loop, at, 1, offset_share * spacing);
   const Point<3> side = slice.normal().cross(tangent(a, p.position, b)).normalized();
@@ -75,7 +75,7 @@ std::vector<ContourPoint> contour_points(const Points<3>& points, const std::vec
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const auto l = static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end(), places[i]) - ends.begin());
       const Index at = places[i] - (l > 0 ? ends[l - 1] : 0);
-      const Slice& slice = slices.slices[static_cast<std::size_t>(slices.slice_of[l])];
+      const Slice& slice = slices.slices[slices.slice_of[l]];
       result[i] = contour_point(points, loops[l], at, slice, spacing);
     }
   });

@@ -22,7 +22,7 @@ using Stack = std::vector<Index>;
 
 // Slices with about the same normal, by height along that of the first.
 std::vector<Stack> stacks_of(const std::vector<Slice>& slices) {
-  const auto slice = [&](Index i) -> const Slice& { return slices[static_cast<std::size_t>(i)]; };
+  const auto slice = [&](Index i) -> const Slice& { return slices[i]; };
   std::vector<Stack> stacks;
   for (Index s = 0; s < static_cast<Index>(slices.size()); ++s) {
     const auto found = std::find_if(stacks.begin(), stacks.end(), [&](const Stack& stack) {
@@ -42,7 +42,7 @@ std::vector<Stack> stacks_of(const std::vector<Slice>& slices) {
 Box<2> box_of(const std::vector<Slice>& slices, const Stack& stack, const Slice& seen_from) {
   Box<2> box;
   for (const Index s : stack)
-    for (const Points<3>& loop : slices[static_cast<std::size_t>(s)].loops())
+    for (const Points<3>& loop : slices[s].loops())
       for (Index i = 0; i < loop.cols(); ++i) box.add(seen_from.to_plane(loop.col(i)));
   return box;
 }
@@ -55,12 +55,10 @@ bool nothing_beyond(const Points<3>& points, const Slice& slice, double shift) {
 void add_stack(const Points<3>& points, const std::vector<Slice>& slices, const Stack& stack, SliceStacks& result) {
   const std::size_t last = stack.size() - 1;
   for (std::size_t k = 0; k <= last; ++k) {
-    const Slice& slice = slices[static_cast<std::size_t>(stack[k])];
+    const Slice& slice = slices[stack[k]];
     StackedSlice stacked{stack[k], 0, box_of(slices, stack, slice)};
     stacked.spacing = stacked.box.diagonal();
-    const auto height = [&](std::size_t other) {
-      return slice.height(slices[static_cast<std::size_t>(stack[other])].origin());
-    };
+    const auto height = [&](std::size_t other) { return slice.height(slices[stack[other]].origin()); };
     if (last > 0) {
       const double to_first = height(k > 0 ? k - 1 : 1), to_second = height(k < last ? k + 1 : last - 1);
       stacked.spacing = std::min(std::abs(to_first), std::abs(to_second));
@@ -131,7 +129,7 @@ bool add_wrong_signs(const Field<3>& field, const Slices& slices, const SliceSta
   parallel_for(static_cast<Index>(wrong.size()), 1, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const StackedSlice& stacked = stacks.slices[i];
-      wrong[i] = wrong_signs(field, stacked, slices.slices[static_cast<std::size_t>(stacked.slice)]);
+      wrong[i] = wrong_signs(field, stacked, slices.slices[stacked.slice]);
     }
   });
   bool any = false;
@@ -147,7 +145,7 @@ std::vector<Cap> find_caps(const Field<3>& field, const Slices& slices, const Sl
   std::vector<Cap> caps;
   for (const StackedSlice& stacked : stacks.slices) {
     if (stacked.beyond == 0) continue;
-    const Slice& slice = slices.slices[static_cast<std::size_t>(stacked.slice)];
+    const Slice& slice = slices.slices[stacked.slice];
     if (const std::optional<Cap> cap = find_cap(field, stacked, slice)) caps.push_back(*cap);
   }
   return caps;

@@ -36,7 +36,7 @@ Neighbors neighbors_of(const Polylines& contours) {
             "its ends must be vertices");
     if (a == b) continue;
     for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, a}}) {
-      auto& [first, second] = neighbors[static_cast<std::size_t>(from)];
+      auto& [first, second] = neighbors[from];
       if (first == to) continue;
       require(second < 0 || second == to, function, "vertex", from,
               "has more than two edges; contours must not branch");
@@ -52,9 +52,9 @@ Neighbors neighbors_of(const Polylines& contours) {
 ContourLoop chain(const Neighbors& neighbors, Index start, Index next, std::vector<bool>& seen) {
   ContourLoop loop{start};
   for (Index previous = start; next >= 0 && next != start;) {
-    seen[static_cast<std::size_t>(next)] = true;
+    seen[next] = true;
     loop.push_back(next);
-    const auto& [first, second] = neighbors[static_cast<std::size_t>(next)];
+    const auto& [first, second] = neighbors[next];
     next = std::exchange(previous, next) == first ? second : first;
   }
   return loop;
@@ -109,7 +109,7 @@ std::vector<ContourLoop> contour_loops(const Polylines& contours, std::vector<st
     seen[i] = true;
     const auto start = static_cast<Index>(i);
     ContourLoop loop = chain(neighbors, start, neighbors[i][0], seen);
-    const auto& last = neighbors[static_cast<std::size_t>(loop.back())];
+    const auto& last = neighbors[loop.back()];
     if (loop.size() < 3 || (last[0] != start && last[1] != start)) {
       // An open chain, entered in its middle or at an end.
       if (neighbors[i][1] >= 0) {
@@ -136,7 +136,7 @@ bool are_jagged(const Points<3>& points, const std::vector<ContourLoop>& loops) 
     const Point<3> normal = fit_plane(points(Eigen::all, loop), 0).normal;
     double side = 0;
     for (Index i = 0; i < n; ++i) {
-      const auto at = [&](Index k) { return Point<3>(points.col(loop[static_cast<std::size_t>(k % n)])); };
+      const auto at = [&](Index k) { return Point<3>(points.col(loop[k % n])); };
       const Point<3> before = at(i + 1) - at(i), after = at(i + 2) - at(i + 1);
       const double turn = std::atan2(normal.dot(before.cross(after)), before.dot(after));
       angles += std::abs(turn);

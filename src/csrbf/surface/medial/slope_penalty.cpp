@@ -68,7 +68,7 @@ Rows part(const Rows& M, const std::vector<Index>& rows, const std::vector<int>&
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (Rows::InnerIterator e(M, rows[i]); e; ++e)
-      entries.emplace_back(static_cast<int>(i), place[static_cast<std::size_t>(e.col())], e.value());
+      entries.emplace_back(static_cast<int>(i), place[e.col()], e.value());
   Rows result(static_cast<Index>(rows.size()), columns);
   result.setFromTriplets(entries.begin(), entries.end());
   return result;
@@ -77,14 +77,14 @@ Rows part(const Rows& M, const std::vector<Index>& rows, const std::vector<int>&
 // The samples within reach of the centres of some blocks only. Consecutive centres are neighbours.
 SlopeSystem sample_blocks(const SlopeSystem& s, Index blocks) {
   const Index M = s.B.cols(), length = most_for_choice / blocks;
-  std::vector<int> place(static_cast<std::size_t>(M), -1);
+  std::vector<int> place(M, -1);
   int columns = 0;
   for (Index block = 0; block < blocks; ++block)
-    for (Index i = 0; i < length; ++i) place[static_cast<std::size_t>(block * (M / blocks) + i)] = columns++;
+    for (Index i = 0; i < length; ++i) place[block * (M / blocks) + i] = columns++;
   std::vector<Index> rows;
   for (Index k = 0; k < s.B.rows(); ++k) {
     bool inside = true;
-    for (Rows::InnerIterator e(s.B, k); e && inside; ++e) inside = place[static_cast<std::size_t>(e.col())] >= 0;
+    for (Rows::InnerIterator e(s.B, k); e && inside; ++e) inside = place[e.col()] >= 0;
     if (inside) rows.push_back(k);
   }
   SlopeSystem sample;

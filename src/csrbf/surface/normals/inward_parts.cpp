@@ -20,12 +20,12 @@ winding::Tree make_tree(const OrientedPoints& cloud) {
 }
 
 std::vector<Index> samples_of_no(const std::vector<std::vector<Index>>& components, Index size) {
-  std::vector<char> on_component(static_cast<std::size_t>(size), 0);
+  std::vector<char> on_component(size, 0);
   for (const std::vector<Index>& component : components)
-    for (const Index i : component) on_component[static_cast<std::size_t>(i)] = 1;
+    for (const Index i : component) on_component[i] = 1;
   std::vector<Index> result;
   for (Index i = 0; i < size; ++i)
-    if (on_component[static_cast<std::size_t>(i)] == 0) result.push_back(i);
+    if (on_component[i] == 0) result.push_back(i);
   return result;
 }
 
@@ -36,8 +36,7 @@ std::vector<bool> inward_parts(const OrientedPoints& cloud, const std::vector<st
   const auto is_inward = [&](const std::vector<Index>& part) {
     const auto size = static_cast<Index>(part.size()), count = std::min(size, most_probes);
     Points<3> probes(3, count);
-    for (Index k = 0; k < count; ++k)
-      probes.col(k) = cloud.points.col(part[static_cast<std::size_t>(k * size / count)]);
+    for (Index k = 0; k < count; ++k) probes.col(k) = cloud.points.col(part[k * size / count]);
     return count > 0 && winding::sum_at(tree, probes).mean() < inward;
   };
   std::vector<bool> result;

@@ -11,7 +11,7 @@ namespace {
 NeighborTable empty_table(Index n, Index k) {
   NeighborTable table;
   table.k = std::max<Index>(0, std::min(k, n - 1));
-  table.index.resize(static_cast<std::size_t>(n * table.k));
+  table.index.resize(n * table.k);
   table.reach.setZero(n);
   return table;
 }
@@ -20,7 +20,7 @@ NeighborTable empty_table(Index n, Index k) {
 template <class Known>
 void search(const PointsRef<3>& points, const KdTree<3>& tree, const Known& known, NeighborTable& table) {
   const auto compute = [&](Index begin, Index end) {
-    std::vector<Index> ids(static_cast<std::size_t>(table.k + 1));
+    std::vector<Index> ids(table.k + 1);
     std::vector<double> d2(ids.size());
     for (Index i = begin; i < end; ++i) {
       if (known(i)) continue;
@@ -28,10 +28,9 @@ void search(const PointsRef<3>& points, const KdTree<3>& tree, const Known& know
       // The point itself need not come first where points coincide, and may be missing.
       Index kept = 0;
       for (Index j = 0; j < found && kept < table.k; ++j) {
-        if (ids[static_cast<std::size_t>(j)] == i) continue;
-        table.index[static_cast<std::size_t>(i * table.k + kept++)] =
-            static_cast<std::uint32_t>(ids[static_cast<std::size_t>(j)]);
-        table.reach[i] = std::sqrt(d2[static_cast<std::size_t>(j)]);
+        if (ids[j] == i) continue;
+        table.index[i * table.k + kept++] = static_cast<std::uint32_t>(ids[j]);
+        table.reach[i] = std::sqrt(d2[j]);
       }
     }
   };
@@ -52,13 +51,13 @@ NeighborTable make_neighbor_table(const PointsRef<3>& points, const KdTree<3>& t
                                   const std::vector<Index>& kept) {
   constexpr auto dropped = std::numeric_limits<std::uint32_t>::max();
   NeighborTable table = empty_table(points.cols(), before.k);
-  std::vector<std::uint32_t> now(static_cast<std::size_t>(before.size()), dropped);
-  for (std::size_t i = 0; i < kept.size(); ++i) now[static_cast<std::size_t>(kept[i])] = static_cast<std::uint32_t>(i);
+  std::vector<std::uint32_t> now(before.size(), dropped);
+  for (std::size_t i = 0; i < kept.size(); ++i) now[kept[i]] = static_cast<std::uint32_t>(i);
   const auto keeps_neighbors = [&](Index i) {
-    const std::span<const std::uint32_t> old = before.of(kept[static_cast<std::size_t>(i)]);
+    const std::span<const std::uint32_t> old = before.of(kept[i]);
     if (std::any_of(old.begin(), old.end(), [&](std::uint32_t j) { return now[j] == dropped; })) return false;
     std::transform(old.begin(), old.end(), table.index.begin() + i * table.k, [&](std::uint32_t j) { return now[j]; });
-    table.reach[i] = before.reach[kept[static_cast<std::size_t>(i)]];
+    table.reach[i] = before.reach[kept[i]];
     return true;
   };
   search(points, tree, keeps_neighbors, table);

@@ -46,9 +46,9 @@ Sorted sort(const PointsRef<3>& points, const PointsRef<3>& normals) {
 
 // Signs of the clusters that leave most normals unchanged.
 Signs majority(const Clusters& clusters) {
-  std::vector<Index> sum(static_cast<std::size_t>(clusters.size()), 0);
+  std::vector<Index> sum(clusters.size(), 0);
   for (std::size_t i = 0; i < clusters.of.size(); ++i)
-    if (clusters.of[i] >= 0) sum[static_cast<std::size_t>(clusters.of[i])] += clusters.sign[i];
+    if (clusters.of[i] >= 0) sum[clusters.of[i]] += clusters.sign[i];
   Signs signs;
   for (const Index s : sum) signs.push_back(s < 0 ? -1 : 1);
   return signs;
@@ -57,7 +57,7 @@ Signs majority(const Clusters& clusters) {
 void apply(const Clusters& clusters, const Signs& signs, Points<3>& normals) {
   for (Index i = 0; i < normals.cols(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (clusters.of[k] >= 0) normals.col(i) *= clusters.sign[k] * signs[static_cast<std::size_t>(clusters.of[k])];
+    if (clusters.of[k] >= 0) normals.col(i) *= clusters.sign[k] * signs[clusters.of[k]];
   }
 }
 
@@ -68,7 +68,7 @@ int upward(const Points<3>& normals, const NeighborTable& table, const Clusters&
   for (Index i = 0; i < normals.cols(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (clusters.of[k] < 0) continue;
-    sum += table.area(i) * clusters.sign[k] * signs[static_cast<std::size_t>(clusters.of[k])] * normals.col(i);
+    sum += table.area(i) * clusters.sign[k] * signs[clusters.of[k]] * normals.col(i);
     total += table.area(i);
   }
   for (const Index axis : {2, 1, 0})  // unless less than a tenth of the area decides; chosen by hand

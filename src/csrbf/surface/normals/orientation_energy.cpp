@@ -42,7 +42,7 @@ Sample draw(const NeighborTable& table, const Members& members) {
     const auto share = static_cast<Index>(std::ceil(sampled_points * areas[c] / total));
     const Index count = std::min(available, std::max(points_per_cluster, share));
     for (Index k = 0; k < count; ++k) {
-      sample.points.push_back(members[c][static_cast<std::size_t>((2 * k + 1) * available / (2 * count))]);
+      sample.points.push_back(members[c][(2 * k + 1) * available / (2 * count)]);
       sample.clusters.push_back(static_cast<std::int32_t>(c));
       sample.weights.push_back(areas[c] / total / static_cast<double>(count));
     }
@@ -61,7 +61,7 @@ Members subtrees(const std::vector<std::int32_t>& parent) {
   for (std::size_t c = parent.size(); c-- > 0;) {
     below[c].push_back(static_cast<Index>(c));
     if (parent[c] < 0) continue;
-    auto& up = below[static_cast<std::size_t>(parent[c])];
+    auto& up = below[parent[c]];
     up.insert(up.end(), below[c].begin(), below[c].end());
   }
   return below;
@@ -73,8 +73,7 @@ Energy::Energy(const Points<3>& points, const Points<3>& normals, const Neighbor
                const Clusters& clusters) {
   Members members(static_cast<std::size_t>(clusters.size()));
   for (Index i = 0; i < points.cols(); ++i)
-    if (const std::int32_t c = clusters.of[static_cast<std::size_t>(i)]; c >= 0)
-      members[static_cast<std::size_t>(c)].push_back(i);
+    if (const std::int32_t c = clusters.of[i]; c >= 0) members[c].push_back(i);
   const Sample sample = draw(table, members);
 
   // Probes on the surface, then the others along a Morton curve.
@@ -82,7 +81,7 @@ Energy::Energy(const Points<3>& points, const Points<3>& normals, const Neighbor
   cluster_ = sample.clusters;
   Points<3> probes(3, probes_per_point * on_surface_);
   for (Index s = 0; s < on_surface_; ++s) {
-    const Index i = sample.points[static_cast<std::size_t>(s)];
+    const Index i = sample.points[s];
     const double spacing = std::sqrt(table.area(i));
     probes.col(s) = points.col(i);
     Index block = 1;
@@ -94,10 +93,10 @@ Energy::Energy(const Points<3>& points, const Points<3>& normals, const Neighbor
   Points<3> sorted = probes;
   weight_.resize(probes.cols());
   for (Index k = 0; k < probes.cols(); ++k) {
-    const Index from = k < on_surface_ ? k : on_surface_ + order[static_cast<std::size_t>(k - on_surface_)];
+    const Index from = k < on_surface_ ? k : on_surface_ + order[k - on_surface_];
     sorted.col(k) = probes.col(from);
     const double share = k < on_surface_ ? surface_share : (1 - surface_share) / (probes_per_point - 1);
-    weight_[k] = static_cast<float>(share * sample.weights[static_cast<std::size_t>(from % on_surface_)]);
+    weight_[k] = static_cast<float>(share * sample.weights[from % on_surface_]);
   }
   sum_winding(sorted, points, normals, table, clusters, members);
   count_votes(points, normals, graph, clusters);
@@ -111,9 +110,9 @@ void Energy::sum_winding(const Points<3>& probes, const Points<3>& points, const
     const auto size = static_cast<Index>(members[c].size());
     winding::Samples samples{Points<3>(3, size), Points<3>(3, size), Eigen::VectorXd(size), Eigen::VectorXd(size)};
     for (Index k = 0; k < size; ++k) {
-      const Index i = members[c][static_cast<std::size_t>(k)];
+      const Index i = members[c][k];
       samples.points.col(k) = points.col(i);
-      samples.normals.col(k) = clusters.sign[static_cast<std::size_t>(i)] * normals.col(i);
+      samples.normals.col(k) = clusters.sign[i] * normals.col(i);
       samples.areas[k] = table.area(i);
       samples.eps[k] = std::sqrt(samples.areas[k]);
     }
@@ -125,9 +124,9 @@ void Energy::sum_winding(const Points<3>& probes, const Points<3>& points, const
 void Energy::count_votes(const Points<3>& points, const Points<3>& normals, const Graph& graph,
                          const Clusters& clusters) {
   votes_.setZero(clusters.size(), clusters.size());
-  std::vector<double> sizes(static_cast<std::size_t>(clusters.size()), 0);
+  std::vector<double> sizes(clusters.size(), 0);
   for (const std::int32_t c : clusters.of)
-    if (c >= 0) sizes[static_cast<std::size_t>(c)] += 1;
+    if (c >= 0) sizes[c] += 1;
   const double share = 1 / static_cast<double>(std::max<std::size_t>(1, graph.near));
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     const auto [a, b] = graph.edges[e];
@@ -135,8 +134,7 @@ void Energy::count_votes(const Points<3>& points, const Points<3>& normals, cons
     if (ca == cb) continue;
     double vote = share * std::max(0.0, 1 - cost(points.col(a), normals.col(a), points.col(b), normals.col(b)));
     // A bridge represents the pairs that would be neighbours if the smaller side were as close as its own points are.
-    if (e >= graph.near)
-      vote *= 3 * std::sqrt(std::min(sizes[static_cast<std::size_t>(ca)], sizes[static_cast<std::size_t>(cb)]));
+    if (e >= graph.near) vote *= 3 * std::sqrt(std::min(sizes[ca], sizes[cb]));
     if (normals.col(a).dot(normals.col(b)) < 0) vote = -vote;
     vote *= clusters.sign[a] * clusters.sign[b];
     votes_(ca, cb) += vote;
@@ -152,8 +150,7 @@ void Energy::list_moves(const Clusters& clusters) {
 
 Eigen::VectorXf Energy::winding(const Signs& signs) const {
   Eigen::VectorXf w = Eigen::VectorXf::Zero(winding_.rows());
-  for (Index c = 0; c < winding_.cols(); ++c)
-    w += static_cast<float>(signs[static_cast<std::size_t>(c)]) * winding_.col(c);
+  for (Index c = 0; c < winding_.cols(); ++c) w += static_cast<float>(signs[c]) * winding_.col(c);
   return w;
 }
 
@@ -181,9 +178,9 @@ double Energy::mean_winding(const Signs& signs) const {
 void Energy::turn_each_outward(Signs& signs) const {
   std::vector<double> sum(signs.size(), 0), total(signs.size(), 0);
   for (Index s = 0; s < on_surface_; ++s) {
-    const std::int32_t c = cluster_[static_cast<std::size_t>(s)];
-    sum[static_cast<std::size_t>(c)] += weight_[s] * winding_(s, c);
-    total[static_cast<std::size_t>(c)] += weight_[s];
+    const std::int32_t c = cluster_[s];
+    sum[c] += weight_[s] * winding_(s, c);
+    total[c] += weight_[s];
   }
   for (std::size_t c = 0; c < signs.size(); ++c)
     if (std::abs(sum[c]) > has_inside * total[c]) signs[c] = sum[c] < 0 ? -1 : 1;
@@ -203,11 +200,11 @@ double Energy::descend_from(Signs& signs) const {
     bool improved = false;
     for (const std::vector<Index>& move : moves_) {
       std::fill(moves.begin(), moves.end(), char{0});
-      for (const Index c : move) moves[static_cast<std::size_t>(c)] = 1;
+      for (const Index c : move) moves[c] = 1;
       turned = w;
       double lost = 0;
       for (const Index c : move) {
-        const int sign = signs[static_cast<std::size_t>(c)];
+        const int sign = signs[c];
         turned -= static_cast<float>(2 * sign) * winding_.col(c);
         for (std::size_t d = 0; d < signs.size(); ++d)
           if (moves[d] == 0) lost += sign * signs[d] * votes_(c, static_cast<Index>(d));
@@ -217,8 +214,7 @@ double Energy::descend_from(Signs& signs) const {
       w = turned;
       energy = after;
       improved = true;
-      for (const Index c : move)
-        signs[static_cast<std::size_t>(c)] = static_cast<signed char>(-signs[static_cast<std::size_t>(c)]);
+      for (const Index c : move) signs[c] = static_cast<signed char>(-signs[c]);
     }
     if (!improved) break;
   }

@@ -23,7 +23,7 @@ Eigen::VectorXd roughness(const Points<3>& points, const Points<3>& normals, con
   Eigen::VectorXd rough(table.size());
   parallel_for(table.size(), 4096, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
-      const Index a = ids[static_cast<std::size_t>(i)];
+      const Index a = ids[i];
       double sum = 0;
       for (const std::uint32_t other : table.of(i)) {
         const Point<3> step = points.col(ids[other]) - points.col(a);
@@ -44,7 +44,7 @@ std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, 
   std::vector<std::uint16_t> bucket(table.index.size());
   parallel_for(table.size(), 4096, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
-      const Index a = ids[static_cast<std::size_t>(i)];
+      const Index a = ids[i];
       for (std::size_t j = 0; j < k; ++j) {
         const std::uint32_t other = table.of(i)[j];
         const Index b = ids[other];
@@ -80,7 +80,7 @@ int agreement(const Points<3>& normals, const Edge& edge) {
 // Every `thinning`-th point of each component, at least one.
 std::vector<std::uint32_t> thin_out(const std::vector<std::uint32_t>& ids, Index n, SignedSets& sets) {
   std::vector<std::uint32_t> kept;
-  std::vector<std::uint8_t> seen(static_cast<std::size_t>(n), 0);
+  std::vector<std::uint8_t> seen(n, 0);
   for (const std::uint32_t id : ids) {
     std::uint8_t& count = seen[sets.find(id).root];
     if (count == 0) kept.push_back(id);
@@ -130,8 +130,8 @@ void number_from_root(const std::vector<Edge>& between, Clusters& clusters) {
   std::vector<std::vector<std::int32_t>> linked(count);
   for (const Edge& edge : between) {
     const std::int32_t a = clusters.of[edge.a], b = clusters.of[edge.b];
-    linked[static_cast<std::size_t>(a)].push_back(b);
-    linked[static_cast<std::size_t>(b)].push_back(a);
+    linked[a].push_back(b);
+    linked[b].push_back(a);
   }
   std::vector<std::int32_t> number(count, -1), queue;
   clusters.parent.assign(count, -1);
@@ -141,8 +141,8 @@ void number_from_root(const std::vector<Edge>& between, Clusters& clusters) {
     number[root] = static_cast<std::int32_t>(queue.size());
     queue.push_back(static_cast<std::int32_t>(root));
     for (; next < queue.size(); ++next)
-      for (const std::int32_t other : linked[static_cast<std::size_t>(queue[next])]) {
-        std::int32_t& id = number[static_cast<std::size_t>(other)];
+      for (const std::int32_t other : linked[queue[next]]) {
+        std::int32_t& id = number[other];
         if (id >= 0) continue;
         id = static_cast<std::int32_t>(queue.size());
         clusters.parent[queue.size()] = static_cast<std::int32_t>(next);
@@ -150,9 +150,9 @@ void number_from_root(const std::vector<Edge>& between, Clusters& clusters) {
       }
   }
   const std::vector<signed char> sign = clusters.tree_sign;
-  for (std::size_t i = 0; i < count; ++i) clusters.tree_sign[i] = sign[static_cast<std::size_t>(queue[i])];
+  for (std::size_t i = 0; i < count; ++i) clusters.tree_sign[i] = sign[queue[i]];
   for (std::int32_t& id : clusters.of)
-    if (id >= 0) id = number[static_cast<std::size_t>(id)];
+    if (id >= 0) id = number[id];
 }
 
 }  // namespace
@@ -196,7 +196,7 @@ double cost(const Point<3>& pa, const Point<3>& na, const Point<3>& pb, const Po
 
 Graph make_graph(const Points<3>& points, const Points<3>& normals, const NeighborTable& table) {
   Graph graph;
-  std::vector<std::uint32_t> ids(static_cast<std::size_t>(points.cols()));
+  std::vector<std::uint32_t> ids(points.cols());
   std::iota(ids.begin(), ids.end(), std::uint32_t{0});
   graph.edges = sort_edges(points, normals, table, ids, graph.certain);
   graph.near = graph.edges.size();
@@ -234,9 +234,9 @@ Clusters make_clusters(const Graph& graph, const Points<3>& normals, std::size_t
       ++clusters.tree_edges;
       clusters.flipped_edges += agreement(normals, edge) < 0 ? 1 : 0;
     }
-  clusters.of.assign(static_cast<std::size_t>(n), -1);
-  clusters.sign.assign(static_cast<std::size_t>(n), 1);
-  std::vector<std::int32_t> number(static_cast<std::size_t>(n), -1);
+  clusters.of.assign(n, -1);
+  clusters.sign.assign(n, 1);
+  std::vector<std::int32_t> number(n, -1);
   for (Index i = 0; i < n; ++i) {
     if (!(normals.col(i).squaredNorm() > 0)) continue;
     const auto found = sets.find(i);
@@ -245,8 +245,8 @@ Clusters make_clusters(const Graph& graph, const Points<3>& normals, std::size_t
       id = static_cast<std::int32_t>(clusters.tree_sign.size());
       clusters.tree_sign.push_back(static_cast<signed char>(tree.find(found.root).sign));
     }
-    clusters.of[static_cast<std::size_t>(i)] = id;
-    clusters.sign[static_cast<std::size_t>(i)] = static_cast<signed char>(found.sign);
+    clusters.of[i] = id;
+    clusters.sign[i] = static_cast<signed char>(found.sign);
   }
   number_from_root(cut.between, clusters);
   return clusters;

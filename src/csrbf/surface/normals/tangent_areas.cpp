@@ -60,8 +60,8 @@ class Neighbors {
       if (found_ == tree_.size()) return false;
       fetch(4 * found_);
     }
-    j = ids_[static_cast<std::size_t>(n)];
-    squared = squared_[static_cast<std::size_t>(n)];
+    j = ids_[n];
+    squared = squared_[n];
     return true;
   }
 
@@ -70,7 +70,7 @@ class Neighbors {
 
   void fetch(Index n) {
     n = std::min(n, tree_.size());
-    ids_.resize(static_cast<std::size_t>(n));
+    ids_.resize(n);
     squared_.resize(ids_.size());
     found_ = tree_.nearest(x_, n, ids_.data(), squared_.data());
   }

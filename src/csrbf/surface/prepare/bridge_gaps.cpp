@@ -211,7 +211,7 @@ std::vector<Index> samples_behind(const OrientedPoints& cloud, const std::vector
     if (d2 < reach * reach) near.push_back(i);
   }
   std::vector<Index> spread = farthest_points<3>(cloud.points(Eigen::all, near), spline_samples).indices;
-  for (Index& i : spread) i = near[static_cast<std::size_t>(i)];
+  for (Index& i : spread) i = near[i];
   return spread;
 }
 
@@ -227,7 +227,7 @@ std::shared_ptr<const Field<3>> spline_across(const OrientedPoints& cloud, const
   const auto n = static_cast<Index>(ids.size());
   Samples<3> samples{Points<3>(3, 3 * n), Eigen::VectorXd(3 * n), {}};
   for (Index k = 0; k < n; ++k) {
-    const Index i = ids[static_cast<std::size_t>(k)];
+    const Index i = ids[k];
     for (const int side : {-1, 0, 1}) {
       samples.points.col(3 * k + 1 + side) = cloud.points.col(i) - side * offset * cloud.normals.col(i);
       samples.values(3 * k + 1 + side, 0) = side * offset;
@@ -250,7 +250,7 @@ Points<3> points_between(const OrientedPoints& cloud, const Gap& gap, double spa
       points.push_back(a + static_cast<double>(k) / static_cast<double>(segments) * (b - a));
   }
   Points<3> result(3, static_cast<Index>(points.size()));
-  for (Index i = 0; i < result.cols(); ++i) result.col(i) = points[static_cast<std::size_t>(i)];
+  for (Index i = 0; i < result.cols(); ++i) result.col(i) = points[i];
   return result;
 }
 
@@ -290,13 +290,10 @@ void add_spread(const Added& added, double spacing, PreparedCloud& prepared) {
     if (d2 > distance_to_data * distance_to_data * spacing * spacing) free.push_back(static_cast<Index>(i));
   }
   Points<3> candidates(3, static_cast<Index>(free.size()));
-  for (std::size_t k = 0; k < free.size(); ++k)
-    candidates.col(static_cast<Index>(k)) = added.points[static_cast<std::size_t>(free[k])];
+  for (std::size_t k = 0; k < free.size(); ++k) candidates.col(static_cast<Index>(k)) = added.points[free[k]];
   const FarthestPoints spread = farthest_points<3>(candidates, candidates.cols());
   Index count = 0;
-  while (count < static_cast<Index>(spread.indices.size()) &&
-         spread.radii[static_cast<std::size_t>(count)] > density * spacing)
-    ++count;
+  while (count < static_cast<Index>(spread.indices.size()) && spread.radii[count] > density * spacing) ++count;
   const Index n = cloud.size();
   cloud.points.conservativeResize(3, n + count);
   cloud.normals.conservativeResize(3, n + count);

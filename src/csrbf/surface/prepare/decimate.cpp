@@ -33,8 +33,7 @@ OrientedPoints decimate(const OrientedPoints& cloud) {
   const auto count = static_cast<Index>(ends.size());
   OrientedPoints coarse{Points<3>(3, count), Points<3>(3, count), Eigen::VectorXd(count)};
   for (Index g = 0; g < count; ++g) {
-    const Index begin = g > 0 ? ends[static_cast<std::size_t>(g - 1)] : 0,
-                n = ends[static_cast<std::size_t>(g)] - begin;
+    const Index begin = g > 0 ? ends[g - 1] : 0, n = ends[g] - begin;
     const auto points = cloud.points.middleCols(begin, n);
     const Point<3> mean = points.rowwise().mean(), normal = cloud.normals.middleCols(begin, n).rowwise().sum();
     Index nearest = 0;

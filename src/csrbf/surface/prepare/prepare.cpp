@@ -44,10 +44,10 @@ std::vector<Index> distinct_points(const PointCloud& input, Points<3>& normals, 
   for (Index i = 0; i < input.size(); ++i) {
     if (!input.points.col(i).allFinite()) {
       ++non_finite;
-    } else if (first[static_cast<std::size_t>(i)] == i) {
+    } else if (first[i] == i) {
       kept.push_back(i);
     } else if (normals.cols() > 0) {
-      normals.col(first[static_cast<std::size_t>(i)]) += normals.col(i);
+      normals.col(first[i]) += normals.col(i);
     }
   }
   warn(warnings, non_finite, "points with NaN or infinite coordinates dropped");
@@ -144,9 +144,7 @@ std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const st
 Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
-  for (Index i = 0; i < points.cols(); ++i)
-    reach[static_cast<std::size_t>(i)] =
-        (points.col(i) - points.col(near.of(i)[static_cast<std::size_t>(near.k / 2)])).norm();
+  for (Index i = 0; i < points.cols(); ++i) reach[i] = (points.col(i) - points.col(near.of(i)[near.k / 2])).norm();
   const double usual = median(std::vector(reach));
   DisjointSets clusters = link(points, near, reach);
   std::vector<Index> size(n, 0);
@@ -182,7 +180,7 @@ Points<3> select(const Points<3>& columns, const std::vector<Index>& ids) {
 
 std::vector<Index> select(const std::vector<Index>& entries, const std::vector<Index>& ids) {
   std::vector<Index> chosen;
-  for (const Index i : ids) chosen.push_back(entries[static_cast<std::size_t>(i)]);
+  for (const Index i : ids) chosen.push_back(entries[i]);
   return chosen;
 }
 
@@ -260,7 +258,7 @@ void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& p
     Index nearest = 0;
     double d2 = 0;
     tree.nearest(points.col(i), 1, &nearest, &d2);
-    const double side = estimated.col(i).dot(normals.col(given[static_cast<std::size_t>(nearest)]));
+    const double side = estimated.col(i).dot(normals.col(given[nearest]));
     normals.col(i) = side < 0 ? Point<3>(-estimated.col(i)) : Point<3>(estimated.col(i));
   }
 }
@@ -340,10 +338,10 @@ void turn_outward(PreparedCloud& result, Normals source) {
     result.warnings.push_back("the given normals point inward" + where + "; automatic normals would turn them");
     return;
   }
-  std::vector<signed char> sign(static_cast<std::size_t>(result.cloud.size()), inward.back() ? -1 : 1);
+  std::vector<signed char> sign(result.cloud.size(), inward.back() ? -1 : 1);
   for (std::size_t k = 0; k < result.components.size(); ++k)
-    for (const Index i : result.components[k]) sign[static_cast<std::size_t>(i)] = inward[k] ? -1 : 1;
-  for (Index i = 0; i < result.cloud.size(); ++i) result.cloud.normals.col(i) *= sign[static_cast<std::size_t>(i)];
+    for (const Index i : result.components[k]) sign[i] = inward[k] ? -1 : 1;
+  for (Index i = 0; i < result.cloud.size(); ++i) result.cloud.normals.col(i) *= sign[i];
   result.normals = NormalSource::reoriented;
   result.warnings.push_back("the given normals point inward" + where + ": turned");
 }

@@ -28,14 +28,14 @@ Samples sorted_samples(const PointsRef<3>& input) {
   for (Index i = 0; i < input.cols(); ++i)
     if (input.col(i).allFinite()) samples.source.push_back(i);
   Points<3> finite(3, static_cast<Index>(samples.source.size()));
-  for (Index i = 0; i < finite.cols(); ++i) finite.col(i) = input.col(samples.source[static_cast<std::size_t>(i)]);
+  for (Index i = 0; i < finite.cols(); ++i) finite.col(i) = input.col(samples.source[i]);
 
   const std::vector<Index> order = morton_order<3>(finite);
   const std::vector<Index> unsorted = samples.source;
   samples.points.resize(3, finite.cols());
   for (std::size_t i = 0; i < order.size(); ++i) {
     samples.points.col(static_cast<Index>(i)) = finite.col(order[i]);
-    samples.source[i] = unsorted[static_cast<std::size_t>(order[i])];
+    samples.source[i] = unsorted[order[i]];
   }
   return samples;
 }
@@ -54,7 +54,7 @@ Weights weigh(const KdTree<3>& tree, const Samples& samples, const Point<3>& tar
   w.count = tree.nearest(target, neighbors, w.source.data(), squared.data());
   double sum = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(w.count); ++k) {
-    w.source[k] = samples.source[static_cast<std::size_t>(w.source[k])];
+    w.source[k] = samples.source[w.source[k]];
     w.weight[k] = squared[k] > squared[0] ? std::sqrt(squared[0] / squared[k]) : 1;
     sum += w.weight[k];
   }

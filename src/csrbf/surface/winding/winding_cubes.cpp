@@ -48,7 +48,7 @@ const Matrix& interpolation() {
   static const Matrix matrix = [] {
     Eigen::Matrix<double, order, order> vandermonde;
     for (int k = 0; k < order; ++k)
-      for (int p = 0; p < order; ++p) vandermonde(k, p) = std::pow(chebyshev_points()[static_cast<std::size_t>(k)], p);
+      for (int p = 0; p < order; ++p) vandermonde(k, p) = std::pow(chebyshev_points()[k], p);
     return Matrix(vandermonde.inverse().cast<float>());
   }();
   return matrix;
@@ -82,14 +82,14 @@ Cubes::Cubes(const Tree& tree) : tree_(tree) {
 
 void Cubes::set_near(Cube& cube, std::vector<std::int32_t> near) const {
   Index samples = 0;
-  for (const std::int32_t id : near) samples += tree_.nodes[static_cast<std::size_t>(id)].count;
+  for (const std::int32_t id : near) samples += tree_.nodes[id].count;
   cube.divided = samples > near_capacity && cube.depth < max_depth;
   if (cube.divided) {
     cube.near = std::move(near);
     return;
   }
   for (const std::int32_t id : near) {
-    const Node& node = tree_.nodes[static_cast<std::size_t>(id)];
+    const Node& node = tree_.nodes[id];
     if (!cube.cell.near.empty() && cube.cell.near.back().end == node.begin)
       cube.cell.near.back().end += node.count;
     else
@@ -103,7 +103,7 @@ Cubes::Sources Cubes::classify(const Cell& cell, const std::vector<std::int32_t>
   while (!stack.empty()) {
     const std::int32_t id = stack.back();
     stack.pop_back();
-    const Node& node = tree_.nodes[static_cast<std::size_t>(id)];
+    const Node& node = tree_.nodes[id];
     const double radius = node.radius();
     const Eigen::Array3d offset = (Point<3>(node.center) - cell.center).array().abs();
     const bool is_far = offset.maxCoeff() - radius > separation * cell.half;

@@ -214,7 +214,7 @@ Sums sum_cell(const Tree& tree, const Cell& cell, const Point<3>& x, Derivatives
   const double inverse = 1 / cell.half;
   for (int k = 0; k < count; ++k) {
     const double unit = k == 0 ? 1 : k < 4 ? inverse : inverse * inverse;
-    sums[static_cast<std::size_t>(k)] = unit * (total(far.sum[k]) + inverse * inverse * total(near.sum[k]));
+    sums[k] = unit * (total(far.sum[k]) + inverse * inverse * total(near.sum[k]));
   }
   return sums;
 }

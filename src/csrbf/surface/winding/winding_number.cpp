@@ -103,9 +103,9 @@ void WindingNumber::evaluate_block(const PointsRef<3>& x, const JetBlock& out) c
     }
     out.value[i] = sums[0] - 1;
     if (out.gradient != nullptr)
-      for (Index k = 0; k < 3; ++k) out.gradient[3 * i + k] = sums[static_cast<std::size_t>(1 + k)] / unit;
+      for (Index k = 0; k < 3; ++k) out.gradient[3 * i + k] = sums[1 + k] / unit;
     if (out.hessian != nullptr)
-      for (Index k = 0; k < 6; ++k) out.hessian[6 * i + k] = sums[static_cast<std::size_t>(4 + k)] / unit / unit;
+      for (Index k = 0; k < 6; ++k) out.hessian[6 * i + k] = sums[4 + k] / unit / unit;
   }
 }
 

@@ -23,7 +23,7 @@ void find_sources(const Tree& tree, const Layer& at, Lists& lists) {
   while (!lists.stack.empty()) {
     const std::int32_t id = lists.stack.back();
     lists.stack.pop_back();
-    const Node& node = tree.nodes[static_cast<std::size_t>(id)];
+    const Node& node = tree.nodes[id];
     const Point<3> c(node.center);
     const double gap2 =
         (box.lo - c).cwiseMax(c - box.hi).cwiseMax(0.0).squaredNorm() * node.inverse_scale * node.inverse_scale;

@@ -211,9 +211,9 @@ Tree make_tree(const SamplesRef& samples) {
   tree.origin = 0.5 * box.lo + 0.5 * box.hi;
   tree.unit = std::exp2(std::ceil(std::log2(std::max((box.hi - box.lo).maxCoeff(), samples.eps.maxCoeff()))));
 
-  std::vector<Item> items(static_cast<std::size_t>(n));
+  std::vector<Item> items(n);
   for (Index i = 0; i < n; ++i) {
-    Item& item = items[static_cast<std::size_t>(i)];
+    Item& item = items[i];
     const double weight = samples.areas[i] / tree.unit / tree.unit / two_pi, eps = samples.eps[i] / tree.unit;
     for (Index k = 0; k < 3; ++k) {
       item.p[k] = (samples.points(k, i) - tree.origin[k]) / tree.unit;

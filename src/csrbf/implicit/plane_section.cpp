@@ -1,4 +1,4 @@
-#include "csrbf/implicit/curves/plane_section.hpp"
+#include "csrbf/implicit/plane_section.hpp"
 
 namespace csrbf {
 
@@ -25,15 +25,14 @@ template <int Dim>
 Eigen::VectorXd PlaneSection<Dim>::evaluate_grid(const GridAxes<2>& axes) const {
   std::array<Index, 2> row{};
   for (Index k = 0; k < 2; ++k) {
-    across_.col(k).cwiseAbs().maxCoeff(&row[static_cast<std::size_t>(k)]);
+    across_.col(k).cwiseAbs().maxCoeff(&row[k]);
     if ((across_.col(k).array() != 0).count() != 1) return Field<2>::evaluate_grid(axes);
   }
   if (row[0] >= row[1]) return Field<2>::evaluate_grid(axes);
   GridAxes<Dim> in_space;
-  for (Index a = 0; a < Dim; ++a) in_space[static_cast<std::size_t>(a)].setConstant(1, origin_[a]);
+  for (Index a = 0; a < Dim; ++a) in_space[a].setConstant(1, origin_[a]);
   for (std::size_t k = 0; k < 2; ++k)
-    in_space[static_cast<std::size_t>(row[k])] =
-        (axes[k].array() * across_(row[k], static_cast<Index>(k)) + origin_[row[k]]).matrix();
+    in_space[row[k]] = (axes[k].array() * across_(row[k], static_cast<Index>(k)) + origin_[row[k]]).matrix();
   return field_.evaluate_grid(in_space);
 }
 

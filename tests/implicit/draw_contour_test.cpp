@@ -1,4 +1,4 @@
-#include "csrbf/implicit/curves/draw_contour.hpp"
+#include "csrbf/implicit/draw_contour.hpp"
 
 #include "core/error_testing.hpp"
 
@@ -21,7 +21,7 @@ ContourLines line_of(const std::vector<Point<2>>& points, bool closed) {
 }
 
 std::uint8_t red(const RgbImage& picture, int x, int y) {
-  return picture.pixels[static_cast<std::size_t>(3 * (y * picture.width + x))];
+  return picture.pixels[3 * (y * picture.width + x)];
 }
 
 double sum_of_red(const RgbImage& picture) {

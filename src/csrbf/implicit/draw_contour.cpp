@@ -1,4 +1,4 @@
-#include "csrbf/implicit/curves/draw_contour.hpp"
+#include "csrbf/implicit/draw_contour.hpp"
 
 #include "csrbf/core/error.hpp"
 

@@ -1,4 +1,4 @@
-#include "csrbf/implicit/curves/plane_section.hpp"
+#include "csrbf/implicit/plane_section.hpp"
 
 #include "implicit/analytic_fields.hpp"
 

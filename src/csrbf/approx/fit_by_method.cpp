@@ -1,0 +1,283 @@
+#include "csrbf/approx/fit_by_method.hpp"
+
+#include "csrbf/approx/basis/expansion.hpp"
+#include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/levels/error_bounded.hpp"
+#include "csrbf/approx/levels/fixed_budget.hpp"
+#include "csrbf/approx/levels/least_squares.hpp"
+#include "csrbf/approx/levels/level_sum.hpp"
+#include "csrbf/approx/levels/multilevel.hpp"
+#include "csrbf/approx/levels/pca_multiresolution.hpp"
+#include "csrbf/approx/moving/along_tracks.hpp"
+#include "csrbf/approx/samples/deviation.hpp"
+#include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/approx/unity/local_variance.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/kernels/kernel.hpp"
+#include "csrbf/spatial/morton_order.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+constexpr double rounding = 1e-12;  // relative
+
+// One fit in scaled coordinates; fills the report.
+template <int Dim>
+class Fitter {
+ public:
+  Fitter(const Samples<Dim>& samples, const FitOptions& options, FitMethod method, FitReport& report)
+      : samples_(samples), options_(options), method_(method), report_(report) {}
+
+  MethodFields<Dim> fit() {
+    Fields components = fit_components();
+    return {std::move(components), std::move(variances_), method_};
+  }
+
+ private:
+  using Fields = std::vector<std::shared_ptr<const Field<Dim>>>;
+
+  Fields fit_components() {
+    if (options_.method == "auto" && options_.tolerance > 0 && options_.centers == 0 &&
+        samples_.size() > few_samples(Dim)) {
+      Fields fields = thinned_partition();
+      if (!fields.empty()) return fields;
+    }
+    switch (method_) {
+      case FitMethod::interpolate:
+        return interpolant();
+      case FitMethod::least_squares:
+        return level_sum(least_squares(samples_, level_options<LeastSquaresOptions>()));
+      case FitMethod::partition_of_unity:
+        return patches_or_tracks();
+      case FitMethod::multilevel:
+        return levels();
+      case FitMethod::pca_multiresolution:
+        return clusters();
+      case FitMethod::fixed_budget:
+        return level_sum(fixed_budget(samples_, level_options<FixedBudgetOptions>()));
+      case FitMethod::error_bounded:
+        return within_tolerance();
+      case FitMethod::moving_least_squares:
+      case FitMethod::along_tracks:
+        return moving();
+    }
+    return {};
+  }
+
+  // The one used, after fit().
+  [[nodiscard]] FitMethod method() const { return method_; }
+
+  template <class Options>
+  void set_kernel(Options& options) {
+    if (options_.kernel != "auto") options.kernel = options_.kernel;
+    if (options_.smoothing) options.lambda0 = *options_.smoothing;
+    options.progress = options_.progress;
+    report_.kernel = options.kernel;
+  }
+
+  template <class Options>
+  Options level_options() {
+    Options options;
+    set_kernel(options);
+    options.centers = options_.centers;
+    return options;
+  }
+
+  Fields level_sum(const LevelFit<Dim>& fit) {
+    report_.levels = static_cast<Index>(fit.levels.size());
+    report_.centers = 0;
+    for (const auto& level : fit.fields.front()->levels()) report_.centers += level->basis().size();
+    for (const LevelReport& level : fit.levels) report_.support = std::max(report_.support, level.largest_support);
+    report_.smoothing = fit.levels.front().lambda0;
+    if (!fit.converged) report_.warnings.emplace_back(tolerance_missed);
+    return fit.model();
+  }
+
+  Fields levels() {
+    auto options = level_options<MultilevelOptions>();
+    options.tolerance = options_.tolerance;
+    if (options_.smoothing.value_or(0) > 0) options.solve = LevelSolve::ridge;
+    return level_sum(multilevel(samples_, options));
+  }
+
+  Fields clusters() {
+    PcaMultiresolutionOptions options;
+    set_kernel(options);
+    if (options_.tolerance > 0) options.tolerance = options_.tolerance;
+    if (options_.centers > 0) options.cluster_size = std::max<Index>(1, samples_.size() / options_.centers);
+    return level_sum(pca_multiresolution(samples_, options));
+  }
+
+  Fields within_tolerance() {
+    auto options = level_options<ErrorBoundedOptions>();
+    if (options_.tolerance > 0) options.tolerance = options_.tolerance;
+    return level_sum(error_bounded(samples_, options));
+  }
+
+  // A partition of unity of a share of the samples that is within the tolerance at all of them; none if there is none.
+  Fields thinned_partition() {
+    if (options_.kernel != "auto" && Kernel(options_.kernel, Dim).order() > 0) return {};
+    struct Attempt {
+      Index stride;
+      double mean_error;  // as a share of the tolerance, which is for the largest one
+    };
+    constexpr std::array<Attempt, 4> attempts = {{{64, 1e-2}, {8, 1e-2}, {1, 1e-2}, {1, 1e-5}}};
+    const FitReport before = report_;
+    const std::vector<Index> order = morton_order<Dim>(samples_.points);
+    for (const auto& [stride, mean_error] : attempts) {
+      if (samples_.size() / stride < few_samples(Dim)) continue;
+      const Samples<Dim> share = merge_duplicates(subset(order, 0, stride)).samples;
+      PartitionOfUnityOptions local = partition_options(options_);
+      local.accuracy = mean_error * options_.tolerance;
+      Fields fields = partition(share, local);
+      const Index stride_of_test = std::max<Index>(1, samples_.size() / tested_first);
+      if (holds(fields, subset(order, stride / 2, stride_of_test)) && holds(fields, samples_)) {
+        method_ = FitMethod::partition_of_unity;
+        report_.samples_fitted = share.size();
+        return fields;
+      }
+    }
+    report_ = before;
+    variances_.clear();
+    return {};
+  }
+
+  // Every stride-th sample from `first` on, and those that span the box of all.
+  Samples<Dim> subset(const std::vector<Index>& order, Index first, Index stride) const {
+    std::vector<Index> chosen(2 * Dim);
+    for (Index a = 0; a < Dim; ++a) {
+      samples_.points.row(a).minCoeff(&chosen[2 * a]);
+      samples_.points.row(a).maxCoeff(&chosen[2 * a + 1]);
+    }
+    for (Index i = std::min(first, samples_.size() - 1); i < samples_.size(); i += stride) chosen.push_back(order[i]);
+    std::sort(chosen.begin(), chosen.end());
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    Samples<Dim> share{samples_.points(Eigen::all, chosen), samples_.values(chosen, Eigen::all), {}};
+    if (samples_.weights.size() > 0) share.weights = samples_.weights(chosen);
+    return share;
+  }
+
+  // Whether every sample is within the tolerance.
+  bool holds(const Fields& fields, const Samples<Dim>& samples) const {
+    for (std::size_t c = 0; c < fields.size(); ++c) {
+      const Eigen::VectorXd f = shared_evaluate(*fields[c], samples.points).value;
+      if (!((f - samples.values.col(static_cast<Index>(c))).cwiseAbs().maxCoeff() <= options_.tolerance)) return false;
+    }
+    return true;
+  }
+
+  Fields partition(const Samples<Dim>& samples, const PartitionOfUnityOptions& options) {
+    if (options_.kernel != "auto")
+      require(Kernel(options_.kernel, Dim).order() == 0, "fit", "kernel", options_.kernel,
+              "is only conditionally positive definite; a partition of unity needs another one, such as wendland-c4");
+    const PartitionOfUnityFit<Dim> fit = partition_of_unity(samples, options);
+    const LocalOptions& local = local_ = fit.report.local;
+    report_.kernel = local.kernel;
+    report_.degree = local.degree;
+    report_.centers = fit.report.centers;
+    report_.patches = fit.report.patches;
+    report_.samples_per_patch = local.samples;
+    report_.anisotropy = local.anisotropy;
+    report_.smoothing = local.smoothing;
+    report_.cross_validation_rmse = fit.report.cross_validation_rmse;
+    variances_ = local_variance(samples, fit);
+    return fit.fields();
+  }
+
+  bool tracks_may_matter() const {
+    const bool rough = Kernel(report_.kernel, Dim).is_rough();
+    const bool free = options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
+    const bool exact = report_.cross_validation_rmse <= rounding * samples_.values.cwiseAbs().maxCoeff();
+    return Dim > 1 && free && rough && !exact && samples_.size() >= fewest_for_tracks;
+  }
+
+  Fields patches_or_tracks() {
+    const FitReport before = report_;
+    Fields fields = partition(samples_, partition_options(options_));
+    const auto error = tracks_may_matter() ? better_along_tracks(samples_, local_) : std::nullopt;
+    if (!error) return fields;
+    report_ = before;
+    method_ = FitMethod::along_tracks;
+    report_.cross_validation_rmse = error->rmse;
+    variances_.clear();
+    return moving();
+  }
+
+  Fields moving() {
+    auto options = method_ == FitMethod::along_tracks ? along_tracks : MovingLeastSquaresOptions{};
+    if (options_.kernel != "auto") options.kernel = options_.kernel;
+    if (options_.degree) options.degree = *options_.degree;
+    report_.kernel = options.kernel;
+    report_.degree = options.degree;
+    report_.centers = samples_.size();
+    return moving_least_squares(samples_, options);
+  }
+
+  // Without noise the samples are met; whether there is any, leave-one-out tells.
+  Fields interpolant() {
+    InterpolateOptions options;
+    options.kernel = options_.kernel;
+    options.parameter = options_.kernel_parameter;
+    options.smoothing = options_.smoothing.value_or(0);
+    if (options_.degree) options.degree = *options_.degree;
+    options.progress = options_.progress;
+    Interpolation<Dim> best = interpolate(samples_, options);
+    if (!options_.smoothing && samples_.size() > 2 * Dim) {
+      options.smoothing.reset();
+      Interpolation<Dim> smoothed = interpolate(samples_, options);
+      const double deviation = weighted_deviation(samples_.values, samples_.all_weights());
+      const bool is_noise = samples_.size() >= enough_to_tell && best.report.leave_one_out > explained * deviation;
+      const double gain = is_noise ? 1 / smoother_gain : smoother_gain;
+      if (smoothed.report.leave_one_out < gain * best.report.leave_one_out) best = std::move(smoothed);
+    }
+    report_.kernel = best.report.kernel;
+    report_.degree = best.report.degree;
+    report_.support = best.report.support;
+    report_.smoothing = best.report.smoothing;
+    report_.cross_validation_rmse = best.report.leave_one_out;
+    report_.centers = best.components.front()->basis().size();
+    variances_ = {best.variances.begin(), best.variances.end()};
+    return {best.components.begin(), best.components.end()};
+  }
+
+  static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000, enough_to_tell = 50;  // samples
+  static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
+  static constexpr double explained = 0.9;       // of the deviation of the values; above, samples need not be met
+
+  const Samples<Dim>& samples_;
+  const FitOptions& options_;
+  FitMethod method_;
+  Fields variances_ = {};
+  FitReport& report_;
+  LocalOptions local_ = {};  // of the last partition of unity
+};
+
+}  // namespace
+
+PartitionOfUnityOptions partition_options(const FitOptions& options) {
+  PartitionOfUnityOptions local;
+  if (options.kernel != "auto") local.kernel = options.kernel;
+  local.degree = options.degree;
+  local.smoothing = options.smoothing;
+  local.progress = options.progress;
+  return local;
+}
+
+template <int Dim>
+MethodFields<Dim> fit_by_method(const Samples<Dim>& samples, const FitOptions& options, FitMethod method,
+                                FitReport& report) {
+  return Fitter<Dim>(samples, options, method, report).fit();
+}
+
+#define CSRBF_INSTANTIATE(Dim) \
+  template MethodFields<Dim> fit_by_method<Dim>(const Samples<Dim>&, const FitOptions&, FitMethod, FitReport&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

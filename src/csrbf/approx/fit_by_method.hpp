@@ -1,0 +1,39 @@
+#pragma once
+
+#include "csrbf/approx/fit_method.hpp"
+#include "csrbf/approx/fit_options.hpp"
+#include "csrbf/approx/samples/samples.hpp"
+#include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/core/field.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace csrbf {
+
+inline constexpr const char* tolerance_missed = "the tolerance does not hold at every sample";
+
+/// Samples up to which one system for all of them is solved. In four and more dimensions a patch needs hundreds of
+/// samples, and smooth functions are met better by orders of magnitude if none of them is out of reach.
+constexpr Index few_samples(int dimension) {
+  return dimension < 4 ? 500 : 1000;
+}
+
+/// The options of fit() that a partition of unity has as well.
+PartitionOfUnityOptions partition_options(const FitOptions& options);
+
+/// A fit in scaled coordinates.
+template <int Dim>
+struct MethodFields {
+  std::vector<std::shared_ptr<const Field<Dim>>> components;
+  std::vector<std::shared_ptr<const Field<Dim>>> variances;  ///< see Fit
+  FitMethod method;                                          ///< the one used
+};
+
+/// Fits by `method`, or by the one that it gives way to: auto tries a partition of unity for a tolerance, and weights
+/// that follow tracks for rough values. Fills in what the report says of the model.
+template <int Dim>
+MethodFields<Dim> fit_by_method(const Samples<Dim>& samples, const FitOptions& options, FitMethod method,
+                                FitReport& report);
+
+}  // namespace csrbf
