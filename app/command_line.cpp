@@ -1,15 +1,8 @@
 #include "command_line.hpp"
 
 #include "commands/command_flags.hpp"
-#include "help/completion.hpp"
-#include "help/help_formatter.hpp"
-#include "help/man_page.hpp"
-#include "help/slicer_module.hpp"
-
-#include "csrbf/io/files/text.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <iostream>
 #include <map>
@@ -37,7 +30,7 @@ class Parser {
     app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version");
     app_.set_help_flag("-h,--help", "print this help; csrbf COMMAND --help describes a command");
     app_.require_subcommand(1);
-    app_.formatter(std::make_shared<HelpFormatter>());
+    app_.formatter(help_formatter());
     app_.footer("Example:\n  csrbf reconstruct bunny.xyz -o bunny.ply");
     add<ReconstructCommand>("reconstruct", "Turn a point cloud into a watertight mesh",
                             "csrbf reconstruct scan.ply -o mesh.ply --model scan.csrbf --report report.html");
@@ -74,7 +67,9 @@ class Parser {
   template <class AnyCommand>
   void add(const std::string& name, const std::string& what, const std::string& example) {
     const auto command = std::make_shared<AnyCommand>();
-    declare(CommandFlags(app_, common_, name, what, example), *command);
+    CommandFlags flags(app_, common_, name, what, example);
+    declare(flags, *command);
+    flags.add_common();
     taken_[name] = [command] { return Command(*command); };
   }
   void add_installed_texts();
@@ -142,37 +137,6 @@ std::vector<std::string> joined_arguments(int argc, char** argv) {
 
 std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   return Parser().parse(joined_arguments(argc, argv));
-}
-
-Eigen::VectorXd parse_numbers(const std::string& text, char separator, Index count, const std::string& flag) {
-  Eigen::VectorXd numbers(count);
-  std::string_view rest = text;
-  for (Index i = 0; i < count; ++i) {
-    const std::size_t end = i + 1 < count ? rest.find(separator) : rest.size();
-    const auto number = end == std::string_view::npos ? std::nullopt : parse_number(trimmed(rest.substr(0, end)));
-    if (!number || !std::isfinite(*number))
-      throw UsageError(flag + " " + text + ": expected " + std::to_string(count) +
-                       (count == 1 ? " number" : " numbers separated by \"" + std::string(1, separator) + "\""));
-    numbers[i] = *number;
-    rest.remove_prefix(std::min(rest.size(), end + 1));
-  }
-  return numbers;
-}
-
-Eigen::VectorXd parse_list(const std::string& text, char separator, const std::string& flag) {
-  return parse_numbers(text, separator, 1 + std::count(text.begin(), text.end(), separator), flag);
-}
-
-std::optional<double> parse_smoothing(const std::string& text) {
-  if (text == "none") return 0;
-  return parse_word_or_number(text, "auto", "--smoothing");
-}
-
-std::optional<double> parse_word_or_number(const std::string& text, const std::string& word, const std::string& flag) {
-  if (text == word) return std::nullopt;
-  const std::optional<double> number = parse_number(text);
-  if (!number) throw UsageError(flag + " " + text + ": expected \"" + word + "\" or a number");
-  return number;
 }
 
 }  // namespace csrbf::app

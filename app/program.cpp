@@ -1,11 +1,9 @@
 #include "program.hpp"
 
-#include "commands/commands.hpp"
+#include "command_line.hpp"
 #include "process/file_memory.hpp"
 #include "process/interrupt.hpp"
 #include "process/processes.hpp"
-
-#include "csrbf/core/error.hpp"
 
 #include <cstdio>
 #include <filesystem>

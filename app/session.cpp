@@ -1,9 +1,7 @@
 #include "session.hpp"
 
 #include "process/processes.hpp"
-#include "report/html_page.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
@@ -14,8 +12,6 @@
 #endif
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
@@ -130,6 +126,17 @@ void Session::expect_output(const std::string& path) {
   }
 }
 
+void Session::expect_output(const std::string& flag, const std::string& path, const char* extension,
+                            const char* files) {
+  if (file_extension(path) != extension) throw UsageError(flag + " " + path + ": " + files + " are " + extension);
+  expect_output(path);
+}
+
+void Session::expect_output(const std::string& flag, const std::string& path, bool known, const std::string& formats) {
+  if (!known) throw UsageError(flag + " " + path + ": unknown extension \"" + file_extension(path) + "\"; " + formats);
+  expect_output(path);
+}
+
 void Session::resume(const std::string& file, const std::string& output) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
@@ -195,7 +202,7 @@ void Session::finish() {
   const Json report = this->report();
   for (const std::string& path : common_.reports) {
     const std::string text = report_form(path) == ReportForm::html
-                                 ? html_page({report, common_, summary_, page_})
+                                 ? html_page(report, common_, summary_, page_)
                                  : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     write([&] { write_file(path, text); });
   }
@@ -212,22 +219,6 @@ void Session::finish() {
     std::fprintf(stderr, "options: %s\n", options.dump().c_str());
     std::fprintf(stderr, "time: %s\n", report["time"].dump().c_str());
   }
-}
-
-std::string rounded(double value, int digits) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
-  return text.data();
-}
-
-std::string counted(Index count, const std::string& noun) {
-  std::string digits = std::to_string(count);
-  constexpr std::ptrdiff_t group = 3;
-  for (auto position = static_cast<std::ptrdiff_t>(digits.size()) - group; position > 0; position -= group)
-    digits.insert(static_cast<std::size_t>(position), 1, ',');
-  if (count == 1) return digits + " " + noun;
-  if (noun.ends_with("x")) return digits + " " + noun.substr(0, noun.size() - 2) + "ices";
-  return digits + " " + noun + (noun.ends_with("ch") ? "es" : "s");
 }
 
 }  // namespace csrbf::app

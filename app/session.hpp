@@ -1,6 +1,6 @@
 #pragma once
 
-#include "command_line.hpp"
+#include "common.hpp"
 #include "process/memory_cap.hpp"
 #include "process/resume_log.hpp"
 #include "progress_display.hpp"
@@ -8,31 +8,10 @@
 
 #include "csrbf/core/progress.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include <chrono>
-#include <optional>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
-#include <vector>
 
 namespace csrbf::app {
-
-using Json = nlohmann::ordered_json;
-
-/// JSON of an option: null where it was not given.
-template <class Value>
-Json or_null(bool given, const Value& value) {
-  return given ? Json(value) : Json(nullptr);
-}
-template <class Value>
-Json or_null(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-inline Json or_null(const std::string& text) {
-  return or_null(!text.empty(), text);
-}
 
 /// A result cannot be written.
 class WriteFailure : public std::runtime_error {
@@ -70,6 +49,10 @@ class Session {
   /// Throws WriteFailure when a result could not be written later. Results in "-" keep the summary off standard
   /// output.
   void expect_output(const std::string& path);
+  /// The same. Throws UsageError first unless the extension is `extension`, that of all `files`.
+  void expect_output(const std::string& flag, const std::string& path, const char* extension, const char* files);
+  /// The same. Throws UsageError first unless the extension is `known`; `formats`: "meshes are .ply .obj".
+  void expect_output(const std::string& flag, const std::string& path, bool known, const std::string& formats);
 
   /// Saves finished steps to a log beside `output`, and reuses those of an interrupted run.
   void resume(const std::string& input, const std::string& output);
@@ -110,12 +93,6 @@ class Session {
   Page page_;
   double memory_mb_ = 0;  // before work on a page began; 0: it did not
 };
-
-/// `value` with a few significant digits, for the summary.
-std::string rounded(double value, int digits = 4);
-
-/// "1 point", "2 points", with thousands separators: counts in the summary.
-std::string counted(Index count, const std::string& noun);
 
 template <class Action>
 std::invoke_result_t<Action> Session::timed(const std::string& stage, Action&& action) {

@@ -55,8 +55,8 @@ void run(const CombineCommand& command, Session& session) {
                      {{"lo", {box.lo.x(), box.lo.y(), box.lo.z()}},
                       {"hi", {box.hi.x(), box.hi.y(), box.hi.z()}},
                       {"diagonal", box.diagonal()}}}};
-  session.say(command.output + ": " + command.operation + " of " + counted(static_cast<Index>(solids.size()), "model") +
-              ", " + std::string(name_of(options.blending)));
+  session.say(command.output + ": " + command.operation + " of " + counted(std::ssize(solids), "model") + ", " +
+              std::string(name_of(options.blending)));
   session.write([&] { write_model(command.output, *combined); });
 }
 

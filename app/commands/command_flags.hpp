@@ -1,6 +1,6 @@
 #pragma once
 
-#include "command_line.hpp"
+#include "commands/commands.hpp"
 #include "help/usage.hpp"
 
 #include "csrbf/io/files/text.hpp"
@@ -9,8 +9,6 @@
 #include <CLI/CLI.hpp>
 
 #include <cmath>
-#include <optional>
-#include <string>
 
 namespace csrbf::app {
 
@@ -107,18 +105,18 @@ class CommandFlags {
 
 // Declares the command line of each command: its flags, bound to the struct.
 
-void declare(CommandFlags v, ReconstructCommand& c);
-void declare(CommandFlags v, EstimateNormalsCommand& c);
-void declare(CommandFlags v, PolygonizeCommand& c);
-void declare(CommandFlags v, RenderCommand& c);
-void declare(CommandFlags v, CurvatureCommand& c);
-void declare(CommandFlags v, CombineCommand& c);
-void declare(CommandFlags v, CompareCommand& c);
-void declare(CommandFlags v, InfoCommand& c);
-void declare(CommandFlags v, FitCommand& c);
-void declare(CommandFlags v, EvaluateCommand& c);
-void declare(CommandFlags v, InpaintCommand& c);
-void declare(CommandFlags v, SegmentCommand& c);
-void declare(CommandFlags v, TrackCommand& c);
+void declare(CommandFlags& v, ReconstructCommand& c);
+void declare(CommandFlags& v, EstimateNormalsCommand& c);
+void declare(CommandFlags& v, PolygonizeCommand& c);
+void declare(CommandFlags& v, RenderCommand& c);
+void declare(CommandFlags& v, CurvatureCommand& c);
+void declare(CommandFlags& v, CombineCommand& c);
+void declare(CommandFlags& v, CompareCommand& c);
+void declare(CommandFlags& v, InfoCommand& c);
+void declare(CommandFlags& v, FitCommand& c);
+void declare(CommandFlags& v, EvaluateCommand& c);
+void declare(CommandFlags& v, InpaintCommand& c);
+void declare(CommandFlags& v, SegmentCommand& c);
+void declare(CommandFlags& v, TrackCommand& c);
 
 }  // namespace csrbf::app

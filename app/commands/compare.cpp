@@ -1,12 +1,9 @@
 #include "commands/commands.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/implicit/compare.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/levelset/compare_labels.hpp"
-
-#include <set>
 
 namespace csrbf::app {
 namespace {

@@ -1,11 +1,9 @@
 #include "csrbf/implicit/curvature.hpp"
 
-#include "commands/commands.hpp"
 #include "commands/mesh_summary.hpp"
 
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/implicit/ridges.hpp"
-#include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/polylines.hpp"

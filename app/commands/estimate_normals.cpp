@@ -3,7 +3,6 @@
 #include "commands/commands.hpp"
 #include "commands/formats.hpp"
 
-#include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/points.hpp"
 
 namespace csrbf::app {
@@ -30,7 +29,7 @@ Index drop_non_finite(PointCloud& cloud) {
   std::vector<Index> kept;
   for (Index i = 0; i < cloud.size(); ++i)
     if (cloud.points.col(i).allFinite()) kept.push_back(i);
-  const Index dropped = cloud.size() - static_cast<Index>(kept.size());
+  const Index dropped = cloud.size() - std::ssize(kept);
   if (dropped == 0) return 0;
   for (Property& p : cloud.properties) p.values = p.values(kept).eval();
   cloud.normals.resize(3, 0);
@@ -43,10 +42,8 @@ Index drop_non_finite(PointCloud& cloud) {
 void run(const EstimateNormalsCommand& command, Session& session) {
   NormalOptions options = make_options(command);
   options.progress = session.progress();
-  if (!is_point_file(command.output))
-    throw UsageError("--output " + command.output + ": unknown extension \"" + file_extension(command.output) +
-                     "\"; point files are " + point_formats);
-  session.expect_output(command.output);
+  session.expect_output("--output", command.output, is_point_file(command.output),
+                        std::string("point files are ") + point_formats);
 
   PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
   session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};

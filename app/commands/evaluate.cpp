@@ -1,11 +1,9 @@
-#include "commands/commands.hpp"
 #include "commands/evaluation_places.hpp"
 
 #include "csrbf/io/files/read_file.hpp"
-#include "csrbf/io/model.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
-#include "csrbf/io/vtk/vti.hpp"
+#include "csrbf/io/vtk/formats.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -42,15 +40,11 @@ std::vector<std::string> column_names(const NamedFunction& model, const Wanted& 
   return names;
 }
 
-// All columns at all places: an image with the columns as components.
 template <class Scalar>
-using Answers = Volume<Scalar>;
-
-template <class Scalar>
-void make_labels(Answers<Scalar>& answers) {
+void make_labels(Volume<Scalar>& answers) {
   VolumeLayout layout = answers;
   layout.components = 1;
-  Answers<Scalar> labels(layout);
+  Volume<Scalar> labels(layout);
   for (Index i = 0; i < layout.grid.voxels(); ++i) {
     Index largest = 0;
     const Scalar value = answers.frame().col(i).maxCoeff(&largest);
@@ -61,7 +55,7 @@ void make_labels(Answers<Scalar>& answers) {
 
 template <class Scalar>
 void evaluate_columns(const NamedFunction& model, const Places& places, const Wanted& wanted, const Progress& progress,
-                      Answers<Scalar>& answers) {
+                      Volume<Scalar>& answers) {
   constexpr Index slice = Index{1} << 20;  // places at a time, to bound the temporary memory; chosen by hand
   for (Index begin = 0; begin < places.count; begin += slice) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(places.count));
@@ -80,12 +74,13 @@ void evaluate_columns(const NamedFunction& model, const Places& places, const Wa
   }
 }
 
+// All columns at all places: an image with the columns as components.
 template <class Scalar>
-Answers<Scalar> evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
-                             const Progress& progress) {
+Volume<Scalar> evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
+                            const Progress& progress) {
   VolumeLayout layout = places.layout;
   layout.components = columns;
-  Answers<Scalar> answers(layout);
+  Volume<Scalar> answers(layout);
   const bool values_only = wanted.derivatives() == Derivatives::none && !wanted.standard_deviation;
   if (!places.axes.empty() && values_only)
     model.function.evaluate_grid(places.axes, answers.frame(), progress);
@@ -97,7 +92,7 @@ Answers<Scalar> evaluate_all(const NamedFunction& model, const Places& places, c
 // The columns as VTK arrays. Gradients are vectors, with three components even in 2D, as VTK programs expect.
 template <class Scalar>
 std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wanted,
-                                 const std::vector<std::string>& columns, const Answers<Scalar>& answers) {
+                                 const std::vector<std::string>& columns, const Volume<Scalar>& answers) {
   const Index k = model.function.components(), d = model.function.dimension();
   std::vector<VtkArray> arrays;
   for (Index row = 0; row < answers.components;) {
@@ -114,7 +109,7 @@ std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wante
 
 template <class Scalar>
 void write_answers(const std::string& path, const NamedFunction& model, const Places& places, const Wanted& wanted,
-                   const std::vector<std::string>& columns, const Answers<Scalar>& answers) {
+                   const std::vector<std::string>& columns, const Volume<Scalar>& answers) {
   if (file_extension(path) == ".vti") {
     write_vti(path, answers.grid, vtk_arrays(model, wanted, columns, answers));
     return;
@@ -132,7 +127,7 @@ void write_answers(const std::string& path, const NamedFunction& model, const Pl
 
 // Of the first `rows` columns.
 template <class Scalar>
-void report_values(const std::string& output, const Answers<Scalar>& answers, Index rows,
+void report_values(const std::string& output, const Volume<Scalar>& answers, Index rows,
                    const std::vector<std::string>& columns, Session& session) {
   const auto values = answers.frame().topRows(rows);
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
@@ -175,7 +170,7 @@ template <class Scalar>
 void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, const Places& places, Session& session) {
   const Wanted wanted{command.gradient, command.hessian, command.standard_deviation};
   std::vector<std::string> columns = column_names(model, wanted);
-  Answers<Scalar> answers = session.timed("evaluate", [&] {
+  Volume<Scalar> answers = session.timed("evaluate", [&] {
     return evaluate_all<Scalar>(model, places, wanted, static_cast<Index>(columns.size()), session.progress());
   });
   if (command.labels) {

@@ -7,8 +7,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <array>
 #include <memory>
 
 namespace csrbf::app {

@@ -1,8 +1,7 @@
 #pragma once
 
-#include "session.hpp"
+#include "commands/commands.hpp"
 
-#include "csrbf/core/grid.hpp"
 #include "csrbf/io/model.hpp"
 
 #include <functional>

@@ -1,12 +1,5 @@
-#include "csrbf/approx/fit.hpp"
-
-#include "commands/commands.hpp"
 #include "commands/fit_summary.hpp"
 #include "report/fit_page.hpp"
-
-#include "csrbf/io/files/read_file.hpp"
-#include "csrbf/io/model.hpp"
-#include "csrbf/io/samples.hpp"
 
 #include <utility>
 
@@ -37,9 +30,7 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
 
 void run(const FitCommand& command, Session& session) {
   FitOptions options = make_fit_options(command.fit, session);
-  if (file_extension(command.output) != ".csrbf")
-    throw UsageError("--output " + command.output + ": models are .csrbf");
-  session.expect_output(command.output);
+  session.expect_output("--output", command.output, ".csrbf", "models");
   if (command.resume) session.resume(command.input, command.output);
   SampleTable samples = session.timed("read", [&] {
     return read_samples(command.input, {command.coordinates, command.values, command.weights});

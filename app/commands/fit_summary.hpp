@@ -1,6 +1,6 @@
 #pragma once
 
-#include "session.hpp"
+#include "commands/commands.hpp"
 
 #include "csrbf/approx/fit.hpp"
 

@@ -1,8 +1,6 @@
 #include "commands/command_flags.hpp"
 #include "commands/formats.hpp"
 
-#include <string>
-
 namespace csrbf::app {
 namespace {
 
@@ -26,7 +24,7 @@ void add_fit_flags(CommandFlags& v, FitFlags& f) {
 
 }  // namespace
 
-void declare(CommandFlags v, FitCommand& c) {
+void declare(CommandFlags& v, FitCommand& c) {
   v.argument(
       "SAMPLES", c.input,
       std::string("samples to read, one per row: coordinates, then the value in the last column; ") + sample_formats);
@@ -39,10 +37,9 @@ void declare(CommandFlags v, FitCommand& c) {
   v.flag("periods", c.periods, "P,P,...", "none",
          "period of each coordinate, 0 for none: 360,0 for longitude and latitude");
   v.resume(c.resume);
-  v.add_common();
 }
 
-void declare(CommandFlags v, EvaluateCommand& c) {
+void declare(CommandFlags& v, EvaluateCommand& c) {
   v.argument("MODEL", c.input, "model to read: .csrbf, from csrbf fit or csrbf segment");
   v.output(c.output, std::string("values to write: .csv .txt .npy, or - for text on standard output; grids also as "
                                  "images: ") +
@@ -63,16 +60,14 @@ void declare(CommandFlags v, EvaluateCommand& c) {
       "write labels instead of values, like csrbf segment: with one component, 1 where it is positive and 0 elsewhere; "
       "with several, the number of the largest, from 0");
   v.toggle("--float32", c.float32, "keep and write the values of a grid or image in single precision: half the memory");
-  v.add_common();
 }
 
-void declare(CommandFlags v, InpaintCommand& c) {
+void declare(CommandFlags& v, InpaintCommand& c) {
   v.argument("IMAGE", c.input, std::string("image to read: ") + image_formats + ", or DICOM (a file or folder)");
   v.output(c.output, std::string("image to write: ") + image_formats);
   v.flag("mask", c.mask, "FILE", "", "image of the same size, nonzero where values are missing or unreliable");
   v.flag("missing", c.missing, "VALUE", "nan", "value that marks missing pixels; NaN always does");
   add_fit_flags(v, c.fit);
-  v.add_common();
 }
 
 }  // namespace csrbf::app

@@ -1,11 +1,9 @@
-#include "commands/commands.hpp"
 #include "commands/fit_summary.hpp"
 
 #include "csrbf/core/joined.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/mesh.hpp"
-#include "csrbf/io/models/archive.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/volume.hpp"
 
@@ -69,15 +67,13 @@ void report_topology(const Mesh& mesh, Session& session) {
                 std::to_string(t.inconsistent_edges) + " between triangles of opposite orientation");
 }
 
-struct ValueDescription {
-  Json operator()(double value) const { return value; }
-  Json operator()(std::int64_t value) const { return value; }
-  Json operator()(const std::string& value) const { return value; }
-  template <class T>
-  Json operator()(const ArchiveArray<T>& array) const {
-    return {{"rows", array.rows()}, {"columns", array.cols()}};
-  }
-};
+template <class Value>
+Json described(const Value& value) {
+  if constexpr (requires { value.rows(); })
+    return {{"rows", value.rows()}, {"columns", value.cols()}};
+  else
+    return value;
+}
 
 void report_function(const NamedFunction& named, Session& session) {
   const Function& function = named.function;
@@ -117,7 +113,8 @@ void report_function(const NamedFunction& named, Session& session) {
 
 void report_model(const Archive& archive, Session& session) {
   Json contents = Json::object();
-  for (const auto& [name, value] : archive.values()) contents[name] = std::visit(ValueDescription{}, value);
+  for (const auto& [name, value] : archive.values())
+    contents[name] = std::visit([](const auto& v) { return described(v); }, value);
   session.result = {{"kind", "model"}, {"model", archive.kind}, {"format", archive_format}, {"contents", contents}};
   if (archive.kind == function_kind) {
     report_function(function_from(archive), session);

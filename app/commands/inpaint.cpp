@@ -1,10 +1,8 @@
 #include "csrbf/approx/inpaint.hpp"
 
-#include "commands/commands.hpp"
 #include "commands/fit_summary.hpp"
 #include "commands/formats.hpp"
 
-#include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/volume.hpp"
 
@@ -19,13 +17,6 @@ using Image = Volume<double>;  // exact for every sample type
 double parse_missing(const std::string& text) {
   if (text.empty() || text == "nan") return std::numeric_limits<double>::quiet_NaN();
   return parse_numbers(text, ',', 1, "--missing")[0];
-}
-
-void check_output(const std::string& path, Session& session) {
-  if (!is_volume_file(path))
-    throw UsageError("--output " + path + ": unknown extension \"" + file_extension(path) + "\"; images are " +
-                     image_formats);
-  session.expect_output(path);
 }
 
 std::string size_text(const VolumeLayout& image) {
@@ -46,10 +37,9 @@ Image read_mask(const std::string& path, const Image& image) {
 void mark_value(double value, const Image& image, std::vector<unsigned char>& missing) {
   // The file stores the nearest number of its type.
   const double stored = image.type == SampleType::float32 ? static_cast<double>(static_cast<float>(value)) : value;
-  const auto components = static_cast<std::size_t>(image.components);
-  for (std::size_t i = 0; i < missing.size(); ++i) {
+  for (Index i = 0; i < std::ssize(missing); ++i) {
     bool all = true;
-    for (std::size_t c = 0; c < components; ++c) all = all && image.values[components * i + c] == stored;
+    for (Index c = 0; c < image.components; ++c) all = all && image.values[image.components * i + c] == stored;
     if (all) missing[i] = 1;
   }
 }
@@ -69,7 +59,8 @@ std::vector<unsigned char> missing_voxels(const InpaintCommand& command, double 
 void run(const InpaintCommand& command, Session& session) {
   const FitOptions options = make_fit_options(command.fit, session);
   const double value = parse_missing(command.missing);
-  check_output(command.output, session);
+  session.expect_output("--output", command.output, is_volume_file(command.output),
+                        std::string("images are ") + image_formats);
   Image image = session.timed("read", [&] { return read_volume<double>(command.input); });
   if (is_floating(image.type) && is_picture_file(command.output))
     throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.input +

@@ -2,16 +2,12 @@
 
 #include "commands/formats.hpp"
 
-#include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/mesh.hpp"
 
 namespace csrbf::app {
 
 void expect_mesh_output(const std::string& path, Session& session) {
-  if (!is_mesh_file(path))
-    throw UsageError("--output " + path + ": unknown extension \"" + file_extension(path) + "\"; mesh files are " +
-                     mesh_formats);
-  session.expect_output(path);
+  session.expect_output("--output", path, is_mesh_file(path), std::string("mesh files are ") + mesh_formats);
 }
 
 void add_mesh_summary(const std::string& path, const Mesh& mesh, Session& session) {

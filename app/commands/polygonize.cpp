@@ -1,6 +1,5 @@
 #include "csrbf/implicit/polygonize.hpp"
 
-#include "commands/commands.hpp"
 #include "commands/mesh_summary.hpp"
 
 #include "csrbf/io/mesh.hpp"

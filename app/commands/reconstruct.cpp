@@ -1,6 +1,3 @@
-#include "csrbf/surface/reconstruct.hpp"
-
-#include "commands/commands.hpp"
 #include "commands/mesh_summary.hpp"
 #include "report/reconstruct_page.hpp"
 

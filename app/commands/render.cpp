@@ -7,19 +7,15 @@
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
 
-#include <array>
+#include <tuple>
+#include <utility>
 
 namespace csrbf::app {
 namespace {
 
 constexpr std::string_view error_prefix = "error:";
 
-struct Size {
-  int width = 0;
-  int height = 0;
-};
-
-Size parse_size(const std::string& text) {
+std::pair<int, int> parse_size(const std::string& text) {
   const Eigen::VectorXd numbers = parse_numbers(text, 'x', 2, "--size");
   constexpr double largest = 32768;  // pixels; keeps an image below 4 GB
   if ((numbers.array() != numbers.array().round()).any() || numbers.minCoeff() < 1 || numbers.maxCoeff() > largest)
@@ -29,15 +25,9 @@ Size parse_size(const std::string& text) {
 
 RenderColor parse_color(const std::string& text) {
   if (text.starts_with(error_prefix)) return RenderColor::error;
-  struct Name {
-    const char* name;
-    RenderColor color;
-  };
-  constexpr std::array<Name, 4> names{{{"plain", RenderColor::plain},
-                                       {"normal", RenderColor::normal},
-                                       {"mean-curvature", RenderColor::mean_curvature},
-                                       {"gaussian-curvature", RenderColor::gaussian_curvature}}};
-  for (const auto& [name, color] : names)
+  for (const auto& [name, color] : {std::pair("plain", RenderColor::plain), std::pair("normal", RenderColor::normal),
+                                    std::pair("mean-curvature", RenderColor::mean_curvature),
+                                    std::pair("gaussian-curvature", RenderColor::gaussian_curvature)})
     if (text == name) return color;
   throw UsageError("--color " + text +
                    ": unknown; use plain, normal, mean-curvature, gaussian-curvature or error:REFERENCE");
@@ -50,9 +40,7 @@ UpAxis parse_up(const std::string& text) {
 
 RenderOptions make_options(const RenderCommand& command) {
   RenderOptions options;
-  const Size size = parse_size(command.size);
-  options.width = size.width;
-  options.height = size.height;
+  std::tie(options.width, options.height) = parse_size(command.size);
   const Eigen::VectorXd view = parse_numbers(command.view, ',', 2, "--view");
   options.view = {view[0], view[1]};
   options.up = parse_up(command.up);
@@ -65,8 +53,7 @@ RenderOptions make_options(const RenderCommand& command) {
 void run(const RenderCommand& command, Session& session) {
   RenderOptions options = make_options(command);
   options.progress = session.progress();
-  if (file_extension(command.output) != ".png") throw UsageError("--output " + command.output + ": pictures are .png");
-  session.expect_output(command.output);
+  session.expect_output("--output", command.output, ".png", "pictures");
   session.input = {{"file", command.input}};
   session.options = {{"output", command.output},
                      {"size", {options.width, options.height}},

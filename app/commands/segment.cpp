@@ -1,10 +1,6 @@
-#include "csrbf/levelset/segment.hpp"
-
-#include "commands/commands.hpp"
 #include "commands/formats.hpp"
 #include "commands/segment_contours.hpp"
 #include "commands/segment_options.hpp"
-#include "commands/segment_start.hpp"
 #include "report/segment_page.hpp"
 
 #include "csrbf/implicit/preview.hpp"
@@ -18,30 +14,21 @@
 
 #include <algorithm>
 #include <chrono>
+#include <span>
 
 namespace csrbf::app {
 namespace {
 
 void expect_outputs(const SegmentCommand& command, Session& session) {
-  if (!is_volume_file(command.output) || file_extension(command.output) == ".ppm")
-    throw UsageError("--output " + command.output + ": unknown extension \"" + file_extension(command.output) +
-                     "\"; label images are " + label_formats);
-  session.expect_output(command.output);
-  if (!command.contour.empty()) {
-    if (!is_contour_lines_file(command.contour) && !is_mesh_file(command.contour))
-      throw UsageError("--contour " + command.contour + ": unknown extension \"" + file_extension(command.contour) +
-                       "\"; contours are " + plane_contour_formats + " in the plane, " + mesh_formats + " in space");
-    session.expect_output(command.contour);
-  }
-  if (!command.model.empty()) {
-    if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
-    session.expect_output(command.model);
-  }
-  if (!command.preview.empty()) {
-    if (file_extension(command.preview) != ".png")
-      throw UsageError("--preview " + command.preview + ": pictures are .png");
-    session.expect_output(command.preview);
-  }
+  session.expect_output("--output", command.output,
+                        is_volume_file(command.output) && file_extension(command.output) != ".ppm",
+                        std::string("label images are ") + label_formats);
+  if (!command.contour.empty())
+    session.expect_output(
+        "--contour", command.contour, is_contour_lines_file(command.contour) || is_mesh_file(command.contour),
+        std::string("contours are ") + plane_contour_formats + " in the plane, " + mesh_formats + " in space");
+  if (!command.model.empty()) session.expect_output("--model", command.model, ".csrbf", "models");
+  if (!command.preview.empty()) session.expect_output("--preview", command.preview, ".png", "pictures");
 }
 
 void add_options(const SegmentCommand& command, const SegmentSettings& used, Session& session) {
@@ -69,15 +56,13 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
   session.say("energy: " + std::string(name_of(r.options.energy)) + ", " + std::string(name_of(r.options.mode)) + "; " +
               counted(r.iterations, "iteration") + (r.converged ? ", converged" : ", not converged") +
               (r.options.center_spacing ? "; centers every " + rounded(*r.options.center_spacing) + " voxels" : ""));
-  constexpr std::size_t most_lines = 5;  // of the summary; the report has every region
-  for (std::size_t i = 0; i < std::min(r.regions.size(), most_lines); ++i) {
-    const RegionReport& region = r.regions[i];
+  constexpr Index most_lines = 5;  // of the summary; the report has every region
+  for (const RegionReport& region : std::span(r.regions).first(std::min(std::ssize(r.regions), most_lines)))
     session.say("label " + std::to_string(region.label) + ": " + counted(region.voxels, "voxel") +
                 (grid.dimension() == 3 ? ", volume " : ", area ") + rounded(region.volume, 6) + ", mean " +
                 rounded(region.mean) + ", sd " + rounded(region.sd));
-  }
-  if (r.regions.size() > most_lines)
-    session.say("and " + counted(static_cast<Index>(r.regions.size() - most_lines), "more label"));
+  if (std::ssize(r.regions) > most_lines)
+    session.say("and " + counted(std::ssize(r.regions) - most_lines, "more label"));
 }
 
 // Runs segment(), timing its preparation and its evolution separately.
@@ -117,18 +102,10 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
     show<Dim>(image, segmentation, session.result["contour"], mesh_at, page);
   });
   session.write([&] {
-    Volume<float> labels;
-    static_cast<VolumeLayout&>(labels) = image;
-    labels.type = SampleType::uint8;
-    labels.values.assign(segmentation.labels.begin(), segmentation.labels.end());
-    write_volume(command.output, labels);
+    write_volume(command.output, label_image(image, segmentation.labels));
     if (!command.contour.empty()) session.warn(contours.write(command.contour));
     if (!command.model.empty()) write_model(command.model, to_function(segmentation));
-    if (command.preview.empty()) return;
-    std::vector<const Field<Dim>*> fields;
-    for (std::size_t k = segmentation.fields.size() > 1 ? 1 : 0; k < segmentation.fields.size(); ++k)
-      fields.push_back(segmentation.fields[k].get());
-    write_png(command.preview, preview<Dim>(image, fields));
+    if (!command.preview.empty()) write_png(command.preview, preview<Dim>(image, inside_fields(segmentation)));
   });
 }
 

@@ -1,6 +1,7 @@
 #include "commands/segment_contours.hpp"
 
 #include "commands/formats.hpp"
+#include "report/segment_page.hpp"
 
 #include "csrbf/io/contour_lines.hpp"
 #include "csrbf/io/files/read_file.hpp"
@@ -66,7 +67,7 @@ ImageContour joined(const std::vector<ImageContour>& contours) {
 }
 
 // One mesh; with several regions, its vertices carry the label of theirs.
-Mesh joined(const std::vector<ImageSurface>& surfaces, const std::vector<int>& labels) {
+Mesh joined(const std::vector<ImageSurface>& surfaces) {
   if (surfaces.size() == 1) return surfaces.front().mesh;
   Index vertices = 0, triangles = 0;
   for (const ImageSurface& surface : surfaces) {
@@ -85,7 +86,7 @@ Mesh joined(const std::vector<ImageSurface>& surfaces, const std::vector<int>& l
     all.vertices.middleCols(vertices, v) = mesh.vertices;
     all.normals.middleCols(vertices, v) = mesh.normals;
     all.triangles.middleCols(triangles, t) = mesh.triangles.array() + static_cast<std::int32_t>(vertices);
-    all.properties[0].values.segment(vertices, v).setConstant(labels[i]);
+    all.properties[0].values.segment(vertices, v).setConstant(static_cast<double>(i + 1));
     vertices += v;
     triangles += t;
   }
@@ -97,18 +98,15 @@ Mesh joined(const std::vector<ImageSurface>& surfaces, const std::vector<int>& l
 template <int Dim>
 SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session)
     : segmentation_(segmentation), grid_(grid) {
-  const std::size_t fields = segmentation.fields.size();
   const ImageContourOptions options{.progress = session.progress()};
   session.timed("polygonize", [&] {
-    for (std::size_t k = fields > 1 ? 1 : 0; k < fields; ++k) {
-      contours_.push_back(image_contour(*segmentation.fields[k], grid, options));
-      labels_.push_back(fields > 1 ? static_cast<int>(k) : 1);
-    }
+    for (const Field<Dim>* field : inside_fields(segmentation))
+      contours_.push_back(image_contour(*field, grid, options));
   });
   Json total = Json::object(), regions = Json::array();
   for (std::size_t i = 0; i < contours_.size(); ++i) {
     const Json one = described(contours_[i]);
-    Json region = {{"label", labels_[i]}};
+    Json region = {{"label", i + 1}};
     region.update(one);
     regions.push_back(region);
     add_to(total, one);
@@ -127,7 +125,7 @@ std::vector<std::string> SegmentContours<2>::write(const std::string& path) cons
 
 template <>
 std::vector<std::string> SegmentContours<3>::write(const std::string& path) const {
-  return write_mesh(path, joined(contours_, labels_));
+  return write_mesh(path, joined(contours_));
 }
 
 template <>
@@ -137,11 +135,11 @@ Mesh SegmentContours<2>::mesh(int /*resolution*/) const {
 
 template <>
 Mesh SegmentContours<3>::mesh(int resolution) const {
-  if (resolution == 0) return joined(contours_, labels_);
+  if (resolution == 0) return joined(contours_);
   std::vector<ImageSurface> surfaces;
-  for (std::size_t k = segmentation_.fields.size() > 1 ? 1 : 0; k < segmentation_.fields.size(); ++k)
-    surfaces.push_back(image_contour(*segmentation_.fields[k], grid_, {.resolution = resolution}));
-  return joined(surfaces, labels_);
+  for (const Field<3>* field : inside_fields(segmentation_))
+    surfaces.push_back(image_contour(*field, grid_, {.resolution = resolution}));
+  return joined(surfaces);
 }
 
 template SegmentContours<2>::SegmentContours(const Segmentation<2>&, const Grid&, Session&);

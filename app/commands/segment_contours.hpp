@@ -1,6 +1,6 @@
 #pragma once
 
-#include "session.hpp"
+#include "commands/commands.hpp"
 
 #include "csrbf/levelset/image_contour.hpp"
 #include "csrbf/levelset/segment.hpp"
@@ -25,7 +25,6 @@ class SegmentContours {
   const Segmentation<Dim>& segmentation_;
   const Grid& grid_;
   std::vector<Contour> contours_;
-  std::vector<int> labels_;
 };
 
 /// Throws UsageError unless the extension is one that contours of that dimension are written to.

@@ -1,8 +1,6 @@
 #include "commands/command_flags.hpp"
 #include "commands/formats.hpp"
 
-#include <string>
-
 namespace csrbf::app {
 namespace {
 
@@ -53,7 +51,7 @@ void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
 
 }  // namespace
 
-void declare(CommandFlags v, SegmentCommand& c) {
+void declare(CommandFlags& v, SegmentCommand& c) {
   v.argument("IMAGE", c.input, std::string("2D or 3D image to read: ") + label_formats);
   v.output(c.output, "labels to write, 0 outside: the same formats");
   declare_segmentation(v, c);
@@ -64,10 +62,9 @@ void declare(CommandFlags v, SegmentCommand& c) {
          "save the level set: .csrbf, for csrbf evaluate, polygonize, render and curvature");
   v.flag("preview", c.preview, "FILE", "",
          "draw the contour on the image, or on the slice with the largest area inside: .png");
-  v.add_common();
 }
 
-void declare(CommandFlags v, TrackCommand& c) {
+void declare(CommandFlags& v, TrackCommand& c) {
   v.argument("IMAGES", c.inputs, std::string("frames in order, or one image with frames: ") + label_formats);
   v.output(c.output, "folder for labels_0000.EXT, ..., measures.csv and models");
   declare_segmentation(v, c);
@@ -83,7 +80,6 @@ void declare(CommandFlags v, TrackCommand& c) {
       ->check(CLI::Range(1, 100));
   v.flag("format", c.format, "EXT", "that of the images", "extension of the label images, such as nii.gz");
   v.toggle("--slices-are-frames", c.slices_are_frames, "the third axis is time: pages of .tif, .npy arrays [t, y, x]");
-  v.add_common();
 }
 
 }  // namespace csrbf::app

@@ -1,13 +1,97 @@
 #include "commands/segment_options.hpp"
 
-#include "commands/segment_start.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/points.hpp"
+#include "csrbf/io/samples.hpp"
+#include "csrbf/io/volume.hpp"
+#include "csrbf/surface/reconstruct.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include <algorithm>
 #include <cmath>
 
 namespace csrbf::app {
+namespace {
+
+constexpr const char* forms =
+    "expected auto, sphere:X,Y[,Z],R, box:X,Y[,Z],X,Y[,Z], mask:FILE, points:FILE or MODEL.csrbf";
+
+std::string axes_text(int dim) {
+  return dim == 3 ? "X,Y,Z" : "X,Y";
+}
+
+template <int Dim>
+Seed sphere(const std::string& where, const std::string& numbers, const Grid& grid) {
+  if (std::count(numbers.begin(), numbers.end(), ',') != Dim)
+    throw UsageError("--init " + where + ": expected sphere:" + axes_text(Dim) + ",R for an image of " +
+                     std::to_string(Dim) + " axes");
+  const Eigen::VectorXd n = parse_list(numbers, ',', "--init sphere:");
+  if (!(n[Dim] > 0)) throw UsageError("--init " + where + ": the radius must be positive");
+  return seed_ball<Dim>(grid, n.head<Dim>(), n[Dim]);
+}
+
+template <int Dim>
+Seed box(const std::string& where, const std::string& numbers, const Grid& grid) {
+  if (std::count(numbers.begin(), numbers.end(), ',') != 2 * Dim - 1)
+    throw UsageError("--init " + where + ": expected box:" + axes_text(Dim) + "," + axes_text(Dim) +
+                     ", two opposite corners, for an image of " + std::to_string(Dim) + " axes");
+  const Eigen::VectorXd n = parse_list(numbers, ',', "--init box:");
+  Box<Dim> corners;
+  corners.add(Point<Dim>(n.head<Dim>()));
+  corners.add(Point<Dim>(n.tail<Dim>()));
+  return seed_box<Dim>(grid, corners);
+}
+
+template <int Dim>
+Seed around(const std::string& where, const std::string& path, const Grid& grid, const Progress& progress) {
+  const auto too_few = [&](Index n) {
+    throw UsageError("--init " + where + ": " + std::to_string(n) + " points are too few; at least " +
+                     (Dim == 2 ? "3 are needed" : "4, better 20 spread over the whole boundary, are needed"));
+  };
+  if constexpr (Dim == 2) {
+    const Points<2> points = read_queries(path, {"x", "y"});
+    if (points.cols() < 3) too_few(points.cols());
+    return seed_polygon(grid, points);
+  } else {
+    const PointCloud cloud = read_points(path);
+    if (cloud.size() < 4) too_few(cloud.size());
+    const Reconstruction surface = reconstruct(cloud, {.progress = progress});
+    return seed_inside<3>(grid, *surface.field);
+  }
+}
+
+template <int Dim>
+Seed inside_model(const std::string& path, const Grid& grid) {
+  if constexpr (Dim == 3) {
+    return seed_inside<3>(grid, *read_model(path));
+  } else {
+    const Function function = read_function(path).function;
+    if (function.dimension() != Dim || function.components() != 1)
+      throw UsageError("--init " + path + ": the model has " + std::to_string(function.dimension()) +
+                       " variables and " + counted(function.components(), "component") + "; expected " +
+                       std::to_string(Dim) + " variables and 1 component");
+    return seed_inside<Dim>(grid, *function.fit<Dim>().components.front());
+  }
+}
+
+// "x from 0 to 99, y from 0 to 49"
+template <int Dim>
+std::string extent_text(const Grid& grid) {
+  Box<3> box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Point<3> p;
+    for (int a = 0; a < 3; ++a) p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
+    box.add(Point<3>(grid.to_physical<3>() * p));
+  }
+  std::string text;
+  for (int a = 0; a < Dim; ++a)
+    text += std::string(a > 0 ? ", " : "") + "xyz"[a] + " from " + rounded(box.lo[a]) + " to " + rounded(box.hi[a]);
+  return text;
+}
+
+}  // namespace
 
 SegmentOptions make_segment_options(const SegmentFlags& flags) {
   SegmentOptions options;
@@ -80,5 +164,50 @@ void check_finite(const std::string& path, const Volume<float>& image, const std
                      "; fill such voxels with csrbf inpaint, or exclude them with --mask");
   }
 }
+
+std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string& path, const Grid& grid) {
+  const Volume<float> image = read_volume(path);
+  if (image.components != 1 || image.frames != 1)
+    throw UsageError(flag + " " + path + ": expected one value per voxel and one frame");
+  if (image.grid.size != grid.size)
+    throw UsageError(flag + " " + path + ": it has " + size_text(image.grid) + " voxels, the image " + size_text(grid));
+  std::vector<std::uint8_t> voxels(image.values.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = std::abs(image.values[i]) > 0 ? 1 : 0;
+  return voxels;
+}
+
+Volume<float> label_image(VolumeLayout layout, const std::vector<std::uint8_t>& labels) {
+  layout.type = SampleType::uint8;
+  Volume<float> image(layout);
+  image.values.assign(labels.begin(), labels.end());
+  return image;
+}
+
+template <int Dim>
+Seed read_seed(const std::string& where, const Grid& grid, const Progress& progress) {
+  if (where == "auto") return {};
+  const std::size_t colon = where.find(':');
+  const std::string form = where.substr(0, colon);
+  const std::string rest = colon == std::string::npos ? "" : where.substr(colon + 1);
+  Seed seed;
+  if (form == "sphere")
+    seed = sphere<Dim>(where, rest, grid);
+  else if (form == "box")
+    seed = box<Dim>(where, rest, grid);
+  else if (form == "mask")
+    seed = read_voxels("--init mask:", rest, grid);
+  else if (form == "points")
+    seed = around<Dim>(where, rest, grid, progress);
+  else if (file_extension(where) == ".csrbf")
+    seed = inside_model<Dim>(where, grid);
+  else
+    throw UsageError("--init " + where + ": " + forms);
+  if (std::find(seed.begin(), seed.end(), 1) == seed.end())
+    throw UsageError("--init " + where + ": covers no voxel of the image, which has " + extent_text<Dim>(grid));
+  return seed;
+}
+
+template Seed read_seed<2>(const std::string&, const Grid&, const Progress&);
+template Seed read_seed<3>(const std::string&, const Grid&, const Progress&);
 
 }  // namespace csrbf::app

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "session.hpp"
+#include "commands/commands.hpp"
 
+#include "csrbf/levelset/seed.hpp"
 #include "csrbf/levelset/segment.hpp"
 
 namespace csrbf::app {
@@ -18,5 +19,16 @@ void check_image(const std::string& path, const Volume<float>& image);
 
 /// Throws UsageError for a voxel in the mask (empty: everywhere) whose value is NaN or infinite.
 void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask);
+
+/// The voxels that --init WHERE covers; none for auto. Throws UsageError for other forms and for places outside the
+/// image, IoError for files.
+template <int Dim>
+Seed read_seed(const std::string& where, const Grid& grid, const Progress& progress);
+
+/// The labels of an image with this layout.
+Volume<float> label_image(VolumeLayout layout, const std::vector<std::uint8_t>& labels);
+
+/// The voxels of --mask FILE. Throws UsageError when it has another size, IoError.
+std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string& path, const Grid& grid);
 
 }  // namespace csrbf::app

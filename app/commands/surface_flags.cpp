@@ -3,8 +3,6 @@
 
 #include "csrbf/surface/surface_method.hpp"
 
-#include <string>
-
 namespace csrbf::app {
 namespace {
 
@@ -14,7 +12,7 @@ std::string points_or_input() {
 
 }  // namespace
 
-void declare(CommandFlags v, ReconstructCommand& c) {
+void declare(CommandFlags& v, ReconstructCommand& c) {
   v.argument("POINTS", c.input,
              "points to read: " + points_or_input() +
                  "; or contours drawn on slices: text with columns x, y, z and contour (a number for each closed "
@@ -41,10 +39,9 @@ void declare(CommandFlags v, ReconstructCommand& c) {
          "drop surface further than T local point spacings from the data; none: watertight");
   v.flag("model", c.model, "FILE", "", "save the implicit surface: .csrbf");
   v.resume(c.resume);
-  v.add_common();
 }
 
-void declare(CommandFlags v, EstimateNormalsCommand& c) {
+void declare(CommandFlags& v, EstimateNormalsCommand& c) {
   v.argument("POINTS", c.input, "points to read: " + points_or_input());
   v.output(c.output, "points to write with their normals: the same formats");
   v.flag("neighbors", c.neighbors, "K", "from the points", "points that each normal is estimated from")
@@ -52,10 +49,9 @@ void declare(CommandFlags v, EstimateNormalsCommand& c) {
   v.flag("orient", c.orient, "HOW", "consistent",
          "consistent: outwards, in agreement with their neighbours; viewpoint X,Y,Z: towards the scanner; none: either "
          "way");
-  v.add_common();
 }
 
-void declare(CommandFlags v, PolygonizeCommand& c) {
+void declare(CommandFlags& v, PolygonizeCommand& c) {
   v.argument("MODEL", c.input, "model to read: .csrbf");
   v.output(c.output, std::string("mesh to write: ") + mesh_formats);
   v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
@@ -67,10 +63,9 @@ void declare(CommandFlags v, PolygonizeCommand& c) {
                   "adaptive: about how far the mesh may be from the surface, as a fraction of the diagonal");
   v.flag("level", c.level, "V", "0", "value of the model on the surface; larger values are inside");
   v.toggle("--refine,!--no-refine", c.refine, "move the vertices onto the surface (this is the default)");
-  v.add_common();
 }
 
-void declare(CommandFlags v, RenderCommand& c) {
+void declare(CommandFlags& v, RenderCommand& c) {
   v.argument("INPUT", c.input, std::string("model (.csrbf) or mesh to read: ") + mesh_formats);
   v.output(c.output, "picture to write: .png");
   v.flag("size", c.size, "WxH", c.size, "size in pixels");
@@ -78,10 +73,9 @@ void declare(CommandFlags v, RenderCommand& c) {
   v.flag("up", c.up, "x|y|z", c.up, "axis that points up")->check(CLI::IsMember({"x", "y", "z"}));
   v.flag("color", c.color, "NAME", "plain",
          "plain, normal, mean-curvature, gaussian-curvature, or error:REFERENCE (a mesh)");
-  v.add_common();
 }
 
-void declare(CommandFlags v, CurvatureCommand& c) {
+void declare(CommandFlags& v, CurvatureCommand& c) {
   v.argument("MODEL", c.input, "model to read: .csrbf");
   v.output(
       c.output,
@@ -91,10 +85,9 @@ void declare(CommandFlags v, CurvatureCommand& c) {
   v.flag("ridges", c.ridges, "FILE", "",
          "write ridge and valley lines, .ply or .vtp: vertices with the curvature across the line and kind, 1 ridge, "
          "-1 valley; edges");
-  v.add_common();
 }
 
-void declare(CommandFlags v, CombineCommand& c) {
+void declare(CommandFlags& v, CombineCommand& c) {
   v.argument(
        "OP", c.operation,
        "union; intersection; difference: the first model minus the others; complement: the outside of a single model; "
@@ -112,20 +105,17 @@ void declare(CommandFlags v, CombineCommand& c) {
          "sharp: edges; r-function: the same edges, smooth elsewhere; super-elliptic: rounds edges within the radius; "
          "log-sum-exp: rounds edges, and swells a little everywhere")
       ->check(CLI::IsMember({"sharp", "r-function", "super-elliptic", "log-sum-exp"}));
-  v.add_common();
 }
 
-void declare(CommandFlags v, CompareCommand& c) {
+void declare(CommandFlags& v, CompareCommand& c) {
   v.argument("A", c.first, std::string("mesh: ") + mesh_formats + "; or label image: " + image_formats);
   v.argument("B", c.second,
              std::string("reference: a mesh, or points, of which only the distances to the mesh are measured: ") +
                  points_or_input() + "; for a label image, another one");
-  v.add_common();
 }
 
-void declare(CommandFlags v, InfoCommand& c) {
+void declare(CommandFlags& v, InfoCommand& c) {
   v.argument("FILE", c.input, "points, image, mesh or model");
-  v.add_common();
 }
 
 }  // namespace csrbf::app

@@ -1,8 +1,6 @@
 #include "csrbf/levelset/track.hpp"
 
-#include "commands/commands.hpp"
 #include "commands/segment_options.hpp"
-#include "commands/segment_start.hpp"
 
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
@@ -94,10 +92,10 @@ class Frames {
  public:
   explicit Frames(const TrackCommand& command) : paths_(command.inputs), flat_(command.slices_are_frames) {
     if (paths_.size() > 1) {
-      count_ = static_cast<Index>(paths_.size());
+      count_ = std::ssize(paths_);
       return;
     }
-    sequence_ = read(0);
+    sequence_ = read_volume(paths_[0]);
     if (flat_) {
       if (sequence_.frames > 1 || sequence_.grid.axes < 3)
         throw UsageError("--slices-are-frames: " + paths_[0] + " has no third axis, or a time axis already");
@@ -119,7 +117,7 @@ class Frames {
   }
   [[nodiscard]] Volume<float> operator()(Index t) const {
     if (paths_.size() > 1) {
-      Volume<float> image = read(static_cast<std::size_t>(t));
+      Volume<float> image = read_volume(paths_[t]);
       if (image.frames > 1)
         throw UsageError(name(t) + ": has " + std::to_string(image.frames) +
                          " frames; with several files, each must hold one");
@@ -133,8 +131,6 @@ class Frames {
   }
 
  private:
-  [[nodiscard]] Volume<float> read(std::size_t i) const { return read_volume(paths_[i]); }
-
   std::vector<std::string> paths_;
   bool flat_;
   Index count_ = 0;
@@ -230,11 +226,7 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
   const auto take = [&](Index t, TrackedFrame<Dim>&& frame) {
     for (const RegionMeasure& region : frame.regions) rows.push_back({t, region, frame.segmentation.report.iterations});
     session.write([&] {
-      Volume<float> labels;
-      static_cast<VolumeLayout&>(labels) = first;
-      labels.type = SampleType::uint8;
-      labels.values.assign(frame.segmentation.labels.begin(), frame.segmentation.labels.end());
-      write_volume(folder.draft(numbered("labels_", t, extension)), labels);
+      write_volume(folder.draft(numbered("labels_", t, extension)), label_image(first, frame.segmentation.labels));
       write_model(folder.draft(numbered("models/frame_", t, ".csrbf")), to_function(frame.segmentation));
     });
   };

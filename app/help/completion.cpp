@@ -1,4 +1,4 @@
-#include "help/completion.hpp"
+#include "help/usage.hpp"
 
 #include <string_view>
 
@@ -26,12 +26,6 @@ std::vector<std::string> names_of(const std::vector<FlagUsage>& flags) {
   return names;
 }
 
-std::vector<std::string> names_of(const std::vector<Usage>& subcommands) {
-  std::vector<std::string> names;
-  for (const Usage& subcommand : subcommands) names.push_back(subcommand.name);
-  return names;
-}
-
 // Bash: candidates are looked up by the command and the previous word. Without a match, readline completes file names.
 
 std::string bash_command(const Usage& subcommand) {
@@ -45,15 +39,15 @@ std::string bash_command(const Usage& subcommand) {
 }
 
 std::string bash(const Usage& program) {
-  std::vector<std::string> first = names_of(program.subcommands);
-  for (const std::string& name : names_of(program.flags)) first.push_back(name);
+  std::string first;
+  for (const Usage& subcommand : program.subcommands) first += subcommand.name + " ";
   std::string script = R"(# bash completion for csrbf
 _csrbf() {
   local current=${COMP_WORDS[COMP_CWORD]} command= words=
   ((COMP_CWORD == 1)) || command=${COMP_WORDS[1]}
   case "$command ${COMP_WORDS[COMP_CWORD - 1]}" in
 )";
-  script += "    ' '*) words='" + joined(first) + "' ;;\n";
+  script += "    ' '*) words='" + first + joined(names_of(program.flags)) + "' ;;\n";
   for (const Usage& subcommand : program.subcommands) script += bash_command(subcommand);
   return script + R"(  esac
   COMPREPLY=($(compgen -W "$words" -- "$current"))

@@ -1,4 +1,4 @@
-#include "help/man_page.hpp"
+#include "help/usage.hpp"
 
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/version.hpp"

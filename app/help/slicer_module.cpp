@@ -1,4 +1,4 @@
-#include "help/slicer_module.hpp"
+#include "help/usage.hpp"
 
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/vtk/xml.hpp"
@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdio>
 #include <optional>
 #include <span>
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace CLI {
 class App;
+class FormatterBase;
 class Option;
 }  // namespace CLI
 
@@ -47,5 +49,21 @@ std::string value_form(const CLI::Option& option);
 
 /// The usage as declared to the parser.
 Usage usage_of(const CLI::App& app);
+
+/// Help with one entry per flag: the form of its value, its wrapped description and its default.
+std::shared_ptr<CLI::FormatterBase> help_formatter();
+
+/// The manual page of the program in roff with the man macros.
+std::string man_page(const Usage& program);
+
+/// The script with which a shell completes the command line of the program: its commands, their flags, and values that
+/// are words; file names elsewhere. `shell` is bash, zsh or fish.
+std::string completion(const Usage& program, const std::string& shell);
+
+/// True for commands that 3D Slicer can run as command-line modules.
+bool is_slicer_module(const std::string& subcommand);
+
+/// The description that 3D Slicer asks a command-line module for (XML): title, parameters and their constraints.
+std::string slicer_module(const Usage& subcommand);
 
 }  // namespace csrbf::app

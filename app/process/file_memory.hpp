@@ -1,8 +1,12 @@
 #pragma once
 
-#include "process/resident_set.hpp"
+#include <fcntl.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -26,6 +30,29 @@ struct SystemAllocator {
   T* allocate(std::size_t n) { return static_cast<T*>(system_malloc(n * sizeof(T))); }
   void deallocate(T* p, std::size_t /*n*/) noexcept { system_free(p); }
   bool operator==(const SystemAllocator&) const = default;
+};
+
+/// Resident memory of the process; zero on systems without /proc.
+class ResidentSet {
+ public:
+  ResidentSet() : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
+  ResidentSet(const ResidentSet&) = delete;
+  ResidentSet& operator=(const ResidentSet&) = delete;
+  ~ResidentSet() { close(file_); }
+
+  [[nodiscard]] std::size_t bytes() const {
+    std::array<char, 128> text{};
+    const ssize_t length = pread(file_, text.data(), text.size(), 0);
+    const char* end = text.data() + std::max<ssize_t>(0, length);
+    const char* second = std::find<const char*>(text.data(), end, ' ');
+    std::size_t pages = 0;
+    if (second != end) std::from_chars(second + 1, end, pages);
+    return pages * page_;
+  }
+
+ private:
+  int file_;
+  std::size_t page_ = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 };
 
 /// Large blocks of memory backed by unnamed files. Their pages can be evicted from the memory of the process and come

@@ -1,6 +1,6 @@
 #include "process/memory_cap.hpp"
 
-#include "command_line.hpp"
+#include "common.hpp"
 
 #include "csrbf/io/files/text.hpp"
 
@@ -12,10 +12,7 @@
 #include <malloc.h>
 #endif
 #include <sys/resource.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -32,11 +29,7 @@ constexpr double fill_rate = 8000;            // bytes per microsecond: faster t
 // Between checks; longer: may notice growth too late, shorter: costs time. Chosen by hand.
 constexpr auto shortest_wait = 500us, longest_wait = 20000us;
 
-struct Unit {
-  const char* name;
-  double bytes;
-};
-constexpr std::array<Unit, 6> units = {
+constexpr std::array<std::pair<const char*, double>, 6> units = {
     {{"MB", 1e6}, {"GB", 1e9}, {"TB", 1e12}, {"MiB", 1048576.0}, {"GiB", 1073741824.0}, {"TiB", 1099511627776.0}}};
 
 bool is_in_memory(const std::string& folder) {
@@ -63,8 +56,7 @@ const std::string& checked_scratch(const std::string& folder) {
                      "; --memory needs a folder to write in");
   if (is_in_memory(folder))
     throw UsageError("--scratch " + folder +
-                     ": this folder is kept in memory, which saves none; give a folder on a "
-                     "disk");
+                     ": this folder is kept in memory, which saves none; give a folder on a disk");
   return folder;
 }
 
@@ -73,12 +65,12 @@ const std::string& checked_scratch(const std::string& folder) {
 std::size_t parse_bytes(const std::string& text, const std::string& flag) {
   const std::size_t end = text.find_first_not_of("0123456789.");
   const std::string unit = end == std::string::npos ? "" : text.substr(end);
-  const auto known = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return unit == u.name; });
+  const auto known = std::find_if(units.begin(), units.end(), [&](const auto& u) { return unit == u.first; });
   const auto number = parse_number(text.substr(0, end));
   if (known == units.end() || !number || !(*number > 0))
     throw UsageError(flag + " " + text + ": expected a size such as 2GB, 1500MB or 2GiB");
   constexpr double most = 1e18;  // that fits the integer
-  return static_cast<std::size_t>(std::min(most, *number * known->bytes));
+  return static_cast<std::size_t>(std::min(most, *number * known->second));
 }
 
 MemoryCap::MemoryCap(std::size_t bytes, const std::string& scratch)

@@ -1,6 +1,6 @@
 #include "process/resume_log.hpp"
 
-#include "command_line.hpp"
+#include "common.hpp"
 #include "process/interrupt.hpp"
 
 #include "csrbf/core/error.hpp"

@@ -1,13 +1,30 @@
 #pragma once
 
-#include "report/axis.hpp"
+#include "common.hpp"
 
-#include "csrbf/core/types.hpp"
-
-#include <string>
 #include <string_view>
 
 namespace csrbf::app {
+
+/// One axis of a plot, with ticks at round numbers.
+struct Axis {
+  double lo = 0, hi = 1;
+  double step = 1;  ///< between ticks
+  std::vector<double> ticks;
+  std::string label;
+
+  /// Where a value lies: 0 at lo, 1 at hi.
+  [[nodiscard]] double at(double value) const { return (value - lo) / (hi - lo); }
+  /// A tick as a number with the digits it needs.
+  [[nodiscard]] std::string text(double tick) const;
+};
+
+/// Axis from lo to hi, with about `count` ticks between them. A range that is empty or not finite is replaced by one
+/// around its middle (or 0).
+Axis axis(double lo, double hi, std::string label, int count = 5);
+
+/// The same, its ends moved outwards to ticks.
+Axis round_axis(double lo, double hi, std::string label, int count = 5);
 
 /// An SVG drawing with two axes. Colours come from the style sheet of the page (as classes), so that drawings follow
 /// its light and dark theme.
@@ -21,7 +38,6 @@ class Drawing {
   [[nodiscard]] double x(double value) const { return left + width_ * x_.at(value); }
   [[nodiscard]] double y(double value) const { return top + height_ * (1 - y_.at(value)); }
   [[nodiscard]] double width() const { return width_; }
-  [[nodiscard]] double height() const { return height_; }
 
   /// Lines across the plot at the ticks of y, with tick labels and names along both axes.
   void add_grid();

@@ -1,10 +1,7 @@
 #include "report/fit_page.hpp"
 
-#include "report/axis.hpp"
-#include "report/near_points.hpp"
 #include "report/plots.hpp"
 #include "report/surface_view.hpp"
-#include "session.hpp"
 
 #include "csrbf/core/percentile.hpp"
 
@@ -14,10 +11,6 @@ namespace csrbf::app {
 namespace {
 
 constexpr Index most_samples = 200000;  // in the histogram: more take longer, and change nothing to be seen
-
-std::string text(double value, int digits = 3) {
-  return readable(value, digits);
-}
 
 // The box of the samples and the names of the axes.
 struct Domain {
@@ -37,24 +30,23 @@ struct Domain {
 };
 
 void add_facts(const FitReport& r, const Domain& domain, Page& page) {
-  const std::string samples = counted(r.samples, "sample");
-  page.facts = {{samples.substr(0, samples.find(' ')), "samples"},
-                {text(r.rmse), "error at the samples, root mean square"},
-                {text(r.max_error), "largest error at a sample"}};
-  if (std::isfinite(r.cross_validation_rmse))
-    page.facts.push_back({text(r.cross_validation_rmse), "error at held-out samples"});
-  if (std::isfinite(r.cross_validation_rmse))
+  page.facts = {{grouped(r.samples), "samples"},
+                {readable(r.rmse), "error at the samples, root mean square"},
+                {readable(r.max_error), "largest error at a sample"}};
+  if (std::isfinite(r.cross_validation_rmse)) {
+    page.facts.push_back({readable(r.cross_validation_rmse), "error at held-out samples"});
     page.findings.push_back("Held-out samples of " + domain.value() + " were predicted with an error of " +
-                            text(r.cross_validation_rmse) +
+                            readable(r.cross_validation_rmse) +
                             " (root mean square): expect this error between the samples.");
+  }
   page.findings.push_back(
       r.smoothing > 0 ? "The function does not pass through every sample: part of their variation was treated as "
                         "noise and smoothed away (smoothing " +
-                            text(r.smoothing) + ")."
+                            readable(r.smoothing) + ")."
                       : "The function passes through the samples: nothing was smoothed away.");
   if (domain.model.value_names.size() > 1)
     page.findings.push_back("The pictures show " + domain.value() + ", the first of " +
-                            counted(static_cast<Index>(domain.model.value_names.size()), "value") + ".");
+                            counted(std::ssize(domain.model.value_names), "value") + ".");
   if (r.merged_duplicates > 0)
     page.findings.push_back(counted(r.merged_duplicates, "sample") + " merged with others at the same place.");
 }
@@ -82,12 +74,9 @@ Figure curve(const Domain& domain, const SampleTable& samples, const std::vector
   plot.line.resize(2, places);
   plot.line.row(0) = x;
   plot.line.row(1) = domain.model.function.evaluate(x).value.col(0);
-  const std::vector<Index> dots = spread_indices(static_cast<Index>(chosen.size()), most);
-  plot.dots.resize(2, static_cast<Index>(dots.size()));
-  for (std::size_t i = 0; i < dots.size(); ++i) {
-    const Index sample = chosen[dots[i]];
-    plot.dots.col(static_cast<Index>(i)) << samples.coordinates(0, sample), samples.values(sample, 0);
-  }
+  const std::vector<Index> dots = spread(chosen, most);
+  plot.dots.resize(2, std::ssize(dots));
+  plot.dots << samples.coordinates(0, dots), samples.values(dots, 0).transpose();
   return {"The function", draw(plot), "The curve is the function, the dots are samples."};
 }
 
@@ -121,12 +110,7 @@ PlaneMap plane_map(const Domain& domain, Index a, Index b) {
 
 void set_range(const std::string& label, std::vector<PlaneMap>& maps) {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-  for (const PlaneMap& map : maps)
-    for (const double value : map.values.reshaped())
-      if (std::isfinite(value)) {
-        lo = std::min(lo, value);
-        hi = std::max(hi, value);
-      }
+  for (const PlaneMap& map : maps) extend(map.values.reshaped(), lo, hi);
   if (!(lo < hi)) lo = lo - 1, hi = lo + 2;
   for (PlaneMap& map : maps) map.scale = {lo, hi, false, label};
 }
@@ -135,10 +119,7 @@ Figure map_of_plane(const Domain& domain, const SampleTable& samples, const std:
   std::vector<PlaneMap> maps{plane_map(domain, 0, 1)};
   set_range(domain.value(), maps);
   constexpr Index most = 3000;  // dots, beyond which they hide the map
-  const std::vector<Index> dots = spread_indices(static_cast<Index>(chosen.size()), most);
-  maps[0].dots.resize(2, static_cast<Index>(dots.size()));
-  for (std::size_t i = 0; i < dots.size(); ++i)
-    maps[0].dots.col(static_cast<Index>(i)) = samples.coordinates.col(chosen[dots[i]]);
+  maps[0].dots = samples.coordinates(Eigen::all, spread(chosen, most));
   const std::string shown =
       maps[0].dots.cols() < samples.coordinates.cols() ? counted(maps[0].dots.cols(), "sample") : "the samples";
   const std::string caption = "Colours show the function, dots the positions of " + shown + ".";
@@ -228,19 +209,16 @@ Figure landscape_view(const Landscape& landscape, const Domain& domain, const Sa
   SurfaceView view;
   view.shown = "0";
   view.mesh = landscape.mesh();
-  Points<3> places(3, static_cast<Index>(chosen.size()));
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
+  Points<3> places(3, std::ssize(chosen));
+  for (Index i = 0; i < places.cols(); ++i) {
     const auto x = samples.coordinates.col(chosen[i]);
-    places.col(static_cast<Index>(i)) = landscape.place(x[0], x[1], samples.values(chosen[i], 0));
+    places.col(i) = landscape.place(x[0], x[1], samples.values(chosen[i], 0));
   }
   const std::vector<Index> points = spread_indices(places.cols(), SurfaceView::most_points);
   view.points = places(Eigen::all, points);
   const Eigen::VectorXd size = error.cwiseAbs();
-  Eigen::VectorXd sample_values(static_cast<Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i)
-    sample_values[static_cast<Index>(i)] = samples.values(chosen[points[i]], 0);
-  view.colors.push_back(
-      {domain.value(), domain.value(), landscape.lo(), landscape.hi(), false, landscape.values(), sample_values});
+  view.colors.push_back({domain.value(), domain.value(), landscape.lo(), landscape.hi(), false, landscape.values(),
+                         samples.values(spread(chosen, SurfaceView::most_points), 0)});
   std::vector<double> sizes(size.begin(), size.end());
   constexpr double most = 0.99;  // percentile at the end of the scale: outliers do not set it
   view.colors.push_back({"error at the samples", "Error at the samples (grey: no samples nearby)", 0,

@@ -1,36 +1,25 @@
 #include "report/html.hpp"
 
-#include "csrbf/io/images/png.hpp"
+#include "csrbf/io/images/formats.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 namespace csrbf::app {
 
 std::string escaped(std::string_view text) {
   std::string result;
   result.reserve(text.size());
+  using Entity = std::pair<char, std::string_view>;
+  constexpr std::array<Entity, 5> entities{
+      {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}}};
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        // Other control characters are invalid in a document; a report must not fail because of a file name.
-        result += static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' ? '?' : c;
-    }
+    const auto* entity = std::ranges::find(entities, c, &Entity::first);
+    // Other control characters are invalid in a document; a report must not fail because of a file name.
+    const char kept = static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' ? '?' : c;
+    result += entity != entities.end() ? entity->second : std::string_view(&kept, 1);
   }
   return result;
 }

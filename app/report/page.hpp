@@ -1,8 +1,6 @@
 #pragma once
 
-#include <string>
-#include <utility>
-#include <vector>
+#include "common.hpp"
 
 namespace csrbf::app {
 
@@ -26,5 +24,10 @@ struct Page {
   std::vector<std::string> findings;  ///< sentences in plain words
   std::vector<Figure> figures;
 };
+
+/// One HTML file that needs nothing else: no network, no other file. The JSON report is in it as well. `common`: the
+/// command as typed and its flags; `summary`: the lines shown on the terminal; `page`: what the command adds.
+std::string html_page(const Json& report, const CommonOptions& common, const std::vector<std::string>& summary,
+                      const Page& page);
 
 }  // namespace csrbf::app

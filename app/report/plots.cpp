@@ -75,7 +75,7 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
   drawing.add_grid();
   for (std::size_t i = 0; i < distributions.size(); ++i) {
     const std::vector<double>& counts = distributions[i].counts;
-    const auto n = static_cast<Index>(counts.size());
+    const Index n = std::ssize(counts);
     Points<2> steps(2, 2 * n + 2);
     steps.col(0) << lo, 0;
     for (Index k = 0; k < n; ++k) {
@@ -97,7 +97,7 @@ std::string draw(const std::vector<Distribution>& distributions, double lo, doub
 }
 
 std::string draw(const Course& course) {
-  const auto n = static_cast<Index>(course.values.size());
+  const Index n = std::ssize(course.values);
   const auto [lo, hi] = std::minmax_element(course.values.begin(), course.values.end());
   Drawing drawing(axis(0, static_cast<double>(std::max<Index>(n - 1, 1)), course.counted),
                   round_axis(*lo, *hi, course.label, 4), course.label + " by " + course.counted);
@@ -108,6 +108,14 @@ std::string draw(const Course& course) {
   constexpr Index few = 40;  // dots, ten pixels apart
   if (n <= few) drawing.add_dots(points, 3, "accent");
   return drawing.svg();
+}
+
+void extend(const Eigen::VectorXd& values, double& lo, double& hi) {
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    lo = std::min(lo, value);
+    hi = std::max(hi, value);
+  }
 }
 
 LinearRgb ColorScale::operator()(double value) const {
@@ -166,12 +174,8 @@ std::string side_by_side(const std::vector<std::string>& drawings) {
 
 std::string draw(const Curve& curve) {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-  for (const Points<2>* points : {&curve.line, &curve.dots})
-    for (Index i = 0; i < points->cols(); ++i)
-      if (std::isfinite((*points)(1, i))) {
-        lo = std::min(lo, (*points)(1, i));
-        hi = std::max(hi, (*points)(1, i));
-      }
+  extend(curve.line.row(1), lo, hi);
+  extend(curve.dots.row(1), lo, hi);
   Drawing drawing(axis(curve.line.row(0).minCoeff(), curve.line.row(0).maxCoeff(), curve.x_label),
                   round_axis(lo, hi, curve.y_label), curve.y_label + " by " + curve.x_label);
   drawing.add_grid();

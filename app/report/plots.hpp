@@ -1,14 +1,10 @@
 #pragma once
 
-#include "report/axis.hpp"
-
 #include "csrbf/core/image.hpp"
-#include "csrbf/core/types.hpp"
 #include "csrbf/implicit/contour_lines.hpp"
 #include "csrbf/implicit/render/color_map.hpp"
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace csrbf::app {
@@ -53,6 +49,9 @@ struct ColorScale {
 
   [[nodiscard]] LinearRgb operator()(double value) const;
 };
+
+/// Extends the range from lo to hi by the finite values.
+void extend(const Eigen::VectorXd& values, double& lo, double& hi);
 
 /// Evenly spaced colours of a colour map as "#rrggbb".
 std::vector<std::string> color_stops(bool diverging);

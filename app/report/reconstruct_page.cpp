@@ -1,10 +1,8 @@
 #include "report/reconstruct_page.hpp"
 
-#include "report/axis.hpp"
-#include "report/near_points.hpp"
+#include "report/drawing.hpp"
 #include "report/plots.hpp"
 #include "report/surface_view.hpp"
-#include "session.hpp"
 
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/curvature.hpp"
@@ -32,9 +30,9 @@ double share_below(const Eigen::VectorXd& values, double share) {
 void add_facts(const ReconstructionShown& shown, Page& page) {
   const ReconstructReport& r = shown.surface.report;
   const Topology t = topology(shown.mesh);
-  page.facts = {{counted(r.points_used, "point").substr(0, counted(r.points_used, "point").find(' ')), "points used"},
+  page.facts = {{grouped(r.points_used), "points used"},
                 {percent_text(r.p99_distance), "of the diagonal: 99th percentile of the distance of the points"},
-                {counted(t.triangles, "").substr(0, counted(t.triangles, "").find(' ')), "triangles"},
+                {grouped(t.triangles), "triangles"},
                 {t.watertight() ? "closed" : "open", "surface (" + counted(t.components, "component") + ")"}};
 }
 
@@ -134,11 +132,7 @@ PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across
   for (Index i = 0; i < shown.used.size(); ++i)
     if (std::abs(shown.used.points(across, i) - origin[across]) < thickness) near.push_back(i);
   constexpr Index most = 800;  // dots, beyond which they merge
-  std::vector<Index> kept;
-  for (const Index i : spread_indices(static_cast<Index>(near.size()), most)) kept.push_back(near[i]);
-  map.dots.resize(2, static_cast<Index>(kept.size()));
-  for (std::size_t i = 0; i < kept.size(); ++i)
-    for (int k = 0; k < 2; ++k) map.dots(k, static_cast<Index>(i)) = shown.used.points(axes[k], kept[i]);
+  map.dots = shown.used.points(axes, spread(near, most));
   return map;
 }
 
@@ -167,8 +161,7 @@ void show(const ReconstructionShown& shown, Page& page) {
   const Box<3> box = bounding_box<3>(shown.used.points);
   const double diagonal = box.diagonal();
   const std::vector<double> fractions = surface_distances(*shown.surface.field, shown.used.points, diagonal);
-  const Eigen::VectorXd distance =
-      percent * Eigen::Map<const Eigen::VectorXd>(fractions.data(), static_cast<Index>(fractions.size()));
+  const Eigen::VectorXd distance = percent * Eigen::Map<const Eigen::VectorXd>(fractions.data(), std::ssize(fractions));
   add_facts(shown, page);
   add_findings(shown, diagonal, page);
   if (shown.mesh.triangles.cols() > 0) page.figures.push_back(view(shown, distance, diagonal));

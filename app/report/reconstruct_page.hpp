@@ -2,8 +2,6 @@
 
 #include "report/page.hpp"
 
-#include "csrbf/core/field.hpp"
-#include "csrbf/core/mesh.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 
 #include <functional>

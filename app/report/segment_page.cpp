@@ -1,10 +1,8 @@
 #include "report/segment_page.hpp"
 
-#include "report/axis.hpp"
 #include "report/html.hpp"
 #include "report/plots.hpp"
 #include "report/surface_view.hpp"
-#include "session.hpp"
 
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/polygonize.hpp"
@@ -73,14 +71,6 @@ Figure intensities(const Volume<float>& image, const std::vector<std::uint8_t>& 
 Figure descent(const SegmentReport& r) {
   return {"Descent of the energy", draw(Course{.values = r.energy, .label = "energy per voxel", .counted = "step"}),
           r.converged ? "It ends where the labels stopped changing." : "The labels were still changing at the end."};
-}
-
-template <int Dim>
-std::vector<const Field<Dim>*> inside_fields(const Segmentation<Dim>& segmentation) {
-  std::vector<const Field<Dim>*> fields;
-  for (std::size_t k = segmentation.fields.size() > 1 ? 1 : 0; k < segmentation.fields.size(); ++k)
-    fields.push_back(segmentation.fields[k].get());
-  return fields;
 }
 
 template <int Dim>

@@ -42,6 +42,13 @@ Mesh mesh_to_show(const Mesh& mesh, int resolution, const std::function<Mesh(int
 /// At most `most` indices, evenly spaced among n.
 std::vector<Index> spread_indices(Index n, Index most);
 
+/// At most `most` of the indices, evenly spaced.
+std::vector<Index> spread(const std::vector<Index>& indices, Index most);
+
+/// Values known at points (3 x n), transferred to other places (3 x m): the mean over the nearest few; NaN where the
+/// points are much further away than their own spacing.
+Eigen::VectorXd values_near(const PointsRef<3>& points, const Eigen::VectorXd& values, const PointsRef<3>& places);
+
 /// The view as a figure: a ray-traced picture, and the data with which the script replaces it.
 Figure surface_figure(const SurfaceView& view);
 

@@ -4,8 +4,7 @@
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/io/files/deflate.hpp"
 #include "csrbf/io/files/read_file.hpp"
-#include "csrbf/io/geometry/off.hpp"
-#include "csrbf/io/geometry/point_table.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 #include "csrbf/surface/reconstruct.hpp"
 
 #include <Eigen/Geometry>

@@ -2,7 +2,7 @@
 
 #include "core/error_testing.hpp"
 #include "csrbf/io/files/bytes.hpp"
-#include "csrbf/io/geometry/ply.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 #include "csrbf/io/points.hpp"
 #include "io/io_testing.hpp"
 

@@ -119,7 +119,7 @@ TEST(ReadVolume, RefusesHugeHeadersBeforeItTakesMemory) {
   std::string nifti = errors.written("a.nii");
   for (const std::size_t at : {42u, 44u, 46u}) nifti[at + 1] = 0x7f;
   EXPECT_TRUE(errors.reading("a.nii", nifti).starts_with("a.nii: the header promises more than 2^40 samples"));
-  EXPECT_TRUE(errors.reading("a.npy", format_npy_header("f8", {1000000, 1000000}))
+  EXPECT_TRUE(errors.reading("a.npy", format_npy_header(SampleType::float64, {1000000, 1000000}))
                   .starts_with("a.npy: the file is truncated: its header promises 8000000000000 bytes of samples"));
   std::string png = errors.written("a.png");
   png[17] = png[21] = 0x0f;  // width and height; the checksum is wrong as well
@@ -157,10 +157,11 @@ TEST(ReadVolume, NamesTheTypesAndFieldsThatItDoesNotSupport) {
   EXPECT_EQ(errors.reading("a.mha", "NDims = 2\n"), "a.mha: the header ends without ElementDataFile");
   EXPECT_EQ(errors.reading("a.pgm", "P2 2 1 9\n3\n10\n"), "a.pgm:3: \"10\" is not a sample from 0 to 9");
   EXPECT_EQ(errors.reading("a.pgm", "P5 2 0 9\n"), "a.pgm:1: \"0\" is not a height from 1 to 2147483648");
-  EXPECT_EQ(errors.reading("a.npy", format_npy_header("c8", {2})),
-            "a.npy: elements of type \"<c8\" are not supported; save float64");
+  std::string npy = format_npy_header(SampleType::float64, {2});
+  npy.replace(npy.find("f8"), 2, "c8");
+  EXPECT_EQ(errors.reading("a.npy", npy), "a.npy: elements of type \"<c8\" are not supported; save float64");
   EXPECT_EQ(
-      errors.reading("a.npy", format_npy_header("u1", {})),
+      errors.reading("a.npy", format_npy_header(SampleType::uint8, {})),
       "a.npy: an array of 0 axes is no image; images are [x], [y, x], [z, y, x] or [t, z, y, x], then components");
   std::string nifti = errors.written("a.nii");
   nifti[70] = 32;

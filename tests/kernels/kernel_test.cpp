@@ -1,7 +1,6 @@
 #include "csrbf/kernels/kernel.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/kernels/wendland.hpp"
 #include "kernels/kernel_testing.hpp"
 
 #include <gtest/gtest.h>
@@ -84,20 +83,6 @@ TEST(Kernel, HasTheClosedFormOfThePoweredExponential) {
   EXPECT_EQ(Kernel("powered-exponential", 2).parameter(), 1.4);
   EXPECT_EQ(Kernel("matern", 2).parameter(), 1.5);
   EXPECT_EQ(Kernel("thin-plate", 2).smoothness(), 1);  // r^2 log r
-}
-
-TEST(Kernel, OfWendlandIsTheClassWendland) {
-  for (int d = 1; d <= 6; ++d) {
-    for (int k = 0; k <= 3; ++k) {
-      const Kernel kernel("wendland-c" + std::to_string(2 * k), d);
-      const Wendland wendland(d, k);
-      for (double r = 0; r < 1.1; r += 1.0 / 32) {
-        EXPECT_NEAR(kernel.value(r), wendland.value(r), rounding);
-        EXPECT_NEAR(kernel.g(r), wendland.g(r), 100 * rounding);
-        EXPECT_NEAR(kernel.q(r), wendland.q(r), 100 * rounding);
-      }
-    }
-  }
 }
 
 TEST(Kernel, OfMaternByBesselFunctionsAgreesWithTheClosedForms) {

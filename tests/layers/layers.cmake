@@ -33,10 +33,10 @@ function(module_of path result)
   set(${result} ${module} PARENT_SCOPE)
 endfunction()
 
-# A room is a folder of a module (approx/unity/), or a module whose folders depend on each other (core/, app/). What lies above the rooms, the
+# A room is a folder of a module (approx/unity/), or a module without folders (core/). What lies above the rooms, the
 # entry points, are units of their own (approx/fit): an entry point may include rooms, a room never its entry point.
 function(room_of path result)
-  if(path MATCHES "^((core|kernels|spatial|linalg|app|distributed)/|[a-z]+/[a-z_]+/)")
+  if(path MATCHES "^((core|kernels|spatial|linalg|distributed)/|[a-z]+/[a-z_]+/)")
     set(${result} ${CMAKE_MATCH_1} PARENT_SCOPE)
   else()
     string(REGEX REPLACE "\\.[ch]pp$" "" unit ${path})

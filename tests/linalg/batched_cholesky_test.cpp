@@ -147,26 +147,6 @@ TEST(BatchedCholesky, SolvesLeastSquaresWithTheDataAsLastColumn) {
   }
 }
 
-TEST(BatchedCholesky, SolvesSmallerSystemsPaddedWithTheIdentity) {
-  constexpr Index n = 10;
-  Batch systems = random_systems(n, 5);
-  std::mt19937_64 random(6);
-  Batch right;
-  for (Eigen::MatrixXd& b : right) b = random_matrix(n, 1, random);
-  std::vector<double> A = interleave_triangles(systems);
-  std::vector<double> x = interleave_columns(right);
-  for (int s = 0; s < batch_lanes; ++s) batch_pad(A.data(), n, s, s);
-  ASSERT_EQ(batch_cholesky(A.data(), n), 0U);
-  batch_solve(A.data(), n, x.data());
-  for (int s = 0; s < batch_lanes; ++s) {
-    const auto lane = static_cast<std::size_t>(s);
-    const Eigen::VectorXd solution = columns_of_lane(x, n, s);
-    const Eigen::VectorXd expected = systems[lane].topLeftCorner(s, s).llt().solve(right[lane].topRows(s));
-    EXPECT_LT((solution.head(s) - expected).norm(), rounding);
-    EXPECT_EQ(solution.tail(n - s), right[lane].bottomRows(n - s));
-  }
-}
-
 TEST(BatchedCholesky, ReportsAFailedPivotAndLeavesItsUnknownOut) {
   constexpr Index n = 7;
   for (Index bad = 0; bad < n; ++bad) {
@@ -244,33 +224,6 @@ TEST(BatchedCholesky, DoesNotDependOnTheScaleOfTheSystems) {
       for (Index j = 0; j <= i; ++j)
         EXPECT_EQ(std::ldexp(A[batch_entry(i, j)], (i == j ? 1 : -1) * exponent / 2), unit[batch_entry(i, j)]);
   }
-}
-
-// The normal equations of random rows, their factor with one lane that fails, and so many solutions.
-std::vector<double> solve_normal_equations(Index n, Index solutions, BatchWidth width) {
-  constexpr Index more_rows = 9;
-  std::mt19937_64 random(static_cast<unsigned>(n));
-  Batch rows, sides;
-  for (Eigen::MatrixXd& F : rows) F = random_matrix(n, n + more_rows, random);
-  for (Eigen::MatrixXd& b : sides) b = random_matrix(n, solutions, random);
-  rows[3].row(n - 1).setZero();
-  std::vector<double> A(batch_matrix_size(n)), b = interleave_columns(sides);
-  batch_gram(interleave_columns(rows).data(), n + more_rows, n, A.data(), width);
-  EXPECT_EQ(batch_cholesky(A.data(), n, rounding, width), 8U) << n;
-  batch_solve(A.data(), n, b.data(), solutions, width);
-  A.insert(A.end(), b.begin(), b.end());
-  return A;
-}
-
-TEST(BatchedCholesky, AgreesByFourAndByEightLanes) {
-  if (simd_bytes() < 64) GTEST_SKIP() << "no AVX-512 here";
-  for (Index n = 1; n <= 60; ++n)
-    for (const Index solutions : {1, 2, 5}) {
-      const std::vector<double> four = solve_normal_equations(n, solutions, BatchWidth::four);
-      const std::vector<double> widest = solve_normal_equations(n, solutions, BatchWidth::widest);
-      const double size = Eigen::Map<const Eigen::VectorXd>(four.data(), std::ssize(four)).cwiseAbs().maxCoeff();
-      for (std::size_t i = 0; i < four.size(); ++i) EXPECT_NEAR(widest[i], four[i], 1e-10 * size) << n << " " << i;
-    }
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include "csrbf/core/field.hpp"
 
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace csrbf {

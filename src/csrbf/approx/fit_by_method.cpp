@@ -1,6 +1,5 @@
 #include "csrbf/approx/fit_by_method.hpp"
 
-#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/levels/error_bounded.hpp"
@@ -14,7 +13,6 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
-#include "csrbf/kernels/kernel.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
@@ -69,9 +67,6 @@ class Fitter {
     }
     return {};
   }
-
-  // The one used, after fit().
-  [[nodiscard]] FitMethod method() const { return method_; }
 
   template <class Options>
   void set_kernel(Options& options) {

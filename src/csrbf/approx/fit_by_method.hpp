@@ -2,12 +2,7 @@
 
 #include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/fit_options.hpp"
-#include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
-#include "csrbf/core/field.hpp"
-
-#include <memory>
-#include <vector>
 
 namespace csrbf {
 

@@ -1,7 +1,6 @@
 #include "csrbf/approx/function.hpp"
 
 #include "csrbf/approx/function_fit.hpp"
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 
 #include <type_traits>
@@ -107,12 +106,6 @@ void evaluate_slices(const Function& function, std::vector<Eigen::VectorXd> axes
   }
 }
 
-template <int Dim>
-Function fit_in(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
-                const Eigen::Ref<const Eigen::VectorXd>& weights, const FitOptions& options) {
-  return Function(fit<Dim>(Samples<Dim>{points, values, weights}, options));
-}
-
 }  // namespace
 
 template <int Dim>
@@ -170,7 +163,7 @@ Function fit_function(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eig
   switch (points.rows()) {
 #define CSRBF_CASE(Dim) \
   case Dim:             \
-    return fit_in<Dim>(points, values, weights, options);
+    return Function(fit<Dim>(Samples<Dim>{points, values, weights}, options));
     CSRBF_FOR_EACH_DIM(CSRBF_CASE)
 #undef CSRBF_CASE
     default:

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "csrbf/approx/fit.hpp"
-#include "csrbf/core/types.hpp"
 
 #include <memory>
 #include <string>

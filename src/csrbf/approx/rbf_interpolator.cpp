@@ -1,8 +1,6 @@
 #include "csrbf/approx/rbf_interpolator.hpp"
 
 #include "csrbf/approx/global/local_interpolants.hpp"
-#include "csrbf/approx/global/rbf_system.hpp"
-#include "csrbf/approx/samples/nearest_samples.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <utility>

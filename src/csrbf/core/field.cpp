@@ -3,8 +3,6 @@
 #include "csrbf/core/grid_tiles.hpp"
 #include "csrbf/core/parallel.hpp"
 
-#include <algorithm>
-
 namespace csrbf {
 
 template <int Dim>
@@ -16,8 +14,7 @@ Jet<Dim> Field<Dim>::evaluate_in(const std::vector<Index>& order, const PointsRe
     Points<Dim> block(Dim, n);
     Jet<Dim> part(n, derivatives);
     for (Index i = 0; i < n; ++i) block.col(i) = x.col(order[begin + i]);
-    evaluate_block(block, {part.value.data(), derivatives >= Derivatives::gradient ? part.gradient.data() : nullptr,
-                           derivatives >= Derivatives::hessian ? part.hessian.data() : nullptr});
+    evaluate_block(block, {part.value.data(), part.gradient.data(), part.hessian.data()});
     for (Index i = 0; i < n; ++i) {
       const Index to = order[begin + i];
       jet.value[to] = part.value[i];
@@ -35,12 +32,9 @@ Jet<Dim> Field<Dim>::evaluate(const PointsRef<Dim>& x, Derivatives derivatives) 
     if (!order.empty()) return evaluate_in(order, x, derivatives);
   }
   Jet<Dim> jet(x.cols(), derivatives);
-  parallel_for(x.cols(), block_size, [&](Index begin, Index end) {
-    JetBlock out{jet.value.data() + begin, nullptr, nullptr};
-    if (derivatives >= Derivatives::gradient) out.gradient = jet.gradient.data() + Dim * begin;
-    if (derivatives >= Derivatives::hessian) out.hessian = jet.hessian.data() + symmetric_size<Dim> * begin;
-    evaluate_block(x.middleCols(begin, end - begin), out);
-  });
+  const JetBlock out{jet.value.data(), jet.gradient.data(), jet.hessian.data()};
+  parallel_for(x.cols(), block_size,
+               [&](Index begin, Index end) { evaluate_block(x.middleCols(begin, end - begin), out.from<Dim>(begin)); });
   return jet;
 }
 
@@ -57,7 +51,7 @@ Eigen::VectorXd Field<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const {
       Index k = 0;
       tiles.for_each_row(tile, [&](std::array<Index, Dim> node, Index /*first*/) {
         for (; node[0] < tile.end[0]; ++node[0], ++k)
-          for (std::size_t a = 0; a < Dim; ++a) block(static_cast<Index>(a), k) = axes[a][node[a]];
+          for (Index a = 0; a < Dim; ++a) block(a, k) = axes[a][node[a]];
       });
       evaluate_block(block, {part.data(), nullptr, nullptr});
       const double* from = part.data();

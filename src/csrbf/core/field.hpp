@@ -2,7 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -11,7 +10,7 @@ namespace csrbf {
 /// How many derivatives an evaluation returns besides the value.
 enum class Derivatives { none = 0, gradient = 1, hessian = 2 };
 
-/// Values and derivatives of a scalar field at n points. Parts that were not requested have no columns.
+/// Values and derivatives of a scalar field at n points. Parts that were not requested have no columns (and no data()).
 template <int Dim>
 struct Jet {
   Eigen::VectorXd value;                                               ///< n

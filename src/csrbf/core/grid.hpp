@@ -2,7 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <array>
 #include <string>
 #include <vector>
 

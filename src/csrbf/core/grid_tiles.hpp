@@ -2,9 +2,6 @@
 
 #include "csrbf/core/field.hpp"
 
-#include <array>
-#include <cmath>
-
 namespace csrbf {
 
 /// A block of nodes of a grid: those with begin[a] <= i_a < end[a].

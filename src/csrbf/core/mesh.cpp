@@ -4,7 +4,6 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 
-#include <algorithm>
 #include <numeric>
 
 namespace csrbf {

@@ -22,10 +22,9 @@ Jet<Dim> shared_evaluate(const Field<Dim>& field, const std::type_identity_t<Poi
   const Points<Dim> sorted = x(Eigen::all, order);
   Jet<Dim> jet(n, derivatives);
   const bool gradient = derivatives >= Derivatives::gradient, hessian = derivatives >= Derivatives::hessian;
+  const JetBlock out{jet.value.data(), jet.gradient.data(), jet.hessian.data()};
   const auto compute = [&](Index begin, Index end) {
-    field.evaluate_block(sorted.middleCols(begin, end - begin),
-                         {jet.value.data() + begin, gradient ? jet.gradient.col(begin).data() : nullptr,
-                          hessian ? jet.hessian.col(begin).data() : nullptr});
+    field.evaluate_block(sorted.middleCols(begin, end - begin), out.from<Dim>(begin));
   };
   share_arrays("evaluate", n, grain, compute,
                {ResultArray::of(jet.value.data()), ResultArray::of(jet.gradient.data(), gradient ? Dim : 0),

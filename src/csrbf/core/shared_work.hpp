@@ -6,7 +6,6 @@
 #include <cstring>
 #include <functional>
 #include <initializer_list>
-#include <span>
 #include <string_view>
 #include <type_traits>
 #include <vector>

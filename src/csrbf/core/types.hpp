@@ -37,7 +37,7 @@ using PointsRef = Eigen::Ref<const Points<Dim>>;
 /// Points held as one array each, without a copy: as_points<3>(v) of a std::vector<std::array<double, 3>> is 3 x n.
 template <int Dim>
 Eigen::Map<const Points<Dim>> as_points(std::span<const std::array<double, static_cast<std::size_t>(Dim)>> points) {
-  return {points.empty() ? nullptr : points.front().data(), Dim, static_cast<Index>(points.size())};
+  return {points.empty() ? nullptr : points.front().data(), Dim, std::ssize(points)};
 }
 
 /// Number of independent entries of a symmetric Dim x Dim matrix.

@@ -1,10 +1,7 @@
 #include "csrbf/implicit/combine.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/implicit/combine/extend_distance.hpp"
 
-#include <algorithm>
-#include <array>
 #include <utility>
 
 namespace csrbf {
@@ -94,22 +91,6 @@ Solid combine(Operation operation, const std::vector<Solid>& solids, const Combi
   return std::make_shared<const CombinedField>(std::move(data));
 }
 
-Solid operator|(const Solid& a, const Solid& b) {
-  return combine(Operation::unite, {a, b});
-}
-
-Solid operator&(const Solid& a, const Solid& b) {
-  return combine(Operation::intersect, {a, b});
-}
-
-Solid operator-(const Solid& a, const Solid& b) {
-  return combine(Operation::subtract, {a, b});
-}
-
-Solid operator~(const Solid& a) {
-  return combine(Operation::complement, {a});
-}
-
 bool CombinedField::holds_infinity() const {
   bool any = false;
   for (const Term& term : data_.terms) any = any || holds_infinity_of(*term.solid) != term.complemented;
@@ -165,6 +146,22 @@ std::vector<Index> CombinedField::evaluation_order(const PointsRef<3>& x) const 
     if (!order.empty()) return order;
   }
   return {};
+}
+
+Solid operator|(const Solid& a, const Solid& b) {
+  return combine(Operation::unite, {a, b});
+}
+
+Solid operator&(const Solid& a, const Solid& b) {
+  return combine(Operation::intersect, {a, b});
+}
+
+Solid operator-(const Solid& a, const Solid& b) {
+  return combine(Operation::subtract, {a, b});
+}
+
+Solid operator~(const Solid& a) {
+  return combine(Operation::complement, {a});
 }
 
 }  // namespace csrbf

@@ -4,9 +4,6 @@
 #include "csrbf/core/progress.hpp"
 
 #include <memory>
-#include <optional>
-#include <string_view>
-#include <vector>
 
 namespace csrbf {
 

@@ -1,7 +1,5 @@
 #include "csrbf/implicit/combine.hpp"
 
-#include <algorithm>
-
 namespace csrbf {
 namespace {
 
@@ -58,10 +56,8 @@ Enclosure super_elliptic_union(const std::vector<Enclosure>& parts, double R, do
   std::vector<Enclosure> reached;
   for (const Enclosure& part : parts)
     if (part.hi > -R) reached.push_back(part);
-  if (reached.size() <= 1 &&
-      std::all_of(parts.begin(), parts.end(), [&](const Enclosure& part) { return part.hi <= -R || part.lo >= -R; }))
-    return reached.empty() ? sharp_union(parts) : reached.front();
   if (reached.empty()) return sharp_union(parts);
+  if (reached.size() == 1 && reached.front().lo >= -R) return reached.front();
   std::vector<double> lo, hi;
   double slope = 0, bend = 0, squares = 0;
   for (const Enclosure& part : parts) {

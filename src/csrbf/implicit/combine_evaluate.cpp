@@ -1,7 +1,6 @@
 #include "csrbf/core/taylor.hpp"
 #include "csrbf/implicit/combine.hpp"
 
-#include <span>
 #include <type_traits>
 
 namespace csrbf {

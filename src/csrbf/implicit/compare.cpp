@@ -1,14 +1,11 @@
 #include "csrbf/implicit/compare.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/mesh/sample_surface.hpp"
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 #include "csrbf/implicit/mesh/triangle_tree.hpp"
-
-#include <Eigen/Geometry>
 
 #include <numbers>
 
@@ -27,10 +24,10 @@ double angle_between(const Point<3>& a, const Point<3>& b) {
 }
 
 Distances measure(const PointsRef<3>& points, const PointsRef<3>& normals, const Mesh& mesh, const TriangleTree& tree) {
-  const auto n = static_cast<std::size_t>(points.cols());
+  const Index n = points.cols();
   Distances result{std::vector<double>(n), std::vector<double>(n, std::numeric_limits<double>::quiet_NaN())};
   constexpr Index grain = 512;
-  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
+  parallel_for(n, grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const TriangleTree::Closest closest = tree.closest(points.col(i));
       result.distance[i] = closest.distance;

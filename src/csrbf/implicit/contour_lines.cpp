@@ -1,11 +1,8 @@
 #include "csrbf/implicit/contour_lines.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/implicit/curves/contour_network.hpp"
 
 #include <Eigen/Geometry>
-
-#include <algorithm>
 
 namespace csrbf {
 namespace {
@@ -17,23 +14,16 @@ constexpr int largest_resolution = 16384;  // cells along the longest side: 4 GB
 constexpr double coincident = 1e-9;  // of a cell: closer points are merged
 constexpr double steepest_arc = 1;   // largest slope against the chord: arcs that start steeper are kinks
 
-// Length and area of segments with the cubic arcs over them, and the magnitudes of what the arcs add.
-struct Measure {
-  double length = 0, area = 0, length_error = 0, area_error = 0;
-
-  // The chord from p to q, relative to a nearby origin.
-  void add_chord(const Point<2>& p, const Point<2>& q) { area += 0.5 * (p[0] * q[1] - p[1] * q[0]); }
-
-  // The arc over the chord of length c starts with slope a and ends with slope b; up is left, where the inside is. With
-  // the cubic Hermite interpolant y: integral of y = c^2 / 12 (a - b), of y'^2 / 2 = c / 30 (2 a^2 - a b + 2 b^2).
-  void add_arc(double c, double a, double b) {
-    const double bulge = c * c / 12 * (b - a), stretch = c / 30 * (2 * a * a - a * b + 2 * b * b);
-    length += c + stretch;
-    area += bulge;
-    length_error += stretch;
-    area_error += std::abs(bulge);
-  }
-};
+// Adds the length and area of the arc over a chord of length c; its slope is a at the start, b at the end; up is left,
+// where the inside is. With the cubic Hermite interpolant y: integral of y = c^2 / 12 (a - b), of y'^2 / 2 =
+// c / 30 (2 a^2 - a b + 2 b^2).
+void add_arc(double c, double a, double b, ContourLines& to) {
+  const double bulge = c * c / 12 * (b - a), stretch = c / 30 * (2 * a * a - a * b + 2 * b * b);
+  to.length += c + stretch;
+  to.area += bulge;
+  to.length_error += stretch;
+  to.area_error += std::abs(bulge);
+}
 
 // Slope of the contour against the chord from its gradient; 0 where undefined.
 double slope_against(const Point<2>& chord, const Point<2>& gradient) {
@@ -48,14 +38,14 @@ class LineCollector {
  public:
   LineCollector(const Lattice& lattice, const Network& network) : lattice_(lattice), network_(network) {
     for (std::size_t a = 0; a < 2; ++a) {
-      origin_[static_cast<Index>(a)] = 0.5 * (lattice.axes[a][0] + lattice.axes[a][lattice.cells(a)]);
-      cell_[static_cast<Index>(a)] = lattice.axes[a][1] - lattice.axes[a][0];
+      origin_[a] = 0.5 * (lattice.axes[a][0] + lattice.axes[a][lattice.cells(a)]);
+      cell_[a] = lattice.axes[a][1] - lattice.axes[a][0];
     }
   }
 
   // Adds a closed line with its area, in parts if it may not follow the border.
   void add(const std::vector<std::int32_t>& loop, ContourEnds ends) {
-    const double before = measure_.area;
+    const double before = found_.area;
     bool touches_border = false;
     for (std::size_t k = 0; k < loop.size(); ++k) {
       measure_segment(loop[k], loop[(k + 1) % loop.size()]);
@@ -64,14 +54,13 @@ class LineCollector {
     if (ends == ContourEnds::closed || !touches_border) {
       for (const std::int32_t v : loop)
         if (!network_.on_border(v) || is_corner_of_box(v)) append(position(v));
-      finish({.closed = true, .area = measure_.area - before});
+      finish({.closed = true, .area = found_.area - before});
       return;
     }
     const auto at_border = [&](std::int32_t v) { return network_.on_border(v); };
-    const std::size_t first =
-        static_cast<std::size_t>(std::find_if(loop.begin(), loop.end(), at_border) - loop.begin());
-    for (std::size_t k = 1; k <= loop.size(); ++k) {
-      const std::int32_t v = loop[(first + k) % loop.size()];
+    const Index first = std::find_if(loop.begin(), loop.end(), at_border) - loop.begin();
+    for (Index k = 1; k <= std::ssize(loop); ++k) {
+      const std::int32_t v = loop[(first + k) % std::ssize(loop)];
       if (!network_.on_border(v))
         append(position(v));
       else
@@ -79,15 +68,9 @@ class LineCollector {
     }
   }
 
-  [[nodiscard]] ContourLines result() const {
-    ContourLines contours;
-    contours.points = Eigen::Map<const Points<2>>(coordinates_.data(), 2, static_cast<Index>(coordinates_.size() / 2));
-    contours.lines = lines_;
-    contours.length = measure_.length;
-    contours.area = measure_.area;
-    contours.length_error = measure_.length_error;
-    contours.area_error = measure_.area_error;
-    return contours;
+  ContourLines result() {
+    found_.points = Eigen::Map<const Points<2>>(coordinates_.data(), 2, size());
+    return std::move(found_);
   }
 
  private:
@@ -105,14 +88,14 @@ class LineCollector {
 
   void measure_segment(std::int32_t u, std::int32_t v) {
     const Point<2> p = position(u) - origin_, q = position(v) - origin_;
-    measure_.add_chord(p, q);
+    found_.area += 0.5 * (p[0] * q[1] - p[1] * q[0]);
     if (network_.on_border(u) || network_.on_border(v)) return;
     const Point<2> chord = q - p;
-    measure_.add_arc(chord.norm(), slope_against(chord, root(u).gradient), slope_against(chord, root(v).gradient));
+    add_arc(chord.norm(), slope_against(chord, root(u).gradient), slope_against(chord, root(v).gradient), found_);
   }
 
   [[nodiscard]] Point<2> point(Index i) const { return {coordinates_[2 * i], coordinates_[2 * i + 1]}; }
-  [[nodiscard]] Index size() const { return static_cast<Index>(coordinates_.size()) / 2; }
+  [[nodiscard]] Index size() const { return std::ssize(coordinates_) / 2; }
   [[nodiscard]] bool coincide(const Point<2>& p, const Point<2>& q) const {
     return ((p - q).array().abs() <= coincident * cell_.array()).all();
   }
@@ -129,7 +112,7 @@ class LineCollector {
     line.begin = begin_;
     line.size = size() - begin_;
     if (line.size >= (line.closed ? 3 : 2))
-      lines_.push_back(line);
+      found_.lines.push_back(line);
     else
       coordinates_.resize(2 * begin_);
     begin_ = size();
@@ -138,9 +121,8 @@ class LineCollector {
   const Lattice& lattice_;
   const Network& network_;
   Point<2> origin_, cell_;
-  Measure measure_;
+  ContourLines found_;
   std::vector<double> coordinates_;
-  std::vector<ContourLine> lines_;
   Index begin_ = 0;
 };
 
@@ -176,10 +158,8 @@ Box<2> checked_bounds(const Field<2>& field, const ContourLinesOptions& options)
 }  // namespace
 
 int automatic_resolution(const Field<2>& field) {
-  // Chosen by hand: enough for any shape, at most a few seconds, and a compromise.
-  constexpr double fewest = 32;
-  constexpr double most = 2048;
-  constexpr int unknown = 256;
+  constexpr double fewest = 32, most = 2048;  // enough for any shape, at most a few seconds; chosen by hand
+  constexpr int unknown = 256;                // a compromise
   const double cells = field.bounds().extent().maxCoeff() / field.feature_size();
   return std::isfinite(cells) && cells > 0 ? static_cast<int>(std::clamp(std::ceil(cells), fewest, most)) : unknown;
 }
@@ -190,10 +170,9 @@ ContourLines contour_lines(const Field<2>& field, const ContourLinesOptions& opt
   const int resolution = options.resolution > 0 ? options.resolution : automatic_resolution(field);
   const double size = bounds.extent().maxCoeff() / resolution;
   Lattice lattice;
-  for (std::size_t a = 0; a < 2; ++a) {
-    const auto axis = static_cast<Index>(a);
-    const Index cells = std::max<Index>(1, std::llround(bounds.extent()[axis] / size));
-    lattice.axes[a] = Eigen::VectorXd::LinSpaced(cells + 1, bounds.lo[axis], bounds.hi[axis]);
+  for (Index a = 0; a < 2; ++a) {
+    const Index cells = std::max<Index>(1, std::llround(bounds.extent()[a] / size));
+    lattice.axes[a] = Eigen::VectorXd::LinSpaced(cells + 1, bounds.lo[a], bounds.hi[a]);
   }
   lattice.value = field.evaluate_grid(lattice.axes).array() - options.level;
   for (Index c = 0; c < lattice.value.size(); ++c)

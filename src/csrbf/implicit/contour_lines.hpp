@@ -4,8 +4,6 @@
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
 
-#include <vector>
-
 namespace csrbf {
 
 /// How a contour that leaves the box ends.
@@ -17,10 +15,8 @@ enum class ContourEnds {
 struct ContourLinesOptions {
   /// Cells along the longest side of the box, 1 ... 16384; 0 = automatic_resolution(field).
   int resolution = 0;
-
   /// The contour f = level is extracted.
   double level = 0;
-
   /// The box searched; its sides are divided into equal parts so that cells are as close to squares as possible.
   /// Default (an empty box): the field's bounds.
   Box<2> bounds{};

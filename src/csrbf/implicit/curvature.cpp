@@ -1,22 +1,15 @@
 #include "csrbf/implicit/curvature.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
-#include "csrbf/implicit/curves/tangents.hpp"
-
-#include <Eigen/Geometry>
+#include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
 namespace csrbf {
-namespace {
-
-constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
 
 PrincipalCurvatures principal_curvatures(const Point<3>& gradient, const Eigen::Matrix3d& hessian) {
   PrincipalCurvatures result;
   const double norm = gradient.norm();
   if (!(norm > 0 && std::isfinite(norm))) {
+    constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
     result.k1 = result.k2 = undefined;
     result.normal = result.direction1 = result.direction2 = Point<3>::Constant(undefined);
     return result;

@@ -1,15 +1,12 @@
 #include "csrbf/implicit/draw_contour.hpp"
 
-#include "csrbf/core/error.hpp"
-
 namespace csrbf {
 namespace {
 
 // Share of each pixel covered by lines.
 class Coverage {
  public:
-  Coverage(int width, int height)
-      : width_(width), height_(height), share_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0) {}
+  Coverage(int width, int height) : width_(width), height_(height), share_(Index{width} * height, 0) {}
 
   // The coverage of a pixel depends on the distance of its centre: the line fades out over the width of a pixel.
   void add_segment(const Point<2>& p, const Point<2>& q, double line_width) {
@@ -24,7 +21,7 @@ class Coverage {
         const Point<2> from_p = Point<2>(x + 0.5, y + 0.5) - p;
         const double t = length2 > 0 ? std::clamp(from_p.dot(along) / length2, 0.0, 1.0) : 0;
         const auto covered = static_cast<float>(std::clamp(reach - (from_p - t * along).norm(), 0.0, 1.0));
-        float& share = share_[index(x, y)];
+        float& share = share_[Index{y} * width_ + x];
         share = std::max(share, covered);
       }
   }
@@ -43,9 +40,6 @@ class Coverage {
   static int first(double lo, int size) { return static_cast<int>(std::clamp<double>(std::ceil(lo - 0.5), 0, size)); }
   static int last(double hi, int size) {
     return static_cast<int>(std::clamp<double>(std::floor(hi - 0.5), -1, size - 1));
-  }
-  [[nodiscard]] std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
 
   int width_, height_;

@@ -3,8 +3,6 @@
 #include "csrbf/core/image.hpp"
 #include "csrbf/implicit/contour_lines.hpp"
 
-#include <array>
-
 namespace csrbf {
 
 using RgbColor = std::array<std::uint8_t, 3>;

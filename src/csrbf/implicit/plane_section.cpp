@@ -31,8 +31,7 @@ Eigen::VectorXd PlaneSection<Dim>::evaluate_grid(const GridAxes<2>& axes) const 
   if (row[0] >= row[1]) return Field<2>::evaluate_grid(axes);
   GridAxes<Dim> in_space;
   for (Index a = 0; a < Dim; ++a) in_space[a].setConstant(1, origin_[a]);
-  for (std::size_t k = 0; k < 2; ++k)
-    in_space[row[k]] = (axes[k].array() * across_(row[k], static_cast<Index>(k)) + origin_[row[k]]).matrix();
+  for (Index k = 0; k < 2; ++k) in_space[row[k]] = (axes[k].array() * across_(row[k], k) + origin_[row[k]]).matrix();
   return field_.evaluate_grid(in_space);
 }
 

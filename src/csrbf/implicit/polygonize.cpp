@@ -12,8 +12,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-
 namespace csrbf {
 namespace {
 
@@ -216,10 +214,8 @@ std::optional<PolygonizeMethod> polygonize_method_named(std::string_view name) {
 }
 
 int automatic_resolution(const Field<3>& field) {
-  // Chosen by hand: enough for any shape, at most a few seconds, and a compromise.
-  constexpr double fewest = 32;
-  constexpr double most = 1024;
-  constexpr int unknown = 128;
+  constexpr double fewest = 32, most = 1024;  // enough for any shape, at most a few seconds; chosen by hand
+  constexpr int unknown = 128;                // a compromise
   const double cells = field.bounds().extent().maxCoeff() / field.feature_size();
   return std::isfinite(cells) && cells > 0 ? static_cast<int>(std::clamp(std::ceil(cells), fewest, most)) : unknown;
 }

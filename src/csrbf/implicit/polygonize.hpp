@@ -4,9 +4,6 @@
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
 
-#include <optional>
-#include <string_view>
-
 namespace csrbf {
 
 /// How cells become triangles.
@@ -40,16 +37,12 @@ struct PolygonizeOptions {
   /// Cells along the longest side of the field's bounds (of `bounds` where the field has none), 1 ... 4096;
   /// 0 = automatic_resolution(field).
   int resolution = 0;
-
   PolygonizeMethod method = PolygonizeMethod::marching_cubes;
-
   /// Approximate bound of the distance between mesh and surface where the method `adaptive` merges cells, as a fraction
   /// of the diagonal of the field's bounds (of `bounds` where the field has none). Default (0): a tenth of a cell.
   double tolerance = 0;
-
   /// The surface f = level is extracted.
   double level = 0;
-
   /// The solid is cut off at this box and closed by flat caps there. Each side is then divided into equal parts so that
   /// cells are as close to cubes as possible. Default (an empty box): the field's bounds plus at least four cells on
   /// every side, with exactly cubic cells.

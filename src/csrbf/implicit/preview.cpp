@@ -1,6 +1,5 @@
 #include "csrbf/implicit/preview.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/plane_section.hpp"
 
@@ -38,7 +37,7 @@ struct Slice {
   [[nodiscard]] PlaneSection<Dim> section(const Field<Dim>& field) const {
     const auto map = grid.to_physical<Dim>();
     typename PlaneSection<Dim>::Across columns;
-    for (std::size_t k = 0; k < 2; ++k) columns.col(static_cast<Index>(k)) = map.linear().col(axes[k]);
+    for (Index k = 0; k < 2; ++k) columns.col(k) = map.linear().col(axes[k]);
     Point<Dim> origin = map.translation();
     if constexpr (Dim == 3) origin += static_cast<double>(number) * map.linear().col(across);
     const Point<2> half(0.5, 0.5), size2(static_cast<double>(size(0)), static_cast<double>(size(1)));
@@ -112,7 +111,7 @@ RgbImage picture_of(const Volume<float>& image, const Slice& slice, const std::a
 // From voxels of the slice to pixels of the picture.
 void to_pixels(const Slice& slice, const std::array<double, 2>& scale, ContourLines& contours) {
   for (std::size_t k = 0; k < 2; ++k) {
-    auto row = contours.points.row(static_cast<Index>(k)).array();
+    auto row = contours.points.row(k).array();
     if (slice.reversed(k)) row = static_cast<double>(slice.size(k) - 1) - row;
     row = (row + 0.5) * scale[k];
   }

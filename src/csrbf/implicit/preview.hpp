@@ -1,27 +1,19 @@
 #pragma once
 
-#include "csrbf/core/field.hpp"
 #include "csrbf/core/grid.hpp"
-#include "csrbf/core/image.hpp"
 #include "csrbf/implicit/draw_contour.hpp"
-
-#include <vector>
 
 namespace csrbf {
 
 struct PreviewOptions {
   /// The axis perpendicular to the slice: 0, 1 or 2. Only 3D images are sliced.
   int axis = 2;
-
   /// Index of the slice along this axis; -1: the one with the largest area inside any of the fields.
   Index slice = -1;
-
   Index frame = 0;
-
   /// Least number of pixels along the longest side: voxels are enlarged by the smallest integer factor that reaches it
   /// (anisotropic voxels in proportion to their spacings); 1 ... 16384.
   int size = 512;
-
   /// Quantiles of the voxels of the slice that are shown as black and white.
   std::array<double, 2> window{0.01, 0.99};
 

@@ -1,18 +1,10 @@
 #include "csrbf/implicit/raycast.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/implicit/rays/ray_caster.hpp"
 
-#include <vector>
-
 namespace csrbf {
-namespace {
-
-constexpr int largest_automatic_resolution = 512;  // of the cells: preparation grows with the square
-
-}  // namespace
 
 RayHits raycast(const Field<3>& field, const PointsRef<3>& origins, const PointsRef<3>& directions,
                 const RaycastOptions& options) {
@@ -24,6 +16,7 @@ RayHits raycast(const Field<3>& field, const PointsRef<3>& origins, const Points
   const double shortest = n > 0 ? directions.colwise().lpNorm<Eigen::Infinity>().minCoeff() : 1;
   require(shortest > 0, f, "length of a direction", shortest, "must be positive");
   require(options.t_max > 0, f, "t_max", options.t_max, "must be positive");
+  constexpr int largest_automatic_resolution = 512;  // of the cells: preparation grows with the square
   const int resolution = options.resolution != 0 ? options.resolution
                                                  : std::min(automatic_resolution(field), largest_automatic_resolution);
   const RayCaster caster(field, resolution, options.progress);
@@ -37,8 +30,8 @@ RayHits raycast(const Field<3>& field, const PointsRef<3>& origins, const Points
         rays.push_back({origins.col(i), directions.col(i).stableNormalized()});
       std::vector<RayHit> hits(rays.size());
       caster.cast(rays, options.t_max, hits);
-      for (std::size_t k = 0; k < hits.size(); ++k) {
-        const Index i = first + begin + static_cast<Index>(k);
+      for (Index k = 0; k < std::ssize(hits); ++k) {
+        const Index i = first + begin + k;
         result.t[i] = hits[k].t;
         result.normals.col(i) =
             hits[k].exists() ? hits[k].normal : Point<3>::Constant(std::numeric_limits<double>::quiet_NaN());

@@ -3,8 +3,6 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/progress.hpp"
 
-#include <limits>
-
 namespace csrbf {
 
 struct RaycastOptions {

@@ -1,6 +1,5 @@
 #include "csrbf/implicit/render.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/render/field_scene.hpp"
 #include "csrbf/implicit/render/mesh_scene.hpp"
@@ -52,7 +51,7 @@ std::vector<double> visible_values(const Scene& scene, const Camera& camera, con
     for (double x = 0.5 * step; x < camera.width; x += step) rays.push_back(camera.ray(x, y));
   std::vector<double> values(rays.size(), std::numeric_limits<double>::quiet_NaN());
   constexpr Index grain = 512;
-  parallel_for(static_cast<Index>(rays.size()), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(rays), grain, [&](Index begin, Index end) {
     std::vector<SurfaceHit> hits(end - begin);
     scene.trace(std::span(rays).subspan(begin, hits.size()), hits);
     for (Index i = begin; i < end; ++i)

@@ -2,7 +2,6 @@
 
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/image.hpp"
-#include "csrbf/core/mesh.hpp"
 #include "csrbf/implicit/render_options.hpp"
 
 namespace csrbf {

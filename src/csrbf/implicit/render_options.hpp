@@ -2,9 +2,6 @@
 
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
-#include "csrbf/core/types.hpp"
-
-#include <array>
 
 namespace csrbf {
 

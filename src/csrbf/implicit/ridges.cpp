@@ -1,11 +1,8 @@
 #include "csrbf/implicit/ridges.hpp"
 
 #include "csrbf/core/disjoint_sets.hpp"
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/implicit/curvature.hpp"
-
-#include <array>
 
 namespace csrbf {
 namespace {
@@ -97,8 +94,8 @@ Crossings find_crossings(const Mesh& mesh, const Edges& edges, const Extremality
     found.of_edge[e] = static_cast<std::int32_t>(points.size());
     points.emplace_back((1 - w) * mesh.vertices.col(a) + w * mesh.vertices.col(b));
   }
-  found.points.resize(3, static_cast<Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i) found.points.col(static_cast<Index>(i)) = points[i];
+  found.points.resize(3, std::ssize(points));
+  for (Index i = 0; i < found.points.cols(); ++i) found.points.col(i) = points[i];
   return found;
 }
 
@@ -203,9 +200,9 @@ void append(const std::vector<Segment>& segments, const Points<3>& x, const Eige
     lines.properties[0].values[number[p]] = static_cast<double>(kind);
     lines.properties[1].values[number[p]] = k[p];
   }
-  lines.edges.conservativeResize(2, edges + static_cast<Index>(segments.size()));
-  for (std::size_t s = 0; s < segments.size(); ++s)
-    lines.edges.col(edges + static_cast<Index>(s)) << number[segments[s][0]], number[segments[s][1]];
+  lines.edges.conservativeResize(2, edges + std::ssize(segments));
+  for (Index s = 0; s < std::ssize(segments); ++s)
+    lines.edges.col(edges + s) << number[segments[s][0]], number[segments[s][1]];
 }
 
 }  // namespace

@@ -8,11 +8,9 @@ namespace csrbf {
 
 struct RidgeLineOptions {
   double level = 0;  ///< the surface f = level, whose mesh is given
-
   /// Lines whose integral of |curvature| over their length is smaller are left out (Ohtake, Belyaev, Seidel 2004).
   /// Radians, >= 0; independent of the scale of the surface.
   double least_turning = 2;
-
   Progress progress{};  ///< stage "ridges"
 };
 

@@ -1,11 +1,8 @@
 #include "csrbf/implicit/sample_particles.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/implicit/mesh/hash_random.hpp"
+#include "csrbf/implicit/mesh/sample_surface.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
-
-#include <vector>
 
 namespace csrbf {
 namespace {
@@ -42,11 +39,7 @@ class Population {
       : field_(field), level_(level), center_(center), unit_(unit), random_(random) {}
 
   void seed(const Points<3>& seeds) {
-    for (Index i = 0; i < seeds.cols(); ++i) {
-      Particle particle;
-      particle.p = (seeds.col(i) - center_) / unit_;
-      particles_.push_back(particle);
-    }
+    for (Index i = 0; i < seeds.cols(); ++i) particles_.push_back({(seeds.col(i) - center_) / unit_});
     project();
   }
 
@@ -71,11 +64,11 @@ class Population {
     Jet<3> jet;
     for (int i = 0; i < projections; ++i) {
       jet = evaluate();
-      for (std::size_t k = 0; k < particles_.size(); ++k) particles_[k].p += newton(jet, k);
+      for (Index k = 0; k < std::ssize(particles_); ++k) particles_[k].p += newton(jet, k);
     }
     jet = evaluate();
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < particles_.size(); ++k)
+    Index kept = 0;
+    for (Index k = 0; k < std::ssize(particles_); ++k)
       if (newton(jet, k).norm() < 1e-3) particles_[kept++] = particles_[k];
     particles_.resize(kept);
   }
@@ -92,9 +85,8 @@ class Population {
 
  private:
   [[nodiscard]] Points<3> points() const {
-    Points<3> all(3, static_cast<Index>(particles_.size()));
-    for (std::size_t k = 0; k < particles_.size(); ++k)
-      all.col(static_cast<Index>(k)) = center_ + unit_ * particles_[k].p;
+    Points<3> all(3, std::ssize(particles_));
+    for (Index k = 0; k < all.cols(); ++k) all.col(k) = center_ + unit_ * particles_[k].p;
     return all;
   }
 
@@ -106,8 +98,7 @@ class Population {
     return jet;
   }
 
-  static Point<3> newton(const Jet<3>& jet, std::size_t k) {
-    const auto i = static_cast<Index>(k);
+  static Point<3> newton(const Jet<3>& jet, Index i) {
     const Point<3> gradient = jet.gradient.col(i);
     const double slope = gradient.norm(), step = -jet.value[i] / slope;
     if (!std::isfinite(step)) return Point<3>::Constant(std::numeric_limits<double>::infinity());
@@ -117,7 +108,7 @@ class Population {
   // Energies, unconstrained velocities and the rates of the radii. Particles with opposite normals are on two sheets
   // and do not interact.
   void push_apart(const Points<3>& gradient) {
-    const auto n = static_cast<Index>(particles_.size());
+    const auto n = std::ssize(particles_);
     Points<3> p(3, n);
     for (Index i = 0; i < n; ++i) p.col(i) = particles_[i].p;
     const KdTree<3> tree(p);
@@ -147,12 +138,11 @@ class Population {
 
   // Removes the normal component of the velocities, and adds the feedback towards the surface.
   void constrain(const Jet<3>& jet) {
-    for (std::size_t k = 0; k < particles_.size(); ++k) {
-      const auto i = static_cast<Index>(k);
+    for (Index i = 0; i < std::ssize(particles_); ++i) {
       const Point<3> gradient = jet.gradient.col(i);
-      const double along = gradient.dot(particles_[k].velocity) + feedback * jet.value[i];
+      const double along = gradient.dot(particles_[i].velocity) + feedback * jet.value[i];
       const Point<3> correction = gradient * (along / gradient.squaredNorm());
-      if (correction.allFinite()) particles_[k].velocity -= correction;
+      if (correction.allFinite()) particles_[i].velocity -= correction;
     }
   }
 
@@ -173,7 +163,7 @@ class Population {
       }
       if (slow && large) {
         changed = true;
-        const Point<3> normal = gradient.col(static_cast<Index>(k)).stableNormalized();
+        const Point<3> normal = gradient.col(k).stableNormalized();
         Point<3> direction(draw(1) - 0.5, draw(2) - 0.5, draw(3) - 0.5);
         direction = (direction - normal.dot(direction) * normal).stableNormalized();  // stays on its sheet
         particle.radius /= std::sqrt(2.0);

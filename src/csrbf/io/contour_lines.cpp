@@ -8,8 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <array>
 #include <charconv>
 
 namespace csrbf {
@@ -102,9 +100,7 @@ std::string format_csv(const ContourLines& contours, const Eigen::Affine3d& plac
 
 void write_contour_lines(const std::string& path, const ContourLines& contours, const ContourFileOptions& options) {
   const std::string extension = file_extension(path);
-  if (!is_contour_lines_file(path))
-    throw IoError(path + ": unknown extension " + in_quotes(extension) +
-                  "; contours in the plane are .svg .csv .ply .vtp");
+  if (!is_contour_lines_file(path)) refuse_extension(path, extension, "contours in the plane are .svg .csv .ply .vtp");
   for (const ContourLine& line : contours.lines)
     require(line.begin >= 0 && line.size > 0 && line.begin + line.size <= contours.points.cols(), "write_contour_lines",
             "end of a line", line.begin + line.size, "must not be beyond the points");
@@ -114,8 +110,7 @@ void write_contour_lines(const std::string& path, const ContourLines& contours, 
 }
 
 bool is_contour_lines_file(const std::string& path) {
-  const std::string extension = file_extension(path);
-  return extension == ".svg" || extension == ".csv" || is_polylines_file(path);
+  return is_listed(file_extension(path), ".svg .csv .ply .vtp");
 }
 
 }  // namespace csrbf

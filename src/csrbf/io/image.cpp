@@ -3,18 +3,15 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
-#include "csrbf/io/files/text.hpp"
-#include "csrbf/io/images/png.hpp"
+#include "csrbf/io/images/formats.hpp"
 
 namespace csrbf {
 
 void write_png(const std::string& path, const RgbImage& image) {
-  if (file_extension(path) != ".png")
-    throw IoError(path + ": unknown extension " + in_quotes(file_extension(path)) + "; pictures are .png");
+  if (file_extension(path) != ".png") refuse_extension(path, file_extension(path), "pictures are .png");
   require(image.width > 0 && image.height > 0, "write_png", "size",
           std::to_string(image.width) + "x" + std::to_string(image.height), "both sides must be positive");
-  const std::size_t bytes =
-      std::size_t{3} * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  const std::size_t bytes = std::size_t{3} * image.width * image.height;
   require(image.pixels.size() == bytes, "write_png", "bytes of pixels", image.pixels.size(),
           "three per pixel are needed");
 

@@ -3,14 +3,10 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
-#include "csrbf/io/files/text.hpp"
-#include "csrbf/io/geometry/float_coordinates.hpp"
-#include "csrbf/io/geometry/obj.hpp"
-#include "csrbf/io/geometry/off.hpp"
-#include "csrbf/io/geometry/ply.hpp"
-#include "csrbf/io/geometry/stl.hpp"
+#include "csrbf/io/geometry/formats.hpp"
+#include "csrbf/io/geometry/properties.hpp"
 #include "csrbf/io/points.hpp"
-#include "csrbf/io/vtk/vtp.hpp"
+#include "csrbf/io/vtk/formats.hpp"
 
 #include <sstream>
 
@@ -38,9 +34,9 @@ const Format* find_format(const std::string& path) {
 
 const Format& checked_format(const std::string& path) {
   if (const Format* format = find_format(path)) return *format;
-  std::string known;
+  std::string known = "mesh files are";
   for (const Format& format : formats) known += " " + std::string(format.extension);
-  throw IoError(path + ": unknown extension " + in_quotes(file_extension(path)) + "; mesh files are" + known);
+  refuse_extension(path, file_extension(path), known);
 }
 
 void check(const Mesh& mesh) {

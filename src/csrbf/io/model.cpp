@@ -7,8 +7,6 @@
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/lattice/lattice_field.hpp"
 
-#include <utility>
-
 namespace csrbf {
 namespace {
 
@@ -18,7 +16,7 @@ NamedFunction function_of(const Segmentation<Dim>& segmentation) {
   Fit<Dim> fit{segmentation.fields, {}, {}};
   fit.report.method = "segment";
   fit.report.kernel = options.kernel;
-  fit.report.samples = static_cast<Index>(segmentation.labels.size());
+  fit.report.samples = std::ssize(segmentation.labels);
   fit.report.smoothing = options.smoothness.value_or(0);
   fit.report.axis_scales.assign(Dim, 1.0);
   for (const auto& field : segmentation.fields) {
@@ -27,7 +25,7 @@ NamedFunction function_of(const Segmentation<Dim>& segmentation) {
       one = largest->fields()[largest->number()].get();
     const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(one);
     if (lattice == nullptr) continue;
-    fit.report.centers += static_cast<Index>(lattice->data().coefficients.size());
+    fit.report.centers += std::ssize(lattice->data().coefficients);
     fit.report.support = lattice->data().support;
   }
   NamedFunction named{Function(std::move(fit))};

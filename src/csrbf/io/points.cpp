@@ -5,30 +5,20 @@
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
-#include "csrbf/io/files/text.hpp"
-#include "csrbf/io/geometry/obj.hpp"
-#include "csrbf/io/geometry/off.hpp"
-#include "csrbf/io/geometry/ply.hpp"
-#include "csrbf/io/geometry/point_table.hpp"
-#include "csrbf/io/vtk/vtp.hpp"
-
-#include <algorithm>
-#include <array>
+#include "csrbf/io/geometry/formats.hpp"
+#include "csrbf/io/vtk/formats.hpp"
 
 namespace csrbf {
 namespace {
 
-constexpr std::array<std::string_view, 9> extensions{".ply", ".xyz", ".pts", ".txt", ".csv",
-                                                     ".obj", ".off", ".npy", ".vtp"};
+constexpr const char* extensions = ".ply .xyz .pts .txt .csv .obj .off .npy .vtp";
 
 // The format of a path: its extension, or .xyz for the standard streams.
 std::string checked_extension(const std::string& path) {
-  if (path == "-") return ".xyz";
-  const std::string extension = file_extension(path);
-  if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return extension;
-  std::string known;
-  for (const std::string_view e : extensions) known += " " + std::string(e);
-  throw IoError(path + ": unknown extension " + in_quotes(extension) + "; point files are" + known);
+  const std::string extension = path == "-" ? ".xyz" : file_extension(path);
+  if (!is_listed(extension, extensions))
+    refuse_extension(path, extension, std::string("point files are ") + extensions);
+  return extension;
 }
 
 PointCloud points_of(Mesh&& mesh) {
@@ -58,7 +48,7 @@ PointCloud points_of(const NpyArray& array, const std::string& name) {
 
 NpyArray array_of(const PointCloud& cloud) {
   const Index columns = cloud.has_normals() ? 6 : 3;
-  NpyArray array{{cloud.size(), columns}, std::vector<double>(static_cast<std::size_t>(columns * cloud.size()))};
+  NpyArray array{{cloud.size(), columns}, std::vector<double>(columns * cloud.size())};
   Eigen::Map<Eigen::MatrixXd> rows(array.values.data(), columns, cloud.size());
   rows.topRows(3) = cloud.points;
   if (cloud.has_normals()) rows.bottomRows(3) = cloud.normals;
@@ -104,7 +94,7 @@ void write_points(const std::string& path, const PointCloud& cloud) {
 }
 
 bool is_point_file(const std::string& path) {
-  return path == "-" || std::find(extensions.begin(), extensions.end(), file_extension(path)) != extensions.end();
+  return path == "-" || is_listed(file_extension(path), extensions);
 }
 
 }  // namespace csrbf

@@ -4,32 +4,16 @@
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
-#include "csrbf/io/geometry/obj.hpp"
-#include "csrbf/io/geometry/ply.hpp"
-#include "csrbf/io/geometry/point_table.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 #include "csrbf/io/points.hpp"
-#include "csrbf/io/vtk/vtp.hpp"
+#include "csrbf/io/vtk/formats.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
-#include <vector>
 
 namespace csrbf {
 namespace {
 
-constexpr std::array<std::string_view, 4> table_extensions{".csv", ".txt", ".xyz", ".pts"};
-
-bool can_hold_polylines(const std::string& extension) {
-  return extension == ".ply" || extension == ".obj" ||
-         std::find(table_extensions.begin(), table_extensions.end(), extension) != table_extensions.end();
-}
-
-bool same_name(std::string_view name, std::string_view wanted) {
-  return std::equal(name.begin(), name.end(), wanted.begin(), wanted.end(),
-                    [](char a, char b) { return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b; });
-}
+constexpr const char* extensions = ".csv .txt .xyz .pts .obj .ply";
 
 // Is there a column `contour` in the lines before the first number?
 bool names_contours(std::string_view text) {
@@ -39,7 +23,7 @@ bool names_contours(std::string_view text) {
     if (number.find(line.front()) != std::string_view::npos) return false;
     for (std::size_t begin = 0; begin < line.size();) {
       const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
-      if (same_name(line.substr(begin, end - begin), "contour")) return true;
+      if (lower_case(line.substr(begin, end - begin)) == "contour") return true;
       begin = end + 1;
     }
   }
@@ -50,7 +34,7 @@ bool names_contours(std::string_view text) {
 const Property* column_named(const PointCloud& cloud, std::initializer_list<std::string_view> names) {
   for (const std::string_view name : names)
     for (const Property& p : cloud.properties)
-      if (same_name(p.name, name)) return &p;
+      if (lower_case(p.name) == name) return &p;
   return nullptr;
 }
 
@@ -105,28 +89,25 @@ Polylines parse_polylines(const std::string& extension, const std::string& bytes
 
 Polylines read_polylines(const std::string& path) {
   const std::string extension = path == "-" ? ".csv" : file_extension(path), name = display_name(path);
-  if (!can_hold_polylines(extension))
-    throw IoError(name + ": unknown extension " + in_quotes(extension) +
-                  "; files of curves are .csv .txt .xyz .pts .obj .ply");
+  if (!is_listed(extension, extensions))
+    refuse_extension(name, extension, std::string("files of curves are ") + extensions);
   return parse_polylines(extension, read_file(path), name);
 }
 
 std::variant<PointCloud, Polylines> read_points_or_polylines(const std::string& path) {
   const std::string extension = file_extension(path);
-  if (path == "-" || !can_hold_polylines(extension)) return read_points(path);
+  if (path == "-" || !is_listed(extension, extensions)) return read_points(path);
   const std::string bytes = read_file(path);
   if (are_polylines(extension, bytes)) return parse_polylines(extension, bytes, path);
   return parse_points(bytes, path);
 }
 
 bool is_polylines_file(const std::string& path) {
-  const std::string extension = file_extension(path);
-  return extension == ".ply" || extension == ".vtp";
+  return is_listed(file_extension(path), ".ply .vtp");
 }
 
 void write_polylines(const std::string& path, const Polylines& lines) {
-  if (!is_polylines_file(path))
-    throw IoError(path + ": unknown extension " + in_quotes(file_extension(path)) + "; files of curves are .ply .vtp");
+  if (!is_polylines_file(path)) refuse_extension(path, file_extension(path), "files of curves are .ply .vtp");
   const bool valid =
       lines.edges.size() == 0 || (lines.edges.minCoeff() >= 0 && lines.edges.maxCoeff() < lines.vertices.cols());
   require(valid, "write_polylines", "vertex index", "out of range", "indices must be in [0, number of vertices)");

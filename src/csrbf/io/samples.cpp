@@ -8,13 +8,10 @@
 #include "csrbf/io/files/table.hpp"
 #include "csrbf/io/files/text.hpp"
 
-#include <algorithm>
-#include <array>
+#include <numeric>
 
 namespace csrbf {
 namespace {
-
-constexpr std::array<std::string_view, 6> extensions{".csv", ".txt", ".tsv", ".dat", ".xyz", ".npy"};
 
 std::string listed(const std::vector<std::string>& words) {
   std::vector<std::string> quoted;
@@ -33,11 +30,8 @@ Table table_of(const NpyArray& array, const std::string& name) {
 
 Table read_table(const std::string& path) {
   const std::string extension = path == "-" ? ".csv" : file_extension(path);
-  if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) {
-    std::string known;
-    for (const std::string_view e : extensions) known += " " + std::string(e);
-    throw IoError(path + ": unknown extension " + in_quotes(extension) + "; files of samples are" + known);
-  }
+  const char* const known = ".csv .txt .tsv .dat .xyz .npy";
+  if (!is_listed(extension, known)) refuse_extension(path, extension, std::string("files of samples are ") + known);
   const std::string name = display_name(path);
   if (extension == ".npy") return table_of(parse_npy(read_file(path), name), name);
   return parse_table(read_file(path), name, TextCells::note);
@@ -46,7 +40,7 @@ Table read_table(const std::string& path) {
 class ColumnPicker {
  public:
   ColumnPicker(const Table& table, std::string name)
-      : table_(table), name_(std::move(name)), used_(static_cast<std::size_t>(table.values.rows()), false) {}
+      : table_(table), name_(std::move(name)), used_(table.values.rows(), false) {}
 
   // The columns of a list of names and numbers, which count as used from now on.
   std::vector<Index> take(std::string_view list) {
@@ -149,7 +143,7 @@ void check_weights(const Eigen::VectorXd& weights, const std::vector<Index>& row
 
 std::vector<std::string> default_coordinate_names(Index d) {
   const std::vector<std::string> axes{"x", "y", "z"};
-  if (d <= static_cast<Index>(axes.size())) return {axes.begin(), axes.begin() + d};
+  if (d <= std::ssize(axes)) return {axes.begin(), axes.begin() + d};
   return numbered("x", d);
 }
 
@@ -178,7 +172,7 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   const std::vector<Index> rows = complete_rows(table, used);
   if (rows.empty()) throw IoError(name + ": no row has a finite number in every column that is used");
   SampleTable samples;
-  samples.dropped = table.values.cols() - static_cast<Index>(rows.size());
+  samples.dropped = table.values.cols() - std::ssize(rows);
   samples.coordinates = table.values(coordinates, rows);
   samples.values = table.values(values, rows).transpose();
   if (!weights.empty()) samples.weights = table.values(weights, rows).transpose();
@@ -191,7 +185,7 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
 Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::string>& names) {
   const Table table = read_table(path);
   const std::string name = display_name(path);
-  if (table.values.rows() < static_cast<Index>(names.size()))
+  if (table.values.rows() < std::ssize(names))
     throw IoError(name + ": expected " + std::to_string(names.size()) + " coordinates (" + listed(names) + "), found " +
                   std::to_string(table.values.rows()) + " columns");
   std::vector<Index> columns;
@@ -201,7 +195,7 @@ Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::str
   }
   if (columns.size() < names.size()) {
     columns.resize(names.size());
-    for (std::size_t i = 0; i < columns.size(); ++i) columns[i] = static_cast<Index>(i);
+    std::iota(columns.begin(), columns.end(), 0);
   }
   ColumnPicker(table, name).check_numbers(columns);
   return table.values(columns, Eigen::all);
@@ -211,8 +205,8 @@ void write_table(const std::string& path, const ResultTable& table) {
   const Index rows = table.values.rows();
   require(table.coordinates.cols() == rows, "write_table", "coordinates", table.coordinates.cols(),
           "one column per row of values is needed");
-  require(static_cast<Index>(table.coordinate_names.size()) == table.coordinates.rows() &&
-              static_cast<Index>(table.value_names.size()) == table.values.cols(),
+  require(std::ssize(table.coordinate_names) == table.coordinates.rows() &&
+              std::ssize(table.value_names) == table.values.cols(),
           "write_table", "names", table.coordinate_names.size() + table.value_names.size(),
           "one per coordinate and value is needed");
   const std::string extension = path == "-" ? ".csv" : file_extension(path);
@@ -221,11 +215,10 @@ void write_table(const std::string& path, const ResultTable& table) {
     if (table.values.cols() != 1) array.shape.push_back(table.values.cols());
     array.values.resize(table.values.size());
     Eigen::Map<Eigen::MatrixXd>(array.values.data(), table.values.cols(), rows) = table.values.transpose();
-    write_file(path, format_npy(array));
-    return;
+    return write_file(path, format_npy(array));
   }
   if (extension != ".csv" && extension != ".txt")
-    throw IoError(path + ": unknown extension " + in_quotes(extension) + "; tables of results are .csv .txt .npy");
+    refuse_extension(path, extension, "tables of results are .csv .txt .npy");
   Eigen::MatrixXd columns(table.coordinates.rows() + table.values.cols(), rows);
   columns << table.coordinates, table.values.transpose();
   std::vector<std::string> names = table.coordinate_names;

@@ -4,25 +4,16 @@
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/deflate.hpp"
 #include "csrbf/io/files/read_file.hpp"
-#include "csrbf/io/files/text.hpp"
 #include "csrbf/io/images/dicom.hpp"
-#include "csrbf/io/images/metaimage.hpp"
-#include "csrbf/io/images/nifti.hpp"
-#include "csrbf/io/images/npy_volume.hpp"
-#include "csrbf/io/images/nrrd.hpp"
-#include "csrbf/io/images/png.hpp"
-#include "csrbf/io/images/pnm.hpp"
-#include "csrbf/io/images/tiff.hpp"
-#include "csrbf/io/vtk/vti.hpp"
+#include "csrbf/io/images/formats.hpp"
+#include "csrbf/io/vtk/formats.hpp"
 
-#include <algorithm>
 #include <filesystem>
 
 namespace csrbf {
 namespace {
 
-constexpr std::array<std::string_view, 12> extensions{".png",    ".pgm",  ".ppm", ".tif", ".tiff", ".nii",
-                                                      ".nii.gz", ".nrrd", ".mha", ".mhd", ".npy",  ".vti"};
+constexpr const char* extensions = ".png .pgm .ppm .tif .tiff .nii .nii.gz .nrrd .mha .mhd .npy .vti";
 
 std::string volume_extension(const std::string& path) {
   const std::string last = file_extension(path);
@@ -30,13 +21,10 @@ std::string volume_extension(const std::string& path) {
 }
 
 // `others` are kinds of images without an extension here.
-std::string checked_extension(const std::string& path, std::string_view others = {}) {
+std::string checked_extension(const std::string& path, const std::string& others = {}) {
   const std::string extension = volume_extension(path);
-  if (is_volume_file(path)) return extension;
-  std::string known;
-  for (const std::string_view e : extensions) known += " " + std::string(e);
-  known += others;
-  throw IoError(path + ": unknown extension " + in_quotes(extension) + "; images are" + known);
+  if (!is_listed(extension, extensions)) refuse_extension(path, extension, "images are " + (extensions + others));
+  return extension;
 }
 
 RawVolume parse_volume(const std::string& extension, std::string bytes, const std::string& path) {
@@ -52,7 +40,7 @@ RawVolume parse_volume(const std::string& extension, std::string bytes, const st
 }
 
 bool is_picture(const std::string& extension) {
-  return extension == ".png" || extension == ".pgm" || extension == ".ppm";
+  return is_listed(extension, ".png .pgm .ppm");
 }
 
 // Refuses axes and components that the format cannot hold.
@@ -105,13 +93,6 @@ FileParts format_volume(const std::string& extension, const VolumeLayout& layout
   return parts;
 }
 
-void write_parts(const std::string& path, const FileParts& parts) {
-  AtomicFile file(path);
-  file.write(parts.head);
-  file.write(parts.body);
-  file.commit();
-}
-
 }  // namespace
 
 template <class Scalar>
@@ -127,15 +108,14 @@ void write_volume(const std::string& path, const Volume<Scalar>& volume) {
   const auto& size = volume.grid.size;
   require(*std::min_element(size.begin(), size.end()) >= 1 && volume.frames >= 1 && volume.components >= 1,
           "write_volume", "voxels", volume.grid.voxels(), "every axis must have one voxel at least");
-  require(static_cast<Index>(volume.values.size()) == volume.values_per_frame() * volume.frames, "write_volume",
-          "values", volume.values.size(), "one per component, voxel and frame is needed");
+  require(std::ssize(volume.values) == volume.values_per_frame() * volume.frames, "write_volume", "values",
+          volume.values.size(), "one per component, voxel and frame is needed");
   check_shape(extension, volume, path);
   VolumeLayout layout = volume;
   if (is_picture(extension)) layout.type = picture_type(extension, volume, path);
   std::string samples = encode_samples(volume, layout.type);
   if (extension != ".mhd") {
-    write_parts(path, format_volume(extension, layout, std::move(samples), path));
-    return;
+    return write_parts(path, format_volume(extension, layout, std::move(samples), path));
   }
   const std::filesystem::path data = std::filesystem::path(path).replace_extension(".raw");
   const FileParts parts = format_metaimage(layout, std::move(samples), data.filename().string());
@@ -149,7 +129,7 @@ template void write_volume(const std::string&, const Volume<float>&);
 template void write_volume(const std::string&, const Volume<double>&);
 
 bool is_volume_file(const std::string& path) {
-  return std::find(extensions.begin(), extensions.end(), volume_extension(path)) != extensions.end();
+  return is_listed(volume_extension(path), extensions);
 }
 
 bool is_readable_volume(const std::string& path) {
@@ -157,8 +137,7 @@ bool is_readable_volume(const std::string& path) {
 }
 
 bool is_picture_file(const std::string& path) {
-  const std::string extension = volume_extension(path);
-  return extension == ".png" || extension == ".pgm" || extension == ".ppm";
+  return is_picture(volume_extension(path));
 }
 
 }  // namespace csrbf

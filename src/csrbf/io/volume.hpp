@@ -11,7 +11,7 @@ namespace csrbf {
 /// - .nii, .nii.gz, .nrrd, .mha, .mhd: with spacing, origin and direction. Lengths are in mm where the file gives their
 /// unit.
 /// - .vti: images of VTK and ParaView, with spacing, origin and direction as they are in the file.
-/// - .npy: [x], [y, x], [z, y, x] or [t, z, y, x]; see io/images/npy_volume.hpp for axes of components.
+/// - .npy: [x], [y, x], [z, y, x] or [t, z, y, x]; see io/images/formats.hpp for axes of components.
 /// - .dcm, other DICOM files and folders of them, when built with GDCM: see io/images/dicom.hpp.
 /// Without a header, voxels have size 1 and the first is centred at the origin. Samples with a scale (NIfTI) become
 /// floats; NaN is a valid value. Throws IoError with the file and the position in it; allocates memory only when the

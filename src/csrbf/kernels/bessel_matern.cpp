@@ -1,4 +1,4 @@
-#include "csrbf/kernels/bessel_matern.hpp"
+#include "csrbf/kernels/global_kernels.hpp"
 
 #include <cmath>
 

@@ -1,30 +1,9 @@
 #include "csrbf/kernels/compact_kernels.hpp"
 
 #include "csrbf/kernels/vector_math.hpp"
-#include "csrbf/kernels/wendland.hpp"
-
-#include <array>
 
 namespace csrbf {
 namespace {
-
-class WendlandFunction : public RadialFunction {
- public:
-  WendlandFunction(int dimension, int smoothness) : function_(dimension, smoothness) {}
-
-  void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
-    if (out.g == nullptr) {
-      function_.values(r2, n, out.phi);
-    } else if (out.h == nullptr) {
-      function_.gradients(r2, n, out.phi, out.g);
-    } else {
-      function_.hessians(r2, n, out.phi, out.g, out.h);
-    }
-  }
-
- private:
-  Wendland function_;
-};
 
 CSRBF_ALWAYS_INLINE double inside(double r2) {
   const double r = std::sqrt(r2);
@@ -182,111 +161,53 @@ struct Wu {
   }
 };
 
-enum class Formula {
-  missing_wendland,
-  buhmann_c1,
-  buhmann_c2,
-  buhmann_c3,
-  wu_11,
-  wu_22,
-  wu_33,
-  wu_12,
-  wu_23,
-  wu_13,
-  wu_03
-};
+using Formula = std::variant<MissingWendland, BuhmannC1, BuhmannC2, BuhmannC3, Wu<1, 1>, Wu<2, 2>, Wu<3, 3>, Wu<1, 2>,
+                             Wu<2, 3>, Wu<1, 3>, Wu<0, 3>>;
 
-template <RadialParts parts>
-CSRBF_ALWAYS_INLINE void formula_loop(Formula formula, const double* r2, Index n, double* phi, double* g, double* h) {
-  switch (formula) {
-    case Formula::missing_wendland:
-      return radial_loop<parts>(MissingWendland{}, r2, n, phi, g, h);
-    case Formula::buhmann_c1:
-      return radial_loop<parts>(BuhmannC1{}, r2, n, phi, g, h);
-    case Formula::buhmann_c2:
-      return radial_loop<parts>(BuhmannC2{}, r2, n, phi, g, h);
-    case Formula::buhmann_c3:
-      return radial_loop<parts>(BuhmannC3{}, r2, n, phi, g, h);
-    case Formula::wu_11:
-      return radial_loop<parts>(Wu<1, 1>{}, r2, n, phi, g, h);
-    case Formula::wu_22:
-      return radial_loop<parts>(Wu<2, 2>{}, r2, n, phi, g, h);
-    case Formula::wu_33:
-      return radial_loop<parts>(Wu<3, 3>{}, r2, n, phi, g, h);
-    case Formula::wu_12:
-      return radial_loop<parts>(Wu<1, 2>{}, r2, n, phi, g, h);
-    case Formula::wu_23:
-      return radial_loop<parts>(Wu<2, 3>{}, r2, n, phi, g, h);
-    case Formula::wu_13:
-      return radial_loop<parts>(Wu<1, 3>{}, r2, n, phi, g, h);
-    case Formula::wu_03:
-      return radial_loop<parts>(Wu<0, 3>{}, r2, n, phi, g, h);
-  }
+CSRBF_SIMD_CLONES void value_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
+  formula_loop<RadialParts::value>(f, r2, n, out);
+}
+CSRBF_SIMD_CLONES void gradient_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
+  formula_loop<RadialParts::gradient>(f, r2, n, out);
+}
+CSRBF_SIMD_CLONES void hessian_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
+  formula_loop<RadialParts::hessian>(f, r2, n, out);
 }
 
-CSRBF_SIMD_CLONES void value_loop(Formula f, const double* r2, Index n, double* phi) {
-  formula_loop<RadialParts::value>(f, r2, n, phi, nullptr, nullptr);
-}
-CSRBF_SIMD_CLONES void gradient_loop(Formula f, const double* r2, Index n, double* phi, double* g) {
-  formula_loop<RadialParts::gradient>(f, r2, n, phi, g, nullptr);
-}
-CSRBF_SIMD_CLONES void hessian_loop(Formula f, const double* r2, Index n, double* phi, double* g, double* h) {
-  formula_loop<RadialParts::hessian>(f, r2, n, phi, g, h);
+void any_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
+  (out.g == nullptr ? value_loop : out.h == nullptr ? gradient_loop : hessian_loop)(f, r2, n, out);
 }
 
-class FormulaFunction : public RadialFunction {
- public:
-  explicit FormulaFunction(Formula formula) : formula_(formula) {}
-
-  void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
-    const auto loop = [this](const double* s, Index count, double* phi, double* g, double* h) {
-      if (g == nullptr) return value_loop(formula_, s, count, phi);
-      if (h == nullptr) return gradient_loop(formula_, s, count, phi, g);
-      hessian_loop(formula_, s, count, phi, g, h);
-    };
-    in_radial_blocks(loop, r2, n, out);
-  }
-
- private:
-  Formula formula_;
-};
+std::shared_ptr<const RadialFunction> make(const Formula& formula) {
+  return std::make_shared<FormulaFunction<Formula, any_loop>>(formula);
+}
 
 }  // namespace
 
-std::shared_ptr<const RadialFunction> wendland_function(int dimension, int smoothness) {
-  return std::make_shared<WendlandFunction>(dimension, smoothness);
-}
-
 std::shared_ptr<const RadialFunction> missing_wendland_function() {
-  return std::make_shared<FormulaFunction>(Formula::missing_wendland);
+  return make(MissingWendland{});
 }
 
 std::shared_ptr<const RadialFunction> wu_function(int dimension, int derivatives) {
-  const auto make = [](Formula formula) { return std::make_shared<FormulaFunction>(formula); };
   switch (derivatives) {
     case 0:
-      if (dimension <= 3) return make(Formula::wu_11);
-      if (dimension <= 5) return make(Formula::wu_22);
-      return dimension <= 7 ? make(Formula::wu_33) : nullptr;
+      if (dimension <= 3) return make(Wu<1, 1>{});
+      if (dimension <= 5) return make(Wu<2, 2>{});
+      return dimension <= 7 ? make(Wu<3, 3>{}) : nullptr;
     case 2:
-      if (dimension <= 3) return make(Formula::wu_12);
-      return dimension <= 5 ? make(Formula::wu_23) : nullptr;
+      if (dimension <= 3) return make(Wu<1, 2>{});
+      return dimension <= 5 ? make(Wu<2, 3>{}) : nullptr;
     case 4:
-      return dimension <= 3 ? make(Formula::wu_13) : nullptr;
+      return dimension <= 3 ? make(Wu<1, 3>{}) : nullptr;
     default:
-      return dimension <= 1 ? make(Formula::wu_03) : nullptr;
+      return dimension <= 1 ? make(Wu<0, 3>{}) : nullptr;
   }
 }
 
 std::shared_ptr<const RadialFunction> buhmann_function(int derivatives) {
-  switch (derivatives) {
-    case 1:
-      return std::make_shared<FormulaFunction>(Formula::buhmann_c1);
-    case 2:
-      return std::make_shared<FormulaFunction>(Formula::buhmann_c2);
-    default:
-      return std::make_shared<FormulaFunction>(Formula::buhmann_c3);
-  }
+  if (derivatives == 1) return make(BuhmannC1{});
+  if (derivatives == 2) return make(BuhmannC2{});
+  return make(BuhmannC3{});
 }
 
 }  // namespace csrbf

@@ -6,9 +6,6 @@
 
 namespace csrbf {
 
-/// The Wendland function with 2 `smoothness` continuous derivatives for the dimension.
-std::shared_ptr<const RadialFunction> wendland_function(int dimension, int smoothness);
-
 /// Schaback's missing Wendland function of H^2(R^2).
 std::shared_ptr<const RadialFunction> missing_wendland_function();
 

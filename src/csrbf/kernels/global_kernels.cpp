@@ -1,6 +1,5 @@
 #include "csrbf/kernels/global_kernels.hpp"
 
-#include "csrbf/kernels/bessel_matern.hpp"
 #include "csrbf/kernels/vector_math.hpp"
 
 namespace csrbf {
@@ -114,108 +113,26 @@ struct ThinPlate {
   }
 };
 
-enum class Formula {
-  gaussian,
-  powered_exponential,
-  matern_1,
-  matern_3,
-  matern_5,
-  matern_7,
-  root,
-  inverse_root,
-  inverse,
-  multiquadric,
-  linear,
-  cubic,
-  quintic,
-  septic,
-  power,
-  thin_plate_2,
-  thin_plate_4,
-  thin_plate
-};
+using Formula = std::variant<Gaussian, PoweredExponential, Matern<1>, Matern<3>, Matern<5>, Matern<7>, Multiquadric<1>,
+                             Multiquadric<-1>, Multiquadric<-2>, Multiquadric<0>, OddPower<1>, OddPower<3>, OddPower<5>,
+                             OddPower<7>, AnyPower, ThinPlate<2>, ThinPlate<4>, ThinPlate<0>>;
 
-struct Parameters {
-  double sign = 1;
-  double exponent = 0;
-};
-
-template <RadialParts parts>
-CSRBF_ALWAYS_INLINE void formula_loop(Formula formula, Parameters p, const double* r2, Index n, double* phi, double* g,
-                                      double* h) {
-  const double s = p.sign;
-  const double b = p.exponent;
-  switch (formula) {
-    case Formula::gaussian:
-      return radial_loop<parts>(Gaussian{}, r2, n, phi, g, h);
-    case Formula::powered_exponential:
-      return radial_loop<parts>(PoweredExponential{b}, r2, n, phi, g, h);
-    case Formula::matern_1:
-      return radial_loop<parts>(Matern<1>{}, r2, n, phi, g, h);
-    case Formula::matern_3:
-      return radial_loop<parts>(Matern<3>{}, r2, n, phi, g, h);
-    case Formula::matern_5:
-      return radial_loop<parts>(Matern<5>{}, r2, n, phi, g, h);
-    case Formula::matern_7:
-      return radial_loop<parts>(Matern<7>{}, r2, n, phi, g, h);
-    case Formula::root:
-      return radial_loop<parts>(Multiquadric<1>{s, b}, r2, n, phi, g, h);
-    case Formula::inverse_root:
-      return radial_loop<parts>(Multiquadric<-1>{s, b}, r2, n, phi, g, h);
-    case Formula::inverse:
-      return radial_loop<parts>(Multiquadric<-2>{s, b}, r2, n, phi, g, h);
-    case Formula::multiquadric:
-      return radial_loop<parts>(Multiquadric<0>{s, b}, r2, n, phi, g, h);
-    case Formula::linear:
-      return radial_loop<parts>(OddPower<1>{s}, r2, n, phi, g, h);
-    case Formula::cubic:
-      return radial_loop<parts>(OddPower<3>{s}, r2, n, phi, g, h);
-    case Formula::quintic:
-      return radial_loop<parts>(OddPower<5>{s}, r2, n, phi, g, h);
-    case Formula::septic:
-      return radial_loop<parts>(OddPower<7>{s}, r2, n, phi, g, h);
-    case Formula::power:
-      return radial_loop<parts>(AnyPower{s, b}, r2, n, phi, g, h);
-    case Formula::thin_plate_2:
-      return radial_loop<parts>(ThinPlate<2>{s, b}, r2, n, phi, g, h);
-    case Formula::thin_plate_4:
-      return radial_loop<parts>(ThinPlate<4>{s, b}, r2, n, phi, g, h);
-    case Formula::thin_plate:
-      return radial_loop<parts>(ThinPlate<0>{s, b}, r2, n, phi, g, h);
-  }
+CSRBF_SIMD_CLONES void value_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
+  formula_loop<RadialParts::value>(f, r2, n, out);
+}
+CSRBF_SIMD_CLONES void gradient_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
+  formula_loop<RadialParts::gradient>(f, r2, n, out);
+}
+CSRBF_SIMD_CLONES void hessian_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
+  formula_loop<RadialParts::hessian>(f, r2, n, out);
 }
 
-CSRBF_SIMD_CLONES void value_loop(Formula f, Parameters p, const double* r2, Index n, double* phi) {
-  formula_loop<RadialParts::value>(f, p, r2, n, phi, nullptr, nullptr);
-}
-CSRBF_SIMD_CLONES void gradient_loop(Formula f, Parameters p, const double* r2, Index n, double* phi, double* g) {
-  formula_loop<RadialParts::gradient>(f, p, r2, n, phi, g, nullptr);
-}
-CSRBF_SIMD_CLONES void hessian_loop(Formula f, Parameters p, const double* r2, Index n, double* phi, double* g,
-                                    double* h) {
-  formula_loop<RadialParts::hessian>(f, p, r2, n, phi, g, h);
+void any_loop(const Formula& f, const double* r2, Index n, const RadialOutput& out) {
+  (out.g == nullptr ? value_loop : out.h == nullptr ? gradient_loop : hessian_loop)(f, r2, n, out);
 }
 
-class FormulaFunction : public RadialFunction {
- public:
-  FormulaFunction(Formula formula, Parameters parameters) : formula_(formula), parameters_(parameters) {}
-
-  void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
-    const auto loop = [this](const double* s, Index count, double* phi, double* g, double* h) {
-      if (g == nullptr) return value_loop(formula_, parameters_, s, count, phi);
-      if (h == nullptr) return gradient_loop(formula_, parameters_, s, count, phi, g);
-      hessian_loop(formula_, parameters_, s, count, phi, g, h);
-    };
-    in_radial_blocks(loop, r2, n, out);
-  }
-
- private:
-  Formula formula_;
-  Parameters parameters_;
-};
-
-std::shared_ptr<const RadialFunction> make(Formula formula, Parameters parameters = {}) {
-  return std::make_shared<FormulaFunction>(formula, parameters);
+std::shared_ptr<const RadialFunction> make(const Formula& formula) {
+  return std::make_shared<FormulaFunction<Formula, any_loop>>(formula);
 }
 
 double sign_of(double power_of_minus_one) {
@@ -225,44 +142,44 @@ double sign_of(double power_of_minus_one) {
 }  // namespace
 
 std::shared_ptr<const RadialFunction> gaussian_function() {
-  return make(Formula::gaussian);
+  return make(Gaussian{});
 }
 
 std::shared_ptr<const RadialFunction> powered_exponential_function(double exponent) {
-  if (exponent == 1) return make(Formula::matern_1);
+  if (exponent == 1) return make(Matern<1>{});
   if (exponent == 2) return gaussian_function();
-  return make(Formula::powered_exponential, {1, exponent});
+  return make(PoweredExponential{exponent});
 }
 
 std::shared_ptr<const RadialFunction> matern_function(double nu) {
-  if (nu == .5) return make(Formula::matern_1);
-  if (nu == 1.5) return make(Formula::matern_3);
-  if (nu == 2.5) return make(Formula::matern_5);
-  if (nu == 3.5) return make(Formula::matern_7);
+  if (nu == .5) return make(Matern<1>{});
+  if (nu == 1.5) return make(Matern<3>{});
+  if (nu == 2.5) return make(Matern<5>{});
+  if (nu == 3.5) return make(Matern<7>{});
   return bessel_matern_function(nu);
 }
 
 std::shared_ptr<const RadialFunction> multiquadric_function(double exponent) {
-  const Parameters p{exponent < 0 ? 1 : sign_of(std::ceil(exponent)), exponent};
-  if (exponent == .5) return make(Formula::root, p);
-  if (exponent == -.5) return make(Formula::inverse_root, p);
-  if (exponent == -1) return make(Formula::inverse, p);
-  return make(Formula::multiquadric, p);
+  const double sign = exponent < 0 ? 1 : sign_of(std::ceil(exponent));
+  if (exponent == .5) return make(Multiquadric<1>{sign, exponent});
+  if (exponent == -.5) return make(Multiquadric<-1>{sign, exponent});
+  if (exponent == -1) return make(Multiquadric<-2>{sign, exponent});
+  return make(Multiquadric<0>{sign, exponent});
 }
 
 std::shared_ptr<const RadialFunction> polyharmonic_function(double exponent) {
   if (std::fmod(exponent, 2) == 0) {
-    const Parameters p{sign_of(exponent / 2 + 1), exponent};
-    if (exponent == 2) return make(Formula::thin_plate_2, p);
-    if (exponent == 4) return make(Formula::thin_plate_4, p);
-    return make(Formula::thin_plate, p);
+    const double sign = sign_of(exponent / 2 + 1);
+    if (exponent == 2) return make(ThinPlate<2>{sign, exponent});
+    if (exponent == 4) return make(ThinPlate<4>{sign, exponent});
+    return make(ThinPlate<0>{sign, exponent});
   }
-  const Parameters p{sign_of(std::ceil(exponent / 2)), exponent};
-  if (exponent == 1) return make(Formula::linear, p);
-  if (exponent == 3) return make(Formula::cubic, p);
-  if (exponent == 5) return make(Formula::quintic, p);
-  if (exponent == 7) return make(Formula::septic, p);
-  return make(Formula::power, p);
+  const double sign = sign_of(std::ceil(exponent / 2));
+  if (exponent == 1) return make(OddPower<1>{sign});
+  if (exponent == 3) return make(OddPower<3>{sign});
+  if (exponent == 5) return make(OddPower<5>{sign});
+  if (exponent == 7) return make(OddPower<7>{sign});
+  return make(AnyPower{sign, exponent});
 }
 
 }  // namespace csrbf

@@ -4,8 +4,7 @@
 #include "csrbf/core/joined.hpp"
 #include "csrbf/kernels/compact_kernels.hpp"
 #include "csrbf/kernels/global_kernels.hpp"
-
-#include <array>
+#include "csrbf/kernels/wendland.hpp"
 
 namespace csrbf {
 namespace {
@@ -161,17 +160,14 @@ double Kernel::value(double r) const {
 }
 
 double Kernel::g(double r) const {
-  double phi = 0;
-  double g = 0;
+  double phi = 0, g = 0;
   const double r2 = r * r;
   function_->evaluate(&r2, 1, {&phi, &g});
   return g;
 }
 
 double Kernel::h(double r) const {
-  double phi = 0;
-  double g = 0;
-  double h = 0;
+  double phi = 0, g = 0, h = 0;
   const double r2 = r * r;
   function_->evaluate(&r2, 1, {&phi, &g, &h});
   return h;

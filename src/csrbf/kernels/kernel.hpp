@@ -16,7 +16,7 @@ class RadialFunction;
 ///
 /// | name | phi(r), a = max(1 - r, 0) | dimensions | derivatives |
 /// |---|---|---|---|
-/// | wendland-c0, -c2, -c4, -c6 | see Wendland; of the given dimension | all | 0, 2, 4, 6 |
+/// | wendland-c0, -c2, -c4, -c6 | Wendland (1995); of the given dimension | all | 0, 2, 4, 6 |
 /// | missing-wendland | (2r^2 + 1) e + 3 r^2 log(r / (1 + e)), e = sqrt(1 - r^2) (Schaback 2011) | 1, 2 | 1 |
 /// | wu-c0, -c2, -c4, -c6 | Wu (1995), the first one positive definite in the dimension | 7, 5, 3, 1 | 0, 2, 4, 6 |
 /// | buhmann-c1, -c2, -c3 | Buhmann (1998) | 6, 4, 3 | 1, 2, 3 |

@@ -4,6 +4,7 @@
 #include "csrbf/core/types.hpp"
 
 #include <algorithm>
+#include <variant>
 
 namespace csrbf {
 
@@ -55,11 +56,22 @@ CSRBF_ALWAYS_INLINE void radial_loop(const Function f, const double* __restrict 
   }
 }
 
-/// Runs `loop(r2, n, phi, g, h)`, which handles full blocks only, for any n.
+/// radial_loop() of the one among several function objects that a std::variant holds.
+template <RadialParts parts, class... Formulas>
+CSRBF_ALWAYS_INLINE void formula_loop(const std::variant<Formulas...>& formula, const double* r2, Index n,
+                                      const RadialOutput& out) {
+  ((std::holds_alternative<Formulas>(formula)
+        ? radial_loop<parts>(*std::get_if<Formulas>(&formula), r2, n, out.phi, out.g, out.h)
+        : void()),
+   ...);
+}
+
+/// Runs `loop(r2, n, out)`, which handles full blocks only, for any n.
 template <class Loop>
 void in_radial_blocks(const Loop& loop, const double* r2, Index n, const RadialOutput& out) {
   const auto run = [&](Index i, Index count) {
-    loop(r2 + i, count, out.phi + i, out.g == nullptr ? nullptr : out.g + i, out.h == nullptr ? nullptr : out.h + i);
+    loop(r2 + i, count,
+         RadialOutput{out.phi + i, out.g == nullptr ? nullptr : out.g + i, out.h == nullptr ? nullptr : out.h + i});
   };
   if (n >= radial_block) {
     run(0, n & -radial_block);
@@ -69,10 +81,25 @@ void in_radial_blocks(const Loop& loop, const double* r2, Index n, const RadialO
   double few[radial_block] = {};
   double parts[3][radial_block];
   std::copy(r2, r2 + n, few);
-  loop(few, radial_block, parts[0], parts[1], parts[2]);
+  loop(few, radial_block, RadialOutput{parts[0], parts[1], parts[2]});
   std::copy(parts[0], parts[0] + n, out.phi);
   if (out.g != nullptr) std::copy(parts[1], parts[1] + n, out.g);
   if (out.h != nullptr) std::copy(parts[2], parts[2] + n, out.h);
 }
+
+/// The function of a variant of formulas; `loop` is a clone of formula_loop() for the parts wanted.
+template <class Formula, void loop(const Formula&, const double*, Index, const RadialOutput&)>
+class FormulaFunction : public RadialFunction {
+ public:
+  explicit FormulaFunction(const Formula& formula) : formula_(formula) {}
+
+  void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
+    in_radial_blocks([this](const double* s, Index count, const RadialOutput& part) { loop(formula_, s, count, part); },
+                     r2, n, out);
+  }
+
+ private:
+  Formula formula_;
+};
 
 }  // namespace csrbf

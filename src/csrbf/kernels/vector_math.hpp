@@ -28,11 +28,10 @@ CSRBF_ALWAYS_INLINE double integer_power(double a) {
 template <int Degree, int First = 0, std::size_t Size>
 CSRBF_ALWAYS_INLINE double polynomial_value(const std::array<double, Size>& coefficients, double x) {
   static_assert(Degree < static_cast<int>(Size));
-  const double coefficient = coefficients[First];
   if constexpr (First == Degree) {
-    return coefficient;
+    return coefficients[First];
   } else {
-    return coefficient + x * polynomial_value<Degree, First + 1>(coefficients, x);
+    return coefficients[First] + x * polynomial_value<Degree, First + 1>(coefficients, x);
   }
 }
 

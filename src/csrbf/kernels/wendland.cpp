@@ -1,7 +1,6 @@
 #include "csrbf/kernels/wendland.hpp"
 
-#include "csrbf/core/error.hpp"
-#include "csrbf/core/simd.hpp"
+#include <array>
 
 namespace csrbf {
 namespace {
@@ -58,69 +57,56 @@ CSRBF_ALWAYS_INLINE double horner(const std::array<double, Size>& coefficients, 
   return sum;
 }
 
-// The polynomials of one function, see Wendland.
+// phi = (1-r)^(l+k) sum_j value[j] r^j, degree k; g = (1-r)^(l+k-1) sum_j g[j] r^j, degree k - 1; and
+// h = (1-r)^(l+k-2) sum_j h[j] r^j, degree k - 2, over r for k = 1.
 struct Coefficients {
   std::array<double, 4> value;
   std::array<double, 3> g;
   std::array<double, 2> h;
 };
 
-enum class Parts { value, gradient, hessian };
-
-struct Output {
-  double* phi;
-  double* g;
-  double* h;
-};
-
-// One register of AVX-512, two of AVX2. Loops round n down to a multiple of it, which n is, so that the compiler emits
-// vector code without a remainder loop.
-constexpr Index block_size = 8;
-
-template <int L, int K, Parts parts>
+template <int L, int K, RadialParts parts>
 CSRBF_ALWAYS_INLINE void evaluate_blocks(const Coefficients c, const double* __restrict r2, Index n,
                                          double* __restrict phi, double* __restrict g, double* __restrict h) {
-  const Index end = n & -block_size;
+  const Index end = n & -radial_block;
   for (Index i = 0; i < end; ++i) {
     double r = std::sqrt(r2[i]);
     r = 1 < r ? 1 : r;  // keeps NaN
     const double a = 1 - r;
-    if constexpr (parts == Parts::value) {
+    if constexpr (parts == RadialParts::value) {
       phi[i] = power<L + K>(a) * horner<K>(c.value, r);
     } else {
       const double common = power<L + K - 2>(a);
       phi[i] = common * a * a * horner<K>(c.value, r);
       g[i] = common * a * horner<K - 1>(c.g, r);
-      if constexpr (parts == Parts::hessian && K >= 2) h[i] = common * horner<K - 2>(c.h, r);
-      if constexpr (parts == Parts::hessian && K == 1) h[i] = r > 0 ? common * c.h[0] / r : r;
+      if constexpr (parts == RadialParts::hessian && K >= 2) h[i] = common * horner<K - 2>(c.h, r);
+      if constexpr (parts == RadialParts::hessian && K == 1) h[i] = r > 0 ? common * c.h[0] / r : r;
     }
   }
 }
 
-// One loop per exponent and polynomial degree. Returns false for l of d > 7, for which there is none.
-template <int K, Parts parts>
-CSRBF_ALWAYS_INLINE bool evaluate_smooth(int l, const Coefficients& c, const double* r2, Index n, const Output& out) {
+// One loop per exponent l + K and polynomial degree K, for l of d <= 7. (With the last case as the default, and with
+// the functions of vector_math.hpp, GCC 12 vectorises less of them.)
+template <int K, RadialParts parts>
+CSRBF_ALWAYS_INLINE void evaluate_smooth(int l, const Coefficients& c, const double* r2, Index n,
+                                         const RadialOutput& out) {
   switch (l - K) {
     case 1:
-      evaluate_blocks<K + 1, K, parts>(c, r2, n, out.phi, out.g, out.h);
-      return true;
+      return evaluate_blocks<K + 1, K, parts>(c, r2, n, out.phi, out.g, out.h);
     case 2:
-      evaluate_blocks<K + 2, K, parts>(c, r2, n, out.phi, out.g, out.h);
-      return true;
+      return evaluate_blocks<K + 2, K, parts>(c, r2, n, out.phi, out.g, out.h);
     case 3:
-      evaluate_blocks<K + 3, K, parts>(c, r2, n, out.phi, out.g, out.h);
-      return true;
+      return evaluate_blocks<K + 3, K, parts>(c, r2, n, out.phi, out.g, out.h);
     case 4:
-      evaluate_blocks<K + 4, K, parts>(c, r2, n, out.phi, out.g, out.h);
-      return true;
+      return evaluate_blocks<K + 4, K, parts>(c, r2, n, out.phi, out.g, out.h);
     default:
-      return false;
+      return;
   }
 }
 
-template <Parts parts>
-CSRBF_ALWAYS_INLINE bool evaluate_any(int l, int k, const Coefficients& c, const double* r2, Index n,
-                                      const Output& out) {
+template <RadialParts parts>
+CSRBF_ALWAYS_INLINE void evaluate_any(int l, int k, const Coefficients& c, const double* r2, Index n,
+                                      const RadialOutput& out) {
   switch (k) {
     case 1:
       return evaluate_smooth<1, parts>(l, c, r2, n, out);
@@ -129,135 +115,86 @@ CSRBF_ALWAYS_INLINE bool evaluate_any(int l, int k, const Coefficients& c, const
     case 3:
       return evaluate_smooth<3, parts>(l, c, r2, n, out);
     default:
-      if constexpr (parts == Parts::value) return evaluate_smooth<0, parts>(l, c, r2, n, out);
-      return false;
+      if constexpr (parts == RadialParts::value) return evaluate_smooth<0, parts>(l, c, r2, n, out);
+      return;
   }
 }
 
-using Loop = bool (*)(int l, int k, const Coefficients& c, const double* r2, Index n, const Output& out);
+using Loop = void (*)(int l, int k, const Coefficients& c, const double* r2, Index n, const RadialOutput& out);
 
-CSRBF_SIMD_CLONES bool value_loop(int l, int k, const Coefficients& c, const double* r2, Index n, const Output& out) {
-  return evaluate_any<Parts::value>(l, k, c, r2, n, out);
+CSRBF_SIMD_CLONES void value_loop(int l, int k, const Coefficients& c, const double* r2, Index n,
+                                  const RadialOutput& out) {
+  evaluate_any<RadialParts::value>(l, k, c, r2, n, out);
 }
-CSRBF_SIMD_CLONES bool gradient_loop(int l, int k, const Coefficients& c, const double* r2, Index n,
-                                     const Output& out) {
-  return evaluate_any<Parts::gradient>(l, k, c, r2, n, out);
+CSRBF_SIMD_CLONES void gradient_loop(int l, int k, const Coefficients& c, const double* r2, Index n,
+                                     const RadialOutput& out) {
+  evaluate_any<RadialParts::gradient>(l, k, c, r2, n, out);
 }
-CSRBF_SIMD_CLONES bool hessian_loop(int l, int k, const Coefficients& c, const double* r2, Index n, const Output& out) {
-  return evaluate_any<Parts::hessian>(l, k, c, r2, n, out);
+CSRBF_SIMD_CLONES void hessian_loop(int l, int k, const Coefficients& c, const double* r2, Index n,
+                                    const RadialOutput& out) {
+  evaluate_any<RadialParts::hessian>(l, k, c, r2, n, out);
 }
 
-// Runs a loop that handles full blocks only, for any n.
-bool run(Loop loop, int l, int k, const Coefficients& c, const double* r2, Index n, const Output& out) {
-  const auto shifted = [](double* part, Index i) { return part == nullptr ? nullptr : part + i; };
-  if (n >= block_size) {
-    if (!loop(l, k, c, r2, n, out)) return false;
-    if (n % block_size == 0) return true;
-    const Index i = n - block_size;  // the last block overlaps the one before
-    return loop(l, k, c, r2 + i, block_size, {out.phi + i, shifted(out.g, i), shifted(out.h, i)});
+class Wendland : public RadialFunction {
+ public:
+  Wendland(int dimension, int smoothness) : l_(dimension / 2 + smoothness + 1), k_(smoothness) {
+    const double l = l_;
+    c_.value = polynomial(l, k_);
+    if (k_ >= 1) {
+      const double scale = g0(l, k_);
+      const auto walked = polynomial(l, k_ - 1);
+      for (std::size_t j = 0; j < c_.g.size(); ++j) c_.g[j] = scale * walked[j];
+    }
+    if (k_ == 1) c_.h[0] = -l * c_.g[0];  // g' / r = g0 ((1-r)^l)' / r
+    if (k_ >= 2) {
+      const double scale = c_.g[0] * g0(l, k_ - 1);
+      const auto walked = polynomial(l, k_ - 2);
+      for (std::size_t j = 0; j < c_.h.size(); ++j) c_.h[j] = scale * walked[j];
+    }
   }
-  double few[block_size] = {};
-  double parts[3][block_size];
-  std::copy(r2, r2 + n, few);
-  if (!loop(l, k, c, few, block_size, {parts[0], parts[1], parts[2]})) return false;
-  std::copy(parts[0], parts[0] + n, out.phi);
-  if (out.g != nullptr) std::copy(parts[1], parts[1] + n, out.g);
-  if (out.h != nullptr) std::copy(parts[2], parts[2] + n, out.h);
-  return true;
-}
+
+  void evaluate(const double* r2, Index n, const RadialOutput& out) const override {
+    if (l_ - k_ > 4 || (k_ == 0 && out.g != nullptr)) return evaluate_each(r2, n, out);
+    const Loop loop = out.g == nullptr ? value_loop : out.h == nullptr ? gradient_loop : hessian_loop;
+    in_radial_blocks([&](const double* s, Index count, const RadialOutput& part) { loop(l_, k_, c_, s, count, part); },
+                     r2, n, out);
+  }
+
+ private:
+  // Where there is no loop.
+  void evaluate_each(const double* r2, Index n, const RadialOutput& out) const {
+    for (Index i = 0; i < n; ++i) {
+      const double r = std::sqrt(r2[i]);
+      out.phi[i] = value(r);
+      if (out.g != nullptr) out.g[i] = g(r);
+      if (out.h != nullptr) out.h[i] = h(r);
+    }
+  }
+
+  [[nodiscard]] double value(double r) const { return r >= 1 ? 0 : power(1 - r, l_ + k_) * horner<3>(c_.value, r); }
+
+  [[nodiscard]] double g(double r) const {
+    if (r >= 1) return 0;
+    if (k_ == 0) return r == 0 ? 0 : -l_ * power(1 - r, l_ - 1) / r;
+    return power(1 - r, l_ + k_ - 1) * horner<2>(c_.g, r);
+  }
+
+  [[nodiscard]] double h(double r) const {
+    if (r >= 1 || (r == 0 && k_ <= 1)) return 0;
+    if (k_ == 0) return ((l_ == 1 ? 0 * r : l_ * (l_ - 1) * power(1 - r, l_ - 2)) - g(r)) / (r * r);
+    if (k_ == 1) return c_.h[0] * r * power(1 - r, l_ - 1) / (r * r);
+    return power(1 - r, l_ + k_ - 2) * horner<1>(c_.h, r);
+  }
+
+  int l_;  // floor(d/2) + k + 1
+  int k_;
+  Coefficients c_{};
+};
 
 }  // namespace
 
-Wendland::Wendland(int dimension, int smoothness) : dimension_(dimension), smoothness_(smoothness) {
-  require(dimension >= 1, "Wendland", "dimension", dimension, "must be at least 1; give the dimension of the points");
-  require(smoothness >= 0 && smoothness <= 3, "Wendland", "smoothness", smoothness,
-          "must be 0, 1, 2 or 3; the function has twice as many continuous derivatives");
-  l_ = dimension / 2 + smoothness + 1;
-  const double l = l_;
-  value_ = polynomial(l, smoothness);
-  if (smoothness >= 1) {
-    const double scale = g0(l, smoothness);
-    const auto walked = polynomial(l, smoothness - 1);
-    for (std::size_t j = 0; j < g_.size(); ++j) g_[j] = scale * walked[j];
-  }
-  if (smoothness == 1) h_[0] = -l * g_[0];  // g' / r = g0 ((1-r)^l)' / r
-  if (smoothness >= 2) {
-    const double scale = g_[0] * g0(l, smoothness - 1);
-    const auto walked = polynomial(l, smoothness - 2);
-    for (std::size_t j = 0; j < h_.size(); ++j) h_[j] = scale * walked[j];
-  }
-}
-
-double Wendland::value(double r) const {
-  if (r >= 1) return 0;
-  return power(1 - r, l_ + smoothness_) * horner<3>(value_, r);
-}
-
-double Wendland::g(double r) const {
-  if (r >= 1) return 0;
-  const double a = 1 - r;
-  if (smoothness_ == 0) return r == 0 ? 0 : -l_ * power(a, l_ - 1) / r;
-  return power(a, l_ + smoothness_ - 1) * horner<2>(g_, r);
-}
-
-double Wendland::h(double r) const {
-  if (r >= 1 || (r == 0 && smoothness_ <= 1)) return 0;
-  if (smoothness_ <= 1) return q(r) / (r * r);
-  return power(1 - r, l_ + smoothness_ - 2) * horner<1>(h_, r);
-}
-
-double Wendland::q(double r) const {
-  if (r >= 1) return 0;
-  if (smoothness_ == 0) return r == 0 ? 0 : second(r) - g(r);
-  if (smoothness_ == 1) return h_[0] * r * power(1 - r, l_ - 1);
-  return r * r * h(r);
-}
-
-double Wendland::second(double r) const {
-  if (r >= 1) return 0;
-  if (smoothness_ == 0) return l_ == 1 ? 0 * r : l_ * (l_ - 1) * power(1 - r, l_ - 2);
-  return g(r) + q(r);
-}
-
-double Wendland::gradient_bound() const {
-  if (smoothness_ == 0) return l_;
-  constexpr int steps = 60;  // beyond the 53 bits of a double
-  // phi'' changes sign once in (0, 1): bisection.
-  double lo = 0;
-  double hi = 1;
-  for (int step = 0; step < steps; ++step) {
-    const double mid = 0.5 * (lo + hi);
-    (second(mid) < 0 ? lo : hi) = mid;
-  }
-  return -hi * g(hi);
-}
-
-double Wendland::hessian_bound() const {
-  return smoothness_ == 0 ? std::numeric_limits<double>::infinity() : -g_[0];
-}
-
-void Wendland::values(const double* r2, Index n, double* phi) const {
-  if (run(value_loop, l_, smoothness_, {value_, g_, h_}, r2, n, {phi, nullptr, nullptr})) return;
-  for (Index i = 0; i < n; ++i) phi[i] = value(std::sqrt(r2[i]));
-}
-
-void Wendland::gradients(const double* r2, Index n, double* phi, double* g) const {
-  if (run(gradient_loop, l_, smoothness_, {value_, g_, h_}, r2, n, {phi, g, nullptr})) return;
-  for (Index i = 0; i < n; ++i) {
-    const double r = std::sqrt(r2[i]);
-    phi[i] = value(r);
-    g[i] = this->g(r);
-  }
-}
-
-void Wendland::hessians(const double* r2, Index n, double* phi, double* g, double* h) const {
-  if (run(hessian_loop, l_, smoothness_, {value_, g_, h_}, r2, n, {phi, g, h})) return;
-  for (Index i = 0; i < n; ++i) {
-    const double r = std::sqrt(r2[i]);
-    phi[i] = value(r);
-    g[i] = this->g(r);
-    h[i] = this->h(r);
-  }
+std::shared_ptr<const RadialFunction> wendland_function(int dimension, int smoothness) {
+  return std::make_shared<Wendland>(dimension, smoothness);
 }
 
 }  // namespace csrbf

@@ -7,8 +7,6 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
-#include <limits>
 #include <map>
 
 namespace csrbf {

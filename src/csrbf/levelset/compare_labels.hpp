@@ -3,7 +3,6 @@
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/progress.hpp"
 
-#include <cstdint>
 #include <vector>
 
 namespace csrbf {

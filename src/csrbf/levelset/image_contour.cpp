@@ -59,24 +59,23 @@ Points<3> sign_changes(const Field<3>& field, int resolution) {
   const double cell = box.extent().maxCoeff() / resolution;
   GridAxes<3> axes;
   std::array<Index, 3> nodes{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<Index>(a);
-    nodes[a] = 1 + std::max<Index>(1, static_cast<Index>(std::ceil(box.extent()[axis] / cell)));
-    axes[a] = Eigen::VectorXd::LinSpaced(nodes[a], box.lo[axis], box.hi[axis]);
+  for (Index a = 0; a < 3; ++a) {
+    nodes[a] = 1 + std::max<Index>(1, static_cast<Index>(std::ceil(box.extent()[a] / cell)));
+    axes[a] = Eigen::VectorXd::LinSpaced(nodes[a], box.lo[a], box.hi[a]);
   }
   const Eigen::VectorXd f = field.evaluate_grid(axes);
   std::vector<Point<3>> found;
   const std::array<Index, 3> strides{1, nodes[0], nodes[0] * nodes[1]};
   for (Index i = 0; i < f.size(); ++i) {
     const std::array<Index, 3> at{i % nodes[0], i / nodes[0] % nodes[1], i / strides[2]};
-    for (std::size_t a = 0; a < 3; ++a) {
+    for (Index a = 0; a < 3; ++a) {
       if (at[a] + 1 == nodes[a] || (f[i] > 0) == (f[i + strides[a]] > 0)) continue;
       Point<3> p(axes[0][at[0]], axes[1][at[1]], axes[2][at[2]]);
-      p[static_cast<Index>(a)] = 0.5 * (axes[a][at[a]] + axes[a][at[a] + 1]);
+      p[a] = 0.5 * (axes[a][at[a]] + axes[a][at[a] + 1]);
       found.push_back(p);
     }
   }
-  return Points<3>::NullaryExpr(3, static_cast<Index>(found.size()), [&](Index row, Index i) { return found[i][row]; });
+  return Points<3>::NullaryExpr(3, std::ssize(found), [&](Index row, Index i) { return found[i][row]; });
 }
 
 // Do all corners of a triangle lie in one side of the box?

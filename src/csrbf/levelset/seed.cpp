@@ -4,8 +4,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <cmath>
 #include <functional>
 
 namespace csrbf {

@@ -3,7 +3,6 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/grid.hpp"
 
-#include <cstdint>
 #include <vector>
 
 namespace csrbf {

@@ -1,19 +1,19 @@
 #include "csrbf/levelset/segment.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/levelset/baselines/segment_baselines.hpp"
+#include "csrbf/levelset/baselines/collocation.hpp"
+#include "csrbf/levelset/baselines/finite_difference.hpp"
 #include "csrbf/levelset/contour/edge_flow.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_contour.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
+#include "csrbf/levelset/image_contour.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_cores.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace csrbf {
@@ -34,6 +34,19 @@ IntensityLaw law_of(SegmentEnergy energy) {
     default:
       return IntensityLaw::chan_vese;
   }
+}
+
+// The forces of a source; appends the energy of the labels that they are asked for, as in SegmentReport.
+ForceUpdate force_update(ForceSource& source, std::size_t voxels, std::vector<double>& energy) {
+  return [&source, voxels, &energy](const unsigned char* labels, float* force) {
+    source.fit({labels, voxels});
+    double sum = source.force(1, 1, {force, voxels}), size = 0;
+    for (std::size_t i = 0; i < voxels; ++i) {
+      size += static_cast<double>(std::abs(force[i]));
+      if (labels[i] != 0) sum += static_cast<double>(force[i]);
+    }
+    energy.push_back(sum / (size > 0 ? size : 1));
+  };
 }
 
 // The settings with values in place of `automatic`, but for the center spacing, the window and the shading.
@@ -129,7 +142,7 @@ std::vector<std::shared_ptr<const Field<Dim>>> make_fields(const Lattice<Dim>& l
   for (const std::vector<float>& values : coefficients)
     single.push_back(lattice_field(lattice, values, grid, slope > 0 ? slope : 1));
   if (single.size() == 1) return single;
-  for (std::size_t k = 0; k < single.size(); ++k) fields.push_back(largest_field<Dim>(single, k));
+  for (std::size_t k = 0; k < single.size(); ++k) fields.push_back(std::make_shared<LargestField<Dim>>(single, k));
   return fields;
 }
 
@@ -227,16 +240,26 @@ class Segmenter {
   void follow_baseline() {
     result_.labels = std::move(labels_);
     if (options_.seed.empty()) choose_polarity(grid_, options_, result_);
-    BaselineResult<Dim> found =
-        used_.method == SegmentMethod::finite_difference
-            ? segment_by_finite_difference<Dim>(
-                  grid_, source(), {*used_.smoothness, used_.iterations, options_.progress}, result_.labels)
-            : segment_by_collocation<Dim>(grid_, source(),
-                                          {used_.kernel, *used_.support, *used_.center_spacing, is_local(),
-                                           used_.iterations, options_.progress},
-                                          result_.labels);
-    fields_.push_back(std::move(found.field));
-    result_ = {{}, std::move(found.labels), found.iterations, found.converged, std::move(found.energy)};
+    const unsigned char* start = result_.labels.data();
+    std::vector<double> energy;
+    const auto take = [&](auto&& found) {
+      fields_.push_back(found.field);
+      result_ = {{}, std::move(found.labels), found.iterations, found.converged, std::move(energy)};
+    };
+    const ForceUpdate force = force_update(source(), result_.labels.size(), energy);
+    if (used_.method == SegmentMethod::finite_difference)
+      take(finite_difference<Dim>(grid_, start, force,
+                                  {.length = *used_.smoothness,
+                                   .iterations = 10 * used_.iterations,  // of half a voxel
+                                   .progress = options_.progress}));
+    else
+      take(collocate(grid_, regular_nodes<Dim>(grid_, *used_.center_spacing), start, force,
+                     {.kernel = used_.kernel,
+                      .support = *used_.support,
+                      .eps = is_local() ? 1.25 : 0,  // only the contour moves, or all level curves
+                      .iterations = used_.iterations,
+                      .tolerance = 1e-4,
+                      .progress = options_.progress}));
   }
 
   // The variational method: on edges, locally or globally.
@@ -328,7 +351,31 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   return segmenter.finish();
 }
 
-template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);
-template Segmentation<3> segment<3>(const Volume<float>&, const SegmentOptions&);
+template <int Dim>
+std::vector<RegionMeasure> measure_segmentation(const Segmentation<Dim>& segmentation, const Grid& grid) {
+  std::vector<RegionMeasure> measures;
+  const bool two = segmentation.fields.size() == 1;
+  for (const RegionReport& region : segmentation.report.regions) {
+    if (region.label == 0) continue;
+    RegionMeasure measure{region.label, region.voxels, 0, 0, region.mean};
+    const auto contour = image_contour(*segmentation.fields[two ? 0 : static_cast<std::size_t>(region.label)], grid);
+    if constexpr (Dim == 2) {
+      measure.volume = contour.lines.area;
+      measure.area = contour.lines.length;
+    } else {
+      measure.volume = contour.volume;
+      measure.area = contour.area;
+    }
+    measures.push_back(measure);
+  }
+  return measures;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                          \
+  template Segmentation<Dim> segment<Dim>(const Volume<float>&, const SegmentOptions&); \
+  template std::vector<RegionMeasure> measure_segmentation<Dim>(const Segmentation<Dim>&, const Grid&);
+CSRBF_INSTANTIATE(2)
+CSRBF_INSTANTIATE(3)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -4,11 +4,6 @@
 
 #include <Eigen/Core>
 
-#include <algorithm>
-#include <cmath>
-#include <sstream>
-#include <string>
-
 namespace csrbf {
 namespace {
 

@@ -3,74 +3,49 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
 
-#include <array>
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace csrbf {
 namespace {
 
-template <class Enum, std::size_t n>
-using Names = std::array<std::pair<Enum, std::string_view>, n>;
-
-constexpr Names<SegmentEnergy, 6> energies{{{SegmentEnergy::chan_vese, "chan-vese"},
-                                            {SegmentEnergy::gaussian, "gaussian"},
-                                            {SegmentEnergy::generalized_gaussian, "generalized-gaussian"},
-                                            {SegmentEnergy::rayleigh, "rayleigh"},
-                                            {SegmentEnergy::gamma, "gamma"},
-                                            {SegmentEnergy::edge, "edge"}}};
-constexpr Names<SegmentMode, 2> modes{{{SegmentMode::global, "global"}, {SegmentMode::local, "local"}}};
-constexpr Names<SegmentMethod, 3> methods{{{SegmentMethod::variational, "variational"},
-                                           {SegmentMethod::collocation, "collocation"},
-                                           {SegmentMethod::finite_difference, "finite-difference"}}};
-constexpr Names<Shading, 4> shadings{{{Shading::automatic, "auto"},
-                                      {Shading::none, "none"},
-                                      {Shading::linear, "linear"},
-                                      {Shading::quadratic, "quadratic"}}};
+// In the order of the enumerators.
+constexpr std::array<std::string_view, 6> energies{"chan-vese", "gaussian", "generalized-gaussian",
+                                                   "rayleigh",  "gamma",    "edge"};
+constexpr std::array<std::string_view, 2> modes{"global", "local"};
+constexpr std::array<std::string_view, 3> methods{"variational", "collocation", "finite-difference"};
+constexpr std::array<std::string_view, 4> shadings{"auto", "none", "linear", "quadratic"};
 
 template <class Enum, std::size_t n>
-std::string_view name_in(const Names<Enum, n>& names, Enum value) {
-  for (const auto& [known, name] : names)
-    if (known == value) return name;
-  return "";
-}
-
-template <class Enum, std::size_t n>
-Enum named_in(const Names<Enum, n>& names, std::string_view name, std::string_view what) {
-  std::vector<std::string> known;
-  for (const auto& [value, its_name] : names) {
-    if (its_name == name) return value;
-    known.emplace_back(its_name);
-  }
-  throw InvalidInput("segment: " + std::string(what) + " = " + std::string(name) + ": must be one of " + joined(known));
+Enum named_in(const std::array<std::string_view, n>& names, std::string_view name, std::string_view what) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<Enum>(found - names.begin());
+  throw InvalidInput("segment: " + std::string(what) + " = " + std::string(name) + ": must be one of " +
+                     joined({names.begin(), names.end()}));
 }
 
 }  // namespace
 
 std::string_view name_of(SegmentEnergy energy) {
-  return name_in(energies, energy);
+  return energies[static_cast<std::size_t>(energy)];
 }
 std::string_view name_of(SegmentMode mode) {
-  return name_in(modes, mode);
+  return modes[static_cast<std::size_t>(mode)];
 }
 std::string_view name_of(SegmentMethod method) {
-  return name_in(methods, method);
+  return methods[static_cast<std::size_t>(method)];
 }
 std::string_view name_of(Shading shading) {
-  return name_in(shadings, shading);
+  return shadings[static_cast<std::size_t>(shading)];
 }
 SegmentEnergy segment_energy(std::string_view name) {
-  return named_in(energies, name, "energy");
+  return named_in<SegmentEnergy>(energies, name, "energy");
 }
 SegmentMode segment_mode(std::string_view name) {
-  return named_in(modes, name, "mode");
+  return named_in<SegmentMode>(modes, name, "mode");
 }
 SegmentMethod segment_method(std::string_view name) {
-  return named_in(methods, name, "method");
+  return named_in<SegmentMethod>(methods, name, "method");
 }
 Shading shading_named(std::string_view name) {
-  return named_in(shadings, name, "shading");
+  return named_in<Shading>(shadings, name, "shading");
 }
 
 }  // namespace csrbf

@@ -3,7 +3,6 @@
 #include "csrbf/core/progress.hpp"
 #include "csrbf/core/types.hpp"
 
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>

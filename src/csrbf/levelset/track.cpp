@@ -1,11 +1,11 @@
 #include "csrbf/levelset/track.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/levelset/contour/contour_distance.hpp"
+#include "csrbf/levelset/image/signed_distance.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <Eigen/Geometry>
+
 #include <utility>
 
 namespace csrbf {
@@ -66,6 +66,39 @@ void match_labels(const std::vector<std::uint8_t>& before, Segmentation<Dim>& no
   }
   now.fields = std::move(fields);
   now.report.regions = std::move(regions);
+}
+
+// Signed distance of every voxel centre to the contour f = 0 of a segmentation, positive inside: next to the contour
+// f / |grad f|, elsewhere signed_distance().
+template <int Dim>
+std::vector<float> contour_distance(const Grid& grid, const std::vector<std::uint8_t>& labels,
+                                    const Field<Dim>& field) {
+  const auto edge = static_cast<float>(grid.spacing.template head<Dim>().minCoeff());
+  std::vector<float> distance = signed_distance(grid, labels.data());
+
+  // Next to the contour the level set is more exact than the voxels.
+  std::vector<Index> close;
+  for (std::size_t i = 0; i < distance.size(); ++i)
+    if (std::abs(distance[i]) < edge) close.push_back(static_cast<Index>(i));
+  Points<Dim> points(Dim, std::ssize(close));
+  const auto to_physical = grid.to_physical<Dim>();
+  for (Index k = 0; k < points.cols(); ++k) {
+    Index rest = close[k];
+    Point<Dim> voxel;
+    for (Index a = 0; a < Dim; ++a) {
+      voxel[a] = static_cast<double>(rest % grid.size[a]);
+      rest /= grid.size[a];
+    }
+    points.col(k) = to_physical * voxel;
+  }
+  const Jet<Dim> jet = field.evaluate(points, Derivatives::gradient);
+  const float farthest = 1.5F * edge;  // these voxels are at most an edge off; by hand, against small slopes
+  for (Index k = 0; k < points.cols(); ++k) {
+    const double slope = jet.gradient.col(k).norm();
+    if (!(slope > 0)) continue;
+    distance[close[k]] = std::clamp(static_cast<float>(jet.value[k] / slope), -farthest, farthest);
+  }
+  return distance;
 }
 
 // Carries labels and settings from frame to frame.
@@ -244,8 +277,8 @@ TrackReport track(Index frames, const FrameSource& read, const TrackOptions& opt
 
 template <int Dim>
 Tracking<Dim> track(const Volume<float>& sequence, const TrackOptions& options) {
-  require(static_cast<Index>(sequence.values.size()) == sequence.values_per_frame() * sequence.frames, here,
-          "number of values", sequence.values.size(), "must be that of the voxels of all frames");
+  require(std::ssize(sequence.values) == sequence.values_per_frame() * sequence.frames, here, "number of values",
+          sequence.values.size(), "must be that of the voxels of all frames");
   Tracking<Dim> tracking;
   tracking.frames.resize(std::max<Index>(sequence.frames, 0));
   const FrameSource read = [&](Index t) {

@@ -133,15 +133,6 @@ CSRBF_ALWAYS_INLINE void factorise_rows(double* A, Index i, double tolerance, do
   factorise_diagonal<W, R>(rows, i, tolerance, failed);
 }
 
-template <class W>
-CSRBF_ALWAYS_INLINE void factorise_all(double* A, Index n, double tolerance, double* failed) {
-  Index i = 0;
-  for (; i + W::tile <= n; i += W::tile) factorise_rows<W, W::tile>(A, i, tolerance, failed);
-  if (n - i == 3) factorise_rows<W, 3>(A, i, tolerance, failed);
-  if (n - i == 2) factorise_rows<W, 2>(A, i, tolerance, failed);
-  if (n - i == 1) factorise_rows<W, 1>(A, i, tolerance, failed);
-}
-
 // Column block J of L^T x = y, the unknowns after it being done: solves for x_J and takes it out of the rows before.
 template <class W, int R, int C>
 CSRBF_ALWAYS_INLINE void substitute_back(const double* L, Index j, double* const (&rows)[R]) {
@@ -200,15 +191,6 @@ CSRBF_ALWAYS_INLINE void solve_rows(const double* L, Index n, double* b) {
   for (Index j = full - W::tile; j >= 0; j -= W::tile) substitute_back<W, R, W::tile>(L, j, rows);
 }
 
-template <class W>
-CSRBF_ALWAYS_INLINE void solve_all(const double* L, Index n, double* b, Index count) {
-  Index r = 0;
-  for (; r + W::tile <= count; r += W::tile) solve_rows<W, W::tile>(L, n, b + batch_lanes * n * r);
-  if (count - r == 3) solve_rows<W, 3>(L, n, b + batch_lanes * n * r);
-  if (count - r == 2) solve_rows<W, 2>(L, n, b + batch_lanes * n * r);
-  if (count - r == 1) solve_rows<W, 1>(L, n, b + batch_lanes * n * r);
-}
-
 // Entries (i + r, j + c) of A += F^T F; only c <= r are stored when the block is on the diagonal.
 template <class W, int R, int C>
 CSRBF_ALWAYS_INLINE void gram_tile(const double* F, Index rows, Index n, Index i, Index j, double* A) {
@@ -246,43 +228,43 @@ CSRBF_ALWAYS_INLINE void gram_rows(const double* F, Index rows, Index n, Index i
   gram_tile<W, R, R>(F, rows, n, i, i, A);
 }
 
-template <class W>
-CSRBF_ALWAYS_INLINE void gram_all(const double* F, Index rows, Index n, double* A) {
-  Index i = 0;
-  for (; i + W::tile <= n; i += W::tile) gram_rows<W, W::tile>(F, rows, n, i, A);
-  if (n - i == 3) gram_rows<W, 3>(F, rows, n, i, A);
-  if (n - i == 2) gram_rows<W, 2>(F, rows, n, i, A);
-  if (n - i == 1) gram_rows<W, 1>(F, rows, n, i, A);
-}
-
 struct Gram {
   template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const double* F, Index rows, Index n, double* A) {
-    gram_all<Registers<Bytes>>(F, rows, n, A);
+    using W = Registers<Bytes>;
+    Index i = 0;
+    for (; i + W::tile <= n; i += W::tile) gram_rows<W, W::tile>(F, rows, n, i, A);
+    if (n - i == 3) gram_rows<W, 3>(F, rows, n, i, A);
+    if (n - i == 2) gram_rows<W, 2>(F, rows, n, i, A);
+    if (n - i == 1) gram_rows<W, 1>(F, rows, n, i, A);
   }
 };
 struct Factorise {
   template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(double* A, Index n, double tolerance, double* failed) {
-    factorise_all<Registers<Bytes>>(A, n, tolerance, failed);
+    using W = Registers<Bytes>;
+    Index i = 0;
+    for (; i + W::tile <= n; i += W::tile) factorise_rows<W, W::tile>(A, i, tolerance, failed);
+    if (n - i == 3) factorise_rows<W, 3>(A, i, tolerance, failed);
+    if (n - i == 2) factorise_rows<W, 2>(A, i, tolerance, failed);
+    if (n - i == 1) factorise_rows<W, 1>(A, i, tolerance, failed);
   }
 };
 struct Solve {
   template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const double* L, Index n, double* b, Index count) {
-    solve_all<Registers<Bytes>>(L, n, b, count);
+    using W = Registers<Bytes>;
+    Index r = 0;
+    for (; r + W::tile <= count; r += W::tile) solve_rows<W, W::tile>(L, n, b + batch_lanes * n * r);
+    if (count - r == 3) solve_rows<W, 3>(L, n, b + batch_lanes * n * r);
+    if (count - r == 2) solve_rows<W, 2>(L, n, b + batch_lanes * n * r);
+    if (count - r == 1) solve_rows<W, 1>(L, n, b + batch_lanes * n * r);
   }
 };
 
-// Calls the kernel for at most four or eight lanes.
-template <class Kernel, class... Arguments>
-void call(bool by_eight, Arguments... arguments) {
-  by_eight ? simd_call<Kernel>(arguments...) : simd_call<Kernel, 32>(arguments...);
-}
-
 }  // namespace
 
-void batch_gram(const double* F, Index rows, Index n, double* A, BatchWidth width) {
+void batch_gram(const double* F, Index rows, Index n, double* A) {
   // As many rows at a time as stay in the cache while all pairs of their entries are visited: 64 KB (chosen by hand),
   // and no more than fit a first-level cache of 64 sets and eight ways when the length of a row shares powers of two
   // with the number of sets.
@@ -291,32 +273,27 @@ void batch_gram(const double* F, Index rows, Index n, double* A, BatchWidth widt
   constexpr Index ways = 6;         // two are left for A
   constexpr Index fewest_rows = 4;  // fewer would load and store A too often
   const Index chunk = std::max(fewest_rows, std::min(cached / std::max<Index>(n, 1), ways * sets / std::gcd(n, sets)));
-  for (Index k = 0; k < rows; k += chunk)
-    call<Gram>(width == BatchWidth::widest, F + batch_lanes * n * k, std::min(chunk, rows - k), n, A);
+  for (Index k = 0; k < rows; k += chunk) simd_call<Gram>(F + batch_lanes * n * k, std::min(chunk, rows - k), n, A);
 }
 
-BatchMask batch_cholesky(double* A, Index n, double tolerance, BatchWidth width) {
+BatchMask batch_cholesky(double* A, Index n, double tolerance) {
   // Unknowns. In smaller systems every division waits for the one before, and those of two halves of the lanes overlap.
   // How the value was found is not recorded.
   constexpr Index fewest_by_eight = 24;
   double failed[batch_lanes] = {};
-  call<Factorise>(width == BatchWidth::widest && n >= fewest_by_eight, A, n, tolerance, failed);
+  n >= fewest_by_eight ? simd_call<Factorise>(A, n, tolerance, failed)
+                       : simd_call<Factorise, 32>(A, n, tolerance, failed);
   BatchMask mask = 0;
   for (int s = 0; s < batch_lanes; ++s) mask |= static_cast<BatchMask>(failed[s] != 0) << s;
   return mask;
 }
 
-void batch_solve(const double* L, Index n, double* b, Index count, BatchWidth width) {
+void batch_solve(const double* L, Index n, double* b, Index count) {
   // Unknowns. With few right-hand sides and a larger factor, which exceeds the first-level cache, memory is the limit:
   // eight lanes at a time are used only where they are faster.
   constexpr Index most_in_cache = 48;
   const bool wide = count >= Registers<64>::tile || n <= most_in_cache;
-  call<Solve>(width == BatchWidth::widest && wide, L, n, b, count);
-}
-
-void batch_pad(double* A, Index n, int lane, Index size) {
-  for (Index i = size; i < n; ++i)
-    for (Index j = 0; j <= i; ++j) A[batch_entry(i, j) + lane] = i == j ? 1 : 0;
+  wide ? simd_call<Solve>(L, n, b, count) : simd_call<Solve, 32>(L, n, b, count);
 }
 
 }  // namespace csrbf

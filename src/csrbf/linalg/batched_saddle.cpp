@@ -2,8 +2,6 @@
 
 #include "csrbf/core/lanes.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace csrbf {

@@ -1,6 +1,7 @@
 #include "csrbf/linalg/ridge.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/linalg/golden_section.hpp"
 
 #include <Eigen/LU>
 
@@ -81,33 +82,6 @@ double score(const Spectrum& spectrum, double lambda, LambdaCriterion criterion)
   return std::isnan(value) ? infinity : value;
 }
 
-// Minimises f on [a, b] by golden section.
-template <class Function>
-double golden_section(const Function& f, double a, double b) {
-  constexpr double ratio = 0.6180339887498949;
-  constexpr int steps = 18;  // the interval shrinks to 1/6000
-  double left = b - ratio * (b - a);
-  double right = a + ratio * (b - a);
-  double f_left = f(left);
-  double f_right = f(right);
-  for (int step = 0; step < steps; ++step) {
-    if (f_left <= f_right) {
-      b = right;
-      right = left;
-      f_right = f_left;
-      left = b - ratio * (b - a);
-      f_left = f(left);
-    } else {
-      a = left;
-      left = right;
-      f_left = f_right;
-      right = a + ratio * (b - a);
-      f_right = f(right);
-    }
-  }
-  return 0.5 * (a + b);
-}
-
 // The lambda0 with the best score: the best of a logarithmic grid, as the score may have several minima, refined
 // between its neighbours.
 double choose_lambda0(const Spectrum& spectrum, double unit, const RidgeOptions& options) {
@@ -127,7 +101,8 @@ double choose_lambda0(const Spectrum& spectrum, double unit, const RidgeOptions&
     }
   }
   const double step = (last - first) / intervals;
-  const double refined = golden_section(f, std::max(first, best - step), std::min(last, best + step));
+  constexpr int steps = 18;  // the interval shrinks to 1/6000
+  const double refined = golden_section(f, std::max(first, best - step), std::min(last, best + step), steps);
   return std::pow(10.0, f(refined) < smallest ? refined : best);
 }
 

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
+#include "csrbf/linalg/golden_section.hpp"
 
 #include <Eigen/LU>
 
@@ -9,7 +10,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
-#include <algorithm>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -239,27 +239,7 @@ double best_exponent(const Function& f, double first, double last) {
     smallest = value;
     best = first + step * i;
   }
-  constexpr double ratio = 0.6180339887498949;
-  double a = std::max(first, best - step);
-  double b = std::min(last, best + step);
-  double left = b - ratio * (b - a);
-  double right = a + ratio * (b - a);
-  double f_left = f(left);
-  double f_right = f(right);
-  for (int i = 0; i < steps; ++i) {
-    if (f_left <= f_right) {
-      b = std::exchange(right, left);
-      f_right = f_left;
-      left = b - ratio * (b - a);
-      f_left = f(left);
-    } else {
-      a = std::exchange(left, right);
-      f_left = f_right;
-      right = a + ratio * (b - a);
-      f_right = f(right);
-    }
-  }
-  const double refined = .5 * (a + b);
+  const double refined = golden_section(f, std::max(first, best - step), std::min(last, best + step), steps);
   return f(refined) < smallest ? refined : best;
 }
 

@@ -7,7 +7,6 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
 
-#include <string>
 #include <utility>
 
 namespace csrbf {

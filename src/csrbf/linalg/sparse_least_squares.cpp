@@ -63,8 +63,8 @@ std::vector<int> used_columns(const Rows& B) {
 }
 
 Rows selection(const std::vector<int>& columns, Index from) {
-  Rows E(from, static_cast<Index>(columns.size()));
-  E.reserve(static_cast<Index>(columns.size()));
+  Rows E(from, std::ssize(columns));
+  E.reserve(std::ssize(columns));
   for (std::size_t i = 0; i < columns.size(); ++i) E.insert(columns[i], static_cast<Index>(i)) = 1;
   E.makeCompressed();
   return E;
@@ -85,7 +85,7 @@ Problem prepare(const Rows& B, const Eigen::Ref<const Eigen::MatrixXd>& s, const
     p.data = (roots.array() > 0).count();
   }
   columns = used_columns(p.B);
-  const bool all = static_cast<Index>(columns.size()) == B.cols();
+  const bool all = std::ssize(columns) == B.cols();
   const Rows E = all ? Rows() : selection(columns, B.cols());
   if (!all) p.B = Rows(p.B * E);
   if (options.penalty.size() > 0) {
@@ -174,7 +174,7 @@ SparseLeastSquaresFit sparse_least_squares(const Rows& B, const Eigen::Ref<const
   std::vector<int> columns;
   const Problem p = prepare(B, s, options, columns);
   SparseLeastSquaresFit fit;
-  fit.dropped = B.cols() - static_cast<Index>(columns.size());
+  fit.dropped = B.cols() - std::ssize(columns);
   fit.coefficients.setZero(B.cols(), s.cols());
   fit.fitted.setZero(B.rows(), s.cols());
   fit.lambda0 = options.lambda0.value_or(0);

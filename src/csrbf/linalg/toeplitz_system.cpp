@@ -5,7 +5,6 @@
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/core/simd.hpp"
 
-#include <algorithm>
 #include <complex>
 #include <numeric>
 #include <string>
@@ -60,7 +59,7 @@ template <int Dim>
 void transform(const std::array<Index, Dim>& size, bool inverse, std::vector<Complex>& data) {
   Index stride = size[0];
   for (std::size_t a = 1; a < Dim; stride *= size[a], ++a) {
-    const Index n = size[a], lines = static_cast<Index>(data.size()) / n;
+    const Index n = size[a], lines = std::ssize(data) / n;
     parallel_for(lines, std::max<Index>(1, chunk / n), [&](Index begin, Index end) {
       Eigen::FFT<double> fft;
       std::vector<Complex> in(n), out(static_cast<std::size_t>(n));
@@ -139,7 +138,7 @@ ToeplitzSystem<Dim>::ToeplitzSystem(const std::array<Index, Dim>& size, const st
   require(!taps.empty(), "ToeplitzSystem", "number of taps", taps.size(), "must be positive");
   for (const ToeplitzTap<Dim>& tap : taps)
     for (std::size_t a = 0; a < Dim; ++a) reach_[a] = std::max(reach_[a], std::abs(tap.offset[a]));
-  taps_ = static_cast<Index>(taps.size());
+  taps_ = std::ssize(taps);
   make_runs(taps);
   make_symbol(taps);
 }
@@ -207,8 +206,8 @@ void ToeplitzSystem<Dim>::multiply_padded(const std::vector<double>& padded, Eig
           stride *= size_[a];
         }
         if (inside)
-          add_run(padded.data() + from * length + pad + run.offset[0], run.weights.data(),
-                  static_cast<Index>(run.weights.size()), n, y.data() + row * n);
+          add_run(padded.data() + from * length + pad + run.offset[0], run.weights.data(), std::ssize(run.weights), n,
+                  y.data() + row * n);
       }
   });
 }
@@ -220,9 +219,8 @@ void ToeplitzSystem<Dim>::precondition(const Eigen::VectorXd& r, Eigen::VectorXd
     return;
   }
   std::vector<Complex> data = spectrum<Dim>(size_, torus_, r.data());
-  parallel_for(static_cast<Index>(data.size()), chunk, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      data[i] *= inverse_symbol_[i];
+  parallel_for(std::ssize(data), chunk, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) data[i] *= inverse_symbol_[i];
   });
   from_spectrum<Dim>(size_, torus_, data, z.data());
 }

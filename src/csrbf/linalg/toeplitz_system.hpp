@@ -2,7 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <array>
 #include <vector>
 
 namespace csrbf {

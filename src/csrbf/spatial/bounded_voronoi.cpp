@@ -1,12 +1,9 @@
 #include "csrbf/spatial/bounded_voronoi.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
-#include <array>
 #include <utility>
-#include <vector>
 
 namespace csrbf {
 namespace {

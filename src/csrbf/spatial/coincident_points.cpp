@@ -4,10 +4,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cstdint>
-#include <limits>
 
 namespace csrbf {
 namespace {
@@ -51,21 +48,20 @@ std::vector<Index> first_coincident(const PointsRef<Dim>& points) {
   std::vector<Index> first(n);
   parallel_for(points.cols(), grain, [&](Index range_begin, Index range_end) {
     std::vector<std::uint32_t> distinct;  // points of a key
-    for (auto begin = static_cast<std::size_t>(range_begin); begin < static_cast<std::size_t>(range_end); ++begin) {
+    for (Index begin = range_begin; begin < range_end; ++begin) {
       const std::uint32_t key = items[begin].key;
       if (begin > 0 && items[begin - 1].key == key) continue;
       distinct.clear();
-      for (std::size_t k = begin; k < n && items[k].key == key; ++k) {
+      for (Index k = begin; k < points.cols() && items[k].key == key; ++k) {
         const std::uint32_t i = items[k].index;
         first[i] = i;
         if (points.col(i).hasNaN()) continue;
         const auto same = std::find_if(distinct.begin(), distinct.end(),
                                        [&](std::uint32_t j) { return points.col(j) == points.col(i); });
-        if (same == distinct.end()) {
+        if (same == distinct.end())
           distinct.push_back(i);
-        } else {
+        else
           first[i] = *same;
-        }
       }
     }
   });

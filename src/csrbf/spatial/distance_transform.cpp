@@ -3,8 +3,6 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 
-#include <limits>
-
 namespace csrbf {
 namespace {
 
@@ -13,11 +11,11 @@ constexpr Index lines_per_tile = 16;  // neighbours in memory: 16 floats are a c
 // The lower envelope of the parabolas d_j + (h (i - j))^2 over the voxels i of a line.
 class Envelope {
  public:
-  Envelope(Index n, double h) : h2_(h * h), place_(static_cast<std::size_t>(n)), from_(static_cast<std::size_t>(n)) {}
+  Envelope(Index n, double h) : h2_(h * h), place_(n), from_(n) {}
 
   // Replaces the n squared distances d by their envelope.
   void apply(std::vector<double>& d) {
-    const auto n = static_cast<Index>(d.size());
+    const auto n = std::ssize(d);
     build(d);
     if (count_ == 0) return;
     low_.assign(d.begin(), d.end());
@@ -33,7 +31,7 @@ class Envelope {
   // Finds the parabolas of the envelope: their positions, and from where on each is the lowest.
   void build(const std::vector<double>& d) {
     count_ = 0;
-    for (Index j = 0; j < static_cast<Index>(d.size()); ++j) {
+    for (Index j = 0; j < std::ssize(d); ++j) {
       if (std::isinf(d[j])) continue;
       double start = -std::numeric_limits<double>::infinity();
       for (; count_ > 0; --count_) {
@@ -63,7 +61,7 @@ class Envelope {
 void transform_axis(Index n, Index stride, double h, std::vector<float>& squared) {
   if (n == 1) return;
   const Index tiles = (stride + lines_per_tile - 1) / lines_per_tile;
-  const Index sheets = static_cast<Index>(squared.size()) / (n * stride);
+  const Index sheets = std::ssize(squared) / (n * stride);
   parallel_for(sheets * tiles, 1, [&](Index begin, Index end) {
     Envelope envelope(n, h);
     std::array<std::vector<double>, lines_per_tile> lines;
@@ -85,16 +83,16 @@ void transform_axis(Index n, Index stride, double h, std::vector<float>& squared
 std::vector<float> distance_transform(const std::array<Index, 3>& size, const Point<3>& spacing,
                                       const std::vector<std::uint8_t>& marked) {
   const Index voxels = size[0] * size[1] * size[2];
-  require(static_cast<Index>(marked.size()) == voxels && voxels > 0, "distance_transform", "entries of marked",
-          marked.size(), "there must be one for each voxel, and at least one");
+  require(std::ssize(marked) == voxels && voxels > 0, "distance_transform", "entries of marked", marked.size(),
+          "there must be one for each voxel, and at least one");
   require(spacing.allFinite() && spacing.minCoeff() > 0, "distance_transform", "spacing", spacing.transpose(),
           "must be positive and finite");
   std::vector<float> distance(marked.size());
   for (std::size_t i = 0; i < marked.size(); ++i)
     distance[i] = marked[i] != 0 ? 0.0F : std::numeric_limits<float>::infinity();
   Index stride = 1;
-  for (std::size_t a = 0; a < 3; ++a) {
-    transform_axis(size[a], stride, spacing[static_cast<Index>(a)], distance);
+  for (Index a = 0; a < 3; ++a) {
+    transform_axis(size[a], stride, spacing[a], distance);
     stride *= size[a];
   }
   for (float& d : distance) d = std::sqrt(d);

@@ -40,7 +40,7 @@ class Hierarchy {
         distances_(order_.size(), std::numeric_limits<double>::infinity()) {
     std::vector<Node> leaves(groups(order_.size(), leaf));
     for (std::size_t i = 0; i < order_.size(); ++i) {
-      leaves[i / leaf].box.add(points_.col(static_cast<Index>(i)));
+      leaves[i / leaf].box.add(points_.col(i));
       leaves[i / leaf].farthest.take({distances_[i], order_[i]});
     }
     levels_.push_back(std::move(leaves));
@@ -167,11 +167,9 @@ FarthestPoints farthest_points(const PointsRef<Dim>& points, Index count, const 
   return picks;
 }
 
-template FarthestPoints farthest_points<1>(const PointsRef<1>&, Index, const FarthestPointsOptions&);
-template FarthestPoints farthest_points<2>(const PointsRef<2>&, Index, const FarthestPointsOptions&);
-template FarthestPoints farthest_points<3>(const PointsRef<3>&, Index, const FarthestPointsOptions&);
-template FarthestPoints farthest_points<4>(const PointsRef<4>&, Index, const FarthestPointsOptions&);
-template FarthestPoints farthest_points<5>(const PointsRef<5>&, Index, const FarthestPointsOptions&);
-template FarthestPoints farthest_points<6>(const PointsRef<6>&, Index, const FarthestPointsOptions&);
+#define CSRBF_INSTANTIATE(Dim) \
+  template FarthestPoints farthest_points<Dim>(const PointsRef<Dim>&, Index, const FarthestPointsOptions&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -26,37 +26,18 @@ using Search =
     nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Columns<Dim>, double, std::uint32_t>,
                                         Columns<Dim>, Dim, std::uint32_t>;
 
-// Collects indices only: no distances, no sort by distance.
-class IndexCollector {
- public:
-  IndexCollector(double squared_radius, std::vector<Index>& indices)
-      : squared_radius_(squared_radius), indices_(indices) {}
+// Calls use(index) for the points within a radius, in no order and without their distances, until it returns false.
+template <class Use>
+struct WithinRadius {
+  double squared_radius;
+  Use use;
+
+  WithinRadius(double radius, const Use& use_index) : squared_radius(radius * radius), use(use_index) {}
   bool addPoint(double squared_distance, std::uint32_t index) {
-    if (squared_distance < squared_radius_) indices_.push_back(static_cast<Index>(index));
-    return true;
+    return !(squared_distance < squared_radius) || use(index);
   }
-  [[nodiscard]] double worstDist() const { return squared_radius_; }
+  [[nodiscard]] double worstDist() const { return squared_radius; }
   [[nodiscard]] bool full() const { return true; }
-
- private:
-  double squared_radius_;
-  std::vector<Index>& indices_;
-};
-
-// Ends the search at the first point.
-class Finder {
- public:
-  explicit Finder(double squared_radius) : squared_radius_(squared_radius) {}
-  bool addPoint(double squared_distance, std::uint32_t /*index*/) {
-    found_ = squared_distance < squared_radius_;
-    return !found_;
-  }
-  [[nodiscard]] double worstDist() const { return squared_radius_; }
-  [[nodiscard]] bool full() const { return found_; }
-
- private:
-  double squared_radius_;
-  bool found_ = false;
 };
 
 constexpr std::size_t leaf_size = 16;  // points; nanoflann recommends 10 to 50 where queries dominate the cost
@@ -102,24 +83,28 @@ template <int Dim>
 void KdTree<Dim>::within(const Point<Dim>& x, double radius, std::vector<Index>& indices) const {
   indices.clear();
   if (size() == 0) return;
-  IndexCollector collector(radius * radius, indices);
-  impl_->search.findNeighbors(collector, x.data(), nanoflann::SearchParams());
+  WithinRadius within(radius, [&](Index index) {
+    indices.push_back(index);
+    return true;
+  });
+  impl_->search.findNeighbors(within, x.data(), nanoflann::SearchParams());
   std::sort(indices.begin(), indices.end());
 }
 
 template <int Dim>
 bool KdTree<Dim>::any_within(const Point<Dim>& x, double radius) const {
   if (size() == 0) return false;
-  Finder finder(radius * radius);
-  impl_->search.findNeighbors(finder, x.data(), nanoflann::SearchParams());
-  return finder.full();
+  bool found = false;
+  WithinRadius within(radius, [&](Index) {
+    found = true;
+    return false;
+  });
+  impl_->search.findNeighbors(within, x.data(), nanoflann::SearchParams());
+  return found;
 }
 
-template class KdTree<1>;
-template class KdTree<2>;
-template class KdTree<3>;
-template class KdTree<4>;
-template class KdTree<5>;
-template class KdTree<6>;
+#define CSRBF_INSTANTIATE(Dim) template class KdTree<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -4,10 +4,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
 
-#include <array>
 #include <bit>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 namespace csrbf {
@@ -54,7 +51,7 @@ void for_each_code(const PointsRef<Dim>& points, int bits, const Action& action)
 std::vector<Index> indices_of(const std::vector<Keyed>& items) {
   std::vector<Index> indices(items.size());
   parallel_for(std::ssize(items), grain, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) indices[i] = items[i].index;
+    for (Index i = begin; i < end; ++i) indices[i] = items[i].index;
   });
   return indices;
 }
@@ -75,9 +72,8 @@ std::vector<Index> morton_order(const PointsRef<Dim>& points) {
   std::vector<std::uint64_t> code(n);
   std::vector<Keyed> items(n);
   for_each_code<Dim>(points, most_bits<Dim>, [&](Index i, std::uint64_t its_code) {
-    const auto at = static_cast<std::size_t>(i);
-    code[at] = its_code;
-    items[at] = {static_cast<std::uint32_t>(its_code >> low_bits), static_cast<std::uint32_t>(i)};
+    code[i] = its_code;
+    items[i] = {static_cast<std::uint32_t>(its_code >> low_bits), static_cast<std::uint32_t>(i)};
   });
   radix_sort(items);
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {  // ties of the keys, by the full codes

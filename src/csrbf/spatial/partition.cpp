@@ -6,9 +6,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <array>
-#include <cstdint>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -156,14 +153,14 @@ class Splitter {
   // Cuts at the widest gap between consecutive keys if it is wider than `least`.
   static Index cut_widest(std::vector<Keyed> keyed, Index* ids, double least) {
     std::sort(keyed.begin(), keyed.end());
-    const auto n = static_cast<Index>(keyed.size());
+    const Index n = std::ssize(keyed);
     Index cut = n;
     double widest = least;
-    for (std::size_t i = 1; i < keyed.size(); ++i) {
+    for (Index i = 1; i < n; ++i) {
       const double gap = keyed[i].first - keyed[i - 1].first;
       if (gap > widest) {
         widest = gap;
-        cut = static_cast<Index>(i);
+        cut = i;
       }
     }
     if (cut < n) store(keyed, ids);
@@ -206,15 +203,14 @@ std::vector<Part> cut(const Splitter<Dim>& splitter, const Part& whole, int leve
 // the leaves.
 template <int Dim>
 std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>& parts, std::vector<Index>& order) {
-  const auto count = static_cast<Index>(parts.size());
+  const auto count = std::ssize(parts);
   const int levels = count < enough_parts ? 1 : std::numeric_limits<int>::max();
   std::vector<std::vector<Part>> smaller(parts.size());
   const auto compute = [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      smaller[i] = cut(splitter, parts[i], levels, order);
+    for (Index i = begin; i < end; ++i) smaller[i] = cut(splitter, parts[i], levels, order);
   };
   const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    for (Index i = begin; i < end; ++i) {
       out.put(smaller[i].size());
       for (const Part& part : smaller[i]) {
         out.put(part.end);
@@ -222,11 +218,11 @@ std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>
       }
       if (parts[i].leaf) continue;
       const std::vector<std::uint32_t> ids(order.begin() + parts[i].begin, order.begin() + parts[i].end);
-      out.put(ids.data(), static_cast<Index>(ids.size()));
+      out.put(ids.data(), std::ssize(ids));
     }
   };
   const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    for (Index i = begin; i < end; ++i) {
       smaller[i].resize(in.take<std::size_t>());
       Index next = parts[i].begin;
       for (Part& part : smaller[i]) {
@@ -236,12 +232,12 @@ std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>
       }
       if (parts[i].leaf) continue;
       std::vector<std::uint32_t> ids(parts[i].end - parts[i].begin);
-      in.take(ids.data(), static_cast<Index>(ids.size()));
+      in.take(ids.data(), std::ssize(ids));
       std::copy(ids.begin(), ids.end(), order.begin() + parts[i].begin);
     }
   };
   const Index grain = 1 + count / enough_parts;
-  if (static_cast<Index>(order.size()) < fewest_shared) {
+  if (std::ssize(order) < fewest_shared) {
     parallel_for(count, grain, compute);
   } else {
     share_work({"partition", count, grain, compute, pack, unpack});
@@ -284,12 +280,7 @@ Index halve(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* 
   template Index halve<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&, Index*, Index); \
   template Partition partition<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&,         \
                                     const Eigen::Ref<const Eigen::VectorXd>&, const PartitionOptions&);
-CSRBF_INSTANTIATE(1)
-CSRBF_INSTANTIATE(2)
-CSRBF_INSTANTIATE(3)
-CSRBF_INSTANTIATE(4)
-CSRBF_INSTANTIATE(5)
-CSRBF_INSTANTIATE(6)
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -24,7 +24,7 @@ struct Partition {
   std::vector<Index> order;
   std::vector<Index> begin;
 
-  [[nodiscard]] Index leaves() const { return static_cast<Index>(begin.size()) - 1; }
+  [[nodiscard]] Index leaves() const { return std::ssize(begin) - 1; }
 };
 
 /// Splits points without overlap by recursive cuts across the principal axis, into leaves of nearly equal size, then

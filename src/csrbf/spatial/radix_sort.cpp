@@ -2,8 +2,6 @@
 
 #include "csrbf/core/parallel.hpp"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 
 namespace csrbf {

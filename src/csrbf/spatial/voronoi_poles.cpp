@@ -6,8 +6,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
-#include <string>
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>

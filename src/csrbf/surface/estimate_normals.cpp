@@ -1,6 +1,5 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
@@ -10,12 +9,10 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <string>
-
 namespace csrbf {
 namespace {
 
-constexpr std::string_view stage = "estimate normals";
+constexpr std::string_view stage = "estimate normals", where = "estimate_normals";
 // Chosen by hand.
 constexpr Index choices[] = {16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512};  // numbers of neighbours tried
 constexpr Index sampled_points = 300;  // that the choice is made with; more: slower, less random
@@ -51,7 +48,6 @@ Cloud sort_unique(const PointsRef<3>& input) {
 }
 
 void check(const PointsRef<3>& points, const NormalOptions& options) {
-  constexpr auto where = "estimate_normals";
   require(options.neighbors == 0 || options.neighbors >= 3, where, "neighbors", options.neighbors,
           "must be 0 (automatic) or at least 3");
   require(points.allFinite(), where, "points", "NaN or infinity", "must be finite; remove such points");
@@ -61,7 +57,6 @@ void check(const PointsRef<3>& points, const NormalOptions& options) {
 }
 
 void check_spread(const Points<3>& points) {
-  constexpr auto where = "estimate_normals";
   require(points.cols() >= 3, where, "number of different points", points.cols(),
           "a surface needs points in 3 dimensions, at least 3 of them");
   const Points<3> centered = points.colwise() - points.rowwise().mean();
@@ -78,10 +73,8 @@ class Neighborhood {
 
   void query(const Point<3>& center, Index count) {
     count = std::min(count, points_.cols());
-    if (static_cast<Index>(ids_.size()) < count) {
-      ids_.resize(count);
-      d2_.resize(ids_.size());
-    }
+    ids_.resize(std::max(std::ssize(ids_), count));
+    d2_.resize(ids_.size());
     count_ = static_cast<std::size_t>(tree_.nearest(center, count, ids_.data(), d2_.data()));
     frame_ = local_frame(points_, ids(), d2(), center);
   }
@@ -146,15 +139,6 @@ struct Fit {
   NeighborTable table;
 };
 
-void keep_neighbors(const Neighborhood& near, Index i, NeighborTable& table) {
-  Index kept = 0;
-  for (std::size_t j = 0; j < near.ids().size() && kept < table.k; ++j) {
-    if (near.ids()[j] == i) continue;
-    table.index[i * table.k + kept++] = static_cast<std::uint32_t>(near.ids()[j]);
-    table.reach[i] = std::sqrt(near.d2()[j]);
-  }
-}
-
 // One quadric for the points [begin, end) if they lie within half the radius of their neighbourhood; else for each half
 // of them.
 void fit_range(const Points<3>& points, Index begin, Index end, Index neighbors, Neighborhood& near, Fit& fit) {
@@ -162,7 +146,7 @@ void fit_range(const Points<3>& points, Index begin, Index end, Index neighbors,
   const Point<3> center =
       count > 1 ? Point<3>(points.middleCols(begin, count).rowwise().mean()) : Point<3>(points.col(begin));
   near.query_surface(center, neighbors);
-  if (count == 1 && fit.table.k > 0) keep_neighbors(near, begin, fit.table);
+  if (count == 1 && fit.table.k > 0) fit.table.set(begin, near.ids(), near.d2().data());
   if (count > 1) {
     const double radius2 = (points.middleCols(begin, count).colwise() - center).colwise().squaredNorm().maxCoeff();
     if (!(radius2 < 0.25 * near.d2().back())) {

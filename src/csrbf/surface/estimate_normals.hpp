@@ -1,7 +1,5 @@
 #pragma once
 
-#include "csrbf/core/progress.hpp"
-#include "csrbf/core/types.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
 
 namespace csrbf {

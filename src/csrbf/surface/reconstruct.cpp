@@ -1,5 +1,6 @@
 #include "csrbf/surface/reconstruct.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/implicit/combine/transformed_field.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
@@ -11,10 +12,8 @@
 #include "csrbf/surface/prepare/decimate.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
-#include <cmath>
 #include <numeric>
 #include <sstream>
-#include <utility>
 
 namespace csrbf {
 namespace {
@@ -34,10 +33,7 @@ constexpr double far_spacings = 3;         // |f| far from data, in spacings: ab
 constexpr double disagreement = 3;         // mean distance of samples from the surface over the cross-validation error
 constexpr double too_small_to_see = 1e-5;  // of the diagonal: smaller mean distances are no disagreement
 constexpr Index quadric_coefficients = 10;
-// Spacings. Measured on the dragon and bunny scans: up to this length of cells the held-out error does not change;
-// chords of longer cells add to it.
-constexpr double coarsest_detail = 1.25;
-
+constexpr double coarsest_detail = 1.25;  // spacings: longer cells add to the held-out error (dragon, bunny scans)
 constexpr double far_from_points = 0.03;  // rms distance over the diagonal; noise that strong leaves no shape
 
 bool composite(const ReconstructOptions& options) {
@@ -97,19 +93,16 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   return data;
 }
 
-// Samples further from the surface than the tolerance.
+// Samples further from the surface than the tolerance, if there is one.
 Index outside(const std::vector<double>& distance, double tolerance) {
+  if (tolerance == 0) return 0;
   return std::count_if(distance.begin(), distance.end(), [&](double d) { return d > tolerance; });
-}
-
-bool within_tolerance(const std::vector<double>& distance, double tolerance) {
-  return tolerance == 0 || outside(distance, tolerance) == 0;
 }
 
 // A few samples may be outliers; more mean failure.
 void check_tolerance(const std::vector<double>& distance, double tolerance, ReconstructReport& out) {
-  if (within_tolerance(distance, tolerance)) return;
   const Index missed = outside(distance, tolerance);
+  if (missed == 0) return;
   if (static_cast<double>(missed) <= outlier_share * static_cast<double>(distance.size())) {
     out.warnings.push_back(std::to_string(missed) + " points are further from the surface than the tolerance");
     return;
@@ -202,9 +195,9 @@ CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepa
     start = std::chrono::steady_clock::now();
     result.distance = surface_distances(*result.field, input.points(Eigen::all, prepared.source), prepared.scale);
     out.evaluate_seconds += seconds_since(start);
-    if (within_tolerance(result.distance, options.tolerance)) break;
-    for (std::size_t i = 0; i < result.distance.size(); ++i)
-      if (result.distance[i] > options.tolerance) result.chosen.options.tolerance[static_cast<Index>(i)] /= 2;
+    if (outside(result.distance, options.tolerance) == 0) break;
+    for (Index i = 0; i < std::ssize(result.distance); ++i)
+      if (result.distance[i] > options.tolerance) result.chosen.options.tolerance[i] /= 2;
   }
   return result;
 }
@@ -249,11 +242,18 @@ Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, con
 
 }  // namespace
 
+const char* name_of(NormalSource source) {
+  constexpr const char* names[] = {"file", "estimated", "re-oriented", "within the slices"};
+  return names[static_cast<int>(source)];
+}
+
 void ReconstructReport::set_distances(const std::vector<double>& distance) {
-  const DistanceSummary summary = summarize_distances(distance);
-  rms_distance = summary.rms;
-  p99_distance = summary.p99;
-  max_distance = summary.max;
+  double sum = 0;
+  for (const double d : distance) sum += d * d;
+  rms_distance = std::sqrt(sum / static_cast<double>(distance.size()));
+  max_distance = *std::max_element(distance.begin(), distance.end());
+  const auto rank = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1));
+  p99_distance = order_statistic(std::vector<double>(distance), rank);
 }
 
 Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& options) {

@@ -5,9 +5,6 @@
 #include "csrbf/surface/reconstruct_options.hpp"
 
 #include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace csrbf {
 

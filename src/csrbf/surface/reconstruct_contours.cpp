@@ -7,9 +7,6 @@
 #include "csrbf/surface/check/surface_distances.hpp"
 #include "csrbf/surface/contours/contour_fit.hpp"
 
-#include <cmath>
-#include <utility>
-
 namespace csrbf {
 namespace {
 

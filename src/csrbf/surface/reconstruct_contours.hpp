@@ -1,10 +1,6 @@
 #pragma once
 
-#include "csrbf/core/mesh.hpp"
-#include "csrbf/core/progress.hpp"
 #include "csrbf/surface/reconstruct.hpp"
-
-#include <optional>
 
 namespace csrbf {
 

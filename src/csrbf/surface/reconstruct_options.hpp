@@ -4,7 +4,6 @@
 #include "csrbf/core/types.hpp"
 
 #include <optional>
-#include <string>
 
 namespace csrbf {
 

@@ -4,8 +4,6 @@
 #include "csrbf/surface/baselines/method_fit.hpp"
 #include "csrbf/surface/medial/medial_axis.hpp"
 
-#include <algorithm>
-
 namespace csrbf {
 namespace {
 

@@ -9,26 +9,18 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
 #include <map>
-#include <numeric>
-#include <vector>
 
 namespace csrbf {
 namespace {
 
 constexpr Index spacing_neighbors = 6;  // as many as surround a sample of a hexagonal packing of the plane
 // Chosen by hand.
-constexpr Index facing_neighbors = 8;  // nearest points of which one must face the same way
-constexpr double facing = 0.7;         // least cosine between normals that face the same way: 45 degrees
-constexpr double expected_share =
-    0.05;                             // a component with less than this share of the mean density of samples is empty
-constexpr double fewest_samples = 8;  // ... or with fewer than this number
-constexpr double near_component = 4;  // spacings: points farther from a component do not count for it
-
-Points<3> in_morton_order(const PointsRef<3>& points) {
-  return points(Eigen::all, morton_order<3>(points));
-}
+constexpr Index facing_neighbors = 8;    // nearest points of which one must face the same way
+constexpr double facing = 0.7;           // least cosine between normals that face the same way: 45 degrees
+constexpr double expected_share = 0.05;  // a component with less of the mean density of samples is empty ...
+constexpr double fewest_samples = 8;     // ... or with fewer of them
+constexpr double near_component = 4;     // spacings: points farther from a component do not count for it
 
 // Index of the nearest point for every query.
 std::vector<Index> nearest_points(const KdTree<3>& tree, const PointsRef<3>& queries) {
@@ -65,7 +57,7 @@ std::vector<char> near_samples(const Mesh& mesh, const PointsRef<3>& points, dou
     for (Index v = begin; v < end; ++v) {
       const Index found = tree.nearest(mesh.vertices.col(v), asked, index.data(), squared.data());
       const double reach = distance * spacing_at(tree, sorted, index[0]);
-      for (std::size_t k = 0; k < static_cast<std::size_t>(found) && squared[k] <= reach * reach; ++k)
+      for (Index k = 0; k < found && squared[k] <= reach * reach; ++k)
         if (normals.cols() == 0 || normals.col(order[index[k]]).dot(mesh.normals.col(v)) > facing) near[v] = 1;
     }
   });
@@ -168,7 +160,7 @@ std::vector<double> areas(const Mesh& mesh, const std::vector<Index>& label, Ind
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     const Point<3> a = mesh.vertices.col(mesh.triangles(0, t)), b = mesh.vertices.col(mesh.triangles(1, t)),
                    c = mesh.vertices.col(mesh.triangles(2, t));
-    area[label[static_cast<std::size_t>(mesh.triangles(0, t))]] += 0.5 * (b - a).cross(c - a).norm();
+    area[label[mesh.triangles(0, t)]] += 0.5 * (b - a).cross(c - a).norm();
   }
   return area;
 }
@@ -200,8 +192,9 @@ std::vector<double> samples_of_components(const Mesh& mesh, const std::vector<In
   const KdTree<3> rival_tree(rival_vertices);
   std::vector<double> samples(count, 0);
   samples[largest] = static_cast<double>(points.cols()) - static_cast<double>(open.size());
-  for (const Index v : nearest_points(rival_tree, in_morton_order(points(Eigen::all, open))))
-    samples[label[static_cast<std::size_t>(rivals[static_cast<std::size_t>(v)])]] += 1;
+  const Points<3> contested = points(Eigen::all, open);
+  for (const Index v : nearest_points(rival_tree, contested(Eigen::all, morton_order<3>(contested))))
+    samples[label[rivals[v]]] += 1;
   return samples;
 }
 
@@ -240,7 +233,7 @@ DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) 
   if (dropped == 0) return {std::move(mesh), 0};
   std::vector<Index> triangles;
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
-    if (keep[label[static_cast<std::size_t>(mesh.triangles(0, t))]] != 0) triangles.push_back(t);
+    if (keep[label[mesh.triangles(0, t)]] != 0) triangles.push_back(t);
   return {submesh(mesh, triangles), dropped};
 }
 

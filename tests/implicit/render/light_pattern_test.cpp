@@ -1,6 +1,6 @@
 #include "csrbf/implicit/render/light_pattern.hpp"
 
-#include "csrbf/implicit/curves/tangents.hpp"
+#include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include "csrbf/io/geometry/ply.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 
 #include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/points.hpp"

@@ -6,7 +6,7 @@
 #include "csrbf/io/points.hpp"
 #include "csrbf/io/polylines.hpp"
 #include "csrbf/io/volume.hpp"
-#include "csrbf/io/vtk/vti.hpp"
+#include "csrbf/io/vtk/formats.hpp"
 
 #include "io/io_testing.hpp"
 

@@ -49,14 +49,12 @@ TEST(NodeSystem, InterpolatesOnRegularAndScatteredNodesByEverySolver) {
     Nodes<2> nodes;
     const char* kernel;
     double support;
-    const char* method;
   };
-  for (const Case& c :
-       {Case{square_nodes(20), "wendland-c2", .15, "sparse"}, Case{square_nodes(60), "wendland-c2", .05, "toeplitz"},
-        Case{square_nodes(60), "wendland-c4", .09, "toeplitz"},
-        Case{scattered_nodes(3000), "wendland-c2", .03, "sparse"}, Case{square_nodes(20), "thin-plate", 1, "dense"}}) {
+  for (const Case& c :  // sparse, Toeplitz, Toeplitz, sparse, dense
+       {Case{square_nodes(20), "wendland-c2", .15}, Case{square_nodes(60), "wendland-c2", .05},
+        Case{square_nodes(60), "wendland-c4", .09}, Case{scattered_nodes(3000), "wendland-c2", .03},
+        Case{square_nodes(20), "thin-plate", 1}}) {
     const NodeSystem<2> system(c.nodes, Kernel(c.kernel, 2), c.support);
-    EXPECT_STREQ(system.method(), c.method);
     const Eigen::VectorXd s = random_points<1>(c.nodes.points.cols(), 7).transpose();
     const Eigen::VectorXd mu = system.solve(s);
     EXPECT_LT((system.multiply(mu) - s).cwiseAbs().maxCoeff(), solved);

@@ -18,7 +18,7 @@ TEST(EnergyTable, IsMinusTheLogDensityOverTheRange) {
     for (Index k = 1; k < 255; ++k) {
       const double expected = -log_density(model, bins.center(k)) - std::log(8.0);
       if (expected > 6) continue;  // there the contamination is seen, and near 0 that a bin has a width
-      EXPECT_NEAR(table[k], expected, .04) << name_of(law) << " " << k;
+      EXPECT_NEAR(table[k], expected, .04) << static_cast<int>(law) << " " << k;
     }
   }
 }

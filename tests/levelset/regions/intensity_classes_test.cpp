@@ -45,7 +45,7 @@ TEST(IntensityClasses, OfTwoLevelsAreThese) {
   EXPECT_EQ(classes.means, (std::vector<double>{2.5, 8.5}));
   EXPECT_EQ(classes.thresholds, std::vector<double>{5.5});
   EXPECT_EQ(classes.energy, 0);
-  EXPECT_EQ(two_class_threshold(histogram), 5.5);
+  EXPECT_EQ(optimal_classes(histogram, 2).thresholds[0], 5.5);
 }
 
 TEST(IntensityClasses, OfOneClassHaveItsMean) {
@@ -75,7 +75,7 @@ TEST(IntensityClasses, SeparateTheMostVariance) {
       most = n * rest * difference * difference;
       cut = end;
     }
-    const double threshold = two_class_threshold(histogram);
+    const double threshold = optimal_classes(histogram, 2).thresholds[0];
     for (Index k = 0; k < 64; ++k) {
       if (histogram.counts[k] <= 0) continue;
       EXPECT_EQ(histogram.bins.center(k) < threshold, k < cut) << seed;
@@ -129,7 +129,7 @@ TEST(IntensityClasses, RejectMoreClassesThanLevels) {
   EXPECT_EQ(invalid_input_message([&] { optimal_classes(histogram, 3); }),
             "optimal_classes: classes = 3: must be 1 to the number of different intensities, 2");
   EXPECT_THROW(optimal_classes(histogram, 0), InvalidInput);
-  EXPECT_THROW(two_class_threshold(Histogram(IntensityBins{0, 6, 6})), InvalidInput);
+  EXPECT_THROW(optimal_classes(Histogram(IntensityBins{0, 6, 6}), 2), InvalidInput);
 }
 
 }  // namespace

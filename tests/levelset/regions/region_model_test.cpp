@@ -1,6 +1,5 @@
 #include "csrbf/levelset/regions/region_model.hpp"
 
-#include "core/error_testing.hpp"
 #include "csrbf/levelset/regions/energy_table.hpp"
 #include "csrbf/levelset/regions/gamma_functions.hpp"
 #include "levelset/intensity_testing.hpp"
@@ -8,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <limits>
 
 namespace csrbf {
 namespace {
@@ -168,13 +166,13 @@ TEST(RegionModel, IsLikelierThanItsNeighbours) {
       for (const double factor : {.98, 1.02}) {
         RegionModel other = model;
         other.scale *= factor;
-        EXPECT_LT(energy, energy_of(other, histogram) + slack) << name_of(law) << " " << seed;
+        EXPECT_LT(energy, energy_of(other, histogram) + slack) << static_cast<int>(law) << " " << seed;
         other = model;
         other.shape = std::min(20.0, std::max(.2, model.shape * factor));
-        EXPECT_LT(energy, energy_of(other, histogram) + slack) << name_of(law) << " " << seed;
+        EXPECT_LT(energy, energy_of(other, histogram) + slack) << static_cast<int>(law) << " " << seed;
         other = model;
         if (centred) other.location += (factor - 1) * model.scale;
-        EXPECT_LT(energy, energy_of(other, histogram) + slack) << name_of(law) << " " << seed;
+        EXPECT_LT(energy, energy_of(other, histogram) + slack) << static_cast<int>(law) << " " << seed;
       }
     }
   }
@@ -188,7 +186,7 @@ TEST(RegionModel, IsNeverLessLikelyThanItsStart) {
       const RegionModel start = fit_region_model(law, before);
       const RegionModel model = fit_region_model(law, after, {.start = start});
       const double rounding = 1e-6 * after.total();  // tables are of single precision
-      EXPECT_LE(energy_of(model, after), energy_of(start, after) + rounding) << name_of(law);
+      EXPECT_LE(energy_of(model, after), energy_of(start, after) + rounding) << static_cast<int>(law);
       EXPECT_LE(energy_of(model, after), energy_of(fit_region_model(law, after), after) + .01 * after.total());
     }
   }
@@ -204,12 +202,12 @@ TEST(RegionModel, MovesAndScalesWithTheIntensities) {
     for (const IntensityLaw law : likelihood_laws) {
       const RegionModel model = fit_region_model(law, histogram);
       const RegionModel other = fit_region_model(law, moved);
-      EXPECT_NEAR(other.location, 1e4 * model.location - 300, 1e4 * precision) << name_of(law);
-      EXPECT_NEAR(other.scale / (1e4 * model.scale), 1, precision) << name_of(law);
-      EXPECT_NEAR(other.shape / model.shape, 1, precision) << name_of(law);
+      EXPECT_NEAR(other.location, 1e4 * model.location - 300, 1e4 * precision) << static_cast<int>(law);
+      EXPECT_NEAR(other.scale / (1e4 * model.scale), 1, precision) << static_cast<int>(law);
+      EXPECT_NEAR(other.shape / model.shape, 1, precision) << static_cast<int>(law);
       const std::vector<float> table = energy_table(model, histogram.bins);
       const std::vector<float> same = energy_table(other, moved.bins);
-      for (std::size_t k = 0; k < table.size(); ++k) EXPECT_NEAR(table[k], same[k], 1e-4) << name_of(law);
+      for (std::size_t k = 0; k < table.size(); ++k) EXPECT_NEAR(table[k], same[k], 1e-4) << static_cast<int>(law);
     }
   }
 }
@@ -244,7 +242,7 @@ TEST(RegionModel, OfAConstantRegionIsFinite) {
       }
       if (law == IntensityLaw::rayleigh) continue;  // one parameter cannot make it narrow
       const auto least = std::min_element(table.begin(), table.end());
-      EXPECT_NEAR(static_cast<double>(least - table.begin()), value - .5, 1) << name_of(law);
+      EXPECT_NEAR(static_cast<double>(least - table.begin()), value - .5, 1) << static_cast<int>(law);
     }
   }
 }
@@ -259,43 +257,6 @@ TEST(RegionModel, OfAnEmptyRegionIsItsStartOrSpreadsOverTheRange) {
     EXPECT_EQ(kept.shape, start.shape);
     for (const float energy : energy_table(fit_region_model(law, empty), empty.bins)) EXPECT_LT(std::abs(energy), 4);
   }
-}
-
-TEST(RegionModel, IgnoresWhatSubtractingFractionsLeaves) {
-  Histogram histogram = random_histogram(3);
-  const RegionModel expected = fit_region_model(IntensityLaw::gaussian, histogram);
-  const auto hole = std::find(histogram.counts.begin(), histogram.counts.end(), 0.0);
-  ASSERT_NE(hole, histogram.counts.end());
-  *hole = -1e-13;
-  EXPECT_EQ(fit_region_model(IntensityLaw::gaussian, histogram).scale, expected.scale);
-}
-
-TEST(IntensityLaw, HasANameThatIsUnderstood) {
-  for (const std::string_view name : {"chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma"})
-    EXPECT_EQ(name_of(intensity_law(name)), name);
-  EXPECT_EQ(invalid_input_message([] { intensity_law("normal"); }),
-            "intensity_law: name = normal: must be chan-vese, gaussian, generalized-gaussian, rayleigh or gamma");
-}
-
-TEST(RegionModel, RejectsInputThatMakesNoSense) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  constexpr IntensityLaw law = IntensityLaw::gaussian;
-  const Histogram histogram = random_histogram(1);
-  Histogram bad = histogram;
-  bad.counts[3] = nan;
-  EXPECT_EQ(invalid_input_message([&] { fit_region_model(law, bad); }),
-            "fit_region_model: histogram.counts = nan: must be finite");
-  bad = histogram;
-  bad.counts.pop_back();
-  EXPECT_THROW(fit_region_model(law, bad), InvalidInput);
-  bad = histogram;
-  bad.bins.hi = bad.bins.lo;
-  EXPECT_THROW(fit_region_model(law, bad), InvalidInput);
-  EXPECT_THROW(fit_region_model(law, histogram, {.location = nan}), InvalidInput);
-  EXPECT_THROW(fit_region_model(law, histogram, {.start = RegionModel{IntensityLaw::gamma, 0, 1, 2}}), InvalidInput);
-  EXPECT_THROW(fit_region_model(law, histogram, {.start = RegionModel{law, nan, 1, 2}}), InvalidInput);
-  EXPECT_THROW(fit_region_model(law, histogram, {.start = RegionModel{law, 0, 0, 2}}), InvalidInput);
-  EXPECT_THROW(fit_region_model(law, histogram, {.start = RegionModel{law, 0, 1, -2}}), InvalidInput);
 }
 
 }  // namespace

@@ -8,6 +8,10 @@ namespace {
 
 constexpr Index samples = 8000;
 
+ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& given = {}) {
+  return csrbf::choose_options(cloud, KdTree<3>(cloud.points), given);
+}
+
 OrientedPoints clean_torus() {
   return oriented(Torus().cloud(samples), Torus().area());
 }

@@ -1,6 +1,6 @@
 #include "csrbf/surface/composite/patches.hpp"
 
-#include "csrbf/kernels/wendland.hpp"
+#include "csrbf/kernels/kernel.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -86,7 +86,7 @@ struct Reference {
   Term f, w;
 };
 Reference reference(const Model& model, const Point<3>& x) {
-  static const Wendland kernel(3, 2);
+  static const Kernel kernel("wendland-c4", 3);
   const Patch& p = model.patch;
   const Point<3> q = p.T * (x - p.center);
   Eigen::Matrix3d A;

@@ -73,7 +73,7 @@ TEST(WindingNumber, OfNoSamplesIsOutsideEverywhere) {
   EXPECT_EQ(jet.value, Eigen::VectorXd::Constant(5, -1));
   EXPECT_EQ(jet.gradient, Points<3>::Zero(3, 5));
   EXPECT_TRUE(WindingNumber().bounds().empty());
-  EXPECT_EQ(WindingNumber().size(), 0);
+  EXPECT_EQ(WindingNumber().seeds().cols(), 0);
 }
 
 TEST(WindingNumber, OfOneSampleIsItsKernel) {
@@ -176,7 +176,7 @@ TEST(WindingNumber, IsTheSameWhenBuiltFromItsData) {
   EXPECT_EQ(again.evaluate(x).value, u.evaluate(x).value);
   EXPECT_EQ(again.data().points, u.data().points);
   EXPECT_EQ(again.data().normals, u.data().normals);
-  EXPECT_EQ(u.size(), torus.size());
+  EXPECT_EQ(u.seeds().cols(), torus.size());
   EXPECT_EQ(u.seeds(), u.data().points);
   EXPECT_EQ(u.bounds().lo, bounding_box<3>(torus.points).lo);
 }

@@ -1,6 +1,5 @@
 #include "csrbf/approx/global/interpolate.hpp"
 
-#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/approx/global/choose_kernel.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
@@ -14,7 +13,6 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
-#include <utility>
 
 namespace csrbf {
 namespace {

@@ -4,7 +4,6 @@
 #include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
-#include <limits>
 #include <sstream>
 
 namespace csrbf {

@@ -1,6 +1,5 @@
 #include "csrbf/approx/levels/level_builder.hpp"
 
-#include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 

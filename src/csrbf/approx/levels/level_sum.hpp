@@ -3,9 +3,6 @@
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/levels/level_fit.hpp"
 
-#include <memory>
-#include <vector>
-
 namespace csrbf {
 
 /// A sum of expansions: each level corrects those before it (thesis eq. 2.19).

@@ -126,9 +126,9 @@ LevelFit<Dim> pca_multiresolution(const Samples<Dim>& samples, const PcaMultires
   while (centers.cols() > 0 && builder.levels() < options.max_levels) {
     report(options.progress, "levels", static_cast<double>(builder.levels()) / static_cast<double>(options.max_levels));
     builder.add(kernel, centers, Eigen::VectorXd::Constant(1, support), LevelSolve::ridge, options.lambda0);
-    const Index before = static_cast<Index>(clusters.leaves().size());
+    const Index before = std::ssize(clusters.leaves());
     const auto active = clusters.refine([&](Index i) { return builder.error(i) > tolerance; });
-    if (static_cast<Index>(clusters.leaves().size()) == before) break;
+    if (std::ssize(clusters.leaves()) == before) break;
     centers = clusters.centroids(active);
     support *= std::pow(0.5, 1.0 / Dim);
   }

@@ -1,15 +1,11 @@
 #include "csrbf/approx/moving/along_tracks.hpp"
 
 namespace csrbf {
-namespace {
-
-// Ratio of mean errors below which tracks are preferred to patches, which are safer and smoother. Chosen by hand.
-constexpr double clearly_better = 0.99;
-
-}  // namespace
 
 template <int Dim>
 std::optional<HeldOutError> better_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches) {
+  // Ratio of mean errors below which tracks are preferred to patches, which are safer and smoother. Chosen by hand.
+  constexpr double clearly_better = 0.99;
   const HeldOutSamples<Dim> held_out(samples.weights.size() > 0 ? normalize_weights(samples) : samples);
   const HeldOutError usual = held_out.error(patches);
   const HeldOutError tracks = held_out.error(moving_least_squares(held_out.others(), along_tracks));

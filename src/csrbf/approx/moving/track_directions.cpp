@@ -2,9 +2,6 @@
 
 #include "csrbf/core/parallel.hpp"
 
-#include <cmath>
-#include <vector>
-
 namespace csrbf {
 
 template <int Dim>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "csrbf/core/types.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 namespace csrbf {

@@ -4,10 +4,8 @@
 #include "csrbf/core/parallel.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace csrbf {
 namespace {

@@ -176,9 +176,7 @@ class Chooser {
     const double range = range_ > 0 ? range_ : 1;  // squares neither overflow nor vanish
     const Eigen::ArrayXXd squares =
         validation_.errors(best_.options, best_.work, [&](const auto& e) { return (e / range).square().mean(); });
-    ChosenLocalOptions chosen{best_.options, mean(best_.errors, best_.errors),
-                              range * std::sqrt(mean(squares, squares))};
-    return chosen;
+    return {best_.options, mean(best_.errors, best_.errors), range * std::sqrt(mean(squares, squares))};
   }
 
  private:

@@ -1,9 +1,7 @@
 #include "csrbf/approx/unity/fit_patches.hpp"
 
 #include "csrbf/approx/unity/local_fit.hpp"
-#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/shared_work.hpp"
-#include "csrbf/linalg/batched_cholesky.hpp"
 
 #include <algorithm>
 #include <array>

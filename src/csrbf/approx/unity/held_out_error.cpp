@@ -5,15 +5,11 @@
 #include "csrbf/spatial/morton_order.hpp"
 
 namespace csrbf {
-namespace {
-
-constexpr Index one_in = 10;  // samples is held out, as is conventional ...
-constexpr Index most = 5000;  // ... up to about this many; chosen by hand
-
-}  // namespace
 
 template <int Dim>
 HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
+  constexpr Index one_in = 10;  // samples is held out, as is conventional ...
+  constexpr Index most = 5000;  // ... up to about this many; chosen by hand
   const std::vector<Index> order = morton_order<Dim>(samples.points);
   const Index stride = std::max(one_in, samples.size() / most);
   std::vector<Index> kept, held_out;

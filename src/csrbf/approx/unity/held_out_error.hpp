@@ -2,10 +2,6 @@
 
 #include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/approx/unity/local_fit.hpp"
-#include "csrbf/core/field.hpp"
-
-#include <memory>
-#include <vector>
 
 namespace csrbf {
 

@@ -155,11 +155,10 @@ void LocalFitter<Dim>::polynomial_rows(Index width) {
 template <int Dim>
 void LocalFitter<Dim>::fit(const Index* cells, int count, LocalModels<Dim>& models, Index first) {
   gather(cells, count, models, first);
-  if (interpolates()) {
+  if (interpolates())
     fit_interpolant(models, first, count);
-  } else {
+  else
     fit_least_squares(models, first, count);
-  }
   for (int l = 0; l < count; ++l)
     for (Index j = 0; j < M_; ++j)
       for (int a = 0; a < Dim; ++a)
@@ -239,11 +238,10 @@ void LocalFitter<Dim>::fit_least_squares(LocalModels<Dim>& models, Index first, 
 
 template <int Dim>
 void LocalFitter<Dim>::left_out_errors(Index targets, double* error) {
-  if (interpolates()) {
+  if (interpolates())
     interpolant_errors(targets, error);
-  } else {
+  else
     least_squares_errors(targets, error);
-  }
 }
 
 // With E = (A + lambda W^-1)^-1 and the polynomials P, the interpolant has the coefficients M s with

@@ -5,7 +5,6 @@
 #include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "csrbf/linalg/batched_cholesky.hpp"
 
-#include <string>
 #include <vector>
 
 namespace csrbf {

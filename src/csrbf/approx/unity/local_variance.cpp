@@ -3,9 +3,7 @@
 #include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/linalg/batched_cholesky.hpp"
 
-#include <array>
 #include <cmath>
 
 namespace csrbf {

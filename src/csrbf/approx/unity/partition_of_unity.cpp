@@ -3,7 +3,6 @@
 #include "csrbf/approx/unity/choose_local_options.hpp"
 #include "csrbf/approx/unity/fit_patches.hpp"
 #include "csrbf/approx/unity/lane_sums.hpp"
-#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/linalg/batched_cholesky.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/spatial/radix_sort.hpp"

@@ -5,7 +5,6 @@
 #include "csrbf/core/shared_work.hpp"
 
 #include <array>
-#include <limits>
 #include <span>
 #include <utility>
 

@@ -1,12 +1,9 @@
 #include "csrbf/implicit/combine/extend_distance.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/taylor.hpp"
 #include "csrbf/implicit/mesh/triangle_tree.hpp"
 #include "csrbf/implicit/polygonize.hpp"
-
-#include <array>
 
 namespace csrbf {
 namespace {
@@ -42,16 +39,14 @@ Weights weights_at(double x, int nodes, double inverse) {
 // The spline with value, gradient and Hessian.
 Taylor<3> spline_at(const ExtendedField::Data& data, const Point<3>& x) {
   std::array<Weights, 3> w;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto axis = static_cast<Index>(k);
-    w[k] = weights_at((x[axis] - data.origin[axis]) / data.spacing, data.size[axis], 1 / data.spacing);
-  }
+  for (Index k = 0; k < 3; ++k)
+    w[k] = weights_at((x[k] - data.origin[k]) / data.spacing, data.size[k], 1 / data.spacing);
   Taylor<3> sum;
-  for (std::size_t c = 0; c < 4; ++c)
-    for (std::size_t b = 0; b < 4; ++b)
-      for (std::size_t a = 0; a < 4; ++a) {
-        const Index row = w[1].first + static_cast<Index>(b), slice = w[2].first + static_cast<Index>(c);
-        const double node = data.lack[w[0].first + static_cast<Index>(a) + data.size[0] * (row + data.size[1] * slice)];
+  for (Index c = 0; c < 4; ++c)
+    for (Index b = 0; b < 4; ++b)
+      for (Index a = 0; a < 4; ++a) {
+        const Index row = w[1].first + b, slice = w[2].first + c;
+        const double node = data.lack[w[0].first + a + data.size[0] * (row + data.size[1] * slice)];
         const auto product = [&](std::size_t i, std::size_t j, std::size_t k) {
           return node * w[0].of[i][a] * w[1].of[j][b] * w[2].of[k][c];
         };

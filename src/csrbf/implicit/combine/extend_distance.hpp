@@ -4,7 +4,6 @@
 #include "csrbf/core/progress.hpp"
 
 #include <memory>
-#include <vector>
 
 namespace csrbf {
 

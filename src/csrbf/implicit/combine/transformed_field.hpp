@@ -22,12 +22,20 @@ class TransformedField final : public Field<3> {
 
   explicit TransformedField(Data data) : data_(std::move(data)) {}
 
-  void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
+  void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override {
+    data_.inner->evaluate_block(to_inner(x), out);
+    Eigen::Map<Eigen::VectorXd>(out.value, x.cols()) *= data_.scale;
+    if (out.hessian != nullptr) Eigen::Map<Eigen::VectorXd>(out.hessian, symmetric_size<3> * x.cols()) /= data_.scale;
+  }
   [[nodiscard]] Box<3> bounds() const override { return data_.bounds; }
   [[nodiscard]] double feature_size() const override { return data_.feature_size; }
-  [[nodiscard]] Points<3> seeds() const override;
-  [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<3>& x) const override;
-
+  [[nodiscard]] Points<3> seeds() const override {
+    if (data_.seeds.cols() > 0) return data_.seeds;
+    return (data_.scale * data_.inner->seeds()).colwise() + data_.origin;
+  }
+  [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<3>& x) const override {
+    return data_.inner->evaluation_order(to_inner(x));
+  }
   [[nodiscard]] const Data& data() const { return data_; }
 
  private:

@@ -2,8 +2,6 @@
 
 #include "csrbf/core/error.hpp"
 
-#include <array>
-
 namespace csrbf::contouring {
 namespace {
 
@@ -28,7 +26,7 @@ void add_roots(const Lattice& lattice, Network& network) {
   for (Index j = 0; j <= lattice.cells(1); ++j)
     for (Index i = 0; i <= lattice.cells(0); ++i)
       for (int axis = 0; axis < 2; ++axis) {
-        if ((axis == 0 ? i : j) == lattice.cells(static_cast<std::size_t>(axis))) continue;
+        if ((axis == 0 ? i : j) == lattice.cells(axis)) continue;
         const Index from = lattice.corner(i, j), to = axis == 0 ? from + 1 : lattice.corner(i, j + 1);
         if (lattice.inside(from) == lattice.inside(to)) continue;
         network.vertex_on[lattice.edge(from, axis)] = static_cast<std::int32_t>(network.roots.size());
@@ -55,7 +53,7 @@ void add_segments_of_cell(const Lattice& lattice, Index i, Index j, Network& net
     exits += inside[k] ? 1 : 0;
   }
   const auto join = [&](std::size_t from, std::size_t to) {
-    network.next[network.vertex_on[static_cast<std::size_t>(edge[from])]] = network.vertex_on[edge[to]];
+    network.next[network.vertex_on[edge[from]]] = network.vertex_on[edge[to]];
   };
   if (exits == 1) join(exit, entry);
   if (exits < 2) return;
@@ -110,7 +108,7 @@ void solve_roots(const Field<2>& field, double level, std::vector<EdgeRoot>& roo
   open.reserve(roots.size());
   for (EdgeRoot& root : roots) open.push_back(&root);
   for (int evaluation = 0; evaluation < most_evaluations && !open.empty(); ++evaluation) {
-    Points<2> x(2, static_cast<Index>(open.size()));
+    Points<2> x(2, std::ssize(open));
     for (Index i = 0; i < x.cols(); ++i) x.col(i) = open[i]->position();
     const Jet<2> jet = field.evaluate(x, Derivatives::gradient);
     std::size_t kept = 0;

@@ -2,8 +2,6 @@
 
 #include "csrbf/core/field.hpp"
 
-#include <vector>
-
 namespace csrbf::contouring {
 
 /// The corners of the cells with the field minus the level there.

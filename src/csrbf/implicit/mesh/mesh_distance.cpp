@@ -5,9 +5,6 @@
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 #include "csrbf/implicit/mesh/triangle_tree.hpp"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
 #include <map>
 
 namespace csrbf {
@@ -54,7 +51,7 @@ Points<3> largest_triangles(const Mesh& mesh) {
     auto& best = largest.try_emplace(sets.find(v[0]), -1.0, a).first->second;
     if (area > best.first) best = {area, (a + b + c) / 3};
   }
-  Points<3> seeds(3, static_cast<Index>(largest.size()));
+  Points<3> seeds(3, std::ssize(largest));
   Index i = 0;
   for (const auto& [component, best] : largest) seeds.col(i++) = best.second;
   return seeds;
@@ -97,11 +94,11 @@ MeshDistance::Place MeshDistance::place_of(Index triangle, const Point<3>& p) co
     off[c] = weight > on_border * normal.squaredNorm();
   }
   const auto count = std::count(off.begin(), off.end(), true);
-  if (count == 3) return {face_normals_.col(triangle), Point<3>::Zero(), true, false};
+  if (count == 3) return {face_normals_.col(triangle), Point<3>::Zero(), true};
   for (int c = 0; c < 3 && count == 2; ++c) {
     if (!off[c] || !off[(c + 1) % 3]) continue;
     return {face_normals_.col(triangle) + face_normals_.col(neighbours_(c, triangle)),
-            (corner[(c + 1) % 3] - corner[c]).stableNormalized(), false, true};
+            (corner[(c + 1) % 3] - corner[c]).stableNormalized()};
   }
   int nearest = 0;
   for (int c = 1; c < 3; ++c)

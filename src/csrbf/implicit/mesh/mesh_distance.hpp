@@ -25,9 +25,9 @@ class MeshDistance final : public Field<3> {
  private:
   // Where the closest point of a triangle lies.
   struct Place {
-    Point<3> normal;                        // of the faces that meet there, not of unit length
-    Point<3> along = Point<3>::Zero();      // unit vector of the edge that holds it
-    bool on_face = false, on_edge = false;  // else at a vertex
+    Point<3> normal;                    // of the faces that meet there, not of unit length
+    Point<3> along = Point<3>::Zero();  // unit vector of the edge that holds it
+    bool on_face = false;               // else on an edge or at a vertex
   };
   [[nodiscard]] Place place_of(Index triangle, const Point<3>& p) const;
   [[nodiscard]] double signed_distance(const Point<3>& x, Point<3>& gradient, Eigen::Matrix3d* hessian) const;

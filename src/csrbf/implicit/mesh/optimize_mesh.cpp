@@ -2,10 +2,7 @@
 
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
-#include <Eigen/Geometry>
-
 #include <numbers>
-#include <vector>
 
 namespace csrbf {
 namespace {
@@ -22,12 +19,12 @@ double roundness(const Point<3>& a, const Point<3>& b, const Point<3>& c, const 
 class Optimizer {
  public:
   Optimizer(const Field<3>& field, double level, Mesh& mesh)
-      : field_(field), level_(level), mesh_(mesh), first_(static_cast<std::size_t>(mesh.vertices.cols()) + 1) {
-    for (Index i = 0; i < mesh.triangles.size(); ++i) ++first_[static_cast<std::size_t>(mesh.triangles(i)) + 1];
+      : field_(field), level_(level), mesh_(mesh), first_(mesh.vertices.cols() + 1) {
+    for (Index i = 0; i < mesh.triangles.size(); ++i) ++first_[mesh.triangles(i) + Index{1}];
     for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
     corner_.resize(mesh.triangles.size());
     std::vector<Index> next(first_.begin(), first_.end() - 1);
-    for (Index i = 0; i < mesh.triangles.size(); ++i) corner_[next[static_cast<std::size_t>(mesh.triangles(i))]++] = i;
+    for (Index i = 0; i < mesh.triangles.size(); ++i) corner_[next[mesh.triangles(i)]++] = i;
     take_normals(field.evaluate(mesh.vertices, Derivatives::gradient));
     fix_sharp_vertices();
   }
@@ -54,7 +51,7 @@ class Optimizer {
   // Calls visit(b, c) for the triangles (v, b, c) around a vertex.
   template <class Visit>
   void for_each_triangle(Index v, const Visit& visit) const {
-    for (Index i = first_[v]; i < first_[static_cast<std::size_t>(v) + 1]; ++i) {
+    for (Index i = first_[v]; i < first_[v + 1]; ++i) {
       const Index corner = corner_[i], t = corner / 3;
       visit(mesh_.triangles((corner + 1) % 3, t), mesh_.triangles((corner + 2) % 3, t));
     }

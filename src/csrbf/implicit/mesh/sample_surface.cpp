@@ -2,7 +2,6 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/implicit/mesh/hash_random.hpp"
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
 namespace csrbf {
@@ -34,7 +33,7 @@ SurfaceSamples sample_surface(const Mesh& mesh, Index n, std::uint64_t seed) {
   // The first triangle that reaches the total is the last one with an area.
   const auto last = std::lower_bound(area.begin(), area.end(), total);
 
-  SurfaceSamples samples{Points<3>(3, n), Points<3>(3, n), std::vector<std::int32_t>(static_cast<std::size_t>(n))};
+  SurfaceSamples samples{Points<3>(3, n), Points<3>(3, n), std::vector<std::int32_t>(n)};
   parallel_for(n, grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const auto counter = static_cast<std::uint64_t>(i);

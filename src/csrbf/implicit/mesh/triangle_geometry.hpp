@@ -56,4 +56,12 @@ inline Point<3> area_vector(const Point<3>& a, const Point<3>& b, const Point<3>
   return (b - a).cross(c - a);
 }
 
+/// Two unit vectors that complete the unit vector n to a right-handed orthonormal frame.
+inline std::array<Point<3>, 2> tangents(const Point<3>& n) {
+  Index smallest = 0;
+  n.cwiseAbs().minCoeff(&smallest);
+  const Point<3> t = n.cross(Point<3>::Unit(smallest)).normalized();
+  return {t, n.cross(t)};
+}
+
 }  // namespace csrbf

@@ -95,9 +95,9 @@ TriangleTree::TriangleTree(const Mesh& mesh) : bounds_(surface_bounds(mesh)) {
     for (Index t = begin; t < end; ++t) {
       Box<3> box;
       for (int k = 0; k < 3; ++k) box.add(vertices_.col(mesh.triangles(k, t)));
-      for (std::size_t k = 0; k < 3; ++k) {
-        boxes[t].lo[k] = round_down(box.lo[static_cast<Index>(k)] - box_padding);
-        boxes[t].hi[k] = round_up(box.hi[static_cast<Index>(k)] + box_padding);
+      for (Index k = 0; k < 3; ++k) {
+        boxes[t].lo[k] = round_down(box.lo[k] - box_padding);
+        boxes[t].hi[k] = round_up(box.hi[k] + box_padding);
       }
       boxes[t].triangle = static_cast<std::int32_t>(t);
     }
@@ -141,13 +141,13 @@ TriangleTree::Closest TriangleTree::closest(const Point<3>& x, double max_distan
     const TreeNode& node = nodes_[child];
     PerChild64 squared = PerChild64::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
-      const PerChild64 pk = PerChild64::Constant(p[static_cast<Index>(k)]);
+      const PerChild64 pk = PerChild64::Constant(p[k]);
       const PerChild64 below = node.lo[k].cast<double>(), above = node.hi[k].cast<double>();
       squared += (below - pk).max(pk - above).max(PerChild64::Zero()).square();
     }
     const std::size_t first = top;
     for (std::size_t k = 0; k < 4; ++k) {
-      stack[top] = {node.child[k], squared[static_cast<Index>(k)]};
+      stack[top] = {node.child[k], squared[k]};
       top += stack[top].near < best.squared_distance;
     }
     nearest_last(stack, first, top);
@@ -180,11 +180,10 @@ bool TriangleTree::enter(const Point<3>& origin, const Point<3>& direction, doub
   ray.t_start = t_in;
   ray.t_max = t_max * length * scale_ - t_in;
   ray.origin = o + t_in * d;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto axis = static_cast<Index>(k);
-    ray.negative[k] = std::signbit(d[axis]);
-    ray.origins[k] = PerChild::Constant(static_cast<float>(ray.origin[axis]));
-    ray.inverse[k] = PerChild::Constant(static_cast<float>(inverse[axis]));
+  for (Index k = 0; k < 3; ++k) {
+    ray.negative[k] = std::signbit(d[k]);
+    ray.origins[k] = PerChild::Constant(static_cast<float>(ray.origin[k]));
+    ray.inverse[k] = PerChild::Constant(static_cast<float>(inverse[k]));
   }
   Index z = 0;
   d.cwiseAbs().maxCoeff(&z);
@@ -195,9 +194,9 @@ bool TriangleTree::enter(const Point<3>& origin, const Point<3>& direction, doub
 
 inline bool TriangleTree::intersect(const LeafTriangle& leaf, LocalRay& ray) const {
   const auto [x, y, z] = ray.axis;
-  const double* a = vertices_.data() + 3 * static_cast<Index>(leaf.vertex[0]);
-  const double* b = vertices_.data() + 3 * static_cast<Index>(leaf.vertex[1]);
-  const double* c = vertices_.data() + 3 * static_cast<Index>(leaf.vertex[2]);
+  const double* a = vertices_.data() + 3 * Index{leaf.vertex[0]};
+  const double* b = vertices_.data() + 3 * Index{leaf.vertex[1]};
+  const double* c = vertices_.data() + 3 * Index{leaf.vertex[2]};
   const double ox = ray.origin[x], oy = ray.origin[y], oz = ray.origin[z];
   const double sx = ray.shear[0], sy = ray.shear[1];
   const double az = a[z] - oz, bz = b[z] - oz, cz = c[z] - oz;
@@ -244,8 +243,8 @@ bool TriangleTree::traverse(LocalRay& ray) const {
     }
     const std::size_t first = top;
     for (std::size_t k = 0; k < 4; ++k) {
-      stack[top] = {node.child[k], t_in[static_cast<Index>(k)]};
-      top += t_in[static_cast<Index>(k)] <= t_out[static_cast<Index>(k)];
+      stack[top] = {node.child[k], t_in[k]};
+      top += t_in[k] <= t_out[k];
     }
     if constexpr (!AnyHit) nearest_last(stack, first, top);
   }

@@ -1,4 +1,4 @@
-#include "csrbf/implicit/mesh/triangle_tree_build.hpp"
+#include "csrbf/implicit/mesh/triangle_tree.hpp"
 
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
@@ -35,10 +35,8 @@ float center(const TriangleBox& box, std::size_t axis) {
 
 // Consecutive triangles in leaf order that become one subtree.
 struct Range {
-  Index begin = 0;
-  Index end = 0;
-  Bounds bounds;
-  Bounds centers;
+  Index begin = 0, end = 0;
+  Bounds bounds, centers;
 
   [[nodiscard]] Index size() const { return end - begin; }
   void measure(const std::vector<TriangleBox>& boxes) {
@@ -141,7 +139,7 @@ class Builder {
 
   Index build(const Range& range, int depth) {
     stop_if_interrupted();
-    const auto index = static_cast<Index>(nodes_.size());
+    const auto index = std::ssize(nodes_);
     nodes_.emplace_back();
     std::array<Range, 4> children;
     const std::size_t count = split_in_four(range, depth, children);
@@ -168,10 +166,9 @@ class Builder {
   }
 
   void place(const Range& child, int depth, Index parent, std::size_t slot) {
-    const auto lane = static_cast<Index>(slot);
     for (std::size_t k = 0; k < 3; ++k) {
-      nodes_[parent].lo[k][lane] = child.bounds.lo[k];
-      nodes_[parent].hi[k][lane] = child.bounds.hi[k];
+      nodes_[parent].lo[k][slot] = child.bounds.lo[k];
+      nodes_[parent].hi[k][slot] = child.bounds.hi[k];
     }
     if (child.size() <= leaf_size) {
       nodes_[parent].child[slot] = ~static_cast<std::int32_t>(child.begin);
@@ -201,14 +198,14 @@ TreeNode::TreeNode() : child{} {
 std::vector<TreeNode> build_triangle_tree(std::vector<TriangleBox>& boxes) {
   std::vector<TreeNode> nodes;
   std::vector<Pending> pending;
-  Range all{.begin = 0, .end = static_cast<Index>(boxes.size()), .bounds = {}, .centers = {}};
+  Range all{.begin = 0, .end = std::ssize(boxes), .bounds = {}, .centers = {}};
   all.measure(boxes);
   // Subtrees built in parallel: enough to balance threads, large enough to hide the cost of a task. Chosen by hand.
   constexpr Index subtrees = 128;
   constexpr Index smallest_subtree = 2048;  // triangles
   Builder(boxes, nodes, std::max(smallest_subtree, all.size() / subtrees), &pending).build(all, 0);
 
-  parallel_for(static_cast<Index>(pending.size()), 1, [&](Index begin, Index end) {
+  parallel_for(std::ssize(pending), 1, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i)
       Builder(boxes, pending[i].nodes, 0, nullptr).build(pending[i].range, pending[i].depth);
   });

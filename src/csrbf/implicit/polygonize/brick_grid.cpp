@@ -1,6 +1,5 @@
 #include "csrbf/implicit/polygonize/brick_grid.hpp"
 
-#include <algorithm>
 #include <bit>
 
 namespace csrbf::polygonization {
@@ -35,18 +34,10 @@ Octet inside_corners(const Brick& brick) {
   return corners_of_cells(inside);
 }
 
-BrickGrid::BrickGrid(const CellLattice& lattice) : lattice_(lattice) {
-  grow();
-}
-
 std::size_t BrickGrid::slot_of(std::uint64_t key) const {
   std::size_t slot = key * 0x9E3779B97F4A7C15U >> hash_shift_;
   while (slots_[slot].brick != nullptr && slots_[slot].key != key) slot = (slot + 1) & (slots_.size() - 1);
   return slot;
-}
-
-Brick* BrickGrid::find(const Cell& cell) const {
-  return slots_[slot_of(morton_key(cell / brick_side))].brick;
 }
 
 Brick& BrickGrid::at(const Cell& cell) {

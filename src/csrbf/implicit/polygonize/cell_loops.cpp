@@ -72,12 +72,11 @@ std::array<int, 12> successors(unsigned inside, unsigned joined) {
 
 constexpr double tie = 1 + 1e-6;  // ratio of chords that differ by rounding only, as in symmetric loops: the first wins
 
-using Cost = double;
-constexpr Cost forbidden = std::numeric_limits<Cost>::infinity();
+constexpr double forbidden = std::numeric_limits<double>::infinity();
 
 // Least cost of triangulating the corners i ... j of a polygon, chord(i, j) included, and the apex over i j.
 struct Triangulation {
-  std::array<std::array<Cost, 12>, 12> cost;
+  std::array<std::array<double, 12>, 12> cost;
   std::array<std::array<std::uint8_t, 12>, 12> apex;
 };
 
@@ -87,10 +86,10 @@ void solve(int n, const ChordCost& chord, Triangulation& best) {
   for (int span = 2; span < n; ++span) {
     for (int i = 0; i + span < n; ++i) {
       const int j = i + span;
-      Cost least = forbidden;
+      double least = forbidden;
       best.apex[i][j] = static_cast<std::uint8_t>(i + 1);
       for (int k = i + 1; k < j; ++k) {
-        const Cost cost = best.cost[i][k] + best.cost[k][j];
+        const double cost = best.cost[i][k] + best.cost[k][j];
         if (!(cost * tie < least)) continue;
         least = cost;
         best.apex[i][j] = static_cast<std::uint8_t>(k);
@@ -168,6 +167,15 @@ std::span<const CellLoop> cell_loops(unsigned inside, unsigned joined) {
   static const LoopTable table;
   const LoopTable::Range range = table.ranges[inside * 64 + joined];
   return {table.loops.data() + range.first, range.count};
+}
+
+std::span<const CellLoop> loops_of_cell(const Brick& brick, const Octet& inside_masks, int cell) {
+  unsigned inside = 0;
+  for (int c = 0; c < 8; ++c) inside |= static_cast<unsigned>(inside_masks[c] >> cell & 1) << c;
+  if (ambiguous_faces(inside) == 0) return cell_loops(inside, 0);
+  std::array<double, 8> value;
+  for (int c = 0; c < 8; ++c) value[c] = corner_at(brick, cell, c).value();
+  return cell_loops(inside, joined_faces(inside, value));
 }
 
 void triangulate(const CellLoop& loop, const std::array<Point<3>, 12>& points,

@@ -1,9 +1,8 @@
 #pragma once
 
-#include "csrbf/core/types.hpp"
+#include "csrbf/implicit/polygonize/brick_grid.hpp"
 
-#include <array>
-#include <span>
+#include <bit>
 
 namespace csrbf::polygonization {
 
@@ -38,6 +37,20 @@ unsigned joined_faces(unsigned inside, const std::array<double, 8>& value);
 /// The loops of a cell. The cut of a face depends only on its own corner values, so the loops of neighbouring cells
 /// match.
 std::span<const CellLoop> cell_loops(unsigned inside, unsigned joined);
+
+/// The loops of an active cell; `inside` are the inside_corners of its brick.
+std::span<const CellLoop> loops_of_cell(const Brick& brick, const Octet& inside, int cell);
+
+/// Calls visit(cell, loop) for the loops of all active cells of a brick.
+template <class Visit>
+void for_each_loop(const Brick& brick, Visit&& visit) {
+  if (brick.active == 0) return;
+  const Octet inside = inside_corners(brick);
+  for (Mask left = brick.active; left != 0; left &= left - 1) {
+    const int cell = std::countr_zero(left);
+    for (const CellLoop& loop : loops_of_cell(brick, inside, cell)) visit(cell, loop);
+  }
+}
 
 /// Three corners of a loop.
 using LoopTriangle = std::array<std::uint8_t, 3>;

@@ -3,8 +3,6 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/polygonize/edge_vertices.hpp"
 
-#include <bit>
-
 namespace csrbf::polygonization {
 namespace {
 
@@ -115,17 +113,16 @@ void fill_brick(const Brick& brick, Index triangle, Mesh& mesh) {
 }  // namespace
 
 void march_tetrahedra(const std::vector<Brick*>& bricks, Mesh& mesh) {
-  const auto n = static_cast<Index>(bricks.size());
+  const auto n = std::ssize(bricks);
   std::vector<Index> first(bricks.size() + 1);
   parallel_for(n, bricks_per_range, [&](Index begin, Index end) {
-    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
+    for (Index b = begin; b < end; ++b)
       for_each_cut(*bricks[b], [&](int, const Tetrahedron&, const Cut& cut) { first[b + 1] += cut.lone; });
   });
   for (std::size_t b = 0; b < bricks.size(); ++b) first[b + 1] += first[b];
   mesh.triangles.resize(3, first.back());
   parallel_for(n, bricks_per_range, [&](Index begin, Index end) {
-    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
-      fill_brick(*bricks[b], first[b], mesh);
+    for (Index b = begin; b < end; ++b) fill_brick(*bricks[b], first[b], mesh);
   });
 }
 

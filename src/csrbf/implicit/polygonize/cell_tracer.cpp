@@ -2,7 +2,6 @@
 
 #include "csrbf/core/shared_work.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -91,7 +90,7 @@ void CellTracer::sample_corners() {
   }
   sort_along_curve(sampled_);
 
-  points_.resize(3, 64 * std::min(slice_bricks, static_cast<Index>(sampled_.size())));
+  points_.resize(3, 64 * std::min(slice_bricks, std::ssize(sampled_)));
   const std::span<Brick*> bricks(sampled_);
   for (std::size_t done = 0; done < bricks.size(); done += slice_bricks)
     sample(bricks.subspan(done, std::min<std::size_t>(slice_bricks, bricks.size() - done)));
@@ -117,20 +116,19 @@ void CellTracer::sample(std::span<Brick*> bricks) {
 }
 
 void CellTracer::visit_cells() {
-  const auto count = static_cast<Index>(front_.size());
+  const auto count = std::ssize(front_);
   std::vector<Crossings> crossings(front_.size());
   const auto compute = [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      crossings[i] = crossings_of(*front_[i]);
+    for (Index i = begin; i < end; ++i) crossings[i] = crossings_of(*front_[i]);
   };
   const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    for (Index i = begin; i < end; ++i) {
       out.put(crossings[i].cells);
       if (crossings[i].cells != 0) out.put(crossings[i].faces);
     }
   };
   const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    for (Index i = begin; i < end; ++i) {
       crossings[i].cells = in.take<Mask>();
       if (crossings[i].cells != 0) in.take(&crossings[i].faces, 1);
     }

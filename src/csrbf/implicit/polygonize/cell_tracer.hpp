@@ -4,9 +4,6 @@
 #include "csrbf/implicit/polygonize/brick_grid.hpp"
 #include "csrbf/implicit/polygonize/level_sampler.hpp"
 
-#include <array>
-#include <span>
-
 namespace csrbf::polygonization {
 
 /// Cells of a brick whose lower and upper faces across each axis the surface crosses.

@@ -1,7 +1,7 @@
 #include "csrbf/implicit/polygonize/cell_triangles.hpp"
 
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/implicit/polygonize/brick_loops.hpp"
+#include "csrbf/implicit/polygonize/cell_loops.hpp"
 #include "csrbf/implicit/polygonize/edge_vertices.hpp"
 
 namespace csrbf::polygonization {
@@ -55,8 +55,8 @@ class BrickFiller {
 
 TriangleOffsets count_triangles(const std::vector<Brick*>& bricks) {
   TriangleOffsets offsets{std::vector<Index>(bricks.size() + 1), std::vector<Index>(bricks.size() + 1)};
-  parallel_for(static_cast<Index>(bricks.size()), bricks_per_range, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+  parallel_for(std::ssize(bricks), bricks_per_range, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
       for_each_loop(*bricks[i], [&](int, const CellLoop& loop) {
         offsets.triangles[i + 1] += loop.triangles();
         offsets.centers[i + 1] += loop.triangulable ? 0 : 1;
@@ -71,8 +71,8 @@ TriangleOffsets count_triangles(const std::vector<Brick*>& bricks) {
 
 void fill_triangles(const std::vector<Brick*>& bricks, const TriangleOffsets& offsets, Index edge_vertices,
                     Mesh& mesh) {
-  parallel_for(static_cast<Index>(bricks.size()), bricks_per_range, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+  parallel_for(std::ssize(bricks), bricks_per_range, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
       for_each_loop(*bricks[i],
                     BrickFiller(*bricks[i], mesh, offsets.triangles[i], edge_vertices + offsets.centers[i]));
   });

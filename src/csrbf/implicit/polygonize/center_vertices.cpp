@@ -51,14 +51,13 @@ void place_center_vertices(const CellLattice& lattice, LevelSampler& sampler, In
     if (sampled.contains(mesh.vertices.col(v)))
       open.push_back({v, mesh.vertices.col(v), mesh.vertices.col(v), std::numeric_limits<double>::infinity()});
   for (int step = 0; step <= newton_steps && !open.empty(); ++step) {
-    Points<3> points(3, static_cast<Index>(open.size()));
-    for (std::size_t i = 0; i < open.size(); ++i) points.col(static_cast<Index>(i)) = mesh.vertices.col(open[i].vertex);
+    Points<3> points(3, std::ssize(open));
+    for (Index i = 0; i < points.cols(); ++i) points.col(i) = mesh.vertices.col(open[i].vertex);
     const Jet<3> jet = sampler.jet(points);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      const auto k = static_cast<Index>(i);
+    Index kept = 0;
+    for (Index i = 0; i < points.cols(); ++i) {
       const Index v = open[i].vertex;
-      if (advance(open[i], jet.value[k], jet.gradient.col(k), cell, !refine || step == newton_steps, mesh))
+      if (advance(open[i], jet.value[i], jet.gradient.col(i), cell, !refine || step == newton_steps, mesh))
         open[kept++] = open[i];
       mesh.vertices.col(v) = mesh.vertices.col(v).cwiseMax(capped.lo).cwiseMin(capped.hi);
     }

@@ -4,8 +4,6 @@
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 #include "csrbf/implicit/polygonize/cell_loops.hpp"
 
-#include <algorithm>
-
 namespace csrbf::polygonization {
 namespace {
 
@@ -71,7 +69,7 @@ std::vector<char> folded_vertices(const DualSurface& surface, const Mesh& crossi
   std::vector<char> vertices(mesh.vertices.cols());
   for (Index e = 0; e < surface.quads.cols(); ++e)
     for (int i = 0; i < 4 && folded[e]; ++i) {
-      const auto v = static_cast<std::size_t>(surface.quads(i, e));
+      const std::int32_t v = surface.quads(i, e);
       vertices[v] = surface.loose[v];
     }
   return vertices;
@@ -133,7 +131,7 @@ void unfold_quads(const DualSurface& surface, const Mesh& crossings, Mesh& mesh)
 void triangulate_quads(const DualSurface& surface, const Mesh& crossings, Mesh& mesh) {
   const Index quads = surface.quads.cols();
   const std::span<const SideVertex> all(surface.side_vertices);
-  mesh.triangles.resize(3, 2 * quads + static_cast<Index>(all.size()));
+  mesh.triangles.resize(3, 2 * quads + std::ssize(all));
   parallel_for(quads, quads_per_range, [&](Index begin, Index end) {
     for (Index e = begin; e < end; ++e) {
       const std::array<Eigen::Vector3i, 2> triangles = cut_quad(surface.quads, e, crossings, mesh);

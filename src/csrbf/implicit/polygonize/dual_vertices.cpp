@@ -1,10 +1,9 @@
 #include "csrbf/implicit/polygonize/dual_vertices.hpp"
 
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/implicit/polygonize/brick_loops.hpp"
+#include "csrbf/implicit/polygonize/cell_loops.hpp"
 #include "csrbf/implicit/polygonize/edge_vertices.hpp"
 
-#include <algorithm>
 #include <tuple>
 
 namespace csrbf::polygonization {
@@ -75,9 +74,9 @@ class DualBuilder {
     surface_.quads.resize(4, crossings_.vertices.cols());
     mesh_.vertices.resize(3, first_.back());
     mesh_.normals.resize(3, first_.back());
-    if (planes_ != nullptr) planes_->assign(static_cast<std::size_t>(first_.back()), {});
-    parallel_for(static_cast<Index>(bricks_.size()), bricks_per_range, [&](Index begin, Index end) {
-      for (Index b = begin; b < end; ++b) place_vertices(static_cast<std::size_t>(b));
+    if (planes_ != nullptr) planes_->assign(first_.back(), {});
+    parallel_for(std::ssize(bricks_), bricks_per_range, [&](Index begin, Index end) {
+      for (Index b = begin; b < end; ++b) place_vertices(b);
     });
     add_side_vertices();
     return std::move(surface_);
@@ -87,8 +86,8 @@ class DualBuilder {
   void count_loops() {
     first_.assign(bricks_.size() + 1, 0);
     doubled_.assign(bricks_.size(), 0);
-    parallel_for(static_cast<Index>(bricks_.size()), bricks_per_range, [&](Index begin, Index end) {
-      for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
+    parallel_for(std::ssize(bricks_), bricks_per_range, [&](Index begin, Index end) {
+      for (Index b = begin; b < end; ++b)
         for_each_loop(*bricks_[b], [&](int, const CellLoop& loop) {
           ++first_[b + 1];
           doubled_[b] = doubled_[b] || passes_a_face_twice(loop);
@@ -97,7 +96,7 @@ class DualBuilder {
     for (std::size_t b = 0; b < bricks_.size(); ++b) first_[b + 1] += first_[b];
   }
 
-  void place_vertices(std::size_t b) {
+  void place_vertices(Index b) {
     const Brick& brick = *bricks_[b];
     Index vertex = first_[b];
     for_each_loop(brick, [&](int cell, const CellLoop& loop) {
@@ -139,7 +138,7 @@ class DualBuilder {
     std::sort(
         surface_.side_vertices.begin(), surface_.side_vertices.end(),
         [](const SideVertex& a, const SideVertex& b) { return std::tie(a.quad, a.side) < std::tie(b.quad, b.side); });
-    const auto n = static_cast<Index>(points.size());
+    const auto n = std::ssize(points);
     mesh_.vertices.conservativeResize(3, surface_.loop_vertices + n);
     mesh_.normals.conservativeResize(3, surface_.loop_vertices + n);
     mesh_.normals.rightCols(n).setZero();
@@ -161,7 +160,7 @@ class DualBuilder {
         const bool lower_inside = lower_end_is_inside(brick, cell, edge);
         const int here = quad_corner(edge, lower_inside), there = quad_corner(from_above, lower_inside);
         across = surface_.quads(there, quad);
-        const auto vertex = static_cast<int>(surface_.loop_vertices + static_cast<Index>(points.size()));
+        const auto vertex = static_cast<int>(surface_.loop_vertices + std::ssize(points));
         sides[k] = {quad, (here + 1) % 4 == there ? here : there, vertex};
       }
       if (across != neighbour) {

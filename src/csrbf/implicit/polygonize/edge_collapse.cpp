@@ -3,7 +3,6 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace csrbf::polygonization {
@@ -23,10 +22,10 @@ double roundness(const Point<3>& a, const Point<3>& b, const Point<3>& c) {
 
 EdgeCollapser::EdgeCollapser(Mesh& mesh)
     : mesh_(mesh),
-      first_(static_cast<std::size_t>(mesh.vertices.cols()), -1),
-      next_(static_cast<std::size_t>(3 * mesh.triangles.cols()), -1),
-      gone_(static_cast<std::size_t>(mesh.triangles.cols())) {
-  if (next_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+      first_(mesh.vertices.cols(), -1),
+      next_(3 * mesh.triangles.cols(), -1),
+      gone_(mesh.triangles.cols()) {
+  if (std::ssize(next_) > std::numeric_limits<int>::max())
     throw SolverFailure("polygonize: more than 2^31 corners of triangles; lower the resolution");
   for (auto corner = static_cast<int>(next_.size()) - 1; corner >= 0; --corner) {
     int& first = first_[mesh.triangles(corner % 3, corner / 3)];

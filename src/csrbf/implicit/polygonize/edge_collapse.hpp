@@ -2,8 +2,6 @@
 
 #include "csrbf/core/mesh.hpp"
 
-#include <vector>
-
 namespace csrbf::polygonization {
 
 /// Simplifies a closed manifold mesh by collapsing edges, one at a time. It remains a closed manifold with the same

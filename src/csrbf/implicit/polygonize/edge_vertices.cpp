@@ -19,11 +19,7 @@ struct EdgeRoot {
   int vertex;
   Point<3> corner;
   Point<3> edge;  // to the other corner
-  double t;
-  double lo;
-  double hi;
-  double f_lo;
-  double f_hi;
+  double t, lo, hi, f_lo, f_hi;
 };
 
 // Root of f + slope s + c s^2 between 0 and `end`, where the parabola has the value f_end of the opposite sign.
@@ -80,8 +76,8 @@ class EdgeBlock {
       solve();
     } else if (demand_.normals) {
       sample(true);
-      for (std::size_t i = 0; i < open_.size(); ++i)
-        mesh_.normals.col(open_[i]->vertex) = outward_normal(gradient_.col(static_cast<Index>(i)));
+      for (Index i = 0; i < std::ssize(open_); ++i)
+        mesh_.normals.col(open_[i]->vertex) = outward_normal(gradient_.col(i));
     }
     for (EdgeRoot& root : roots_) {
       root.t = std::clamp(root.t, edge_margin, 1 - edge_margin);
@@ -99,7 +95,7 @@ class EdgeBlock {
 
   // The field at the current estimates of the open roots.
   void sample(bool gradient) {
-    const auto n = static_cast<Index>(open_.size());
+    const auto n = std::ssize(open_);
     for (Index i = 0; i < n; ++i) points_.col(i) = position(*open_[i]);
     sampler_.sample_block(points_.leftCols(n), value_.data(), gradient ? gradient_.data() : nullptr);
   }
@@ -107,23 +103,23 @@ class EdgeBlock {
   void solve() {
     for (int evaluation = 0; evaluation < most_evaluations && !open_.empty(); ++evaluation) {
       sample(demand_.normals);
-      std::size_t kept = 0;
-      for (std::size_t i = 0; i < open_.size(); ++i) {
+      Index kept = 0;
+      for (Index i = 0; i < std::ssize(open_); ++i) {
         EdgeRoot& root = *open_[i];
         double slope = not_known;
         if (demand_.normals) {
-          const Point<3> gradient = gradient_.col(static_cast<Index>(i));
+          const Point<3> gradient = gradient_.col(i);
           mesh_.normals.col(root.vertex) = outward_normal(gradient);
           slope = gradient.dot(root.edge);
         }
-        if (!advance(root, value_[static_cast<Index>(i)], slope, evaluation > 0)) open_[kept++] = &root;
+        if (!advance(root, value_[i], slope, evaluation > 0)) open_[kept++] = &root;
       }
       open_.resize(kept);
     }
   }
 
   void take_normals() {
-    const auto n = static_cast<Index>(roots_.size());
+    const auto n = std::ssize(roots_);
     for (Index i = 0; i < n; ++i) points_.col(i) = mesh_.vertices.col(roots_[i].vertex);
     sampler_.sample_block(points_.leftCols(n), value_.data(), gradient_.data());
     for (Index i = 0; i < n; ++i) mesh_.normals.col(roots_[i].vertex) = outward_normal(gradient_.col(i));
@@ -137,10 +133,9 @@ class EdgeBlock {
     if (open_.empty()) return;
     sample(true);
     const double longest = 2 * edge_margin * lattice_.spacing.minCoeff();
-    for (std::size_t i = 0; i < open_.size(); ++i) {
-      const Point<3> gradient = gradient_.col(static_cast<Index>(i));
-      const double slope = gradient.norm();
-      const double step = -value_[static_cast<Index>(i)] / slope;
+    for (Index i = 0; i < std::ssize(open_); ++i) {
+      const Point<3> gradient = gradient_.col(i);
+      const double slope = gradient.norm(), step = -value_[i] / slope;
       if (slope > 0 && std::abs(step) <= longest) mesh_.vertices.col(open_[i]->vertex) += step * (gradient / slope);
       if (demand_.normals) mesh_.normals.col(open_[i]->vertex) = outward_normal(gradient);
     }
@@ -187,16 +182,6 @@ void place_vertices_of_brick(const CellLattice& lattice, const Brick& brick, boo
   }
 }
 
-// The vertices of a brick are consecutive: [first, last).
-Index first_vertex(const Brick& brick) {
-  return brick.vertex[*std::begin(all_directions)];
-}
-
-Index last_vertex(const Brick& brick) {
-  const int d = *std::rbegin(all_directions);
-  return brick.vertex[d] + std::popcount(brick.edges[d]);
-}
-
 }  // namespace
 
 Index number_edge_vertices(const std::vector<Brick*>& bricks) {
@@ -214,7 +199,7 @@ Index number_edge_vertices(const std::vector<Brick*>& bricks) {
 
 void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& bricks, LevelSampler& sampler,
                          const VertexDemand& demand, Mesh& mesh, const Progress& progress) {
-  const auto total = static_cast<Index>(bricks.size());
+  const auto total = std::ssize(bricks);
   const Index part = std::max<Index>(bricks_per_range, total / 16 / bricks_per_range * bricks_per_range);
   for (Index first = 0; first < total; first += part) {
     report(progress, "polygonize", 0.8 + 0.15 * static_cast<double>(first) / static_cast<double>(total));
@@ -224,9 +209,12 @@ void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& 
         place_vertices_of_brick(lattice, *bricks[i], demand.normals, mesh, block);
       block.flush();
     };
+    // The vertices of consecutive bricks are consecutive.
     const auto vertices = [&](Index begin, Index end) {
-      const Index lo = first_vertex(*bricks[first + begin]), hi = last_vertex(*bricks[first + end - 1]);
-      return std::pair{lo, hi - lo};
+      constexpr int lowest = all_directions.front(), highest = all_directions.back();
+      const Brick& last = *bricks[first + end - 1];
+      const Index lo = bricks[first + begin]->vertex[lowest];
+      return std::pair{lo, last.vertex[highest] + std::popcount(last.edges[highest]) - lo};
     };
     const auto pack = [&](Index begin, Index end, ByteWriter& out) {
       const auto [lo, count] = vertices(begin, end);

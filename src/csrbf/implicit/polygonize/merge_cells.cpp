@@ -2,7 +2,6 @@
 
 #include "csrbf/implicit/polygonize/edge_collapse.hpp"
 
-#include <algorithm>
 #include <bit>
 
 namespace csrbf::polygonization {

@@ -1,7 +1,5 @@
 #include "csrbf/implicit/polygonize/start_cells.hpp"
 
-#include <algorithm>
-
 namespace csrbf::polygonization {
 namespace {
 
@@ -21,8 +19,8 @@ Points<3> one_per_cell(const CellLattice& lattice, const PointsRef<3>& seeds) {
   std::sort(keyed.begin(), keyed.end());
   const auto same_cell = [](const auto& a, const auto& b) { return a.first == b.first; };
   keyed.erase(std::unique(keyed.begin(), keyed.end(), same_cell), keyed.end());
-  Points<3> points(3, static_cast<Index>(keyed.size()));
-  for (std::size_t i = 0; i < keyed.size(); ++i) points.col(static_cast<Index>(i)) = seeds.col(keyed[i].second);
+  Points<3> points(3, std::ssize(keyed));
+  for (Index i = 0; i < points.cols(); ++i) points.col(i) = seeds.col(keyed[i].second);
   return points;
 }
 
@@ -87,10 +85,9 @@ class Scan {
               points.insert(points.end(), p.data(), p.data() + 3);
               at.push_back(layer * layer_ + static_cast<std::size_t>(y) * size_[0] + x);
             }
-    const Eigen::VectorXd values =
-        sampler_.values(Eigen::Map<const Points<3>>(points.data(), 3, static_cast<Index>(at.size())));
+    const Eigen::VectorXd values = sampler_.values(Eigen::Map<const Points<3>>(points.data(), 3, std::ssize(at)));
     inside_.assign(layer_ * layers, 0);
-    for (std::size_t i = 0; i < at.size(); ++i) inside_[at[i]] = values[static_cast<Index>(i)] >= 0;
+    for (Index i = 0; i < values.size(); ++i) inside_[at[i]] = values[i] >= 0;
   }
 
   // Edges from every corner of one layer to its lower neighbours.
@@ -126,19 +123,18 @@ bool bisect(const CellLattice& lattice, LevelSampler& sampler, std::vector<Cross
   std::vector<Crossing*> open;
   for (Crossing& crossing : crossings)
     if (crossing.length > 1) open.push_back(&crossing);
-  Points<3> points(3, static_cast<Index>(open.size()));
+  Points<3> points(3, std::ssize(open));
   const auto middle = [](const Crossing& crossing) {
     Cell corner = crossing.corner;
     corner[crossing.axis] += crossing.length / 2;
     return corner;
   };
-  for (std::size_t i = 0; i < open.size(); ++i) points.col(static_cast<Index>(i)) = lattice.position(middle(*open[i]));
+  for (Index i = 0; i < points.cols(); ++i) points.col(i) = lattice.position(middle(*open[i]));
   const Eigen::VectorXd values = sampler.values(points);
-  for (std::size_t i = 0; i < open.size(); ++i) {
+  for (Index i = 0; i < points.cols(); ++i) {
     Crossing& crossing = *open[i];
     const int half = crossing.length / 2;
-    const bool inside = values[static_cast<Index>(i)] >= 0;
-    if (inside == crossing.inside) {
+    if ((values[i] >= 0) == crossing.inside) {
       crossing.corner = middle(crossing);
       crossing.length -= half;
     } else {

@@ -1,9 +1,6 @@
 #include "csrbf/implicit/rays/candidate_cells.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-
-#include <array>
 
 namespace csrbf {
 namespace {
@@ -41,6 +38,14 @@ double entry_distance(const Ray& ray, const Box<3>& box) {
     entry = std::max(entry, (wall - ray.origin[k]) / ray.direction[k]);
   }
   return entry <= exit_distance(ray, box) ? entry : std::numeric_limits<double>::infinity();
+}
+
+// Calls visit(lo), ..., visit(hi) for the corners of a box, x fastest.
+template <class Visit>
+void for_each_corner(const Eigen::Array3i& lo, const Eigen::Array3i& hi, const Visit& visit) {
+  for (int z = lo[2]; z <= hi[2]; ++z)
+    for (int y = lo[1]; y <= hi[1]; ++y)
+      for (int x = lo[0]; x <= hi[0]; ++x) visit(Eigen::Array3i(x, y, z));
 }
 
 float rounded_up(double x) {
@@ -89,8 +94,7 @@ CandidateCells::Cell* CandidateCells::find(const Corner& cell) {
     begin = static_cast<std::int32_t>(cell_.size() / block_cells);
     cell_.resize(cell_.size() + block_cells);
   }
-  return &cell_[static_cast<std::size_t>(begin) * block_cells +
-                static_cast<std::size_t>(c[0] + block_side * (c[1] + block_side * c[2]))];
+  return &cell_[Index{begin} * block_cells + c[0] + block_side * (c[1] + block_side * c[2])];
 }
 
 const CandidateCells::Cell* CandidateCells::find(const Corner& cell, bool& block_is_empty) const {
@@ -98,8 +102,7 @@ const CandidateCells::Cell* CandidateCells::find(const Corner& cell, bool& block
   const std::int32_t begin = block_[b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2])];
   block_is_empty = begin < 0;
   if (begin < 0) return nullptr;
-  const Cell& found = cell_[static_cast<std::size_t>(begin) * block_cells +
-                            static_cast<std::size_t>(c[0] + block_side * (c[1] + block_side * c[2]))];
+  const Cell& found = cell_[Index{begin} * block_cells + c[0] + block_side * (c[1] + block_side * c[2])];
   return found.lipschitz < 0 ? nullptr : &found;
 }
 
@@ -115,12 +118,10 @@ void CandidateCells::collect_enclosed(const Field<3>& field, const Progress& pro
   const double overlap = cell_overlap * side_;
   std::vector<Corner> front;
   const Corner blocks = cells_ / block_side;
-  for (int z = 0; z < blocks[2]; ++z)
-    for (int y = 0; y < blocks[1]; ++y)
-      for (int x = 0; x < blocks[0]; ++x) front.push_back(block_side * Corner(x, y, z));
+  for_each_corner(Corner::Zero(), blocks - 1, [&](const Corner& block) { front.push_back(block_side * block); });
   for (int size = block_side; size >= 1; size /= 2) {
     report(progress, "cells", 1 - static_cast<double>(size) / block_side);
-    const auto count = static_cast<Index>(front.size());
+    const auto count = std::ssize(front);
     std::vector<Enclosure> found(front.size());
     constexpr Index grain = 64;
     parallel_for(count, grain, [&](Index begin, Index end) {
@@ -159,9 +160,7 @@ double CandidateCells::collect_polygonized(const Field<3>& field, const Mesh& me
     const double slope = jet.gradient.col(v).norm();
     const double curved = estimate_factor * bend[v] + least_bend * slope / side_;
     const double steepest = slope + curved * 2 * side_;
-    for (int z = -1; z <= 1; ++z)
-      for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) mark(corner + Corner(x, y, z), steepest, curved);
+    for_each_corner(corner - 1, corner + 1, [&](const Corner& cell) { mark(cell, steepest, curved); });
   }
   return jet.gradient.colwise().norm().mean();
 }
@@ -169,24 +168,19 @@ double CandidateCells::collect_polygonized(const Field<3>& field, const Mesh& me
 std::vector<CandidateCells::Corner> CandidateCells::candidates() const {
   std::vector<Corner> found;
   const Corner blocks = cells_ / block_side;
-  const auto each = [](const Corner& size, const auto& visit) {
-    for (int z = 0; z < size[2]; ++z)
-      for (int y = 0; y < size[1]; ++y)
-        for (int x = 0; x < size[0]; ++x) visit(Corner(x, y, z));
-  };
-  each(blocks, [&](const Corner& b) {
+  for_each_corner(Corner::Zero(), blocks - 1, [&](const Corner& b) {
     if (block_[b[0] + blocks[0] * (b[1] + Index{blocks[1]} * b[2])] < 0) return;
-    each(Corner::Constant(block_side), [&](const Corner& c) {
+    for_each_corner(block_side * b, block_side * (b + 1) - 1, [&](const Corner& cell) {
       bool block_is_empty = false;
-      if (find(block_side * b + c, block_is_empty) != nullptr) found.push_back(block_side * b + c);
+      if (find(cell, block_is_empty) != nullptr) found.push_back(cell);
     });
   });
   return found;
 }
 
 Points<3> CandidateCells::centers_of(const std::vector<Corner>& cells) const {
-  Points<3> centers(3, static_cast<Index>(cells.size()));
-  for (std::size_t i = 0; i < cells.size(); ++i) centers.col(static_cast<Index>(i)) = box_of(cells[i], 1).center();
+  Points<3> centers(3, std::ssize(cells));
+  for (Index i = 0; i < centers.cols(); ++i) centers.col(i) = box_of(cells[i], 1).center();
   return centers;
 }
 
@@ -194,15 +188,12 @@ Points<3> CandidateCells::centers_of(const std::vector<Corner>& cells) const {
 std::vector<CandidateCells::Corner> CandidateCells::unseen_neighbors(const std::vector<Corner>& cells) {
   std::vector<Corner> neighbors;
   for (const Corner& cell : cells)
-    for (int z = -1; z <= 1; ++z)
-      for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) {
-          const Corner next = cell + Corner(x, y, z);
-          Cell* const found = find(next);
-          if (found == nullptr || found->lipschitz != unseen) continue;
-          found->lipschitz = excluded;
-          neighbors.push_back(next);
-        }
+    for_each_corner(cell - 1, cell + 1, [&](const Corner& next) {
+      Cell* const found = find(next);
+      if (found == nullptr || found->lipschitz != unseen) return;
+      found->lipschitz = excluded;
+      neighbors.push_back(next);
+    });
   return neighbors;
 }
 

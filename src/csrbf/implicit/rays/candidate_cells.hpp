@@ -3,12 +3,14 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
-#include "csrbf/implicit/rays/ray.hpp"
-
-#include <cstdint>
-#include <vector>
 
 namespace csrbf {
+
+/// Half-line from `origin`; `direction` has length 1.
+struct Ray {
+  Point<3> origin = Point<3>::Zero();
+  Point<3> direction = Point<3>::UnitX();
+};
 
 /// Part of a ray in which it may meet a surface, and bounds of the field there.
 struct Stretch {
@@ -53,8 +55,7 @@ class CandidateCells {
   [[nodiscard]] Index size() const;
 
  private:
-  static constexpr float unseen = -1,
-                         excluded = -2;  // slopes that mark cells without surface; the latter were examined
+  static constexpr float unseen = -1, excluded = -2;  // slopes of cells without surface; the latter were examined
   struct Cell {
     float lipschitz = unseen, hessian_bound = 0;  // lipschitz < 0: no surface here
   };

@@ -1,11 +1,6 @@
 #pragma once
 
-#include "csrbf/core/mesh.hpp"
 #include "csrbf/implicit/rays/candidate_cells.hpp"
-#include "csrbf/implicit/rays/ray.hpp"
-
-#include <limits>
-#include <span>
 
 namespace csrbf {
 
@@ -31,7 +26,6 @@ class RayCaster {
 
   /// Whether no hit can be missed: see CandidateCells.
   [[nodiscard]] bool guaranteed() const { return cells_.guaranteed(); }
-  [[nodiscard]] const CandidateCells& cells() const { return cells_; }
 
  private:
   const Field<3>& field_;

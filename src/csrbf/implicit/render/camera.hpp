@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/implicit/rays/ray.hpp"
+#include "csrbf/implicit/rays/candidate_cells.hpp"
 #include "csrbf/implicit/render_options.hpp"
 
 namespace csrbf {

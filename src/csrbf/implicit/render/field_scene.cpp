@@ -46,12 +46,11 @@ void FieldScene::trace(std::span<const Ray> rays, std::span<SurfaceHit> hits) co
     met.push_back(i);
   }
   if (color_ != RenderColor::mean_curvature && color_ != RenderColor::gaussian_curvature) return;
-  Points<3> x(3, static_cast<Index>(met.size()));
-  for (std::size_t i = 0; i < met.size(); ++i) x.col(static_cast<Index>(i)) = hits[met[i]].position;
+  Points<3> x(3, std::ssize(met));
+  for (Index i = 0; i < x.cols(); ++i) x.col(i) = hits[met[i]].position;
   const Jet<3> jet = field_.evaluate(x, Derivatives::hessian);
-  for (std::size_t i = 0; i < met.size(); ++i) {
-    const auto k = static_cast<Index>(i);
-    const PrincipalCurvatures at = principal_curvatures(jet.gradient.col(k), jet.hessian_matrix(k));
+  for (Index i = 0; i < x.cols(); ++i) {
+    const PrincipalCurvatures at = principal_curvatures(jet.gradient.col(i), jet.hessian_matrix(i));
     hits[met[i]].curvature = color_ == RenderColor::mean_curvature ? at.mean() : at.gaussian();
   }
 }

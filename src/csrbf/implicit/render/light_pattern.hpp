@@ -2,7 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <array>
 #include <vector>
 
 namespace csrbf {
@@ -34,10 +33,7 @@ class LightPattern {
     return light_class;
   }
 
-  [[nodiscard]] const SkyRay& sky(int light_class, int ray) const {
-    const int i = light_class * rays_per_sample_ + ray;
-    return sky_[i];
-  }
+  [[nodiscard]] const SkyRay& sky(int light_class, int ray) const { return sky_[light_class * rays_per_sample_ + ray]; }
   /// Point of the unit disk.
   [[nodiscard]] const Point<2>& lamp(int light_class) const { return lamp_[light_class]; }
 

@@ -1,6 +1,5 @@
 #include "csrbf/implicit/render/mesh_scene.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
@@ -77,7 +76,7 @@ bool MeshScene::inside_out() const {
 
 // Lists the triangles around each vertex.
 void MeshScene::collect_fans() {
-  fan_begin_.assign(static_cast<std::size_t>(mesh_.vertices.cols()) + 2, 0);
+  fan_begin_.assign(mesh_.vertices.cols() + 2, 0);
   for (Index i = 0; i < mesh_.triangles.size(); ++i) ++fan_begin_[mesh_.triangles.data()[i] + 2];
   for (std::size_t v = 2; v < fan_begin_.size(); ++v) fan_begin_[v] += fan_begin_[v - 1];
   fan_.resize(mesh_.triangles.size());

@@ -3,8 +3,6 @@
 #include "csrbf/implicit/mesh/triangle_tree.hpp"
 #include "csrbf/implicit/render/scene.hpp"
 
-#include <vector>
-
 namespace csrbf {
 
 /// The triangles of a mesh as a scene. References the mesh.

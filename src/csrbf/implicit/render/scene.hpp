@@ -3,8 +3,6 @@
 #include "csrbf/implicit/render/camera.hpp"
 #include "csrbf/implicit/render/color_map.hpp"
 
-#include <span>
-
 namespace csrbf {
 
 /// Where a ray meets a surface.

@@ -1,4 +1,4 @@
-#include "csrbf/implicit/render/studio.hpp"
+#include "csrbf/implicit/render/render_tile.hpp"
 
 namespace csrbf {
 namespace {

@@ -1,6 +1,5 @@
 #include "csrbf/implicit/render/surface_color.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
 
 namespace csrbf {

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <algorithm>
-#include <array>
+#include "csrbf/core/grid.hpp"
+
 #include <bit>
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <string>
-#include <type_traits>
+#include <optional>
+#include <string_view>
 
 namespace csrbf {
 
@@ -52,6 +50,53 @@ T narrow_scalar(double value) {
     if (value >= highest) return std::numeric_limits<T>::max();
     return static_cast<T>(std::nearbyint(std::max(value, lowest)));
   }
+}
+
+/// Calls action(T{}) with T the C++ type of the samples.
+template <class Action>
+decltype(auto) with_sample_type(SampleType type, Action action) {
+  if (type == SampleType::uint8) return action(std::uint8_t{});
+  if (type == SampleType::int8) return action(std::int8_t{});
+  if (type == SampleType::uint16) return action(std::uint16_t{});
+  if (type == SampleType::int16) return action(std::int16_t{});
+  if (type == SampleType::uint32) return action(std::uint32_t{});
+  if (type == SampleType::int32) return action(std::int32_t{});
+  if (type == SampleType::uint64) return action(std::uint64_t{});
+  if (type == SampleType::int64) return action(std::int64_t{});
+  if (type == SampleType::float32) return action(float{});
+  return action(double{});
+}
+
+/// Bytes of one sample.
+inline std::size_t sample_size(SampleType type) {
+  return with_sample_type(type, [](auto sample) { return sizeof(sample); });
+}
+
+/// "uint8", "int8", ..., "float64".
+constexpr std::string_view sample_name(SampleType type) {
+  constexpr std::string_view names[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
+                                        "int32", "uint64", "int64",  "float32", "float64"};
+  return names[static_cast<std::size_t>(type)];
+}
+
+/// What a file format calls a type. In a table of a format, the first name of a type is the one that we write.
+struct TypeName {
+  std::string_view name;
+  SampleType type;
+};
+
+/// The type of that name in the table, if any.
+inline std::optional<SampleType> type_named(std::string_view name, std::span<const TypeName> table) {
+  for (const TypeName& known : table)
+    if (known.name == name) return known.type;
+  return std::nullopt;
+}
+
+/// The name of a type in the table; empty when it has none.
+inline std::string_view name_of(SampleType type, std::span<const TypeName> table) {
+  for (const TypeName& known : table)
+    if (known.type == type) return known.name;
+  return {};
 }
 
 }  // namespace csrbf

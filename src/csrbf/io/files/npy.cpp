@@ -1,41 +1,18 @@
 #include "csrbf/io/files/npy.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/files/text.hpp"
-
-#include <numeric>
 
 namespace csrbf {
 namespace {
 
 constexpr std::string_view magic = "\x93NUMPY";
 
-using Load = double (*)(const char*, std::endian);
-
-template <class T>
-double load_as_double(const char* bytes, std::endian order) {
-  return static_cast<double>(load_scalar<T>(bytes, order));
-}
-
-struct Scalar {
-  std::string_view code;
-  std::size_t size;
-  Load load;
+using enum SampleType;
+constexpr TypeName type_codes[] = {
+    {"u1", uint8},  {"i1", int8},  {"u2", uint16},  {"i2", int16},   {"u4", uint32}, {"i4", int32},
+    {"u8", uint64}, {"i8", int64}, {"f4", float32}, {"f8", float64}, {"b1", uint8},
 };
-
-constexpr Scalar scalars[] = {
-    {"f4", 4, load_as_double<float>},         {"f8", 8, load_as_double<double>},
-    {"i1", 1, load_as_double<std::int8_t>},   {"i2", 2, load_as_double<std::int16_t>},
-    {"i4", 4, load_as_double<std::int32_t>},  {"i8", 8, load_as_double<std::int64_t>},
-    {"u1", 1, load_as_double<std::uint8_t>},  {"u2", 2, load_as_double<std::uint16_t>},
-    {"u4", 4, load_as_double<std::uint32_t>}, {"u8", 8, load_as_double<std::uint64_t>},
-    {"b1", 1, load_as_double<std::uint8_t>},
-};
-
-const Scalar& scalar_of(const NpyHeader& header) {
-  return *std::find_if(std::begin(scalars), std::end(scalars), [&](const Scalar& s) { return s.code == header.type; });
-}
 
 [[noreturn]] void fail(const std::string& name, const std::string& message) {
   throw IoError(name + ": " + message);
@@ -55,9 +32,9 @@ void parse_type(std::string_view text, const std::string& name, NpyHeader& heade
     fail(name, "arrays of records are not supported; save a plain array of float64");
   const std::string_view type = text.substr(1, end - 1);
   header.order = type[0] == '>' ? std::endian::big : std::endian::little;
-  header.type = type.substr(1);
-  if (std::none_of(std::begin(scalars), std::end(scalars), [&](const Scalar& s) { return s.code == header.type; }))
-    fail(name, "elements of type " + in_quotes(type) + " are not supported; save float64");
+  const auto known = type_named(type.substr(1), type_codes);
+  if (!known) fail(name, "elements of type " + in_quotes(type) + " are not supported; save float64");
+  header.type = *known;
 }
 
 void parse_shape(std::string_view text, const std::string& name, NpyHeader& header) {
@@ -75,15 +52,14 @@ void parse_shape(std::string_view text, const std::string& name, NpyHeader& head
 
 // Number of elements; refuses shapes larger than the data, however large their product.
 std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const std::string& name) {
-  const std::size_t room = data_bytes / scalar_of(header).size;
+  const std::size_t room = data_bytes / sample_size(header.type);
   const auto check = [&](bool fits) {
     if (!fits) fail(name, "the file is truncated: it holds " + std::to_string(room) + " elements");
   };
   std::size_t size = 1;
   for (const Index length : header.shape) {
-    const auto n = static_cast<std::size_t>(length);
-    check(n == 0 || size <= room / n);
-    size *= n;
+    check(length == 0 || size <= room / length);
+    size *= length;
   }
   check(size <= room);  // without axes there is one element
   return size;
@@ -91,14 +67,12 @@ std::size_t checked_size(const NpyHeader& header, std::size_t data_bytes, const 
 
 // Position in C order of the k-th element in Fortran order.
 std::size_t fortran_to_c(std::size_t k, const std::vector<Index>& shape) {
-  std::size_t position = 0;
-  std::size_t stride = std::accumulate(shape.begin(), shape.end(), std::size_t{1},
-                                       [](std::size_t a, Index n) { return a * static_cast<std::size_t>(n); });
+  std::size_t position = 0, stride = 1;
+  for (const Index length : shape) stride *= length;
   for (const Index length : shape) {
-    const auto n = static_cast<std::size_t>(length);
-    stride /= n;
-    position += (k % n) * stride;
-    k /= n;
+    stride /= length;
+    position += (k % length) * stride;
+    k /= length;
   }
   return position;
 }
@@ -125,7 +99,7 @@ NpyHeader parse_npy_header(std::string_view& bytes, const std::string& name) {
 }
 
 std::string npy_bytes_in_c_order(const NpyHeader& header, std::string_view data, const std::string& name) {
-  const std::size_t size = scalar_of(header).size;
+  const std::size_t size = sample_size(header.type);
   const std::size_t count = checked_size(header, data.size(), name);
   std::string bytes(count * size, '\0');
   for (std::size_t k = 0; k < count; ++k)
@@ -135,22 +109,23 @@ std::string npy_bytes_in_c_order(const NpyHeader& header, std::string_view data,
 
 NpyArray parse_npy(std::string_view bytes, const std::string& name) {
   const NpyHeader header = parse_npy_header(bytes, name);
-  const Scalar& scalar = scalar_of(header);
   NpyArray array;
   array.shape = header.shape;
   array.values.resize(checked_size(header, bytes.size(), name));
-  for (std::size_t k = 0; k < array.values.size(); ++k) {
-    const double value = scalar.load(bytes.data() + k * scalar.size, header.order);
-    array.values[header.fortran ? fortran_to_c(k, header.shape) : k] = value;
-  }
+  with_sample_type(header.type, [&](auto sample) {
+    for (std::size_t k = 0; k < array.values.size(); ++k)
+      array.values[header.fortran ? fortran_to_c(k, header.shape) : k] =
+          static_cast<double>(load_scalar<decltype(sample)>(bytes.data() + k * sizeof(sample), header.order));
+  });
   return array;
 }
 
-std::string format_npy_header(std::string_view type, const std::vector<Index>& lengths) {
+std::string format_npy_header(SampleType type, const std::vector<Index>& lengths) {
   std::string shape;
   for (const Index length : lengths) shape += std::to_string(length) + ",";
-  std::string dictionary = "{'descr': '" + std::string(type.back() == '1' ? "|" : "<") + std::string(type) +
-                           "', 'fortran_order': False, 'shape': (" + shape + "), }";
+  std::string dictionary = "{'descr': '" + std::string(sample_size(type) == 1 ? "|" : "<") +
+                           std::string(name_of(type, type_codes)) + "', 'fortran_order': False, 'shape': (" + shape +
+                           "), }";
   constexpr std::size_t prefix = 10;
   constexpr std::size_t alignment = 64;  // of the data, by the format
   dictionary.append(alignment - 1 - (prefix + dictionary.size()) % alignment, ' ');
@@ -162,7 +137,7 @@ std::string format_npy_header(std::string_view type, const std::vector<Index>& l
 }
 
 std::string format_npy(const NpyArray& array) {
-  std::string out = format_npy_header("f8", array.shape);
+  std::string out = format_npy_header(float64, array.shape);
   out.reserve(out.size() + 8 * array.values.size());
   for (const double value : array.values) append_scalar(out, value);
   return out;

@@ -1,11 +1,6 @@
 #pragma once
 
-#include "csrbf/core/types.hpp"
-
-#include <bit>
-#include <string>
-#include <string_view>
-#include <vector>
+#include "csrbf/io/files/bytes.hpp"
 
 namespace csrbf {
 
@@ -17,7 +12,7 @@ struct NpyArray {
 
 /// The header of a .npy file.
 struct NpyHeader {
-  std::string type;  ///< kind and bytes of an element: "f8", "u1", "b1", ...
+  SampleType type = SampleType::float64;
   std::endian order = std::endian::little;
   bool fortran = false;  ///< the first index runs fastest
   std::vector<Index> shape;
@@ -30,7 +25,7 @@ NpyHeader parse_npy_header(std::string_view& bytes, const std::string& name);
 std::string npy_bytes_in_c_order(const NpyHeader& header, std::string_view data, const std::string& name);
 
 /// A version 1 header of little-endian elements in C order.
-std::string format_npy_header(std::string_view type, const std::vector<Index>& shape);
+std::string format_npy_header(SampleType type, const std::vector<Index>& shape);
 
 /// Reads the bytes of a .npy file (versions 1 to 3): floats of 4 and 8 bytes, integers and booleans, either byte order,
 /// C or Fortran order. Throws IoError for other types and for files whose data do not match their header.

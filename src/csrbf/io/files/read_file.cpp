@@ -4,14 +4,13 @@
 #include "csrbf/core/inside_parallel_loop.hpp"
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/process_files.hpp"
+#include "csrbf/io/files/text.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <system_error>
-#include <utility>
 
 namespace csrbf {
 namespace {
@@ -70,10 +69,18 @@ std::string display_name(const std::string& path) {
 }
 
 std::string file_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return extension;
+  return lower_case(std::filesystem::path(path).extension().string());
+}
+
+bool is_listed(std::string_view extension, std::string_view list) {
+  while (true) {
+    const std::string_view listed = take_word(list);
+    if (listed.empty() || listed == extension) return !listed.empty();
+  }
+}
+
+void refuse_extension(const std::string& path, const std::string& extension, const std::string& what) {
+  throw IoError(path + ": unknown extension " + in_quotes(extension) + "; " + what);
 }
 
 }  // namespace csrbf

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace csrbf {
 
@@ -12,5 +13,11 @@ std::string display_name(const std::string& path);
 
 /// The file name from its last dot on, in lower case: ".ply"; empty when there is none.
 std::string file_extension(const std::string& path);
+
+/// Is the extension one of the blank-separated list?
+bool is_listed(std::string_view extension, std::string_view list);
+
+/// Throws IoError "path: unknown extension ...; `what`": what says which there are.
+[[noreturn]] void refuse_extension(const std::string& path, const std::string& extension, const std::string& what);
 
 }  // namespace csrbf

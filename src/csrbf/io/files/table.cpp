@@ -4,7 +4,6 @@
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/text.hpp"
 
-#include <algorithm>
 #include <optional>
 
 namespace csrbf {
@@ -178,7 +177,7 @@ class TableParser {
       take_names_from_comment(cells.size());
     }
     columns_ = static_cast<Index>(cells.size());
-    table_.first_line = reader_.number();
+    table_.first_line = reader_.line_number();
     values_.reserve(cells.size() * (1 + text_size_ / (reader_.line().size() + 1)));
   }
 
@@ -228,7 +227,7 @@ class TableParser {
     if (!is_missing(cell) && !holds_text_[column]) {
       refuse_decimal_commas();
       holds_text_[column] = true;
-      table_.text_cells.push_back({column, reader_.number(), std::string(cell)});
+      table_.text_cells.push_back({column, reader_.line_number(), std::string(cell)});
     }
     return std::numeric_limits<double>::quiet_NaN();
   }

@@ -39,8 +39,7 @@ bool LineReader::next() {
     const char* begin = text_.data() + position_;
     const std::size_t left = text_.size() - position_;
     const void* found = std::memchr(begin, '\n', left);
-    const std::size_t length =
-        found != nullptr ? static_cast<std::size_t>(static_cast<const char*>(found) - begin) : left;
+    const std::size_t length = found != nullptr ? static_cast<const char*>(found) - begin : left;
     position_ += std::min(left, length + 1);
     ++number_;
     line_ = std::string_view(begin, length);
@@ -52,11 +51,23 @@ bool LineReader::next() {
   return false;
 }
 
-bool LineReader::can_hold(Index items, std::size_t values_each) const {
-  // A value takes a digit and a separator. The slack lets files that lack a few values be read up to the line in
-  // question.
-  constexpr std::size_t slack = std::size_t{1} << 16;
-  return static_cast<std::size_t>(items) <= (rest().size() + slack) / (2 * values_each);
+bool LineReader::can_hold(Index items, Index values_each) const {
+  // A value takes a digit and a separator. The slack lets files that lack a few values be read up to that line.
+  constexpr Index slack = 1 << 16;
+  return items <= (std::ssize(rest()) + slack) / (2 * values_each);
+}
+
+double LineReader::number(std::string_view word) const {
+  const auto value = parse_number(word);
+  if (!value) fail(in_quotes(word) + " is not a number");
+  return *value;
+}
+
+std::int64_t LineReader::integer(std::string_view word, std::int64_t lo, std::int64_t hi) const {
+  const auto value = parse_integer(word);
+  if (!value || *value < lo || *value > hi)
+    fail(in_quotes(word) + " is not a whole number from " + std::to_string(lo) + " to " + std::to_string(hi));
+  return *value;
 }
 
 void LineReader::fail(const std::string& message) const {
@@ -83,6 +94,13 @@ std::string_view trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
 }
 
 std::string single_word(std::string_view text) {

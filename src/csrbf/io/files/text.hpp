@@ -21,14 +21,18 @@ class LineReader {
   /// The current line without comment, line end and surrounding blanks.
   [[nodiscard]] std::string_view line() const { return line_; }
   /// 1-based number of the current line.
-  [[nodiscard]] Index number() const { return number_; }
+  [[nodiscard]] Index line_number() const { return number_; }
   /// The text after the current line.
   [[nodiscard]] std::string_view rest() const { return text_.substr(position_); }
   /// False when the text after the current line is far too short for so many items: their memory must not be allocated.
-  [[nodiscard]] bool can_hold(Index items, std::size_t values_each) const;
+  [[nodiscard]] bool can_hold(Index items, Index values_each) const;
   /// The file's name.
   [[nodiscard]] const std::string& name() const { return name_; }
 
+  /// A word of the current line as a number. Throws IoError when it is none.
+  [[nodiscard]] double number(std::string_view word) const;
+  /// A word of the current line as an integer in [lo, hi]. Throws IoError when it is none.
+  [[nodiscard]] std::int64_t integer(std::string_view word, std::int64_t lo, std::int64_t hi) const;
   /// Throws IoError "name:line: message".
   [[noreturn]] void fail(const std::string& message) const;
 
@@ -50,6 +54,9 @@ Index count_words(std::string_view rest);
 
 /// `text` without blanks around it.
 std::string_view trimmed(std::string_view text);
+
+/// `text` with the letters A to Z in lower case.
+std::string lower_case(std::string_view text);
 
 /// `text` as one word for headers: blanks, separators and quotes become underscores.
 std::string single_word(std::string_view text);

@@ -1,11 +1,9 @@
-#include "csrbf/io/geometry/obj.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/text.hpp"
-#include "csrbf/io/geometry/colors.hpp"
-
-#include <array>
+#include "csrbf/io/geometry/properties.hpp"
 
 namespace csrbf {
 namespace {
@@ -13,11 +11,8 @@ namespace {
 // Up to `most` numbers of a line.
 int read_numbers(const LineReader& reader, std::string_view rest, double* out, int most) {
   int found = 0;
-  for (std::string_view word = take_word(rest); !word.empty() && found < most; word = take_word(rest)) {
-    const std::optional<double> value = parse_number(word);
-    if (!value) reader.fail(in_quotes(word) + " is not a number");
-    out[found++] = *value;
-  }
+  for (std::string_view word = take_word(rest); !word.empty() && found < most; word = take_word(rest))
+    out[found++] = reader.number(word);
   return found;
 }
 
@@ -31,8 +26,7 @@ class ObjParser {
   }
 
   Polylines parse_polylines() {
-    read();
-    Mesh mesh = finish();
+    Mesh mesh = parse();
     Polylines lines;
     lines.vertices = std::move(mesh.vertices);
     lines.properties = std::move(mesh.properties);

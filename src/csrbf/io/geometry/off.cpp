@@ -1,11 +1,9 @@
-#include "csrbf/io/geometry/off.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/text.hpp"
-#include "csrbf/io/geometry/colors.hpp"
-
-#include <array>
+#include "csrbf/io/geometry/properties.hpp"
 
 namespace csrbf {
 namespace {
@@ -80,8 +78,7 @@ class OffParser {
                      std::to_string(found));
       mesh_.vertices.col(i) << row[0], row[1], row[2];
       if (layout_.normals) mesh_.normals.col(i) << row[3], row[4], row[5];
-      const auto color = static_cast<std::size_t>(color_at);
-      if (layout_.colors) colors.col(i) << row[color], row[color + 1], row[color + 2];
+      if (layout_.colors) colors.col(i) << row[color_at], row[color_at + 1], row[color_at + 2];
     }
     if (layout_.colors) add_colors(colors, mesh_.properties);
   }
@@ -90,9 +87,8 @@ class OffParser {
     std::string_view rest = reader_.line();
     std::size_t found = 0;
     for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest), ++found) {
-      const std::optional<double> value = parse_number(word);
-      if (!value) reader_.fail(in_quotes(word) + " is not a number");
-      if (found < row.size()) row[found] = *value;
+      const double value = reader_.number(word);
+      if (found < row.size()) row[found] = value;
     }
     return static_cast<int>(found);
   }

@@ -1,13 +1,9 @@
-#include "csrbf/io/geometry/ply.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
-#include "csrbf/io/files/bytes.hpp"
-#include "csrbf/io/geometry/float_coordinates.hpp"
 #include "csrbf/io/geometry/ply_body.hpp"
-#include "csrbf/io/geometry/ply_header.hpp"
-
-#include <algorithm>
+#include "csrbf/io/geometry/properties.hpp"
 
 namespace csrbf {
 namespace {
@@ -52,7 +48,7 @@ std::vector<Slot> make_vertex_slots(const PlyElement& element, const std::string
       if (has_normals && p.name == normals[axis]) slots[i] = {mesh.normals.data() + axis, 3};
     }
     if (slots[i].data != nullptr) continue;
-    mesh.properties.push_back({p.name, std::string(ply_type_name(p.type)), Eigen::VectorXd(element.count)});
+    mesh.properties.push_back({p.name, std::string(name_of(p.type, property_types)), Eigen::VectorXd(element.count)});
     slots[i] = {mesh.properties.back().values.data(), 1};
   }
   return slots;
@@ -203,32 +199,14 @@ void append_value(std::string& out, double value) {
 
 using Append = void (*)(std::string&, double);
 
-Append appender(PlyType type) {
-  switch (type) {
-    case PlyType::char_:
-      return append_value<std::int8_t>;
-    case PlyType::uchar:
-      return append_value<std::uint8_t>;
-    case PlyType::short_:
-      return append_value<std::int16_t>;
-    case PlyType::ushort:
-      return append_value<std::uint16_t>;
-    case PlyType::int_:
-      return append_value<std::int32_t>;
-    case PlyType::uint:
-      return append_value<std::uint32_t>;
-    case PlyType::float_:
-      return append_value<float>;
-    case PlyType::double_:
-      break;
-  }
-  return append_value<double>;
+Append appender(SampleType type) {
+  return with_sample_type(type, [](auto sample) -> Append { return append_value<decltype(sample)>; });
 }
 
-PlyType checked_type(const Property& property, Index vertices) {
+SampleType checked_type(const Property& property, Index vertices) {
   require(property.values.size() == vertices, "write PLY", "size of property " + property.name, property.values.size(),
           "one value per vertex is needed");
-  const std::optional<PlyType> type = ply_type(property.type);
+  const auto type = ply_type(property.type);
   require(type.has_value(), "write PLY", "type of property " + property.name, property.type,
           "must be char, uchar, short, ushort, int, uint, float or double");
   return *type;
@@ -239,7 +217,7 @@ struct VertexColumns {
   const Points<3>& positions;
   const Points<3>& normals;
   const std::vector<Property>& properties;
-  PlyType position_type = float_coordinate_loss(positions) > 0 ? PlyType::double_ : PlyType::float_;
+  SampleType position_type = float_coordinate_loss(positions) > 0 ? SampleType::float64 : SampleType::float32;
 };
 
 std::string format_header(const VertexColumns& columns) {
@@ -248,10 +226,11 @@ std::string format_header(const VertexColumns& columns) {
           columns.normals.cols(), "none or one per vertex is needed");
   std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
   for (const char axis : {'x', 'y', 'z'})
-    out += "property " + std::string(ply_type_name(columns.position_type)) + " " + axis + "\n";
+    out += "property " + std::string(name_of(columns.position_type, property_types)) + " " + axis + "\n";
   if (columns.normals.cols() > 0) out += "property float nx\nproperty float ny\nproperty float nz\n";
   for (const Property& p : columns.properties)
-    out += "property " + std::string(ply_type_name(checked_type(p, vertices))) + " " + single_word(p.name) + "\n";
+    out += "property " + std::string(name_of(checked_type(p, vertices), property_types)) + " " + single_word(p.name) +
+           "\n";
   return out;
 }
 

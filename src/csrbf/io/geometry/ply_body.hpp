@@ -1,7 +1,6 @@
 #pragma once
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/geometry/ply_header.hpp"
 
 namespace csrbf {
@@ -15,7 +14,7 @@ class PlyTextBody {
   explicit PlyTextBody(LineReader& reader) : reader_(reader) {}
 
   void expect(const PlyElement& element) {
-    if (!reader_.can_hold(element.count, element.properties.size()))
+    if (!reader_.can_hold(element.count, std::ssize(element.properties)))
       throw IoError(reader_.name() + ": the header promises " + std::to_string(element.count) + " " + element.name +
                     " elements, more than the file can hold");
   }
@@ -28,15 +27,13 @@ class PlyTextBody {
     rest_ = reader_.line();
   }
 
-  double scalar(PlyType) {
+  double scalar(SampleType) {
     const std::string_view word = take_word(rest_);
     if (word.empty()) wrong_number_of_values();
-    const std::optional<double> value = parse_number(word);
-    if (!value) reader_.fail(in_quotes(word) + " is not a number");
-    return *value;
+    return reader_.number(word);
   }
 
-  [[nodiscard]] std::size_t room_for(PlyType) const { return rest_.size() / 2; }
+  [[nodiscard]] std::size_t room_for(SampleType) const { return rest_.size() / 2; }
 
   void end() {
     if (count_words(rest_) > 0) wrong_number_of_values();
@@ -76,33 +73,15 @@ class PlyBinaryBody {
     index_ = index;
   }
 
-  double scalar(PlyType type) {
-    const std::size_t size = ply_type_size(type);
-    if (left() < size) fail("the file ends here");
-    const char* value = bytes_.data() + position_;
-    position_ += size;
-    switch (type) {
-      case PlyType::char_:
-        return load_scalar<std::int8_t>(value, Order);
-      case PlyType::uchar:
-        return load_scalar<std::uint8_t>(value, Order);
-      case PlyType::short_:
-        return load_scalar<std::int16_t>(value, Order);
-      case PlyType::ushort:
-        return load_scalar<std::uint16_t>(value, Order);
-      case PlyType::int_:
-        return load_scalar<std::int32_t>(value, Order);
-      case PlyType::uint:
-        return load_scalar<std::uint32_t>(value, Order);
-      case PlyType::float_:
-        return static_cast<double>(load_scalar<float>(value, Order));
-      case PlyType::double_:
-        break;
-    }
-    return load_scalar<double>(value, Order);
+  double scalar(SampleType type) {
+    return with_sample_type(type, [&](auto sample) {
+      if (left() < sizeof(sample)) fail("the file ends here");
+      position_ += sizeof(sample);
+      return static_cast<double>(load_scalar<decltype(sample)>(&bytes_[position_ - sizeof(sample)], Order));
+    });
   }
 
-  [[nodiscard]] std::size_t room_for(PlyType type) const { return left() / ply_type_size(type); }
+  [[nodiscard]] std::size_t room_for(SampleType type) const { return left() / sample_size(type); }
 
   void end() {}
 

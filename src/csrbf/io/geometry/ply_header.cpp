@@ -1,35 +1,14 @@
 #include "csrbf/io/geometry/ply_header.hpp"
 
 #include "csrbf/core/error.hpp"
-
-#include <algorithm>
-#include <array>
-#include <limits>
+#include "csrbf/io/geometry/properties.hpp"
 
 namespace csrbf {
 namespace {
 
-struct TypeNames {
-  std::string_view traditional, sized;
-  std::size_t size;
-};
-
-constexpr std::array<TypeNames, 8> types{{{"char", "int8", 1},
-                                          {"uchar", "uint8", 1},
-                                          {"short", "int16", 2},
-                                          {"ushort", "uint16", 2},
-                                          {"int", "int32", 4},
-                                          {"uint", "uint32", 4},
-                                          {"float", "float32", 4},
-                                          {"double", "float64", 8}}};
-
-const TypeNames& names_of(PlyType type) {
-  return types[static_cast<std::size_t>(type)];
-}
-
-PlyType read_type(const LineReader& reader, std::string_view& rest) {
+SampleType read_type(const LineReader& reader, std::string_view& rest) {
   const std::string_view word = take_word(rest);
-  const std::optional<PlyType> type = ply_type(word);
+  const auto type = ply_type(word);
   if (!type) reader.fail("unknown type " + in_quotes(word) + " in the header");
   return *type;
 }
@@ -58,7 +37,7 @@ PlyProperty read_property(const LineReader& reader, std::string_view rest) {
   if (take_word(after_list) == "list") {
     rest = after_list;
     property.count_type = read_type(reader, rest);
-    if (*property.count_type >= PlyType::float_) reader.fail("the length of a list must be an integer");
+    if (is_floating(*property.count_type)) reader.fail("the length of a list must be an integer");
   }
   property.type = read_type(reader, rest);
   property.name = take_word(rest);
@@ -77,18 +56,10 @@ void add_property(const LineReader& reader, std::vector<PlyElement>& elements, P
 
 }  // namespace
 
-std::optional<PlyType> ply_type(std::string_view name) {
-  for (std::size_t i = 0; i < types.size(); ++i)
-    if (name == types[i].traditional || name == types[i].sized) return static_cast<PlyType>(i);
+std::optional<SampleType> ply_type(std::string_view name) {
+  for (const TypeName& known : property_types)
+    if (name == known.name || name == sample_name(known.type)) return known.type;
   return std::nullopt;
-}
-
-std::string_view ply_type_name(PlyType type) {
-  return names_of(type).traditional;
-}
-
-std::size_t ply_type_size(PlyType type) {
-  return names_of(type).size;
 }
 
 bool PlyElement::has_lists() const {
@@ -98,7 +69,7 @@ bool PlyElement::has_lists() const {
 
 std::size_t PlyElement::smallest_binary_size() const {
   std::size_t size = 0;
-  for (const PlyProperty& p : properties) size += ply_type_size(p.count_type.value_or(p.type));
+  for (const PlyProperty& p : properties) size += sample_size(p.count_type.value_or(p.type));
   return size;
 }
 

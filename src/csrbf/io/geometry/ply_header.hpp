@@ -1,30 +1,17 @@
 #pragma once
 
+#include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/files/text.hpp"
-
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace csrbf {
 
-/// The scalar types of PLY files, under their traditional names.
-enum class PlyType { char_, uchar, short_, ushort, int_, uint, float_, double_ };
-
 /// The type called `name` in either convention (int or int32), if any.
-std::optional<PlyType> ply_type(std::string_view name);
-
-/// The traditional name: char uchar short ushort int uint float double.
-std::string_view ply_type_name(PlyType type);
-
-/// Bytes of one value in a binary file.
-std::size_t ply_type_size(PlyType type);
+std::optional<SampleType> ply_type(std::string_view name);
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::float_;     ///< of the value, or of the list's items
-  std::optional<PlyType> count_type;  ///< set for lists only
+  SampleType type = SampleType::float32;  ///< of the value, or of the list's items
+  std::optional<SampleType> count_type;   ///< set for lists only
 };
 
 struct PlyElement {

@@ -1,12 +1,9 @@
-#include "csrbf/io/geometry/point_table.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/table.hpp"
 #include "csrbf/io/files/text.hpp"
-#include "csrbf/io/geometry/colors.hpp"
-
-#include <algorithm>
-#include <array>
+#include "csrbf/io/geometry/properties.hpp"
 
 namespace csrbf {
 namespace {
@@ -17,21 +14,12 @@ constexpr std::array<std::string_view, 3> color_names{"red", "green", "blue"};
 
 // The usual spellings of a column name.
 std::string standard_name(std::string name) {
-  std::string lower = name;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  constexpr std::array<std::array<std::string_view, 2>, 12> aliases{{{"r", "red"},
-                                                                     {"g", "green"},
-                                                                     {"b", "blue"},
-                                                                     {"normal_x", "nx"},
-                                                                     {"normal_y", "ny"},
-                                                                     {"normal_z", "nz"},
-                                                                     {"normalx", "nx"},
-                                                                     {"normaly", "ny"},
-                                                                     {"normalz", "nz"},
-                                                                     {"//x", "x"},
-                                                                     {"x", "x"},
-                                                                     {"y", "y"}}};
+  const std::string lower = lower_case(name);
+  constexpr std::pair<std::string_view, std::string_view> aliases[] = {
+      {"r", "red"},       {"g", "green"},     {"b", "blue"},     {"normal_x", "nx"},
+      {"normal_y", "ny"}, {"normal_z", "nz"}, {"normalx", "nx"}, {"normaly", "ny"},
+      {"normalz", "nz"},  {"//x", "x"},       {"x", "x"},        {"y", "y"},
+  };
   for (const auto& [alias, standard] : aliases)
     if (lower == alias) return std::string(standard);
   constexpr std::array<std::string_view, 7> standards{"z", "nx", "ny", "nz", "red", "green", "blue"};
@@ -56,7 +44,7 @@ std::vector<std::string> guessed_names(const Table& table) {
     add(colors_first ? color_names : normal_names);
     add(colors_first ? normal_names : color_names);
   }
-  for (auto column = static_cast<Index>(names.size()); column < columns; ++column)
+  for (Index column = std::ssize(names); column < columns; ++column)
     names.push_back("column_" + std::to_string(column + 1));
   return names;
 }
@@ -91,8 +79,8 @@ class Columns {
   }
 
   void take_rest(std::vector<Property>& properties) const {
-    for (std::size_t i = 0; i < names_.size(); ++i)
-      if (!used_[i]) properties.push_back({names_[i], "float", table_.values.row(static_cast<Index>(i)).transpose()});
+    for (Index i = 0; i < std::ssize(names_); ++i)
+      if (!used_[i]) properties.push_back({names_[i], "float", table_.values.row(i).transpose()});
   }
 
  private:
@@ -121,15 +109,15 @@ PointCloud parse_point_table(std::string_view text, const std::string& name) {
 
 std::string format_point_table(const PointCloud& cloud, TableStyle style) {
   const bool named = style == TableStyle::txt || style == TableStyle::csv;
-  const std::size_t properties = named ? cloud.properties.size() : 0;
+  const Index properties = named ? std::ssize(cloud.properties) : 0;
   const Index fixed = cloud.has_normals() ? 6 : 3;
-  Eigen::MatrixXd values(fixed + static_cast<Index>(properties), cloud.size());
+  Eigen::MatrixXd values(fixed + properties, cloud.size());
   values.topRows(3) = cloud.points;
   if (cloud.has_normals()) values.middleRows(3, 3) = cloud.normals;
   std::vector<std::string> names(position_names.begin(), position_names.end());
   if (cloud.has_normals()) names.insert(names.end(), normal_names.begin(), normal_names.end());
-  for (std::size_t p = 0; p < properties; ++p) {
-    values.row(fixed + static_cast<Index>(p)) = cloud.properties[p].values.transpose();
+  for (Index p = 0; p < properties; ++p) {
+    values.row(fixed + p) = cloud.properties[p].values.transpose();
     names.push_back(cloud.properties[p].name);
   }
   if (!named) names.clear();

@@ -1,4 +1,4 @@
-#include "csrbf/io/geometry/stl.hpp"
+#include "csrbf/io/geometry/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
@@ -11,7 +11,6 @@ namespace csrbf {
 namespace {
 
 constexpr unsigned pause_after = 1U << 12;  // triangles
-
 constexpr std::size_t head_size = 84;
 constexpr std::size_t triangle_size = 50;
 
@@ -40,7 +39,7 @@ class VertexNumbers {
   static constexpr std::int32_t unused = -1;
 
   [[nodiscard]] Eigen::Map<const Point<3>> position(std::int32_t vertex) const {
-    return Eigen::Map<const Point<3>>(positions_.data() + 3 * static_cast<std::size_t>(vertex));
+    return Eigen::Map<const Point<3>>(positions_.data() + 3 * std::ptrdiff_t{vertex});
   }
 
   // Multiplicative mixing of the three words; adding zero makes -0 and +0 the same.
@@ -63,17 +62,17 @@ Mesh parse_binary(std::string_view bytes, const std::string& name) {
   if (triangles > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) / 3)
     throw IoError(name + ": more than 2^31 - 1 corners");
   Mesh mesh;
-  mesh.triangles.resize(3, static_cast<Index>(triangles));
+  mesh.triangles.resize(3, triangles);
   VertexNumbers numbers(3 * triangles);
   constexpr std::size_t normal_size = 12;
   InterruptionPoint pause(pause_after);
-  for (std::size_t t = 0; t < triangles; ++t) {
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     pause();
     const char* corner = bytes.data() + head_size + t * triangle_size + normal_size;
     for (int c = 0; c < 3; ++c, corner += 12) {
       Point<3> p;
       for (int axis = 0; axis < 3; ++axis) p(axis) = static_cast<double>(load_scalar<float>(corner + 4 * axis));
-      mesh.triangles(c, static_cast<Index>(t)) = numbers.number(p);
+      mesh.triangles(c, t) = numbers.number(p);
     }
   }
   mesh.vertices = numbers.vertices();
@@ -85,9 +84,7 @@ Point<3> read_corner(const LineReader& reader, std::string_view rest) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::string_view word = take_word(rest);
     if (word.empty()) reader.fail("expected 3 coordinates, found " + std::to_string(axis));
-    const std::optional<double> value = parse_number(word);
-    if (!value) reader.fail(in_quotes(word) + " is not a number");
-    p(axis) = *value;
+    p(axis) = reader.number(word);
   }
   return p;
 }
@@ -138,7 +135,7 @@ std::string format_stl(const Mesh& mesh) {
   std::string out = "binary STL";  // must not begin with "solid"
   out.resize(head_size - 4, ' ');
   append_scalar(out, static_cast<std::uint32_t>(mesh.triangles.cols()));
-  out.reserve(head_size + triangle_size * static_cast<std::size_t>(mesh.triangles.cols()));
+  out.reserve(head_size + triangle_size * mesh.triangles.cols());
   InterruptionPoint pause(pause_after);
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     pause();

@@ -11,7 +11,6 @@
 #ifdef CSRBF_HAS_GDCM
 #include "csrbf/io/images/dicom_slice.hpp"
 
-#include <algorithm>
 #include <map>
 #endif
 

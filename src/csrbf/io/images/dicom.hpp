@@ -2,8 +2,6 @@
 
 #include "csrbf/io/images/sample_codec.hpp"
 
-#include <string>
-
 namespace csrbf {
 
 /// Was the library built with GDCM, so that it can read DICOM files?

@@ -14,7 +14,6 @@
 #include <gdcmMediaStorage.h>
 #include <gdcmTrace.h>
 
-#include <algorithm>
 #include <sstream>
 
 namespace csrbf::dicom {
@@ -79,26 +78,15 @@ void read_place(const gdcm::DataSet& data, Slice& slice) {
 }
 
 SampleType type_of(const gdcm::PixelFormat& format, const std::string& path) {
-  switch (format.GetScalarType()) {
-    case gdcm::PixelFormat::UINT8:
-      return SampleType::uint8;
-    case gdcm::PixelFormat::INT8:
-      return SampleType::int8;
-    case gdcm::PixelFormat::UINT16:
-      return SampleType::uint16;
-    case gdcm::PixelFormat::INT16:
-      return SampleType::int16;
-    case gdcm::PixelFormat::UINT32:
-      return SampleType::uint32;
-    case gdcm::PixelFormat::INT32:
-      return SampleType::int32;
-    case gdcm::PixelFormat::FLOAT32:
-      return SampleType::float32;
-    case gdcm::PixelFormat::FLOAT64:
-      return SampleType::float64;
-    default:
-      fail(path, std::string("samples of type ") + format.GetScalarTypeAsString() + " are not supported");
-  }
+  using Format = gdcm::PixelFormat;
+  using enum SampleType;
+  constexpr std::pair<Format::ScalarType, SampleType> types[] = {
+      {Format::UINT8, uint8},   {Format::INT8, int8},   {Format::UINT16, uint16},   {Format::INT16, int16},
+      {Format::UINT32, uint32}, {Format::INT32, int32}, {Format::FLOAT32, float32}, {Format::FLOAT64, float64},
+  };
+  for (const auto& [scalar, type] : types)
+    if (scalar == format.GetScalarType()) return type;
+  fail(path, std::string("samples of type ") + format.GetScalarTypeAsString() + " are not supported");
 }
 
 void read_frames(const gdcm::File& file, Image& image) {

@@ -4,9 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
 #include <optional>
-#include <string>
 
 namespace csrbf::dicom {
 

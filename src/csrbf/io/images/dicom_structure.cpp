@@ -2,8 +2,6 @@
 
 #include "csrbf/io/files/bytes.hpp"
 
-#include <cstdint>
-
 namespace csrbf::dicom {
 namespace {
 

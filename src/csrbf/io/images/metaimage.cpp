@@ -1,4 +1,4 @@
-#include "csrbf/io/images/metaimage.hpp"
+#include "csrbf/io/images/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/read_file.hpp"
@@ -8,24 +8,12 @@
 namespace csrbf {
 namespace {
 
-struct ElementType {
-  std::string_view name;
-  SampleType type;
+using enum SampleType;
+constexpr TypeName element_types[] = {
+    {"MET_UCHAR", uint8},   {"MET_CHAR", int8},      {"MET_USHORT", uint16},     {"MET_SHORT", int16},
+    {"MET_UINT", uint32},   {"MET_INT", int32},      {"MET_ULONG_LONG", uint64}, {"MET_LONG_LONG", int64},
+    {"MET_FLOAT", float32}, {"MET_DOUBLE", float64}, {"MET_ULONG", uint32},      {"MET_LONG", int32},
 };
-
-// The first name of a type is the one we write.
-constexpr std::array<ElementType, 12> element_types{{{"MET_UCHAR", SampleType::uint8},
-                                                     {"MET_CHAR", SampleType::int8},
-                                                     {"MET_USHORT", SampleType::uint16},
-                                                     {"MET_SHORT", SampleType::int16},
-                                                     {"MET_UINT", SampleType::uint32},
-                                                     {"MET_INT", SampleType::int32},
-                                                     {"MET_ULONG_LONG", SampleType::uint64},
-                                                     {"MET_LONG_LONG", SampleType::int64},
-                                                     {"MET_FLOAT", SampleType::float32},
-                                                     {"MET_DOUBLE", SampleType::float64},
-                                                     {"MET_ULONG", SampleType::uint32},
-                                                     {"MET_LONG", SampleType::int32}}};
 
 constexpr std::size_t most_axes = 4;  // three in space and time
 
@@ -41,7 +29,8 @@ class HeaderParser {
       read_field(raw);
     }
     if (lengths_.empty()) throw IoError(reader_.name() + ": the header has no DimSize");
-    if (!has_type_) throw IoError(reader_.name() + ": the header has no ElementType");
+    if (!type_) throw IoError(reader_.name() + ": the header has no ElementType");
+    raw.layout.type = *type_;
     set_layout(raw.layout);
     data_.begin = size_ - reader_.rest().size();
     return data_;
@@ -57,19 +46,17 @@ class HeaderParser {
     const bool yes = value.starts_with('T') || value.starts_with('t') || value == "1";
     if (key == "NDims") {
       if (axes_ != 0) reader_.fail("NDims appears twice");
-      axes_ = static_cast<std::size_t>(integer(value, 1, most_axes));
+      axes_ = reader_.integer(value, 1, most_axes);
     } else if (key == "DimSize") {
       for (const double length : numbers(value, axes_)) lengths_.push_back(checked_length(length));
-    } else if (key == "ElementSpacing") {
-      spacing_ = numbers(value, axes_);
-    } else if (key == "ElementSize" && spacing_.empty()) {
+    } else if (key == "ElementSpacing" || (key == "ElementSize" && spacing_.empty())) {
       spacing_ = numbers(value, axes_);
     } else if (key == "Offset" || key == "Origin" || key == "Position") {
       offset_ = numbers(value, axes_);
     } else if (key == "TransformMatrix" || key == "Rotation" || key == "Orientation") {
       matrix_ = numbers(value, axes_ * axes_);
     } else if (key == "ElementNumberOfChannels") {
-      raw.layout.components = static_cast<Index>(integer(value, 1, 1 << 16));
+      raw.layout.components = reader_.integer(value, 1, 1 << 16);
     } else if (key == "BinaryData") {
       if (!yes) data_.encoding = RawData::Encoding::ascii;
     } else if (key == "CompressedData") {
@@ -77,30 +64,17 @@ class HeaderParser {
     } else if (key == "BinaryDataByteOrderMSB" || key == "ElementByteOrderMSB") {
       raw.order = yes ? std::endian::big : std::endian::little;
     } else if (key == "HeaderSize") {
-      data_.skip_bytes = integer(value, -1, std::numeric_limits<std::int64_t>::max());
+      data_.skip_bytes = reader_.integer(value, -1, std::numeric_limits<std::int64_t>::max());
     } else if (key == "ElementType") {
-      raw.layout.type = element_type(value);
-      has_type_ = true;
+      type_ = type_named(value, element_types);
+      if (!type_)
+        reader_.fail("samples of type " + in_quotes(value) + " are not supported; MET_UCHAR to MET_DOUBLE are");
     } else if (key == "ElementDataFile") {
       if (value.starts_with("LIST") || value.find('%') != std::string_view::npos || value.empty())
         reader_.fail("images in several files are not supported, found " + in_quotes(value));
       if (value != "LOCAL" && value != "Local" && value != "local") data_.file = value;
       done_ = true;  // the samples may follow
     }
-  }
-
-  SampleType element_type(std::string_view value) {
-    for (const ElementType& known : element_types)
-      if (known.name == value) return known.type;
-    reader_.fail("samples of type " + in_quotes(value) + " are not supported; MET_UCHAR to MET_DOUBLE are");
-  }
-
-  std::int64_t integer(std::string_view value, std::int64_t lo, std::int64_t hi) {
-    const auto number = parse_integer(value);
-    if (!number || *number < lo || *number > hi)
-      reader_.fail(in_quotes(value) + " is not a whole number from " + std::to_string(lo) + " to " +
-                   std::to_string(hi));
-    return *number;
   }
 
   Index checked_length(double length) {
@@ -113,11 +87,8 @@ class HeaderParser {
   std::vector<double> numbers(std::string_view value, std::size_t count) {
     if (axes_ == 0) reader_.fail("NDims must come before this field");
     std::vector<double> found;
-    for (std::string_view word = take_word(value); !word.empty(); word = take_word(value)) {
-      const auto number = parse_number(word);
-      if (!number) reader_.fail(in_quotes(word) + " is not a number");
-      found.push_back(*number);
-    }
+    for (std::string_view word = take_word(value); !word.empty(); word = take_word(value))
+      found.push_back(reader_.number(word));
     if (found.size() != count)
       reader_.fail("expected " + std::to_string(count) + " numbers, found " + std::to_string(found.size()));
     return found;
@@ -125,17 +96,15 @@ class HeaderParser {
 
   // The fourth axis is time; rows of the matrix are the directions of the axes.
   void set_layout(VolumeLayout& layout) const {
-    const std::size_t axes = std::min<std::size_t>(axes_, 3);
+    const int axes = std::min(static_cast<int>(axes_), 3);
     Grid& grid = layout.grid;
-    grid.axes = static_cast<int>(axes);
+    grid.axes = axes;
     Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();
-    for (std::size_t i = 0; i < axes; ++i) {
-      const auto axis = static_cast<Index>(i);
+    for (int i = 0; i < axes; ++i) {
       grid.size[i] = lengths_[i];
-      if (!offset_.empty()) grid.origin(axis) = offset_[i];
-      for (std::size_t j = 0; j < axes && !matrix_.empty(); ++j)
-        linear(static_cast<Index>(j), axis) = matrix_[i * axes_ + j];
-      if (!spacing_.empty()) linear.col(axis) *= std::abs(spacing_[i]);
+      if (!offset_.empty()) grid.origin(i) = offset_[i];
+      for (int j = 0; j < axes && !matrix_.empty(); ++j) linear(j, i) = matrix_[i * axes_ + j];
+      if (!spacing_.empty()) linear.col(i) *= std::abs(spacing_[i]);
     }
     set_axes(grid, linear, reader_.name());
     grid.space = Space::left_posterior_superior;
@@ -146,7 +115,8 @@ class HeaderParser {
 
   LineReader reader_;
   std::size_t size_;
-  bool done_ = false, has_type_ = false;
+  bool done_ = false;
+  std::optional<SampleType> type_;
   std::size_t axes_ = 0;
   std::vector<Index> lengths_;
   std::vector<double> spacing_, offset_, matrix_;
@@ -185,11 +155,7 @@ FileParts format_metaimage(const VolumeLayout& layout, std::string samples, cons
       "\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\nTransformMatrix =" + matrix +
       "\nOffset =" + origin + "\nElementSpacing =" + spacing + "\nDimSize =" + size + "\n";
   if (layout.components > 1) head += "ElementNumberOfChannels = " + std::to_string(layout.components) + "\n";
-  for (const ElementType& known : element_types)
-    if (known.type == layout.type) {
-      head += "ElementType = " + std::string(known.name) + "\n";
-      break;
-    }
+  head += "ElementType = " + std::string(name_of(layout.type, element_types)) + "\n";
   return {head + "ElementDataFile = " + data_file + "\n", std::move(samples)};
 }
 

@@ -1,29 +1,10 @@
-#include "csrbf/io/images/npy_volume.hpp"
+#include "csrbf/io/images/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/npy.hpp"
 
-#include <algorithm>
-
 namespace csrbf {
 namespace {
-
-struct TypeCode {
-  std::string_view code;
-  SampleType type;
-};
-
-constexpr std::array<TypeCode, 11> type_codes{{{"u1", SampleType::uint8},
-                                               {"i1", SampleType::int8},
-                                               {"u2", SampleType::uint16},
-                                               {"i2", SampleType::int16},
-                                               {"u4", SampleType::uint32},
-                                               {"i4", SampleType::int32},
-                                               {"u8", SampleType::uint64},
-                                               {"i8", SampleType::int64},
-                                               {"f4", SampleType::float32},
-                                               {"f8", SampleType::float64},
-                                               {"b1", SampleType::uint8}}};
 
 bool has_components(const std::vector<Index>& shape) {
   constexpr Index most = 4;  // components: grey or colours, with transparency
@@ -55,9 +36,7 @@ RawVolume parse_npy_volume(std::string bytes, const std::string& name) {
   const NpyHeader header = parse_npy_header(data, name);
   RawVolume raw;
   set_shape(raw.layout, header.shape, name);
-  raw.layout.type = std::find_if(type_codes.begin(), type_codes.end(), [&](const TypeCode& t) {
-                      return t.code == header.type;
-                    })->type;
+  raw.layout.type = header.type;
   raw.order = header.order;
   checked_sample_bytes(raw.layout, data.size(), name);
   if (header.fortran && header.shape.size() > 1) {
@@ -74,9 +53,7 @@ FileParts format_npy_volume(const VolumeLayout& layout, std::string samples) {
   if (layout.frames > 1) shape.push_back(layout.frames);
   for (int axis = layout.grid.axes - 1; axis >= 0; --axis) shape.push_back(layout.grid.size[axis]);
   if (layout.components > 1) shape.push_back(layout.components);
-  const auto* code =
-      std::find_if(type_codes.begin(), type_codes.end(), [&](const TypeCode& t) { return t.type == layout.type; });
-  return {format_npy_header(code->code, shape), std::move(samples)};
+  return {format_npy_header(layout.type, shape), std::move(samples)};
 }
 
 }  // namespace csrbf

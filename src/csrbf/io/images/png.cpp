@@ -1,4 +1,4 @@
-#include "csrbf/io/images/png.hpp"
+#include "csrbf/io/images/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
@@ -142,10 +142,9 @@ RawVolume parse_png(const std::string& bytes, const std::string& name) {
   // A packed sample takes one bit.
   raw.bytes.resize(checked_deflated_bytes(raw.layout, 8 * bytes.size(), name));
   const std::size_t stride = png_get_rowbytes(file.png, file.info);
-  if (stride * static_cast<std::size_t>(grid.size[1]) != raw.bytes.size())
+  if (stride * grid.size[1] != raw.bytes.size())
     throw IoError(name + ": the rows of the picture have an unexpected length");
-  auto rows =
-      row_pointers(reinterpret_cast<png_bytep>(raw.bytes.data()), stride, static_cast<std::size_t>(grid.size[1]));
+  auto rows = row_pointers(reinterpret_cast<png_bytep>(raw.bytes.data()), stride, grid.size[1]);
   if (!read_rows(file, static_cast<png_uint_32>(grid.size[1]), rows.data())) fail();
   return raw;
 }

@@ -1,4 +1,4 @@
-#include "csrbf/io/images/pnm.hpp"
+#include "csrbf/io/images/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/bytes.hpp"
@@ -58,8 +58,8 @@ RawVolume parse_pnm(std::string bytes, const std::string& name) {
   Words words(bytes, name);
   RawVolume raw;
   raw.layout.grid.axes = 2;
-  raw.layout.grid.size[0] = static_cast<Index>(words.integer("width", 1, longest));
-  raw.layout.grid.size[1] = static_cast<Index>(words.integer("height", 1, longest));
+  raw.layout.grid.size[0] = words.integer("width", 1, longest);
+  raw.layout.grid.size[1] = words.integer("height", 1, longest);
   const std::int64_t maximum = words.integer("largest value", 1, largest);
   raw.layout.type = maximum > 255 ? SampleType::uint16 : SampleType::uint8;
   raw.layout.components = kind == '3' || kind == '6' ? 3 : 1;

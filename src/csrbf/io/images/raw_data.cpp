@@ -6,7 +6,6 @@
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
 
-#include <algorithm>
 #include <filesystem>
 
 namespace csrbf {

@@ -2,7 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/io/files/bytes.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
 
 #include <Eigen/Geometry>
 
@@ -18,10 +18,10 @@ void decode_as(const RawVolume& raw, Volume<Scalar>& volume) {
   const bool scaled = raw.slope != 1 || raw.intercept != 0;
   const Index components = raw.layout.components;
   const Index voxels = raw.layout.grid.voxels() * raw.layout.frames;
-  parallel_for(static_cast<Index>(volume.values.size()), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(volume.values), grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Index source = raw.planar ? (i % components) * voxels + i / components : i;
-      const T sample = load_scalar<T>(bytes + static_cast<std::size_t>(source) * sizeof(T), raw.order);
+      const T sample = load_scalar<T>(bytes + source * sizeof(T), raw.order);
       volume.values[i] = scaled ? static_cast<Scalar>(raw.slope * static_cast<double>(sample) + raw.intercept)
                                 : static_cast<Scalar>(sample);
     }
@@ -29,16 +29,6 @@ void decode_as(const RawVolume& raw, Volume<Scalar>& volume) {
 }
 
 }  // namespace
-
-std::size_t sample_size(SampleType type) {
-  return with_sample_type(type, [](auto sample) { return sizeof(sample); });
-}
-
-std::string_view sample_name(SampleType type) {
-  constexpr std::array<std::string_view, 10> names{"uint8", "int8",   "uint16", "int16",   "uint32",
-                                                   "int32", "uint64", "int64",  "float32", "float64"};
-  return names[static_cast<std::size_t>(type)];
-}
 
 template <class Scalar>
 Volume<Scalar> decode_samples(const RawVolume& raw) {
@@ -55,11 +45,9 @@ std::string encode_samples(const Volume<Scalar>& volume, SampleType sample_type)
   std::string bytes(volume.values.size() * sample_size(sample_type), '\0');
   with_sample_type(sample_type, [&](auto type) {
     using T = decltype(type);
-    parallel_for(static_cast<Index>(volume.values.size()), grain, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        store_scalar(bytes.data() + at * sizeof(T), narrow_scalar<T>(static_cast<double>(volume.values[at])));
-      }
+    parallel_for(std::ssize(volume.values), grain, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
+        store_scalar(bytes.data() + i * sizeof(T), narrow_scalar<T>(static_cast<double>(volume.values[i])));
     });
   });
   return bytes;
@@ -69,6 +57,13 @@ template Volume<float> decode_samples(const RawVolume&);
 template Volume<double> decode_samples(const RawVolume&);
 template std::string encode_samples(const Volume<float>&, SampleType);
 template std::string encode_samples(const Volume<double>&, SampleType);
+
+void write_parts(const std::string& path, const FileParts& parts) {
+  AtomicFile file(path);
+  file.write(parts.head);
+  file.write(parts.body);
+  file.commit();
+}
 
 std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t available, const std::string& name) {
   constexpr std::size_t most = std::size_t{1} << 40;  // a limit on damaged files: products do not overflow

@@ -1,45 +1,8 @@
 #pragma once
 
-#include "csrbf/core/grid.hpp"
-
-#include <bit>
-#include <string>
-#include <string_view>
+#include "csrbf/io/files/bytes.hpp"
 
 namespace csrbf {
-
-/// Calls action(T{}) with T the C++ type of the samples.
-template <class Action>
-decltype(auto) with_sample_type(SampleType type, Action action) {
-  switch (type) {
-    case SampleType::uint8:
-      return action(std::uint8_t{});
-    case SampleType::int8:
-      return action(std::int8_t{});
-    case SampleType::uint16:
-      return action(std::uint16_t{});
-    case SampleType::int16:
-      return action(std::int16_t{});
-    case SampleType::uint32:
-      return action(std::uint32_t{});
-    case SampleType::int32:
-      return action(std::int32_t{});
-    case SampleType::uint64:
-      return action(std::uint64_t{});
-    case SampleType::int64:
-      return action(std::int64_t{});
-    case SampleType::float32:
-      return action(float{});
-    default:
-      return action(double{});
-  }
-}
-
-/// Bytes of one sample.
-std::size_t sample_size(SampleType type);
-
-/// "uint8", "int8", ..., "float64".
-std::string_view sample_name(SampleType type);
 
 /// Samples of an image file: in the order of Volume, or one component after the other ("planar").
 struct RawVolume {
@@ -62,6 +25,9 @@ struct FileParts {
   std::string head;
   std::string body;
 };
+
+/// Writes both, complete or not at all (AtomicFile).
+void write_parts(const std::string& path, const FileParts& parts);
 
 /// Values of the samples; raw.bytes must hold byte_count() bytes after its offset. Parallel.
 template <class Scalar>

@@ -1,13 +1,103 @@
-#include "csrbf/io/images/tiff.hpp"
+#include "csrbf/io/images/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
-#include "csrbf/io/images/tiff_stream.hpp"
 
-#include <cstring>
+#include <tiffio.h>
+
+#include <cstdarg>
+#include <cstdio>
 
 namespace csrbf {
 namespace {
+
+// A file in memory. Messages of libtiff become the text of message(); it prints nothing.
+class TiffStream {
+ public:
+  // Opens the bytes of a file for reading.
+  TiffStream(std::string bytes, const std::string& name) : bytes_(std::move(bytes)), name_(name) {
+    if (!bytes_.starts_with(std::string_view("II*\0", 4)) && !bytes_.starts_with(std::string_view("MM\0*", 4)) &&
+        !bytes_.starts_with(std::string_view("II+\0", 4)) && !bytes_.starts_with(std::string_view("MM\0+", 4)))
+      throw IoError(name + ": not a TIFF file");
+    open("rm");
+  }
+  // Starts a file.
+  TiffStream(bool is_big, const std::string& name) : name_(name) { open(is_big ? "w8" : "w"); }
+  TiffStream(const TiffStream&) = delete;
+  TiffStream& operator=(const TiffStream&) = delete;
+  ~TiffStream() {
+    if (tiff_ != nullptr) TIFFClose(tiff_);
+  }
+
+  [[nodiscard]] TIFF* tiff() const { return tiff_; }
+  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+  // The first error that libtiff reported.
+  [[nodiscard]] const std::string& message() const { return message_; }
+  [[noreturn]] void fail() const {
+    throw IoError(name_ + ": " + (message_.empty() ? "libtiff gives no reason" : message_));
+  }
+  // Ends the file that was written and returns its bytes.
+  [[nodiscard]] std::string finish() {
+    TIFFClose(tiff_);
+    tiff_ = nullptr;
+    if (!message_.empty()) fail();
+    return std::move(bytes_);
+  }
+
+ private:
+  void open(const char* mode) {
+    TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
+    if (options == nullptr) throw IoError(name_ + ": libtiff cannot start");
+    constexpr tmsize_t largest_block = tmsize_t{1} << 30;  // bytes, a limit on damaged files
+    TIFFOpenOptionsSetMaxSingleMemAlloc(options, largest_block);
+    TIFFOpenOptionsSetErrorHandlerExtR(options, error, this);
+    TIFFOpenOptionsSetWarningHandlerExtR(options, ignore, this);
+    tiff_ = TIFFClientOpenExt(name_.c_str(), mode, this, read, write, seek, close, size_of, nullptr, nullptr, options);
+    TIFFOpenOptionsFree(options);
+    if (tiff_ == nullptr) fail();
+  }
+
+  static TiffStream& stream(thandle_t handle) { return *static_cast<TiffStream*>(handle); }
+
+  static tmsize_t read(thandle_t handle, void* out, tmsize_t size) {
+    TiffStream& s = stream(handle);
+    const std::size_t left = s.bytes_.size() - std::min(s.position_, s.bytes_.size());
+    const std::size_t count = std::min(left, static_cast<std::size_t>(size));
+    if (count > 0) std::memcpy(out, s.bytes_.data() + s.position_, count);
+    s.position_ += count;
+    return static_cast<tmsize_t>(count);
+  }
+  static tmsize_t write(thandle_t handle, void* bytes, tmsize_t size) {
+    TiffStream& s = stream(handle);
+    const std::size_t end = s.position_ + static_cast<std::size_t>(size);
+    if (end > s.bytes_.size()) s.bytes_.resize(end);
+    std::memcpy(s.bytes_.data() + s.position_, bytes, static_cast<std::size_t>(size));
+    s.position_ = end;
+    return size;
+  }
+  static toff_t seek(thandle_t handle, toff_t offset, int whence) {
+    TiffStream& s = stream(handle);
+    const std::size_t base = whence == SEEK_CUR ? s.position_ : whence == SEEK_END ? s.bytes_.size() : 0;
+    s.position_ = base + offset;
+    return s.position_;
+  }
+  static int close(thandle_t) { return 0; }
+  static toff_t size_of(thandle_t handle) { return stream(handle).bytes_.size(); }
+  static int error(TIFF*, void* data, const char* module, const char* format, va_list arguments) {
+    TiffStream& s = *static_cast<TiffStream*>(data);
+    std::array<char, 256> text{};
+    std::vsnprintf(text.data(), text.size(), format, arguments);
+    if (s.message_.empty()) s.message_ = std::string(module != nullptr ? module : "libtiff") + ": " + text.data();
+    return 1;
+  }
+  static int ignore(TIFF*, void*, const char*, const char*, va_list) { return 1; }
+
+  std::string bytes_;
+  std::size_t position_ = 0;
+  std::string name_;
+  std::string message_;
+  TIFF* tiff_ = nullptr;
+};
 
 struct Page {
   std::uint32_t width = 0, height = 0;
@@ -29,16 +119,16 @@ Page read_page(TIFF* tiff) {
   return page;
 }
 
+int format_of(SampleType type) {
+  if (is_floating(type)) return SAMPLEFORMAT_IEEEFP;
+  return sample_name(type).starts_with("int") ? SAMPLEFORMAT_INT : SAMPLEFORMAT_UINT;
+}
+
 SampleType sample_type(const Page& page, const std::string& name) {
-  constexpr std::array<SampleType, 10> types{
-      SampleType::uint8, SampleType::int8,   SampleType::uint16, SampleType::int16,   SampleType::uint32,
-      SampleType::int32, SampleType::uint64, SampleType::int64,  SampleType::float32, SampleType::float64};
   const std::uint16_t format = page.format == SAMPLEFORMAT_VOID ? SAMPLEFORMAT_UINT : page.format;
-  for (const SampleType type : types) {
-    const bool is_signed =
-        type == SampleType::int8 || type == SampleType::int16 || type == SampleType::int32 || type == SampleType::int64;
-    const int expected = is_floating(type) ? SAMPLEFORMAT_IEEEFP : is_signed ? SAMPLEFORMAT_INT : SAMPLEFORMAT_UINT;
-    if (format == expected && page.bits == 8 * sample_size(type)) return type;
+  for (int t = 0; t <= static_cast<int>(SampleType::float64); ++t) {
+    const auto type = static_cast<SampleType>(t);
+    if (format == format_of(type) && page.bits == 8 * sample_size(type)) return type;
   }
   throw IoError(name + ": samples of " + std::to_string(page.bits) + " bits in TIFF sample format " +
                 std::to_string(page.format) +
@@ -179,27 +269,23 @@ FileParts format_tiff(const VolumeLayout& layout, std::string_view samples, cons
   const Grid& grid = layout.grid;
   const auto pages = static_cast<std::size_t>(grid.size[2] * layout.frames);
   constexpr std::size_t classic_limit = std::size_t{4000} << 20;  // offsets have 32 bits; leaves room for tags
-  TiffStream stream(samples.size() > classic_limit ? TiffStream::Size::big : TiffStream::Size::classic, name);
+  TiffStream stream(samples.size() > classic_limit, name);
   TIFF* tiff = stream.tiff();
-  const bool is_signed = !is_floating(layout.type) && sample_name(layout.type).starts_with("int");
   const bool rgb = layout.components == 3 || layout.components == 4;
-  const std::size_t row_bytes = samples.size() / pages / static_cast<std::size_t>(grid.size[1]);
+  const std::size_t height = grid.size[1], row_bytes = samples.size() / pages / height;
   constexpr std::size_t strip_bytes = std::size_t{1} << 20;  // larger: fewer strips, smaller: less memory to read one
-  const std::size_t strip_rows = std::clamp<std::size_t>(strip_bytes / std::max<std::size_t>(row_bytes, 1), 1,
-                                                         static_cast<std::size_t>(grid.size[1]));
+  const std::size_t strip_rows = std::clamp<std::size_t>(strip_bytes / std::max<std::size_t>(row_bytes, 1), 1, height);
   for (std::size_t page = 0; page < pages; ++page) {
     TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(grid.size[0]));
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(grid.size[1]));
     TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, static_cast<int>(8 * sample_size(layout.type)));
     TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, static_cast<int>(layout.components));
-    TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
-                 is_floating(layout.type) ? SAMPLEFORMAT_IEEEFP : (is_signed ? SAMPLEFORMAT_INT : SAMPLEFORMAT_UINT));
+    TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, format_of(layout.type));
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, rgb ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, static_cast<std::uint32_t>(strip_rows));
-    const std::vector<std::uint16_t> extra(static_cast<std::size_t>(layout.components - (rgb ? 3 : 1)),
-                                           EXTRASAMPLE_UNSPECIFIED);
+    const std::vector<std::uint16_t> extra(layout.components - (rgb ? 3 : 1), EXTRASAMPLE_UNSPECIFIED);
     if (!extra.empty()) TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, static_cast<int>(extra.size()), extra.data());
     const std::string_view of_page = samples.substr(page * (samples.size() / pages), samples.size() / pages);
     std::uint32_t strip = 0;

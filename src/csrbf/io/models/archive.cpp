@@ -36,7 +36,7 @@ struct ValueWriter {
     append_scalar(out, static_cast<std::uint64_t>(array.rows()));
     append_scalar(out, static_cast<std::uint64_t>(array.cols()));
     if constexpr (std::endian::native == std::endian::little)
-      out.append(reinterpret_cast<const char*>(array.data()), sizeof(T) * static_cast<std::size_t>(array.size()));
+      out.append(reinterpret_cast<const char*>(array.data()), sizeof(T) * array.size());
     else
       for (Index i = 0; i < array.size(); ++i) append_scalar(out, array.data()[i]);
   }
@@ -141,6 +141,11 @@ const ArchiveArray<double>& Archive::numbers(const std::string& name, Index rows
   const ArchiveArray<double>& found = array<double>(name, rows, cols);
   if (!found.allFinite()) fail("\"" + name + "\" holds NaN or infinity");
   return found;
+}
+
+std::vector<double> Archive::column(const std::string& name, Index rows) const {
+  const auto& found = numbers(name, rows, 1);
+  return {found.data(), found.data() + found.size()};
 }
 
 Archive Archive::part(const std::string& prefix) const {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 namespace csrbf {
 
@@ -33,6 +34,10 @@ class Archive {
   void set(const std::string& name, const Eigen::DenseBase<Derived>& array) {
     values_[name] = ArchiveArray<typename Derived::Scalar>(array);
   }
+  template <class T>
+  void set(const std::string& name, const std::vector<T>& column) {
+    set(name, Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(column.data(), std::ssize(column)));
+  }
   /// An entry of any type.
   void insert(const std::string& name, Value value) { values_[name] = std::move(value); }
   /// All entries of `part`, and its kind, under "prefix/".
@@ -57,6 +62,8 @@ class Archive {
   }
   /// As array<double>(); all entries must be finite.
   [[nodiscard]] const ArchiveArray<double>& numbers(const std::string& name, Index rows = -1, Index cols = -1) const;
+  /// A column of finite numbers.
+  [[nodiscard]] std::vector<double> column(const std::string& name, Index rows = -1) const;
   /// The archive that was stored under "prefix/". Throws IoError when there is none.
   [[nodiscard]] Archive part(const std::string& prefix) const;
 

@@ -1,8 +1,4 @@
-#include "csrbf/io/models/composite_archive.hpp"
-
-#include "csrbf/io/models/winding_archive.hpp"
-
-#include <utility>
+#include "csrbf/io/models/surface_parts.hpp"
 
 namespace csrbf {
 namespace {
@@ -17,14 +13,10 @@ Archive to_archive(const Patches& patches) {
     const Patch& p = patches.patch(i);
     table.col(i) << p.center, p.T.reshaped(), p.radius, p.flatness, p.quadric;
   }
-  const std::vector<Index>& begin = patches.center_begin();
-  const std::vector<double>& centers = patches.center_coordinates();
-  const std::vector<double>& alpha = patches.alpha();
   archive.set("patches", table);
-  archive.set("center_begin", Eigen::Map<const Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>>(
-                                  begin.data(), static_cast<Index>(begin.size())));
-  archive.set("centers", Eigen::Map<const Points<3>>(centers.data(), 3, patches.centers()));
-  archive.set("alpha", Eigen::Map<const Eigen::VectorXd>(alpha.data(), patches.centers()));
+  archive.set("center_begin", patches.center_begin());
+  archive.set("centers", Eigen::Map<const Points<3>>(patches.center_coordinates().data(), 3, patches.centers()));
+  archive.set("alpha", patches.alpha());
   return archive;
 }
 
@@ -53,6 +45,26 @@ Patches patches_from(const Archive& archive) {
 
 }  // namespace
 
+Archive to_archive(const WindingNumber& winding) {
+  Archive archive;
+  archive.kind = "winding number";
+  const WindingNumber::Data data = winding.data();
+  archive.set("points", data.points);
+  archive.set("normals", data.normals);
+  archive.set("areas", data.areas);
+  archive.set("smoothing_length", data.eps);
+  return archive;
+}
+
+WindingNumber winding_from(const Archive& archive) {
+  WindingNumber::Data data;
+  data.points = archive.numbers("points", 3);
+  data.normals = archive.numbers("normals", 3, data.points.cols());
+  data.areas = archive.numbers("areas", data.points.cols(), 1);
+  data.eps = archive.numbers("smoothing_length", data.points.cols(), 1);
+  return WindingNumber(std::move(data));
+}
+
 Archive to_archive(const CompositeField& field) {
   const CompositeField::Data& data = field.data();
   Archive archive;
@@ -63,7 +75,7 @@ Archive to_archive(const CompositeField& field) {
   archive.set("detail", data.feature_size);
   archive.set("lower_bounds", data.bounds.lo);
   archive.set("upper_bounds", data.bounds.hi);
-  archive.set("levels", static_cast<std::int64_t>(data.levels.size()));
+  archive.set("levels", data.levels.size());
   for (std::size_t i = 0; i < data.levels.size(); ++i)
     archive.set("level" + std::to_string(i), to_archive(data.levels[i]));
   archive.set("winding", to_archive(data.winding));

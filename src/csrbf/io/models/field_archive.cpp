@@ -10,9 +10,6 @@
 #include "csrbf/io/models/lattice_archive.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 
-#include <cmath>
-#include <utility>
-
 namespace csrbf {
 namespace {
 

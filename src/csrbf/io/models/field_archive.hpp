@@ -4,9 +4,7 @@
 #include "csrbf/io/models/archive.hpp"
 
 #include <functional>
-#include <map>
 #include <memory>
-#include <vector>
 
 namespace csrbf {
 

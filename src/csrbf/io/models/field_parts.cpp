@@ -4,21 +4,12 @@
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/error.hpp"
 
-#include <cmath>
-#include <limits>
-#include <utility>
-
 namespace csrbf {
 namespace {
 
 template <class T>
 auto column_of(const std::vector<T>& values) {
-  return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(values.data(), static_cast<Index>(values.size()));
-}
-
-std::vector<double> numbers_of(const Archive& archive, const std::string& name, Index size) {
-  const auto& array = archive.numbers(name, size, 1);
-  return {array.data(), array.data() + array.size()};
+  return Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(values.data(), std::ssize(values));
 }
 
 void set_kernel(Archive& archive, const Kernel& kernel) {
@@ -81,11 +72,11 @@ template <int Dim>
 void set_tree(Archive& archive, const typename Cover<Dim>::Tree& tree) {
   set_box(archive, tree.box);
   archive.set("growth", tree.growth);
-  Eigen::Matrix<std::int64_t, 2, Eigen::Dynamic> nodes(2, static_cast<Index>(tree.axis.size()));
+  Eigen::Matrix<std::int64_t, 2, Eigen::Dynamic> nodes(2, std::ssize(tree.axis));
   nodes.row(0) = column_of(tree.axis).template cast<std::int64_t>().transpose();
   nodes.row(1) = column_of(tree.right).template cast<std::int64_t>().transpose();
   archive.set("tree", nodes);
-  archive.set("tree_splits", column_of(tree.split));
+  archive.set("tree_splits", tree.split);
 }
 
 }  // namespace
@@ -104,7 +95,7 @@ Archive to_archive(const RadialBasis<Dim>& basis) {
   archive.set("centers", basis.centers());
   archive.set("supports", basis.supports());
   const auto& transforms = basis.metric().transforms;
-  Eigen::MatrixXd columns(Dim * Dim, static_cast<Index>(transforms.size()));
+  Eigen::MatrixXd columns(Dim * Dim, std::ssize(transforms));
   for (Index j = 0; j < columns.cols(); ++j) columns.col(j) = transforms[j].reshaped();
   archive.set("transforms", columns);
   archive.set("periods", basis.metric().periods);
@@ -135,10 +126,10 @@ Archive patches_to_archive(const typename PartitionOfUnity<Dim>::Data& data) {
   archive.set("components", models.components);
   archive.set("center", models.center);
   archive.set("radius", models.radius);
-  if (models.anisotropic) archive.set("metrics", column_of(models.metric));
-  archive.set("positions", column_of(models.position));
-  archive.set("coefficients", column_of(models.alpha));
-  archive.set("polynomials", column_of(models.polynomial));
+  if (models.anisotropic) archive.set("metrics", models.metric);
+  archive.set("positions", models.position);
+  archive.set("coefficients", models.alpha);
+  archive.set("polynomials", models.polynomial);
   return archive;
 }
 
@@ -160,10 +151,10 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> patches_from(const A
   models.radius = archive.numbers("radius", cells, 1);
   if (!(models.radius.minCoeff() > 0)) archive.fail("a radius is not positive");
   models.anisotropic = archive.has("metrics");
-  if (models.anisotropic) models.metric = numbers_of(archive, "metrics", Dim * Dim * cells);
-  models.position = numbers_of(archive, "positions", Dim * models.centers_each * cells);
-  models.alpha = numbers_of(archive, "coefficients", models.components * models.centers_each * cells);
-  models.polynomial = numbers_of(archive, "polynomials", models.components * models.polynomial_size() * cells);
+  if (models.anisotropic) models.metric = archive.column("metrics", Dim * Dim * cells);
+  models.position = archive.column("positions", Dim * models.centers_each * cells);
+  models.alpha = archive.column("coefficients", models.components * models.centers_each * cells);
+  models.polynomial = archive.column("polynomials", models.components * models.polynomial_size() * cells);
   return data;
 }
 

@@ -7,8 +7,6 @@
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/io/models/archive.hpp"
 
-#include <memory>
-
 namespace csrbf {
 
 /// Converts parts that several fields share to archives and back. Reading throws IoError or InvalidInput for missing

@@ -5,9 +5,6 @@
 #include "csrbf/io/models/field_archive.hpp"
 #include "csrbf/io/samples.hpp"
 
-#include <optional>
-#include <utility>
-
 namespace csrbf {
 namespace {
 
@@ -50,8 +47,7 @@ Archive to_archive(const FitReport& report) {
   archive.kind = "report";
   for_each_member(report, [&](const char* name, const auto& member) { archive.set(name, member); });
   archive.set("anisotropy", report.anisotropy);
-  archive.set("axis_scales", Eigen::Map<const Eigen::VectorXd>(report.axis_scales.data(),
-                                                               static_cast<Index>(report.axis_scales.size())));
+  archive.set("axis_scales", report.axis_scales);
   set_texts(archive, "warning", report.warnings);
   return archive;
 }
@@ -72,8 +68,7 @@ FitReport report_from(const Archive& archive) {
   FitReport report;
   for_each_member(report, MemberReader{archive});
   if (archive.has("anisotropy")) report.anisotropy = archive.number("anisotropy");  // older models have none
-  const auto& scales = archive.numbers("axis_scales", -1, 1);
-  report.axis_scales.assign(scales.data(), scales.data() + scales.size());
+  report.axis_scales = archive.column("axis_scales");
   report.warnings = texts_of(archive, "warning");
   return report;
 }
@@ -121,9 +116,7 @@ std::vector<std::string> names_or(std::vector<std::string> names, std::vector<st
 
 Archive to_archive(const NamedFunction& named) {
   const Function& function = named.function;
-  const auto fits = [](const auto& names, Index count) {
-    return names.empty() || static_cast<Index>(names.size()) == count;
-  };
+  const auto fits = [](const auto& names, Index count) { return names.empty() || std::ssize(names) == count; };
   require(fits(named.coordinate_names, function.dimension()), "write_model", "coordinate_names",
           named.coordinate_names.size(), "there must be one per coordinate, or none");
   require(fits(named.value_names, function.components()), "write_model", "value_names", named.value_names.size(),
@@ -150,8 +143,7 @@ NamedFunction function_from(const Archive& archive) {
     const std::int64_t components = archive.integer("components", 1, most_names);
     NamedFunction named{make_function(archive, archive.integer("dimension", 1, most_names), components),
                         texts_of(archive, "coordinate_name"), texts_of(archive, "value_name")};
-    if (static_cast<Index>(named.coordinate_names.size()) != named.function.dimension() ||
-        static_cast<Index>(named.value_names.size()) != components)
+    if (std::ssize(named.coordinate_names) != named.function.dimension() || std::ssize(named.value_names) != components)
       archive.fail("the names do not fit the function");
     return named;
   } catch (const InvalidInput& error) {

@@ -16,8 +16,7 @@ Archive to_archive(const LatticeField<Dim>& field) {
   archive.set("to_lattice", data.to_lattice.matrix().template topRows<Dim>());
   archive.set("step", data.step);
   archive.set("size", Eigen::Map<const Eigen::Matrix<Index, Dim, 1>>(data.size.data()).template cast<std::int64_t>());
-  archive.set("coefficients", Eigen::Map<const Eigen::VectorXd>(data.coefficients.data(),
-                                                                static_cast<Index>(data.coefficients.size())));
+  archive.set("coefficients", data.coefficients);
   set_box(archive, data.bounds);
   return archive;
 }
@@ -32,8 +31,7 @@ std::shared_ptr<const LatticeField<Dim>> lattice_field_from(const Archive& archi
   data.step = archive.numbers("step", Dim, 1);
   const auto& size = archive.array<std::int64_t>("size", Dim, 1);
   std::copy_n(size.data(), Dim, data.size.begin());
-  const auto& coefficients = archive.numbers("coefficients", -1, 1);
-  data.coefficients.assign(coefficients.data(), coefficients.data() + coefficients.size());
+  data.coefficients = archive.column("coefficients");
   data.bounds = box_of<Dim>(archive);
   if (data.bounds.empty() || !data.bounds.extent().allFinite()) archive.fail("the box of the lattice is damaged");
   if (data.to_lattice.linear().determinant() == 0) archive.fail("the axes of the lattice are damaged");

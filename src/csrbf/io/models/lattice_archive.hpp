@@ -3,8 +3,6 @@
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/levelset/lattice/lattice_field.hpp"
 
-#include <memory>
-
 namespace csrbf {
 
 /// The kind of archives of level sets on a lattice.

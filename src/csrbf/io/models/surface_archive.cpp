@@ -3,13 +3,9 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/implicit/combine.hpp"
 #include "csrbf/implicit/combine/extend_distance.hpp"
-#include "csrbf/io/models/composite_archive.hpp"
 #include "csrbf/io/models/field_archive.hpp"
 #include "csrbf/io/models/field_parts.hpp"
-#include "csrbf/io/models/transformed_archive.hpp"
-
-#include <cmath>
-#include <utility>
+#include "csrbf/io/models/surface_parts.hpp"
 
 namespace csrbf {
 namespace {

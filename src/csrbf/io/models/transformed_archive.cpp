@@ -1,12 +1,9 @@
-#include "csrbf/io/models/transformed_archive.hpp"
+#include "csrbf/io/models/surface_parts.hpp"
 
 #include "csrbf/io/models/field_archive.hpp"
 #include "csrbf/io/models/field_parts.hpp"
-#include "csrbf/io/models/winding_archive.hpp"
 #include "csrbf/surface/baselines/quadric_balls.hpp"
 #include "csrbf/surface/medial/medial_axis_field.hpp"
-
-#include <utility>
 
 namespace csrbf {
 namespace {

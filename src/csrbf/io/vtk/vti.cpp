@@ -1,4 +1,4 @@
-#include "csrbf/io/vtk/vti.hpp"
+#include "csrbf/io/vtk/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
@@ -116,17 +116,12 @@ FileParts format_vti(const Grid& grid, std::vector<VtkArray> arrays) {
 }
 
 void write_vti(const std::string& path, const Grid& grid, std::vector<VtkArray> arrays) {
-  if (file_extension(path) != ".vti")
-    throw IoError(path + ": unknown extension " + in_quotes(file_extension(path)) + "; several arrays go to .vti");
+  if (file_extension(path) != ".vti") refuse_extension(path, file_extension(path), "several arrays go to .vti");
   require(!arrays.empty(), "write_vti", "arrays", 0, "at least one is needed");
   for (const VtkArray& array : arrays)
-    require(array.bytes.size() == static_cast<std::size_t>(array.components * grid.voxels()) * sample_size(array.type),
-            "write_vti", "bytes of array " + array.name, array.bytes.size(), "one number per component and voxel");
-  const FileParts parts = format_vti(grid, std::move(arrays));
-  AtomicFile file(path);
-  file.write(parts.head);
-  file.write(parts.body);
-  file.commit();
+    require(array.bytes.size() == array.components * grid.voxels() * sample_size(array.type), "write_vti",
+            "bytes of array " + array.name, array.bytes.size(), "one number per component and voxel");
+  write_parts(path, format_vti(grid, std::move(arrays)));
 }
 
 }  // namespace csrbf

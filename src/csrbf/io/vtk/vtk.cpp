@@ -5,9 +5,6 @@
 #include "csrbf/io/files/deflate.hpp"
 #include "csrbf/io/files/text.hpp"
 
-#include <algorithm>
-#include <array>
-
 namespace csrbf {
 namespace {
 

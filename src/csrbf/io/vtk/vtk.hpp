@@ -3,10 +3,6 @@
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/vtk/xml.hpp"
 
-#include <optional>
-#include <string>
-#include <string_view>
-
 namespace csrbf {
 
 /// An array of a VTK file: `components` per point, voxel or corner.

@@ -1,41 +1,17 @@
-#include "csrbf/io/vtk/vtp.hpp"
+#include "csrbf/io/vtk/formats.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/text.hpp"
-#include "csrbf/io/geometry/colors.hpp"
-#include "csrbf/io/geometry/float_coordinates.hpp"
+#include "csrbf/io/geometry/properties.hpp"
 #include "csrbf/io/vtk/vtk.hpp"
-
-#include <algorithm>
 
 namespace csrbf {
 namespace {
 
-struct TypeName {
-  std::string_view property;
-  SampleType type;
-};
-
 // Properties have no 64-bit integer type; their values are doubles anyway.
-constexpr std::array<TypeName, 8> property_types{{{"char", SampleType::int8},
-                                                  {"uchar", SampleType::uint8},
-                                                  {"short", SampleType::int16},
-                                                  {"ushort", SampleType::uint16},
-                                                  {"int", SampleType::int32},
-                                                  {"uint", SampleType::uint32},
-                                                  {"float", SampleType::float32},
-                                                  {"double", SampleType::float64}}};
-
-SampleType type_of(const Property& p) {
-  for (const TypeName& known : property_types)
-    if (known.property == p.type) return known.type;
-  return SampleType::float64;
-}
-
 std::string property_type(SampleType type) {
-  for (const TypeName& known : property_types)
-    if (known.type == type) return std::string(known.property);
-  return "double";
+  const std::string_view name = name_of(type, property_types);
+  return std::string(name.empty() ? "double" : name);
 }
 
 constexpr const char* axis_names[] = {"x", "y", "z"};
@@ -74,14 +50,15 @@ std::string point_data(const std::vector<Property>& properties, const Points<3>&
   for (std::size_t i = 0; i < properties.size(); ++i) {
     const Property& p = properties[i];
     if (colors.complete() && (&p == colors.red || &p == colors.green || &p == colors.blue)) continue;
+    const SampleType type = type_named(p.type, property_types).value_or(SampleType::float64);
     const std::string name = vector_name(properties, i);
     if (name.empty()) {
-      add(array_of(p.name, type_of(p), p.values.transpose()));
+      add(array_of(p.name, type, p.values.transpose()));
       continue;
     }
     Eigen::MatrixXd vectors(3, points);
     vectors << p.values.transpose(), properties[i + 1].values.transpose(), properties[i + 2].values.transpose();
-    arrays += writer.array(array_of(name, type_of(p), vectors));
+    arrays += writer.array(array_of(name, type, vectors));
     i += 2;
   }
   const bool has_normals = normals.cols() > 0;

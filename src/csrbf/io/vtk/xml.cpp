@@ -3,8 +3,6 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/text.hpp"
 
-#include <array>
-
 namespace csrbf {
 namespace {
 

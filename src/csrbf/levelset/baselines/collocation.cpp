@@ -7,13 +7,12 @@
 #include "csrbf/levelset/baselines/voxel_sampler.hpp"
 #include "csrbf/levelset/image/label_gap.hpp"
 #include "csrbf/levelset/image/signed_distance.hpp"
+#include "csrbf/levelset/lattice/lattice_field.hpp"
 
 #include <Eigen/Geometry>
 
 #include <chrono>
-#include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace csrbf {
 namespace {
@@ -44,18 +43,6 @@ void check(const Grid& grid, const CollocationOptions& o, int dim) {
   require(o.step > 0 && std::isfinite(o.step), here, "step", o.step, "must be positive");
   require(o.iterations >= 0, here, "iterations", o.iterations, "must not be negative");
   require(o.tolerance >= 0, here, "tolerance", o.tolerance, "must not be negative");
-}
-
-template <int Dim>
-Box<Dim> image_box(const Grid& grid) {
-  const auto map = grid.to_physical<Dim>();
-  Box<Dim> box;
-  for (int corner = 0; corner < (1 << Dim); ++corner) {
-    Point<Dim> p;
-    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a) % 2 == 0 ? -0.5 : static_cast<double>(grid.size[a]) - 0.5;
-    box.add(Point<Dim>(map * p));
-  }
-  return box;
 }
 
 template <int Dim>
@@ -121,7 +108,7 @@ class Collocation {
  private:
   // V at the nodes, scaled to max |V| = 1.
   [[nodiscard]] Eigen::VectorXd velocity(const std::vector<float>& force) const {
-    const Eigen::Map<const Eigen::VectorXf> forces(force.data(), static_cast<Index>(force.size()));
+    const Eigen::Map<const Eigen::VectorXf> forces(force.data(), std::ssize(force));
     Eigen::VectorXd V(averages_.rows());
     parallel_for(V.size(), 4096, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {

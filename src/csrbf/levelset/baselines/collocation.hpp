@@ -5,7 +5,6 @@
 #include "csrbf/levelset/baselines/nodes.hpp"
 #include "csrbf/levelset/segment_options.hpp"
 
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>

@@ -3,10 +3,6 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 namespace csrbf {
@@ -38,13 +34,13 @@ struct DenseLevelSet<Dim>::Stencil {
 
   [[nodiscard]] double upwind_norm(bool rising) const {
     double sum = 0;
-    for (std::size_t a = 0; a < Dim; ++a) sum += godunov(backward[a], forward[a], rising);
+    for (Index a = 0; a < Dim; ++a) sum += godunov(backward[a], forward[a], rising);
     return std::sqrt(sum);
   }
   // |grad f| div(grad f / |grad f|)
   [[nodiscard]] double bending() const {
     double norm2 = square(tiny), laplacian = 0, along = 0;
-    for (std::size_t a = 0; a < Dim; ++a) {
+    for (Index a = 0; a < Dim; ++a) {
       norm2 += square(central[a]);
       laplacian += second[a];
       along += square(central[a]) * second[a];
@@ -59,7 +55,7 @@ DenseLevelSet<Dim>::DenseLevelSet(const Grid& grid, std::vector<float> values, d
     : grid_(grid), values_(std::move(values)), band_(band) {
   require(grid.dimension() <= Dim, "DenseLevelSet", "dimension of the image", grid.dimension(),
           "must be that of the level set");
-  require(static_cast<Index>(values_.size()) == grid.voxels(), "DenseLevelSet", "number of values", values_.size(),
+  require(std::ssize(values_) == grid.voxels(), "DenseLevelSet", "number of values", values_.size(),
           "must be one per voxel");
   require(band > 0, "DenseLevelSet", "band", band, "must be positive");
   find_band();
@@ -79,7 +75,7 @@ void DenseLevelSet<Dim>::find_band() {
 // By face neighbours, so many times.
 template <int Dim>
 void DenseLevelSet<Dim>::widen_band(int voxels) {
-  if (static_cast<Index>(active_.size()) == grid_.voxels()) return;
+  if (std::ssize(active_) == grid_.voxels()) return;
   std::vector<std::uint8_t> inside(values_.size(), 0);
   for (const Index i : active_) inside[i] = 1;
   std::size_t first = 0;
@@ -88,7 +84,7 @@ void DenseLevelSet<Dim>::widen_band(int voxels) {
     for (; first < last; ++first) {
       Index rest = active_[first], stride = 1;
       const Index voxel = rest;
-      for (std::size_t a = 0; a < Dim; ++a) {
+      for (Index a = 0; a < Dim; ++a) {
         const Index at = rest % grid_.size[a];
         for (const Index side : {-1, 1}) {
           if (at + side < 0 || at + side >= grid_.size[a]) continue;
@@ -109,8 +105,8 @@ typename DenseLevelSet<Dim>::Stencil DenseLevelSet<Dim>::stencil(const std::vect
   Stencil s;
   s.f = value(voxel);
   Index rest = voxel, stride = 1;
-  for (std::size_t a = 0; a < Dim; ++a) {
-    const double h = grid_.spacing[static_cast<Index>(a)];
+  for (Index a = 0; a < Dim; ++a) {
+    const double h = grid_.spacing[a];
     s.at[a] = rest % grid_.size[a];
     rest /= grid_.size[a];
     s.edge[a] = h;
@@ -122,7 +118,7 @@ typename DenseLevelSet<Dim>::Stencil DenseLevelSet<Dim>::stencil(const std::vect
     s.central[a] = (above - below) / (2 * h);
     s.second[a] = (above - 2 * s.f + below) / (h * h);
   }
-  for (std::size_t a = 0; a < Dim; ++a)
+  for (Index a = 0; a < Dim; ++a)
     for (std::size_t b = a + 1; b < Dim; ++b) {
       const Index down = s.neighbor[b][0] - voxel, up = s.neighbor[b][1] - voxel;
       s.mixed[a][b] = (value(s.neighbor[a][1] + up) - value(s.neighbor[a][1] + down) - value(s.neighbor[a][0] + up) +
@@ -136,12 +132,12 @@ typename DenseLevelSet<Dim>::Stencil DenseLevelSet<Dim>::stencil(const std::vect
 template <int Dim>
 double DenseLevelSet<Dim>::penalty_rate(const Stencil& s) const {
   double sum = 0;
-  for (std::size_t a = 0; a < Dim; ++a)
+  for (Index a = 0; a < Dim; ++a)
     for (std::size_t side = 0; side < 2; ++side) {
       const double across = side == 0 ? s.backward[a] : s.forward[a];
       const Stencil next = stencil(values_, s.neighbor[a][side]);
       double norm2 = square(across) + square(tiny);
-      for (std::size_t b = 0; b < Dim; ++b)
+      for (Index b = 0; b < Dim; ++b)
         if (b != a) norm2 += square(0.5 * (s.central[b] + next.central[b]));
       sum += (side == 0 ? -1 : 1) * (1 - 1 / std::sqrt(norm2)) * across / s.edge[a];
     }
@@ -162,7 +158,7 @@ double DenseLevelSet<Dim>::stable_step(double largest_speed, const DenseMotion& 
 template <int Dim>
 std::vector<float> DenseLevelSet<Dim>::rate(const DenseMotion& motion) const {
   std::vector<float> rate(active_.size());
-  parallel_for(static_cast<Index>(active_.size()), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(active_), grain, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
       const Index i = active_[k];
       const auto voxel = static_cast<std::size_t>(i);
@@ -192,12 +188,12 @@ void DenseLevelSet<Dim>::step(const DenseMotion& motion, double tau) {
 template <int Dim>
 std::vector<float> DenseLevelSet<Dim>::anchors() const {
   std::vector<float> anchors(active_.size());
-  parallel_for(static_cast<Index>(active_.size()), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(active_), grain, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
       const Stencil s = stencil(values_, active_[k]);
       double norm2 = 0;
       bool next_to = false;
-      for (std::size_t a = 0; a < Dim; ++a) {
+      for (Index a = 0; a < Dim; ++a) {
         const double below = s.f - s.backward[a] * s.edge[a], above = s.f + s.forward[a] * s.edge[a];
         const bool crosses_below = (below > 0) != (s.f > 0), crosses_above = (above > 0) != (s.f > 0);
         next_to = next_to || crosses_below || crosses_above;
@@ -222,8 +218,8 @@ void DenseLevelSet<Dim>::reinitialize(int steps, int moved) {
   const auto limit = static_cast<float>(band_);
   std::vector<float> next(active_.size());
   for (int step = 0; step < steps; ++step) {
-    parallel_for(static_cast<Index>(active_.size()), grain, [&](Index begin, Index end) {
-      for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+    parallel_for(std::ssize(active_), grain, [&](Index begin, Index end) {
+      for (Index k = begin; k < end; ++k) {
         next[k] = anchor[k];
         if (!std::isnan(anchor[k])) continue;
         const Stencil s = stencil(values_, active_[k]);

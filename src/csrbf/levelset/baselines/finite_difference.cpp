@@ -9,10 +9,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace csrbf {
 namespace {
 
@@ -74,12 +70,7 @@ std::shared_ptr<const LatticeField<Dim>> interpolate_values(const Grid& grid, co
   data.support = support * edge;
   data.step.setConstant(edge);
   data.to_lattice = grid.to_voxel<Dim>();
-  const auto map = grid.to_physical<Dim>();
-  for (int corner = 0; corner < (1 << Dim); ++corner) {
-    Point<Dim> p;
-    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a) % 2 == 0 ? -0.5 : static_cast<double>(grid.size[a]) - 0.5;
-    data.bounds.add(Point<Dim>(map * p));
-  }
+  data.bounds = image_box<Dim>(grid);
   return std::make_shared<const LatticeField<Dim>>(std::move(data));
 }
 

@@ -5,9 +5,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/levelset/baselines/node_system.hpp"
 
-#include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace csrbf {
 namespace {

@@ -9,8 +9,6 @@
 
 #include <Eigen/LU>
 
-#include <optional>
-
 namespace csrbf {
 namespace {
 
@@ -33,22 +31,22 @@ template <int Dim>
 std::vector<ToeplitzTap<Dim>> taps_of(const Nodes<Dim>& nodes, double support, const Weight& weight) {
   Eigen::Matrix<double, Dim, Dim> steps;
   Index stride = 1;
-  for (std::size_t a = 0; a < Dim; stride *= nodes.size[a], ++a)
-    steps.col(static_cast<Index>(a)) = nodes.points.col(stride) - nodes.points.col(0);
+  for (Index a = 0; a < Dim; stride *= nodes.size[a], ++a)
+    steps.col(a) = nodes.points.col(stride) - nodes.points.col(0);
   // |steps k| < support implies |k_a| < support |row a of the inverse|.
   const Eigen::Matrix<double, Dim, Dim> inverse = steps.inverse();
   std::array<Index, Dim> reach, k;
-  for (std::size_t a = 0; a < Dim; ++a) {
-    reach[a] = static_cast<Index>(support * inverse.row(static_cast<Index>(a)).norm());
+  for (Index a = 0; a < Dim; ++a) {
+    reach[a] = static_cast<Index>(support * inverse.row(a).norm());
     k[a] = -reach[a];
   }
   std::vector<ToeplitzTap<Dim>> taps;
   for (;;) {
     Point<Dim> offset;
-    for (std::size_t a = 0; a < Dim; ++a) offset[static_cast<Index>(a)] = static_cast<double>(k[a]);
+    for (Index a = 0; a < Dim; ++a) offset[a] = static_cast<double>(k[a]);
     const double r = (steps * offset).norm() / support;
     if (r < 1) taps.push_back({k, weight(r)});
-    std::size_t a = 0;
+    Index a = 0;
     for (; a < Dim && ++k[a] > reach[a]; ++a) k[a] = -reach[a];
     if (a == Dim) return taps;
   }
@@ -155,10 +153,6 @@ NodeSystem<Dim>::NodeSystem(const Nodes<Dim>& nodes, const Kernel& kernel, doubl
 }
 
 template <int Dim>
-NodeSystem<Dim>::NodeSystem(NodeSystem&&) noexcept = default;
-template <int Dim>
-NodeSystem<Dim>& NodeSystem<Dim>::operator=(NodeSystem&&) noexcept = default;
-template <int Dim>
 NodeSystem<Dim>::~NodeSystem() = default;
 
 template <int Dim>
@@ -204,12 +198,6 @@ Index NodeSystem<Dim>::nodes() const {
 template <int Dim>
 const RadialBasis<Dim>& NodeSystem<Dim>::basis() const {
   return *impl_->basis;
-}
-
-template <int Dim>
-const char* NodeSystem<Dim>::method() const {
-  if (impl_->toeplitz) return "toeplitz";
-  return impl_->dense.size() == 0 ? "sparse" : "dense";
 }
 
 template class NodeSystem<2>;

@@ -25,8 +25,6 @@ class NodeSystem {
   /// more than `dense_limit` nodes with a kernel that is not compact; SolverFailure when H is singular to working
   /// precision.
   NodeSystem(const Nodes<Dim>& nodes, const Kernel& kernel, double support, double diffusion = 0);
-  NodeSystem(NodeSystem&&) noexcept;
-  NodeSystem& operator=(NodeSystem&&) noexcept;
   ~NodeSystem();
 
   /// Coefficients (n, and Q of the polynomial behind them) for values at the nodes (n).
@@ -49,8 +47,6 @@ class NodeSystem {
 
   [[nodiscard]] Index nodes() const;
   [[nodiscard]] const RadialBasis<Dim>& basis() const;
-  /// "toeplitz", "sparse" or "dense".
-  [[nodiscard]] const char* method() const;
 
   static constexpr Index dense_limit = 4000;  ///< 128 MB for the matrix, and as much for its factor
 

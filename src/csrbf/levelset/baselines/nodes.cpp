@@ -21,9 +21,8 @@ Nodes<Dim> make_nodes(const Point<Dim>& last, const std::array<Index, Dim>& coun
   for (Index i = 0; i < n; ++i) {
     Index rest = i;
     Point<Dim> p;
-    for (std::size_t a = 0; a < Dim; ++a) {
-      p[static_cast<Index>(a)] =
-          last[static_cast<Index>(a)] * static_cast<double>(rest % counts[a]) / static_cast<double>(counts[a] - 1);
+    for (Index a = 0; a < Dim; ++a) {
+      p[a] = last[a] * static_cast<double>(rest % counts[a]) / static_cast<double>(counts[a] - 1);
       rest /= counts[a];
     }
     nodes.points.col(i) = map(p);
@@ -36,7 +35,7 @@ Nodes<Dim> make_nodes(const Point<Dim>& last, const std::array<Index, Dim>& coun
 template <int Dim>
 Nodes<Dim> regular_nodes(const Grid& grid, const std::array<Index, Dim>& counts) {
   Point<Dim> last;
-  for (std::size_t a = 0; a < Dim; ++a) last[static_cast<Index>(a)] = static_cast<double>(grid.size[a] - 1);
+  for (Index a = 0; a < Dim; ++a) last[a] = static_cast<double>(grid.size[a] - 1);
   const auto map = grid.to_physical<Dim>();
   return make_nodes<Dim>(last, counts, [&](const Point<Dim>& p) -> Point<Dim> { return map * p; });
 }
@@ -46,8 +45,8 @@ Nodes<Dim> regular_nodes(const Grid& grid, double spacing) {
   require(spacing > 0 && std::isfinite(spacing), "regular_nodes", "spacing", spacing, "must be positive");
   const double step = spacing * grid.spacing.head<Dim>().minCoeff();
   std::array<Index, Dim> counts;
-  for (std::size_t a = 0; a < Dim; ++a) {
-    const double length = static_cast<double>(grid.size[a] - 1) * grid.spacing[static_cast<Index>(a)];
+  for (Index a = 0; a < Dim; ++a) {
+    const double length = static_cast<double>(grid.size[a] - 1) * grid.spacing[a];
     counts[a] = std::max<Index>(2, std::lround(length / step) + 1);
   }
   return regular_nodes<Dim>(grid, counts);
@@ -64,8 +63,7 @@ double fill_distance(const Nodes<Dim>& nodes, const PointsRef<Dim>& domain) {
   if (nodes.regular()) {
     Point<Dim> diagonal = Point<Dim>::Zero();
     Index stride = 1;
-    for (std::size_t a = 0; a < Dim; stride *= nodes.size[a], ++a)
-      diagonal += nodes.points.col(stride) - nodes.points.col(0);
+    for (Index a = 0; a < Dim; stride *= nodes.size[a], ++a) diagonal += nodes.points.col(stride) - nodes.points.col(0);
     return 0.5 * diagonal.norm();
   }
   constexpr Index grain = 4096;  // searches per task

@@ -3,8 +3,6 @@
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/types.hpp"
 
-#include <array>
-
 namespace csrbf {
 
 /// Places of the centres of a level set.

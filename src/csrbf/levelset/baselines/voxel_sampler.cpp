@@ -1,12 +1,11 @@
 #include "csrbf/levelset/baselines/voxel_sampler.hpp"
 
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/kernels/wendland.hpp"
+#include "csrbf/kernels/kernel.hpp"
 
 #include <Eigen/Geometry>
 
 #include <numbers>
-#include <numeric>
 
 namespace csrbf {
 namespace {
@@ -24,9 +23,9 @@ double mean_entries(const RadialBasis<Dim>& basis, const Points<Dim>& voxels) {
 template <class Scalar>
 Eigen::SparseMatrix<Scalar, Eigen::RowMajor> from_rows(const std::vector<std::vector<std::pair<Index, double>>>& rows,
                                                        Index columns) {
-  Eigen::SparseMatrix<Scalar, Eigen::RowMajor> matrix(static_cast<Index>(rows.size()), columns);
+  Eigen::SparseMatrix<Scalar, Eigen::RowMajor> matrix(std::ssize(rows), columns);
   matrix.reserve(std::accumulate(rows.begin(), rows.end(), Index{0},
-                                 [](Index sum, const auto& row) { return sum + static_cast<Index>(row.size()); }));
+                                 [](Index sum, const auto& row) { return sum + std::ssize(row); }));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     matrix.startVec(static_cast<Index>(i));
     for (const auto& [column, weight] : rows[i])
@@ -40,22 +39,21 @@ Eigen::SparseMatrix<Scalar, Eigen::RowMajor> from_rows(const std::vector<std::ve
 template <int Dim, class Body>
 void for_each_voxel(const Grid& grid, const Point<Dim>& at, const Point<Dim>& reach, const Body& body) {
   std::array<Index, Dim> lo, hi, k;
-  for (std::size_t a = 0; a < Dim; ++a) {
-    const auto axis = static_cast<Index>(a);
-    lo[a] = std::max<Index>(0, static_cast<Index>(std::ceil(at[axis] - reach[axis])));
-    hi[a] = std::min<Index>(grid.size[a] - 1, static_cast<Index>(std::floor(at[axis] + reach[axis])));
+  for (Index a = 0; a < Dim; ++a) {
+    lo[a] = std::max<Index>(0, static_cast<Index>(std::ceil(at[a] - reach[a])));
+    hi[a] = std::min<Index>(grid.size[a] - 1, static_cast<Index>(std::floor(at[a] + reach[a])));
     if (lo[a] > hi[a]) return;
   }
   k = lo;
   for (;;) {
     Point<Dim> offset;
     Index index = 0;
-    for (std::size_t a = Dim; a-- > 0;) {
-      offset[static_cast<Index>(a)] = static_cast<double>(k[a]) - at[static_cast<Index>(a)];
+    for (Index a = Dim; a-- > 0;) {
+      offset[a] = static_cast<double>(k[a]) - at[a];
       index = index * grid.size[a] + k[a];
     }
     body(index, offset);
-    std::size_t a = 0;
+    Index a = 0;
     for (; a < Dim && ++k[a] > hi[a]; ++a) k[a] = lo[a];
     if (a == Dim) return;
   }
@@ -63,8 +61,7 @@ void for_each_voxel(const Grid& grid, const Point<Dim>& at, const Point<Dim>& re
 
 template <int Dim>
 Point<Dim> clamped(const Grid& grid, Point<Dim> voxel) {
-  for (std::size_t a = 0; a < Dim; ++a)
-    voxel[static_cast<Index>(a)] = std::clamp(voxel[static_cast<Index>(a)], 0.0, static_cast<double>(grid.size[a] - 1));
+  for (Index a = 0; a < Dim; ++a) voxel[a] = std::clamp(voxel[a], 0.0, static_cast<double>(grid.size[a] - 1));
   return voxel;
 }
 
@@ -124,7 +121,7 @@ Eigen::SparseMatrix<float, Eigen::RowMajor> velocity_weights(const Grid& grid, c
       if (!row.empty()) continue;
       const Point<Dim> near = clamped<Dim>(grid, at);
       Index index = 0;
-      for (std::size_t a = Dim; a-- > 0;) index = index * grid.size[a] + std::lround(near[static_cast<Index>(a)]);
+      for (Index a = Dim; a-- > 0;) index = index * grid.size[a] + std::lround(near[a]);
       row.emplace_back(index, 1.0);
     }
   });

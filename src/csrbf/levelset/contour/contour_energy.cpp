@@ -4,10 +4,6 @@
 #include "csrbf/levelset/contour/spectral_descent.hpp"
 #include "csrbf/levelset/lattice/coefficient_sums.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 namespace csrbf {
 namespace {
 

@@ -5,10 +5,6 @@
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 namespace csrbf {
@@ -26,7 +22,7 @@ constexpr float flat_from = 0.9F;          // |f| of the fit, whose target is at
 
 std::array<Index, 3> unit_box(const Grid& grid) {
   std::array<Index, 3> width{0, 0, 0};
-  for (std::size_t a = 0; a < 3; ++a) width[a] = grid.size[a] > 1 ? 1 : 0;
+  for (Index a = 0; a < 3; ++a) width[a] = grid.size[a] > 1 ? 1 : 0;
   return width;
 }
 
@@ -36,9 +32,9 @@ std::array<std::vector<float>, Dim> slopes_of(std::span<const float> values, con
   std::array<std::vector<float>, Dim> slopes;
   const Index nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
   const std::array<Index, 3> strides{1, nx, nx * ny};
-  for (std::size_t a = 0; a < Dim; ++a) {
+  for (Index a = 0; a < Dim; ++a) {
     slopes[a].resize(values.size());
-    const double step = grid.spacing[static_cast<Index>(a)] / unit;
+    const double step = grid.spacing[a] / unit;
     parallel_for(ny * nz, 16, [&, a](Index begin, Index end) {
       for (Index row = begin; row < end; ++row)
         for (Index x = 0; x < nx; ++x) {
@@ -121,7 +117,7 @@ class EdgeFlow {
     for (Index i = 0; i < row.count; ++i) {
       const auto voxel = static_cast<std::size_t>(row.voxel + i * row.stride);
       float norm2 = 1e-12F, along = 0;
-      for (std::size_t a = 0; a < Dim; ++a) {
+      for (Index a = 0; a < Dim; ++a) {
         const float d = row.gradient[a][i] * static_cast<float>(unit_);
         norm2 += d * d;
         along += d * slopes_[a][voxel];
@@ -145,7 +141,7 @@ class EdgeFlow {
     mean_ = distance_;
     box_mean(mean_, grid_.size, unit_box(grid_));
     parallel_for(std::ssize(force_), 1 << 14, [&](Index begin, Index end) {
-      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      for (Index i = begin; i < end; ++i) {
         float d = distance_[i];
         // The mean over a box of three voxels is f + Laplacian f / 3.
         if (std::abs(d) < band)

@@ -3,8 +3,6 @@
 #include "csrbf/levelset/contour/contour_energy.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
 
-#include <span>
-
 namespace csrbf {
 
 /// 1 where an image is flat, towards 0 where its gradient is large: 1 / (1 + (|grad I| / k)^2), k a quarter of the 99th

@@ -4,8 +4,6 @@
 
 #include <Eigen/Geometry>
 
-#include <cmath>
-
 namespace csrbf {
 namespace {
 
@@ -38,9 +36,7 @@ void LargestField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& 
   bool first = true;
   for (std::size_t l = 0; l < fields_.size(); ++l) {
     if (l == k_) continue;
-    JetBlock to{other.value.data(), derivatives >= Derivatives::gradient ? other.gradient.data() : nullptr,
-                derivatives >= Derivatives::hessian ? other.hessian.data() : nullptr};
-    fields_[l]->evaluate_block(x, to);
+    fields_[l]->evaluate_block(x, {other.value.data(), other.gradient.data(), other.hessian.data()});
     for (Index i = 0; i < x.cols(); ++i) {
       if (!first && other.value[i] <= most.value[i]) continue;
       most.value[i] = other.value[i];
@@ -85,29 +81,17 @@ std::shared_ptr<const Field<Dim>> lattice_field(const Lattice<Dim>& lattice, con
     for (k[1] = 0; k[1] < size[1]; ++k[1])
       for (k[0] = 0; k[0] < size[0]; ++k[0])
         data.coefficients.push_back(factor * static_cast<double>(coefficients[lattice.coefficient(k)]));
-  const auto to_physical = grid.template to_physical<Dim>();
-  for (int corner = 0; corner < (1 << Dim); ++corner) {
-    Point<Dim> p;
-    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
-    data.bounds.add(to_physical * p);
-  }
+  data.bounds = image_box<Dim>(grid);
   return std::make_shared<LatticeField<Dim>>(std::move(data));
 }
 
-template <int Dim>
-std::shared_ptr<const Field<Dim>> largest_field(std::vector<std::shared_ptr<const Field<Dim>>> fields, std::size_t k) {
-  return std::make_shared<LargestField<Dim>>(std::move(fields), k);
-}
-
-template class LargestField<2>;
-template class LargestField<3>;
-template double contour_slope<2>(const Lattice<2>&, const std::vector<float>&);
-template std::shared_ptr<const Field<2>> lattice_field<2>(const Lattice<2>&, const std::vector<float>&, const Grid&,
-                                                          double);
-template double contour_slope<3>(const Lattice<3>&, const std::vector<float>&);
-template std::shared_ptr<const Field<3>> lattice_field<3>(const Lattice<3>&, const std::vector<float>&, const Grid&,
-                                                          double);
-template std::shared_ptr<const Field<2>> largest_field<2>(std::vector<std::shared_ptr<const Field<2>>>, std::size_t);
-template std::shared_ptr<const Field<3>> largest_field<3>(std::vector<std::shared_ptr<const Field<3>>>, std::size_t);
+#define CSRBF_INSTANTIATE(Dim)                                                                                  \
+  template class LargestField<Dim>;                                                                             \
+  template double contour_slope<Dim>(const Lattice<Dim>&, const std::vector<float>&);                           \
+  template std::shared_ptr<const Field<Dim>> lattice_field<Dim>(const Lattice<Dim>&, const std::vector<float>&, \
+                                                                const Grid&, double);
+CSRBF_INSTANTIATE(2)
+CSRBF_INSTANTIATE(3)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -39,8 +39,4 @@ class LargestField final : public Field<Dim> {
   std::size_t k_;
 };
 
-/// As LargestField.
-template <int Dim>
-std::shared_ptr<const Field<Dim>> largest_field(std::vector<std::shared_ptr<const Field<Dim>>> fields, std::size_t k);
-
 }  // namespace csrbf

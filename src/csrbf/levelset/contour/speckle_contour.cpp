@@ -8,8 +8,6 @@
 #include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "csrbf/levelset/lattice/coefficient_sums.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace csrbf {
@@ -38,8 +36,7 @@ template <int Dim>
 double spacing_in_speckle(const SpeckleModel& model, const Grid& grid) {
   constexpr double grains = 6;  // by hand: closer centres follow single grains, wider ones lose detail
   double width = 0;             // the mean of the axes
-  for (std::size_t a = 0; a < Dim; ++a)
-    width += model.grain[a] * grid.spacing[static_cast<Index>(a)] / unit_of(grid.spacing, Dim) / Dim;
+  for (Index a = 0; a < Dim; ++a) width += model.grain[a] * grid.spacing[a] / unit_of(grid.spacing, Dim) / Dim;
   return std::round(std::clamp(grains * width, 2.0, 24.0));
 }
 
@@ -69,15 +66,15 @@ SpeckleContour<Dim>::SpeckleContour(const Lattice<Dim>& lattice, const SpeckleMo
   constexpr double drift = 2;  // grains; by hand: larger follows noise, smaller stays at the start
   const double unit = unit_of(lattice.spacing(), Dim);
   double width = 1;
-  for (std::size_t a = 0; a < Dim; ++a) {
+  for (Index a = 0; a < Dim; ++a) {
     blur_[a] = model.grain[a] / std::numbers::sqrt2;  // the square of a Gaussian
-    width = std::max(width, model.grain[a] * lattice.spacing()[static_cast<Index>(a)] / unit);
+    width = std::max(width, model.grain[a] * lattice.spacing()[a] / unit);
   }
   const double slope = contour_slope(lattice, start_) * unit;
   eps_ = slope > 0 ? slope : 1;  // H rises within a voxel on each side
   stiffness_ = std::pow(eps_ * drift * width, -2);
   parallel_for(std::ssize(powers_), voxels_per_thread, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+    for (Index i = begin; i < end; ++i)
       powers_[i] = static_cast<float>(model_.power_of(static_cast<double>(values[i])));
   });
   // About what a voxel at the contour says.
@@ -89,8 +86,7 @@ double SpeckleContour<Dim>::prior_energy() const {
   if (prior_.empty()) return 0;
   return prior_scale_ * parallel_sum(std::ssize(share_), voxels_per_thread, [&](Index begin, Index end) {
            double part = 0;
-           for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-             part += static_cast<double>(prior_[i] * share_[i]);
+           for (Index i = begin; i < end; ++i) part += static_cast<double>(prior_[i] * share_[i]);
            return part;
          });
 }
@@ -102,7 +98,7 @@ double SpeckleContour<Dim>::power_energy() {
   const auto weight = static_cast<float>(1 / grain_);
   return parallel_sum(std::ssize(share_), voxels_per_thread, [&](Index begin, Index end) {
     double sum = 0;
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    for (Index i = begin; i < end; ++i) {
       const float power = low + gap * share_[i], seen = powers_[i] / power;
       const bool takes_part = mask_.empty() || mask_[i] != 0;
       sum += takes_part ? static_cast<double>(weight * (seen + std::log(power))) : 0.0;

@@ -3,7 +3,6 @@
 #include "csrbf/levelset/lattice/lattice.hpp"
 #include "csrbf/levelset/regions/speckle_model.hpp"
 
-#include <span>
 #include <vector>
 
 namespace csrbf {

@@ -5,11 +5,6 @@
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <span>
 #include <utility>
 
 namespace csrbf {

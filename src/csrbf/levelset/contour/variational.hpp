@@ -5,7 +5,6 @@
 #include "csrbf/levelset/contour/contour_energy.hpp"
 #include "csrbf/levelset/regions/force_source.hpp"
 
-#include <cstdint>
 #include <vector>
 
 namespace csrbf {

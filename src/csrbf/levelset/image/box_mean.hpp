@@ -2,9 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <array>
-#include <span>
-
 namespace csrbf {
 
 /// Replaces every value of an image, x fastest, by the mean over the box of 2 w + 1 voxels along each axis around it,

@@ -4,8 +4,6 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/simd.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace csrbf {
@@ -46,7 +44,7 @@ struct Lines {
 
 void blur_axis(float* values, const Lines& lines, double sd) {
   const std::vector<float> weights = gaussian_weights(sd);
-  const auto count = static_cast<Index>(weights.size());
+  const auto count = std::ssize(weights);
   const Index reach = count / 2, blocks = (lines.across + block - 1) / block;
   parallel_for(blocks * lines.planes, std::max<Index>(1, (1 << 16) / (lines.n * block)), [&](Index begin, Index end) {
     std::vector<float> copy((lines.n + 2 * reach) * block, 0.0F);

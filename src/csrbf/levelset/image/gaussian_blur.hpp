@@ -2,9 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <array>
-#include <span>
-
 namespace csrbf {
 
 /// Convolves an image, x fastest, with a Gaussian of standard deviation sd[axis] voxels along each axis, cut at 4 sd;

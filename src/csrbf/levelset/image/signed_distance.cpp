@@ -3,18 +3,14 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/distance_transform.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace csrbf {
 
 std::vector<float> signed_distance(const Grid& grid, const unsigned char* labels) {
   constexpr Index grain = 1 << 15;  // voxels per task
   const auto n = static_cast<std::size_t>(grid.voxels());
   double half = std::numeric_limits<double>::infinity(), diagonal2 = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double edge = grid.spacing[static_cast<Index>(a)];
+  for (Index a = 0; a < 3; ++a) {
+    const double edge = grid.spacing[a];
     if (grid.size[a] == 1) continue;
     half = std::min(half, 0.5 * edge);
     diagonal2 += std::pow(edge * static_cast<double>(grid.size[a]), 2);
@@ -28,7 +24,7 @@ std::vector<float> signed_distance(const Grid& grid, const unsigned char* labels
                    [inside](unsigned char label) -> std::uint8_t { return (label != 0) == inside ? 0 : 1; });
     const std::vector<float> other = distance_transform(grid.size, grid.spacing, marked);
     parallel_for(grid.voxels(), grain, [&](Index begin, Index end) {
-      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      for (Index i = begin; i < end; ++i)
         if (marked[i] == 0) distance[i] = (inside ? 1.F : -1.F) * (std::min(other[i], diagonal) - less);
     });
   }

@@ -15,7 +15,7 @@ template <class Term>
 double sum_of(std::size_t n, const Term& term) {
   return parallel_sum(static_cast<Index>(n), coefficients_per_thread, [&](Index begin, Index end) {
     double sum = 0;
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) sum += term(i);
+    for (Index i = begin; i < end; ++i) sum += term(i);
     return sum;
   });
 }
@@ -28,7 +28,7 @@ inline double dot(const std::vector<float>& a, const std::vector<float>& b) {
 template <class Body>
 void for_all(std::size_t n, const Body& body) {
   parallel_for(static_cast<Index>(n), coefficients_per_thread, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) body(i);
+    for (Index i = begin; i < end; ++i) body(i);
   });
 }
 

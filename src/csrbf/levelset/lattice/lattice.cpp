@@ -1,6 +1,7 @@
 #include "csrbf/levelset/lattice/lattice.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/lanes.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/parallel_sum.hpp"
 
@@ -9,12 +10,50 @@
 namespace csrbf {
 namespace {
 
+constexpr Index tap_slack = 64;   // floats that are summed at a time
 constexpr Index most_groups = 8;  // of phases with sums of their own: enough for the threads, few enough for memory
 constexpr Index chunk = 512;      // blocks of tap_slack numbers that are worth a thread
 constexpr Index chunk_voxels = 1 << 14;  // voxels, or coefficients, that are worth a thread
 
 Index floor_div(Index a, Index b) {
   return a / b - (a % b != 0 && a < 0 ? 1 : 0);
+}
+
+struct SumBlocks {
+  // Four accumulators share each broadcast weight and hide the latency of their sums.
+  template <int Bytes>
+  CSRBF_ALWAYS_INLINE static void run(const Tap* taps, Index count, const float* in, Index n, float* out, bool add) {
+    using Floats = Lanes<float, 16, Bytes>;
+    constexpr Index width = Floats::size, block = 4 * width;
+    static_assert(block == tap_slack);
+    for (Index i = 0; i < n; i += block) {
+      Floats a(0.0F), b(0.0F), c(0.0F), d(0.0F);
+      if (add) {
+        a = Floats(out + i);
+        b = Floats(out + i + width);
+        c = Floats(out + i + 2 * width);
+        d = Floats(out + i + 3 * width);
+      }
+      for (Index t = 0; t < count; ++t) {
+        const float* from = in + i + taps[t].offset;
+        const float w = taps[t].weight;
+        a += w * Floats(from);
+        b += w * Floats(from + width);
+        c += w * Floats(from + 2 * width);
+        d += w * Floats(from + 3 * width);
+      }
+      a.store(out + i);
+      b.store(out + i + width);
+      c.store(out + i + 2 * width);
+      d.store(out + i + 3 * width);
+    }
+  }
+};
+
+// out[i] = sum over taps of weight * in[i + offset], i < n; added to what out holds when `add`. Arrays must not
+// overlap, and both must have tap_slack readable (out: writable) entries behind their last used one.
+void sum_taps(std::span<const Tap> taps, const float* in, Index n, float* out, bool add) {
+  simd_call<SumBlocks>(taps.data(), std::ssize(taps), in, n, out, add);
 }
 
 // The ratio of small numbers that comes closest to `wanted` >= 1; the first within the tolerance will do.
@@ -59,10 +98,10 @@ Lattice<Dim>::Lattice(const std::array<Index, 3>& size, const Point<3>& spacing,
     : size_(size), spacing_(spacing), kernel_(options.kernel, Dim), buffers_(std::make_shared<BufferPool>()) {
   check(size, spacing, options, kernel_, Dim);
   const double step = options.center_spacing * spacing.head<Dim>().minCoeff();
-  for (std::size_t a = 0; a < 3; ++a) {
+  for (Index a = 0; a < 3; ++a) {
     Axis& axis = axes_[a];
     axis.voxels = size[a];
-    axis.edge = spacing[static_cast<Index>(a)];
+    axis.edge = spacing[a];
     if (a >= Dim) continue;
     std::tie(axis.p, axis.q) = small_ratio(std::max(1.0, step / axis.edge));
     const double distance = axis.ratio() * axis.edge;
@@ -76,7 +115,7 @@ Lattice<Dim>::Lattice(const std::array<Index, 3>& size, const Point<3>& spacing,
   support_ = options.support * center_spacing_;
   Index phases = 1;
   std::array<Index, 3> reach{0, 0, 0};
-  for (std::size_t a = 0; a < Dim; ++a) {
+  for (Index a = 0; a < Dim; ++a) {
     Axis& axis = axes_[a];
     const double radius = support_ / axis.step();
     axis.first = floor_div(static_cast<Index>(std::ceil(axis.position(0) - radius)), axis.q);
@@ -106,7 +145,7 @@ void Lattice<Dim>::make_phase(Phase& phase) const {
   phase.backward.resize(classes_);
   phase.backward_with_gradient.resize(classes_);
   std::array<Index, 3> lo{0, 0, 0}, hi{0, 0, 0}, k{};
-  for (std::size_t a = 0; a < Dim; ++a) {
+  for (Index a = 0; a < Dim; ++a) {
     const double radius = support_ / axes_[a].step();
     lo[a] = static_cast<Index>(std::ceil(axes_[a].position(phase.at[a]) - radius));
     hi[a] = static_cast<Index>(std::floor(axes_[a].position(phase.at[a]) + radius));
@@ -120,10 +159,10 @@ template <int Dim>
 void Lattice<Dim>::add_tap(Phase& phase, const std::array<Index, 3>& k) const {
   Point<3> x = Point<3>::Zero();
   Index group = 0, offset = 0;
-  for (std::size_t a = 3; a-- > 0;) {
+  for (Index a = 3; a-- > 0;) {
     const Axis& axis = axes_[a];
     const Index entry = floor_div(k[a], axis.q);
-    if (a < Dim) x[static_cast<Index>(a)] = (axis.position(phase.at[a]) - static_cast<double>(k[a])) * axis.step();
+    if (a < Dim) x[a] = (axis.position(phase.at[a]) - static_cast<double>(k[a])) * axis.step();
     group = group * axis.q + (k[a] - entry * axis.q);
     offset = offset * axis.length + (entry - axis.first);
   }
@@ -164,13 +203,12 @@ template <int Dim>
 double Lattice<Dim>::find_steepest() const {
   double slope = 0;
   std::array<Index, 3> reach{0, 0, 0}, k{};
-  for (std::size_t a = 0; a < Dim; ++a) reach[a] = static_cast<Index>(std::ceil(support_ / axes_[a].step()));
+  for (Index a = 0; a < Dim; ++a) reach[a] = static_cast<Index>(std::ceil(support_ / axes_[a].step()));
   for (k[2] = -reach[2]; k[2] <= reach[2]; ++k[2])
     for (k[1] = -reach[1]; k[1] <= reach[1]; ++k[1])
       for (k[0] = 0; k[0] <= reach[0]; ++k[0]) {
         Point<3> x = Point<3>::Zero();
-        for (std::size_t a = 0; a < Dim; ++a)
-          x[static_cast<Index>(a)] = (static_cast<double>(k[a]) + (a == 0 ? 0.5 : 0.0)) * axes_[a].step();
+        for (Index a = 0; a < Dim; ++a) x[a] = (static_cast<double>(k[a]) + (a == 0 ? 0.5 : 0.0)) * axes_[a].step();
         const double r = x.norm() / support_;
         if (r < 1) slope += -2 * kernel_.g(r) * x[0] / (support_ * support_);
       }
@@ -180,7 +218,7 @@ double Lattice<Dim>::find_steepest() const {
 template <int Dim>
 double Lattice<Dim>::sweep(const float* coefficients, bool gradients,
                            const std::function<double(const LatticeRow&)>& row, float* derivatives) const {
-  const auto phases = static_cast<Index>(phases_.size());
+  const auto phases = std::ssize(phases_);
   const Index groups = phases < 4 ? 1 : std::min(phases, most_groups);
   const auto workspace_size = static_cast<std::size_t>((gradients ? Dim + 1 : 1) * part_size());
   std::vector<double> sums(groups, 0.0);
@@ -289,22 +327,22 @@ Point<3> Lattice<Dim>::stretch() const {
 template <int Dim>
 Point<Dim> Lattice<Dim>::first_node() const {
   Point<Dim> p;
-  for (std::size_t a = 0; a < Dim; ++a)
-    p[static_cast<Index>(a)] = axes_[a].middle() + static_cast<double>(axes_[a].q * axes_[a].first) * axes_[a].ratio();
+  for (Index a = 0; a < Dim; ++a)
+    p[a] = axes_[a].middle() + static_cast<double>(axes_[a].q * axes_[a].first) * axes_[a].ratio();
   return p;
 }
 
 template <int Dim>
 Point<Dim> Lattice<Dim>::node_step() const {
   Point<Dim> p;
-  for (std::size_t a = 0; a < Dim; ++a) p[static_cast<Index>(a)] = axes_[a].ratio();
+  for (Index a = 0; a < Dim; ++a) p[a] = axes_[a].ratio();
   return p;
 }
 
 template <int Dim>
 Index Lattice<Dim>::coefficient(const std::array<Index, 3>& node) const {
   Index group = 0, entry = 0;
-  for (std::size_t a = 3; a-- > 0;) {
+  for (Index a = 3; a-- > 0;) {
     group = group * axes_[a].q + node[a] % axes_[a].q;
     entry = entry * axes_[a].length + node[a] / axes_[a].q;
   }

@@ -2,9 +2,7 @@
 
 #include "csrbf/kernels/kernel.hpp"
 #include "csrbf/levelset/lattice/buffer_pool.hpp"
-#include "csrbf/levelset/lattice/tap_sums.hpp"
 
-#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -15,6 +13,12 @@ struct LatticeOptions {
   double center_spacing = 4;           ///< of neighbouring centres, in voxels of the shortest edge; at least 1
   double support = 2;                  ///< support radius in center spacings, above 1 and up to 16
   std::string kernel = "wendland-c2";  ///< any compact kernel with a continuous gradient
+};
+
+/// One term of a stencil: weight times the value `offset` entries further on.
+struct Tap {
+  Index offset;
+  float weight;
 };
 
 /// Part of a row of voxels, count of them, and the level set there. The reader may overwrite value and gradient with

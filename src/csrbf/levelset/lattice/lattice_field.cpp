@@ -4,10 +4,19 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <cmath>
-
 namespace csrbf {
+
+template <int Dim>
+Box<Dim> image_box(const Grid& grid) {
+  const auto map = grid.to_physical<Dim>();
+  Box<Dim> box;
+  for (int corner = 0; corner < (1 << Dim); ++corner) {
+    Point<Dim> p;
+    for (int a = 0; a < Dim; ++a) p[a] = (corner >> a) % 2 == 0 ? -0.5 : static_cast<double>(grid.size[a]) - 0.5;
+    box.add(Point<Dim>(map * p));
+  }
+  return box;
+}
 
 // The nodes around a point: rows of them along x, one after the other.
 template <int Dim>
@@ -27,13 +36,13 @@ template <int Dim>
 LatticeField<Dim>::LatticeField(Data data) : data_(std::move(data)), kernel_(data_.kernel, Dim) {
   constexpr const char* here = "LatticeField";
   Index nodes = 1;
-  for (std::size_t a = 0; a < Dim; ++a) {
+  for (Index a = 0; a < Dim; ++a) {
     require(data_.size[a] > 0, here, "size", data_.size[a], "must be positive");
     require(nodes <= std::numeric_limits<Index>::max() / data_.size[a], here, "size", data_.size[a], "is too large");
     nodes *= data_.size[a];
   }
-  require(static_cast<Index>(data_.coefficients.size()) == nodes, here, "number of coefficients",
-          data_.coefficients.size(), "must be that of the nodes");
+  require(std::ssize(data_.coefficients) == nodes, here, "number of coefficients", data_.coefficients.size(),
+          "must be that of the nodes");
   require(data_.support > 0 && std::isfinite(data_.support), here, "support", data_.support, "must be positive");
   require((data_.step.array() > 0).all() && data_.step.allFinite(), here, "step", data_.step.transpose(),
           "must be positive");
@@ -45,8 +54,8 @@ LatticeField<Dim>::LatticeField(Data data) : data_(std::move(data)), kernel_(dat
 template <int Dim>
 Index LatticeField<Dim>::most_nodes() const {
   Index most = 1;
-  for (std::size_t a = 0; a < Dim; ++a) {
-    const double across = 2 * data_.support / data_.step[static_cast<Index>(a)] + 2;
+  for (Index a = 0; a < Dim; ++a) {
+    const double across = 2 * data_.support / data_.step[a] + 2;
     most *= static_cast<Index>(std::min(static_cast<double>(data_.size[a]), across));
   }
   return most;
@@ -59,8 +68,8 @@ void LatticeField<Dim>::gather(const Point<Dim>& at, Workspace& w) const {
   w.size = 0;
   if (!at.allFinite()) return;
   std::array<Index, Dim> lo, hi, k;
-  for (std::size_t a = 0; a < Dim; ++a) {
-    const double t = at[static_cast<Index>(a)], radius = data_.support / data_.step[static_cast<Index>(a)];
+  for (Index a = 0; a < Dim; ++a) {
+    const double t = at[a], radius = data_.support / data_.step[a];
     const double last = static_cast<double>(data_.size[a] - 1);
     if (!(t > -radius && t < last + radius)) return;
     lo[a] = static_cast<Index>(std::ceil(std::max(0.0, t - radius)));
@@ -72,10 +81,9 @@ void LatticeField<Dim>::gather(const Point<Dim>& at, Workspace& w) const {
     Point<Dim> d;
     Index base = 0;
     double beside2 = 0;  // of the whole row
-    for (std::size_t a = Dim; a-- > 1;) {
-      const auto axis = static_cast<Index>(a);
-      d[axis] = (at[axis] - static_cast<double>(k[a])) * data_.step[axis];
-      beside2 += d[axis] * d[axis];
+    for (Index a = Dim; a-- > 1;) {
+      d[a] = (at[a] - static_cast<double>(k[a])) * data_.step[a];
+      beside2 += d[a] * d[a];
       base = (base + k[a]) * data_.size[a - 1];
     }
     const double along2 = data_.support * data_.support - beside2;
@@ -99,7 +107,7 @@ void LatticeField<Dim>::gather(const Point<Dim>& at, Workspace& w) const {
         w.rows.push_back({begin, w.size, d});
       }
     }
-    std::size_t a = 1;
+    Index a = 1;
     for (; a < Dim && ++k[a] > hi[a]; ++a) k[a] = lo[a];
     if (a == Dim) return;
   }
@@ -171,8 +179,8 @@ Points<Dim> LatticeField<Dim>::seeds() const {
   for (Index i = 0; i < nodes; ++i) {
     Point<Dim> node;
     Index rest = i;
-    for (std::size_t a = 0; a < Dim; ++a) {
-      node[static_cast<Index>(a)] = static_cast<double>(rest % data_.size[a]);
+    for (Index a = 0; a < Dim; ++a) {
+      node[a] = static_cast<double>(rest % data_.size[a]);
       rest /= data_.size[a];
     }
     x.col(i) = to_physical * node;
@@ -181,7 +189,7 @@ Points<Dim> LatticeField<Dim>::seeds() const {
   std::vector<Point<Dim>> found;
   for (Index i = 0; i < nodes; ++i) {
     Index stride = 1, rest = i;
-    for (std::size_t a = 0; a < Dim; stride *= data_.size[a], rest /= data_.size[a], ++a) {
+    for (Index a = 0; a < Dim; stride *= data_.size[a], rest /= data_.size[a], ++a) {
       if (rest % data_.size[a] + 1 == data_.size[a]) continue;
       const Index j = i + stride;
       if ((f[i] > 0) == (f[j] > 0)) continue;
@@ -190,12 +198,14 @@ Points<Dim> LatticeField<Dim>::seeds() const {
       if (data_.bounds.contains(p)) found.push_back(p);
     }
   }
-  Points<Dim> seeds(Dim, static_cast<Index>(found.size()));
+  Points<Dim> seeds(Dim, std::ssize(found));
   for (Index i = 0; i < seeds.cols(); ++i) seeds.col(i) = found[i];
   return seeds;
 }
 
 template class LatticeField<2>;
 template class LatticeField<3>;
+template Box<2> image_box<2>(const Grid&);
+template Box<3> image_box<3>(const Grid&);
 
 }  // namespace csrbf

@@ -10,6 +10,10 @@
 
 namespace csrbf {
 
+/// The physical corners of an image, half a voxel beyond the centres of its outer voxels, in a box.
+template <int Dim>
+Box<Dim> image_box(const Grid& grid);
+
 /// A sum of equal CSRBFs at the nodes of a regular lattice, f(p) = sum_j c_j phi(|A (p - p_j)| / sigma), in physical
 /// coordinates: the level sets of segment(). About 0.5 us per value in 3D with a support of 2.5 steps, 0.15 us in 2D;
 /// with gradient and Hessian twice as much.

@@ -5,8 +5,6 @@
 #include "csrbf/core/simd.hpp"
 #include "csrbf/levelset/regions/bin_probabilities.hpp"
 
-#include <array>
-
 namespace csrbf {
 namespace {
 
@@ -74,8 +72,7 @@ void look_up_energies(std::span<const std::uint8_t> indices, const std::vector<f
   std::array<float, 256> all{};
   std::copy_n(table.begin(), std::min(table.size(), all.size()), all.begin());
   parallel_for(std::ssize(indices), grain, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      energies[i] = all[indices[i]];
+    for (Index i = begin; i < end; ++i) energies[i] = all[indices[i]];
   });
 }
 

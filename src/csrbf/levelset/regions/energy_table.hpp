@@ -2,7 +2,6 @@
 
 #include "csrbf/levelset/regions/region_model.hpp"
 
-#include <span>
 #include <vector>
 
 namespace csrbf {

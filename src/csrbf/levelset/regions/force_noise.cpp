@@ -4,16 +4,11 @@
 
 #include "csrbf/core/parallel_sum.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <vector>
-
 namespace csrbf {
 
 double mean_magnitude(std::span<const float> force) {
   constexpr Index grain = 1 << 16;  // voxels per task
-  const auto n = static_cast<Index>(force.size());
+  const auto n = std::ssize(force);
   return parallel_sum(n, grain,
                       [&](Index begin, Index end) {
                         double sum = 0;

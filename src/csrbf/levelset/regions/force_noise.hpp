@@ -2,9 +2,6 @@
 
 #include "csrbf/core/grid.hpp"
 
-#include <cstdint>
-#include <span>
-
 namespace csrbf {
 
 /// How noisy a force is.

@@ -27,7 +27,11 @@ class ForceSource {
   virtual double force(int k, double scale, std::span<float> force) const = 0;
 
   /// force() and the prior, whose unit is the scale; returns the sum over `scale`.
-  double force_with_prior(int k, double scale, std::span<float> to) const;
+  double force_with_prior(int k, double scale, std::span<float> to) const {
+    const double others = force(k, scale, to) / scale;
+    for (std::size_t i = 0; i < prior_.size(); ++i) to[i] += prior_[i];
+    return others;
+  }
 
  private:
   int regions_;

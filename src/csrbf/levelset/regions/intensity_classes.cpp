@@ -74,8 +74,4 @@ IntensityClasses optimal_classes(const Histogram& histogram, Index classes) {
   return result;
 }
 
-double two_class_threshold(const Histogram& histogram) {
-  return optimal_classes(histogram, 2).thresholds.front();
-}
-
 }  // namespace csrbf

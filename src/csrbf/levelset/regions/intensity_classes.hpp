@@ -19,7 +19,4 @@ struct IntensityClasses {
 /// classes <= number of bins that are not empty.
 IntensityClasses optimal_classes(const Histogram& histogram, Index classes);
 
-/// The threshold of optimal_classes(histogram, 2).
-double two_class_threshold(const Histogram& histogram);
-
 }  // namespace csrbf

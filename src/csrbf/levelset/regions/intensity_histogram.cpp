@@ -48,7 +48,7 @@ ValueRange range_of(std::span<const float> values, std::span<const std::uint8_t>
   std::mutex mutex;  // least and greatest do not depend on the order
   parallel_for(std::ssize(values), grain, [&](Index begin, Index end) {
     ValueRange part;
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+    for (Index i = begin; i < end; ++i)
       if (mask.empty() || mask[i] != 0) part.add(values[i]);
     const std::lock_guard lock(mutex);
     range.add(part);

@@ -2,9 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <algorithm>
-#include <cstdint>
-#include <span>
 #include <vector>
 
 namespace csrbf {
@@ -34,7 +31,6 @@ struct Histogram {
   explicit Histogram(const IntensityBins& layout) : bins(layout), counts(static_cast<std::size_t>(layout.count), 0.0) {}
 
   void add(double value, double weight = 1) { counts[bins.index(value)] += weight; }
-  void subtract(double value, double weight = 1) { add(value, -weight); }
 
   /// Sum of the counts.
   [[nodiscard]] double total() const;

@@ -93,7 +93,7 @@ void restore_thin_regions(std::span<const std::uint8_t> labels, std::vector<std:
   }
   if (!any) return;
   parallel_for(std::ssize(labels), grain, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+    for (Index i = begin; i < end; ++i)
       if (thin[labels[i]]) cores[i] = labels[i];
   });
 }

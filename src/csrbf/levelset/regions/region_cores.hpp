@@ -2,9 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <array>
-#include <cstdint>
-#include <span>
 #include <vector>
 
 namespace csrbf {

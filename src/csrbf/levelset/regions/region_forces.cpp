@@ -10,7 +10,6 @@
 
 #include <Eigen/Cholesky>
 
-#include <algorithm>
 #include <utility>
 
 namespace csrbf {
@@ -82,7 +81,7 @@ void RegionForces<Dim>::texture_labels(int moment, std::vector<std::uint8_t>& la
   std::fill_n(width.begin(), Dim, texture_window);
   box_mean(contrast, grid_.size, width);
   const IntensityBins bins = choose_bins(contrast, 256, mask_);
-  const double threshold = two_class_threshold(histogram_of(contrast, bins));
+  const double threshold = optimal_classes(histogram_of(contrast, bins), 2).thresholds[0];
   for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = static_cast<double>(contrast[i]) > threshold ? 1 : 0;
 }
 
@@ -185,9 +184,8 @@ template <int Dim>
 typename RegionForces<Dim>::Terms RegionForces<Dim>::monomials(Index x, Index y, Index z) const {
   const std::array<Index, 3> voxel{x, y, z};
   Point<Dim> p;
-  for (std::size_t a = 0; a < Dim; ++a)
-    p[static_cast<Index>(a)] =
-        grid_.size[a] > 1 ? 2 * static_cast<double>(voxel[a]) / static_cast<double>(grid_.size[a] - 1) - 1 : 0;
+  for (Index a = 0; a < Dim; ++a)
+    p[a] = grid_.size[a] > 1 ? 2 * static_cast<double>(voxel[a]) / static_cast<double>(grid_.size[a] - 1) - 1 : 0;
   Terms t;
   t[0] = 1;
   t.template segment<Dim>(1) = p;

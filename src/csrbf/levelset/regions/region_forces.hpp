@@ -4,9 +4,6 @@
 #include "csrbf/levelset/regions/force_source.hpp"
 #include "csrbf/levelset/regions/region_model.hpp"
 
-#include <algorithm>
-#include <array>
-#include <span>
 #include <vector>
 
 namespace csrbf {

@@ -2,10 +2,6 @@
 
 #include "csrbf/core/disjoint_sets.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 namespace csrbf {
 namespace {
 

@@ -3,8 +3,6 @@
 #include "csrbf/core/grid.hpp"
 #include "csrbf/levelset/segment_options.hpp"
 
-#include <cstdint>
-#include <span>
 #include <vector>
 
 namespace csrbf {

@@ -3,17 +3,11 @@
 #include "csrbf/levelset/regions/intensity_histogram.hpp"
 
 #include <optional>
-#include <string_view>
 
 namespace csrbf {
 
 /// How the intensities of a region are distributed.
 enum class IntensityLaw { chan_vese, gaussian, generalized_gaussian, rayleigh, gamma };
-
-/// The law of that name: chan-vese, gaussian, generalized-gaussian, rayleigh or gamma. Throws InvalidInput, listing the
-/// names, for others.
-IntensityLaw intensity_law(std::string_view name);
-std::string_view name_of(IntensityLaw law);
 
 /// A law and its parameters:
 ///
@@ -46,8 +40,7 @@ struct RegionModelOptions {
 /// absolute deviation (gamma: the standard deviation) is at least a quarter (half) of a bin: a constant region has a
 /// finite likelihood. For shapes below 1 several locations can be locally best; the search starts from mean, median,
 /// mode and `start`, whichever is likeliest. An empty histogram gives `start`, without it a law that spreads over the
-/// whole range. O(bins) for each of about ten steps, 0.1 ms for 256 bins. Throws InvalidInput for counts that are not
-/// finite, bins that are not (lo < hi), a start of another law or with parameters that are not positive and finite.
+/// whole range. O(bins) for each of about ten steps, 0.1 ms for 256 bins.
 RegionModel fit_region_model(IntensityLaw law, const Histogram& histogram, const RegionModelOptions& options = {});
 
 /// Shape b of the generalised Gaussian of mean 0 with E x^2 / (E abs(x))^2 = Gamma(1/b) Gamma(3/b) / Gamma(2/b)^2 =

@@ -2,8 +2,6 @@
 
 #include "csrbf/levelset/regions/region_cores.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace csrbf {

@@ -2,10 +2,7 @@
 
 #include "csrbf/core/grid.hpp"
 
-#include <array>
-#include <cstdint>
 #include <optional>
-#include <span>
 
 namespace csrbf {
 

@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <unsupported/Eigen/LevenbergMarquardt>
 
-#include <algorithm>
 #include <numbers>
 #include <numeric>
 

@@ -8,8 +8,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <algorithm>
-
 namespace csrbf::baselines {
 namespace {
 

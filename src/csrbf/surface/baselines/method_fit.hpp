@@ -1,10 +1,6 @@
 #pragma once
 
-#include "csrbf/core/progress.hpp"
 #include "csrbf/surface/prepare/prepare.hpp"
-
-#include <memory>
-#include <optional>
 
 namespace csrbf {
 

@@ -1,11 +1,9 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/surface/baselines/baselines.hpp"
-#include "csrbf/surface/baselines/value_field.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include <array>
 #include <utility>
 
 namespace csrbf::baselines {
@@ -14,12 +12,44 @@ namespace {
 // Chosen by hand.
 constexpr double difference_step = 1e-3;  // spacings, of finite differences: truncation against rounding
 constexpr Index plane_neighbors = 12;     // of Hoppe's tangent planes; more: smoother
-constexpr std::size_t neighbors = 24;     // of the moving methods; a quadratic polynomial has 6 coefficients
+constexpr Index neighbors = 24;           // of the moving methods; a quadratic polynomial has 6 coefficients
 constexpr int projection_steps = 3;       // of the fixed-point iteration for the foot of a point
 constexpr double projection_reach = 3;    // spacings from the samples within which points are projected
 
-double step(const PreparedCloud& cloud) {
-  return difference_step * cloud.cloud.spacing.mean();
+// A field given by values only; derivatives are central differences.
+class ValueField : public Field<3> {
+ public:
+  explicit ValueField(const PreparedCloud& cloud)
+      : bounds_(bounding_box<3>(cloud.cloud.points)), step_(difference_step * cloud.cloud.spacing.mean()) {}
+
+  [[nodiscard]] virtual double value(const Point<3>& x) const = 0;
+
+  void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
+  [[nodiscard]] Box<3> bounds() const override { return bounds_; }
+
+ private:
+  Box<3> bounds_;
+  double step_;  // half the width of the differences
+};
+
+void ValueField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
+  const auto at = [&](const Point<3>& p, int a, double i, int b, double j) {
+    return value(p + step_ * (i * Point<3>::Unit(a) + j * Point<3>::Unit(b)));
+  };
+  for (Index k = 0; k < x.cols(); ++k) {
+    const Point<3> p = x.col(k);
+    const double f = out.value[k] = value(p);
+    if (out.gradient == nullptr) continue;
+    for (int a = 0, entry = 0; a < 3; ++a) {
+      const double up = at(p, a, 1, a, 0), down = at(p, a, -1, a, 0);
+      out.gradient[3 * k + a] = (up - down) / (2 * step_);
+      if (out.hessian == nullptr) continue;
+      out.hessian[6 * k + entry++] = (up - 2 * f + down) / (step_ * step_);
+      for (int b = a + 1; b < 3; ++b, ++entry)
+        out.hessian[6 * k + entry] =
+            (at(p, a, 1, b, 1) - at(p, a, 1, b, -1) - at(p, a, -1, b, 1) + at(p, a, -1, b, -1)) / (4 * step_ * step_);
+    }
+  }
 }
 
 // The points and normals of a cloud with a tree.
@@ -36,8 +66,7 @@ class Samples {
 class Hoppe final : public ValueField, private Samples {
  public:
   Hoppe(const PreparedCloud& cloud, Points<3> origins)
-      : ValueField(bounding_box<3>(cloud.cloud.points), step(cloud)),
-        Samples(std::move(origins), cloud.cloud.normals) {}
+      : ValueField(cloud), Samples(std::move(origins), cloud.cloud.normals) {}
 
   [[nodiscard]] double value(const Point<3>& x) const override {
     Index i = 0;
@@ -49,7 +78,7 @@ class Hoppe final : public ValueField, private Samples {
 
 // Neighbours of a point with weights that vanish at the farthest one.
 struct Neighborhood {
-  std::size_t count = 0;
+  Index count = 0;
   std::array<Index, neighbors> ids{};
   std::array<double, neighbors> squared{};
   std::array<double, neighbors> weight{};
@@ -61,8 +90,7 @@ struct Neighborhood {
 class MovingPlanes : public ValueField, protected Samples {
  public:
   explicit MovingPlanes(const PreparedCloud& cloud)
-      : ValueField(bounding_box<3>(cloud.cloud.points), step(cloud)),
-        Samples(cloud.cloud.points, cloud.cloud.normals) {}
+      : ValueField(cloud), Samples(cloud.cloud.points, cloud.cloud.normals) {}
 
   [[nodiscard]] double value(const Point<3>& x) const override {
     const Neighborhood near = around(x);
@@ -72,15 +100,14 @@ class MovingPlanes : public ValueField, protected Samples {
  protected:
   [[nodiscard]] Neighborhood around(const Point<3>& x) const {
     Neighborhood near;
-    near.count =
-        static_cast<std::size_t>(tree_.nearest(x, static_cast<Index>(neighbors), near.ids.data(), near.squared.data()));
+    near.count = tree_.nearest(x, neighbors, near.ids.data(), near.squared.data());
     if (near.count == 0) {  // x is not a number
       near.position = x;
       return near;
     }
     near.radius = std::sqrt(near.squared[near.count - 1]);
     double sum = 0;
-    for (std::size_t k = 0; k < near.count; ++k) {
+    for (Index k = 0; k < near.count; ++k) {
       // Far from the surface all distances are similar, so weights depend on their excess over the smallest.
       const double t = (std::sqrt(near.squared[k]) - std::sqrt(near.squared[0])) /
                        (near.radius - std::sqrt(near.squared[0]) + 1e-300);
@@ -127,7 +154,7 @@ class ProjectionMls final : public MovingPlanes {
       const double s = u.dot(p - near.position) / near.radius, t = v.dot(p - near.position) / near.radius;
       return Column{1, s, t, s * s, s * t, t * t};
     };
-    for (std::size_t k = 0; k < near.count; ++k) {
+    for (Index k = 0; k < near.count; ++k) {
       const Point<3> p = points_.col(near.ids[k]);
       const Column m = monomials(p);
       M += near.weight[k] * m * m.transpose();
@@ -150,7 +177,7 @@ MethodFit hoppe(const PreparedCloud& cloud, const MethodOptions& /*options*/) {
     for (Index i = begin; i < end; ++i) {
       const Index found = cloud.tree->nearest(points.col(i), plane_neighbors, ids.data(), squared.data());
       Point<3> sum = Point<3>::Zero();
-      for (std::size_t k = 0; k < static_cast<std::size_t>(found); ++k) sum += points.col(ids[k]);
+      for (Index k = 0; k < found; ++k) sum += points.col(ids[k]);
       origins.col(i) = sum / static_cast<double>(found);
     }
   });

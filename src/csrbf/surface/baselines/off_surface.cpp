@@ -2,7 +2,6 @@
 
 #include "csrbf/spatial/farthest_points.hpp"
 
-#include <array>
 #include <numeric>
 
 namespace csrbf::baselines {

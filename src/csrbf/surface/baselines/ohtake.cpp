@@ -6,8 +6,6 @@
 #include "csrbf/surface/medial/quadric_fitter.hpp"
 #include "csrbf/surface/medial/slope_penalty.hpp"
 
-#include <algorithm>
-#include <array>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -15,7 +13,6 @@
 namespace csrbf::baselines {
 namespace {
 
-constexpr double normal_weight = 0.1;     // of the quadrics, as in MedialAxisOptions
 constexpr double mpu_reach = 0.75;        // radius of a support over the diagonal of its cell (Ohtake et al. 2003)
 constexpr std::size_t mpu_samples = 15;   // least number in a support (Ohtake et al. 2003)
 constexpr double adaptive_overlap = 1.5;  // least sum of weights at every sample (Ohtake et al. 2004)
@@ -54,7 +51,7 @@ void add_level(const OrientedPoints& cloud, double support, const Eigen::VectorX
   const KdTree<3> tree(cloud.points);
   BallTree::Quadrics quadrics(10, n);
   parallel_for(n, 16, [&](Index begin, Index end) {
-    QuadricFitter fitter(cloud, tree, normal_weight);
+    QuadricFitter fitter(cloud, tree);
     for (Index i = begin; i < end; ++i) quadrics.col(i) = fitter.fit(cloud.points.col(i), support);
   });
   const RadialBasis<3> basis(Kernel("wendland-c2", 3), cloud.points, Eigen::VectorXd::Constant(1, support));
@@ -77,10 +74,7 @@ void add_level(const OrientedPoints& cloud, double support, const Eigen::VectorX
 class Octree {
  public:
   Octree(const PreparedCloud& cloud, double tolerance)
-      : cloud_(cloud.cloud),
-        tree_(*cloud.tree),
-        fitter_(cloud.cloud, *cloud.tree, normal_weight),
-        tolerance_(tolerance) {}
+      : cloud_(cloud.cloud), tree_(*cloud.tree), fitter_(cloud.cloud, *cloud.tree), tolerance_(tolerance) {}
 
   void refine(const Point<3>& center, double half, int depth) {
     double support = mpu_reach * 2 * half * std::sqrt(3.0);
@@ -151,7 +145,7 @@ MethodFit mpu(const PreparedCloud& cloud, const MethodOptions& /*options*/) {
 MethodFit adaptive(const PreparedCloud& cloud, const MethodOptions& options) {
   const OrientedPoints& samples = cloud.cloud;
   const double spacing = samples.spacing.mean(), tolerance = relative_error * spacing;
-  QuadricFitter fitter(samples, *cloud.tree, normal_weight);
+  QuadricFitter fitter(samples, *cloud.tree);
   Eigen::VectorXd covered = Eigen::VectorXd::Zero(samples.size());
   BallBuilder balls;
   // A step coprime to n, near the golden section, visits all samples without consecutive neighbours.

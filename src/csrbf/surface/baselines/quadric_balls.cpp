@@ -32,11 +32,8 @@ void QuadricBalls::evaluate_block(const PointsRef<3>& x, const JetBlock& out) co
       const Taylor<3> W = total<Taylor<3>>(sums.W, out.derivatives());
       f = W.value > 0 ? f / W : nearest_quadric(x.col(i));
     }
-    out.value[i] = data_.constant + f.value;
-    if (out.gradient != nullptr) Eigen::Map<Point<3>>(out.gradient + 3 * i) = f.gradient;
-    if (out.hessian == nullptr) continue;
-    for (int a = 0, entry = 0; a < 3; ++a)
-      for (int b = a; b < 3; ++b, ++entry) out.hessian[6 * i + entry] = f.hessian(a, b);
+    f.value += data_.constant;
+    store(f, i, out);
   }
 }
 
@@ -47,13 +44,12 @@ void BallBuilder::add(const Point<3>& center, double support, const Eigen::Matri
 }
 
 QuadricBalls::Data BallBuilder::data() const {
-  const auto n = static_cast<Index>(centers_.size());
+  const Index n = std::ssize(supports_);
   QuadricBalls::Data data{Points<3>(3, n), Eigen::VectorXd(n), BallTree::Quadrics(10, n)};
   for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    data.centers.col(i) = centers_[k];
-    data.supports[i] = supports_[k];
-    data.quadrics.col(i) = quadrics_[k];
+    data.centers.col(i) = centers_[i];
+    data.supports[i] = supports_[i];
+    data.quadrics.col(i) = quadrics_[i];
   }
   return data;
 }

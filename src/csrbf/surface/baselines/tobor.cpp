@@ -7,8 +7,6 @@
 #include "csrbf/surface/baselines/baselines.hpp"
 #include "csrbf/surface/baselines/off_surface.hpp"
 
-#include <utility>
-
 namespace csrbf::baselines {
 namespace {
 
@@ -23,53 +21,50 @@ class SplinePartition final : public Field<3> {
   SplinePartition(Cover<3> cover, std::vector<std::shared_ptr<const Expansion<3>>> splines)
       : cover_(std::move(cover)), splines_(std::move(splines)) {}
 
-  void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
+  // Outside the box the function has its value at the nearest point of the box.
+  void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override {
+    for (Index i = 0; i < x.cols(); ++i) {
+      const Point<3> y = x.col(i).cwiseMax(cover_.box().lo).cwiseMin(cover_.box().hi);
+      Taylor<3> W(0.0), S(0.0);
+      for (const std::uint32_t cell : cover_.supports_over(cover_.find(y))) {
+        const Taylor<3> w = weight(cell, y);
+        if (w.value <= 0) continue;
+        const Jet<3> jet = splines_[cell]->evaluate(y, out.derivatives());
+        Taylor<3> f(jet.value[0]);
+        if (out.gradient != nullptr) f.gradient = jet.gradient.col(0);
+        if (out.hessian != nullptr) f.hessian = jet.hessian_matrix(0);
+        W = W + w;
+        S = S + w * f;
+      }
+      const Taylor<3> f = S / W;
+      out.value[i] = f.value;
+      if (out.gradient != nullptr) Eigen::Map<Point<3>>(out.gradient + 3 * i) = f.gradient;
+      if (out.hessian == nullptr) continue;
+      for (int a = 0, entry = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b, ++entry) out.hessian[6 * i + entry] = f.hessian(a, b);
+    }
+  }
+
   [[nodiscard]] Box<3> bounds() const override { return cover_.box(); }
 
  private:
-  [[nodiscard]] Taylor<3> weight(Index cell, const Point<3>& x) const;
+  [[nodiscard]] Taylor<3> weight(Index cell, const Point<3>& x) const {
+    const Box<3>& box = cover_.cell(cell);
+    const Point<3> center = box.center(), half = 0.5 * growth * box.extent();
+    Taylor<3> product(1.0);
+    for (int c = 0; c < 3; ++c) {
+      Taylor<3> t((x[c] - center[c]) / half[c]);
+      if (std::abs(t.value) >= 1) return Taylor<3>(0.0);
+      t.gradient[c] = 1 / half[c];
+      const Taylor<3> s = 1.0 - t * t, s2 = s * s;
+      product = product * (s2 * s2);
+    }
+    return product;
+  }
 
   Cover<3> cover_;
   std::vector<std::shared_ptr<const Expansion<3>>> splines_;
 };
-
-Taylor<3> SplinePartition::weight(Index cell, const Point<3>& x) const {
-  const Box<3>& box = cover_.cell(cell);
-  const Point<3> center = box.center(), half = 0.5 * growth * box.extent();
-  Taylor<3> product(1.0);
-  for (int c = 0; c < 3; ++c) {
-    Taylor<3> t((x[c] - center[c]) / half[c]);
-    if (std::abs(t.value) >= 1) return Taylor<3>(0.0);
-    t.gradient[c] = 1 / half[c];
-    const Taylor<3> s = 1.0 - t * t, s2 = s * s;
-    product = product * (s2 * s2);
-  }
-  return product;
-}
-
-// Outside the box the function has its value at the nearest point of the box.
-void SplinePartition::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
-  for (Index i = 0; i < x.cols(); ++i) {
-    const Point<3> y = x.col(i).cwiseMax(cover_.box().lo).cwiseMin(cover_.box().hi);
-    Taylor<3> W(0.0), S(0.0);
-    for (const std::uint32_t cell : cover_.supports_over(cover_.find(y))) {
-      const Taylor<3> w = weight(cell, y);
-      if (w.value <= 0) continue;
-      const Jet<3> jet = splines_[cell]->evaluate(y, out.derivatives());
-      Taylor<3> f(jet.value[0]);
-      if (out.gradient != nullptr) f.gradient = jet.gradient.col(0);
-      if (out.hessian != nullptr) f.hessian = jet.hessian_matrix(0);
-      W = W + w;
-      S = S + w * f;
-    }
-    const Taylor<3> f = S / W;
-    out.value[i] = f.value;
-    if (out.gradient != nullptr) Eigen::Map<Point<3>>(out.gradient + 3 * i) = f.gradient;
-    if (out.hessian == nullptr) continue;
-    for (int a = 0, entry = 0; a < 3; ++a)
-      for (int b = a; b < 3; ++b, ++entry) out.hessian[6 * i + entry] = f.hessian(a, b);
-  }
-}
 
 }  // namespace
 

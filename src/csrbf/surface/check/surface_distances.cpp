@@ -1,10 +1,6 @@
 #include "csrbf/surface/check/surface_distances.hpp"
 
-#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/shared_work.hpp"
-
-#include <algorithm>
-#include <cmath>
 
 namespace csrbf {
 namespace {
@@ -25,16 +21,6 @@ std::vector<double> surface_distances(const Field<3>& field, const PointsRef<3>&
   };
   share_arrays("evaluate", points.cols(), grain, compute, {ResultArray::of(distance.data())});
   return distance;
-}
-
-DistanceSummary summarize_distances(std::vector<double> distance) {
-  DistanceSummary summary;
-  double sum = 0;
-  for (const double d : distance) sum += d * d;
-  summary.rms = std::sqrt(sum / static_cast<double>(distance.size()));
-  summary.max = *std::max_element(distance.begin(), distance.end());
-  summary.p99 = order_statistic(distance, static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distance.size() - 1)));
-  return summary;
 }
 
 }  // namespace csrbf

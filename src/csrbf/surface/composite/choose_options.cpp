@@ -1,16 +1,12 @@
 #include "csrbf/surface/composite/choose_options.hpp"
 
-#include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/composite/patch_fitter.hpp"
-
-#include <array>
-#include <cmath>
 
 namespace csrbf {
 namespace {
 
-// Chosen by hand: more samples cost time in proportion and make the choice more reliable.
+// Chosen by hand. More samples: time in proportion, a more reliable choice.
 constexpr Index block_size = 96;                // samples predicted together
 constexpr Index around_block = 4 * block_size;  // nearest samples of which a block takes those along the sheet
 constexpr Index blocks = 100;                   // some ten thousand samples in all
@@ -35,13 +31,13 @@ class CrossValidation {
   CrossValidation(const OrientedPoints& cloud, const KdTree<3>& tree) : cloud_(cloud), tree_(tree) {
     const Index n = cloud.size(), count = std::min(blocks, n / block_size);
     for (Index t = 0; t < count; ++t) {
-      begin_.push_back(static_cast<Index>(samples_.size()));
+      begin_.push_back(size());
       add_block((2 * t + 1) * n / (2 * count));
     }
-    begin_.push_back(static_cast<Index>(samples_.size()));
+    begin_.push_back(size());
   }
 
-  [[nodiscard]] Index size() const { return static_cast<Index>(samples_.size()); }
+  [[nodiscard]] Index size() const { return std::ssize(samples_); }
 
   // Mean errors and patch radii per block.
   struct Prediction {
@@ -82,9 +78,9 @@ class CrossValidation {
     std::vector<Index> near(std::min(around_block, cloud_.size()));
     std::vector<double> squared(near.size());
     const Point<3> center = cloud_.points.col(middle);
-    tree_.nearest(center, static_cast<Index>(near.size()), near.data(), squared.data());
+    tree_.nearest(center, std::ssize(near), near.data(), squared.data());
     Point<3> normal = Point<3>::Zero();
-    for (std::size_t i = 0; i < static_cast<std::size_t>(block_size); ++i)
+    for (Index i = 0; i < block_size; ++i)
       if (cloud_.normals.col(near[i]).dot(cloud_.normals.col(middle)) > 0) normal += cloud_.normals.col(near[i]);
     normal.normalize();
     std::vector<std::pair<double, Index>> along;
@@ -97,16 +93,15 @@ class CrossValidation {
     for (const auto& [distance, i] : along) samples_.push_back(i);
   }
 
-  [[nodiscard]] Index count() const { return static_cast<Index>(begin_.size()) - 1; }
+  [[nodiscard]] Index count() const { return std::ssize(begin_) - 1; }
 
   [[nodiscard]] Prediction predict(const CompositeOptions& options, const std::vector<Index>& chosen) const {
-    const auto n = static_cast<Index>(chosen.size());
+    const Index n = std::ssize(chosen);
     Prediction result{Eigen::ArrayXd(n), Eigen::ArrayXd(n)};
     const auto compute = [&](Index first, Index last) {
       PatchFitter fitter(cloud_, tree_, options);
       for (Index i = first; i < last; ++i) {
-        const auto block = static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)]);
-        const Sum sum = predict(fitter, options.leaf_size, begin_[block], begin_[block + 1]);
+        const Sum sum = predict(fitter, options.leaf_size, begin_[chosen[i]], begin_[chosen[i] + 1]);
         result.error[i] = sum.error / sum.samples;
         result.radius[i] = sum.radius / sum.samples;
       }
@@ -212,10 +207,6 @@ Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& optio
 }
 
 }  // namespace
-
-ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& given) {
-  return choose_options(cloud, KdTree<3>(cloud.points), given);
-}
 
 ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree, const GivenOptions& given) {
   ChosenOptions result;

@@ -2,8 +2,6 @@
 
 #include "csrbf/surface/composite/composite.hpp"
 
-#include <optional>
-
 namespace csrbf {
 
 /// Options of the composite fit and their cross-validation error.
@@ -32,8 +30,5 @@ struct GivenOptions {
 /// among choices that do not differ significantly the smoothest wins under noise, else the one closest to the samples.
 /// Time does not depend on n.
 ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree, const GivenOptions& given = {});
-
-/// The same with a tree of its own: O(n log n).
-ChosenOptions choose_options(const OrientedPoints& cloud, const GivenOptions& given = {});
 
 }  // namespace csrbf

@@ -1,11 +1,9 @@
 #include "csrbf/surface/composite/composite.hpp"
 
-#include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/composite/coverage_gaps.hpp"
 #include "csrbf/surface/composite/patch_fitter.hpp"
 
-#include <optional>
 #include <utility>
 
 namespace csrbf {
@@ -142,10 +140,7 @@ std::vector<std::vector<Leaf>> fit_leaves(Partition& parts, Index first, Index c
   std::vector<std::vector<Leaf>> fitted(count);
   const auto compute = [&](Index begin, Index end) {
     LeafFitter fitter = make_fitter();
-    for (Index i = begin; i < end; ++i) {
-      const auto part = static_cast<std::size_t>(first + i);
-      fitter.fit(parts.begin[part], parts.begin[part + 1], fitted[i]);
-    }
+    for (Index i = begin; i < end; ++i) fitter.fit(parts.begin[first + i], parts.begin[first + i + 1], fitted[i]);
   };
   // Halving a part for a tolerance changes the order within it.
   const auto order = [&](Index begin, Index end) {
@@ -176,9 +171,8 @@ void cover(const std::vector<CoverageGap>& bare, const MakeFitter& make_fitter, 
   };
   const auto send = [&](Index begin, Index end, ByteWriter& out) {
     for (Index i = begin; i < end; ++i) {
-      const std::optional<FittedPatch>& patch = fitted[i];
-      out.put(patch.has_value());
-      if (patch) patch->pack(out);
+      out.put(fitted[i].has_value());
+      if (fitted[i]) fitted[i]->pack(out);
     }
   };
   const auto receive = [&](Index begin, Index end, ByteReader& in) {

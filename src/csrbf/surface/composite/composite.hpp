@@ -1,12 +1,8 @@
 #pragma once
 
-#include "csrbf/core/progress.hpp"
-#include "csrbf/core/types.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/composite/patches.hpp"
 #include "csrbf/surface/reconstruct_options.hpp"
-
-#include <vector>
 
 namespace csrbf {
 

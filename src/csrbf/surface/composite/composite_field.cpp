@@ -2,7 +2,6 @@
 
 #include "csrbf/core/taylor.hpp"
 
-#include <array>
 #include <type_traits>
 
 namespace csrbf {
@@ -27,13 +26,8 @@ constexpr double chunk_reach = 4;  // diagonal of a chunk, in units of the far v
 
 // A value with the derivatives requested.
 template <Derivatives derivatives>
-struct ScalarWith {
-  using Type = Taylor<3, static_cast<int>(derivatives)>;
-};
-template <>
-struct ScalarWith<Derivatives::none> {
-  using Type = double;
-};
+using ScalarWith = std::conditional_t<derivatives == Derivatives::none, double,
+                                      Taylor<3, derivatives == Derivatives::hessian ? 2 : 1>>;
 
 template <class Scalar>
 constexpr bool has_gradient = !std::is_same_v<Scalar, double>;
@@ -137,15 +131,13 @@ std::array<Scalar, lanes> winding(const WindingNumber& winding, const Pending& p
   winding.evaluate_block(
       pending.points.leftCols(pending.count),
       {value.data(), has_gradient<Scalar> ? gradient.data() : nullptr, has_hessian<Scalar> ? hessian.data() : nullptr});
-  for (Index i = 0; i < pending.count; ++i) {
-    const auto p = static_cast<std::size_t>(i);
+  for (Index p = 0; p < pending.count; ++p) {
     u[p] = Scalar(value[p]);
     if constexpr (has_gradient<Scalar>)
-      for (int c = 0; c < 3; ++c) u[p].gradient[c] = gradient[3 * p + static_cast<std::size_t>(c)];
+      for (int c = 0; c < 3; ++c) u[p].gradient[c] = gradient[3 * p + c];
     if constexpr (has_hessian<Scalar>)
       for (int c = 0, term = 0; c < 3; ++c)
-        for (int d = c; d < 3; ++d, ++term)
-          u[p].hessian(c, d) = u[p].hessian(d, c) = hessian[6 * p + static_cast<std::size_t>(term)];
+        for (int d = c; d < 3; ++d, ++term) u[p].hessian(c, d) = u[p].hessian(d, c) = hessian[6 * p + term];
   }
   return u;
 }
@@ -174,24 +166,22 @@ void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane) {
 // of the coarser levels where the winding number is ambiguous (c), else the winding number.
 template <Derivatives derivatives>
 void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending, const JetBlock& out) {
-  using Scalar = typename ScalarWith<derivatives>::Type;
+  using Scalar = ScalarWith<derivatives>;
   const std::array<Scalar, lanes> u = winding<Scalar>(data.winding, pending);
   std::array<Scalar, lanes> ambiguous;
   std::array<Cascade<Scalar>, lanes> cascade;
-  const auto count = static_cast<std::size_t>(pending.count);
-  for (std::size_t p = 0; p < count; ++p) ambiguous[p] = ambiguity(u[p]);
+  for (Index p = 0; p < pending.count; ++p) ambiguous[p] = ambiguity(u[p]);
   for (std::size_t level = 1; level < data.levels.size(); ++level) {
     Pending asking;
-    for (std::size_t p = 0; p < count; ++p)
+    for (Index p = 0; p < pending.count; ++p)
       if (value_of(ambiguous[p]) * value_of(cascade[p].open) > 0)
-        asking.add(static_cast<int>(p), pending.points.col(static_cast<Index>(p)));
+        asking.add(static_cast<int>(p), pending.points.col(p));
     if (asking.count == 0) break;
     PatchSums sums;
     data.levels[level].accumulate(asking.points.leftCols(asking.count), derivatives, sums);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(asking.count); ++i)
-      add_level(cascade[asking.lane[i]], sums, static_cast<int>(i));
+    for (int i = 0; i < asking.count; ++i) add_level(cascade[asking.lane[i]], sums, i);
   }
-  for (std::size_t p = 0; p < count; ++p) {
+  for (Index p = 0; p < pending.count; ++p) {
     Cascade<Scalar> sure;
     add_level(sure, finest, pending.lane[p]);
     const Scalar far = data.far_value * u[p];
@@ -219,15 +209,16 @@ void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const
 
 Points<3> CompositeField::seeds() const {
   const std::vector<Patch>& patches = data_.levels.front().patches();
-  Points<3> seeds(3, static_cast<Index>(patches.size()));
-  for (std::size_t i = 0; i < patches.size(); ++i)
-    seeds.col(static_cast<Index>(i)) = data_.origin + data_.scale * patches[i].center;
+  Points<3> seeds(3, std::ssize(patches));
+  for (Index i = 0; i < seeds.cols(); ++i) seeds.col(i) = data_.origin + data_.scale * patches[i].center;
   return seeds;
 }
 
-// Points of one chunk share the search for patches, so a chunk ends before the next point makes it wider than a few
-// patches.
+// Points of a chunk share the search for patches: it ends before the next point makes it wider than a few patches.
 void CompositeField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
+  const auto blend = out.derivatives() == Derivatives::none       ? blend_levels<Derivatives::none>
+                     : out.derivatives() == Derivatives::gradient ? blend_levels<Derivatives::gradient>
+                                                                  : blend_levels<Derivatives::hessian>;
   const double widest = chunk_reach * data_.far_value;
   Points<3> y(3, lanes);
   for (Index begin = 0; begin < x.cols();) {
@@ -240,19 +231,8 @@ void CompositeField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) 
       if (count > 0 && !(grown.diagonal() <= widest)) break;
       box = grown;
     }
-    evaluate_chunk(y.leftCols(count), out.from<3>(begin));
+    blend(data_, y.leftCols(count), out.from<3>(begin));
     begin += count;
-  }
-}
-
-void CompositeField::evaluate_chunk(const PointsRef<3>& y, const JetBlock& out) const {
-  switch (out.derivatives()) {
-    case Derivatives::none:
-      return blend_levels<Derivatives::none>(data_, y, out);
-    case Derivatives::gradient:
-      return blend_levels<Derivatives::gradient>(data_, y, out);
-    case Derivatives::hessian:
-      return blend_levels<Derivatives::hessian>(data_, y, out);
   }
 }
 

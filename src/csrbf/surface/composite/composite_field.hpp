@@ -1,11 +1,7 @@
 #pragma once
 
-#include "csrbf/core/field.hpp"
 #include "csrbf/surface/composite/patches.hpp"
 #include "csrbf/surface/winding/winding_number.hpp"
-
-#include <memory>
-#include <vector>
 
 namespace csrbf {
 
@@ -38,8 +34,6 @@ class CompositeField final : public Field<3> {
   [[nodiscard]] const Data& data() const { return data_; }
 
  private:
-  void evaluate_chunk(const PointsRef<3>& y, const JetBlock& out) const;
-
   Data data_;
 };
 

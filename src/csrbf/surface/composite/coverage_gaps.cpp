@@ -2,9 +2,6 @@
 
 #include "csrbf/core/shared_work.hpp"
 
-#include <algorithm>
-#include <array>
-
 namespace csrbf {
 namespace {
 
@@ -12,19 +9,11 @@ namespace {
 constexpr double reach_factor = 0.6;    // search radius over patch radius; larger: smoother, smaller: fewer samples
 constexpr double extension = 1.4;       // factor on that radius for a second search if no sample lies beyond the gap
 constexpr double same_sheet = 0.5;      // cosine between normals: samples within 60 degrees are on one sheet
-constexpr double least_weight = 0.05;   // sum of weights, just above the 0.04 below which coarser patches interfere
-                                        // (composite_field.cpp)
+constexpr double least_weight = 0.05;   // sum of weights, just above the 0.04 of trusted_weight in composite_field.cpp
 constexpr Index patches_per_task = 64;  // large enough to hide the cost of a task
 
-constexpr double diagonal = 0.7071067811865476;
-constexpr std::array<std::array<double, 2>, 8> directions = {{{1, 0},
-                                                              {diagonal, diagonal},
-                                                              {0, 1},
-                                                              {-diagonal, diagonal},
-                                                              {-1, 0},
-                                                              {-diagonal, -diagonal},
-                                                              {0, -1},
-                                                              {diagonal, -diagonal}}};
+constexpr double r = 0.7071067811865476;
+constexpr double directions[8][2] = {{1, 0}, {r, r}, {0, 1}, {-r, r}, {-1, 0}, {-r, -r}, {0, -1}, {r, -r}};
 
 }  // namespace
 
@@ -33,20 +22,18 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
   std::vector<std::vector<CoverageGap>> found(tasks);
   const auto compute = [&](Index begin, Index end) {
     std::vector<CoverageGap>& gaps = found[begin / patches_per_task];
-    std::array<double, directions.size()> W;
-    Points<3> probes(3, directions.size());
+    double W[std::size(directions)];
+    Points<3> probes(3, std::size(directions));
     for (Index i = begin; i < end; ++i) {
       const Patch& patch = patches.patch(i);
       const Eigen::Matrix3d axes = patch.radius * patch.T.transpose();
-      const auto onward = [&](std::size_t d) -> Point<3> {
+      const auto onward = [&](Index d) -> Point<3> {
         return directions[d][0] * axes.col(0) + directions[d][1] * axes.col(1);
       };
-      for (std::size_t d = 0; d < directions.size(); ++d)
-        probes.col(static_cast<Index>(d)) = patch.center + patch.radius * onward(d);
-      patches.weights(probes, W.data());
-      for (std::size_t d = 0; d < directions.size(); ++d)
-        if (W[d] < least_weight)
-          gaps.push_back({probes.col(static_cast<Index>(d)), axes.col(2), onward(d), reach_factor * patch.radius});
+      for (Index d = 0; d < probes.cols(); ++d) probes.col(d) = patch.center + patch.radius * onward(d);
+      patches.weights(probes, W);
+      for (Index d = 0; d < probes.cols(); ++d)
+        if (W[d] < least_weight) gaps.push_back({probes.col(d), axes.col(2), onward(d), reach_factor * patch.radius});
     }
   };
   const auto pack = [&](Index begin, Index /*end*/, ByteWriter& out) {

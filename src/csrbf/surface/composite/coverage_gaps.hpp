@@ -1,10 +1,7 @@
 #pragma once
 
-#include "csrbf/core/types.hpp"
 #include "csrbf/surface/composite/composite.hpp"
 #include "csrbf/surface/composite/patches.hpp"
-
-#include <vector>
 
 namespace csrbf {
 

@@ -4,7 +4,6 @@
 #include "csrbf/surface/composite/patch_kernel.hpp"
 #include "csrbf/surface/composite/patch_rows.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <numbers>
@@ -200,10 +199,10 @@ double PatchFitter::error_on_other_sheets(const FittedPatch& patch) const {
 // The candidates in the support, evenly thinned to the number allowed.
 void PatchFitter::choose_centers() {
   centers_.clear();
-  for (std::size_t k = 0; k < support_.size(); ++k)
+  for (Index k = 0; k < std::ssize(support_); ++k)
     if (options_.centers.empty() || std::binary_search(options_.centers.begin(), options_.centers.end(), support_[k]))
-      centers_.push_back(static_cast<Index>(k));
-  const auto count = static_cast<Index>(centers_.size()), kept = std::min(options_.centers_per_patch, count);
+      centers_.push_back(k);
+  const Index count = std::ssize(centers_), kept = std::min(options_.centers_per_patch, count);
   for (Index j = 0; j < kept; ++j) centers_[j] = centers_[j * count / kept];
   centers_.resize(kept);
 }
@@ -228,8 +227,7 @@ void PatchFitter::localize(const Patch& patch) {
   root_g_ = std::sqrt(options_.normal_weight) * root_w_;
 }
 
-// Eqs. (6.3) to (6.6): sum_k w_k ( g(q_k)^2 + rho |grad g(q_k) + n_k|^2 ) + mu |A|^2 over quadrics g(q) = q.A q + b.q +
-// c.
+// Eqs. (6.3)-(6.6): sum_k w_k (g(q_k)^2 + rho |grad g(q_k) + n_k|^2) + mu |A|^2 over quadrics g(q) = q.A q + b.q + c.
 void PatchFitter::fit_quadric(Patch& patch) {
   const Index K = q_.rows();
   quadric_columns_.resize(4 * K, 11);
@@ -250,9 +248,8 @@ void PatchFitter::fit_quadric(Patch& patch) {
 // The fit is linear in the samples: leaving sample k out divides its residual by 1 - h_k, h_k = df_k / ds_k (its
 // leverage). For a quadric fit followed by a fit of its residual, H = H_q + H_r (1 - H_q).
 void PatchFitter::left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance) {
-  std::vector<Index> rows;           // in the support
-  std::vector<std::size_t> columns;  // in `ids`
-  for (std::size_t i = 0; i < ids.size(); ++i) {
+  std::vector<Index> rows, columns;  // in the support and in `ids`
+  for (Index i = 0; i < std::ssize(ids); ++i) {
     distance[i] = patch.distance(cloud_.points.col(ids[i]));
     const auto found = std::find(support_.begin(), support_.end(), ids[i]);
     if (found == support_.end()) continue;
@@ -268,8 +265,7 @@ void PatchFitter::left_out_distances(const FittedPatch& patch, std::span<const I
     const Eigen::MatrixXd cross = columns_.leftCols(M).transpose() * quadric_columns_.leftCols(10);
     leverage += residual_matrix_.solve(b).cwiseProduct(b - cross * solved).colwise().sum().transpose();
   }
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    distance[columns[i]] /= std::max(1 - leverage[static_cast<Index>(i)], smallest_freedom);
+  for (Index i = 0; i < leverage.size(); ++i) distance[columns[i]] /= std::max(1 - leverage[i], smallest_freedom);
 }
 
 // Weighted rows of the residual for values and normals: B alpha = s - g, grad B alpha = -n - grad g.

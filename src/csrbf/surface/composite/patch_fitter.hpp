@@ -6,9 +6,6 @@
 
 #include <Eigen/Cholesky>
 
-#include <span>
-#include <vector>
-
 namespace csrbf {
 
 /// A patch with its CSRBF residual.

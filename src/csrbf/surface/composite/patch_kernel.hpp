@@ -3,11 +3,8 @@
 #include "csrbf/core/simd.hpp"
 #include "csrbf/surface/composite/patches.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 /// The kernel of the CSRBF residual of a patch, Wendland's C4 function phi_{3,2}, as a function of the squared distance
-/// d2 in local coordinates: what kernels/wendland.hpp calls phi, g / sigma^2 and h / sigma^4 with sigma =
+/// d2 in local coordinates: phi, g / sigma^2 and h / sigma^4 of kernels/kernel.hpp with sigma =
 /// Patches::support. For loops that become SIMD code.
 namespace csrbf::patch_kernel {
 

@@ -1,6 +1,5 @@
 #include "csrbf/surface/composite/patch_rows.hpp"
 
-#include "csrbf/core/simd.hpp"
 #include "csrbf/surface/composite/patch_kernel.hpp"
 
 namespace csrbf {

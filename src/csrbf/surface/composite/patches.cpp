@@ -1,9 +1,6 @@
 #include "csrbf/surface/composite/patches.hpp"
 
-#include "csrbf/core/simd.hpp"
 #include "csrbf/surface/composite/patch_kernel.hpp"
-
-#include <array>
 
 namespace csrbf {
 namespace {

@@ -1,9 +1,6 @@
 #pragma once
 
 #include "csrbf/core/field.hpp"
-#include "csrbf/core/types.hpp"
-
-#include <vector>
 
 namespace csrbf {
 
@@ -41,8 +38,6 @@ class Patches {
   /// Support radius of the radial basis functions, in units of the patch radius. Chosen by hand: above 2, each function
   /// covers the whole patch; larger values are smoother but worse conditioned.
   static constexpr double support = 2.5;
-
-  Patches() = default;
 
   /// Reserves memory for patches with a number of centres each.
   void reserve(Index patches, Index centers_per_patch);

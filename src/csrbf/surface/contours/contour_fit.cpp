@@ -10,8 +10,6 @@
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/contours/contour_points.hpp"
 
-#include <algorithm>
-
 namespace csrbf {
 namespace {
 
@@ -60,13 +58,17 @@ Samples<3> conditions(const std::vector<ContourPoint>& points, const SignSamples
           {}};
 }
 
+Points<3> positions(const std::vector<ContourPoint>& points) {
+  Points<3> result(3, std::ssize(points));
+  for (Index i = 0; i < result.cols(); ++i) result.col(i) = points[i].position;
+  return result;
+}
+
 // Sets slopes to the in-plane share of the gradient of the fit.
 void update_slopes(const Field<3>& field, std::vector<ContourPoint>& points) {
-  Points<3> at(3, static_cast<Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i) at.col(static_cast<Index>(i)) = points[i].position;
-  const Jet<3> jet = field.evaluate(at, Derivatives::gradient);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Point<3> g = jet.gradient.col(static_cast<Index>(i));
+  const Jet<3> jet = field.evaluate(positions(points), Derivatives::gradient);
+  for (Index i = 0; i < std::ssize(points); ++i) {
+    const Point<3> g = jet.gradient.col(i);
     const double share = -g.dot(points[i].outward) / g.norm();
     points[i].slope = std::isfinite(share) ? std::clamp(share, least_slope, 1.0) : 1;
   }
@@ -95,15 +97,13 @@ class ContourFitter {
   ContourFitter(const Points<3>& points, const std::vector<ContourLoop>& loops, const Slices& slices,
                 const ContourFitOptions& options)
       : points_(points), loops_(loops), slices_(slices), options_(options), stacks_(find_stacks(points, slices)) {
-    std::vector<Index> used;
-    for (const ContourLoop& loop : loops) used.insert(used.end(), loop.begin(), loop.end());
-    used_ = std::move(used);
+    for (const ContourLoop& loop : loops) used_.insert(used_.end(), loop.begin(), loop.end());
     picks_ = farthest_points<3>(points_(Eigen::all, used_), static_cast<Index>(used_.size()),
                                 {.first = 0, .progress = options.progress});
   }
 
   ContourFit fit() {
-    const auto distinct = static_cast<Index>(picks_.indices.size());
+    const Index distinct = std::ssize(picks_.indices);
     const Index most = std::clamp<Index>(options_.centers / 2, std::min<Index>(distinct, fewest_points), distinct);
     std::vector<ContourPoint> kept = prepare(std::min(most, coarse_points));
     for (int i = 0; i < coarse_fits; ++i) refit(kept, 0.1 * i);
@@ -117,9 +117,8 @@ class ContourFitter {
     }
     ContourFit result;
     result.spacing = picks_.radii[kept.size() - 1];
-    result.seeds.resize(3, static_cast<Index>(kept.size()));
-    for (std::size_t i = 0; i < kept.size(); ++i) result.seeds.col(static_cast<Index>(i)) = kept[i].position;
-    const std::vector<Spline> levels = corrected(static_cast<Index>(kept.size()));
+    result.seeds = positions(kept);
+    const std::vector<Spline> levels = corrected(std::ssize(kept));
     for (const Spline& level : levels) result.centers += level->basis().size();
     result.field = std::make_shared<const LevelSum<3>>(levels, bounding_box<3>(points_(Eigen::all, used_)));
     result.caps = find_caps(*result.field, slices_, stacks_);
@@ -129,7 +128,7 @@ class ContourFitter {
  private:
   std::vector<ContourPoint> prepare(Index count) {
     std::vector<Index> places(picks_.indices.begin(), picks_.indices.begin() + count);
-    return contour_points(points_, loops_, slices_, places, picks_.radii[static_cast<std::size_t>(count) - 1]);
+    return contour_points(points_, loops_, slices_, places, picks_.radii[count - 1]);
   }
 
   void refit(std::vector<ContourPoint>& kept, double done) {
@@ -146,7 +145,7 @@ class ContourFitter {
     Eigen::VectorXd residual = -smooth_->evaluate(all).value;
     for (int level = 0; level < most_levels && residual.cwiseAbs().maxCoeff() > tolerance; ++level) {
       report(options_.progress, "fit", 0.9);
-      const double separation = 0.5 * picks_.radii[static_cast<std::size_t>(kept) - 1];
+      const double separation = 0.5 * picks_.radii[kept - 1];
       const auto end =
           std::partition_point(picks_.radii.begin(), picks_.radii.end(), [&](double r) { return r >= separation; });
       kept = std::min(n, std::max<Index>(end - picks_.radii.begin(), kept + 1));

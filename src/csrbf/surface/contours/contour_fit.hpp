@@ -1,6 +1,5 @@
 #pragma once
 
-#include "csrbf/core/field.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/surface/contours/slice_signs.hpp"
 
@@ -9,11 +8,9 @@
 namespace csrbf {
 
 struct ContourFitOptions {
-  Index centers = default_centers;  ///< largest number of basis functions of the spline
-  double smoothing = 0;             ///< >= 0: lambda of the spline; 0 interpolates
+  Index centers = 0;     ///< largest number of basis functions of the spline
+  double smoothing = 0;  ///< >= 0: lambda of the spline; 0 interpolates
   Progress progress = {};
-
-  static constexpr Index default_centers = 2000;  ///< chosen by hand: a dense system, time grows with the third power
 };
 
 struct ContourFit {

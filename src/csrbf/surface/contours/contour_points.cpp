@@ -4,8 +4,6 @@
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-
 namespace csrbf {
 namespace {
 
@@ -68,15 +66,13 @@ ContourPoint contour_point(const Points<3>& points, const ContourLoop& loop, Ind
 std::vector<ContourPoint> contour_points(const Points<3>& points, const std::vector<ContourLoop>& loops,
                                          const Slices& slices, const std::vector<Index>& places, double spacing) {
   std::vector<Index> ends;
-  for (const ContourLoop& loop : loops)
-    ends.push_back((ends.empty() ? 0 : ends.back()) + static_cast<Index>(loop.size()));
+  for (const ContourLoop& loop : loops) ends.push_back((ends.empty() ? 0 : ends.back()) + std::ssize(loop));
   std::vector<ContourPoint> result(places.size());
-  parallel_for(static_cast<Index>(places.size()), grain, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      const auto l = static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end(), places[i]) - ends.begin());
+  parallel_for(std::ssize(places), grain, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Index l = std::upper_bound(ends.begin(), ends.end(), places[i]) - ends.begin();
       const Index at = places[i] - (l > 0 ? ends[l - 1] : 0);
-      const Slice& slice = slices.slices[slices.slice_of[l]];
-      result[i] = contour_point(points, loops[l], at, slice, spacing);
+      result[i] = contour_point(points, loops[l], at, slices.slices[slices.slice_of[l]], spacing);
     }
   });
   return result;

@@ -2,9 +2,6 @@
 
 #include "csrbf/core/parallel.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace csrbf {
 namespace {
 
@@ -22,18 +19,17 @@ using Stack = std::vector<Index>;
 
 // Slices with about the same normal, by height along that of the first.
 std::vector<Stack> stacks_of(const std::vector<Slice>& slices) {
-  const auto slice = [&](Index i) -> const Slice& { return slices[i]; };
   std::vector<Stack> stacks;
-  for (Index s = 0; s < static_cast<Index>(slices.size()); ++s) {
+  for (Index s = 0; s < std::ssize(slices); ++s) {
     const auto found = std::find_if(stacks.begin(), stacks.end(), [&](const Stack& stack) {
-      return std::abs(slice(stack.front()).normal().dot(slice(s).normal())) > parallel;
+      return std::abs(slices[stack.front()].normal().dot(slices[s].normal())) > parallel;
     });
     (found == stacks.end() ? stacks.emplace_back() : *found).push_back(s);
   }
   for (Stack& stack : stacks) {
-    const Slice& first = slice(stack.front());
+    const Slice& first = slices[stack.front()];
     std::sort(stack.begin(), stack.end(),
-              [&](Index a, Index b) { return first.height(slice(a).origin()) < first.height(slice(b).origin()); });
+              [&](Index a, Index b) { return first.height(slices[a].origin()) < first.height(slices[b].origin()); });
   }
   return stacks;
 }
@@ -126,11 +122,9 @@ SliceStacks find_stacks(const Points<3>& points, const Slices& slices) {
 
 bool add_wrong_signs(const Field<3>& field, const Slices& slices, const SliceStacks& stacks, SignSamples& samples) {
   std::vector<SignSamples> wrong(stacks.slices.size());
-  parallel_for(static_cast<Index>(wrong.size()), 1, [&](Index begin, Index end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      const StackedSlice& stacked = stacks.slices[i];
-      wrong[i] = wrong_signs(field, stacked, slices.slices[stacked.slice]);
-    }
+  parallel_for(std::ssize(wrong), 1, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      wrong[i] = wrong_signs(field, stacks.slices[i], slices.slices[stacks.slices[i].slice]);
   });
   bool any = false;
   for (const SignSamples& more : wrong) {
@@ -145,8 +139,7 @@ std::vector<Cap> find_caps(const Field<3>& field, const Slices& slices, const Sl
   std::vector<Cap> caps;
   for (const StackedSlice& stacked : stacks.slices) {
     if (stacked.beyond == 0) continue;
-    const Slice& slice = slices.slices[stacked.slice];
-    if (const std::optional<Cap> cap = find_cap(field, stacked, slice)) caps.push_back(*cap);
+    if (const std::optional<Cap> cap = find_cap(field, stacked, slices.slices[stacked.slice])) caps.push_back(*cap);
   }
   return caps;
 }

@@ -3,8 +3,6 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/surface/contours/slices.hpp"
 
-#include <optional>
-
 namespace csrbf {
 
 /// A slice as part of a stack, the slices with about the same normal.

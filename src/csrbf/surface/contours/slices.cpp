@@ -5,8 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <array>
 #include <numeric>
 #include <utility>
 
@@ -104,16 +102,16 @@ std::vector<ContourLoop> contour_loops(const Polylines& contours, std::vector<st
   std::vector<ContourLoop> loops;
   std::vector<bool> seen(neighbors.size(), false);
   Index opened = 0, small = 0;
-  for (std::size_t i = 0; i < neighbors.size(); ++i) {
-    if (seen[i] || neighbors[i][0] < 0) continue;
-    seen[i] = true;
-    const auto start = static_cast<Index>(i);
-    ContourLoop loop = chain(neighbors, start, neighbors[i][0], seen);
+  for (Index start = 0; start < std::ssize(neighbors); ++start) {
+    const auto& [first, second] = neighbors[start];
+    if (seen[start] || first < 0) continue;
+    seen[start] = true;
+    ContourLoop loop = chain(neighbors, start, first, seen);
     const auto& last = neighbors[loop.back()];
     if (loop.size() < 3 || (last[0] != start && last[1] != start)) {
       // An open chain, entered in its middle or at an end.
-      if (neighbors[i][1] >= 0) {
-        ContourLoop other = chain(neighbors, start, neighbors[i][1], seen);
+      if (second >= 0) {
+        const ContourLoop other = chain(neighbors, start, second, seen);
         loop.insert(loop.begin(), other.rbegin(), other.rend() - 1);
       }
       if (loop.size() >= 3) ++opened;
@@ -184,28 +182,26 @@ double Slice::depth(const Point<2>& q) const {
 
 Slices gather_slices(const Points<3>& points, const std::vector<ContourLoop>& loops) {
   std::vector<Plane> planes;
-  for (std::size_t l = 0; l < loops.size(); ++l)
-    planes.push_back(fit_plane(points(Eigen::all, loops[l]), static_cast<Index>(l)));
-  std::vector<std::size_t> order(loops.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return planes[a].size > planes[b].size; });
+  for (const ContourLoop& loop : loops) planes.push_back(fit_plane(points(Eigen::all, loop), std::ssize(planes)));
+  std::vector<Index> order(loops.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return planes[a].size > planes[b].size; });
   Slices result{{}, std::vector<Index>(loops.size())};
   std::vector<double> tolerance;
-  for (const std::size_t l : order) {
+  for (const Index l : order) {
     Points<3> loop = points(Eigen::all, loops[l]);
-    std::size_t s = 0;
-    for (; s < result.slices.size(); ++s) {
+    Index s = 0;
+    for (; s < std::ssize(result.slices); ++s) {
       const double off =
           (result.slices[s].normal().transpose() * (loop.colwise() - result.slices[s].origin())).cwiseAbs().maxCoeff();
       if (off <= std::max(tolerance[s], deviation_factor * planes[l].deviation)) break;
     }
-    if (s == result.slices.size()) {
+    if (s == std::ssize(result.slices)) {
       result.slices.emplace_back(planes[l].center, planes[l].normal, planes[l].aside);
       tolerance.push_back(std::max(same_plane, deviation_factor * planes[l].deviation));
     }
     result.slices[s].add(std::move(loop));
-    result.slice_of[l] = static_cast<Index>(s);
+    result.slice_of[l] = s;
   }
   return result;
 }

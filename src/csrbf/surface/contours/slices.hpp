@@ -2,9 +2,6 @@
 
 #include "csrbf/core/mesh.hpp"
 
-#include <string>
-#include <vector>
-
 namespace csrbf {
 
 /// A closed contour: the indices of its vertices in order.

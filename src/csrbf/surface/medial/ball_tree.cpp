@@ -2,7 +2,6 @@
 
 #include "csrbf/core/simd.hpp"
 
-#include <array>
 #include <type_traits>
 
 namespace csrbf {
@@ -105,6 +104,14 @@ Scalar total(const double (&sum)[terms][lanes], Derivatives derivatives) {
 
 template double total<double>(const double (&)[terms][lanes], Derivatives);
 template Taylor<3> total<Taylor<3>>(const double (&)[terms][lanes], Derivatives);
+
+void store(const Taylor<3>& f, Index i, const JetBlock& out) {
+  out.value[i] = f.value;
+  if (out.gradient != nullptr) Eigen::Map<Point<3>>(out.gradient + 3 * i) = f.gradient;
+  if (out.hessian == nullptr) return;
+  for (int a = 0, entry = 0; a < 3; ++a)
+    for (int b = a; b < 3; ++b, ++entry) out.hessian[6 * i + entry] = f.hessian(a, b);
+}
 
 BallTree::BallTree(const PointsRef<3>& centers, const Eigen::VectorXd& supports, const Quadrics& quadrics)
     : tree_(centers, supports), slots_(tree_.slots(), rows) {

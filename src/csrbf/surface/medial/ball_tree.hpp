@@ -4,8 +4,6 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/taylor.hpp"
 
-#include <vector>
-
 namespace csrbf {
 
 /// W = sum phi and S = sum phi g over balls, with derivatives: value, gradient, upper triangle of the Hessian. Kept as
@@ -21,6 +19,9 @@ struct BallSums {
 /// The total of the lanes of one of the sums; derivatives only if they were summed.
 template <class Scalar>
 Scalar total(const double (&sum)[BallSums::terms][BallSums::lanes], Derivatives derivatives);
+
+/// Writes the parts of a value that `out` asks for to its point i.
+void store(const Taylor<3>& f, Index i, const JetBlock& out);
 
 /// Balls with a quadric each:
 ///

@@ -25,11 +25,6 @@ void check(const OrientedPoints& cloud, const MedialAxisOptions& options) {
   constexpr const char* function = "fit_medial_axis";
   require(cloud.size() > 0, function, "cloud", "empty", "at least one sample is needed");
   require(options.centers >= 0, function, "centers", options.centers, "must be positive, or 0 for the default");
-  require(options.supports.support > 0, function, "support", options.supports.support, "must be positive");
-  require(options.supports.fewest > 0 && options.supports.fewest <= options.supports.most, function, "fewest",
-          options.supports.fewest, "must be positive and at most `most`");
-  require(options.supports.coverage > 0, function, "coverage", options.supports.coverage, "must be positive");
-  require(options.normal_weight >= 0, function, "normal_weight", options.normal_weight, "must not be negative");
   require(!options.smoothing || *options.smoothing >= 0, function, "smoothing", options.smoothing.value_or(0),
           "must not be negative");
 }
@@ -45,12 +40,6 @@ std::vector<Index> choose_centers(const OrientedPoints& cloud, const MedialAxisO
   }
   std::sort(centers.begin(), centers.end());
   return centers;
-}
-
-std::vector<Index> every(Index stride, Index n) {
-  std::vector<Index> ids;
-  for (Index i = 0; i < n; i += stride) ids.push_back(i);
-  return ids;
 }
 
 // On the surface the winding number is 1/2. Noise spreads the centres over a slab, where the total area of their cells
@@ -75,13 +64,13 @@ MedialAxisFit fit_medial_axis(const OrientedPoints& cloud, const KdTree<3>& tree
   const Points<3> normals = cloud.normals(Eigen::all, chosen);
 
   report(options.progress, "poles", 0);
-  MedialSupports supports = medial_supports(data.centers, normals, cloud.points, options.supports);
+  MedialSupports supports = medial_supports(data.centers, normals, cloud.points);
   data.supports = std::move(supports.supports);
 
   report(options.progress, "fit", 0);
   data.quadrics.resize(10, M);
   parallel_for(M, 16, [&](Index begin, Index end) {
-    QuadricFitter fitter(cloud, tree, options.normal_weight);
+    QuadricFitter fitter(cloud, tree);
     for (Index i = begin; i < end; ++i) {
       const Point<3> center = data.centers.col(i);
       data.quadrics.col(i) = fitter.fit(center, data.supports[i]);
@@ -90,16 +79,16 @@ MedialAxisFit fit_medial_axis(const OrientedPoints& cloud, const KdTree<3>& tree
     }
   });
   const Index stride = std::max<Index>(1, cloud.size() / (rows_per_center * M));
-  const std::vector<Index> rows = every(stride, cloud.size());
-  const SlopeSystem system = slope_system(data, cloud.points(Eigen::all, rows), cloud.normals(Eigen::all, rows));
+  const auto rows = Eigen::seq(0, cloud.size() - 1, stride);
+  const SlopeSystem system =
+      slope_system(data, Points<3>(cloud.points(Eigen::all, rows)), Points<3>(cloud.normals(Eigen::all, rows)));
   const SlopeSolution solution = solve_slope_system(system, options.smoothing, options.progress);
   data.quadrics.row(0) += solution.alpha.transpose();
 
   const Eigen::VectorXd spacing = supports.areas.cwiseSqrt();
   data.winding = calibrated_winding({data.centers, normals, supports.areas, winding_smoothing * spacing});
   data.far_value = far_spacings * spacing.mean();
-  return {std::make_shared<const MedialAxisField>(std::move(data)), std::move(supports.scales), solution.smoothing,
-          solution.direct};
+  return {std::make_shared<const MedialAxisField>(std::move(data)), std::move(supports.scales), solution.smoothing};
 }
 
 }  // namespace csrbf

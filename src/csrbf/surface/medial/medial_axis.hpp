@@ -1,14 +1,9 @@
 #pragma once
 
-#include "csrbf/core/progress.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/composite/composite.hpp"
 #include "csrbf/surface/medial/medial_axis_field.hpp"
 #include "csrbf/surface/medial/medial_supports.hpp"
-
-#include <memory>
-#include <optional>
-#include <vector>
 
 namespace csrbf {
 
@@ -17,10 +12,6 @@ struct MedialAxisOptions {
   Index centers = 0;
   /// Alternatively the indices of the samples that are centres, distinct.
   std::vector<Index> center_indices = {};
-  MedialSupportOptions supports = {};
-  /// Weight of the normals relative to the positions in the fit of a quadric, in units of its support (kappa of
-  /// eq. 6.24).
-  double normal_weight = 0.1;
   /// (epsilon / t)^2 of eq. (6.32), the weight of the slope penalty relative to the sum of squares. Not set: chosen by
   /// generalised cross-validation (see slope_penalty.hpp).
   std::optional<double> smoothing = {};
@@ -31,23 +22,21 @@ struct MedialAxisFit {
   std::shared_ptr<const MedialAxisField> field;
   Eigen::VectorXd scales;  ///< of the centres: distances to the medial axis, estimated from the centres
   double smoothing = 0;    ///< used or chosen
-  bool direct = true;      ///< the equations were solved by factorisation, not by iteration
 };
 
 /// Fits a fixed budget of CSRBFs with supports adapted to the medial axis (thesis section 6.2): quadrics g_i fitted to
 /// the samples in each support by positions and normals (eq. 6.24 in local, scaled coordinates), then coefficients
 /// alpha_i that minimise
 ///
-///     |f|^2 at the samples + (epsilon / t)^2 sum_k |sum_i alpha_i sigma_i / K' grad w_i(p_k)|^2,  w_i = phi_i / sum
-///     phi,
+///     |f|^2 at the samples + (epsilon / t)^2 sum_k |sum_i alpha_i sigma_i / K' grad w_i(p_k)|^2,
 ///
-/// eq. (6.32) for the normalised functions, by a sparse Cholesky factorisation (by conjugate gradients where it would
-/// take more than about 20 s). The winding number of the centres, each with the area of its cell in the tangent plane,
-/// decides far from the data: the surface is closed. Where a quadric leaves residuals that are large compared with its
-/// support, as under noise, the support grows. Time is dominated by the linear solve, which grows with the number of
-/// centres in a support: below 10 s for 10 000 centres and clean samples.
+/// eq. (6.32) for the normalised functions w_i = phi_i / sum phi, by a sparse Cholesky factorisation (by conjugate
+/// gradients where it would take more than about 20 s). The winding number of the centres, each with the area of its
+/// cell in the tangent plane, decides far from the data: the surface is closed. Where a quadric leaves residuals that
+/// are large compared with its support, as under noise, the support grows. Time is dominated by the linear solve, which
+/// grows with the number of centres in a support: below 10 s for 10 000 centres and clean samples.
 ///
-/// Throws InvalidInput for a negative budget, weight or smoothing.
+/// Throws InvalidInput for a negative budget or smoothing.
 MedialAxisFit fit_medial_axis(const OrientedPoints& cloud, const KdTree<3>& tree,
                               const MedialAxisOptions& options = {});
 

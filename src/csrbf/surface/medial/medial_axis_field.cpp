@@ -1,8 +1,5 @@
 #include "csrbf/surface/medial/medial_axis_field.hpp"
 
-#include "csrbf/core/taylor.hpp"
-
-#include <array>
 #include <type_traits>
 #include <utility>
 
@@ -48,13 +45,6 @@ Scalar trust(const Scalar& W, const Scalar& u) {
 
 void store(double f, Index i, const JetBlock& out) {
   out.value[i] = f;
-}
-void store(const Taylor<3>& f, Index i, const JetBlock& out) {
-  out.value[i] = f.value;
-  for (int c = 0; c < 3; ++c) out.gradient[3 * i + c] = f.gradient[c];
-  if (out.hessian == nullptr) return;
-  for (int c = 0, term = 0; c < 3; ++c)
-    for (int e = c; e < 3; ++e, ++term) out.hessian[6 * i + term] = f.hessian(c, e);
 }
 
 }  // namespace

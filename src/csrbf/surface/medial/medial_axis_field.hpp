@@ -1,6 +1,5 @@
 #pragma once
 
-#include "csrbf/core/field.hpp"
 #include "csrbf/surface/medial/ball_tree.hpp"
 #include "csrbf/surface/winding/winding_number.hpp"
 

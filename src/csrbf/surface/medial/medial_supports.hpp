@@ -4,14 +4,6 @@
 
 namespace csrbf {
 
-/// How wide the supports of medial_supports() are.
-struct MedialSupportOptions {
-  double support = 1;  ///< rho: support over the distance to the medial axis (thesis eq. 6.19)
-  double fewest = 3;   ///< least area of a support, in cells of its centre (chosen by hand) ...
-  double most = 16;    ///< ... and largest (likewise); larger: denser systems
-  Index coverage = 4;  ///< every sample is inside the supports of at least this many centres
-};
-
 struct MedialSupports {
   Eigen::VectorXd scales;    ///< distances of the centres to the poles (thesis eq. 6.22)
   Eigen::VectorXd areas;     ///< of the cells of the centres in their tangent planes
@@ -19,11 +11,10 @@ struct MedialSupports {
 };
 
 /// Supports that end at the medial axis of the surface (thesis section 6.2.1), as far as the centres are dense enough
-/// to determine it. Bounds keep enough neighbours in a support where a pole is spuriously close, and no more than are
-/// useful where the surface is flat; they are set by the areas of the cells in the tangent planes, so that supports are
-/// wide between scan lines and at the rims of holes. Samples covered by too few supports widen those of their nearest
-/// centres. `normals` are those of the centres. O(M log M + N log M).
-MedialSupports medial_supports(const PointsRef<3>& centers, const PointsRef<3>& normals, const PointsRef<3>& samples,
-                               const MedialSupportOptions& options = {});
+/// to determine it (rho = 1 in thesis eq. 6.19). Bounds keep enough neighbours in a support where a pole is spuriously
+/// close, and no more than are useful where the surface is flat; they are set by the areas of the cells in the tangent
+/// planes, so that supports are wide between scan lines and at the rims of holes. Samples covered by too few supports
+/// widen those of their nearest centres. `normals` are those of the centres. O(M log M + N log M).
+MedialSupports medial_supports(const PointsRef<3>& centers, const PointsRef<3>& normals, const PointsRef<3>& samples);
 
 }  // namespace csrbf

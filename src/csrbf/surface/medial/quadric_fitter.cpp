@@ -5,6 +5,7 @@
 namespace csrbf {
 namespace {
 
+constexpr double normal_weight = 0.1;  // kappa of eq. (6.24), chosen by hand: of normals relative to positions
 // The same values as for patches (composite.hpp, patch_fitter.cpp).
 constexpr std::size_t most_samples = 400;  // that a quadric is fitted to; denser ones are thinned evenly
 constexpr double ridge = 1e-6;             // of A, relative; makes a quadric over planar samples planar
@@ -37,8 +38,8 @@ QuadricFitter::Quadric QuadricFitter::fit(const Point<3>& center, double support
     const double w = phi * cloud_.spacing[i] * cloud_.spacing[i];
     const Eigen::Matrix<double, 4, 10> rows = quadric_rows(q);
     values.noalias() += w * rows.row(0).transpose() * rows.row(0);
-    M.noalias() += w * normal_weight_ * rows.bottomRows<3>().transpose() * rows.bottomRows<3>();
-    b.noalias() -= w * normal_weight_ * rows.bottomRows<3>().transpose() * cloud_.normals.col(i);
+    M.noalias() += w * normal_weight * rows.bottomRows<3>().transpose() * rows.bottomRows<3>();
+    b.noalias() -= w * normal_weight * rows.bottomRows<3>().transpose() * cloud_.normals.col(i);
     sum += w;
   }
   M += values;

@@ -3,8 +3,6 @@
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/composite/composite.hpp"
 
-#include <vector>
-
 namespace csrbf {
 
 /// Fits quadrics to the samples in balls (thesis eq. 6.24 in local, scaled coordinates q = (p - center) / support):
@@ -15,9 +13,8 @@ class QuadricFitter {
   /// Coefficients of b0 + b . d + d^T A d, d = x - center, as in BallTree.
   using Quadric = Eigen::Matrix<double, 10, 1>;
 
-  /// `normal_weight`: kappa. The cloud and its tree must outlive the fitter.
-  QuadricFitter(const OrientedPoints& cloud, const KdTree<3>& tree, double normal_weight)
-      : cloud_(cloud), tree_(tree), normal_weight_(normal_weight) {}
+  /// The cloud and its tree must outlive the fitter.
+  QuadricFitter(const OrientedPoints& cloud, const KdTree<3>& tree) : cloud_(cloud), tree_(tree) {}
 
   Quadric fit(const Point<3>& center, double support);
 
@@ -29,7 +26,6 @@ class QuadricFitter {
  private:
   const OrientedPoints& cloud_;
   const KdTree<3>& tree_;
-  double normal_weight_;
   std::vector<Index> ids_;
   double residual_ = 0;
 };

@@ -6,8 +6,6 @@
 #include "csrbf/linalg/sparse_least_squares.hpp"
 #include "csrbf/surface/medial/quadric_fitter.hpp"
 
-#include <algorithm>
-
 namespace csrbf {
 namespace {
 
@@ -144,7 +142,7 @@ SlopeSolution solve_slope_system(const SlopeSystem& system, std::optional<double
     smoothing = per_center(sample.B) < enough ? wide_support_smoothing : solve(sample, {}, progress).lambda0;
   }
   const SparseLeastSquaresFit fit = solve(system, smoothing, progress);
-  return {fit.coefficients.col(0), fit.lambda0, fit.direct};
+  return {fit.coefficients.col(0), fit.lambda0};
 }
 
 }  // namespace csrbf

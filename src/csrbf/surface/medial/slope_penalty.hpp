@@ -5,9 +5,6 @@
 
 #include <Eigen/SparseCore>
 
-#include <array>
-#include <optional>
-
 namespace csrbf {
 
 /// The least squares problem for the coefficients alpha of fit_medial_axis() (thesis eqs. 6.32 to 6.35).
@@ -28,7 +25,6 @@ SlopeSystem slope_system(const MedialAxisField::Data& data, const PointsRef<3>& 
 struct SlopeSolution {
   Eigen::VectorXd alpha;
   double smoothing = 0;
-  bool direct = true;
 };
 
 /// Minimises |B alpha - residual|^2 + mu |D alpha|^2, mu = smoothing N / trace(D^T D). Without `smoothing` it is chosen

@@ -34,7 +34,7 @@ std::vector<Index> samples_of_no(const std::vector<std::vector<Index>>& componen
 std::vector<bool> inward_parts(const OrientedPoints& cloud, const std::vector<std::vector<Index>>& components) {
   const winding::Tree tree = make_tree(cloud);
   const auto is_inward = [&](const std::vector<Index>& part) {
-    const auto size = static_cast<Index>(part.size()), count = std::min(size, most_probes);
+    const Index size = std::ssize(part), count = std::min(size, most_probes);
     Points<3> probes(3, count);
     for (Index k = 0; k < count; ++k) probes.col(k) = cloud.points.col(part[k * size / count]);
     return count > 0 && winding::sum_at(tree, probes).mean() < inward;

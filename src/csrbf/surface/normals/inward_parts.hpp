@@ -2,8 +2,6 @@
 
 #include "csrbf/surface/composite/composite.hpp"
 
-#include <vector>
-
 namespace csrbf {
 
 /// Finds normals that point inward, as some scanners write them: for every component, and last for all other samples,

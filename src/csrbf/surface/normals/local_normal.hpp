@@ -2,8 +2,6 @@
 
 #include "csrbf/core/types.hpp"
 
-#include <span>
-
 namespace csrbf {
 
 /// Principal axes of a neighbourhood, its points weighted by 1 - d^2 / h^2 with h just beyond the farthest.

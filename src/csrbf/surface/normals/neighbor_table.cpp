@@ -2,9 +2,6 @@
 
 #include "csrbf/core/shared_work.hpp"
 
-#include <algorithm>
-#include <limits>
-
 namespace csrbf {
 namespace {
 
@@ -25,13 +22,7 @@ void search(const PointsRef<3>& points, const KdTree<3>& tree, const Known& know
     for (Index i = begin; i < end; ++i) {
       if (known(i)) continue;
       const Index found = tree.nearest(points.col(i), table.k + 1, ids.data(), d2.data());
-      // The point itself need not come first where points coincide, and may be missing.
-      Index kept = 0;
-      for (Index j = 0; j < found && kept < table.k; ++j) {
-        if (ids[j] == i) continue;
-        table.index[i * table.k + kept++] = static_cast<std::uint32_t>(ids[j]);
-        table.reach[i] = std::sqrt(d2[j]);
-      }
+      table.set(i, {ids.data(), static_cast<std::size_t>(found)}, d2.data());
     }
   };
   share_arrays("prepare", points.cols(), 1024, compute,
@@ -39,6 +30,16 @@ void search(const PointsRef<3>& points, const KdTree<3>& tree, const Known& know
 }
 
 }  // namespace
+
+// Point i need not come first where points coincide, and may be missing.
+void NeighborTable::set(Index i, std::span<const Index> ids, const double* squared_distances) {
+  Index kept = 0;
+  for (Index j = 0; j < std::ssize(ids) && kept < k; ++j) {
+    if (ids[j] == i) continue;
+    index[i * k + kept++] = static_cast<std::uint32_t>(ids[j]);
+    reach[i] = std::sqrt(squared_distances[j]);
+  }
+}
 
 NeighborTable make_neighbor_table(const PointsRef<3>& points, const KdTree<3>& tree, Index k) {
   NeighborTable table = empty_table(points.cols(), k);

@@ -1,11 +1,8 @@
 #pragma once
 
-#include "csrbf/core/types.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 #include <numbers>
-#include <span>
-#include <vector>
 
 namespace csrbf {
 
@@ -19,6 +16,8 @@ struct NeighborTable {
     return {index.data() + i * k, static_cast<std::size_t>(k)};
   }
   [[nodiscard]] Index size() const { return reach.size(); }
+  /// Sets the row of point i to the first k of the points `ids`, nearest first, but i.
+  void set(Index i, std::span<const Index> ids, const double* squared_distances);
   /// Area of the surface that point i represents if it is smooth: the disc out to the last neighbour has k times that
   /// area.
   [[nodiscard]] double area(Index i) const {

@@ -1,10 +1,7 @@
 #include "csrbf/surface/normals/orient_normals.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/orientation_energy.hpp"
-
-#include <string>
 
 namespace csrbf {
 namespace {
@@ -35,11 +32,11 @@ Sorted sort(const PointsRef<3>& points, const PointsRef<3>& normals) {
   const Box<3> box = bounding_box<3>(points);
   const Point<3> center = 0.5 * box.lo + 0.5 * box.hi;
   const double size = (0.5 * box.hi - 0.5 * box.lo).maxCoeff(), scale = size > 0 ? size : 1;
-  for (std::size_t k = 0; k < sorted.order.size(); ++k) {
-    const Index i = sorted.order[k], to = static_cast<Index>(k);
-    sorted.points.col(to) = (points.col(i) - center) / scale;
+  for (Index k = 0; k < points.cols(); ++k) {
+    const Index i = sorted.order[k];
+    sorted.points.col(k) = (points.col(i) - center) / scale;
     const double length = normals.col(i).stableNorm();
-    sorted.normals.col(to) = length > 0 ? Point<3>(normals.col(i) / length) : Point<3>::Zero();
+    sorted.normals.col(k) = length > 0 ? Point<3>(normals.col(i) / length) : Point<3>::Zero();
   }
   return sorted;
 }
@@ -55,10 +52,8 @@ Signs majority(const Clusters& clusters) {
 }
 
 void apply(const Clusters& clusters, const Signs& signs, Points<3>& normals) {
-  for (Index i = 0; i < normals.cols(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (clusters.of[k] >= 0) normals.col(i) *= clusters.sign[k] * signs[clusters.of[k]];
-  }
+  for (Index i = 0; i < normals.cols(); ++i)
+    if (clusters.of[i] >= 0) normals.col(i) *= clusters.sign[i] * signs[clusters.of[i]];
 }
 
 // Whether more of the surface faces +z (else +y, +x) than away from it: 1 or -1.
@@ -66,9 +61,8 @@ int upward(const Points<3>& normals, const NeighborTable& table, const Clusters&
   Point<3> sum = Point<3>::Zero();
   double total = 0;
   for (Index i = 0; i < normals.cols(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (clusters.of[k] < 0) continue;
-    sum += table.area(i) * clusters.sign[k] * signs[clusters.of[k]] * normals.col(i);
+    if (clusters.of[i] < 0) continue;
+    sum += table.area(i) * clusters.sign[i] * signs[clusters.of[i]] * normals.col(i);
     total += table.area(i);
   }
   for (const Index axis : {2, 1, 0})  // unless less than a tenth of the area decides; chosen by hand
@@ -150,8 +144,8 @@ OrientReport orient_normals(const PointsRef<3>& points, Points<3>& normals, cons
   const Points<3> before = sorted.normals;
   const NeighborTable table = make_neighbor_table(sorted.points, KdTree<3>(sorted.points), options.neighbors);
   const OrientReport result = orient_normals(sorted.points, table, sorted.normals, options.progress);
-  for (std::size_t k = 0; k < sorted.order.size(); ++k)
-    if (sorted.normals.col(static_cast<Index>(k)).dot(before.col(static_cast<Index>(k))) < 0)
+  for (Index k = 0; k < before.cols(); ++k)
+    if (sorted.normals.col(k).dot(before.col(k)) < 0)
       normals.col(sorted.order[k]) = -normals.col(sorted.order[k]).eval();
   return result;
 }

@@ -6,17 +6,13 @@
 namespace csrbf::orientation {
 namespace {
 
-// All chosen by hand. Sampled points in total and of each cluster at least; more: slower, less random.
-constexpr double sampled_points = 1500;
-constexpr Index points_per_cluster = 6;
-// Distances of the probes from the surface in local spacings: clusters of every size have an effect at one of them.
-constexpr double distances[] = {2, 8, 32};
-constexpr Index probes_per_point = 7;  // one on the surface, one on each side at every distance
-// Weight of the probes on the surface: random signs make w vanish, which is ideal for all others.
-constexpr double surface_share = 0.5;
-// Weight of the neighbours' votes against the energy. They decide what the winding number leaves open: noise changes it
-// by as much as a small cluster does.
-constexpr double vote_weight = 5;
+// All chosen by hand.
+constexpr double sampled_points = 1500;     // in total at least ...
+constexpr Index points_per_cluster = 6;     // ... and of each cluster; more: slower, less random
+constexpr double distances[] = {2, 8, 32};  // of the probes, in spacings: clusters of every size act at one of them
+constexpr Index probes_per_point = 7;       // one on the surface, one on each side at every distance
+constexpr double surface_share = 0.5;       // weight of the probes on it: random signs give w = 0, ideal for all others
+constexpr double vote_weight = 5;    // of neighbours against the energy, which noise changes like a small cluster
 constexpr double least_gain = 1e-6;  // decrease of the energy that counts: single precision has 1e-7
 constexpr int max_sweeps = 12;       // over all moves: bounds time
 
@@ -77,7 +73,7 @@ Energy::Energy(const Points<3>& points, const Points<3>& normals, const Neighbor
   const Sample sample = draw(table, members);
 
   // Probes on the surface, then the others along a Morton curve.
-  on_surface_ = static_cast<Index>(sample.points.size());
+  on_surface_ = std::ssize(sample.points);
   cluster_ = sample.clusters;
   Points<3> probes(3, probes_per_point * on_surface_);
   for (Index s = 0; s < on_surface_; ++s) {
@@ -100,14 +96,16 @@ Energy::Energy(const Points<3>& points, const Points<3>& normals, const Neighbor
   }
   sum_winding(sorted, points, normals, table, clusters, members);
   count_votes(points, normals, graph, clusters);
-  list_moves(clusters);
+  for (Index c = 0; c < clusters.size(); ++c) moves_.push_back({c});
+  for (auto& subtree : subtrees(clusters.parent))
+    if (subtree.size() > 1) moves_.push_back(std::move(subtree));
 }
 
 void Energy::sum_winding(const Points<3>& probes, const Points<3>& points, const Points<3>& normals,
                          const NeighborTable& table, const Clusters& clusters, const Members& members) {
-  winding_.resize(probes.cols(), static_cast<Index>(members.size()));
-  for (std::size_t c = 0; c < members.size(); ++c) {
-    const auto size = static_cast<Index>(members[c].size());
+  winding_.resize(probes.cols(), std::ssize(members));
+  for (Index c = 0; c < winding_.cols(); ++c) {
+    const Index size = std::ssize(members[c]);
     winding::Samples samples{Points<3>(3, size), Points<3>(3, size), Eigen::VectorXd(size), Eigen::VectorXd(size)};
     for (Index k = 0; k < size; ++k) {
       const Index i = members[c][k];
@@ -116,7 +114,7 @@ void Energy::sum_winding(const Points<3>& probes, const Points<3>& points, const
       samples.areas[k] = table.area(i);
       samples.eps[k] = std::sqrt(samples.areas[k]);
     }
-    winding_.col(static_cast<Index>(c)) =
+    winding_.col(c) =
         winding::sum_at(winding::make_tree({samples.points, samples.normals, samples.areas, samples.eps}), probes);
   }
 }
@@ -140,12 +138,6 @@ void Energy::count_votes(const Points<3>& points, const Points<3>& normals, cons
     votes_(ca, cb) += vote;
     votes_(cb, ca) += vote;
   }
-}
-
-void Energy::list_moves(const Clusters& clusters) {
-  for (Index c = 0; c < clusters.size(); ++c) moves_.push_back({c});
-  for (auto& subtree : subtrees(clusters.parent))
-    if (subtree.size() > 1) moves_.push_back(std::move(subtree));
 }
 
 Eigen::VectorXf Energy::winding(const Signs& signs) const {

@@ -2,7 +2,6 @@
 
 #include "csrbf/surface/normals/orientation_graph.hpp"
 
-/// The parts of orient_normals. Internal.
 namespace csrbf::orientation {
 
 /// One sign, 1 or -1, per cluster.
@@ -39,7 +38,6 @@ class Energy {
                    const NeighborTable& table, const Clusters& clusters,
                    const std::vector<std::vector<Index>>& members);
   void count_votes(const Points<3>& points, const Points<3>& normals, const Graph& graph, const Clusters& clusters);
-  void list_moves(const Clusters& clusters);
 
   Eigen::MatrixXf winding_;            // probe x cluster: w of the cluster alone
   Eigen::VectorXf weight_;             // of the probes, sum 1

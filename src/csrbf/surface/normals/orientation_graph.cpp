@@ -3,7 +3,6 @@
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
 
-#include <algorithm>
 #include <numeric>
 
 namespace csrbf::orientation {
@@ -39,13 +38,13 @@ Eigen::VectorXd roughness(const Points<3>& points, const Points<3>& normals, con
 // Edges of a neighbour table by increasing cost; `ids` are the points of the table.
 std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, const NeighborTable& table,
                              const std::vector<std::uint32_t>& ids, std::size_t& certain) {
-  const auto k = static_cast<std::size_t>(table.k);
+  const Index k = table.k;
   const Eigen::VectorXd rough = roughness(points, normals, table, ids);
   std::vector<std::uint16_t> bucket(table.index.size());
   parallel_for(table.size(), 4096, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Index a = ids[i];
-      for (std::size_t j = 0; j < k; ++j) {
+      for (Index j = 0; j < k; ++j) {
         const std::uint32_t other = table.of(i)[j];
         const Index b = ids[other];
         // Mutual neighbours share one edge.
@@ -54,7 +53,7 @@ std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, 
             other < i && std::find(back.begin(), back.end(), static_cast<std::uint32_t>(i)) != back.end();
         const double total =
             cost(points.col(a), normals.col(a), points.col(b), normals.col(b)) + rough[i] + rough[other];
-        bucket[static_cast<std::size_t>(i) * k + j] = static_cast<std::uint16_t>(
+        bucket[i * k + j] = static_cast<std::uint16_t>(
             repeated || !(total <= max_cost) ? buckets
                                              : std::min(buckets - 1, static_cast<int>(total / max_cost * buckets)));
       }
@@ -66,7 +65,7 @@ std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, 
   certain = begin[static_cast<std::size_t>(certain_cost / max_cost * buckets)];
   std::vector<Edge> edges(begin[buckets]);
   InterruptionPoint pause(pause_after);
-  for (std::size_t e = 0; e < bucket.size(); ++e) {
+  for (Index e = 0; e < std::ssize(bucket); ++e) {
     pause();
     if (bucket[e] < buckets) edges[begin[bucket[e]]++] = {ids[e / k], ids[table.index[e]]};
   }
@@ -209,8 +208,7 @@ Graph make_graph(const Points<3>& points, const Points<3>& normals, const Neighb
   std::erase_if(ids, [&](std::uint32_t id) { return !(normals.col(id).squaredNorm() > 0); });
   while (!connected(ids, sets)) {
     ids = thin_out(ids, points.cols(), sets);
-    Points<3> subset(3, static_cast<Index>(ids.size()));
-    for (std::size_t i = 0; i < ids.size(); ++i) subset.col(static_cast<Index>(i)) = points.col(ids[i]);
+    const Points<3> subset = points(Eigen::all, ids);
     const NeighborTable sparse = make_neighbor_table(subset, KdTree<3>(subset), table.k);
     std::size_t unused = 0;
     for (const Edge& edge : sort_edges(points, normals, sparse, ids, unused))

@@ -2,8 +2,6 @@
 
 #include "csrbf/surface/normals/neighbor_table.hpp"
 
-#include <vector>
-
 /// The parts of orient_normals. Internal.
 namespace csrbf::orientation {
 

@@ -5,8 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include <vector>
-
 namespace csrbf {
 namespace {
 

@@ -10,11 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
 #include <numbers>
-#include <optional>
-#include <span>
-#include <utility>
 
 namespace csrbf {
 namespace {
@@ -63,7 +59,7 @@ std::optional<Point<3>> free_direction(const OrientedPoints& cloud, const KdTree
   const Index found = tree.nearest(cloud.points.col(i), rim_neighbors + 1, near.data(), d2.data());
   const Point<3> normal = cloud.normals.col(i), u = normal.unitOrthogonal(), v = normal.cross(u);
   std::vector<double> angles;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(found); ++k) {
+  for (Index k = 0; k < found; ++k) {
     if (near[k] == i || cloud.normals.col(near[k]).dot(normal) <= 0) continue;
     const Point<3> d = cloud.points.col(near[k]) - cloud.points.col(i);
     angles.push_back(std::atan2(d.dot(v), d.dot(u)));
@@ -107,9 +103,8 @@ std::vector<RimSample> chains(const OrientedPoints& cloud, const KdTree<3>& tree
 // In the order of `ids`, which ascend.
 std::vector<RimSample> rim(const OrientedPoints& cloud, const KdTree<3>& tree, const std::vector<Index>& ids) {
   std::vector<std::optional<Point<3>>> onward(ids.size());
-  parallel_for(static_cast<Index>(ids.size()), samples_per_task, [&](Index begin, Index end) {
-    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
-      onward[k] = free_direction(cloud, tree, ids[k]);
+  parallel_for(std::ssize(ids), samples_per_task, [&](Index begin, Index end) {
+    for (Index k = begin; k < end; ++k) onward[k] = free_direction(cloud, tree, ids[k]);
   });
   std::vector<RimSample> open;
   for (std::size_t k = 0; k < ids.size(); ++k)
@@ -224,7 +219,7 @@ std::shared_ptr<const Field<3>> spline_across(const OrientedPoints& cloud, const
   const std::vector<Index> far =
       samples_behind(cloud, gap.far_rim, surroundings(cloud, tree, component, gap.length + gap.width + reach), reach);
   ids.insert(ids.end(), far.begin(), far.end());
-  const auto n = static_cast<Index>(ids.size());
+  const Index n = std::ssize(ids);
   Samples<3> samples{Points<3>(3, 3 * n), Eigen::VectorXd(3 * n), {}};
   for (Index k = 0; k < n; ++k) {
     const Index i = ids[k];
@@ -255,7 +250,7 @@ Points<3> points_between(const OrientedPoints& cloud, const Gap& gap, double spa
 }
 
 struct Added {
-  std::vector<Point<3>> points, normals;
+  Points<3> points, normals;
 };
 
 // Moves points onto the zero set of f by Newton's method along the gradient; returns those that converge within
@@ -270,39 +265,36 @@ Added project(const Field<3>& f, const Points<3>& from, double reach, double tol
       x.col(i) -= std::clamp(jet.value[i] / std::max(g.squaredNorm(), least_slope), -reach, reach) * g;
     }
   }
-  Added added;
+  std::vector<Index> kept;
   for (Index i = 0; i < x.cols(); ++i) {
     if (!(std::abs(jet.value[i]) < tolerance) || (x.col(i) - from.col(i)).norm() > reach) continue;
-    added.points.emplace_back(x.col(i));
-    added.normals.emplace_back(-jet.gradient.col(i).normalized());
+    kept.push_back(i);
+    jet.gradient.col(i) = -jet.gradient.col(i).normalized();
   }
-  return added;
+  return {x(Eigen::all, kept), jet.gradient(Eigen::all, kept)};
 }
 
 // Adds the samples that are far enough from the existing ones and from each other.
 void add_spread(const Added& added, double spacing, PreparedCloud& prepared) {
   OrientedPoints& cloud = prepared.cloud;
   std::vector<Index> free;
-  for (std::size_t i = 0; i < added.points.size(); ++i) {
+  for (Index i = 0; i < added.points.cols(); ++i) {
     Index nearest = 0;
     double d2 = 0;
-    prepared.tree->nearest(added.points[i], 1, &nearest, &d2);
-    if (d2 > distance_to_data * distance_to_data * spacing * spacing) free.push_back(static_cast<Index>(i));
+    prepared.tree->nearest(added.points.col(i), 1, &nearest, &d2);
+    if (d2 > distance_to_data * distance_to_data * spacing * spacing) free.push_back(i);
   }
-  Points<3> candidates(3, static_cast<Index>(free.size()));
-  for (std::size_t k = 0; k < free.size(); ++k) candidates.col(static_cast<Index>(k)) = added.points[free[k]];
-  const FarthestPoints spread = farthest_points<3>(candidates, candidates.cols());
+  const FarthestPoints spread = farthest_points<3>(added.points(Eigen::all, free), std::ssize(free));
   Index count = 0;
-  while (count < static_cast<Index>(spread.indices.size()) && spread.radii[count] > density * spacing) ++count;
+  while (count < std::ssize(spread.indices) && spread.radii[count] > density * spacing) ++count;
   const Index n = cloud.size();
   cloud.points.conservativeResize(3, n + count);
   cloud.normals.conservativeResize(3, n + count);
   cloud.spacing.conservativeResize(n + count);
   for (Index k = 0; k < count; ++k) {
-    const auto i =
-        static_cast<std::size_t>(free[static_cast<std::size_t>(spread.indices[static_cast<std::size_t>(k)])]);
-    cloud.points.col(n + k) = added.points[i];
-    cloud.normals.col(n + k) = added.normals[i];
+    const Index i = free[spread.indices[k]];
+    cloud.points.col(n + k) = added.points.col(i);
+    cloud.normals.col(n + k) = added.normals.col(i);
     cloud.spacing[n + k] = spacing;
   }
   prepared.tree = std::make_unique<const KdTree<3>>(cloud.points);
@@ -316,7 +308,7 @@ bool join(PreparedCloud& prepared, const std::vector<Index>& component) {
   const double spacing = std::max(mean_spacing(cloud, component), coarsest * gap->width);
   const auto spline = spline_across(cloud, *prepared.tree, component, *gap);
   const Added added = project(*spline, points_between(cloud, *gap, spacing), gap->width, convergence * spacing);
-  if (added.points.empty()) return false;
+  if (added.points.cols() == 0) return false;
   add_spread(added, spacing, prepared);
   return true;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "csrbf/core/types.hpp"
 #include "csrbf/surface/prepare/prepare.hpp"
 
 namespace csrbf {

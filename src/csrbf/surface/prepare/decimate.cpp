@@ -1,7 +1,5 @@
 #include "csrbf/surface/prepare/decimate.hpp"
 
-#include <vector>
-
 namespace csrbf {
 namespace {
 

@@ -11,9 +11,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <limits>
 #include <map>
-#include <numbers>
 #include <utility>
 
 namespace csrbf {
@@ -172,12 +170,6 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   return kept;
 }
 
-Points<3> select(const Points<3>& columns, const std::vector<Index>& ids) {
-  Points<3> chosen(3, static_cast<Index>(ids.size()));
-  for (std::size_t i = 0; i < ids.size(); ++i) chosen.col(static_cast<Index>(i)) = columns.col(ids[i]);
-  return chosen;
-}
-
 std::vector<Index> select(const std::vector<Index>& entries, const std::vector<Index>& ids) {
   std::vector<Index> chosen;
   for (const Index i : ids) chosen.push_back(entries[i]);
@@ -186,7 +178,7 @@ std::vector<Index> select(const std::vector<Index>& entries, const std::vector<I
 
 // Puts the given points of the input into unit coordinates and Morton order, and finds their neighbours.
 NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedCloud& result) {
-  Points<3> points = select(input.points, ids);
+  Points<3> points = input.points(Eigen::all, ids);
   const Box<3> box = bounding_box<3>(points);
   result.origin = box.lo + 0.5 * (box.hi - box.lo);
   result.scale = (box.hi - box.lo).stableNorm();
@@ -194,7 +186,7 @@ NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedClo
   require_spread(points);
   const std::vector<Index> order = morton_order<3>(points);
   result.source = select(ids, order);
-  result.cloud.points = select(points, order);  // must not move in memory: the tree refers to it
+  result.cloud.points = points(Eigen::all, order);  // must not move in memory: the tree refers to it
   result.tree = std::make_unique<const KdTree<3>>(result.cloud.points);
   return make_neighbor_table(result.cloud.points, *result.tree, neighbors);
 }
@@ -212,7 +204,7 @@ NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Ind
     const Index dropped = result.cloud.size() - static_cast<Index>(used.size());
     if (dropped == 0) break;
     stray += dropped;
-    Points<3> left = select(result.cloud.points, used);
+    Points<3> left = result.cloud.points(Eigen::all, used);
     result.source = select(result.source, used);
     far = bounding_box<3>(left).diagonal() < far_strays;
     if (far) {
@@ -244,14 +236,11 @@ Index normalize(Points<3>& normals) {
 
 // Fills in missing normals: estimated without orientation, flipped to agree with the nearest given ones.
 void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& progress) {
-  NormalOptions options;
-  options.orient = Orient::none;
-  options.progress = progress;
-  const Points<3> estimated = estimate_normals(points, options);
+  const Points<3> estimated = estimate_normals(points, {.orient = Orient::none, .progress = progress});
   std::vector<Index> given;
   for (Index i = 0; i < normals.cols(); ++i)
     if (normals.col(i).squaredNorm() > 0) given.push_back(i);
-  const Points<3> known = select(points, given);
+  const Points<3> known = points(Eigen::all, given);
   const KdTree<3> tree(known);
   for (Index i = 0; i < normals.cols(); ++i) {
     if (normals.col(i).squaredNorm() > 0) continue;
@@ -279,15 +268,12 @@ double opposite_neighbors(const Points<3>& normals, const NeighborTable& near) {
 double remaining_after_orientation(const Points<3>& points, Points<3>& normals, const Progress& progress) {
   const double contradictions = 1 - orientation_consistency(points, normals);
   if (contradictions < usual_contradictions) return 1;
-  OrientOptions options;
-  options.progress = progress;
-  orient_normals(points, normals, options);
+  orient_normals(points, normals, {.progress = progress});
   return (1 - orientation_consistency(points, normals)) / contradictions;
 }
 
-// Given normals with flipped regions disagree along the borders of the regions; then another orientation has far fewer
-// disagreements. Noise or creases leave about as many in any orientation. In a large cloud, a subset decides which it
-// is.
+// Flipped regions of given normals disagree along their borders; then another orientation has far fewer disagreements.
+// Noise or creases leave about as many in any orientation. In a large cloud, a subset decides which it is.
 void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
@@ -307,23 +293,19 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
 void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
                   const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
-  NormalOptions options;
-  options.progress = progress;
-  if (source == Normals::estimate || !given) {
-    cloud.normals = estimate_normals(cloud.points, options);
-    result.normals = NormalSource::estimated;
-    return;
-  }
-  const Index missing = normalize(cloud.normals);
+  bool usable = given && source != Normals::estimate;
+  const Index missing = usable ? normalize(cloud.normals) : 0;
   if (2 * missing > cloud.size()) {
     result.warnings.push_back("most normals are zero: all estimated");
-    cloud.normals = estimate_normals(cloud.points, options);
+    usable = false;
+  }
+  if (!usable) {
+    cloud.normals = estimate_normals(cloud.points, {.progress = progress});
     result.normals = NormalSource::estimated;
     return;
   }
   warn(result.warnings, missing, "missing normals estimated");
   if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
-  result.normals = NormalSource::file;
   if (source == Normals::automatic) reorient_if_better(result, near, progress);
 }
 
@@ -364,7 +346,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
 
   const NeighborTable near = place_all_but_stray(input, kept, result);
   report(progress, "prepare", 0.6);
-  if (input.has_normals()) result.cloud.normals = select(normals, result.source);
+  if (input.has_normals()) result.cloud.normals = normals(Eigen::all, result.source);
   find_normals(result, near, source, input.has_normals(), progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near);
   turn_outward(result, source);

@@ -1,13 +1,8 @@
 #pragma once
 
 #include "csrbf/core/mesh.hpp"
-#include "csrbf/core/progress.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/composite/composite.hpp"
-
-#include <memory>
-#include <string>
-#include <vector>
 
 namespace csrbf {
 

@@ -5,8 +5,6 @@
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
-#include <array>
-
 namespace csrbf {
 namespace {
 
@@ -24,19 +22,12 @@ struct Samples {
 };
 
 Samples sorted_samples(const PointsRef<3>& input) {
-  Samples samples;
+  std::vector<Index> finite;
   for (Index i = 0; i < input.cols(); ++i)
-    if (input.col(i).allFinite()) samples.source.push_back(i);
-  Points<3> finite(3, static_cast<Index>(samples.source.size()));
-  for (Index i = 0; i < finite.cols(); ++i) finite.col(i) = input.col(samples.source[i]);
-
-  const std::vector<Index> order = morton_order<3>(finite);
-  const std::vector<Index> unsorted = samples.source;
-  samples.points.resize(3, finite.cols());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    samples.points.col(static_cast<Index>(i)) = finite.col(order[i]);
-    samples.source[i] = unsorted[order[i]];
-  }
+    if (input.col(i).allFinite()) finite.push_back(i);
+  Samples samples;
+  for (const Index i : morton_order<3>(input(Eigen::all, finite))) samples.source.push_back(finite[i]);
+  samples.points = input(Eigen::all, samples.source);
   return samples;
 }
 
@@ -53,7 +44,7 @@ Weights weigh(const KdTree<3>& tree, const Samples& samples, const Point<3>& tar
   std::array<double, neighbors> squared{};
   w.count = tree.nearest(target, neighbors, w.source.data(), squared.data());
   double sum = 0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(w.count); ++k) {
+  for (Index k = 0; k < w.count; ++k) {
     w.source[k] = samples.source[w.source[k]];
     w.weight[k] = squared[k] > squared[0] ? std::sqrt(squared[0] / squared[k]) : 1;
     sum += w.weight[k];
@@ -64,7 +55,7 @@ Weights weigh(const KdTree<3>& tree, const Samples& samples, const Point<3>& tar
 
 double mean(const Property& p, const Weights& w) {
   double value = 0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(w.count); ++k) value += w.weight[k] * p.values[w.source[k]];
+  for (Index k = 0; k < w.count; ++k) value += w.weight[k] * p.values[w.source[k]];
   return std::round(value);
 }
 

@@ -2,8 +2,6 @@
 
 #include "csrbf/core/mesh.hpp"
 
-#include <vector>
-
 namespace csrbf {
 
 /// Transfers properties of samples to other points, such as the vertices of a mesh made from them: colours (red green

@@ -2,20 +2,15 @@
 
 #include <Eigen/LU>
 
-#include <cmath>
 #include <numbers>
 
 namespace csrbf::winding {
 namespace {
 
-// Chosen by hand; the resulting error of u is given in winding_number.hpp. Larger values of the first two are more
-// accurate and slower.
-// Sources farther than this many half sides from the centre of a cube (maximum norm) act through its polynomial.
-constexpr double separation = 3;
-// A node replaces its samples farther than this many radii from its centre.
-constexpr double opening = 4;
-// Cubes with at most this many near samples are not divided. Larger: slower values, less memory and preparation.
-constexpr Index near_capacity = 2500;
+// Chosen by hand; for the error of u see winding_number.hpp. Larger values of the first two: more accurate, slower.
+constexpr double separation = 3;  // half sides from the centre of a cube (maximum norm) to sources in its polynomial
+constexpr double opening = 4;     // radii from its centre beyond which a node replaces its samples
+constexpr Index near_capacity = 2500;  // near samples of an undivided cube; larger: slower values, less memory
 constexpr int max_depth = 30;  // for coincident samples: half sides of 4 / 2^30, about the resolution of coordinates
 
 using Matrix = Eigen::Matrix<float, order, order>;
@@ -144,7 +139,7 @@ std::unique_ptr<Cubes::Cube> Cubes::make_child(const Cube& parent, std::size_t o
       at.sum[l] = 0;
     }
     add_sources(tree_, sources.expansions, sources.leaves, at);
-    std::copy_n(at.sum, layer, values.begin() + static_cast<std::ptrdiff_t>(layer * i));
+    std::copy_n(at.sum, layer, values.data() + layer * i);
   }
   const Coefficients added = apply(interpolation(), interpolation(), interpolation(), values);
   cell.far = apply(restriction(upper[0]), restriction(upper[1]), restriction(upper[2]), parent.cell.far);

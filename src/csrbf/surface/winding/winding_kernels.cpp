@@ -5,8 +5,7 @@
 namespace csrbf::winding {
 namespace {
 
-// Squared smoothing lengths below this (units of the cell) are raised to it: single precision holds their powers.
-constexpr float min_eps2 = 1e-10F;
+constexpr float min_eps2 = 1e-10F;  // floor, in units of the cell: single precision holds its powers
 
 // Per-lane sums.
 struct LaneSums {
@@ -120,14 +119,10 @@ CSRBF_ALWAYS_INLINE void add_polynomial(const Coefficients& far, const float* t,
 }
 
 template <int Order>
-constexpr int terms = Order == 0   ? 1
-                      : Order == 1 ? 4
-                                   : 10;
-
-template <int Order>
 CSRBF_ALWAYS_INLINE void sum_cell(const Tree& tree, const Cell& cell, const Frame& frame, const float* t,
                                   LaneSums& near, LaneSums& far) {
-  for (int k = 0; k < terms<Order>; ++k)
+  constexpr int terms = Order == 0 ? 1 : Order == 1 ? 4 : 10;
+  for (int k = 0; k < terms; ++k)
     for (int l = 0; l < lanes; ++l) near.sum[k][l] = far.sum[k][l] = 0;
   for (const Range& range : cell.near)
     for (std::int32_t i = range.begin; i < range.end; i += lanes)

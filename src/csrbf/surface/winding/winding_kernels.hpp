@@ -3,9 +3,6 @@
 #include "csrbf/core/field.hpp"
 #include "csrbf/surface/winding/winding_tree.hpp"
 
-#include <array>
-#include <span>
-
 /// The inner loops of WindingNumber. Internal. All lengths are in units of the tree, relative to its origin.
 namespace csrbf::winding {
 

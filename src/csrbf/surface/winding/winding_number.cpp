@@ -9,8 +9,7 @@
 namespace csrbf {
 namespace {
 
-// Points farther away than this many extents of the samples are clamped to it: u is -1 there in any case.
-constexpr double horizon = 1e9;
+constexpr double horizon = 1e9;  // extents of the samples; points farther away are clamped to it: u is -1 anyway
 
 void check(const winding::SamplesRef& data) {
   constexpr auto where = "WindingNumber";
@@ -80,10 +79,6 @@ WindingNumber::Data WindingNumber::data() const {
 
 Points<3> WindingNumber::seeds() const {
   return impl_ ? impl_->tree.points : Points<3>(3, 0);
-}
-
-Index WindingNumber::size() const {
-  return impl_ ? impl_->tree.size() : 0;
 }
 
 Box<3> WindingNumber::bounds() const {

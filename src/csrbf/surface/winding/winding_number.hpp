@@ -42,7 +42,6 @@ class WindingNumber final : public Field<3> {
   [[nodiscard]] Box<3> bounds() const override;
   /// The samples.
   [[nodiscard]] Points<3> seeds() const override;
-  [[nodiscard]] Index size() const;
 
   /// The samples in the order of the tree; normals, areas and smoothing lengths rounded to single precision. A field
   /// built from them is bit-identical.

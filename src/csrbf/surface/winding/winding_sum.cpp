@@ -6,9 +6,7 @@
 namespace csrbf::winding {
 namespace {
 
-// A node replaces its samples farther than this many radii from its centre. Chosen by hand; the error of w is up to
-// 1e-2. Larger: more accurate and slower.
-constexpr double opening = 2.5;
+constexpr double opening = 2.5;  // radii beyond which a node replaces its samples, by hand: error of w up to 1e-2
 
 struct Lists {
   std::vector<std::int32_t> stack, expansions, leaves;

@@ -2,7 +2,6 @@
 
 #include "csrbf/core/interruption.hpp"
 
-#include <array>
 #include <memory>
 #include <numbers>
 #include <tuple>
@@ -246,15 +245,14 @@ Tree make_tree(const SamplesRef& samples) {
 }
 
 Samples samples_of(const Tree& tree) {
-  const Index n = tree.size();
+  const Index n = tree.points.cols();
   Samples samples{tree.points, Points<3>(3, n), Eigen::VectorXd(n), Eigen::VectorXd(n)};
   for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const Point<3> m(tree.strength[0][k], tree.strength[1][k], tree.strength[2][k]);
+    const Point<3> m(tree.strength[0][i], tree.strength[1][i], tree.strength[2][i]);
     const double length = m.norm();
     samples.normals.col(i) = length > 0 ? Point<3>(m / length) : Point<3>::Zero();
     samples.areas[i] = two_pi * length * tree.unit * tree.unit;
-    samples.eps[i] = std::sqrt(static_cast<double>(tree.eps2[k])) * tree.unit;
+    samples.eps[i] = std::sqrt(static_cast<double>(tree.eps2[i])) * tree.unit;
   }
   return samples;
 }

@@ -55,8 +55,6 @@ struct Tree {
   std::vector<std::int32_t> x[3];
   std::vector<float> strength[3];  ///< a n / (2 pi unit^2)
   std::vector<float> eps2;         ///< (eps / unit)^2
-
-  [[nodiscard]] Index size() const { return points.cols(); }
 };
 
 /// Sorts samples into a tree. O(n log n). Samples returned by `samples_of` give a bit-identical tree.

@@ -1,8 +1,16 @@
 #pragma once
 
 #include "csrbf/core/mesh.hpp"
+#include "csrbf/io/files/bytes.hpp"
 
 namespace csrbf {
+
+/// Types of properties.
+inline constexpr TypeName property_types[] = {
+    {"char", SampleType::int8},     {"uchar", SampleType::uint8},    {"short", SampleType::int16},
+    {"ushort", SampleType::uint16}, {"int", SampleType::int32},      {"uint", SampleType::uint32},
+    {"float", SampleType::float32}, {"double", SampleType::float64},
+};
 
 /// The properties red, green and blue of points or vertices, if they have them. Refers to the searched list.
 struct ColorColumns {
@@ -24,5 +32,10 @@ void add_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts, std::vector<Prop
 
 /// True when all entries are whole numbers in [0, 255] and one is above 1: 8-bit colours, not normals.
 bool are_byte_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts);
+
+/// The largest change of a coordinate by rounding to float32, when it exceeds a millionth of the diagonal of the
+/// bounding box (infinite beyond the range of float32); 0 when float32 suffices. Non-finite coordinates are ignored.
+/// O(n).
+double float_coordinate_loss(const PointsRef<3>& points);
 
 }  // namespace csrbf

@@ -1,10 +1,8 @@
-#include "report/html_page.hpp"
+#include "report/page.hpp"
 
 #include "report/html.hpp"
-#include "report/option_table.hpp"
 #include "report/page_files.hpp"
-#include "report/value_table.hpp"
-#include "session.hpp"
+#include "report/tables.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -52,21 +50,21 @@ std::string warnings(const Json& report) {
   return "<section id=\"warnings\" class=\"warnings\">\n<h2>Warnings</h2>\n<ul>\n" + items + "</ul>\n</section>\n";
 }
 
-std::string facts(const PageContent& content) {
-  std::vector<Fact> all = content.page.facts;
-  all.push_back({seconds_text(content.report["time"]["total"]), "time"});
-  all.push_back({rounded(content.report["peak_memory_mb"], 3) + " MB", "peak memory"});
+std::string facts(const Json& report, const Page& page) {
+  std::vector<Fact> all = page.facts;
+  all.push_back({seconds_text(report["time"]["total"]), "time"});
+  all.push_back({rounded(report["peak_memory_mb"], 3) + " MB", "peak memory"});
   std::string items;
   for (const Fact& fact : all)
     items += "<div><dd>" + escaped(fact.value) + "</dd><dt>" + escaped(fact.label) + "</dt></div>\n";
   return "<dl class=\"facts\">\n" + items + "</dl>\n";
 }
 
-std::string summary(const PageContent& content) {
+std::string summary_text(const Page& page, const std::vector<std::string>& lines) {
   std::string text;
-  for (const std::string& finding : content.page.findings) text += element("p", escaped(finding));
+  for (const std::string& finding : page.findings) text += element("p", escaped(finding));
   if (!text.empty()) return text;
-  for (const std::string& line : content.summary) text += element("li", escaped(line));
+  for (const std::string& line : lines) text += element("li", escaped(line));
   return text.empty() ? "" : "<ul class=\"lines\">\n" + text + "</ul>\n";
 }
 
@@ -87,35 +85,35 @@ std::string details(const std::string& title, const std::string& text) {
 
 }  // namespace
 
-std::string html_page(const PageContent& content) {
-  const Json& report = content.report;
+std::string html_page(const Json& report, const CommonOptions& common, const std::vector<std::string>& summary,
+                      const Page& page) {
   const std::string subcommand = report["command"], title = heading(report);
-  const bool has_surface =
-      std::any_of(content.page.figures.begin(), content.page.figures.end(),
-                  [](const Figure& figure) { return figure.body.find("surface-data") != std::string::npos; });
-  std::string page = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
-  page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
-  page += "<meta name=\"color-scheme\" content=\"light dark\">\n";
-  page += "<meta http-equiv=\"Content-Security-Policy\" content=\"" + std::string(policy) + "\">\n";
-  page += "<title>" + escaped(title) + " · csrbf " + escaped(subcommand) + "</title>\n";
-  page += "<style>\n" + std::string(page_style) + "</style>\n</head>\n<body>\n<header>\n<p class=\"command\">csrbf " +
+  const bool has_surface = std::any_of(page.figures.begin(), page.figures.end(), [](const Figure& figure) {
+    return figure.body.find("surface-data") != std::string::npos;
+  });
+  std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+  html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
+  html += "<meta name=\"color-scheme\" content=\"light dark\">\n";
+  html += "<meta http-equiv=\"Content-Security-Policy\" content=\"" + std::string(policy) + "\">\n";
+  html += "<title>" + escaped(title) + " · csrbf " + escaped(subcommand) + "</title>\n";
+  html += "<style>\n" + std::string(page_style) + "</style>\n</head>\n<body>\n<header>\n<p class=\"command\">csrbf " +
           escaped(subcommand) + "</p>\n<h1>" + escaped(title) + "</h1>\n</header>\n<main>\n";
-  page += facts(content) + warnings(report);
-  const std::string summary_html = summary(content);
-  if (!summary_html.empty()) page += "<div class=\"summary\">\n" + summary_html + "</div>\n";
-  page += figures(content.page);
-  page += section("Options", option_table(report, content.common.flags));
-  page += "<div class=\"columns\">\n" + section("Results", value_table(report["result"])) + "<div>\n" +
+  html += facts(report, page) + warnings(report);
+  const std::string summary_html = summary_text(page, summary);
+  if (!summary_html.empty()) html += "<div class=\"summary\">\n" + summary_html + "</div>\n";
+  html += figures(page);
+  html += section("Options", option_table(report, common.flags));
+  html += "<div class=\"columns\">\n" + section("Results", value_table(report["result"])) + "<div>\n" +
           section("Time and memory", time_table(report)) + section("Input", value_table(report["input"])) +
           "</div>\n</div>\n";
-  page += section("Command", "<pre class=\"command\">" + escaped(content.common.command) + "</pre>\n");
+  html += section("Command", "<pre class=\"command\">" + escaped(common.command) + "</pre>\n");
   const std::string json = report.dump(2, ' ', false, Json::error_handler_t::replace);
-  page += details("The report as JSON", json) + details("Licences", std::string(page_licence));
-  page += "</main>\n<footer>Made by csrbf " + escaped(report["csrbf"].get<std::string>()) +
+  html += details("The report as JSON", json) + details("Licences", std::string(page_licence));
+  html += "</main>\n<footer>Made by csrbf " + escaped(report["csrbf"].get<std::string>()) +
           ". This file needs no network and no other file.</footer>\n";
-  page += "<script type=\"application/json\" id=\"report\">" + script_text(report) + "</script>\n";
-  if (has_surface) page += "<script>\n" + std::string(page_script) + "</script>\n";
-  return page + "</body>\n</html>\n";
+  html += "<script type=\"application/json\" id=\"report\">" + script_text(report) + "</script>\n";
+  if (has_surface) html += "<script>\n" + std::string(page_script) + "</script>\n";
+  return html + "</body>\n</html>\n";
 }
 
 }  // namespace csrbf::app

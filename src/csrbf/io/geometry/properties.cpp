@@ -1,4 +1,4 @@
-#include "csrbf/io/geometry/colors.hpp"
+#include "csrbf/io/geometry/properties.hpp"
 
 namespace csrbf {
 namespace {
@@ -43,6 +43,23 @@ void add_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts, std::vector<Prop
 bool are_byte_colors(const Eigen::Ref<const Eigen::MatrixXd>& parts) {
   const auto values = parts.array();
   return (values >= 0).all() && (values <= brightest).all() && (values == values.round()).all() && (values > 1).any();
+}
+
+double float_coordinate_loss(const PointsRef<3>& points) {
+  Box<3> box;
+  double moved = 0;
+  for (const auto& point : points.colwise())
+    for (int axis = 0; axis < 3; ++axis) {
+      const double x = point(axis);
+      if (!std::isfinite(x)) continue;
+      box.lo(axis) = std::min(box.lo(axis), x);
+      box.hi(axis) = std::max(box.hi(axis), x);
+      moved = std::max(moved, std::abs(x - static_cast<double>(narrow_scalar<float>(x))));
+    }
+  constexpr double allowed = 1e-6;  // of the diagonal, chosen by hand; smaller: more files in double precision
+  if (box.empty()) return 0;
+  // Scaled first: the square of the extent may overflow.
+  return moved > (allowed * box.hi - allowed * box.lo).stableNorm() ? moved : 0;
 }
 
 }  // namespace csrbf

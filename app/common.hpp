@@ -1,0 +1,85 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace csrbf::app {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON of an option: null where it was not given.
+template <class Value>
+Json or_null(bool given, const Value& value) {
+  return given ? Json(value) : Json(nullptr);
+}
+template <class Value>
+Json or_null(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+inline Json or_null(const std::string& text) {
+  return or_null(!text.empty(), text);
+}
+
+/// The command line is malformed.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A flag of the command.
+struct FlagUse {
+  std::string name;  ///< without the dashes
+  std::string what;
+  bool given = false;
+  std::string value = {};  ///< as typed
+  bool common = false;     ///< shared by all commands
+};
+
+/// Flags of every command.
+struct CommonOptions {
+  int threads = 0;                   ///< 0 = all cores
+  std::vector<std::string> reports;  ///< files of the report: .json, .html
+  std::string progress = "auto";     ///< auto, always, never, slicer
+  std::string memory;                ///< a size; empty: no cap
+  std::string scratch;               ///< folder for memory beyond the cap; empty: that of the output
+  bool quiet = false;
+  bool verbose = false;
+
+  std::string command;         ///< as typed
+  std::vector<FlagUse> flags;  ///< all flags of the command
+};
+
+/// `value` with a few significant digits, for the summary.
+std::string rounded(double value, int digits = 4);
+
+/// With thousands separators: 52,980.
+std::string grouped(Index count);
+
+/// "1 point", "2 points", with thousands separators: counts in the summary.
+std::string counted(Index count, const std::string& noun);
+
+/// A number for people, with this many significant digits: 52,980, 0.0753, 3.2×10⁻⁶.
+std::string readable(double value, int digits = 3);
+
+/// A typographic minus, and powers of ten as 3×10⁻⁵.
+std::string pretty_number(const std::string& text);
+
+/// `text` as numbers separated by `separator`: exactly `count` of them. Throws UsageError that names `flag`.
+Eigen::VectorXd parse_numbers(const std::string& text, char separator, Index count, const std::string& flag);
+
+/// As parse_numbers, for any count.
+Eigen::VectorXd parse_list(const std::string& text, char separator, const std::string& flag);
+
+/// The value of --smoothing auto|none|L: nothing, 0 or L. Throws UsageError.
+std::optional<double> parse_smoothing(const std::string& text);
+
+/// The value of a flag that takes a word or a number. Throws UsageError when the text is neither.
+std::optional<double> parse_word_or_number(const std::string& text, const std::string& word, const std::string& flag);
+
+}  // namespace csrbf::app
