@@ -66,7 +66,7 @@ Eigen::VectorXd parse_numbers(const std::string& text, char separator, Index cou
     const auto number = end == std::string_view::npos ? std::nullopt : parse_number(trimmed(rest.substr(0, end)));
     if (!number || !std::isfinite(*number))
       throw UsageError(flag + " " + text + ": expected " + std::to_string(count) +
-                       (count == 1 ? " number" : " numbers separated by \"" + std::string(1, separator) + "\""));
+                       (count == 1 ? " number" : std::string(" numbers separated by \"") + separator + '"'));
     numbers[i] = *number;
     rest.remove_prefix(std::min(rest.size(), end + 1));
   }

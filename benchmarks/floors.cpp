@@ -165,13 +165,14 @@ void fit_rows(const Rates& rates, const char* fit_name, const char* evaluate_nam
   Fit<Dim> result;
   const Time fit_time = time_of([&] { result = fit(given, {.method = "partition-of-unity"}); });
   const FitReport& report = result.report;
-  const auto n = static_cast<double>(report.samples_per_patch), patches = static_cast<double>(report.patches);
+  const PartitionReport& partition = *report.partition;
+  const auto n = static_cast<double>(partition.samples_per_patch), patches = static_cast<double>(partition.patches);
   const double centers = static_cast<double>(report.centers) / patches;
   const auto polynomial = static_cast<double>(Polynomials<Dim>::size(report.degree));
   const double model = patches * (1 + Dim + polynomial + centers * (Dim + 1)) * bytes_per_number;
   print_row(fit_name, patches * patch_operations(Dim, n, polynomial, centers),
             static_cast<double>(samples) * (Dim + 1) * bytes_per_number + model,
-            sorting_seconds(report.patches, Dim + 1), fit_time, rates);
+            sorting_seconds(partition.patches, Dim + 1), fit_time, rates);
 
   // Every point lies in growth^Dim supports: weights, local coordinates, monomials with coefficients, kernels.
   const Points<Dim> queries = random_samples<Dim>().points.rowwise().reverse();
@@ -180,7 +181,7 @@ void fit_rows(const Rates& rates, const char* fit_name, const char* evaluate_nam
   const double each = 9 * Dim + 3 * polynomial + centers * (kernel_operations(Dim) + 2);
   print_row(evaluate_name, static_cast<double>(samples) * std::pow(cover_growth<Dim>, Dim) * each,
             static_cast<double>(samples) * (Dim + 1) * bytes_per_number + model,
-            sorting_seconds(report.patches, Dim + 1), time, rates);
+            sorting_seconds(partition.patches, Dim + 1), time, rates);
 }
 
 PointCloud torus() {

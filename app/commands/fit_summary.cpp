@@ -30,6 +30,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                           {"smoothing", r.smoothing},
                           {"degree", or_null(r.degree >= 0, r.degree)},
                           {"extrapolation", flags.extrapolation}});
+  const PartitionReport partition = r.partition.value_or(PartitionReport{});
   session.result.update({{"samples", r.samples},
                          {"samples_fitted", r.samples_fitted},
                          {"merged_duplicates", r.merged_duplicates},
@@ -37,12 +38,12 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                          {"kernel", or_null(r.kernel)},
                          {"centers", r.centers},
                          {"levels", r.levels},
-                         {"patches", r.patches},
-                         {"samples_per_patch", r.samples_per_patch},
+                         {"patches", partition.patches},
+                         {"samples_per_patch", partition.samples_per_patch},
                          {"degree", r.degree},
                          {"support", r.support},
                          {"axis_scales", r.axis_scales},
-                         {"anisotropy", r.anisotropy},
+                         {"anisotropy", partition.anisotropy},
                          {"smoothing", r.smoothing},
                          {"rmse", r.rmse},
                          {"max_error", r.max_error},
@@ -55,7 +56,7 @@ void say_fit(const FitReport& r, Session& session) {
     method += counted(r.centers, "center") + (r.kernel.empty() ? "" : " of " + r.kernel);
   else
     method += "polynomials of degree " + std::to_string(r.degree);
-  if (r.patches > 0) method += " in " + counted(r.patches, "patch");
+  if (r.partition) method += " in " + counted(r.partition->patches, "patch");
   if (r.levels > 1) method += " on " + counted(r.levels, "level");
   session.say("method: " + method + ", smoothing " + rounded(r.smoothing, 3));
   std::string errors = "error at the samples: rms " + rounded(r.rmse, 3) + ", largest " + rounded(r.max_error, 3);

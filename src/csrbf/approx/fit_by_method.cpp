@@ -176,9 +176,7 @@ class Fitter {
     report_.kernel = local.kernel;
     report_.degree = local.degree;
     report_.centers = fit.report.centers;
-    report_.patches = fit.report.patches;
-    report_.samples_per_patch = local.samples;
-    report_.anisotropy = local.anisotropy;
+    report_.partition = {fit.report.patches, local.samples, local.anisotropy};
     report_.smoothing = local.smoothing;
     report_.cross_validation_rmse = fit.report.cross_validation_rmse;
     variances_ = local_variance(samples, fit);

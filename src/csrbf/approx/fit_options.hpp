@@ -47,6 +47,13 @@ struct FitOptions {
 /// The names that FitOptions::method accepts.
 std::vector<std::string> fit_methods();
 
+/// Of fits by a partition of unity.
+struct PartitionReport {
+  Index patches = 0;
+  Index samples_per_patch = 0;
+  double anisotropy = 0;  ///< of the metrics of patches, see LocalOptions
+};
+
 /// What a fit did: the options used, given or chosen, and its errors.
 struct FitReport {
   std::string method, kernel;
@@ -55,14 +62,13 @@ struct FitReport {
   Index merged_duplicates = 0;  ///< samples that were merged with others at the same place
   Index centers = 0;            ///< radial functions
   Index levels = 1;
-  Index patches = 0;  ///< of a partition of unity
-  Index samples_per_patch = 0;
   int degree = -1;
-  double support = 0;     ///< of the (largest) radial functions, in the unit of the scaled points; 0: see patches
-  double anisotropy = 0;  ///< of the metrics of patches, see LocalOptions
+  double support =
+      0;  ///< of the (largest) radial functions, in the unit of the scaled points; 0: of each patch its own
   double smoothing = 0;
   double rmse = 0, max_error = 0;  ///< at the samples used
   double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();
+  std::optional<PartitionReport> partition = {};
   std::vector<double> axis_scales;  ///< what the coordinates were divided by
   std::vector<std::string> warnings;
   double choose_seconds = 0, fit_seconds = 0;  ///< of this run: models do not keep them

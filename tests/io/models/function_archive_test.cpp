@@ -93,10 +93,10 @@ TEST(FunctionArchive, KeepsTheMetricsOfPatches) {
   const auto partition = partition_of_unity<2>(
       wavy_samples<2>(300), {.kernel = "powered-exponential", .samples_per_patch = 12, .anisotropy = .8});
   Fit<2> model{partition.fields(), {}, {}};
-  model.report.anisotropy = partition.report.local.anisotropy;
+  model.report.partition = {partition.report.patches, 12, partition.report.local.anisotropy};
   const Function function(model);
   expect_same_function(round_trip(function), function, probes<2>());
-  EXPECT_EQ(round_trip(function).report().anisotropy, .8);
+  EXPECT_EQ(round_trip(function).report().partition->anisotropy, .8);
 }
 
 TEST(FunctionArchive, KeepsScaledPeriodicAndUndefinedAxes) {
@@ -152,7 +152,8 @@ TEST(FunctionArchive, KeepsTheReportAndTheNames) {
   EXPECT_EQ(found.kernel, expected.kernel);
   EXPECT_EQ(found.samples, expected.samples);
   EXPECT_EQ(found.centers, expected.centers);
-  EXPECT_EQ(found.patches, expected.patches);
+  EXPECT_EQ(found.partition.value_or(PartitionReport{}).patches,
+            expected.partition.value_or(PartitionReport{}).patches);
   EXPECT_EQ(found.degree, expected.degree);
   EXPECT_EQ(found.smoothing, expected.smoothing);
   EXPECT_EQ(found.rmse, expected.rmse);
@@ -236,7 +237,7 @@ TEST_P(DamagedFunction, WithoutAnEntryIsRefused) {
     for (const auto& [name, kept] : archive_.values())
       if (name != gone) rest.insert(name, kept);
     if (gone == "report/anisotropy") {  // models written before there was any
-      EXPECT_EQ(function_from(rest).function.report().anisotropy, 0);
+      EXPECT_EQ(function_from(rest).function.report().partition.value_or(PartitionReport{}).anisotropy, 0);
     } else {
       EXPECT_TRUE(is_refusal(io_error([&] { (void)function_from(rest); }))) << gone;
     }

@@ -23,8 +23,8 @@ std::vector<std::string> texts_of(const Archive& archive, const std::string& nam
 }
 
 // Calls visit(name, member) for the numbers and names of a report.
-template <class Report, class Visit>
-void for_each_member(Report& report, const Visit& visit) {
+template <class Report, class Partition, class Visit>
+void for_each_member(Report& report, Partition& partition, const Visit& visit) {
   visit("method", report.method);
   visit("kernel", report.kernel);
   visit("samples", report.samples);
@@ -32,8 +32,8 @@ void for_each_member(Report& report, const Visit& visit) {
   visit("merged_duplicates", report.merged_duplicates);
   visit("centers", report.centers);
   visit("levels", report.levels);
-  visit("patches", report.patches);
-  visit("samples_per_patch", report.samples_per_patch);
+  visit("patches", partition.patches);
+  visit("samples_per_patch", partition.samples_per_patch);
   visit("degree", report.degree);
   visit("support", report.support);
   visit("smoothing", report.smoothing);
@@ -45,8 +45,9 @@ void for_each_member(Report& report, const Visit& visit) {
 Archive to_archive(const FitReport& report) {
   Archive archive;
   archive.kind = "report";
-  for_each_member(report, [&](const char* name, const auto& member) { archive.set(name, member); });
-  archive.set("anisotropy", report.anisotropy);
+  const PartitionReport partition = report.partition.value_or(PartitionReport{});
+  for_each_member(report, partition, [&](const char* name, const auto& member) { archive.set(name, member); });
+  archive.set("anisotropy", partition.anisotropy);
   archive.set("axis_scales", report.axis_scales);
   set_texts(archive, "warning", report.warnings);
   return archive;
@@ -66,8 +67,10 @@ struct MemberReader {
 
 FitReport report_from(const Archive& archive) {
   FitReport report;
-  for_each_member(report, MemberReader{archive});
-  if (archive.has("anisotropy")) report.anisotropy = archive.number("anisotropy");  // older models have none
+  PartitionReport partition;
+  for_each_member(report, partition, MemberReader{archive});
+  if (archive.has("anisotropy")) partition.anisotropy = archive.number("anisotropy");  // older models have none
+  if (partition.patches > 0) report.partition = partition;
   report.axis_scales = archive.column("axis_scales");
   report.warnings = texts_of(archive, "warning");
   return report;
