@@ -18,10 +18,10 @@ TEST(FitArrays, TakesPointsAndValuesInVectors) {
     points.push_back({data.points(0, i), data.points(1, i)});
     values.push_back(data.values(i, 0));
   }
-  const Field<2>& from_vectors = *fit<2>(points, values).components[0];
-  const Field<2>& from_matrices = *fit<2>(data).components[0];
-  const std::vector<double> found = from_vectors.evaluate(points);
-  const Eigen::VectorXd expected = from_matrices.evaluate(data.points).value;
+  const auto from_vectors = fit<2>(points, values).components[0];
+  const auto from_matrices = fit<2>(data).components[0];
+  const std::vector<double> found = from_vectors->evaluate(points);
+  const Eigen::VectorXd expected = from_matrices->evaluate(data.points).value;
   ASSERT_EQ(static_cast<Index>(found.size()), data.size());
   for (Index i = 0; i < data.size(); ++i) EXPECT_EQ(found[i], expected[i]);
 }
