@@ -8,7 +8,6 @@
 #include "csrbf/surface/check/surface_distances.hpp"
 #include "csrbf/surface/composite/choose_options.hpp"
 #include "csrbf/surface/composite/composite_field.hpp"
-#include "csrbf/surface/prepare/bridge_gaps.hpp"
 #include "csrbf/surface/prepare/decimate.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
@@ -262,7 +261,6 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   ReconstructReport& out = result.report;
   const auto start = std::chrono::steady_clock::now();
   PreparedCloud prepared = prepare(input, options.normals, options.progress);
-  bridge_gaps(prepared);
   out.prepare_seconds = seconds_since(start);
 
   Surface surface = composite(options)

@@ -12,12 +12,17 @@ namespace {
 // The local model at a point inside its support: the weight of a single patch divides out.
 double value(const FittedPatch& fitted, const Point<3>& x) {
   Patches patches;
-  patches.add(fitted.patch, fitted.centers, fitted.alpha);
+  for (const FittedPiece& piece : fitted.pieces) patches.add(piece.patch, piece.centers, piece.alpha);
   patches.build();
   PatchSums sums;
   patches.accumulate(x, Derivatives::none, sums);
   EXPECT_GT(sums.W[0][0], 0);
   return sums.S[0][0] / sums.W[0][0];
+}
+
+// Distance of x to the surface of a patch of one piece.
+double distance(const FittedPatch& fitted, const Point<3>& x) {
+  return fitted.pieces.front().distance(fitted.frame().T * (x - fitted.frame().center));
 }
 
 // Coefficients of 1, x, y, z, xx, xy, xz, yy, yz, zz in the coordinates of the cloud.
@@ -75,7 +80,7 @@ TEST(PatchFitter, FindsTheQuadricOfASphere) {
   for (const Point<3>& top : {Point<3>(0, 0, 1), Point<3>(-1, 2, 0.5)}) {
     const FittedPatch fitted = fit_around(cloud, top.normalized(), quadric_only(600));
     constexpr double ridge_bias = 1e-3;  // the ridge of 1e-6 against the smallest eigenvalue of the normal matrix
-    EXPECT_NEAR((quadric_in_world(fitted.patch) - expected).norm(), 0, ridge_bias);
+    EXPECT_NEAR((quadric_in_world(fitted.frame()) - expected).norm(), 0, ridge_bias);
   }
 }
 
@@ -89,11 +94,12 @@ TEST(PatchFitter, FindsAPlaneExactly) {
     Eigen::Matrix<double, 10, 1> expected;
     expected << 0.3, -normal, 0, 0, 0, 0, 0, 0;  // f = 0.3 - normal . x
     constexpr double rounding = 1e-9;
-    EXPECT_NEAR((quadric_in_world(fitted.patch) - expected).norm(), 0, rounding);
-    EXPECT_TRUE(fitted.alpha.size() == 0 || fitted.alpha.norm() < rounding);
-    EXPECT_NEAR((fitted.patch.T.row(2).normalized().transpose() - normal).norm(), 0, rounding);
-    EXPECT_NEAR((fitted.patch.T * fitted.patch.T.transpose() * std::pow(fitted.patch.radius, 2)).trace(), 3, rounding);
-    EXPECT_GT(fitted.patch.T.determinant(), 0);
+    EXPECT_NEAR((quadric_in_world(fitted.frame()) - expected).norm(), 0, rounding);
+    EXPECT_TRUE(fitted.pieces.front().alpha.size() == 0 || fitted.pieces.front().alpha.norm() < rounding);
+    EXPECT_NEAR((fitted.frame().T.row(2).normalized().transpose() - normal).norm(), 0, rounding);
+    EXPECT_NEAR((fitted.frame().T * fitted.frame().T.transpose() * std::pow(fitted.frame().radius, 2)).trace(), 3,
+                rounding);
+    EXPECT_GT(fitted.frame().T.determinant(), 0);
   }
 }
 
@@ -116,7 +122,7 @@ TEST(PatchFitter, PutsTheInsideWhereTheNormalsPointAway) {
   const OrientedPoints cloud = oriented(Torus().cloud(4000), Torus().area());
   for (Index i = 0; i < cloud.size(); i += 100) {
     const FittedPatch fitted = fit_around(cloud, cloud.points.col(i), {});
-    const double step = 0.1 * fitted.patch.radius;
+    const double step = 0.1 * fitted.frame().radius;
     EXPECT_NEAR(value(fitted, cloud.points.col(i) - step * cloud.normals.col(i)), step, 0.2 * step);
     EXPECT_NEAR(value(fitted, cloud.points.col(i) + step * cloud.normals.col(i)), -step, 0.2 * step);
   }
@@ -135,8 +141,8 @@ TEST(PatchFitter, TurnsMovesAndScalesWithTheCloud) {
     for (const Index i : {7, 1234, 3999}) {
       const FittedPatch fitted = fit_around(cloud, cloud.points.col(i), {});
       const FittedPatch image = fit_around(mapped, mapped.points.col(i), {});
-      const double radius = fitted.patch.radius;
-      EXPECT_NEAR(image.patch.radius, map.scale * radius, 1e-9 * map.scale * radius);
+      const double radius = fitted.frame().radius;
+      EXPECT_NEAR(image.frame().radius, map.scale * radius, 1e-9 * map.scale * radius);
       const Points<3> around = random_points(20, Box<3>{-Point<3>::Ones(), Point<3>::Ones()}, 1);
       for (Index k = 0; k < around.cols(); ++k) {
         const Point<3> x = cloud.points.col(i) + 0.4 * radius * around.col(k);
@@ -170,11 +176,89 @@ TEST(PatchFitter, UsesNoSampleWhoseNormalIsMoreThan78DegreesAway) {
   };
   const FittedPatch alone = fit(torus), opposite = fit(with_sheet(180)), away = fit(with_sheet(80)),
                     used = fit(with_sheet(76));
-  EXPECT_EQ(opposite.patch.quadric, alone.patch.quadric);
-  EXPECT_EQ(opposite.alpha, alone.alpha);
-  EXPECT_EQ(away.patch.quadric, alone.patch.quadric);
-  EXPECT_EQ(away.alpha, alone.alpha);
-  EXPECT_NE(used.patch.quadric, alone.patch.quadric);
+  EXPECT_EQ(opposite.frame().quadric, alone.frame().quadric);
+  EXPECT_EQ(opposite.pieces.front().alpha, alone.pieces.front().alpha);
+  EXPECT_EQ(away.frame().quadric, alone.frame().quadric);
+  EXPECT_EQ(away.pieces.front().alpha, alone.pieces.front().alpha);
+  EXPECT_NE(used.frame().quadric, alone.frame().quadric);
+}
+
+// Samples of the faces of a box around 0, as dense everywhere, with exact normals.
+OrientedPoints box_cloud(const Point<3>& half, double spacing) {
+  PointCloud cloud{Points<3>(3, 0), Points<3>(3, 0), {}};
+  double area = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const double face = 4 * half[u] * half[v];
+    for (const double side : {-1.0, 1.0}) {
+      area += face;
+      const auto n = static_cast<Index>(face / (spacing * spacing)), first = cloud.points.cols();
+      cloud.points.conservativeResize(3, first + n);
+      cloud.normals.conservativeResize(3, first + n);
+      for (Index i = 0; i < n; ++i) {
+        const Eigen::Vector2d uv = 2 * quasi_random(i, axis + (side > 0 ? 4 : 1)) - Eigen::Vector2d(1, 1);
+        Point<3> p;
+        p[axis] = side * half[axis];
+        p[u] = uv[0] * half[u];
+        p[v] = uv[1] * half[v];
+        cloud.points.col(first + i) = p;
+        cloud.normals.col(first + i) = side * Point<3>::Unit(axis);
+      }
+    }
+  }
+  return oriented(cloud, area);
+}
+
+Point<3> direction(Index i) {
+  const Eigen::Vector2d uv = quasi_random(i, 9);
+  const double z = 2 * uv[0] - 1, r = std::sqrt(1 - z * z);
+  return {r * std::cos(2 * pi * uv[1]), r * std::sin(2 * pi * uv[1]), z};
+}
+
+double inside_box(const Point<3>& half, const Point<3>& x) {
+  return (half - x.cwiseAbs()).minCoeff();
+}
+
+TEST(PatchFitter, KeepsEdgesCornersAndThinPlatesExactly) {
+  constexpr double spacing = 0.05;
+  for (const Point<3>& half : {Point<3>(1, 1, 1), Point<3>(1, 1, 1.5 * spacing / 2)}) {
+    const OrientedPoints cloud = box_cloud(half, spacing);
+    std::vector<std::size_t> pieces;
+    for (const Point<3>& at : {Point<3>(1, 0.3, 0), Point<3>(1, 1, 0), Point<3>(1, 1, 1), Point<3>(0.2, 0.1, 1)}) {
+      const Point<3> x = at.cwiseProduct(half);
+      const FittedPatch fitted = fit_around(cloud, x, quadric_only(8));
+      pieces.push_back(fitted.pieces.size());
+      const double radius = fitted.frame().radius;
+      for (int t = 0; t < 200; ++t) {
+        const Point<3> y = fitted.frame().center + 0.5 * radius * direction(t);
+        EXPECT_NEAR(value(fitted, y), inside_box(half, y), 1e-3 * radius) << at.transpose();
+      }
+    }
+    const bool thin = half[2] < 1;
+    EXPECT_EQ(pieces, (thin ? std::vector<std::size_t>{3, 4, 4, 2} : std::vector<std::size_t>{1, 2, 3, 1}));
+  }
+}
+
+TEST(PatchFitter, SeparatesSheetsThatFaceEachOther) {
+  // The air between two half spaces, 1.5 spacings wide.
+  constexpr double spacing = 0.04, gap = 1.5 * spacing;
+  PointCloud below{Points<3>(3, 2500), Point<3>::UnitZ().replicate(1, 2500), {}}, above = below;
+  for (Index i = 0; i < 2500; ++i) {
+    const Eigen::Vector2d a = 2 * quasi_random(i, 1) - Eigen::Vector2d(1, 1),
+                          b = 2 * quasi_random(i, 5) - Eigen::Vector2d(1, 1);
+    below.points.col(i) << a, 0;
+    above.points.col(i) << b, gap;
+  }
+  above.normals = -above.normals;
+  OrientedPoints cloud = oriented(joined(below, above), 8);
+  const FittedPatch fitted = fit_around(cloud, Point<3>(0, 0, -0.2 * spacing), quadric_only(8));
+  ASSERT_EQ(fitted.pieces.size(), 2U);
+  const double radius = fitted.frame().radius;
+  for (const double z : {-0.5, -0.1, 0.3, 0.75, 1.2, 2.0})
+    EXPECT_NEAR(
+        value(fitted, fitted.frame().center + Point<3>(0.2 * radius, 0, z * spacing - fitted.frame().center[2])),
+        std::max(-z * spacing, z * spacing - gap), 1e-3 * radius)
+        << z;
 }
 
 TEST(PatchFitter, MakesAPatchOfOneToSevenPoints) {
@@ -188,8 +272,9 @@ TEST(PatchFitter, MakesAPatchOfOneToSevenPoints) {
     std::iota(all.begin(), all.end(), Index{0});
     for (const std::vector<Index>& ids : {all, {n - 1}}) {
       const FittedPatch fitted = fitter.fit(ids.data(), static_cast<Index>(ids.size()));
-      EXPECT_TRUE(fitted.patch.quadric.allFinite() && fitted.patch.T.allFinite() && fitted.alpha.allFinite());
-      EXPECT_TRUE(std::isfinite(fitted.patch.radius) && fitted.patch.radius > 0);
+      EXPECT_TRUE(fitted.frame().quadric.allFinite() && fitted.frame().T.allFinite() &&
+                  fitted.pieces.front().alpha.allFinite());
+      EXPECT_TRUE(std::isfinite(fitted.frame().radius) && fitted.frame().radius > 0);
       EXPECT_GT(fitter.area_per_sample(), 0);
       EXPECT_TRUE(fitted.step_to_surface(cloud.points.col(0)).allFinite());
     }
@@ -206,8 +291,8 @@ TEST(PatchFitter, SurvivesNormalsThatCancelAndPointsThatCoincide) {
   std::vector<Index> ids(10);
   std::iota(ids.begin(), ids.end(), Index{0});
   const FittedPatch fitted = PatchFitter(cloud, tree, {}).fit(ids.data(), 10);
-  EXPECT_TRUE(fitted.patch.quadric.allFinite() && fitted.alpha.allFinite());
-  EXPECT_GT(fitted.patch.radius, 0);
+  EXPECT_TRUE(fitted.frame().quadric.allFinite() && fitted.pieces.front().alpha.allFinite());
+  EXPECT_GT(fitted.frame().radius, 0);
 }
 
 TEST(PatchFitter, WithCsrbfIsMoreAccurateThanAQuadric) {
@@ -219,7 +304,7 @@ TEST(PatchFitter, WithCsrbfIsMoreAccurateThanAQuadric) {
     for (Index i = 0; i < cloud.size(); i += 200) {
       const FittedPatch fitted = fit_around(cloud, cloud.points.col(i), options);
       for (Index k = 0; k < cloud.size(); ++k)
-        if ((cloud.points.col(k) - fitted.patch.center).norm() < 0.7 * fitted.patch.radius)
+        if ((cloud.points.col(k) - fitted.frame().center).norm() < 0.7 * fitted.frame().radius)
           error[centers / 16] += fitted.step_to_surface(cloud.points.col(k)).squaredNorm();
     }
   }
@@ -236,16 +321,16 @@ TEST(PatchFitter, TakesCentresFromTheCandidatesOnly) {
     for (const Index max_points : {100, 10000}) {
       options.max_fit_points = max_points;
       const FittedPatch fitted = fit_around(cloud, cloud.points.col(77), options);
-      const Patch& p = fitted.patch;
+      const Patch& p = fitted.frame();
       Index near = 0;
       for (const Index i : options.centers)
         if ((cloud.points.col(i) - p.center).norm() < p.radius &&
             cloud.normals.col(i).dot(p.T.row(2).normalized()) > 0.2)
           ++near;
-      EXPECT_EQ(fitted.alpha.size(), std::min(near, at_most));
-      EXPECT_EQ(fitted.centers.cols(), fitted.alpha.size());
-      for (Index j = 0; j < fitted.centers.cols(); ++j) {
-        const Point<3> c = p.center + p.T.inverse() * fitted.centers.col(j);
+      EXPECT_EQ(fitted.pieces.front().alpha.size(), std::min(near, at_most));
+      EXPECT_EQ(fitted.pieces.front().centers.cols(), fitted.pieces.front().alpha.size());
+      for (Index j = 0; j < fitted.pieces.front().centers.cols(); ++j) {
+        const Point<3> c = p.center + p.T.inverse() * fitted.pieces.front().centers.col(j);
         double least = 1;
         for (const Index i : options.centers) least = std::min(least, (cloud.points.col(i) - c).norm());
         EXPECT_LT(least, 1e-12);
@@ -264,8 +349,8 @@ TEST(PatchFitter, ChecksTheToleranceOfTheSamplesInTheInnerPartOfTheSupport) {
     const FittedPatch fitted = fitter.fit(ids.data(), options.leaf_size);
     double largest = 0;
     for (Index k = 0; k < cloud.size(); ++k) {
-      Point<3> q = fitted.patch.T * (cloud.points.col(k) - fitted.patch.center);
-      q[2] *= fitted.patch.flatness;
+      Point<3> q = fitted.frame().T * (cloud.points.col(k) - fitted.frame().center);
+      q[2] *= fitted.frame().flatness;
       if (q.squaredNorm() < 0.5) largest = std::max(largest, fitted.step_to_surface(cloud.points.col(k)).norm());
     }
     ASSERT_GT(largest, 0);
@@ -304,14 +389,14 @@ TEST(PatchFitter, LeavesSamplesOutWithoutFittingAgain) {
       const Index middle = 25 * t;
       const std::vector<Index> ids = nearest(tree, cloud.points.col(middle), options.leaf_size);
       const FittedPatch patch = fitter.fit(ids.data(), static_cast<Index>(ids.size()));
-      double distance = 0;
-      fitter.left_out_distances(patch, {&middle, 1}, &distance);
-      left_out += distance / patches;
-      fitted += patch.distance(cloud.points.col(middle)) / patches;
+      double without = 0;
+      fitter.left_out_distances(patch, {&middle, 1}, &without);
+      left_out += without / patches;
+      fitted += distance(patch, cloud.points.col(middle)) / patches;
       // The same sample with its noise drawn again was not fitted to.
       Point<3> again = cloud.points.col(middle);
       again[2] = 0.3 + noise * normal(random);
-      held_out += patch.distance(again) / patches;
+      held_out += distance(patch, again) / patches;
     }
     EXPECT_LT(fitted, 0.95 * held_out) << centers;
     // With leverage h: sigma / sqrt(1 - h) against sigma sqrt(1 + h); h is up to about a half. Means are known to 4 %.

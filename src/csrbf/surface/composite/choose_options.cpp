@@ -150,7 +150,7 @@ class CrossValidation {
     fitter.left_out_distances(patch, ids, distance.data());
     for (const double d : distance) sum.error += d;
     sum.error += fitter.error_on_other_sheets(patch) * static_cast<double>(ids.size()) / static_cast<double>(n);
-    sum.radius += patch.patch.radius * static_cast<double>(ids.size());
+    sum.radius += patch.frame().radius * static_cast<double>(ids.size());
     sum.samples += static_cast<double>(ids.size());
   }
 

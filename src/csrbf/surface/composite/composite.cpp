@@ -104,7 +104,7 @@ class LeafFitter {
 };
 
 void add(const FittedPatch& fitted, Patches& patches) {
-  patches.add(fitted.patch, fitted.centers, fitted.alpha);
+  for (const FittedPiece& piece : fitted.pieces) patches.add(piece.patch, piece.centers, piece.alpha);
 }
 
 // Cuts at gaps leave fragments: stray samples beside a noisy sheet, or the tip of a thin feature. Only the latter,

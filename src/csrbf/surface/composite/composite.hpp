@@ -34,8 +34,8 @@ struct CompositeFit {
 };
 
 /// Fits one patch per leaf of `cloud` (thesis 6.1): a quadric in local scaled coordinates, then a CSRBF
-/// residual, both by weighted least squares on positions (f = 0) and normals (grad f = -n). A patch uses only points
-/// whose normal is within 78 degrees of its own, so that it never joins two sheets. O(n).
+/// residual, both by weighted least squares on positions (f = 0) and normals (grad f = -n). A patch over a crease, a
+/// corner or several sheets consists of smooth pieces, joined by minimum and maximum. O(n).
 CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
                            const Progress& progress = {});
 

@@ -1,8 +1,7 @@
 #include "csrbf/surface/composite/patch_fitter.hpp"
 
-#include "csrbf/linalg/gram.hpp"
-#include "csrbf/surface/composite/patch_kernel.hpp"
-#include "csrbf/surface/composite/patch_rows.hpp"
+#include "csrbf/surface/composite/join_pieces.hpp"
+#include "csrbf/surface/composite/split_samples.hpp"
 
 #include <Eigen/Geometry>
 
@@ -12,29 +11,15 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand unless noted.
-constexpr double compatible_normals = 0.2;  // cosine of 78 degrees; larger: loses creases, smaller: joins thin sheets
-constexpr Index fewest_fit_points = 8;      // with their normals 32 conditions for the 10 coefficients of a quadric
-constexpr double ridge_quadric = 1e-6;      // relative to the weights; makes a planar patch planar
-constexpr double round_off = 1e-13;         // relative; keeps the normal matrices positive definite
+constexpr Index fewest_fit_points = 8;          // with their normals 32 conditions for the 10 coefficients of a quadric
+constexpr Index fewest_on_piece = 5;            // samples; fewer do not tell a sheet from stray normals
+constexpr double crease_residual = 0.4;         // |grad f + n| of a smooth model above which a patch may have a crease
 constexpr double inner_weight_variable = 0.65;  // d^2 below which the blending weight (1 - d^2)^4 exceeds 1/64
 constexpr double opposite_normals = -0.5;       // cosine of 120 degrees: noise rarely turns normals that far
 constexpr double own_weight = 1;                // approximate sum of the weights of a sample's own patches
 constexpr double smallest_freedom = 0.01;  // floor of 1 - leverage, for a sample that determines its own prediction
-constexpr int newton_steps = 3;            // from the tangent plane to the surface of a patch
 constexpr double least_height = 0.9;       // least normal semi-axis of a patch over its radius; 1 at most
 constexpr double smallest_slope = 1e-3;    // floor of |grad f|, which is 1 for a model that follows its normals
-
-// Rows of the quadric at q: value, then the three derivatives.
-using QuadricRows = Eigen::Matrix<double, 4, 10>;
-QuadricRows quadric_rows(const Point<3>& q) {
-  const double x = q[0], y = q[1], z = q[2];
-  QuadricRows rows;
-  rows << 1, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z,  //
-      0, 1, 0, 0, 2 * x, y, z, 0, 0, 0,                          //
-      0, 0, 1, 0, 0, x, 0, 2 * y, z, 0,                          //
-      0, 0, 0, 1, 0, 0, x, 0, y, 2 * z;
-  return rows;
-}
 
 // d^2, of which the blending weight is (1 - d^2)^4.
 double weight_variable(const Patch& patch, const Point<3>& x) {
@@ -43,69 +28,70 @@ double weight_variable(const Patch& patch, const Point<3>& x) {
   return q.squaredNorm();
 }
 
-}  // namespace
-
-Eigen::Vector4d FittedPatch::evaluate(const Point<3>& q) const {
-  Eigen::Vector4d f = quadric_rows(q) * patch.quadric;
-  for (Index j = 0; j < alpha.size(); ++j) {
-    const Point<3> d = q - centers.col(j);
-    const double d2 = d.squaredNorm();
-    f[0] += alpha[j] * patch_kernel::value(d2);
-    f.tail<3>() += alpha[j] * patch_kernel::slope(d2) * d;
-  }
-  return f;
+// Samples in the local coordinates of a patch.
+Points<3> local(const OrientedPoints& cloud, const std::vector<Index>& ids, const Patch& patch) {
+  Points<3> q(3, std::ssize(ids));
+  for (Index k = 0; k < q.cols(); ++k) q.col(k) = patch.T * (cloud.points.col(ids[k]) - patch.center);
+  return q;
 }
 
+// Moves the group with most of the samples `leaf` to the front.
+void leaf_first(std::vector<std::vector<Index>>& groups, std::span<const Index> leaf) {
+  const auto shared = [&](const std::vector<Index>& group) {
+    return std::count_if(leaf.begin(), leaf.end(),
+                         [&](Index i) { return std::find(group.begin(), group.end(), i) != group.end(); });
+  };
+  const auto first = std::max_element(groups.begin(), groups.end(),
+                                      [&](const auto& a, const auto& b) { return shared(a) < shared(b); });
+  std::iter_swap(groups.begin(), first);
+}
+
+// Adds the samples that are in no group to the first one.
+void add_stragglers(const std::vector<Index>& samples, std::vector<std::vector<Index>>& groups) {
+  std::vector<Index> grouped;
+  for (const std::vector<Index>& group : groups) grouped.insert(grouped.end(), group.begin(), group.end());
+  std::sort(grouped.begin(), grouped.end());
+  for (const Index i : samples)
+    if (!std::binary_search(grouped.begin(), grouped.end(), i)) groups.front().push_back(i);
+}
+
+}  // namespace
+
 Point<3> FittedPatch::step_to_surface(const Point<3>& x) const {
-  const Eigen::Vector4d f = evaluate(patch.T * (x - patch.center));
+  const Patch& patch = frame();
+  const Point<3> q = patch.T * (x - patch.center);
+  Eigen::Vector4d f = pieces.front().evaluate(q);
+  for (std::size_t p = 1; p < pieces.size(); ++p) {
+    const Eigen::Vector4d g = pieces[p].evaluate(q);
+    if (pieces[p].patch.join == Join::intersection ? g[0] < f[0] : g[0] > f[0]) f = g;
+  }
   const Point<3> slope = f.tail<3>();
   const double squared = std::max(slope.squaredNorm(), smallest_slope * smallest_slope);
   return (-f[0] * patch.radius * patch.radius / squared) * (patch.T.transpose() * slope);
 }
 
 void FittedPatch::pack(ByteWriter& out) const {
-  out.put(patch.center.data(), patch.center.size());
-  out.put(patch.T.data(), patch.T.size());
-  out.put(patch.radius);
-  out.put(patch.flatness);
-  out.put(patch.quadric.data(), patch.quadric.size());
-  out.put(alpha.size());
-  out.put(centers.data(), centers.size());
-  out.put(alpha.data(), alpha.size());
+  out.put(pieces.size());
+  for (const FittedPiece& piece : pieces) piece.pack(out);
 }
 
 void FittedPatch::unpack(ByteReader& in) {
-  in.take(patch.center.data(), patch.center.size());
-  in.take(patch.T.data(), patch.T.size());
-  patch.radius = in.take<double>();
-  patch.flatness = in.take<double>();
-  in.take(patch.quadric.data(), patch.quadric.size());
-  alpha.resize(in.take<Index>());
-  centers.resize(3, alpha.size());
-  in.take(centers.data(), centers.size());
-  in.take(alpha.data(), alpha.size());
-}
-
-double FittedPatch::distance(const Point<3>& x) const {
-  const Point<3> target = patch.T * (x - patch.center);
-  Point<3> q(target[0], target[1], 0);
-  Eigen::Vector4d f = evaluate(q);
-  for (int step = 0; step < newton_steps; ++step) {
-    q[2] = std::clamp(q[2] - f[0] / std::min(f[3], -smallest_slope), -1.0, 1.0);
-    f = evaluate(q);
-  }
-  return patch.radius * std::abs(target[2] - q[2]) * std::abs(f[3]) / std::max(f.tail<3>().norm(), smallest_slope);
+  pieces.resize(in.take<std::size_t>());
+  for (FittedPiece& piece : pieces) piece.unpack(in);
 }
 
 FittedPatch PatchFitter::fit(const Index* ids, Index n) {
   FittedPatch result;
-  frame(ids, n, result.patch);
-  gather(ids, n, result.patch);
+  FittedPiece& piece = result.pieces.front();
+  frame(ids, n, piece.patch);
+  gather(ids, n, piece.patch);
   thin();
-  choose_centers();
-  localize(result.patch);
-  fit_quadric(result.patch);
-  fit_residual(result);
+  fitters_[0].fit(cloud_, support_, options_, piece);
+  groups_.assign(1, support_);
+  fitter_of_.assign(1, 0);
+  main_ = 0;
+  if (std::ssize(foreign_) >= fewest_on_piece || fitters_[0].largest_normal_residual(piece) > crease_residual)
+    split(ids, n, result);
   return result;
 }
 
@@ -164,153 +150,103 @@ void PatchFitter::gather(const Index* ids, Index n, Patch& patch) {
 // Every stride-th point, and all candidates for centres.
 void PatchFitter::thin() {
   const auto count = static_cast<Index>(support_.size());
-  if (count <= options_.max_fit_points) return;
-  const Index stride = (count + options_.max_fit_points - 1) / options_.max_fit_points;
+  stride_ = (count + options_.max_fit_points - 1) / options_.max_fit_points;
+  if (stride_ <= 1) {
+    stride_ = 1;
+    return;
+  }
   std::size_t kept = 0;
   for (Index k = 0; k < count; ++k) {
     const Index i = support_[k];
-    if (k % stride == 0 || std::binary_search(options_.centers.begin(), options_.centers.end(), i))
+    if (k % stride_ == 0 || std::binary_search(options_.centers.begin(), options_.centers.end(), i))
       support_[kept++] = i;
   }
   support_.resize(kept);
 }
 
+// Samples of other sheets, or beyond a crease, get a piece of their own, if the pieces agree on a solid.
+void PatchFitter::split(const Index* ids, Index n, FittedPatch& patch) {
+  const Patch frame = patch.frame();
+  std::vector<Index> all = support_;
+  for (Index k = 0; k < std::ssize(foreign_); k += stride_) all.push_back(foreign_[k]);
+  const double stretch = std::sqrt(static_cast<double>(stride_));
+  std::vector<std::vector<Index>> groups =
+      split_samples(cloud_, all, frame.T.row(2).normalized(), stretch, fewest_on_piece);
+  if (groups.size() < 2) return;
+  leaf_first(groups, std::span(ids, static_cast<std::size_t>(n)));
+  add_stragglers(support_, groups);
+  std::stable_sort(groups.begin() + 1, groups.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  groups.resize(std::min(groups.size(), most_pieces));
+
+  std::vector<FittedPiece> pieces(groups.size());
+  std::vector<Points<3>> samples(groups.size());
+  fitters_.resize(std::max(fitters_.size(), groups.size() + 1));
+  for (std::size_t p = 0; p < groups.size(); ++p) {
+    samples[p] = local(cloud_, groups[p], frame);
+    pieces[p].patch = frame;
+    pieces[p].middle = samples[p].rowwise().mean();
+    const Point<3> normal = cloud_.normals(Eigen::all, groups[p]).rowwise().sum();
+    pieces[p].normal = (frame.T * normal).normalized();
+    fitters_[p + 1].fit(cloud_, groups[p], options_, pieces[p]);
+  }
+  const std::vector<std::size_t> kept = join_pieces(pieces, samples);
+  if (kept.size() < 2) return;
+  patch.pieces = std::move(pieces);
+  groups_.clear();
+  fitter_of_.clear();
+  main_ = static_cast<std::size_t>(std::find(kept.begin(), kept.end(), std::size_t{0}) - kept.begin());
+  std::size_t beside = 0;  // samples of the sheet of the leaf, also beyond its creases
+  for (std::size_t p = 0; p < kept.size(); ++p) {
+    if (patch.pieces[p].normal.dot(patch.pieces[main_].normal) > opposite_normals) beside += groups[kept[p]].size();
+    fitter_of_.push_back(kept[p] + 1);
+    groups_.push_back(std::move(groups[kept[p]]));
+  }
+  area_per_sample_ =
+      std::numbers::pi * frame.radius * frame.radius / static_cast<double>(beside) / static_cast<double>(stride_);
+  std::erase_if(foreign_, [&](Index i) {
+    return std::any_of(groups_.begin(), groups_.end(), [&](const std::vector<Index>& group) {
+      return std::find(group.begin(), group.end(), i) != group.end();
+    });
+  });
+}
+
 // Samples of another sheet count too: there the distance of the patch is an error of the blend.
 bool PatchFitter::within_tolerance(const FittedPatch& patch) const {
   const auto meets = [&](Index i) {
-    return weight_variable(patch.patch, cloud_.points.col(i)) >= inner_weight_variable ||
+    return weight_variable(patch.frame(), cloud_.points.col(i)) >= inner_weight_variable ||
            patch.step_to_surface(cloud_.points.col(i)).norm() <= options_.tolerance[i];
   };
   return std::all_of(support_.begin(), support_.end(), meets) && std::all_of(foreign_.begin(), foreign_.end(), meets);
 }
 
 double PatchFitter::error_on_other_sheets(const FittedPatch& patch) const {
-  const Point<3> normal = patch.patch.T.row(2).normalized();
+  const Point<3> normal = patch.frame().T.row(2).normalized();
   double sum = 0;
   for (const Index i : foreign_) {
     if (cloud_.normals.col(i).dot(normal) > opposite_normals) continue;  // possibly the same sheet under noise
-    const double weight = std::pow(std::max(0.0, 1 - weight_variable(patch.patch, cloud_.points.col(i))), 4);
-    const double distance = std::min(patch.step_to_surface(cloud_.points.col(i)).norm(), patch.patch.radius);
+    const double weight = std::pow(std::max(0.0, 1 - weight_variable(patch.frame(), cloud_.points.col(i))), 4);
+    const double distance = std::min(patch.step_to_surface(cloud_.points.col(i)).norm(), patch.frame().radius);
     sum += weight / (own_weight + weight) * distance;
   }
   return sum;
 }
 
-// The candidates in the support, evenly thinned to the number allowed.
-void PatchFitter::choose_centers() {
-  centers_.clear();
-  for (Index k = 0; k < std::ssize(support_); ++k)
-    if (options_.centers.empty() || std::binary_search(options_.centers.begin(), options_.centers.end(), support_[k]))
-      centers_.push_back(k);
-  const Index count = std::ssize(centers_), kept = std::min(options_.centers_per_patch, count);
-  for (Index j = 0; j < kept; ++j) centers_[j] = centers_[j * count / kept];
-  centers_.resize(kept);
-}
-
-void PatchFitter::localize(const Patch& patch) {
-  const auto count = static_cast<Index>(support_.size());
-  const Index padded = (count + gram_rows - 1) / gram_rows * gram_rows;
-  q_.setZero(padded, 3);
-  target_.setZero(padded, 3);
-  weight_.setZero(padded);
-  offset_.setZero(padded);
-  for (Index k = 0; k < count; ++k) {
-    const Index i = support_[k];
-    const Point<3> q = patch.T * (cloud_.points.col(i) - patch.center);
-    q_.row(k) = q;
-    target_.row(k) = -patch.radius * (patch.T * cloud_.normals.col(i));
-    offset_[k] = 0.5 * cloud_.spacing[i] / patch.radius;
-    const double s = std::max(0.0, 1 - q.squaredNorm());
-    weight_[k] = s * s + 1e-3;  // wider than the blending weight, so that the rim of the patch is constrained too
-  }
-  root_w_ = weight_.cwiseSqrt();
-  root_g_ = std::sqrt(options_.normal_weight) * root_w_;
-}
-
-// Eqs. (6.3)-(6.6): sum_k w_k (g(q_k)^2 + rho |grad g(q_k) + n_k|^2) + mu |A|^2 over quadrics g(q) = q.A q + b.q + c.
-void PatchFitter::fit_quadric(Patch& patch) {
-  const Index K = q_.rows();
-  quadric_columns_.resize(4 * K, 11);
-  quadric_columns(q_.data(), K, root_w_.data(), root_g_.data(), quadric_columns_.data());
-  quadric_columns_.col(10).head(K).setZero();
-  for (int c = 0; c < 3; ++c) quadric_columns_.col(10).segment((1 + c) * K, K) = root_g_.cwiseProduct(target_.col(c));
-  Eigen::Matrix<double, 11, 11> A;
-  gram(quadric_columns_.data(), 4 * K, 11, A.data());
-  const Eigen::Matrix<double, 10, 1> b = A.row(10).head<10>();
-  const double total = weight_.sum();
-  for (const int square : {4, 7, 9}) A(square, square) += ridge_quadric * total;
-  for (const int mixed : {5, 6, 8}) A(mixed, mixed) += 2 * ridge_quadric * total;
-  A.diagonal().array() += round_off * total;
-  quadric_matrix_.compute(A.topLeftCorner<10, 10>());
-  patch.quadric = quadric_matrix_.solve(b);
-}
-
-// The fit is linear in the samples: leaving sample k out divides its residual by 1 - h_k, h_k = df_k / ds_k (its
-// leverage). For a quadric fit followed by a fit of its residual, H = H_q + H_r (1 - H_q).
-void PatchFitter::left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance) {
-  std::vector<Index> rows, columns;  // in the support and in `ids`
-  for (Index i = 0; i < std::ssize(ids); ++i) {
-    distance[i] = patch.distance(cloud_.points.col(ids[i]));
-    const auto found = std::find(support_.begin(), support_.end(), ids[i]);
-    if (found == support_.end()) continue;
-    rows.push_back(found - support_.begin());
-    columns.push_back(i);
-  }
-  const Eigen::Matrix<double, 10, Eigen::Dynamic> q = quadric_columns_(rows, Eigen::seqN(0, 10)).transpose();
-  const Eigen::Matrix<double, 10, Eigen::Dynamic> solved = quadric_matrix_.solve(q);
-  Eigen::VectorXd leverage = q.cwiseProduct(solved).colwise().sum();
-  const Index M = options_.normal_rows == NormalRows::gradient ? patch.alpha.size() : 0;
-  if (M > 0) {
-    const Eigen::MatrixXd b = columns_(rows, Eigen::seqN(0, M)).transpose();
-    const Eigen::MatrixXd cross = columns_.leftCols(M).transpose() * quadric_columns_.leftCols(10);
-    leverage += residual_matrix_.solve(b).cwiseProduct(b - cross * solved).colwise().sum().transpose();
-  }
-  for (Index i = 0; i < leverage.size(); ++i) distance[columns[i]] /= std::max(1 - leverage[i], smallest_freedom);
-}
-
-// Weighted rows of the residual for values and normals: B alpha = s - g, grad B alpha = -n - grad g.
-void PatchFitter::gradient_columns(const FittedPatch& result) {
-  const Index K = q_.rows(), M = result.centers.cols();
-  columns_.resize(4 * K, M + 1);
-  kernel_columns(q_.data(), K, root_w_.data(), root_g_.data(), result.centers.data(), M, columns_.data());
-  columns_.col(M) = quadric_columns_.col(10);
-  columns_.col(M).noalias() -= quadric_columns_.leftCols(10) * result.patch.quadric;
-}
-
-// The same with off-surface values instead of gradients: the targets at q + side kappa n are -side kappa.
-void PatchFitter::off_surface_columns(const FittedPatch& result) {
-  const Index K = q_.rows(), M = result.centers.cols();
-  columns_.resize(3 * K, M + 1);
-  for (Index k = 0; k < K; ++k)
-    for (int side = -1; side <= 1; ++side) {
-      const Index row = (side + 1) * K + k;
-      const Point<3> q = q_.row(k) - side * offset_[k] * target_.row(k);
-      columns_(row, M) = root_w_[k] * (-side * offset_[k] - quadric_rows(q).row(0).dot(result.patch.quadric));
-      for (Index j = 0; j < M; ++j)
-        columns_(row, j) = root_w_[k] * patch_kernel::value((q - result.centers.col(j)).squaredNorm());
+void PatchFitter::left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance) const {
+  const Patch& frame = patch.frame();
+  const Points<3> q = local(cloud_, {ids.begin(), ids.end()}, frame);
+  for (Index i = 0; i < q.cols(); ++i) distance[i] = patch.pieces[main_].distance(q.col(i));
+  for (std::size_t p = 0; p < patch.pieces.size(); ++p) {
+    std::vector<Index> rows, columns;  // in the samples of the piece and in `ids`
+    for (Index i = 0; i < q.cols(); ++i) {
+      const auto found = std::find(groups_[p].begin(), groups_[p].end(), ids[i]);
+      if (found == groups_[p].end()) continue;
+      if (p != main_) distance[i] = patch.pieces[p].distance(q.col(i));
+      rows.push_back(found - groups_[p].begin());
+      columns.push_back(i);
     }
-}
-
-// Eq. (6.10): (B^T W B + lambda K) alpha = B^T W (s - g), K the kernel matrix of the centres.
-void PatchFitter::fit_residual(FittedPatch& result) {
-  const auto M = static_cast<Index>(centers_.size());
-  if (M == 0) return;
-  center_q_ = q_(centers_, Eigen::all);
-  result.centers = center_q_.transpose();
-  if (options_.normal_rows == NormalRows::gradient) {
-    gradient_columns(result);
-  } else {
-    off_surface_columns(result);
+    const Eigen::VectorXd leverage = fitters_[fitter_of_[p]].leverage(patch.pieces[p], rows);
+    for (Index i = 0; i < leverage.size(); ++i) distance[columns[i]] /= std::max(1 - leverage[i], smallest_freedom);
   }
-  gram_.resize(M + 1, M + 1);
-  gram(columns_.data(), columns_.rows(), M + 1, gram_.data());
-  const Eigen::VectorXd b = gram_.row(M).head(M);
-  auto A = gram_.topLeftCorner(M, M);
-  const double scale = A.trace() / static_cast<double>(M);
-  add_kernel_matrix(center_q_.data(), M, options_.smoothing * scale, gram_.data(), M + 1);
-  A.diagonal().array() += round_off * scale;
-  residual_matrix_.compute(A);
-  result.alpha = residual_matrix_.solve(b);
 }
 
 }  // namespace csrbf

@@ -184,15 +184,31 @@ CSRBF_ALWAYS_INLINE void products(int n, const double (*w)[lanes], const double 
   }
 }
 
-// Adds what a patch says about the points of a block.
+// Joins another piece g to f: the smaller or the larger of both values, with its derivatives.
 template <int terms>
-CSRBF_ALWAYS_INLINE void add(const PatchView& view, const Block& block, PatchSums& sums) {
+CSRBF_ALWAYS_INLINE void join_piece(Join join, int n, const double (*__restrict g)[lanes],
+                                    double (*__restrict f)[lanes]) {
+  const double sign = join == Join::intersection ? 1 : -1;
+  alignas(64) double take[lanes];
+  for (int l = 0; l < n; ++l) take[l] = sign * g[0][l] < sign * f[0][l] ? 1 : 0;
+  for (int t = 0; t < terms; ++t)
+    for (int l = 0; l < n; ++l) f[t][l] = take[l] != 0 ? g[t][l] : f[t][l];
+}
+
+// Adds what a patch says about the points of a block; `pieces` of them.
+template <int terms>
+CSRBF_ALWAYS_INLINE void add(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
+  const PatchView& view = views[0];
   Inside inside;
   locate(*view.patch, block, inside);
   if (inside.count == 0) return;
   const int n = padded(inside.count);
   alignas(64) double f[terms][lanes], w[terms][lanes], wf[terms][lanes], wff[terms][lanes];
   local_model<terms>(view, n, inside.q, f);
+  for (int p = 1; p < pieces; ++p) {
+    local_model<terms>(views[p], n, inside.q, w);
+    join_piece<terms>(views[p].patch->join, n, w, f);
+  }
   weight<terms>(*view.patch, n, inside.q, inside.s, w);
   to_world<terms>(view.patch->T, n, f);
   to_world<terms>(view.patch->T, n, w);
@@ -208,16 +224,16 @@ CSRBF_ALWAYS_INLINE void add(const PatchView& view, const Block& block, PatchSum
     }
 }
 
-CSRBF_SIMD_CLONES void add_values(const PatchView& view, const Block& block, PatchSums& sums) {
-  add<1>(view, block, sums);
+CSRBF_SIMD_CLONES void add_values(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
+  add<1>(views, pieces, block, sums);
 }
 
-CSRBF_SIMD_CLONES void add_gradients(const PatchView& view, const Block& block, PatchSums& sums) {
-  add<4>(view, block, sums);
+CSRBF_SIMD_CLONES void add_gradients(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
+  add<4>(views, pieces, block, sums);
 }
 
-CSRBF_SIMD_CLONES void add_jets(const PatchView& view, const Block& block, PatchSums& sums) {
-  add<PatchSums::max_terms>(view, block, sums);
+CSRBF_SIMD_CLONES void add_jets(const PatchView* views, int pieces, const Block& block, PatchSums& sums) {
+  add<PatchSums::max_terms>(views, pieces, block, sums);
 }
 
 CSRBF_SIMD_CLONES void add_weights(const Patch& patch, const Block& block, double* W) {
@@ -269,11 +285,17 @@ void Patches::add(const Patch& patch, const PointsRef<3>& centers, const Eigen::
 }
 
 void Patches::build() {
+  first_piece_.clear();
   std::vector<Box<3>> boxes;
   boxes.reserve(patches_.size());
-  for (const Patch& p : patches_) boxes.push_back(support_box(p));
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
+    if (patches_[i].join != Join::first && i > 0) continue;
+    first_piece_.push_back(i);
+    boxes.push_back(support_box(patches_[i]));
+  }
+  first_piece_.push_back(patches_.size());
   nodes_.clear();
-  if (!patches_.empty()) build_node(boxes, 0, size());
+  if (!patches_.empty()) build_node(boxes, 0, std::ssize(boxes));
 }
 
 Index Patches::build_node(const std::vector<Box<3>>& boxes, Index begin, Index end) {
@@ -294,7 +316,7 @@ Index Patches::build_node(const std::vector<Box<3>>& boxes, Index begin, Index e
   return static_cast<Index>(index);
 }
 
-// Calls visit(i) for the patches whose ball meets the box.
+// Calls visit(first, pieces) for the patches whose ball meets the box, with their first piece and how many there are.
 template <class Visit>
 void Patches::visit(const Box<3>& box, const Visit& visit) const {
   if (nodes_.empty()) return;
@@ -311,7 +333,8 @@ void Patches::visit(const Box<3>& box, const Visit& visit) const {
       continue;
     }
     for (Index i = node.begin; i < node.end; ++i)
-      if (const auto p = static_cast<std::size_t>(i); reaches(patches_[p], box)) visit(p);
+      if (const std::size_t first = first_piece_[i]; reaches(patches_[first], box))
+        visit(first, first_piece_[i + 1] - first);
   }
 }
 
@@ -323,16 +346,20 @@ void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSu
     for (int l = 0; l < lanes; ++l) sums.W[t][l] = sums.S[t][l] = sums.A[t][l] = sums.Q[t][l] = 0;
   if (x.cols() == 0) return;
   const Block block = block_of(x);
-  visit(bounding_box<3>(x), [&](std::size_t p) {
-    const Index first = center_begin_[p];
-    const PatchView view{&patches_[p], centers_.data() + 3 * first, alpha_.data() + first,
-                         center_begin_[p + 1] - first};
+  std::vector<PatchView> views;
+  visit(bounding_box<3>(x), [&](std::size_t head, std::size_t pieces) {
+    views.clear();
+    for (std::size_t p = head; p < head + pieces; ++p) {
+      const Index first = center_begin_[p];
+      views.push_back({&patches_[p], centers_.data() + 3 * first, alpha_.data() + first, center_begin_[p + 1] - first});
+    }
+    const auto count = static_cast<int>(pieces);
     if (derivatives == Derivatives::none) {
-      add_values(view, block, sums);
+      add_values(views.data(), count, block, sums);
     } else if (derivatives == Derivatives::gradient) {
-      add_gradients(view, block, sums);
+      add_gradients(views.data(), count, block, sums);
     } else {
-      add_jets(view, block, sums);
+      add_jets(views.data(), count, block, sums);
     }
   });
 }
@@ -341,7 +368,7 @@ void Patches::weights(const PointsRef<3>& x, double* W) const {
   std::fill_n(W, x.cols(), 0);
   if (x.cols() == 0) return;
   const Block block = block_of(x);
-  visit(bounding_box<3>(x), [&](std::size_t p) { add_weights(patches_[p], block, W); });
+  visit(bounding_box<3>(x), [&](std::size_t first, std::size_t) { add_weights(patches_[first], block, W); });
 }
 
 }  // namespace csrbf

@@ -4,18 +4,28 @@
 
 namespace csrbf {
 
+/// How a piece of a patch joins the pieces before it.
+enum class Join : std::int8_t {
+  first,         ///< it is the first piece of its patch
+  intersection,  ///< convex edges: the solid is where both are positive
+  unite,         ///< concave edges, and sheets that face each other: where one of them is positive
+};
+
 /// One local model of a surface (thesis 6.1, eq. (6.2)): in the local coordinates q = T (x - center),
 ///   f(x) = radius * ( b . (1, qx, qy, qz, qx^2, qx qy, qx qz, qy^2, qy qz, qz^2) + sum_j alpha_j phi(|q - c_j| /
 ///   support) ),
 /// a quadric plus a CSRBF residual (Wendland C4). T has orthogonal rows of length 1 / radius; its last row is along the
 /// outward normal. The model holds where the weight w = (1 - d^2)^4 with d^2 = qx^2 + qy^2 + (flatness qz)^2 is
 /// positive: inside an ellipsoid of tangential radius `radius` and normal radius `radius / flatness`.
+/// Where the surface has creases or several sheets, a patch consists of consecutive pieces in the same frame: f is the
+/// minimum or maximum of what they say, joined one after the other.
 struct Patch {
   Point<3> center;
   Eigen::Matrix3d T;
   double radius = 0;
   double flatness = 1;
   Eigen::Matrix<double, 10, 1> quadric;
+  Join join = Join::first;
 };
 
 /// Sums over patches at a point: W = sum w, S = sum w f, A = sum w f / radius and Q = sum w (f / radius)^2 with
@@ -42,7 +52,8 @@ class Patches {
   /// Reserves memory for patches with a number of centres each.
   void reserve(Index patches, Index centers_per_patch);
 
-  /// Adds a patch with the CSRBF centres `centers` (3 x m, local coordinates) and coefficients `alpha` (m).
+  /// Adds a patch, or a piece of the last one, with the CSRBF centres `centers` (3 x m, local coordinates) and
+  /// coefficients `alpha` (m).
   void add(const Patch& patch, const PointsRef<3>& centers, const Eigen::Ref<const Eigen::VectorXd>& alpha);
 
   /// Builds the hierarchy; call after the last add. Patches added in spatial order make it tight.
@@ -67,14 +78,15 @@ class Patches {
  private:
   struct Node {
     Box<3> box;
-    Index begin, end;  // patches below
+    Index begin, end;  // patches below, as positions in first_piece_
     Index right;       // index of the right child; the left one follows the node; 0 for a leaf
   };
   template <class Visit>
   void visit(const Box<3>& box, const Visit& visit) const;
   Index build_node(const std::vector<Box<3>>& boxes, Index begin, Index end);
 
-  std::vector<Patch> patches_;
+  std::vector<Patch> patches_;            // every piece
+  std::vector<std::size_t> first_piece_;  // of each patch; at the end, the number of pieces
   std::vector<Index> center_begin_ = {0};
   std::vector<double> centers_;  // 3 per centre
   std::vector<double> alpha_;

@@ -8,8 +8,7 @@ namespace csrbf {
 
 /// A cloud ready to be fitted.
 struct PreparedCloud {
-  /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order; samples that
-  /// bridge_gaps() adds follow.
+  /// In unit coordinates y = (x - origin) / scale (bounding-box diagonal 1), in Morton order.
   OrientedPoints cloud;
   std::unique_ptr<const KdTree<3>> tree;  ///< of the points of the cloud
   Point<3> origin = Point<3>::Zero();
