@@ -8,9 +8,9 @@ constexpr Index patch_numbers = 24;  // center 3, T 9, radius, flatness, quadric
 Archive to_archive(const Patches& patches) {
   Archive archive;
   archive.kind = "patches";
-  Eigen::MatrixXd table(patch_numbers, patches.size());
-  ArchiveArray<std::uint8_t> joins(patches.size(), 1);
-  for (Index i = 0; i < patches.size(); ++i) {
+  Eigen::MatrixXd table(patch_numbers, patches.pieces());
+  ArchiveArray<std::uint8_t> joins(patches.pieces(), 1);
+  for (Index i = 0; i < patches.pieces(); ++i) {
     const Patch& p = patches.patch(i);
     table.col(i) << p.center, p.T.reshaped(), p.radius, p.flatness, p.quadric;
     joins(i, 0) = static_cast<std::uint8_t>(p.join);

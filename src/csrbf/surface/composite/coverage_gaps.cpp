@@ -18,7 +18,7 @@ constexpr double directions[8][2] = {{1, 0}, {r, r}, {0, 1}, {-r, r}, {-1, 0}, {
 }  // namespace
 
 std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
-  const Index tasks = (patches.size() + patches_per_task - 1) / patches_per_task;
+  const Index tasks = (patches.pieces() + patches_per_task - 1) / patches_per_task;
   std::vector<std::vector<CoverageGap>> found(tasks);
   const auto compute = [&](Index begin, Index end) {
     std::vector<CoverageGap>& gaps = found[begin / patches_per_task];
@@ -26,6 +26,7 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
     Points<3> probes(3, std::size(directions));
     for (Index i = begin; i < end; ++i) {
       const Patch& patch = patches.patch(i);
+      if (patch.join != Join::first) continue;
       const Eigen::Matrix3d axes = patch.radius * patch.T.transpose();
       const auto onward = [&](Index d) -> Point<3> {
         return directions[d][0] * axes.col(0) + directions[d][1] * axes.col(1);
@@ -52,7 +53,7 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
       gap.reach = in.take<double>();
     }
   };
-  share_work({"fit", patches.size(), patches_per_task, compute, pack, unpack});
+  share_work({"fit", patches.pieces(), patches_per_task, compute, pack, unpack});
   std::vector<CoverageGap> all;
   for (const std::vector<CoverageGap>& gaps : found) all.insert(all.end(), gaps.begin(), gaps.end());
   return all;

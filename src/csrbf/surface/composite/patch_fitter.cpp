@@ -46,13 +46,16 @@ void leaf_first(std::vector<std::vector<Index>>& groups, std::span<const Index> 
   std::iter_swap(groups.begin(), first);
 }
 
-// Adds the samples that are in no group to the first one.
-void add_stragglers(const std::vector<Index>& samples, std::vector<std::vector<Index>>& groups) {
+// Adds samples that are in no group to the first one, unless they are beyond a crease: noise turns normals too.
+void add_stragglers(const OrientedPoints& cloud, const std::vector<Index>& samples,
+                    std::vector<std::vector<Index>>& groups) {
   std::vector<Index> grouped;
   for (const std::vector<Index>& group : groups) grouped.insert(grouped.end(), group.begin(), group.end());
   std::sort(grouped.begin(), grouped.end());
+  const Point<3> normal = cloud.normals(Eigen::all, groups.front()).rowwise().sum().normalized();
   for (const Index i : samples)
-    if (!std::binary_search(grouped.begin(), grouped.end(), i)) groups.front().push_back(i);
+    if (!std::binary_search(grouped.begin(), grouped.end(), i) && cloud.normals.col(i).dot(normal) > compatible_normals)
+      groups.front().push_back(i);
 }
 
 }  // namespace
@@ -174,7 +177,7 @@ void PatchFitter::split(const Index* ids, Index n, FittedPatch& patch) {
       split_samples(cloud_, all, frame.T.row(2).normalized(), stretch, fewest_on_piece);
   if (groups.size() < 2) return;
   leaf_first(groups, std::span(ids, static_cast<std::size_t>(n)));
-  add_stragglers(support_, groups);
+  add_stragglers(cloud_, support_, groups);
   std::stable_sort(groups.begin() + 1, groups.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
   groups.resize(std::min(groups.size(), most_pieces));
 

@@ -278,6 +278,7 @@ void Patches::reserve(Index patches, Index centers_per_patch) {
 }
 
 void Patches::add(const Patch& patch, const PointsRef<3>& centers, const Eigen::Ref<const Eigen::VectorXd>& alpha) {
+  if (patch.join == Join::first) ++size_;
   patches_.push_back(patch);
   centers_.insert(centers_.end(), centers.data(), centers.data() + centers.size());
   alpha_.insert(alpha_.end(), alpha.data(), alpha.data() + alpha.size());

@@ -59,10 +59,14 @@ class Patches {
   /// Builds the hierarchy; call after the last add. Patches added in spatial order make it tight.
   void build();
 
-  [[nodiscard]] Index size() const { return static_cast<Index>(patches_.size()); }
+  /// Number of patches.
+  [[nodiscard]] Index size() const { return size_; }
+  /// Number of pieces of all patches.
+  [[nodiscard]] Index pieces() const { return static_cast<Index>(patches_.size()); }
   /// Total number of CSRBF centres.
   [[nodiscard]] Index centers() const { return static_cast<Index>(alpha_.size()); }
-  [[nodiscard]] const Patch& patch(Index i) const { return patches_[i]; }
+  [[nodiscard]] const Patch& patch(Index piece) const { return patches_[piece]; }
+  /// All pieces; those of a patch follow each other.
   [[nodiscard]] const std::vector<Patch>& patches() const { return patches_; }
   [[nodiscard]] const std::vector<Index>& center_begin() const { return center_begin_; }
   [[nodiscard]] const std::vector<double>& center_coordinates() const { return centers_; }
@@ -85,6 +89,7 @@ class Patches {
   void visit(const Box<3>& box, const Visit& visit) const;
   Index build_node(const std::vector<Box<3>>& boxes, Index begin, Index end);
 
+  Index size_ = 0;
   std::vector<Patch> patches_;            // every piece
   std::vector<std::size_t> first_piece_;  // of each patch; at the end, the number of pieces
   std::vector<Index> center_begin_ = {0};
