@@ -3,35 +3,40 @@
 namespace csrbf {
 namespace {
 
-constexpr Index patch_numbers = 24;  // center 3, T 9, radius, flatness, quadric 10
+constexpr Index patch_numbers =
+    24;  // center 3, T 9, radius, flatness, quadric 10; of the kind "joined patches" also: join
+constexpr const char* joined_kind = "joined patches";
 
 Archive to_archive(const Patches& patches) {
   Archive archive;
-  archive.kind = "patches";
-  Eigen::MatrixXd table(patch_numbers, patches.pieces());
-  ArchiveArray<std::uint8_t> joins(patches.pieces(), 1);
+  const bool joined = patches.pieces() > patches.size();
+  archive.kind = joined ? joined_kind : "patches";
+  Eigen::MatrixXd table(patch_numbers + (joined ? 1 : 0), patches.pieces());
   for (Index i = 0; i < patches.pieces(); ++i) {
     const Patch& p = patches.patch(i);
-    table.col(i) << p.center, p.T.reshaped(), p.radius, p.flatness, p.quadric;
-    joins(i, 0) = static_cast<std::uint8_t>(p.join);
+    table.col(i).head(patch_numbers) << p.center, p.T.reshaped(), p.radius, p.flatness, p.quadric;
+    if (joined) table(patch_numbers, i) = static_cast<double>(p.join);
   }
   archive.set("patches", table);
   archive.set("center_begin", patches.center_begin());
   archive.set("centers", Eigen::Map<const Points<3>>(patches.center_coordinates().data(), 3, patches.centers()));
   archive.set("alpha", patches.alpha());
-  if ((joins.array() != 0).any()) archive.set("join", joins);
   return archive;
 }
 
+Join join_from(const Archive& archive, double number, bool first) {
+  for (const Join join : {Join::first, Join::intersection, Join::unite})
+    if (number == static_cast<double>(join) && !(first && join != Join::first)) return join;
+  archive.fail("a patch is damaged");
+}
+
 Patches patches_from(const Archive& archive) {
-  const auto& table = archive.numbers("patches", patch_numbers);
+  const bool joined = archive.kind == joined_kind;
+  const auto& table = archive.numbers("patches", patch_numbers + (joined ? 1 : 0));
   const auto& begin = archive.array<std::int64_t>("center_begin", table.cols() + 1, 1);
   const auto& centers = archive.numbers("centers", 3);
   const auto& alpha = archive.numbers("alpha", centers.cols(), 1);
   if (begin(0, 0) != 0 || begin(table.cols(), 0) != centers.cols()) archive.fail("the centres do not fit the patches");
-  const ArchiveArray<std::uint8_t> joins =
-      archive.has("join") ? archive.array<std::uint8_t>("join", table.cols(), 1)
-                          : ArchiveArray<std::uint8_t>(ArchiveArray<std::uint8_t>::Zero(table.cols(), 1));
   Patches patches;
   for (Index i = 0; i < table.cols(); ++i) {
     const Index first = begin(i, 0), count = begin(i + 1, 0) - first;
@@ -42,9 +47,7 @@ Patches patches_from(const Archive& archive) {
     p.radius = table(12, i);
     p.flatness = table(13, i);
     p.quadric = table.col(i).segment<10>(14);
-    if (joins(i, 0) > static_cast<std::uint8_t>(Join::unite) || (i == 0 && joins(i, 0) != 0))
-      archive.fail("a patch is damaged");
-    p.join = static_cast<Join>(joins(i, 0));
+    if (joined) p.join = join_from(archive, table(patch_numbers, i), i == 0);
     if (!(p.radius > 0) || !(p.flatness > 0)) archive.fail("a patch is damaged");
     patches.add(p, centers.middleCols(first, count), alpha.col(0).segment(first, count));
   }
