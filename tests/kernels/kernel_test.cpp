@@ -174,10 +174,12 @@ TEST(Kernel, CompactOnesVanishFromOneOn) {
     const Kernel kernel(named.name, 2, named.parameter);
     EXPECT_EQ(kernel.compact(), kernel.value(1) == 0 && kernel.value(5) == 0) << label(named);
     if (!kernel.compact()) continue;
-    for (const double r : {1.0, 1.0 + 1e-15, 2.0, 1e200}) {
+    for (const double r : {1.0, 1.0 + 1e-15, 2.0, 1e200, std::numeric_limits<double>::infinity()}) {
       EXPECT_EQ(kernel.value(r), 0);
       EXPECT_EQ(kernel.g(r), 0) << label(named);
       EXPECT_EQ(kernel.h(r), 0) << label(named);
+      EXPECT_EQ(kernel.q(r), 0) << label(named) << " at " << r;
+      EXPECT_EQ(kernel.laplacian(r), 0) << label(named) << " at " << r;
     }
   }
 }

@@ -174,7 +174,8 @@ double Kernel::h(double r) const {
 }
 
 double Kernel::q(double r) const {
-  return r * r == 0 ? 0 : r * r * h(r);
+  const double second = r * r == 0 ? 0 : h(r);
+  return second == 0 ? 0 : r * r * second;  // 0 also where r * r overflows
 }
 
 double Kernel::laplacian(double r) const {
