@@ -128,18 +128,18 @@ void PatchFitter::frame(const Index* ids, Index n, Patch& patch) const {
   patch.radius = std::max(std::sqrt(options_.overlap * area / std::numbers::pi), 1.3 * std::sqrt(reach2));
 }
 
-// Points of the support with compatible normals. The support grows by 1.25 until there are enough of them, at most 12
-// times: 15-fold.
+// Points of the support with compatible normals. The support grows by 1.25 until there are enough of them, twice if
+// they determine a plane (larger ones reach past small faces and spoil their neighbours), else 12 times: 15-fold.
 void PatchFitter::gather(const Index* ids, Index n, Patch& patch) {
   const Point<3> normal = patch.T.row(2).transpose();
   const Index wanted = std::min<Index>(fewest_fit_points, cloud_.size());
-  for (int attempt = 0; attempt < 12; ++attempt) {
+  for (int growths = 0; growths < 12; ++growths) {
     tree_.within(patch.center, patch.radius, support_);
     const auto same_sheet = [&](Index i) { return cloud_.normals.col(i).dot(normal) > compatible_normals; };
     const auto foreign = std::stable_partition(support_.begin(), support_.end(), same_sheet);
     foreign_.assign(foreign, support_.end());
     support_.erase(foreign, support_.end());
-    if (static_cast<Index>(support_.size()) >= wanted) break;
+    if (static_cast<Index>(support_.size()) >= (growths < 2 ? wanted : CompositeOptions::smallest_leaf)) break;
     patch.radius *= 1.25;
   }
   if (support_.empty()) support_.assign(ids, ids + n);
