@@ -7,7 +7,7 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand. More samples: time in proportion, a more reliable choice.
-constexpr Index block_size = 96;                // samples predicted together
+constexpr Index block_size = 48;                // samples predicted together
 constexpr Index around_block = 4 * block_size;  // nearest samples of which a block takes those along the sheet
 constexpr Index blocks = 100;                   // some ten thousand samples in all
 
