@@ -280,6 +280,17 @@ TEST(KeepComponentsWithData, KeepsASmallObjectWithItsFewSamplesButNotALargeOne) 
   EXPECT_EQ(large.dropped, 1);
 }
 
+TEST(KeepComponentsWithData, DropsABubbleBetweenTwoSheets) {
+  const double gap = 0.03;  // about the distance of samples
+  const PointCloud cloud = csrbf::joined(sphere_cloud(20000), sphere_cloud(20000, 2, 1 - gap));
+  const Mesh sheets = joined(sphere_mesh(20), sphere_mesh(20, 1 - gap));
+  const Mesh bubble = sphere_mesh(3, 0.3 * gap, {0, 0, 1 - 0.5 * gap});
+  EXPECT_EQ(keep_components_with_data(sheets, cloud.points).dropped, 0);
+  const DataComponents kept = keep_components_with_data(joined(sheets, bubble), cloud.points);
+  ASSERT_EQ(kept.dropped, 1);
+  EXPECT_EQ(kept.mesh.vertices, sheets.vertices);
+}
+
 TEST(KeepComponentsWithData, NeverDropsAll) {
   const Mesh two = joined(sphere_mesh(5), sphere_mesh(5, 1, {5, 0, 0}));
   EXPECT_EQ(keep_components_with_data(two, Points<3>(3, 0)).mesh.triangles, two.triangles);

@@ -21,6 +21,9 @@ constexpr double facing = 0.7;           // least cosine between normals that fa
 constexpr double expected_share = 0.05;  // a component with less of the mean density of samples is empty ...
 constexpr double fewest_samples = 8;     // ... or with fewer of them
 constexpr double near_component = 4;     // spacings: points farther from a component do not count for it
+constexpr double small = 64;             // samples: smaller components may be bubbles between sheets, ...
+constexpr double crowded = 4;            // ... whose samples represent this many times as much area as they have
+constexpr Index spacings_asked = 1000;   // samples for the mean of all
 
 // Index of the nearest point for every query.
 std::vector<Index> nearest_points(const KdTree<3>& tree, const PointsRef<3>& queries) {
@@ -38,6 +41,7 @@ double spacing_at(const KdTree<3>& tree, const PointsRef<3>& points, Index i) {
   std::array<Index, spacing_neighbors + 1> index{};
   std::array<double, spacing_neighbors + 1> squared{};
   const Index found = tree.nearest(points.col(i), spacing_neighbors + 1, index.data(), squared.data());
+  if (found == 1) return 0;
   double sum = 0;
   for (Index k = 1; k < found; ++k) sum += std::sqrt(squared[k]);
   return sum / static_cast<double>(found - 1);
@@ -177,10 +181,16 @@ std::vector<Index> ids_within(const KdTree<3>& tree, const PointsRef<3>& x, doub
   return ids;
 }
 
-// Number of points nearest to each component. Those farther than `distance` from all others count for the largest one,
-// so that most points need no search.
-std::vector<double> samples_of_components(const Mesh& mesh, const std::vector<Index>& label, Index count, Index largest,
-                                          const PointsRef<3>& points, double distance) {
+// Points nearest to a component.
+struct Support {
+  double samples = 0;
+  double area = 0;  // of their squared spacings; only for small components
+};
+
+// Those of each component. Points farther than `distance` from all others count for the largest one, so that most need
+// no search.
+std::vector<Support> supports_of_components(const Mesh& mesh, const std::vector<Index>& label, Index count,
+                                            Index largest, const PointsRef<3>& points, double distance) {
   std::vector<Index> others;
   for (std::size_t v = 0; v < label.size(); ++v)
     if (label[v] != largest) others.push_back(static_cast<Index>(v));
@@ -190,12 +200,29 @@ std::vector<double> samples_of_components(const Mesh& mesh, const std::vector<In
   const std::vector<Index> rivals = ids_within(other_tree, mesh.vertices, 2 * distance);
   const Points<3> rival_vertices = mesh.vertices(Eigen::all, rivals);
   const KdTree<3> rival_tree(rival_vertices);
-  std::vector<double> samples(count, 0);
-  samples[largest] = static_cast<double>(points.cols()) - static_cast<double>(open.size());
+  std::vector<Support> supports(count);
+  supports[largest].samples = static_cast<double>(points.cols()) - static_cast<double>(open.size());
   const Points<3> contested = points(Eigen::all, open);
-  for (const Index v : nearest_points(rival_tree, contested(Eigen::all, morton_order<3>(contested))))
-    samples[label[rivals[v]]] += 1;
-  return samples;
+  const std::vector<Index> order = morton_order<3>(contested);
+  const std::vector<Index> nearest = nearest_points(rival_tree, contested(Eigen::all, order));
+  for (const Index v : nearest) supports[label[rivals[v]]].samples += 1;
+  if (std::none_of(supports.begin(), supports.end(), [](const Support& s) { return s.samples < small; }))
+    return supports;
+  const KdTree<3> tree(points);
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    Support& support = supports[label[rivals[nearest[i]]]];
+    if (support.samples < small) support.area += std::pow(spacing_at(tree, points, open[order[i]]), 2);
+  }
+  return supports;
+}
+
+// Mean of the squared spacings of the points, from some of them.
+double mean_sample_area(const PointsRef<3>& points) {
+  const KdTree<3> tree(points);
+  const Index step = std::max<Index>(1, points.cols() / spacings_asked);
+  double sum = 0, count = 0;
+  for (Index i = 0; i < points.cols(); i += step, ++count) sum += std::pow(spacing_at(tree, points, i), 2);
+  return sum / count;
 }
 
 }  // namespace
@@ -223,12 +250,19 @@ DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) 
   const std::vector<double> area = areas(mesh, label, count);
   const double density = static_cast<double>(points.cols()) / std::accumulate(area.begin(), area.end(), 0.0);
   const auto largest = std::max_element(area.begin(), area.end()) - area.begin();
-  const std::vector<double> samples =
-      samples_of_components(mesh, label, count, largest, points, near_component / std::sqrt(density));
-  std::vector<char> keep(samples.size());
-  for (std::size_t c = 0; c < keep.size(); ++c)
-    keep[c] = samples[c] >= fewest_samples && samples[c] >= expected_share * density * area[c] ? 1 : 0;
-  keep[std::max_element(samples.begin(), samples.end()) - samples.begin()] = 1;
+  const std::vector<Support> supports =
+      supports_of_components(mesh, label, count, largest, points, near_component / std::sqrt(density));
+  const double usual = density * mean_sample_area(points);  // area that samples represent, over area of the mesh
+  std::vector<char> keep(supports.size());
+  for (std::size_t c = 0; c < keep.size(); ++c) {
+    const auto& [samples, represented] = supports[c];
+    keep[c] = samples >= fewest_samples && samples >= expected_share * density * area[c] &&
+                      represented <= crowded * usual * area[c]
+                  ? 1
+                  : 0;
+  }
+  const auto fewer = [](const Support& a, const Support& b) { return a.samples < b.samples; };
+  keep[std::max_element(supports.begin(), supports.end(), fewer) - supports.begin()] = 1;
   const Index dropped = std::count(keep.begin(), keep.end(), 0);
   if (dropped == 0) return {std::move(mesh), 0};
   std::vector<Index> triangles;

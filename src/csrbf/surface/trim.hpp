@@ -13,8 +13,8 @@ namespace csrbf {
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals = Points<3>(3, 0));
 
 /// The mesh without the connected components that have no data: those with far fewer `points` (3 x n) near them than
-/// expected for their area, or fewer than 8. `dropped` is the number of components removed. At least one is kept.
-/// O((v + n) log v).
+/// expected for their area, fewer than 8, or samples of a much larger area, which belong to the sheets between which
+/// the component is a bubble. `dropped` is the number of components removed. At least one is kept. O((v + n) log v).
 struct DataComponents {
   Mesh mesh;
   Index dropped = 0;
