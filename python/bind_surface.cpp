@@ -123,9 +123,10 @@ py::tuple raycast_arrays(const Surface& surface, const Array& origins, const Arr
 py::tuple polygonize_arrays(const Surface& surface, int resolution, double level, const std::string& method,
                             double tolerance, bool refine, std::optional<double> trim_distance,
                             const py::object& listener) {
-  const std::optional<PolygonizeMethod> wanted = polygonize_method_named(method);
+  const std::optional<PolygonizeMethod> wanted =
+      method == "auto" ? mesh_method(*surface.field) : polygonize_method_named(method);
   require(wanted.has_value(), "polygonize", "method", method,
-          "must be marching-cubes, marching-tetrahedra, dual-contouring or adaptive");
+          "must be auto, marching-cubes, marching-tetrahedra, dual-contouring or adaptive");
   require(!trim_distance || surface.points.cols() > 0, "polygonize", "trim", trim_distance.value_or(0),
           "only surfaces made from points can be trimmed; combined ones and those from files have no points");
   return to_tuple(run(listener, [&](const Progress& progress) {

@@ -16,6 +16,7 @@ struct ReconstructCommand {
   double tolerance = 0;
   std::string smoothing = "auto";
   int resolution = 0;
+  std::string sharp = "auto";
   std::string trim = "none";
   std::string model;
   bool resume = false;
@@ -29,7 +30,7 @@ struct EstimateNormalsCommand {
 
 struct PolygonizeCommand {
   std::string input, output;
-  std::string method = "marching-cubes";
+  std::string method = "auto";
   int resolution = 0;
   double level = 0;
   double tolerance = 0;

@@ -4,6 +4,7 @@
 
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
+#include "csrbf/surface/reconstruct.hpp"
 
 namespace csrbf::app {
 
@@ -15,15 +16,17 @@ void run(const PolygonizeCommand& command, Session& session) {
   const std::shared_ptr<const Field<3>> field = session.timed("read", [&] { return read_model(command.input); });
   const PolygonizeOptions options{
       .resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*field),
-      .method = polygonize_method_named(command.method).value(),
+      .method = command.method == "auto" ? mesh_method(*field) : polygonize_method_named(command.method).value(),
       .tolerance = command.tolerance,
       .level = command.level,
       .refine = command.refine,
       .progress = session.progress()};
-  session.options = {
-      {"output", command.output}, {"resolution", options.resolution},
-      {"method", command.method}, {"tolerance", options.tolerance > 0 ? Json(options.tolerance) : Json()},
-      {"level", options.level},   {"refine", options.refine}};
+  session.options = {{"output", command.output},
+                     {"resolution", options.resolution},
+                     {"method", name_of(options.method)},
+                     {"tolerance", options.tolerance > 0 ? Json(options.tolerance) : Json()},
+                     {"level", options.level},
+                     {"refine", options.refine}};
   const Mesh mesh = session.timed("polygonize", [&] { return polygonize(*field, options); });
   add_mesh_summary(command.output, mesh, session);
   session.write([&] { session.warn(write_mesh(command.output, mesh)); });

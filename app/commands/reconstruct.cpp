@@ -91,6 +91,7 @@ void add_options(const ReconstructCommand& command, const ReconstructReport& r, 
                      {"tolerance", or_null(command.tolerance > 0, command.tolerance)},
                      {"smoothing", r.smoothing},
                      {"resolution", resolution},
+                     {"sharp", command.sharp},
                      {"trim", command.trim},
                      {"model", or_null(command.model)}};
   if (!r.composite) return;
@@ -163,10 +164,14 @@ DataComponents with_data(Mesh mesh, const PointCloud& used, std::optional<double
   return keep_components_with_data(std::move(mesh), used.points);
 }
 
-Mesh make_mesh(const Field<3>& field, const PointCloud& used, int resolution, std::optional<double> trim_distance,
-               Session& session) {
-  Mesh mesh = session.timed(
-      "polygonize", [&] { return polygonize(field, {.resolution = resolution, .progress = session.progress()}); });
+PolygonizeMethod method_of(const ReconstructCommand& command, const Field<3>& field) {
+  if (command.sharp == "auto") return mesh_method(field);
+  return command.sharp == "on" ? PolygonizeMethod::dual_contouring : PolygonizeMethod::marching_cubes;
+}
+
+Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOptions& options,
+               std::optional<double> trim_distance, Session& session) {
+  Mesh mesh = session.timed("polygonize", [&] { return polygonize(field, options); });
   session.timed("evaluate", [&] {
     DataComponents kept = with_data(std::move(mesh), used, trim_distance);
     if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");
@@ -189,10 +194,13 @@ void run(const ReconstructCommand& command, Session& session) {
   add_report(surface.report, session);
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
   add_options(command, surface.report, resolution, session);
-  const Mesh mesh = make_mesh(*surface.field, used, resolution, trim_distance, session);
+  const PolygonizeOptions options{
+      .resolution = resolution, .method = method_of(command, *surface.field), .progress = session.progress()};
+  const Mesh mesh = make_mesh(*surface.field, used, options, trim_distance, session);
   session.add_to_page([&](Page& page) {
     const auto mesh_at = [&](int cells) {
-      return with_data(polygonize(*surface.field, {.resolution = cells}), used, trim_distance).mesh;
+      return with_data(polygonize(*surface.field, {.resolution = cells, .method = options.method}), used, trim_distance)
+          .mesh;
     };
     show({surface, used, mesh, resolution, mesh_at}, page);
   });

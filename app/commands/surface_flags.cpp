@@ -35,6 +35,10 @@ void declare(CommandFlags& v, ReconstructCommand& c) {
   v.flag("smoothing", c.smoothing, "auto|none|L", "auto", "how much noise to smooth away; larger is smoother");
   v.flag("resolution", c.resolution, "N", "from the sampling", "cells of the mesh along the longest side")
       ->check(CLI::Range(1, 4096));
+  v.flag("sharp", c.sharp, "auto|on|off", "auto",
+         "on: vertices on sharp edges and corners, by dual contouring; off: edges cut off, by marching cubes; auto: on "
+         "for the method composite, unless the points are noisy")
+      ->check(CLI::IsMember({"auto", "on", "off"}));
   v.flag("trim", c.trim, "T", "none",
          "drop surface further than T local point spacings from the data; none: watertight");
   v.flag("model", c.model, "FILE", "", "save the implicit surface: .csrbf");
@@ -56,9 +60,11 @@ void declare(CommandFlags& v, PolygonizeCommand& c) {
   v.output(c.output, std::string("mesh to write: ") + mesh_formats);
   v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
   v.flag("method", c.method, "NAME", c.method,
-         "marching-cubes; marching-tetrahedra; dual-contouring: preserves sharp edges of the model; adaptive: the same "
-         "with larger triangles where the surface is flat")
-      ->check(CLI::IsMember({"marching-cubes", "marching-tetrahedra", "dual-contouring", "adaptive"}));
+         "auto: dual-contouring for surfaces from points without noise, else marching-cubes; marching-cubes; "
+         "marching-tetrahedra; "
+         "dual-contouring: preserves sharp edges of the model; adaptive: the same with larger triangles where the "
+         "surface is flat")
+      ->check(CLI::IsMember({"auto", "marching-cubes", "marching-tetrahedra", "dual-contouring", "adaptive"}));
   v.positive_flag("tolerance", c.tolerance, "E", "a tenth of a cell",
                   "adaptive: about how far the mesh may be from the surface, as a fraction of the diagonal");
   v.flag("level", c.level, "V", "0", "value of the model on the surface; larger values are inside");

@@ -185,7 +185,7 @@ class Surface:
         resolution: int | None = None,
         *,
         level: float = 0.0,
-        method: str = "marching-cubes",
+        method: str = "auto",
         tolerance: float | None = None,
         refine: bool = True,
         trim: float | None = None,
@@ -200,8 +200,9 @@ class Surface:
         level : float
             Value of f on the surface; larger values are inside.
         method : str
-            "marching-cubes", "marching-tetrahedra", "dual-contouring" (preserves sharp edges of combined surfaces) or
-            "adaptive" (the same with larger triangles where the surface is flat).
+            "marching-cubes", "marching-tetrahedra", "dual-contouring" (preserves sharp edges) or "adaptive" (the same
+            with larger triangles where the surface is flat). "auto": dual contouring for surfaces from points without
+            noise by the method composite, else marching cubes.
         tolerance : float, optional
             For "adaptive", approximate largest distance of the mesh from the surface, as a fraction of the diagonal; a
             tenth of a cell when not given.

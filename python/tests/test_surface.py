@@ -113,7 +113,7 @@ class Reconstruction(unittest.TestCase):
         self.assertLess(triangles["adaptive"], triangles["dual-contouring"] / 2)
         coarse = self.surface.polygonize(resolution=40, method="adaptive", tolerance=0.02)
         self.assertLess(len(coarse.faces), triangles["adaptive"] / 2)
-        with self.assertRaisesRegex(ValueError, "polygonize: method = guesswork: must be marching-cubes"):
+        with self.assertRaisesRegex(ValueError, "polygonize: method = guesswork: must be auto, marching-cubes"):
             self.surface.polygonize(method="guesswork")
         with self.assertRaisesRegex(ValueError, "polygonize: tolerance = -1: must be a fraction"):
             self.surface.polygonize(method="adaptive", tolerance=-1)

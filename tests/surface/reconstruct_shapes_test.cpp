@@ -138,6 +138,25 @@ TEST(ReconstructShapes, ACubeKeepsItsFacesAndNearlyItsEdges) {
   EXPECT_LT(on_faces, 1e-6);
 }
 
+TEST(ReconstructShapes, TheMethodOfTheMeshKeepsEdgesAndCornersUnlessThereIsNoise) {
+  const Block cube{{1, 1, 1}};
+  constexpr double spacing = 0.05;
+  const Reconstruction exact = reconstruct(cube.cloud(spacing));
+  EXPECT_EQ(mesh_method(*exact.field), PolygonizeMethod::dual_contouring);
+  const Mesh mesh = polygonize(*exact.field, {.resolution = 41, .method = mesh_method(*exact.field)});
+  expect_closed(mesh, 1, 2);
+  for (const double x : {-1., 1.})
+    for (const double y : {-1., 1.})
+      for (const double z : {-1., 1.})
+        EXPECT_LT((mesh.vertices.colwise() - Point<3>(x, y, z)).colwise().norm().minCoeff(), 0.1 * spacing);
+
+  const Reconstruction noisy = reconstruct(with_noise(cube.cloud(spacing), 0.3 * spacing));
+  EXPECT_EQ(mesh_method(*noisy.field), PolygonizeMethod::marching_cubes);
+  ReconstructOptions tangent_planes;
+  tangent_planes.method = "hoppe";
+  EXPECT_EQ(mesh_method(*reconstruct(cube.cloud(spacing), tangent_planes).field), PolygonizeMethod::marching_cubes);
+}
+
 TEST(ReconstructShapes, AThinSlabKeepsItsTwoSides) {
   constexpr double spacing = 0.04;
   for (const double thickness : {2.0, 1.0}) {

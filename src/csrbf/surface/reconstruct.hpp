@@ -2,6 +2,7 @@
 
 #include "csrbf/core/field.hpp"
 #include "csrbf/core/mesh.hpp"
+#include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/surface/reconstruct_options.hpp"
 
 #include <memory>
@@ -63,5 +64,9 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 /// The same for points, and normals if there are any, held as one array each.
 Reconstruction reconstruct(std::span<const std::array<double, 3>> points,
                            std::span<const std::array<double, 3>> normals = {}, const ReconstructOptions& options = {});
+
+/// The method of polygonize() that suits a field: dual contouring for the method composite, which has edges and
+/// corners, unless it smooths noise away; else marching cubes, whose triangles never fold over.
+PolygonizeMethod mesh_method(const Field<3>& field);
 
 }  // namespace csrbf

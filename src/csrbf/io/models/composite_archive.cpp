@@ -85,6 +85,7 @@ Archive to_archive(const CompositeField& field) {
   archive.set("scale", data.scale);
   archive.set("far_value", data.far_value);
   archive.set("detail", data.feature_size);
+  if (data.noisy) archive.set("noisy", 1.0);
   archive.set("lower_bounds", data.bounds.lo);
   archive.set("upper_bounds", data.bounds.hi);
   archive.set("levels", data.levels.size());
@@ -100,6 +101,7 @@ std::shared_ptr<const CompositeField> composite_from(const Archive& archive) {
   data.scale = archive.number("scale");
   data.far_value = archive.number("far_value");
   data.feature_size = archive.number("detail");
+  data.noisy = archive.has("noisy");
   data.bounds.lo = archive.numbers("lower_bounds", 3, 1);
   data.bounds.hi = archive.numbers("upper_bounds", 3, 1);
   if (!(data.scale > 0 && data.far_value > 0 && data.feature_size > 0)) archive.fail("the scale is damaged");

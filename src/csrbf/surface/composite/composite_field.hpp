@@ -21,6 +21,7 @@ class CompositeField final : public Field<3> {
     WindingNumber winding;
     double far_value = 0;     ///< |f| far from the data, unit coordinates
     double feature_size = 0;  ///< size of the smallest features, unit coordinates
+    bool noisy = false;       ///< whether the samples are beside the surface, not on it
     Box<3> bounds;            ///< of the data, in the user's coordinates
   };
 
@@ -33,6 +34,7 @@ class CompositeField final : public Field<3> {
   [[nodiscard]] Points<3> seeds() const override;
 
   [[nodiscard]] const Data& data() const { return data_; }
+  void set_noisy(bool noisy) { data_.noisy = noisy; }
 
  private:
   Data data_;
