@@ -20,10 +20,11 @@ enum class NormalSource {
   file,           ///< given
   estimated,      ///< from the points
   reoriented,     ///< given, and turned where they contradicted each other or pointed inward
+  corrected,      ///< given, and where they had errors replaced by better estimates from the points and each other
   within_slices,  ///< of contours: within the planes of the slices
 };
 
-/// Its words in reports: file, estimated, re-oriented, within the slices.
+/// Its words in reports: file, estimated, re-oriented, corrected, within the slices.
 const char* name_of(NormalSource source);
 
 /// How normals enter the fit of the CSRBF residual.

@@ -5,6 +5,7 @@
 #include "csrbf/spatial/coincident_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/normals/given_normals.hpp"
 #include "csrbf/surface/normals/inward_parts.hpp"
 #include "csrbf/surface/normals/neighbor_table.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
@@ -290,6 +291,17 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
   result.warnings.push_back("the given normals contradict each other: re-oriented");
 }
 
+void correct(PreparedCloud& result, const NeighborTable& near) {
+  const NormalCorrection done = correct_normals(result.cloud.points, *result.tree, near, result.cloud.normals);
+  warn(result.warnings, done.turned, "normals that point against all their neighbours turned");
+  if (done.corrected == 0) return;
+  const auto degrees = std::lround(done.error * 180 / std::numbers::pi);
+  warn(result.warnings, done.corrected,
+       "normals have errors of about " + std::to_string(degrees) +
+           " degrees: corrected by the positions and by each other");
+  result.normals = NormalSource::corrected;
+}
+
 void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
                   const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
@@ -306,12 +318,14 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
   }
   warn(result.warnings, missing, "missing normals estimated");
   if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
-  if (source == Normals::automatic) reorient_if_better(result, near, progress);
+  if (source != Normals::automatic) return;
+  correct(result, near);
+  reorient_if_better(result, near, progress);
 }
 
 // Given normals that consistently point inward are not contradictory, but would make the outside solid.
 void turn_outward(PreparedCloud& result, Normals source) {
-  if (result.normals != NormalSource::file) return;
+  if (result.normals != NormalSource::file && result.normals != NormalSource::corrected) return;
   const std::vector<bool> inward = inward_parts(result.cloud, result.components);
   const auto count = std::count(inward.begin(), inward.end(), true);
   if (count == 0) return;
