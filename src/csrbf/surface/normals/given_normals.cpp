@@ -173,9 +173,9 @@ class Judge {
   Points<3> positions_;
 };
 
-// Turns normals that point against all neighbours on the same sheet; returns how many.
+// Turns normals that point against most neighbours on the same sheet; returns how many.
 Index turn_single(const Points<3>& points, const NeighborTable& near, Points<3>& normals) {
-  Index turned = 0;
+  const Points<3> before = normals;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     std::vector<char> turn(normals.cols(), 0);
     parallel_for(normals.cols(), 1024, [&](Index begin, Index end) {
@@ -188,15 +188,16 @@ Index turn_single(const Points<3>& points, const NeighborTable& near, Points<3>&
           const bool beside = std::abs(step.dot(normals.col(i))) + std::abs(step.dot(normals.col(j))) < step.norm();
           oppose += cosine < -same_side && beside ? 1 : 0;
         }
-        turn[i] = agree == 0 && 2 * oppose > near.k ? 1 : 0;
+        turn[i] = oppose > 2 * agree && 3 * oppose >= near.k ? 1 : 0;
       }
     });
     const auto count = std::count(turn.begin(), turn.end(), 1);
     if (count == 0) break;
-    turned += count;
     for (Index i = 0; i < normals.cols(); ++i)
       if (turn[i] != 0) normals.col(i) = -normals.col(i).eval();
   }
+  Index turned = 0;
+  for (Index i = 0; i < normals.cols(); ++i) turned += normals.col(i).dot(before.col(i)) < 0 ? 1 : 0;
   return turned;
 }
 

@@ -291,7 +291,7 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
   result.warnings.push_back("the given normals contradict each other: re-oriented");
 }
 
-void correct(PreparedCloud& result, const NeighborTable& near) {
+void correct(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
   const NormalCorrection done = correct_normals(result.cloud.points, *result.tree, near, result.cloud.normals);
   warn(result.warnings, done.turned, "normals that point against all their neighbours turned");
   if (done.corrected == 0) return;
@@ -300,6 +300,7 @@ void correct(PreparedCloud& result, const NeighborTable& near) {
        "normals have errors of about " + std::to_string(degrees) +
            " degrees: corrected by the positions and by each other");
   result.normals = NormalSource::corrected;
+  orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
 }
 
 void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
@@ -319,8 +320,8 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
   warn(result.warnings, missing, "missing normals estimated");
   if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
   if (source != Normals::automatic) return;
-  correct(result, near);
-  reorient_if_better(result, near, progress);
+  correct(result, near, progress);
+  if (result.normals == NormalSource::file) reorient_if_better(result, near, progress);
 }
 
 // Given normals that consistently point inward are not contradictory, but would make the outside solid.
