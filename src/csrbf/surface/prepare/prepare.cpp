@@ -9,6 +9,7 @@
 #include "csrbf/surface/normals/inward_parts.hpp"
 #include "csrbf/surface/normals/neighbor_table.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
+#include "csrbf/surface/prepare/clutter.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -177,6 +178,21 @@ std::vector<Index> select(const std::vector<Index>& entries, const std::vector<I
   return chosen;
 }
 
+// Normalises given normals; returns how many are missing (zero or not finite).
+Index normalize(Points<3>& normals) {
+  Index missing = 0;
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const double length = normals.col(i).stableNorm();
+    if (length > 0 && std::isfinite(length)) {
+      normals.col(i) /= length;
+    } else {
+      normals.col(i).setZero();
+      ++missing;
+    }
+  }
+  return missing;
+}
+
 // Puts the given points of the input into unit coordinates and Morton order, and finds their neighbours.
 NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedCloud& result) {
   Points<3> points = input.points(Eigen::all, ids);
@@ -192,10 +208,25 @@ NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedClo
   return make_neighbor_table(result.cloud.points, *result.tree, neighbors);
 }
 
+// The same without outliers scattered all over the space.
+NeighborTable place_all_but_clutter(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
+  NeighborTable near = place(input, ids, result);
+  const double density = clutter_density(result.cloud.points, near);
+  if (density == 0) return near;
+  Points<3> normals(3, 0);
+  if (input.has_normals()) {
+    normals = input.normals(Eigen::all, result.source);
+    normalize(normals);
+  }
+  const std::vector<Index> kept = all_but_clutter(result.cloud.points, normals, density);
+  warn(result.warnings, result.cloud.size() - std::ssize(kept), "points scattered around the surface left out");
+  return place(input, select(result.source, kept), result);
+}
+
 // Drops stray points. If the rest is much smaller, it gets new unit coordinates: far points would cost all others
 // precision.
 NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
-  NeighborTable near = place(input, ids, result);
+  NeighborTable near = place_all_but_clutter(input, ids, result);
   Index stray = 0;
   for (bool far = true; far;) {
     Kept kept = all_but_stray(result.cloud.points, near);
@@ -218,21 +249,6 @@ NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Ind
   }
   warn(result.warnings, stray, "stray points dropped");
   return near;
-}
-
-// Normalises given normals; returns how many are missing (zero or not finite).
-Index normalize(Points<3>& normals) {
-  Index missing = 0;
-  for (Index i = 0; i < normals.cols(); ++i) {
-    const double length = normals.col(i).stableNorm();
-    if (length > 0 && std::isfinite(length)) {
-      normals.col(i) /= length;
-    } else {
-      normals.col(i).setZero();
-      ++missing;
-    }
-  }
-  return missing;
 }
 
 // Fills in missing normals: estimated without orientation, flipped to agree with the nearest given ones.
