@@ -164,6 +164,41 @@ TEST(Prepare, KeepsASparseObjectBesideADenseOne) {
   EXPECT_EQ(prepare(input, Normals::automatic).cloud.size(), 20400);
 }
 
+TEST(Prepare, KeepsTheSparseHalfOfAThinFrame) {
+  // Where the samples are as far apart as the frame is thick, they look like a cloud.
+  const Torus torus{1, 0.06};
+  const PointCloud dense = torus.cloud(20000, 1);
+  std::vector<Index> kept;
+  for (Index i = 0; i < dense.size(); ++i)
+    if (dense.points(0, i) < 0 || i % 50 == 0) kept.push_back(i);
+  const PointCloud input{dense.points(Eigen::all, kept), dense.normals(Eigen::all, kept), {}};
+  EXPECT_GT(static_cast<double>(prepare(input, Normals::automatic).cloud.size()),
+            0.998 * static_cast<double>(input.size()));
+}
+
+TEST(Prepare, LeavesOutClutter) {
+  const Torus torus;
+  const PointCloud good = torus.cloud(10000, 1);
+  const PointCloud input = joined(good, {random_points(2000, bounding_box<3>(good.points), 2), Points<3>(3, 0), {}});
+  const PreparedCloud prepared = prepare(without_normals(input), Normals::automatic);
+  EXPECT_TRUE(warns(prepared, "points scattered around the surface left out"));
+  EXPECT_NEAR(static_cast<double>(prepared.cloud.size()), 10000, 300);
+}
+
+TEST(Prepare, CorrectsNormalsWithErrors) {
+  PointCloud input = sphere_cloud(5000);
+  const PointCloud exact = input;
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal(0, 0.5);
+  for (Index i = 0; i < input.size(); ++i)
+    input.normals.col(i) += Point<3>(normal(random), normal(random), normal(random));
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::corrected);
+  EXPECT_TRUE(warns(prepared, "degrees: corrected by the positions and by each other"));
+  EXPECT_GT(outward(prepared, exact), 0.99);
+  EXPECT_EQ(prepare(input, Normals::file).normals, NormalSource::file);
+}
+
 TEST(Prepare, TakesNormalsFromTheFile) {
   PointCloud input = sphere_cloud(1000);
   input.normals *= 3;

@@ -23,9 +23,7 @@ namespace {
 constexpr Index neighbors = 9;             // for spacing: enough to average, few enough to stay local
 constexpr double link_length = 4;          // in spacings: points closer than this belong to one cluster
 constexpr double stray_sparseness = 3;     // a cluster is stray if its spacing is this many times the median one
-constexpr double stray_share = 0.005;      // ... and it has less than this share of the points,
-constexpr double cloudy_share = 0.05;      // ... or less than this, and fills space instead of lying on a sheet:
-constexpr double sheet_variation = 0.1;    // largest share of the variance across a sheet (1/3 in a ball)
+constexpr double stray_share = 0.005;      // ... and it has less than this share of the points
 constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
 constexpr double far_strays = 0.1;  // of the diagonal: a smaller cloud without stray points gets new unit coordinates
 constexpr double usual_contradictions = 5e-4;     // share of opposite neighbouring normals that is not examined
@@ -86,22 +84,6 @@ bool is_neighbor(const NeighborTable& near, Index i, Index j) {
   return std::find(near.of(i).begin(), near.of(i).end(), static_cast<std::uint32_t>(j)) != near.of(i).end();
 }
 
-// Share of the variance, in the direction of least variance, of point i and its neighbours in its own cluster; 1 if
-// they are too few.
-double least_variation(const Points<3>& points, const NeighborTable& near, DisjointSets& clusters, Index i) {
-  constexpr Index enough = 5;  // 4 points in general position are never flat; one more
-  Points<3> together(3, near.k + 1);
-  together.col(0) = points.col(i);
-  Index count = 1;
-  for (const std::uint32_t other : near.of(i))
-    if (clusters.find(other) == clusters.find(static_cast<std::uint32_t>(i))) together.col(count++) = points.col(other);
-  if (count < enough) return 1;
-  const Points<3> centered = together.leftCols(count).colwise() - together.leftCols(count).rowwise().mean();
-  const Eigen::Matrix3d covariance = centered * centered.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[0] / std::max(solver.eigenvalues().sum(), std::numeric_limits<double>::min());
-}
-
 // Clusters of points linked by distances that are short for both.
 DisjointSets link(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach) {
   DisjointSets clusters(reach.size());
@@ -140,7 +122,7 @@ std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const st
 }
 
 // The points to keep: clusters of points linked by short distances are stray if they are much sparser than usual and
-// either small or fill space.
+// small.
 Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
@@ -148,25 +130,17 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   const double usual = median(std::vector(reach));
   DisjointSets clusters = link(points, near, reach);
   std::vector<Index> size(n, 0);
-  std::vector<double> sum(n, 0), variation(n, 0);
+  std::vector<double> sum(n, 0);
   for (std::uint32_t i = 0; i < n; ++i) {
     ++size[clusters.find(i)];
     sum[clusters.find(i)] += reach[i];
   }
-  const auto is_sparse = [&](std::uint32_t cluster) {
-    return static_cast<double>(size[cluster]) < cloudy_share * static_cast<double>(n) &&
-           sum[cluster] > stray_sparseness * usual * static_cast<double>(size[cluster]);
-  };
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const std::uint32_t cluster = clusters.find(i);
-    if (is_sparse(cluster))
-      variation[cluster] += least_variation(points, near, clusters, i) / static_cast<double>(size[cluster]);
-  }
   Kept kept;
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t cluster = clusters.find(i);
-    const bool small = static_cast<double>(size[cluster]) < stray_share * static_cast<double>(n);
-    if (!is_sparse(cluster) || (!small && variation[cluster] <= sheet_variation)) kept.ids.push_back(i);
+    const auto count = static_cast<double>(size[cluster]);
+    if (count >= stray_share * static_cast<double>(n) || sum[cluster] <= stray_sparseness * usual * count)
+      kept.ids.push_back(i);
   }
   if (!kept.ids.empty()) kept.components = find_components(clusters, kept.ids);
   return kept;
