@@ -7,13 +7,13 @@
 namespace csrbf {
 namespace {
 
-constexpr Index run_size = 512;            // samples judged together; by hand: smaller is more local, less certain
-constexpr double lower_quartile = 0.25;    // of the differences in a run: creases and curvature spoil the largest
-constexpr double quartile_of_unit = 0.66;  // ... which is this for errors of 1 in both directions; by simulation
-constexpr double median_of_unit = 1.177;   // median length of two such errors, (2 ln 2)^(1/2)
-constexpr double harmless = 0.05;          // radians; smaller errors are averaged out by the fit. Chosen by hand
-constexpr double least_ratio = 0.35;  // of s^2 to t^2 above which normals are corrected: exact ones on 9 meshes with
-                                      // 1000 to 20,000 samples stay below 0.26
+constexpr Index run_size = 512;           // samples judged together; by hand: smaller is more local, less certain
+constexpr double lower_quartile = 0.25;   // of the differences in a run: creases and curvature spoil the largest
+constexpr double quartile_of_unit = 0.6;  // ... which is this for errors of 1 in both directions; by simulation
+constexpr double median_of_unit = 1.177;  // median length of two such errors, (2 ln 2)^(1/2)
+constexpr double harmless = 0.05;         // radians; smaller errors are averaged out by the fit. Chosen by hand
+constexpr double least_ratio = 0.45;  // of s^2 to t^2 above which normals are corrected: exact ones on 9 meshes with
+                                      // 1000 to 20,000 samples stay below 0.35
 constexpr double explained = 2.5;     // standard deviations that an error may have. Chosen by hand
 constexpr double same_side = 0.5;     // cosine between neighbours whose signs are compared. Chosen by hand
 constexpr int sweeps = 3;             // of turning single normals; few are left after one
