@@ -33,6 +33,13 @@ double spacing_of(double reach, Index rank) {
   return reach * std::sqrt(std::numbers::pi / static_cast<double>(rank));
 }
 
+// Probability of a Poisson variable of that mean to be at most `count`.
+double at_most(Index count, double mean) {
+  double term = std::exp(-mean), sum = term;
+  for (Index k = 1; k <= count; ++k) sum += term *= mean / static_cast<double>(k);
+  return sum;
+}
+
 // Cells of the bounding box with points, as a share of those that evenly scattered points would occupy.
 double occupied(const Points<3>& points, const Box<3>& box) {
   constexpr Index cells = grid * grid * grid;
@@ -85,7 +92,7 @@ class Plane {
     for (Index k = 0; k < found; ++k)
       if (ids_[k] != i) near_.push_back(ids_[k]);
     if (std::ssize(near_) < density_rank) return false;
-    return unlike(i) || is_off(points_.col(i), density);
+    return unlike(i) || sheet(points_.col(i), r) < density;
   }
 
  private:
@@ -96,7 +103,9 @@ class Plane {
     return static_cast<std::size_t>(alike) < few_alike;
   }
 
-  [[nodiscard]] bool is_off(const Point<3>& x, double density) {
+  // Samples per volume that a sheet through the neighbours would have at x, times the probability that not more of them
+  // are within r.
+  [[nodiscard]] double sheet(const Point<3>& x, double r) {
     const Points<3> q = points_(Eigen::all, near_);
     Eigen::VectorXd weight = Eigen::VectorXd::Ones(q.cols());
     Point<3> mean, normal;
@@ -117,7 +126,8 @@ class Plane {
     const double middle = std::sqrt(std::max(0.0, median(along_)));
     const double h = spacing_of(middle, std::ssize(near_) / 2), s = std::max(deviation, thinnest * h);
     const double t = normal.dot(x - mean) / s;
-    return std::exp(-0.5 * t * t) < density * std::sqrt(2 * std::numbers::pi) * s * h * h;
+    return std::exp(-0.5 * t * t) / (std::sqrt(2 * std::numbers::pi) * s * h * h) *
+           at_most(density_rank, std::numbers::pi * r * r / (h * h));
   }
 
   const Points<3>& points_;
