@@ -283,7 +283,7 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
 
 void correct(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
   const NormalCorrection done = correct_normals(result.cloud.points, *result.tree, near, result.cloud.normals);
-  warn(result.warnings, done.turned, "normals that point against all their neighbours turned");
+  warn(result.warnings, done.turned, "normals that point against their neighbours turned");
   if (done.corrected == 0) return;
   const auto degrees = std::lround(done.error * 180 / std::numbers::pi);
   warn(result.warnings, done.corrected,
