@@ -16,9 +16,7 @@ constexpr double least_ratio = 0.45;  // of s^2 to t^2 above which normals are c
                                       // 1000 to 20,000 samples stay below 0.35
 constexpr double explained = 2.5;     // standard deviations that an error may have. Chosen by hand
 constexpr double same_side = 0.5;     // cosine between neighbours whose signs are compared. Chosen by hand
-constexpr double usual_turned =
-    5e-4;                  // share of the normals of exact clouds that seem wrong, on thin parts: up to 2e-4
-constexpr int sweeps = 8;  // of turning single normals; few are left after one
+constexpr int sweeps = 8;             // of turning single normals; few are left after one
 
 // b or -b, whichever is closer to a.
 Point<3> towards(const Point<3>& a, const Point<3>& b) {
@@ -178,7 +176,8 @@ class Judge {
 };
 
 // Turns normals that point against most neighbours on the same sheet; returns how many.
-Index turn_single(const Points<3>& points, const NeighborTable& near, Points<3>& normals) {
+// Where normals have no other errors, none may agree: on thin blades exact ones look wrong, too.
+Index turn_single(const Points<3>& points, const NeighborTable& near, bool strict, Points<3>& normals) {
   const Points<3> before = normals;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     std::vector<char> turn(normals.cols(), 0);
@@ -192,7 +191,7 @@ Index turn_single(const Points<3>& points, const NeighborTable& near, Points<3>&
           const bool beside = std::abs(step.dot(normals.col(i))) + std::abs(step.dot(normals.col(j))) < step.norm();
           oppose += cosine < -same_side && beside ? 1 : 0;
         }
-        turn[i] = oppose > 2 * agree && 3 * oppose >= near.k ? 1 : 0;
+        turn[i] = oppose > 2 * agree && 3 * oppose >= near.k && (agree == 0 || !strict) ? 1 : 0;
       }
     });
     const auto count = std::count(turn.begin(), turn.end(), 1);
@@ -212,12 +211,7 @@ NormalCorrection correct_normals(const Points<3>& points, const KdTree<3>& tree,
   if (near.k < 2) return {};
   const Points<3> given = normals;
   NormalCorrection result = Judge(points, tree, near, given).correct(normals);
-  Points<3> turned = normals;
-  const Index count = turn_single(points, near, turned);
-  if (result.corrected > 0 || static_cast<double>(count) > usual_turned * static_cast<double>(normals.cols())) {
-    normals = std::move(turned);
-    result.turned = count;
-  }
+  result.turned = turn_single(points, near, result.corrected == 0, normals);
   return result;
 }
 
