@@ -8,10 +8,11 @@ namespace csrbf {
 namespace {
 
 constexpr Index run_size = 512;           // samples judged together; by hand: smaller is more local, less certain
+constexpr Index fewest = 128;             // samples that show how much their normals differ
 constexpr double lower_quartile = 0.25;   // of the differences in a run: creases and curvature spoil the largest
 constexpr double quartile_of_unit = 0.6;  // ... which is this for errors of 1 in both directions; by simulation
 constexpr double median_of_unit = 1.177;  // median length of two such errors, (2 ln 2)^(1/2)
-constexpr double harmless = 0.05;         // radians; smaller errors are averaged out by the fit. Chosen by hand
+constexpr double harmless = 0.08;         // radians; smaller errors are averaged out by the fit. Chosen by hand
 constexpr double least_ratio = 0.45;  // of s^2 to t^2 above which normals are corrected: exact ones on 9 meshes with
                                       // 1000 to 20,000 samples stay below 0.35
 constexpr double explained = 2.5;     // standard deviations that an error may have. Chosen by hand
@@ -208,7 +209,7 @@ Index turn_single(const Points<3>& points, const NeighborTable& near, bool stric
 
 NormalCorrection correct_normals(const Points<3>& points, const KdTree<3>& tree, const NeighborTable& near,
                                  Points<3>& normals) {
-  if (near.k < 2) return {};
+  if (near.size() < fewest || near.k < 2) return {};
   const Points<3> given = normals;
   NormalCorrection result = Judge(points, tree, near, given).correct(normals);
   result.turned = turn_single(points, near, result.corrected == 0, normals);
