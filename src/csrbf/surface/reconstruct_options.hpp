@@ -9,8 +9,8 @@ namespace csrbf {
 
 /// Where the normals of a reconstruction come from.
 enum class Normals {
-  automatic,  ///< the given ones if there are any, re-oriented if they contradict each other and flipped where they
-              ///< point inward; else estimated
+  automatic,  ///< the given ones if there are any, corrected where they have errors, re-oriented if they contradict
+              ///< each other and flipped where they point inward; else estimated
   file,       ///< the given ones, unchanged
   estimate,   ///< always estimated
 };
