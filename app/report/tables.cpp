@@ -68,6 +68,8 @@ constexpr const char* cross_validation = "predicts held-out points best (cross-v
 
 std::string normals_reason(const std::string& used) {
   if (used == "estimated") return "the file has none: estimated from neighbours and oriented consistently outwards";
+  if (used == "corrected")
+    return "those of the file, whose errors were corrected by the points and by their neighbours";
   if (used == "re-oriented") return "those of the file, some flipped to agree with the others";
   return "the file has them";
 }

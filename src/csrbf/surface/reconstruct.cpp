@@ -247,7 +247,7 @@ Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, con
 }  // namespace
 
 const char* name_of(NormalSource source) {
-  constexpr const char* names[] = {"file", "estimated", "re-oriented", "within the slices"};
+  constexpr const char* names[] = {"file", "estimated", "re-oriented", "corrected", "within the slices"};
   return names[static_cast<int>(source)];
 }
 

@@ -9,8 +9,8 @@ namespace csrbf {
 
 /// Where the normals of a reconstruction come from.
 enum class Normals {
-  automatic,  ///< the given ones if there are any, re-oriented if they contradict each other and flipped where they
-              ///< point inward; else estimated
+  automatic,  ///< the given ones if there are any, corrected where they have errors, re-oriented if they contradict
+              ///< each other and flipped where they point inward; else estimated
   file,       ///< the given ones, unchanged
   estimate,   ///< always estimated
 };
@@ -20,10 +20,11 @@ enum class NormalSource {
   file,           ///< given
   estimated,      ///< from the points
   reoriented,     ///< given, and turned where they contradicted each other or pointed inward
+  corrected,      ///< given, and where they had errors replaced by better estimates from the points and each other
   within_slices,  ///< of contours: within the planes of the slices
 };
 
-/// Its words in reports: file, estimated, re-oriented, within the slices.
+/// Its words in reports: file, estimated, re-oriented, corrected, within the slices.
 const char* name_of(NormalSource source);
 
 /// How normals enter the fit of the CSRBF residual.

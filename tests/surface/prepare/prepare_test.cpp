@@ -121,7 +121,7 @@ TEST(Prepare, MergesDuplicatesAndTheirNormals) {
   }
 }
 
-TEST(Prepare, DropsStrayPointsAndHardlyAnyOthers) {
+TEST(Prepare, LeavesOutFewScatteredPointsAndHardlyAnyOthers) {
   const Torus torus;
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const PointCloud good = torus.cloud(10000, seed);
@@ -131,7 +131,8 @@ TEST(Prepare, DropsStrayPointsAndHardlyAnyOthers) {
     const PointCloud input = joined(strays, good);
     const PreparedCloud prepared = prepare(input, Normals::automatic);
     expect_points_of_the_input(prepared, input);
-    EXPECT_TRUE(warns(prepared, "stray points dropped"));
+    EXPECT_TRUE(warns(prepared, "stray points dropped") ||
+                warns(prepared, "points scattered around the surface left out"));
     Index far = 0, far_kept = 0, good_kept = 0;
     for (Index i = 0; i < 100; ++i) far += std::abs(torus.depth(input.points.col(i))) > 6 * spacing ? 1 : 0;
     for (const Index i : prepared.source) {
@@ -162,6 +163,41 @@ TEST(Prepare, KeepsASparseObjectBesideADenseOne) {
   // 400 samples of a sphere ten times as sparse in length as the other one are no stray points.
   const PointCloud input = joined(sphere_cloud(20000), sphere_cloud(400, 2, 1.5, {5, 0, 0}));
   EXPECT_EQ(prepare(input, Normals::automatic).cloud.size(), 20400);
+}
+
+TEST(Prepare, KeepsTheSparseHalfOfAThinFrame) {
+  // Where the samples are as far apart as the frame is thick, they look like a cloud.
+  const Torus torus{1, 0.06};
+  const PointCloud dense = torus.cloud(20000, 1);
+  std::vector<Index> kept;
+  for (Index i = 0; i < dense.size(); ++i)
+    if (dense.points(0, i) < 0 || i % 50 == 0) kept.push_back(i);
+  const PointCloud input{dense.points(Eigen::all, kept), dense.normals(Eigen::all, kept), {}};
+  EXPECT_GT(static_cast<double>(prepare(input, Normals::automatic).cloud.size()),
+            0.998 * static_cast<double>(input.size()));
+}
+
+TEST(Prepare, LeavesOutClutter) {
+  const Torus torus;
+  const PointCloud good = torus.cloud(10000, 1);
+  const PointCloud input = joined(good, {random_points(2000, bounding_box<3>(good.points), 2), Points<3>(3, 0), {}});
+  const PreparedCloud prepared = prepare(without_normals(input), Normals::automatic);
+  EXPECT_TRUE(warns(prepared, "points scattered around the surface left out"));
+  EXPECT_NEAR(static_cast<double>(prepared.cloud.size()), 10000, 300);
+}
+
+TEST(Prepare, CorrectsNormalsWithErrors) {
+  PointCloud input = sphere_cloud(5000);
+  const PointCloud exact = input;
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal(0, 0.5);
+  for (Index i = 0; i < input.size(); ++i)
+    input.normals.col(i) += Point<3>(normal(random), normal(random), normal(random));
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::corrected);
+  EXPECT_TRUE(warns(prepared, "degrees: corrected by the positions and by each other"));
+  EXPECT_GT(outward(prepared, exact), 0.99);
+  EXPECT_EQ(prepare(input, Normals::file).normals, NormalSource::file);
 }
 
 TEST(Prepare, TakesNormalsFromTheFile) {

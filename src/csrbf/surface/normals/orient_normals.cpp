@@ -83,13 +83,13 @@ void settle_side(const Energy& energy, const Points<3>& normals, const NeighborT
 }  // namespace
 
 OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighbors, Points<3>& normals,
-                            const Progress& progress) {
+                            const Progress& progress, bool signs_given) {
   constexpr std::string_view stage = "orient normals";
   OrientReport result;
   if (points.cols() < 2) return result;
   const Points<3> before = normals;
   report(progress, stage, 0);
-  const Graph graph = make_graph(points, normals, neighbors);
+  const Graph graph = make_graph(points, normals, neighbors, signs_given);
   report(progress, stage, 0.3);
 
   // Components by the tree, then by the winding number where there are several.
@@ -143,7 +143,8 @@ OrientReport orient_normals(const PointsRef<3>& points, Points<3>& normals, cons
   Sorted sorted = sort(points, normals);
   const Points<3> before = sorted.normals;
   const NeighborTable table = make_neighbor_table(sorted.points, KdTree<3>(sorted.points), options.neighbors);
-  const OrientReport result = orient_normals(sorted.points, table, sorted.normals, options.progress);
+  const OrientReport result =
+      orient_normals(sorted.points, table, sorted.normals, options.progress, options.signs_given);
   for (Index k = 0; k < before.cols(); ++k)
     if (sorted.normals.col(k).dot(before.col(k)) < 0)
       normals.col(sorted.order[k]) = -normals.col(sorted.order[k]).eval();

@@ -12,6 +12,9 @@ struct OrientOptions {
   /// Neighbours per point in the graph of points whose normals should agree; 12 was chosen by hand. More: slower, and
   /// edges across thin sheets; fewer: more components.
   Index neighbors = 12;
+  /// The normals have signs that are mostly right: neighbours that contradict each other are not trusted, so that the
+  /// tree follows the given signs first.
+  bool signs_given = false;
   Progress progress = {};
 };
 
@@ -51,7 +54,7 @@ OrientReport orient_normals(const PointsRef<3>& points, Points<3>& normals, cons
 
 /// The same for points in Morton order whose neighbours are known; coordinates of moderate size.
 OrientReport orient_normals(const Points<3>& points, const NeighborTable& neighbors, Points<3>& normals,
-                            const Progress& progress = {});
+                            const Progress& progress = {}, bool signs_given = false);
 
 /// Share of the pairs of neighbours whose normals point to the same side, among reliable pairs that lie along the
 /// surface: 1 for consistent normals, 1/2 for random signs. Points without normal (zero) do not count; 1 if there are

@@ -37,7 +37,7 @@ Eigen::VectorXd roughness(const Points<3>& points, const Points<3>& normals, con
 
 // Edges of a neighbour table by increasing cost; `ids` are the points of the table.
 std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, const NeighborTable& table,
-                             const std::vector<std::uint32_t>& ids, std::size_t& certain) {
+                             const std::vector<std::uint32_t>& ids, bool signs_given, std::size_t& certain) {
   const Index k = table.k;
   const Eigen::VectorXd rough = roughness(points, normals, table, ids);
   std::vector<std::uint16_t> bucket(table.index.size());
@@ -51,8 +51,8 @@ std::vector<Edge> sort_edges(const Points<3>& points, const Points<3>& normals, 
         const auto back = table.of(other);
         const bool repeated =
             other < i && std::find(back.begin(), back.end(), static_cast<std::uint32_t>(i)) != back.end();
-        const double total =
-            cost(points.col(a), normals.col(a), points.col(b), normals.col(b)) + rough[i] + rough[other];
+        double total = cost(points.col(a), normals.col(a), points.col(b), normals.col(b)) + rough[i] + rough[other];
+        if (signs_given && normals.col(a).dot(normals.col(b)) < 0) total = std::min(total + certain_cost, max_cost);
         bucket[i * k + j] = static_cast<std::uint16_t>(
             repeated || !(total <= max_cost) ? buckets
                                              : std::min(buckets - 1, static_cast<int>(total / max_cost * buckets)));
@@ -193,11 +193,11 @@ double cost(const Point<3>& pa, const Point<3>& na, const Point<3>& pb, const Po
   return std::max(0.0, 1 - std::abs(na.dot(nb))) + tilt;
 }
 
-Graph make_graph(const Points<3>& points, const Points<3>& normals, const NeighborTable& table) {
+Graph make_graph(const Points<3>& points, const Points<3>& normals, const NeighborTable& table, bool signs_given) {
   Graph graph;
   std::vector<std::uint32_t> ids(points.cols());
   std::iota(ids.begin(), ids.end(), std::uint32_t{0});
-  graph.edges = sort_edges(points, normals, table, ids, graph.certain);
+  graph.edges = sort_edges(points, normals, table, ids, signs_given, graph.certain);
   graph.near = graph.edges.size();
   SignedSets sets(points.cols());
   InterruptionPoint pause(pause_after);
@@ -211,7 +211,7 @@ Graph make_graph(const Points<3>& points, const Points<3>& normals, const Neighb
     const Points<3> subset = points(Eigen::all, ids);
     const NeighborTable sparse = make_neighbor_table(subset, KdTree<3>(subset), table.k);
     std::size_t unused = 0;
-    for (const Edge& edge : sort_edges(points, normals, sparse, ids, unused))
+    for (const Edge& edge : sort_edges(points, normals, sparse, ids, signs_given, unused))
       if (sets.join(edge.a, edge.b, 1)) graph.edges.push_back(edge);
   }
   return graph;

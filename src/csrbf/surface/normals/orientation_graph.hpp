@@ -41,8 +41,10 @@ struct Graph {
 double cost(const Point<3>& pa, const Point<3>& na, const Point<3>& pb, const Point<3>& nb);
 
 /// The neighbour graph, ordered by cost plus the roughness around both points, with additional edges between ever
-/// sparser subsets of the points until it is connected. Points with a zero normal have no edges. O(n log n).
-Graph make_graph(const Points<3>& points, const Points<3>& normals, const NeighborTable& table);
+/// sparser subsets of the points until it is connected. Points with a zero normal have no edges. Where the signs are
+/// given, neighbours that contradict each other are not certain. O(n log n).
+Graph make_graph(const Points<3>& points, const Points<3>& normals, const NeighborTable& table,
+                 bool signs_given = false);
 
 /// A partition of the points into clusters whose relative signs are trusted.
 struct Clusters {

@@ -5,9 +5,11 @@
 #include "csrbf/spatial/coincident_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/normals/given_normals.hpp"
 #include "csrbf/surface/normals/inward_parts.hpp"
 #include "csrbf/surface/normals/neighbor_table.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
+#include "csrbf/surface/prepare/clutter.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -21,9 +23,7 @@ namespace {
 constexpr Index neighbors = 9;             // for spacing: enough to average, few enough to stay local
 constexpr double link_length = 4;          // in spacings: points closer than this belong to one cluster
 constexpr double stray_sparseness = 3;     // a cluster is stray if its spacing is this many times the median one
-constexpr double stray_share = 0.005;      // ... and it has less than this share of the points,
-constexpr double cloudy_share = 0.05;      // ... or less than this, and fills space instead of lying on a sheet:
-constexpr double sheet_variation = 0.1;    // largest share of the variance across a sheet (1/3 in a ball)
+constexpr double stray_share = 0.005;      // ... and it has less than this share of the points
 constexpr Index fewest_on_component = 30;  // points: smaller clusters are not treated as parts
 constexpr double far_strays = 0.1;  // of the diagonal: a smaller cloud without stray points gets new unit coordinates
 constexpr double usual_contradictions = 5e-4;     // share of opposite neighbouring normals that is not examined
@@ -84,22 +84,6 @@ bool is_neighbor(const NeighborTable& near, Index i, Index j) {
   return std::find(near.of(i).begin(), near.of(i).end(), static_cast<std::uint32_t>(j)) != near.of(i).end();
 }
 
-// Share of the variance, in the direction of least variance, of point i and its neighbours in its own cluster; 1 if
-// they are too few.
-double least_variation(const Points<3>& points, const NeighborTable& near, DisjointSets& clusters, Index i) {
-  constexpr Index enough = 5;  // 4 points in general position are never flat; one more
-  Points<3> together(3, near.k + 1);
-  together.col(0) = points.col(i);
-  Index count = 1;
-  for (const std::uint32_t other : near.of(i))
-    if (clusters.find(other) == clusters.find(static_cast<std::uint32_t>(i))) together.col(count++) = points.col(other);
-  if (count < enough) return 1;
-  const Points<3> centered = together.leftCols(count).colwise() - together.leftCols(count).rowwise().mean();
-  const Eigen::Matrix3d covariance = centered * centered.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues()[0] / std::max(solver.eigenvalues().sum(), std::numeric_limits<double>::min());
-}
-
 // Clusters of points linked by distances that are short for both.
 DisjointSets link(const Points<3>& points, const NeighborTable& near, const std::vector<double>& reach) {
   DisjointSets clusters(reach.size());
@@ -138,7 +122,7 @@ std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const st
 }
 
 // The points to keep: clusters of points linked by short distances are stray if they are much sparser than usual and
-// either small or fill space.
+// small.
 Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   const auto n = static_cast<std::size_t>(points.cols());
   std::vector<double> reach(n);
@@ -146,25 +130,17 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   const double usual = median(std::vector(reach));
   DisjointSets clusters = link(points, near, reach);
   std::vector<Index> size(n, 0);
-  std::vector<double> sum(n, 0), variation(n, 0);
+  std::vector<double> sum(n, 0);
   for (std::uint32_t i = 0; i < n; ++i) {
     ++size[clusters.find(i)];
     sum[clusters.find(i)] += reach[i];
   }
-  const auto is_sparse = [&](std::uint32_t cluster) {
-    return static_cast<double>(size[cluster]) < cloudy_share * static_cast<double>(n) &&
-           sum[cluster] > stray_sparseness * usual * static_cast<double>(size[cluster]);
-  };
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const std::uint32_t cluster = clusters.find(i);
-    if (is_sparse(cluster))
-      variation[cluster] += least_variation(points, near, clusters, i) / static_cast<double>(size[cluster]);
-  }
   Kept kept;
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t cluster = clusters.find(i);
-    const bool small = static_cast<double>(size[cluster]) < stray_share * static_cast<double>(n);
-    if (!is_sparse(cluster) || (!small && variation[cluster] <= sheet_variation)) kept.ids.push_back(i);
+    const auto count = static_cast<double>(size[cluster]);
+    if (count >= stray_share * static_cast<double>(n) || sum[cluster] <= stray_sparseness * usual * count)
+      kept.ids.push_back(i);
   }
   if (!kept.ids.empty()) kept.components = find_components(clusters, kept.ids);
   return kept;
@@ -174,6 +150,21 @@ std::vector<Index> select(const std::vector<Index>& entries, const std::vector<I
   std::vector<Index> chosen;
   for (const Index i : ids) chosen.push_back(entries[i]);
   return chosen;
+}
+
+// Normalises given normals; returns how many are missing (zero or not finite).
+Index normalize(Points<3>& normals) {
+  Index missing = 0;
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const double length = normals.col(i).stableNorm();
+    if (length > 0 && std::isfinite(length)) {
+      normals.col(i) /= length;
+    } else {
+      normals.col(i).setZero();
+      ++missing;
+    }
+  }
+  return missing;
 }
 
 // Puts the given points of the input into unit coordinates and Morton order, and finds their neighbours.
@@ -191,10 +182,25 @@ NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedClo
   return make_neighbor_table(result.cloud.points, *result.tree, neighbors);
 }
 
+// The same without outliers scattered all over the space.
+NeighborTable place_all_but_clutter(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
+  NeighborTable near = place(input, ids, result);
+  const double density = clutter_density(result.cloud.points, near);
+  if (density == 0) return near;
+  Points<3> normals(3, 0);
+  if (input.has_normals()) {
+    normals = input.normals(Eigen::all, result.source);
+    normalize(normals);
+  }
+  const std::vector<Index> kept = all_but_clutter(result.cloud.points, normals, density);
+  warn(result.warnings, result.cloud.size() - std::ssize(kept), "points scattered around the surface left out");
+  return place(input, select(result.source, kept), result);
+}
+
 // Drops stray points. If the rest is much smaller, it gets new unit coordinates: far points would cost all others
 // precision.
 NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
-  NeighborTable near = place(input, ids, result);
+  NeighborTable near = place_all_but_clutter(input, ids, result);
   Index stray = 0;
   for (bool far = true; far;) {
     Kept kept = all_but_stray(result.cloud.points, near);
@@ -217,21 +223,6 @@ NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Ind
   }
   warn(result.warnings, stray, "stray points dropped");
   return near;
-}
-
-// Normalises given normals; returns how many are missing (zero or not finite).
-Index normalize(Points<3>& normals) {
-  Index missing = 0;
-  for (Index i = 0; i < normals.cols(); ++i) {
-    const double length = normals.col(i).stableNorm();
-    if (length > 0 && std::isfinite(length)) {
-      normals.col(i) /= length;
-    } else {
-      normals.col(i).setZero();
-      ++missing;
-    }
-  }
-  return missing;
 }
 
 // Fills in missing normals: estimated without orientation, flipped to agree with the nearest given ones.
@@ -290,6 +281,18 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
   result.warnings.push_back("the given normals contradict each other: re-oriented");
 }
 
+void correct(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
+  const NormalCorrection done = correct_normals(result.cloud.points, *result.tree, near, result.cloud.normals);
+  warn(result.warnings, done.turned, "normals that point against their neighbours turned");
+  if (done.corrected == 0) return;
+  const auto degrees = std::lround(done.error * 180 / std::numbers::pi);
+  warn(result.warnings, done.corrected,
+       "normals have errors of about " + std::to_string(degrees) +
+           " degrees: corrected by the positions and by each other");
+  result.normals = NormalSource::corrected;
+  orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
+}
+
 void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
                   const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
@@ -306,12 +309,14 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
   }
   warn(result.warnings, missing, "missing normals estimated");
   if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
-  if (source == Normals::automatic) reorient_if_better(result, near, progress);
+  if (source != Normals::automatic) return;
+  correct(result, near, progress);
+  if (result.normals == NormalSource::file) reorient_if_better(result, near, progress);
 }
 
 // Given normals that consistently point inward are not contradictory, but would make the outside solid.
 void turn_outward(PreparedCloud& result, Normals source) {
-  if (result.normals != NormalSource::file) return;
+  if (result.normals != NormalSource::file && result.normals != NormalSource::corrected) return;
   const std::vector<bool> inward = inward_parts(result.cloud, result.components);
   const auto count = std::count(inward.begin(), inward.end(), true);
   if (count == 0) return;

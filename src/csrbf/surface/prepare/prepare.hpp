@@ -21,9 +21,10 @@ struct PreparedCloud {
   std::vector<std::string> warnings;
 };
 
-/// Cleans a cloud: drops non-finite points, merges coincident points, drops stray points (isolated clusters much
-/// sparser than the rest), finds normals and the local spacing. Every change is reported in `warnings`.
-/// Throws InvalidInput for fewer than four distinct points, and for collinear points. O(n log n).
+/// Cleans a cloud: drops non-finite points, merges coincident points, leaves out clutter around the surface (see
+/// all_but_clutter()) and drops stray points (small isolated clusters much sparser than the rest), finds normals,
+/// corrects given ones that have errors (see correct_normals()), and finds the local spacing. Every change is reported
+/// in `warnings`. Throws InvalidInput for fewer than four distinct points, and for collinear points. O(n log n).
 PreparedCloud prepare(const PointCloud& input, Normals normals, const Progress& progress = {});
 
 }  // namespace csrbf

@@ -1,0 +1,181 @@
+#include "csrbf/surface/prepare/clutter.hpp"
+
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <numbers>
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+// Chosen by hand unless noted.
+constexpr Index reach_rank = 5;          // neighbour whose distance measures the spacing
+constexpr double sparse = 2.5;           // a sparse point has this many times the usual distance; clean scans: few
+constexpr std::size_t fewest = 30;       // sparse points that show what they are
+constexpr Index grid = 4;                // cells of the bounding box in each direction, to see where they are
+constexpr double least_occupied = 0.75;  // share of cells with sparse points, of those that clutter would occupy
+constexpr Index own_neighbors = 9;       // among sparse points, to see whether they lie on sheets
+constexpr double cloudy = 0.09;          // mean share of the least variance: in clutter 0.12, on sheets below 0.05
+constexpr Index density_rank = 8;        // neighbour out to which points are counted
+constexpr double as_clutter = 1.5;       // of clutter expected within that; more than 7 have a probability of 1e-4
+constexpr Index plane_neighbors = 16;    // that a point is compared with
+constexpr int reweightings = 2;          // of the plane through them
+constexpr double thinnest = 0.15;        // spacings: least standard deviation of a sheet
+constexpr double near_plane = 2.2;       // spacings around the surface where sparse points are not seen
+constexpr double like = 0.7;             // cosine between like normals, up to sign
+constexpr std::size_t few_alike = 2;     // neighbours that a sample's normal agrees with at least
+constexpr int rounds = 4;                // of removing; later ones find hardly any
+
+double spacing_of(double reach, Index rank) {
+  return reach * std::sqrt(std::numbers::pi / static_cast<double>(rank));
+}
+
+// Probability of a Poisson variable of that mean to be at most `count`.
+double at_most(Index count, double mean) {
+  double term = std::exp(-mean), sum = term;
+  for (Index k = 1; k <= count; ++k) sum += term *= mean / static_cast<double>(k);
+  return sum;
+}
+
+// Cells of the bounding box with points, as a share of those that evenly scattered points would occupy.
+double occupied(const Points<3>& points, const Box<3>& box) {
+  constexpr Index cells = grid * grid * grid;
+  std::vector<char> seen(cells, 0);
+  const Point<3> size = (box.hi - box.lo).cwiseMax(std::numeric_limits<double>::min());
+  for (Index i = 0; i < points.cols(); ++i) {
+    Index cell = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double x = (points(axis, i) - box.lo[axis]) / size[axis];
+      cell = grid * cell + std::clamp<Index>(static_cast<Index>(x * grid), 0, grid - 1);
+    }
+    seen[cell] = 1;
+  }
+  const double expected = cells * (1 - std::exp(-static_cast<double>(points.cols()) / cells));
+  return static_cast<double>(std::count(seen.begin(), seen.end(), 1)) / expected;
+}
+
+// Mean share of the variance in the direction of least variance among neighbours: 0 on planes, 1/3 at most.
+double variation(const Points<3>& points) {
+  const KdTree<3> tree(points);
+  std::vector<double> share(points.cols());
+  parallel_for(points.cols(), 512, [&](Index begin, Index end) {
+    std::vector<Index> ids(own_neighbors + 1);
+    std::vector<double> squared(ids.size());
+    for (Index i = begin; i < end; ++i) {
+      const Index found = tree.nearest(points.col(i), std::ssize(ids), ids.data(), squared.data());
+      Points<3> around = points(Eigen::all, std::span(ids).first(static_cast<std::size_t>(found)));
+      around.colwise() -= around.rowwise().mean().eval();
+      const Eigen::Matrix3d covariance = around * around.transpose();
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+      solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
+      share[i] =
+          std::max(0.0, solver.eigenvalues()[0]) / std::max(covariance.trace(), std::numeric_limits<double>::min());
+    }
+  });
+  return std::accumulate(share.begin(), share.end(), 0.0) / static_cast<double>(share.size());
+}
+
+// A sample's neighbours and the robust plane through them, without the sample.
+class Plane {
+ public:
+  Plane(const Points<3>& points, const Points<3>& normals, const KdTree<3>& tree)
+      : points_(points), normals_(normals), tree_(tree), ids_(plane_neighbors + 1), squared_(ids_.size()) {}
+
+  [[nodiscard]] bool is_clutter(Index i, double density) {
+    const Index found = tree_.nearest(points_.col(i), std::ssize(ids_), ids_.data(), squared_.data());
+    const double r = std::sqrt(squared_[std::min(found - 1, density_rank)]);
+    if (density * 4 / 3 * std::numbers::pi * r * r * r > as_clutter) return true;
+    near_.clear();
+    for (Index k = 0; k < found; ++k)
+      if (ids_[k] != i) near_.push_back(ids_[k]);
+    if (std::ssize(near_) < density_rank) return false;
+    return unlike(i) || sheet(points_.col(i), r) < density;
+  }
+
+ private:
+  [[nodiscard]] bool unlike(Index i) const {
+    if (normals_.cols() == 0) return false;
+    const auto alike = std::count_if(near_.begin(), near_.end(),
+                                     [&](Index j) { return std::abs(normals_.col(i).dot(normals_.col(j))) > like; });
+    return static_cast<std::size_t>(alike) < few_alike;
+  }
+
+  // Samples per volume that a sheet through the neighbours would have at x, times the probability that not more of them
+  // are within r.
+  [[nodiscard]] double sheet(const Point<3>& x, double r) {
+    const Points<3> q = points_(Eigen::all, near_);
+    Eigen::VectorXd weight = Eigen::VectorXd::Ones(q.cols());
+    Point<3> mean, normal;
+    double deviation = 0;
+    for (int round = 0; round < reweightings; ++round) {
+      mean = q * weight / weight.sum();
+      const Points<3> d = q.colwise() - mean;
+      const Eigen::Matrix3d covariance = d * weight.asDiagonal() * d.transpose();
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+      normal = solver.eigenvectors().col(0);
+      const Eigen::VectorXd height = (normal.transpose() * d).transpose().cwiseAbs();
+      deviation = median(std::vector<double>(height.begin(), height.end())) / median_of_normal;
+      const double scale = std::max(2 * deviation, std::numeric_limits<double>::min());
+      weight = 1 / (1 + (height / scale).array().square());
+      along_.clear();
+      for (Index k = 0; k < q.cols(); ++k) along_.push_back(d.col(k).squaredNorm() - height[k] * height[k]);
+    }
+    const double middle = std::sqrt(std::max(0.0, median(along_)));
+    const double h = spacing_of(middle, std::ssize(near_) / 2), s = std::max(deviation, thinnest * h);
+    const double t = normal.dot(x - mean) / s;
+    return std::exp(-0.5 * t * t) / (std::sqrt(2 * std::numbers::pi) * s * h * h) *
+           at_most(density_rank, std::numbers::pi * r * r / (h * h));
+  }
+
+  const Points<3>& points_;
+  const Points<3>& normals_;
+  const KdTree<3>& tree_;
+  std::vector<Index> ids_, near_;
+  std::vector<double> squared_, along_;
+};
+
+}  // namespace
+
+double clutter_density(const Points<3>& points, const NeighborTable& near) {
+  if (near.k < reach_rank) return 0;
+  std::vector<double> reach(points.cols());
+  for (Index i = 0; i < points.cols(); ++i) reach[i] = (points.col(i) - points.col(near.of(i)[reach_rank - 1])).norm();
+  const double usual = median(std::vector(reach));
+  std::vector<Index> ids;
+  for (Index i = 0; i < points.cols(); ++i)
+    if (reach[i] > sparse * usual) ids.push_back(i);
+  if (ids.size() < fewest) return 0;
+  const Box<3> box = bounding_box<3>(points);
+  const Points<3> thin = points(Eigen::all, ids);
+  if (occupied(thin, box) < least_occupied || variation(thin) < cloudy) return 0;
+  const double h = spacing_of(usual, reach_rank), volume = (box.hi - box.lo).prod();
+  const double around = 2 * near_plane * h * h * h * static_cast<double>(points.cols() - thin.cols());
+  return static_cast<double>(thin.cols()) / std::max(volume - around, 0.25 * volume);
+}
+
+std::vector<Index> all_but_clutter(const Points<3>& points, const Points<3>& normals, double density) {
+  std::vector<Index> kept(points.cols());
+  std::iota(kept.begin(), kept.end(), Index{0});
+  for (int round = 0; round < rounds; ++round) {
+    const Points<3> left = points(Eigen::all, kept);
+    Points<3> left_normals(3, 0);
+    if (normals.cols() > 0) left_normals = normals(Eigen::all, kept);
+    const KdTree<3> tree(left);
+    std::vector<char> drop(kept.size());
+    parallel_for(left.cols(), 256, [&](Index begin, Index end) {
+      Plane plane(left, left_normals, tree);
+      for (Index i = begin; i < end; ++i) drop[i] = plane.is_clutter(i, density) ? 1 : 0;
+    });
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < kept.size(); ++k)
+      if (drop[k] == 0) kept[count++] = kept[k];
+    if (count == kept.size() || count < fewest) break;
+    kept.resize(count);
+  }
+  return kept;
+}
+
+}  // namespace csrbf

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "csrbf/surface/normals/neighbor_table.hpp"
+
+namespace csrbf {
+
+/// Number per unit volume of outliers that are scattered all over the space around a surface; 0 if there are none.
+/// There are if the points that are much sparser than usual are neither few, nor on sheets, nor absent from large parts
+/// of the bounding box. O(n).
+double clutter_density(const Points<3>& points, const NeighborTable& near);
+
+/// Points of a cloud, indices ascending, that clutter of that density does not explain (nearest-neighbour clutter
+/// removal after Byers and Raftery 1998, with sheets for the features): not those where points are no denser than
+/// clutter would be; nor those that are so far off the plane through their 16 neighbours, in robust standard deviations
+/// s, or so lonely (8 neighbours within r) that clutter is more likely there than a sheet with one sample per h^2:
+/// (2 pi)^(-1/2) exp(-t^2 / 2 s^2) / (s h^2) P(N <= 8) < density, where N is a Poisson variable of mean pi r^2 / h^2.
+/// Thickness and spacing of the sheet are those of the neighbours, so that sparse parts and noise stay. Unit normals,
+/// if given, count too: a point is clutter if hardly any neighbour has a normal like its own; zero ones say nothing.
+///
+/// Of the clutter (5 and 20 %) in the samples of ten shapes, 0 to 4 % was left farther than two spacings from the
+/// surface; 0 to 0.4 % of the samples were taken for clutter. O(n log n).
+std::vector<Index> all_but_clutter(const Points<3>& points, const Points<3>& normals, double density);
+
+}  // namespace csrbf
