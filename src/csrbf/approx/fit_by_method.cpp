@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/kriging/fill_gaps.hpp"
 #include "csrbf/approx/levels/error_bounded.hpp"
 #include "csrbf/approx/levels/fixed_budget.hpp"
 #include "csrbf/approx/levels/least_squares.hpp"
@@ -179,8 +180,10 @@ class Fitter {
     report_.partition = {fit.report.patches, local.samples, local.anisotropy};
     report_.smoothing = local.smoothing;
     report_.cross_validation_rmse = fit.report.cross_validation_rmse;
-    variances_ = local_variance(samples, fit);
-    return fit.fields();
+    FilledGaps<Dim> filled = fill_gaps(samples, fit, local_variance(samples, fit));
+    report_.partition->patches = filled.fit.report.patches;
+    variances_ = std::move(filled.variances);
+    return filled.fit.fields();
   }
 
   bool tracks_may_matter() const {

@@ -1,0 +1,353 @@
+#include "csrbf/approx/kriging/fill_gaps.hpp"
+
+#include "csrbf/approx/kriging/local_kriging.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
+#include "csrbf/approx/unity/patch_samples.hpp"
+#include "csrbf/core/parallel.hpp"
+#include "csrbf/core/shared_evaluate.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+namespace csrbf {
+namespace {
+
+constexpr double expected_in_empty = 9;  // samples in a ball without any that is no gap yet: by chance one in e^9 is so
+constexpr double shrink = 0.7;           // half diagonal of a cell in a gap over the distance to the nearest sample
+constexpr double finest = 1.5;           // the smallest half diagonal, in distances of samples; both chosen by hand
+constexpr int deepest = 40;              // halvings of a cell; never reached unless samples are extremely uneven
+
+template <int Dim>
+constexpr double ball_volume = Dim == 1   ? 2
+                               : Dim == 2 ? 3.14159265358979
+                                          : 4.18879020478639;  // of radius 1
+
+template <int Dim>
+constexpr Index probes_each = Dim == 1   ? 3
+                              : Dim == 2 ? 9
+                                         : 27;
+
+// The corners of a box, the middles of its edges and faces, and its own.
+template <int Dim>
+Points<Dim> probes(const Box<Dim>& box) {
+  Points<Dim> x(Dim, probes_each<Dim>);
+  for (Index k = 0; k < x.cols(); ++k)
+    for (Index a = 0, rest = k; a < Dim; ++a, rest /= 3)
+      x(a, k) = box.lo[a] + 0.5 * static_cast<double>(rest % 3) * (box.hi[a] - box.lo[a]);
+  return x;
+}
+
+// A part of a cell of the partition of unity, in preorder.
+template <int Dim>
+struct Node {
+  std::int8_t axis = -1;
+  double split = 0;
+  std::size_t right = 0;  // of the nodes of this cell
+  Eigen::VectorXd variance = {};
+  std::unique_ptr<const LocalModels<Dim>> wide = nullptr;  // the local function, of a part in a gap
+};
+
+template <int Dim>
+class GapFiller {
+ public:
+  GapFiller(const Samples<Dim>& samples, const PartitionOfUnityFit<Dim>& fit,
+            const std::vector<std::shared_ptr<const Field<Dim>>>& variances)
+      : samples_(samples), fit_(fit), variances_(variances), cover_(fit.data->cover), basis_(fit.report.local.degree) {
+    const LocalOptions& local = fit.report.local;
+    const Index n = std::min(local.samples, cover_.points().cols());
+    unknowns_ = std::min(n, basis_.size() + fit.data->models.centers_each);
+    const auto M = static_cast<double>(unknowns_);
+    gap_ = std::pow(expected_in_empty / M, 1.0 / Dim);
+    spacing_ = std::pow(ball_volume<Dim> / M, 1.0 / Dim);
+    patch_samples_ = n;
+  }
+
+  // Cells whose samples leave a gap.
+  std::vector<Index> cells_with_gaps() const {
+    std::vector<char> has_gap(static_cast<std::size_t>(cover_.size()), 0);
+    if (gap_ >= 1) return {};  // patches of too few samples
+    std::vector<Index> begin(has_gap.size() + 1, 0);
+    for (Index i = 0; i < cover_.size(); ++i) begin[i + 1] = begin[i] + cover_.count(i);
+    parallel_for(cover_.size(), 256, [&](Index first, Index last) {
+      typename Cover<Dim>::Search search;
+      std::vector<char> full;
+      for (Index i = first; i < last; ++i) {
+        const double reach = gap_ * fit_.data->models.radius[i];
+        if (is_full(cover_.cell(i), reach, begin[i], begin[i + 1], full)) continue;
+        const Points<Dim> x = probes(cover_.cell(i));
+        for (Index k = 0; k < x.cols() && has_gap[i] == 0; ++k)
+          if (nearest(x.col(k), reach, search) > reach) has_gap[i] = 1;
+      }
+    });
+    std::vector<Index> cells;
+    for (Index i = 0; i < cover_.size(); ++i)
+      if (has_gap[i] != 0) cells.push_back(i);
+    return cells;
+  }
+
+  std::optional<FilledGaps<Dim>> fill(const std::vector<Index>& cells) const {
+    const LocalKriging<Dim> kriging(samples_);
+    Points<Dim> centers(Dim, cover_.size());
+    for (Index i = 0; i < cover_.size(); ++i) centers.col(i) = cover_.cell(i).center();
+    Eigen::MatrixXd errors(std::ssize(variances_), centers.cols());
+    for (Index c = 0; c < errors.rows(); ++c)
+      errors.row(c) = shared_evaluate(*variances_[c], centers).value.transpose();
+    std::vector<std::vector<Node<Dim>>> parts(static_cast<std::size_t>(cover_.size()));
+    parallel_for(std::ssize(cells), 4, [&](Index first, Index last) {
+      Work work;
+      for (Index k = first; k < last; ++k) {
+        const Index cell = cells[static_cast<std::size_t>(k)];
+        enter(cell, errors.col(cell), work);
+        split(kriging, cover_.cell(cell), 0, work, parts[cell]);
+      }
+    });
+    for (Index i = 0; i < cover_.size(); ++i)
+      if (parts[i].empty()) parts[i].emplace_back().variance = errors.col(i);
+    return assemble(kriging, parts);
+  }
+
+ private:
+  // A cell of the partition of unity, and its local function.
+  struct Work {
+    Index cell = 0;
+    Point<Dim> center;
+    double radius = 0;
+    Eigen::VectorXd error;  // mean square, by component
+    Eigen::LDLT<Eigen::MatrixXd> gram;
+    typename Cover<Dim>::Search search;
+  };
+
+  double nearest(const Point<Dim>& x, double reach, typename Cover<Dim>::Search& search) const {
+    cover_.nearest(x, 1, reach, search);
+    return std::sqrt(search.found.front().first);
+  }
+
+  // Whether all parts of a cell, somewhat wider than `reach`, hold samples.
+  bool is_full(const Box<Dim>& cell, double reach, Index begin, Index end, std::vector<char>& full) const {
+    constexpr double width = 1.25;  // of a part, in reaches; chosen by hand
+    std::array<Index, Dim> parts;
+    Index count = 1;
+    for (std::size_t a = 0; a < Dim; ++a) {
+      const double side = cell.extent()[static_cast<Index>(a)] / (width * reach);
+      if (!(side * static_cast<double>(count) <= static_cast<double>(end - begin))) return false;
+      parts[a] = static_cast<Index>(std::ceil(std::max(side, 1.0)));
+      count *= parts[a];
+    }
+    if (count > end - begin) return false;
+    full.assign(static_cast<std::size_t>(count), 0);
+    for (Index i = begin; i < end; ++i) {
+      Index at = 0;
+      for (std::size_t a = Dim; a-- > 0;) {
+        const auto axis = static_cast<Index>(a);
+        const double t = (cover_.points()(axis, i) - cell.lo[axis]) / cell.extent()[axis];
+        at = parts[a] * at + std::clamp<Index>(static_cast<Index>(t * static_cast<double>(parts[a])), 0, parts[a] - 1);
+      }
+      full[at] = 1;
+    }
+    return std::find(full.begin(), full.end(), 0) == full.end();
+  }
+
+  void enter(Index cell, const Eigen::VectorXd& error, Work& work) const {
+    work.cell = cell;
+    work.error = error;
+    work.center = fit_.data->models.center.col(cell);
+    work.radius = fit_.data->models.radius[cell];
+    if (basis_.size() == 0) return;
+    find_patch_samples(cover_, cell, patch_samples_, 0, work.search);
+    Points<Dim> q(Dim, std::ssize(work.search.found));
+    for (Index k = 0; k < q.cols(); ++k)
+      q.col(k) = (cover_.points().col(work.search.found[k].second) - work.center) / work.radius;
+    Eigen::MatrixXd rows(q.cols(), basis_.size());
+    basis_.rows(q, rows.data());
+    Eigen::MatrixXd gram = rows.transpose() * rows;
+    constexpr double rounding = 1e-14;  // relative, as in LocalFitter
+    gram.diagonal().array() += rounding * gram.trace() / static_cast<double>(basis_.size());
+    work.gram.compute(gram);
+  }
+
+  // The mean square error that the local function may have at x: of degree p, it grows like the distance of samples to
+  // the power p + 1, and as the polynomial magnifies errors of the samples.
+  Eigen::VectorXd fine_error(const Point<Dim>& x, double distance, double spacing, const Work& work) const {
+    const double wider = std::max({1.0, distance / spacing, spacing_ * work.radius / spacing});
+    double growth = std::pow(wider, 2 * std::max(1, basis_.degree() + 1));
+    if (basis_.size() > 0) {
+      const Point<Dim> q = (x - work.center) / work.radius;
+      Eigen::VectorXd row(basis_.size());
+      basis_.rows(q, row.data());
+      growth *= 1 + std::max(0.0, row.dot(work.gram.solve(row)));
+    }
+    return growth * work.error;
+  }
+
+  // Distance of samples about x, as in a patch.
+  double spacing_at(const Point<Dim>& x, Work& work) const {
+    const Index n = std::min(unknowns_, cover_.points().cols());
+    cover_.nearest(x, n, work.radius, work.search);
+    return spacing_ * std::sqrt(work.search.found.back().first);
+  }
+
+  void split(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth, Work& work,
+             std::vector<Node<Dim>>& nodes) const {
+    const std::size_t at = nodes.size();
+    nodes.emplace_back();
+    const Points<Dim> x = probes(box);
+    const Point<Dim> center = box.center();
+    const Index middle = x.cols() / 2;
+    Eigen::VectorXd distance(x.cols());
+    for (Index k = 0; k < x.cols(); ++k) distance[k] = nearest(x.col(k), gap_ * work.radius, work.search);
+    const double spacing = std::max(spacing_at(center, work), 1e-300);
+    const Eigen::VectorXd fine = fine_error(center, distance[middle], spacing, work);
+    nodes[at].variance = fine;
+    if (distance.maxCoeff() <= gap_ / spacing_ * std::min(spacing, spacing_ * work.radius)) return;
+    const KrigingPatch<Dim> patch = kriging.patch(center);
+    const Eigen::VectorXd scale = patch.variance(center);
+    Index wide = 0;
+    for (Index k = 0; k < x.cols(); ++k) {
+      const Eigen::VectorXd other = k == middle ? scale : patch.variance(x.col(k));
+      const Eigen::VectorXd own = k == middle ? fine : fine_error(x.col(k), distance[k], spacing, work);
+      if (own.cwiseQuotient(scale).sum() > other.cwiseQuotient(scale).sum()) ++wide;
+    }
+    if (wide == 0) return;
+    const double half = 0.5 * box.diagonal();
+    const bool is_fine_enough = half <= finest * spacing || depth >= deepest;
+    if (is_fine_enough || (wide == x.cols() && half <= shrink * distance[middle])) {
+      if (2 * wide < x.cols()) return;
+      LocalModels<Dim> model = kriging.models(1);
+      patch.store(model, 0);
+      nodes[at].variance = scale;
+      nodes[at].wide = std::make_unique<const LocalModels<Dim>>(std::move(model));
+      return;
+    }
+    Index axis = 0;
+    box.extent().maxCoeff(&axis);
+    nodes[at].axis = static_cast<std::int8_t>(axis);
+    nodes[at].split = center[axis];
+    Box<Dim> lower = box, upper = box;
+    lower.hi[axis] = upper.lo[axis] = center[axis];
+    split(kriging, lower, depth + 1, work, nodes);
+    nodes[at].right = nodes.size();
+    split(kriging, upper, depth + 1, work, nodes);
+  }
+
+  // The tree with the parts in place of their cells.
+  std::optional<FilledGaps<Dim>> assemble(const LocalKriging<Dim>& kriging,
+                                          const std::vector<std::vector<Node<Dim>>>& parts) const {
+    const typename Cover<Dim>::Tree& old = cover_.tree();
+    typename Cover<Dim>::Tree tree;
+    tree.box = old.box;
+    tree.growth = old.growth;
+    std::vector<std::pair<Index, const Node<Dim>*>> leaves;  // the cell that each is a part of
+    std::vector<std::uint32_t> place(old.axis.size());       // of the old nodes
+    Index wide = 0;
+    for (std::size_t i = 0; i < old.axis.size(); ++i) {
+      place[i] = static_cast<std::uint32_t>(tree.axis.size());
+      if (old.axis[i] >= 0) {
+        tree.axis.push_back(old.axis[i]);
+        tree.split.push_back(old.split[i]);
+        tree.right.push_back(old.right[i]);
+        continue;
+      }
+      const std::size_t first = tree.axis.size();
+      for (const Node<Dim>& node : parts[old.right[i]]) {
+        tree.axis.push_back(node.axis);
+        tree.split.push_back(node.split);
+        tree.right.push_back(static_cast<std::uint32_t>(node.axis >= 0 ? first + node.right : leaves.size()));
+        if (node.axis >= 0) continue;
+        leaves.emplace_back(old.right[i], &node);
+        wide += node.wide ? 1 : 0;
+      }
+    }
+    if (wide == 0) return std::nullopt;
+    for (std::size_t i = 0; i < old.axis.size(); ++i)
+      if (old.axis[i] >= 0) tree.right[place[i]] = place[old.right[i]];
+    return with_cells(kriging, std::move(tree), leaves, wide);
+  }
+
+  FilledGaps<Dim> with_cells(const LocalKriging<Dim>& kriging, typename Cover<Dim>::Tree tree,
+                             const std::vector<std::pair<Index, const Node<Dim>*>>& leaves, Index wide) const {
+    using Data = PartitionOfUnityData<Dim>;
+    auto data = std::make_shared<Data>(Data{Cover<Dim>(tree), {}});
+    auto variance = std::make_shared<Data>(Data{Cover<Dim>(std::move(tree)), {}});
+    const LocalModels<Dim>& old = fit_.data->models;
+    LocalModels<Dim>&models = data->models, &constants = variance->models;
+    const auto count = std::ssize(leaves);
+    models.degree = old.degree;
+    models.kernel = old.kernel;
+    models.support = old.support;
+    models.centers_each = old.centers_each;
+    models.components = constants.components = old.components;
+    models.anisotropic = old.anisotropic;
+    models.resize(count);
+    constants.resize(count);
+    data->wide = kriging.models(wide);
+    data->wide_of.assign(leaves.size(), -1);
+    std::int32_t next = 0;
+    for (Index i = 0; i < count; ++i) {
+      const auto& [cell, node] = leaves[static_cast<std::size_t>(i)];
+      copy_model(old, cell, models, i);
+      const Box<Dim>& box = data->cover.cell(i);
+      constants.center.col(i) = box.center();
+      constants.radius[i] = 0.5 * box.diagonal();
+      std::copy(node->variance.begin(), node->variance.end(), constants.polynomial.begin() + i * node->variance.size());
+      if (!node->wide) continue;
+      copy_model(*node->wide, 0, data->wide, next);
+      data->wide_of[static_cast<std::size_t>(i)] = next++;
+    }
+    FilledGaps<Dim> result;
+    result.fit = {data, fit_.report};
+    result.fit.report.patches = count;
+    result.patches = wide;
+    result.variances = PartitionOfUnityFit<Dim>{variance, {}}.fields();
+    return result;
+  }
+
+  static void copy_model(const LocalModels<Dim>& from, Index i, LocalModels<Dim>& to, Index j) {
+    to.center.col(j) = from.center.col(i);
+    to.radius[j] = from.radius[i];
+    const auto part = [&](const std::vector<double>& source, std::vector<double>& target) {
+      const auto each = static_cast<std::ptrdiff_t>(source.size()) / from.size();
+      std::copy_n(source.begin() + each * i, each, target.begin() + each * j);
+    };
+    part(from.metric, to.metric);
+    part(from.position, to.position);
+    part(from.alpha, to.alpha);
+    part(from.polynomial, to.polynomial);
+  }
+
+  const Samples<Dim>& samples_;
+  const PartitionOfUnityFit<Dim>& fit_;
+  const std::vector<std::shared_ptr<const Field<Dim>>>& variances_;
+  const Cover<Dim>& cover_;
+  Polynomials<Dim> basis_;
+  Index unknowns_ = 0, patch_samples_ = 0;
+  double gap_ = 0;      // radius of an empty ball that is a gap, in radii of a patch
+  double spacing_ = 0;  // distance of samples, or of unknowns, in the same unit
+};
+
+}  // namespace
+
+template <int Dim>
+FilledGaps<Dim> fill_gaps(const Samples<Dim>& samples, PartitionOfUnityFit<Dim> fit,
+                          std::vector<std::shared_ptr<const Field<Dim>>> variances) {
+  if constexpr (Dim <= 3) {
+    const Samples<Dim> normalized = normalize_weights(samples);
+    const GapFiller<Dim> filler(normalized, fit, variances);
+    const std::vector<Index> cells = filler.cells_with_gaps();
+    std::optional<FilledGaps<Dim>> filled;
+    if (!cells.empty()) filled = filler.fill(cells);
+    if (filled) return std::move(*filled);
+  }
+  return {std::move(fit), std::move(variances), 0};
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                           \
+  template FilledGaps<Dim> fill_gaps<Dim>(const Samples<Dim>&, PartitionOfUnityFit<Dim>, \
+                                          std::vector<std::shared_ptr<const Field<Dim>>>);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
