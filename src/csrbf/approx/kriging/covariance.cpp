@@ -22,7 +22,6 @@ constexpr double largest_nugget = 1e3;  // noise alone
 constexpr double largest_length = 20;   // in extents of the samples: longer ones look the same within them
 constexpr double first_length = 0.3;    // in the same unit
 constexpr double first_nugget = 1e-3;
-constexpr double linear_gain = 0.98;  // of the error, that makes a linear trend worth it; chosen by hand
 
 // Neighbouring samples.
 struct Block {
@@ -100,23 +99,6 @@ class Likelihood {
     constexpr double tiny = 1e-30;  // of a component without any variation
     return .5 *
            (degrees * squares.array().max(tiny).log().sum() + static_cast<double>(squares.size()) * log_determinant);
-  }
-
-  // Root mean square error of samples predicted by the others of their block, with a trend of that degree.
-  double left_out_error(const Covariance& covariance, double length, int degree) const {
-    double sum = 0, count = 0;
-    for (const Block& block : blocks_) {
-      const Eigen::MatrixXd inverse = matrix(block, covariance.kernel, length, covariance.nugget)
-                                          .llt()
-                                          .solve(Eigen::MatrixXd::Identity(block.n, block.n));
-      const auto F = block.trend.leftCols(degree == 0 ? 1 : block.trend.cols());
-      const Eigen::MatrixXd CF = inverse * F;
-      const Eigen::MatrixXd C = inverse - CF * (F.transpose() * CF).ldlt().solve(CF.transpose());
-      const Eigen::MatrixXd errors = C.diagonal().cwiseInverse().asDiagonal() * (C * block.values);
-      sum += errors.squaredNorm();
-      count += static_cast<double>(errors.size());
-    }
-    return std::sqrt(sum / count);
   }
 
  private:
@@ -207,8 +189,7 @@ Covariance estimate_covariance(const Samples<Dim>& samples, const ThinnedLevels<
   const double length = std::exp(found[best].minimum.x[0]);
   result.nugget = std::max(std::exp(found[best].minimum.x[1]), least_nugget);
   likelihood(result.kernel, length, result.nugget, &result.sigma2);
-  result.degree =
-      likelihood.left_out_error(result, length, 1) < linear_gain * likelihood.left_out_error(result, length, 0) ? 1 : 0;
+  result.degree = result.kernel.is_rough() ? 1 : 0;
   result.length = length * extent;
   result.sigma2.array() *= units.transpose().array().square();
   return result;

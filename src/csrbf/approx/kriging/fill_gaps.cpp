@@ -64,28 +64,36 @@ class GapFiller {
     gap_ = std::pow(expected_in_empty / M, 1.0 / Dim);
     spacing_ = std::pow(ball_volume<Dim> / M, 1.0 / Dim);
     patch_samples_ = n;
+    interpolates_ = fit.data->models.centers_each == n;
   }
 
-  // Cells whose samples leave a gap.
+  // Cells with a gap between samples in their support.
   std::vector<Index> cells_with_gaps() const {
     std::vector<char> has_gap(static_cast<std::size_t>(cover_.size()), 0);
-    if (gap_ >= 1) return {};  // patches of too few samples
-    std::vector<Index> begin(has_gap.size() + 1, 0);
-    for (Index i = 0; i < cover_.size(); ++i) begin[i + 1] = begin[i] + cover_.count(i);
+    if (gap_ >= 1) return {};                          // patches of too few samples
+    std::vector<Index> end_of(has_gap.size() + 1, 0);  // samples up to each cell
+    for (Index i = 0; i < cover_.size(); ++i) end_of[i + 1] = end_of[i] + cover_.count(i);
     parallel_for(cover_.size(), 256, [&](Index first, Index last) {
       typename Cover<Dim>::Search search;
       std::vector<char> full;
       for (Index i = first; i < last; ++i) {
-        const double reach = gap_ * fit_.data->models.radius[i];
-        if (is_full(cover_.cell(i), reach, begin[i], begin[i + 1], full)) continue;
-        const Points<Dim> x = probes(cover_.cell(i));
+        const Box<Dim>& cell = cover_.cell(i);
+        const double radius = std::min(fit_.data->models.radius[i], usual_radius(cell, end_of[i + 1] - end_of[i]));
+        if (is_full(cell, gap_ * radius, end_of[i], end_of[i + 1], full)) continue;
+        cover_.nearest(cell.center(), unknowns_, radius, search);
+        const double reach = gap_ * std::sqrt(search.found.back().first);
+        const Points<Dim> x = probes(cell);
         for (Index k = 0; k < x.cols() && has_gap[i] == 0; ++k)
           if (nearest(x.col(k), reach, search) > reach) has_gap[i] = 1;
       }
     });
+    std::vector<char> reaches_gap = has_gap;
+    for (Index i = 0; i < cover_.size(); ++i)
+      if (has_gap[i] != 0)
+        for (const std::uint32_t support : cover_.supports_over(i)) reaches_gap[support] = 1;
     std::vector<Index> cells;
     for (Index i = 0; i < cover_.size(); ++i)
-      if (has_gap[i] != 0) cells.push_back(i);
+      if (reaches_gap[i] != 0) cells.push_back(i);
     return cells;
   }
 
@@ -116,14 +124,23 @@ class GapFiller {
     Index cell = 0;
     Point<Dim> center;
     double radius = 0;
-    Eigen::VectorXd error;  // mean square, by component
-    Eigen::LDLT<Eigen::MatrixXd> gram;
+    Eigen::VectorXd error;              // mean square, by component
+    Points<Dim> q;                      // its samples in its coordinates
+    Eigen::MatrixXd rows;               // of the monomials at them
+    Eigen::LDLT<Eigen::MatrixXd> gram;  // of these
+    Eigen::LDLT<Eigen::MatrixXd> radial;
     typename Cover<Dim>::Search search;
   };
 
   double nearest(const Point<Dim>& x, double reach, typename Cover<Dim>::Search& search) const {
     cover_.nearest(x, 1, reach, search);
     return std::sqrt(search.found.front().first);
+  }
+
+  // Radius of a ball with as many samples as a local function has unknowns, as dense as those of a cell.
+  double usual_radius(const Box<Dim>& cell, Index count) const {
+    const double volume = cell.extent().prod() * static_cast<double>(unknowns_) / static_cast<double>(count);
+    return std::pow(volume / ball_volume<Dim>, 1.0 / Dim);
   }
 
   // Whether all parts of a cell, somewhat wider than `reach`, hold samples.
@@ -156,31 +173,61 @@ class GapFiller {
     work.error = error;
     work.center = fit_.data->models.center.col(cell);
     work.radius = fit_.data->models.radius[cell];
-    if (basis_.size() == 0) return;
     find_patch_samples(cover_, cell, patch_samples_, 0, work.search);
-    Points<Dim> q(Dim, std::ssize(work.search.found));
-    for (Index k = 0; k < q.cols(); ++k)
-      q.col(k) = (cover_.points().col(work.search.found[k].second) - work.center) / work.radius;
-    Eigen::MatrixXd rows(q.cols(), basis_.size());
-    basis_.rows(q, rows.data());
-    Eigen::MatrixXd gram = rows.transpose() * rows;
+    work.q.resize(Dim, std::ssize(work.search.found));
+    for (Index k = 0; k < work.q.cols(); ++k)
+      work.q.col(k) = (cover_.points().col(work.search.found[k].second) - work.center) / work.radius;
     constexpr double rounding = 1e-14;  // relative, as in LocalFitter
-    gram.diagonal().array() += rounding * gram.trace() / static_cast<double>(basis_.size());
-    work.gram.compute(gram);
+    work.rows.resize(work.q.cols(), basis_.size());
+    if (basis_.size() > 0) {
+      basis_.rows(work.q, work.rows.data());
+      Eigen::MatrixXd gram = work.rows.transpose() * work.rows;
+      gram.diagonal().array() += rounding * gram.trace() / static_cast<double>(basis_.size());
+      work.gram.compute(gram);
+    }
+    if (!interpolates_) return;
+    Eigen::MatrixXd A(work.q.cols(), work.q.cols());
+    for (Index j = 0; j < A.cols(); ++j) A.col(j) = radial(work.q.col(j), work);
+    A.diagonal().array() += fit_.report.local.smoothing + static_cast<double>(A.rows()) * rounding;
+    work.radial.compute(A);
   }
 
-  // The mean square error that the local function may have at x: of degree p, it grows like the distance of samples to
-  // the power p + 1, and as the polynomial magnifies errors of the samples.
+  // The radial functions of a patch at q.
+  [[nodiscard]] Eigen::VectorXd radial(const Point<Dim>& q, const Work& work) const {
+    const LocalModels<Dim>& models = fit_.data->models;
+    const Eigen::VectorXd r2 =
+        (work.q.colwise() - q).colwise().squaredNorm().transpose() / (models.support * models.support);
+    Eigen::VectorXd phi(r2.size());
+    models.kernel.values(r2.data(), r2.size(), phi.data());
+    return phi;
+  }
+
+  // Sum of the squares of the weights of the samples in the value of the local function at q: what errors of theirs are
+  // magnified by. Without radial functions at all of them, that of the polynomial.
+  [[nodiscard]] double magnified(const Point<Dim>& q, const Work& work) const {
+    Eigen::VectorXd row(basis_.size());
+    if (basis_.size() > 0) basis_.rows(q, row.data());
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(work.q.cols());
+    if (interpolates_) {
+      w = work.radial.solve(radial(q, work));
+      row -= work.rows.transpose() * w;
+    }
+    if (basis_.size() > 0) w += work.rows * work.gram.solve(row);
+    return w.squaredNorm();
+  }
+
+  // The mean square error that the local function may have at x, by its own account: of degree p, it grows like the
+  // distance of samples to the power p + 1, and as errors of the samples are magnified.
   Eigen::VectorXd fine_error(const Point<Dim>& x, double distance, double spacing, const Work& work) const {
     const double wider = std::max({1.0, distance / spacing, spacing_ * work.radius / spacing});
-    double growth = std::pow(wider, 2 * std::max(1, basis_.degree() + 1));
-    if (basis_.size() > 0) {
-      const Point<Dim> q = (x - work.center) / work.radius;
-      Eigen::VectorXd row(basis_.size());
-      basis_.rows(q, row.data());
-      growth *= 1 + std::max(0.0, row.dot(work.gram.solve(row)));
-    }
-    return growth * work.error;
+    const double growth = std::pow(wider, 2 * std::max(1, basis_.degree() + 1));
+    const double largest = 1e100;  // keeps the product finite
+    return std::min(largest, growth * (1 + magnified((x - work.center) / work.radius, work))) * work.error;
+  }
+
+  [[nodiscard]] Box<Dim> support_of(const Box<Dim>& cell) const {
+    const Point<Dim> center = cell.center(), half = 0.5 * cover_.growth() * cell.extent();
+    return {(center - half).cwiseMax(cover_.box().lo), (center + half).cwiseMin(cover_.box().hi)};
   }
 
   // Distance of samples about x, as in a patch.
@@ -190,34 +237,55 @@ class GapFiller {
     return spacing_ * std::sqrt(work.search.found.back().first);
   }
 
+  // Of all components of local function i.
+  static Eigen::VectorXd value(const LocalModels<Dim>& models, Index i, const Point<Dim>& x) {
+    constexpr int lanes = LocalEvaluator<Dim>::lanes;
+    LocalEvaluator<Dim> evaluator(models);
+    double at[Dim * lanes], f[LocalEvaluator<Dim>::terms][lanes];
+    for (int a = 0; a < Dim; ++a) std::fill_n(at + lanes * a, lanes, x[a]);
+    Eigen::VectorXd values(models.components);
+    for (Index c = 0; c < models.components; ++c) {
+      evaluator.evaluate(i, c, at, Derivatives::none, f);
+      values[c] = f[0][0];
+    }
+    return values;
+  }
+
   void split(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth, Work& work,
              std::vector<Node<Dim>>& nodes) const {
     const std::size_t at = nodes.size();
     nodes.emplace_back();
-    const Points<Dim> x = probes(box);
     const Point<Dim> center = box.center();
-    const Index middle = x.cols() / 2;
+    Points<Dim> x(Dim, 2 * probes_each<Dim>);  // of the cell, then of its support
+    x << probes(box), probes(support_of(box));
+    const Index middle = probes_each<Dim> / 2;
     Eigen::VectorXd distance(x.cols());
     for (Index k = 0; k < x.cols(); ++k) distance[k] = nearest(x.col(k), gap_ * work.radius, work.search);
     const double spacing = std::max(spacing_at(center, work), 1e-300);
     const Eigen::VectorXd fine = fine_error(center, distance[middle], spacing, work);
     nodes[at].variance = fine;
-    if (distance.maxCoeff() <= gap_ / spacing_ * std::min(spacing, spacing_ * work.radius)) return;
+    if (distance.maxCoeff() <= gap_ / spacing_ * spacing) return;
     const KrigingPatch<Dim> patch = kriging.patch(center);
     const Eigen::VectorXd scale = patch.variance(center);
-    Index wide = 0;
+    LocalModels<Dim> model = kriging.models(1);
+    patch.store(model, 0);
+    Index wide = 0, wide_inside = 0;
     for (Index k = 0; k < x.cols(); ++k) {
       const Eigen::VectorXd other = k == middle ? scale : patch.variance(x.col(k));
-      const Eigen::VectorXd own = k == middle ? fine : fine_error(x.col(k), distance[k], spacing, work);
-      if (own.cwiseQuotient(scale).sum() > other.cwiseQuotient(scale).sum()) ++wide;
+      Eigen::VectorXd own = k == middle ? fine : fine_error(x.col(k), distance[k], spacing, work);
+      if (distance[k] > gap_ / spacing_ * spacing) {
+        const Eigen::VectorXd difference = value(fit_.data->models, work.cell, x.col(k)) - value(model, 0, x.col(k));
+        own = own.cwiseMax(difference.cwiseAbs2() - other);
+      }
+      if (!(own.cwiseQuotient(scale).sum() > other.cwiseQuotient(scale).sum())) continue;
+      ++wide;
+      if (k < probes_each<Dim>) ++wide_inside;
     }
     if (wide == 0) return;
     const double half = 0.5 * box.diagonal();
     const bool is_fine_enough = half <= finest * spacing || depth >= deepest;
-    if (is_fine_enough || (wide == x.cols() && half <= shrink * distance[middle])) {
+    if (is_fine_enough || (wide_inside == probes_each<Dim> && half <= shrink * distance[middle])) {
       if (2 * wide < x.cols()) return;
-      LocalModels<Dim> model = kriging.models(1);
-      patch.store(model, 0);
       nodes[at].variance = scale;
       nodes[at].wide = std::make_unique<const LocalModels<Dim>>(std::move(model));
       return;
@@ -324,8 +392,9 @@ class GapFiller {
   const Cover<Dim>& cover_;
   Polynomials<Dim> basis_;
   Index unknowns_ = 0, patch_samples_ = 0;
-  double gap_ = 0;      // radius of an empty ball that is a gap, in radii of a patch
-  double spacing_ = 0;  // distance of samples, or of unknowns, in the same unit
+  bool interpolates_ = false;  // with radial functions at all samples of a patch
+  double gap_ = 0;             // radius of an empty ball that is a gap, in radii of a patch
+  double spacing_ = 0;         // distance of samples, or of unknowns, in the same unit
 };
 
 }  // namespace

@@ -27,7 +27,8 @@ struct PartitionOfUnityData {
 template <int Dim>
 class SupportEvaluator {
  public:
-  explicit SupportEvaluator(const PartitionOfUnityData<Dim>& data) : data_(data), fine_(data.models), wide_(data.wide) {}
+  explicit SupportEvaluator(const PartitionOfUnityData<Dim>& data)
+      : data_(data), fine_(data.models), wide_(data.wide) {}
 
   /// See LocalEvaluator::evaluate().
   void evaluate(Index support, Index component, const double* x, Derivatives derivatives,
