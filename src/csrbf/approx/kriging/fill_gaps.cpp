@@ -16,9 +16,14 @@
 namespace csrbf {
 namespace {
 
-constexpr double expected_in_empty = 9;  // samples in a ball without any that is no gap yet: by chance one in e^9 is so
+// Samples in a ball without any that is no gap yet: by chance one in e^9 is so. More in space, where a cell has three
+// times as many places to look at.
+template <int Dim>
+constexpr double expected_in_empty = Dim == 3 ? 14 : 9;
 constexpr double shrink = 0.7;           // half diagonal of a cell in a gap over the distance to the nearest sample
 constexpr double finest = 1.5;           // the smallest half diagonal, in distances of samples; both chosen by hand
+constexpr double finest_of_patch = 0.5;  // the same, in distances of samples in the patch
+constexpr double noticeable = 1e-4;      // deviations of the values; in a gap kriging is hardly ever better
 constexpr int deepest = 40;              // halvings of a cell; never reached unless samples are extremely uneven
 
 template <int Dim>
@@ -61,7 +66,7 @@ class GapFiller {
     const Index n = std::min(local.samples, cover_.points().cols());
     unknowns_ = std::min(n, basis_.size() + fit.data->models.centers_each);
     const auto M = static_cast<double>(unknowns_);
-    gap_ = std::pow(expected_in_empty / M, 1.0 / Dim);
+    gap_ = std::pow(expected_in_empty<Dim> / M, 1.0 / Dim);
     spacing_ = std::pow(ball_volume<Dim> / M, 1.0 / Dim);
     patch_samples_ = n;
     interpolates_ = fit.data->models.centers_each == n;
@@ -75,16 +80,15 @@ class GapFiller {
     for (Index i = 0; i < cover_.size(); ++i) end_of[i + 1] = end_of[i] + cover_.count(i);
     parallel_for(cover_.size(), 256, [&](Index first, Index last) {
       typename Cover<Dim>::Search search;
-      std::vector<char> full;
       for (Index i = first; i < last; ++i) {
         const Box<Dim>& cell = cover_.cell(i);
         const double radius = std::min(fit_.data->models.radius[i], usual_radius(cell, end_of[i + 1] - end_of[i]));
-        if (is_full(cell, gap_ * radius, end_of[i], end_of[i + 1], full)) continue;
+        const Points<Dim> x = probes(cell);
+        if (all_near(x, gap_ * radius, end_of[i], end_of[i + 1])) continue;
         cover_.nearest(cell.center(), unknowns_, radius, search);
         const double reach = gap_ * std::sqrt(search.found.back().first);
-        const Points<Dim> x = probes(cell);
         for (Index k = 0; k < x.cols() && has_gap[i] == 0; ++k)
-          if (nearest(x.col(k), reach, search) > reach) has_gap[i] = 1;
+          if (nearest(x.col(k), reach, search) > reach * inside_factor(x.col(k))) has_gap[i] = 1;
       }
     });
     std::vector<char> reaches_gap = has_gap;
@@ -97,13 +101,15 @@ class GapFiller {
     return cells;
   }
 
-  std::optional<FilledGaps<Dim>> fill(const std::vector<Index>& cells) const {
-    const LocalKriging<Dim> kriging(samples_);
+  std::optional<FilledGaps<Dim>> fill(std::vector<Index> cells) const {
     Points<Dim> centers(Dim, cover_.size());
     for (Index i = 0; i < cover_.size(); ++i) centers.col(i) = cover_.cell(i).center();
     Eigen::MatrixXd errors(std::ssize(variances_), centers.cols());
     for (Index c = 0; c < errors.rows(); ++c)
       errors.row(c) = shared_evaluate(*variances_[c], centers).value.transpose();
+    cells = doubtful(cells, errors);
+    if (cells.empty()) return std::nullopt;
+    const LocalKriging<Dim> kriging(samples_);
     std::vector<std::vector<Node<Dim>>> parts(static_cast<std::size_t>(cover_.size()));
     parallel_for(std::ssize(cells), 4, [&](Index first, Index last) {
       Work work;
@@ -116,6 +122,31 @@ class GapFiller {
     for (Index i = 0; i < cover_.size(); ++i)
       if (parts[i].empty()) parts[i].emplace_back().variance = errors.col(i);
     return assemble(kriging, parts);
+  }
+
+  // Those of the cells where the local function may have a noticeable error.
+  std::vector<Index> doubtful(const std::vector<Index>& cells, const Eigen::MatrixXd& errors) const {
+    const Eigen::RowVectorXd mean = samples_.values.colwise().mean();
+    const Eigen::VectorXd least =
+        noticeable * noticeable * (samples_.values.rowwise() - mean).cwiseAbs2().colwise().mean().transpose();
+    std::vector<char> is_doubtful(cells.size(), 0);
+    parallel_for(std::ssize(cells), 16, [&](Index first, Index last) {
+      Work work;
+      for (Index i = first; i < last; ++i) {
+        const Index cell = cells[static_cast<std::size_t>(i)];
+        enter(cell, errors.col(cell), work);
+        const Points<Dim> x = probes(support_of(cover_.cell(cell)));
+        const double spacing = std::max(spacing_at(cover_.cell(cell).center(), work), 1e-300);
+        for (Index k = 0; k < x.cols() && is_doubtful[i] == 0; ++k) {
+          const double distance = nearest(x.col(k), gap_ * work.radius, work.search);
+          if ((fine_error(x.col(k), distance, spacing, work).array() > least.array()).any()) is_doubtful[i] = 1;
+        }
+      }
+    });
+    std::vector<Index> chosen;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      if (is_doubtful[i] != 0) chosen.push_back(cells[i]);
+    return chosen;
   }
 
  private:
@@ -137,35 +168,30 @@ class GapFiller {
     return std::sqrt(search.found.front().first);
   }
 
+  // Samples lie on one side of the faces of the box only: a ball about a point there must be larger to hold as many.
+  double inside_factor(const Point<Dim>& x) const {
+    constexpr double at_face = 1e-6;  // of the extent of the box, far above its margin
+    const Box<Dim>& box = cover_.box();
+    const auto distance = (x - box.lo).cwiseMin(box.hi - x).cwiseQuotient(box.extent());
+    return std::pow(2.0, static_cast<double>((distance.array() < at_face).count()) / Dim);
+  }
+
   // Radius of a ball with as many samples as a local function has unknowns, as dense as those of a cell.
   double usual_radius(const Box<Dim>& cell, Index count) const {
     const double volume = cell.extent().prod() * static_cast<double>(unknowns_) / static_cast<double>(count);
     return std::pow(volume / ball_volume<Dim>, 1.0 / Dim);
   }
 
-  // Whether all parts of a cell, somewhat wider than `reach`, hold samples.
-  bool is_full(const Box<Dim>& cell, double reach, Index begin, Index end, std::vector<char>& full) const {
-    constexpr double width = 1.25;  // of a part, in reaches; chosen by hand
-    std::array<Index, Dim> parts;
-    Index count = 1;
-    for (std::size_t a = 0; a < Dim; ++a) {
-      const double side = cell.extent()[static_cast<Index>(a)] / (width * reach);
-      if (!(side * static_cast<double>(count) <= static_cast<double>(end - begin))) return false;
-      parts[a] = static_cast<Index>(std::ceil(std::max(side, 1.0)));
-      count *= parts[a];
+  // Whether every point of a list has one of the samples [begin, end) within `reach`.
+  bool all_near(const Points<Dim>& x, double reach, Index begin, Index end) const {
+    const auto samples = cover_.points().middleCols(begin, end - begin);
+    for (Index k = 0; k < x.cols(); ++k) {
+      bool near = false;
+      for (Index i = 0; i < samples.cols() && !near; ++i)
+        near = (samples.col(i) - x.col(k)).squaredNorm() <= reach * reach;
+      if (!near) return false;
     }
-    if (count > end - begin) return false;
-    full.assign(static_cast<std::size_t>(count), 0);
-    for (Index i = begin; i < end; ++i) {
-      Index at = 0;
-      for (std::size_t a = Dim; a-- > 0;) {
-        const auto axis = static_cast<Index>(a);
-        const double t = (cover_.points()(axis, i) - cell.lo[axis]) / cell.extent()[axis];
-        at = parts[a] * at + std::clamp<Index>(static_cast<Index>(t * static_cast<double>(parts[a])), 0, parts[a] - 1);
-      }
-      full[at] = 1;
-    }
-    return std::find(full.begin(), full.end(), 0) == full.end();
+    return true;
   }
 
   void enter(Index cell, const Eigen::VectorXd& error, Work& work) const {
@@ -283,7 +309,8 @@ class GapFiller {
     }
     if (wide == 0) return;
     const double half = 0.5 * box.diagonal();
-    const bool is_fine_enough = half <= finest * spacing || depth >= deepest;
+    const bool is_fine_enough =
+        half <= std::max(finest * spacing, finest_of_patch * spacing_ * work.radius) || depth >= deepest;
     if (is_fine_enough || (wide_inside == probes_each<Dim> && half <= shrink * distance[middle])) {
       if (2 * wide < x.cols()) return;
       nodes[at].variance = scale;
