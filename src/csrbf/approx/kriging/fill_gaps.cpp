@@ -1,35 +1,23 @@
 #include "csrbf/approx/kriging/fill_gaps.hpp"
 
 #include "csrbf/approx/kriging/local_kriging.hpp"
+#include "csrbf/approx/kriging/patch_errors.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
-#include "csrbf/approx/unity/patch_samples.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 
-#include <Eigen/Cholesky>
-
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <optional>
 
 namespace csrbf {
 namespace {
 
-// Samples in a ball without any that is no gap yet: by chance one in e^9 is so. More in space, where a cell has three
-// times as many places to look at.
-template <int Dim>
-constexpr double expected_in_empty = Dim == 3 ? 14 : 9;
 constexpr double shrink = 0.7;           // half diagonal of a cell in a gap over the distance to the nearest sample
 constexpr double finest = 1.5;           // the smallest half diagonal, in distances of samples; both chosen by hand
 constexpr double finest_of_patch = 0.5;  // the same, in distances of samples in the patch
 constexpr double noticeable = 1e-4;      // deviations of the values; in a gap kriging is hardly ever better
 constexpr int deepest = 40;              // halvings of a cell; never reached unless samples are extremely uneven
-
-template <int Dim>
-constexpr double ball_volume = Dim == 1   ? 2
-                               : Dim == 2 ? 3.14159265358979
-                                          : 4.18879020478639;  // of radius 1
 
 template <int Dim>
 constexpr Index probes_each = Dim == 1   ? 3
@@ -61,21 +49,12 @@ class GapFiller {
  public:
   GapFiller(const Samples<Dim>& samples, const PartitionOfUnityFit<Dim>& fit,
             const std::vector<std::shared_ptr<const Field<Dim>>>& variances)
-      : samples_(samples), fit_(fit), variances_(variances), cover_(fit.data->cover), basis_(fit.report.local.degree) {
-    const LocalOptions& local = fit.report.local;
-    const Index n = std::min(local.samples, cover_.points().cols());
-    unknowns_ = std::min(n, basis_.size() + fit.data->models.centers_each);
-    const auto M = static_cast<double>(unknowns_);
-    gap_ = std::pow(expected_in_empty<Dim> / M, 1.0 / Dim);
-    spacing_ = std::pow(ball_volume<Dim> / M, 1.0 / Dim);
-    patch_samples_ = n;
-    interpolates_ = fit.data->models.centers_each == n;
-  }
+      : samples_(samples), fit_(fit), variances_(variances), cover_(fit.data->cover), patches_(fit) {}
 
   // Cells with a gap between samples in their support.
   std::vector<Index> cells_with_gaps() const {
     std::vector<char> has_gap(static_cast<std::size_t>(cover_.size()), 0);
-    if (gap_ >= 1) return {};                          // patches of too few samples
+    if (patches_.gap() >= 1) return {};                // patches of too few samples
     std::vector<Index> end_of(has_gap.size() + 1, 0);  // samples up to each cell
     for (Index i = 0; i < cover_.size(); ++i) end_of[i + 1] = end_of[i] + cover_.count(i);
     parallel_for(cover_.size(), 256, [&](Index first, Index last) {
@@ -84,11 +63,11 @@ class GapFiller {
         const Box<Dim>& cell = cover_.cell(i);
         const double radius = std::min(fit_.data->models.radius[i], usual_radius(cell, end_of[i + 1] - end_of[i]));
         const Points<Dim> x = probes(cell);
-        if (all_near(x, gap_ * radius, end_of[i], end_of[i + 1])) continue;
-        cover_.nearest(cell.center(), unknowns_, radius, search);
-        const double reach = gap_ * std::sqrt(search.found.back().first);
+        if (all_near(x, patches_.gap() * radius, end_of[i], end_of[i + 1])) continue;
+        cover_.nearest(cell.center(), patches_.unknowns(), radius, search);
+        const double reach = patches_.gap() * std::sqrt(search.found.back().first);
         for (Index k = 0; k < x.cols() && has_gap[i] == 0; ++k)
-          if (nearest(x.col(k), reach, search) > reach * inside_factor(x.col(k))) has_gap[i] = 1;
+          if (patches_.nearest(x.col(k), reach, search) > reach * inside_factor(x.col(k))) has_gap[i] = 1;
       }
     });
     std::vector<char> reaches_gap = has_gap;
@@ -112,10 +91,10 @@ class GapFiller {
     const LocalKriging<Dim> kriging(samples_);
     std::vector<std::vector<Node<Dim>>> parts(static_cast<std::size_t>(cover_.size()));
     parallel_for(std::ssize(cells), 4, [&](Index first, Index last) {
-      Work work;
+      typename PatchErrors<Dim>::Patch work;
       for (Index k = first; k < last; ++k) {
         const Index cell = cells[static_cast<std::size_t>(k)];
-        enter(cell, errors.col(cell), work);
+        patches_.enter(cell, errors.col(cell), work);
         split(kriging, cover_.cell(cell), 0, work, parts[cell]);
       }
     });
@@ -131,15 +110,15 @@ class GapFiller {
         noticeable * noticeable * (samples_.values.rowwise() - mean).cwiseAbs2().colwise().mean().transpose();
     std::vector<char> is_doubtful(cells.size(), 0);
     parallel_for(std::ssize(cells), 16, [&](Index first, Index last) {
-      Work work;
+      typename PatchErrors<Dim>::Patch work;
       for (Index i = first; i < last; ++i) {
         const Index cell = cells[static_cast<std::size_t>(i)];
-        enter(cell, errors.col(cell), work);
+        patches_.enter(cell, errors.col(cell), work);
         const Points<Dim> x = probes(support_of(cover_.cell(cell)));
-        const double spacing = std::max(spacing_at(cover_.cell(cell).center(), work), 1e-300);
+        const double spacing = std::max(patches_.spacing_at(cover_.cell(cell).center(), work), 1e-300);
         for (Index k = 0; k < x.cols() && is_doubtful[i] == 0; ++k) {
-          const double distance = nearest(x.col(k), gap_ * work.radius, work.search);
-          if ((fine_error(x.col(k), distance, spacing, work).array() > least.array()).any()) is_doubtful[i] = 1;
+          const double distance = patches_.nearest(x.col(k), patches_.gap() * work.radius, work.search);
+          if ((patches_.error(x.col(k), distance, spacing, work).array() > least.array()).any()) is_doubtful[i] = 1;
         }
       }
     });
@@ -150,24 +129,6 @@ class GapFiller {
   }
 
  private:
-  // A cell of the partition of unity, and its local function.
-  struct Work {
-    Index cell = 0;
-    Point<Dim> center;
-    double radius = 0;
-    Eigen::VectorXd error;              // mean square, by component
-    Points<Dim> q;                      // its samples in its coordinates
-    Eigen::MatrixXd rows;               // of the monomials at them
-    Eigen::LDLT<Eigen::MatrixXd> gram;  // of these
-    Eigen::LDLT<Eigen::MatrixXd> radial;
-    typename Cover<Dim>::Search search;
-  };
-
-  double nearest(const Point<Dim>& x, double reach, typename Cover<Dim>::Search& search) const {
-    cover_.nearest(x, 1, reach, search);
-    return std::sqrt(search.found.front().first);
-  }
-
   // Samples lie on one side of the faces of the box only: a ball about a point there must be larger to hold as many.
   double inside_factor(const Point<Dim>& x) const {
     constexpr double at_face = 1e-6;  // of the extent of the box, far above its margin
@@ -178,8 +139,8 @@ class GapFiller {
 
   // Radius of a ball with as many samples as a local function has unknowns, as dense as those of a cell.
   double usual_radius(const Box<Dim>& cell, Index count) const {
-    const double volume = cell.extent().prod() * static_cast<double>(unknowns_) / static_cast<double>(count);
-    return std::pow(volume / ball_volume<Dim>, 1.0 / Dim);
+    const double volume = cell.extent().prod() * static_cast<double>(patches_.unknowns()) / static_cast<double>(count);
+    return std::pow(volume / unit_ball_volume<Dim>, 1.0 / Dim);
   }
 
   // Whether every point of a list has one of the samples [begin, end) within `reach`.
@@ -194,73 +155,9 @@ class GapFiller {
     return true;
   }
 
-  void enter(Index cell, const Eigen::VectorXd& error, Work& work) const {
-    work.cell = cell;
-    work.error = error;
-    work.center = fit_.data->models.center.col(cell);
-    work.radius = fit_.data->models.radius[cell];
-    find_patch_samples(cover_, cell, patch_samples_, 0, work.search);
-    work.q.resize(Dim, std::ssize(work.search.found));
-    for (Index k = 0; k < work.q.cols(); ++k)
-      work.q.col(k) = (cover_.points().col(work.search.found[k].second) - work.center) / work.radius;
-    constexpr double rounding = 1e-14;  // relative, as in LocalFitter
-    work.rows.resize(work.q.cols(), basis_.size());
-    if (basis_.size() > 0) {
-      basis_.rows(work.q, work.rows.data());
-      Eigen::MatrixXd gram = work.rows.transpose() * work.rows;
-      gram.diagonal().array() += rounding * gram.trace() / static_cast<double>(basis_.size());
-      work.gram.compute(gram);
-    }
-    if (!interpolates_) return;
-    Eigen::MatrixXd A(work.q.cols(), work.q.cols());
-    for (Index j = 0; j < A.cols(); ++j) A.col(j) = radial(work.q.col(j), work);
-    A.diagonal().array() += fit_.report.local.smoothing + static_cast<double>(A.rows()) * rounding;
-    work.radial.compute(A);
-  }
-
-  // The radial functions of a patch at q.
-  [[nodiscard]] Eigen::VectorXd radial(const Point<Dim>& q, const Work& work) const {
-    const LocalModels<Dim>& models = fit_.data->models;
-    const Eigen::VectorXd r2 =
-        (work.q.colwise() - q).colwise().squaredNorm().transpose() / (models.support * models.support);
-    Eigen::VectorXd phi(r2.size());
-    models.kernel.values(r2.data(), r2.size(), phi.data());
-    return phi;
-  }
-
-  // Sum of the squares of the weights of the samples in the value of the local function at q: what errors of theirs are
-  // magnified by. Without radial functions at all of them, that of the polynomial.
-  [[nodiscard]] double magnified(const Point<Dim>& q, const Work& work) const {
-    Eigen::VectorXd row(basis_.size());
-    if (basis_.size() > 0) basis_.rows(q, row.data());
-    Eigen::VectorXd w = Eigen::VectorXd::Zero(work.q.cols());
-    if (interpolates_) {
-      w = work.radial.solve(radial(q, work));
-      row -= work.rows.transpose() * w;
-    }
-    if (basis_.size() > 0) w += work.rows * work.gram.solve(row);
-    return w.squaredNorm();
-  }
-
-  // The mean square error that the local function may have at x, by its own account: of degree p, it grows like the
-  // distance of samples to the power p + 1, and as errors of the samples are magnified.
-  Eigen::VectorXd fine_error(const Point<Dim>& x, double distance, double spacing, const Work& work) const {
-    const double wider = std::max({1.0, distance / spacing, spacing_ * work.radius / spacing});
-    const double growth = std::pow(wider, 2 * std::max(1, basis_.degree() + 1));
-    const double largest = 1e100;  // keeps the product finite
-    return std::min(largest, growth * (1 + magnified((x - work.center) / work.radius, work))) * work.error;
-  }
-
   [[nodiscard]] Box<Dim> support_of(const Box<Dim>& cell) const {
     const Point<Dim> center = cell.center(), half = 0.5 * cover_.growth() * cell.extent();
     return {(center - half).cwiseMax(cover_.box().lo), (center + half).cwiseMin(cover_.box().hi)};
-  }
-
-  // Distance of samples about x, as in a patch.
-  double spacing_at(const Point<Dim>& x, Work& work) const {
-    const Index n = std::min(unknowns_, cover_.points().cols());
-    cover_.nearest(x, n, work.radius, work.search);
-    return spacing_ * std::sqrt(work.search.found.back().first);
   }
 
   // Of all components of local function i.
@@ -277,7 +174,7 @@ class GapFiller {
     return values;
   }
 
-  void split(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth, Work& work,
+  void split(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth, typename PatchErrors<Dim>::Patch& work,
              std::vector<Node<Dim>>& nodes) const {
     const std::size_t at = nodes.size();
     nodes.emplace_back();
@@ -286,11 +183,12 @@ class GapFiller {
     x << probes(box), probes(support_of(box));
     const Index middle = probes_each<Dim> / 2;
     Eigen::VectorXd distance(x.cols());
-    for (Index k = 0; k < x.cols(); ++k) distance[k] = nearest(x.col(k), gap_ * work.radius, work.search);
-    const double spacing = std::max(spacing_at(center, work), 1e-300);
-    const Eigen::VectorXd fine = fine_error(center, distance[middle], spacing, work);
+    for (Index k = 0; k < x.cols(); ++k)
+      distance[k] = patches_.nearest(x.col(k), patches_.gap() * work.radius, work.search);
+    const double spacing = std::max(patches_.spacing_at(center, work), 1e-300);
+    const Eigen::VectorXd fine = patches_.error(center, distance[middle], spacing, work);
     nodes[at].variance = fine;
-    if (distance.maxCoeff() <= gap_ / spacing_ * spacing) return;
+    if (distance.maxCoeff() <= patches_.gap() / patches_.spacing() * spacing) return;
     const KrigingPatch<Dim> patch = kriging.patch(center);
     const Eigen::VectorXd scale = patch.variance(center);
     LocalModels<Dim> model = kriging.models(1);
@@ -298,8 +196,8 @@ class GapFiller {
     Index wide = 0, wide_inside = 0;
     for (Index k = 0; k < x.cols(); ++k) {
       const Eigen::VectorXd other = k == middle ? scale : patch.variance(x.col(k));
-      Eigen::VectorXd own = k == middle ? fine : fine_error(x.col(k), distance[k], spacing, work);
-      if (distance[k] > gap_ / spacing_ * spacing) {
+      Eigen::VectorXd own = k == middle ? fine : patches_.error(x.col(k), distance[k], spacing, work);
+      if (distance[k] > patches_.gap() / patches_.spacing() * spacing) {
         const Eigen::VectorXd difference = value(fit_.data->models, work.cell, x.col(k)) - value(model, 0, x.col(k));
         own = own.cwiseMax(difference.cwiseAbs2() - other);
       }
@@ -310,7 +208,7 @@ class GapFiller {
     if (wide == 0) return;
     const double half = 0.5 * box.diagonal();
     const bool is_fine_enough =
-        half <= std::max(finest * spacing, finest_of_patch * spacing_ * work.radius) || depth >= deepest;
+        half <= std::max(finest * spacing, finest_of_patch * patches_.spacing() * work.radius) || depth >= deepest;
     if (is_fine_enough || (wide_inside == probes_each<Dim> && half <= shrink * distance[middle])) {
       if (2 * wide < x.cols()) return;
       nodes[at].variance = scale;
@@ -417,11 +315,7 @@ class GapFiller {
   const PartitionOfUnityFit<Dim>& fit_;
   const std::vector<std::shared_ptr<const Field<Dim>>>& variances_;
   const Cover<Dim>& cover_;
-  Polynomials<Dim> basis_;
-  Index unknowns_ = 0, patch_samples_ = 0;
-  bool interpolates_ = false;  // with radial functions at all samples of a patch
-  double gap_ = 0;             // radius of an empty ball that is a gap, in radii of a patch
-  double spacing_ = 0;         // distance of samples, or of unknowns, in the same unit
+  PatchErrors<Dim> patches_;
 };
 
 }  // namespace

@@ -173,7 +173,7 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> patches_from(const A
   if (!archive.has("wide_of")) return data;
   const Archive wide = archive.part("wide");
   const auto& wide_of = archive.array<std::int32_t>("wide_of", data->cover.size(), 1);
-  const Index count = wide_of.size() == 0 ? 0 : wide_of.maxCoeff() + 1;
+  const Index count = wide_of.size() == 0 ? 0 : static_cast<Index>(wide_of.maxCoeff()) + 1;
   if (count < 1 || wide_of.minCoeff() < -1) archive.fail("the numbers of the wide functions are damaged");
   data->wide = models_from<Dim>(wide, count);
   if (data->wide.components != data->models.components) archive.fail("the wide functions have other components");
