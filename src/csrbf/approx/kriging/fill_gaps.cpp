@@ -194,6 +194,7 @@ class GapFiller {
     LocalModels<Dim> model = kriging.models(1);
     patch.store(model, 0);
     Index wide = 0, wide_inside = 0;
+    double sum = 0;  // of the differences of expected errors in the cell
     for (Index k = 0; k < x.cols(); ++k) {
       const Eigen::VectorXd other = k == middle ? scale : patch.variance(x.col(k));
       Eigen::VectorXd own = k == middle ? fine : patches_.error(x.col(k), distance[k], spacing, work);
@@ -201,7 +202,9 @@ class GapFiller {
         const Eigen::VectorXd difference = value(fit_.data->models, work.cell, x.col(k)) - value(model, 0, x.col(k));
         own = own.cwiseMax(difference.cwiseAbs2() - other);
       }
-      if (!(own.cwiseQuotient(scale).sum() > other.cwiseQuotient(scale).sum())) continue;
+      const double gain = (own - other).cwiseQuotient(scale).sum();
+      if (k < probes_each<Dim>) sum += gain;
+      if (!(gain > 0)) continue;
       ++wide;
       if (k < probes_each<Dim>) ++wide_inside;
     }
@@ -210,7 +213,7 @@ class GapFiller {
     const bool is_fine_enough =
         half <= std::max(finest * spacing, finest_of_patch * patches_.spacing() * work.radius) || depth >= deepest;
     if (is_fine_enough || (wide_inside == probes_each<Dim> && half <= shrink * distance[middle])) {
-      if (2 * wide < x.cols()) return;
+      if (!(sum > 0)) return;
       nodes[at].variance = scale;
       nodes[at].wide = std::make_unique<const LocalModels<Dim>>(std::move(model));
       return;
