@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/kriging/fill_gaps.hpp"
 #include "csrbf/approx/levels/error_bounded.hpp"
 #include "csrbf/approx/levels/fixed_budget.hpp"
 #include "csrbf/approx/levels/least_squares.hpp"
@@ -135,6 +136,9 @@ class Fitter {
       if (holds(fields, subset(order, stride / 2, stride_of_test)) && holds(fields, samples_)) {
         method_ = FitMethod::partition_of_unity;
         report_.samples_fitted = share.size();
+        Fields right_in_gaps = filled(share);
+        if (holds(right_in_gaps, samples_)) return right_in_gaps;
+        variances_ = local_variance(share, last_fit_);
         return fields;
       }
     }
@@ -172,15 +176,23 @@ class Fitter {
       require(Kernel(options_.kernel, Dim).order() == 0, "fit", "kernel", options_.kernel,
               "is only conditionally positive definite; a partition of unity needs another one, such as wendland-c4");
     const PartitionOfUnityFit<Dim> fit = partition_of_unity(samples, options);
-    const LocalOptions& local = local_ = fit.report.local;
+    const LocalOptions& local = fit.report.local;
     report_.kernel = local.kernel;
     report_.degree = local.degree;
     report_.centers = fit.report.centers;
     report_.partition = {fit.report.patches, local.samples, local.anisotropy};
     report_.smoothing = local.smoothing;
     report_.cross_validation_rmse = fit.report.cross_validation_rmse;
-    variances_ = local_variance(samples, fit);
+    last_fit_ = fit;
     return fit.fields();
+  }
+
+  // What partition() has fitted, also right in gaps between the samples.
+  Fields filled(const Samples<Dim>& samples) {
+    FilledGaps<Dim> filled = fill_gaps(samples, last_fit_, local_variance(samples, last_fit_));
+    report_.partition->patches = filled.fit.report.patches;
+    variances_ = std::move(filled.variances);
+    return filled.fit.fields();
   }
 
   bool tracks_may_matter() const {
@@ -193,8 +205,8 @@ class Fitter {
   Fields patches_or_tracks() {
     const FitReport before = report_;
     Fields fields = partition(samples_, partition_options(options_));
-    const auto error = tracks_may_matter() ? better_along_tracks(samples_, local_) : std::nullopt;
-    if (!error) return fields;
+    const auto error = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
+    if (!error) return filled(samples_);
     report_ = before;
     method_ = FitMethod::along_tracks;
     report_.cross_validation_rmse = error->rmse;
@@ -248,7 +260,7 @@ class Fitter {
   FitMethod method_;
   Fields variances_ = {};
   FitReport& report_;
-  LocalOptions local_ = {};  // of the last partition of unity
+  PartitionOfUnityFit<Dim> last_fit_ = {};  // by partition()
 };
 
 }  // namespace

@@ -99,6 +99,37 @@ TEST(FunctionArchive, KeepsTheMetricsOfPatches) {
   EXPECT_EQ(round_trip(function).report().partition->anisotropy, .8);
 }
 
+Function function_with_a_gap() {
+  const Samples<2> all = wavy_samples<2>(3000, 2);
+  std::vector<Index> kept;
+  for (Index i = 0; i < all.size(); ++i)
+    if (all.points.col(i).sum() < 1) kept.push_back(i);
+  return Function(fit(Samples<2>{all.points(Eigen::all, kept), all.values(kept, Eigen::all), {}}));
+}
+
+TEST(FunctionArchive, KeepsWhatIsInGaps) {
+  const Function function = function_with_a_gap();
+  const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
+  const auto is_wide = [](const auto& entry) { return entry.first.ends_with("wide_of"); };
+  EXPECT_TRUE(std::any_of(archive.values().begin(), archive.values().end(), is_wide));
+  expect_same_function(round_trip(function), function, probes<2>());
+  EXPECT_TRUE(same(round_trip(function).standard_deviation(probes<2>()), function.standard_deviation(probes<2>())));
+}
+
+TEST(FunctionArchive, RefusesDamagedNumbersOfWhatIsInGaps) {
+  const Archive good = parse_archive(format_archive(to_archive({function_with_a_gap()})), "model");
+  std::string name;
+  for (const auto& [entry, value] : good.values())
+    if (entry.ends_with("wide_of")) name = entry;
+  for (const std::int32_t number : {-2, 1 << 20, std::numeric_limits<std::int32_t>::max()}) {
+    Archive bad = good;
+    ArchiveArray<std::int32_t> wide_of = good.array<std::int32_t>(name);
+    wide_of(0, 0) = number;
+    bad.set(name, wide_of);
+    EXPECT_NE(io_error([&] { (void)function_from(bad); }), "no exception") << number;
+  }
+}
+
 TEST(FunctionArchive, KeepsScaledPeriodicAndUndefinedAxes) {
   Samples<2> samples = wavy_samples<2>(400);
   samples.points.row(1) *= 1000;

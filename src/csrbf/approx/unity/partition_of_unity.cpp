@@ -64,7 +64,7 @@ template <int Dim>
 class Evaluation {
  public:
   Evaluation(const typename PartitionOfUnity<Dim>::Data& data, Index component, const JetBlock& out)
-      : data_(data), component_(component), out_(out), evaluator_(data.models) {}
+      : data_(data), component_(component), out_(out), evaluator_(data) {}
 
   void evaluate(const PointsRef<Dim>& x) {
     sort_by_cell(x);
@@ -151,7 +151,7 @@ class Evaluation {
   JetBlock out_;
   Derivatives derivatives_ = out_.derivatives();
   int wanted_ = derivatives_ == Derivatives::none ? 1 : derivatives_ == Derivatives::gradient ? 1 + Dim : terms<Dim>;
-  LocalEvaluator<Dim> evaluator_;
+  SupportEvaluator<Dim> evaluator_;
   std::vector<Keyed> order_;           // points by cell
   std::vector<Run> runs_;              // of points in the same cell
   std::vector<Keyed> visits_;          // runs, by the supports that reach into their cells

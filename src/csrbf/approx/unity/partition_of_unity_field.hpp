@@ -4,6 +4,7 @@
 #include "csrbf/approx/unity/local_models.hpp"
 #include "csrbf/core/field.hpp"
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -15,6 +16,32 @@ template <int Dim>
 struct PartitionOfUnityData {
   Cover<Dim> cover;
   LocalModels<Dim> models;
+  /// Local functions of another kind, for supports in gaps between samples; those supports have no use for `models`.
+  LocalModels<Dim> wide = {};
+  std::vector<std::int32_t> wide_of = {};  ///< per support: its function in `wide`, or -1; empty: there is none
+
+  [[nodiscard]] bool is_wide(Index support) const { return !wide_of.empty() && wide_of[support] >= 0; }
+};
+
+/// Evaluates the local functions of supports. Keeps work arrays: one per thread.
+template <int Dim>
+class SupportEvaluator {
+ public:
+  explicit SupportEvaluator(const PartitionOfUnityData<Dim>& data)
+      : data_(data), fine_(data.models), wide_(data.wide) {}
+
+  /// See LocalEvaluator::evaluate().
+  void evaluate(Index support, Index component, const double* x, Derivatives derivatives,
+                double (*f)[LocalEvaluator<Dim>::lanes]) {
+    if (data_.is_wide(support))
+      wide_.evaluate(data_.wide_of[support], component, x, derivatives, f);
+    else
+      fine_.evaluate(support, component, x, derivatives, f);
+  }
+
+ private:
+  const PartitionOfUnityData<Dim>& data_;
+  LocalEvaluator<Dim> fine_, wide_;
 };
 
 /// f = sum_i w_i f_i / sum_i w_i with local functions f_i on the supports of a cover (thesis eq. (1.10); Babuska and

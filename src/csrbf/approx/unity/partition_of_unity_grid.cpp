@@ -54,7 +54,7 @@ class GridEvaluation {
       : data_(data),
         component_(component),
         axes_(axes),
-        evaluator_(data.models),
+        evaluator_(data),
         reductions_(make_reductions<Dim>(data.models.degree)) {
     for (std::size_t a = 0; a < Dim; ++a)
       axes_[a] = axes_[a]
@@ -154,7 +154,7 @@ class GridEvaluation {
     const Range& range = ranges_[0];
     const auto padded = static_cast<Index>(range.q.size());
     double *W = W_.data() + offset, *S = S_.data() + offset;
-    if (data_.models.centers_each == 0) {
+    if (data_.models.centers_each == 0 && !data_.is_wide(support_)) {
       lane_sums::add_row(range.q.data(), range.weight.data(), padded, c, data_.models.degree, weight, W, S);
       return;
     }
@@ -173,7 +173,7 @@ class GridEvaluation {
   const typename PartitionOfUnity<Dim>::Data& data_;
   Index component_;
   GridAxes<Dim> axes_;  // moved into the box
-  LocalEvaluator<Dim> evaluator_;
+  SupportEvaluator<Dim> evaluator_;
   std::array<Reduction, Dim> reductions_;
   std::array<Range, Dim> ranges_;
   std::array<std::vector<double>, Dim> reduced_;

@@ -79,6 +79,43 @@ void set_tree(Archive& archive, const typename Cover<Dim>::Tree& tree) {
   archive.set("tree_splits", tree.split);
 }
 
+template <int Dim>
+void set_models(Archive& archive, const LocalModels<Dim>& models) {
+  set_kernel(archive, models.kernel);
+  archive.set("degree", models.degree);
+  archive.set("support", models.support);
+  archive.set("centers_each", models.centers_each);
+  archive.set("components", models.components);
+  archive.set("center", models.center);
+  archive.set("radius", models.radius);
+  if (models.anisotropic) archive.set("metrics", models.metric);
+  archive.set("positions", models.position);
+  archive.set("coefficients", models.alpha);
+  archive.set("polynomials", models.polynomial);
+}
+
+template <int Dim>
+LocalModels<Dim> models_from(const Archive& archive, Index count) {
+  LocalModels<Dim> models;
+  // Keeps the products below from overflowing; the monomials have 16-bit indices.
+  constexpr Index most = std::numeric_limits<std::int16_t>::max();
+  models.kernel = kernel_of(archive);
+  models.degree = static_cast<int>(archive.integer("degree", -1, most_degree));
+  models.support = positive_number(archive, "support");
+  models.centers_each = archive.integer("centers_each", 0, most);
+  models.components = archive.integer("components", 1, most);
+  if (models.polynomial_size() > most) archive.fail("the degree is too high");
+  models.center = archive.numbers("center", Dim, count);
+  models.radius = archive.numbers("radius", count, 1);
+  if (!(models.radius.minCoeff() > 0)) archive.fail("a radius is not positive");
+  models.anisotropic = archive.has("metrics");
+  if (models.anisotropic) models.metric = archive.column("metrics", Dim * Dim * count);
+  models.position = archive.column("positions", Dim * models.centers_each * count);
+  models.alpha = archive.column("coefficients", models.components * models.centers_each * count);
+  models.polynomial = archive.column("polynomials", models.components * models.polynomial_size() * count);
+  return models;
+}
+
 }  // namespace
 
 double positive_number(const Archive& archive, const std::string& name) {
@@ -118,18 +155,13 @@ Archive patches_to_archive(const typename PartitionOfUnity<Dim>::Data& data) {
   Archive archive;
   archive.kind = patches_kind;
   set_tree<Dim>(archive, data.cover.tree());
-  const LocalModels<Dim>& models = data.models;
-  set_kernel(archive, models.kernel);
-  archive.set("degree", models.degree);
-  archive.set("support", models.support);
-  archive.set("centers_each", models.centers_each);
-  archive.set("components", models.components);
-  archive.set("center", models.center);
-  archive.set("radius", models.radius);
-  if (models.anisotropic) archive.set("metrics", models.metric);
-  archive.set("positions", models.position);
-  archive.set("coefficients", models.alpha);
-  archive.set("polynomials", models.polynomial);
+  set_models(archive, data.models);
+  if (data.wide_of.empty()) return archive;
+  Archive wide;
+  wide.kind = "local functions";
+  set_models(wide, data.wide);
+  archive.set("wide", std::move(wide));
+  archive.set("wide_of", data.wide_of);
   return archive;
 }
 
@@ -137,24 +169,15 @@ template <int Dim>
 std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> patches_from(const Archive& archive) {
   using Data = typename PartitionOfUnity<Dim>::Data;
   auto data = std::make_shared<Data>(Data{Cover<Dim>(tree_from<Dim>(archive)), {}});
-  LocalModels<Dim>& models = data->models;
-  const Index cells = data->cover.size();
-  // Keeps the products below from overflowing; the monomials have 16-bit indices.
-  constexpr Index most = std::numeric_limits<std::int16_t>::max();
-  models.kernel = kernel_of(archive);
-  models.degree = static_cast<int>(archive.integer("degree", -1, most_degree));
-  models.support = positive_number(archive, "support");
-  models.centers_each = archive.integer("centers_each", 0, most);
-  models.components = archive.integer("components", 1, most);
-  if (models.polynomial_size() > most) archive.fail("the degree is too high");
-  models.center = archive.numbers("center", Dim, cells);
-  models.radius = archive.numbers("radius", cells, 1);
-  if (!(models.radius.minCoeff() > 0)) archive.fail("a radius is not positive");
-  models.anisotropic = archive.has("metrics");
-  if (models.anisotropic) models.metric = archive.column("metrics", Dim * Dim * cells);
-  models.position = archive.column("positions", Dim * models.centers_each * cells);
-  models.alpha = archive.column("coefficients", models.components * models.centers_each * cells);
-  models.polynomial = archive.column("polynomials", models.components * models.polynomial_size() * cells);
+  data->models = models_from<Dim>(archive, data->cover.size());
+  if (!archive.has("wide_of")) return data;
+  const Archive wide = archive.part("wide");
+  const auto& wide_of = archive.array<std::int32_t>("wide_of", data->cover.size(), 1);
+  const Index count = wide_of.size() == 0 ? 0 : static_cast<Index>(wide_of.maxCoeff()) + 1;
+  if (count < 1 || wide_of.minCoeff() < -1) archive.fail("the numbers of the wide functions are damaged");
+  data->wide = models_from<Dim>(wide, count);
+  if (data->wide.components != data->models.components) archive.fail("the wide functions have other components");
+  data->wide_of.assign(wide_of.data(), wide_of.data() + wide_of.size());
   return data;
 }
 

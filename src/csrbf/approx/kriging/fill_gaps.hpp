@@ -1,0 +1,32 @@
+#pragma once
+
+#include "csrbf/approx/unity/partition_of_unity.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace csrbf {
+
+/// A partition of unity that is right in gaps between its samples, and how far it may be off.
+template <int Dim>
+struct FilledGaps {
+  PartitionOfUnityFit<Dim> fit;
+  std::vector<std::shared_ptr<const Field<Dim>>> variances;
+  Index patches = 0;  ///< in gaps
+};
+
+/// Replaces the local functions of a partition of unity by wide ones where these predict better: in gaps much wider
+/// than the distances of samples, into which polynomials of high degree explode.
+///
+/// The cells at gaps are split where the expected error of the local function, that of leave-one-out times its growth
+/// with the distance to the samples and by its polynomial (leverage), is above that of kriging (LocalKriging), whose
+/// variance then is that of the fit. Cells full of samples and their local functions stay as they are, bit for bit.
+///
+/// `variances`: those of `fit`, see local_variance. In up to three dimensions; in more, and where there are no gaps,
+/// returns what it was given. O(n) to look for gaps; where there are some, O(n log n), and some tenths of a millisecond
+/// for each patch.
+template <int Dim>
+FilledGaps<Dim> fill_gaps(const Samples<Dim>& samples, PartitionOfUnityFit<Dim> fit,
+                          std::vector<std::shared_ptr<const Field<Dim>>> variances);
+
+}  // namespace csrbf

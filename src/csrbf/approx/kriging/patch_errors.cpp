@@ -1,0 +1,108 @@
+#include "csrbf/approx/kriging/patch_errors.hpp"
+
+#include "csrbf/approx/unity/patch_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+// Samples in a ball without any that is no gap yet: by chance one in e^9 is so. More in space, where a cell has three
+// times as many places to look at.
+template <int Dim>
+constexpr double expected_in_empty = Dim == 3 ? 14 : 9;
+
+}  // namespace
+
+template <int Dim>
+PatchErrors<Dim>::PatchErrors(const PartitionOfUnityFit<Dim>& fit)
+    : fit_(fit),
+      cover_(fit.data->cover),
+      basis_(fit.report.local.degree),
+      samples_(std::min(fit.report.local.samples, cover_.points().cols())),
+      unknowns_(std::min(samples_, basis_.size() + fit.data->models.centers_each)),
+      interpolates_(fit.data->models.centers_each == samples_),
+      gap_(std::pow(expected_in_empty<Dim> / static_cast<double>(unknowns_), 1.0 / Dim)),
+      spacing_(std::pow(unit_ball_volume<Dim> / static_cast<double>(unknowns_), 1.0 / Dim)) {}
+
+template <int Dim>
+void PatchErrors<Dim>::enter(Index cell, const Eigen::VectorXd& error, Patch& patch) const {
+  patch.cell = cell;
+  patch.error = error;
+  patch.center = fit_.data->models.center.col(cell);
+  patch.radius = fit_.data->models.radius[cell];
+  find_patch_samples(cover_, cell, samples_, 0, patch.search);
+  patch.q.resize(Dim, std::ssize(patch.search.found));
+  for (Index k = 0; k < patch.q.cols(); ++k)
+    patch.q.col(k) = (cover_.points().col(patch.search.found[k].second) - patch.center) / patch.radius;
+  constexpr double rounding = 1e-14;  // relative, as in LocalFitter
+  patch.rows.resize(patch.q.cols(), basis_.size());
+  if (basis_.size() > 0) {
+    basis_.rows(patch.q, patch.rows.data());
+    Eigen::MatrixXd gram = patch.rows.transpose() * patch.rows;
+    gram.diagonal().array() += rounding * gram.trace() / static_cast<double>(basis_.size());
+    patch.gram.compute(gram);
+  }
+  if (!interpolates_) return;
+  Eigen::MatrixXd A(patch.q.cols(), patch.q.cols());
+  for (Index j = 0; j < A.cols(); ++j) A.col(j) = radial(patch.q.col(j), patch);
+  A.diagonal().array() += fit_.report.local.smoothing + static_cast<double>(A.rows()) * rounding;
+  patch.radial.compute(A);
+}
+
+// The radial functions of a patch at q.
+template <int Dim>
+Eigen::VectorXd PatchErrors<Dim>::radial(const Point<Dim>& q, const Patch& patch) const {
+  const LocalModels<Dim>& models = fit_.data->models;
+  const Eigen::VectorXd r2 =
+      (patch.q.colwise() - q).colwise().squaredNorm().transpose() / (models.support * models.support);
+  Eigen::VectorXd phi(r2.size());
+  models.kernel.values(r2.data(), r2.size(), phi.data());
+  return phi;
+}
+
+// Sum of the squares of the weights of the samples in the value of the local function at q: what errors of theirs are
+// magnified by. Without radial functions at all of them, that of the polynomial.
+template <int Dim>
+double PatchErrors<Dim>::magnified(const Point<Dim>& q, const Patch& patch) const {
+  Eigen::VectorXd row(basis_.size());
+  if (basis_.size() > 0) basis_.rows(q, row.data());
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(patch.q.cols());
+  if (interpolates_) {
+    w = patch.radial.solve(radial(q, patch));
+    row -= patch.rows.transpose() * w;
+  }
+  if (basis_.size() > 0) w += patch.rows * patch.gram.solve(row);
+  return w.squaredNorm();
+}
+
+template <int Dim>
+Eigen::VectorXd PatchErrors<Dim>::error(const Point<Dim>& x, double distance, double spacing,
+                                        const Patch& patch) const {
+  const double wider = std::max({1.0, distance / spacing, spacing_ * patch.radius / spacing});
+  const double growth = std::pow(wider, 2 * std::max(1, basis_.degree() + 1));
+  const double largest = 1e100;  // keeps the product finite
+  return std::min(largest, growth * (1 + magnified((x - patch.center) / patch.radius, patch))) * patch.error;
+}
+
+template <int Dim>
+double PatchErrors<Dim>::spacing_at(const Point<Dim>& x, Patch& patch) const {
+  const Index n = std::min(unknowns_, cover_.points().cols());
+  cover_.nearest(x, n, patch.radius, patch.search);
+  return spacing_ * std::sqrt(patch.search.found.back().first);
+}
+
+template <int Dim>
+double PatchErrors<Dim>::nearest(const Point<Dim>& x, double reach, typename Cover<Dim>::Search& search) const {
+  cover_.nearest(x, 1, reach, search);
+  return std::sqrt(search.found.front().first);
+}
+
+#define CSRBF_INSTANTIATE(Dim) template class PatchErrors<Dim>;
+CSRBF_INSTANTIATE(1)
+CSRBF_INSTANTIATE(2)
+CSRBF_INSTANTIATE(3)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
+
+#include <Eigen/Cholesky>
+
+namespace csrbf {
+
+template <int Dim>
+inline constexpr double unit_ball_volume = Dim == 1   ? 2
+                                           : Dim == 2 ? 3.14159265358979
+                                                      : 4.18879020478639;
+
+/// What errors the local functions of a partition of unity are expected to have away from their samples: in one to
+/// three dimensions.
+template <int Dim>
+class PatchErrors {
+ public:
+  /// `fit` must outlive it.
+  explicit PatchErrors(const PartitionOfUnityFit<Dim>& fit);
+
+  /// A cell of the partition of unity, and its local function.
+  struct Patch {
+    Index cell = 0;
+    Point<Dim> center;
+    double radius = 0;
+    Eigen::VectorXd error;              ///< mean square, by component
+    Points<Dim> q;                      ///< its samples in its coordinates
+    Eigen::MatrixXd rows;               ///< of the monomials at them
+    Eigen::LDLT<Eigen::MatrixXd> gram;  ///< of these
+    Eigen::LDLT<Eigen::MatrixXd> radial;
+    typename Cover<Dim>::Search search;
+  };
+  /// Prepares a patch whose mean square leave-one-out error is `error`: O(n^3) for n samples.
+  void enter(Index cell, const Eigen::VectorXd& error, Patch& patch) const;
+
+  /// The mean square error that the local function may have at x, by its own account: of degree p, it grows like the
+  /// distance of samples to the power p + 1, and as errors of the samples are magnified. `distance`: of the nearest
+  /// sample; `spacing`: of the samples about x.
+  [[nodiscard]] Eigen::VectorXd error(const Point<Dim>& x, double distance, double spacing, const Patch& patch) const;
+
+  /// Distance of x to the nearest sample; `reach`: an estimate of it.
+  [[nodiscard]] double nearest(const Point<Dim>& x, double reach, typename Cover<Dim>::Search& search) const;
+  /// Distance of samples about x, as in a patch.
+  [[nodiscard]] double spacing_at(const Point<Dim>& x, Patch& patch) const;
+
+  [[nodiscard]] Index unknowns() const { return unknowns_; }  ///< of a local function
+  /// Radius of an empty ball that is a gap, in radii of a patch. At least 1 for patches of too few samples to tell.
+  [[nodiscard]] double gap() const { return gap_; }
+  [[nodiscard]] double spacing() const { return spacing_; }  ///< of samples, or of unknowns, in the same unit
+
+ private:
+  [[nodiscard]] Eigen::VectorXd radial(const Point<Dim>& q, const Patch& patch) const;
+  [[nodiscard]] double magnified(const Point<Dim>& q, const Patch& patch) const;
+
+  const PartitionOfUnityFit<Dim>& fit_;
+  const Cover<Dim>& cover_;
+  Polynomials<Dim> basis_;
+  Index samples_, unknowns_;
+  bool interpolates_;  // with radial functions at all samples of a patch
+  double gap_, spacing_;
+};
+
+}  // namespace csrbf

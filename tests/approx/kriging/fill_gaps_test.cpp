@@ -1,0 +1,121 @@
+#include "csrbf/approx/kriging/fill_gaps.hpp"
+
+#include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
+#include "csrbf/approx/unity/local_variance.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
+#include "csrbf/core/parallel.hpp"
+
+namespace csrbf {
+namespace {
+
+template <class Keep>
+Samples<2> franke_where(Index n, unsigned seed, const Keep& keep) {
+  const Points<2> all = random_points<2>(n, seed);
+  std::vector<Index> chosen;
+  for (Index i = 0; i < n; ++i)
+    if (keep(Point<2>(all.col(i)))) chosen.push_back(i);
+  return sample<2>(all(Eigen::all, chosen), franke);
+}
+
+bool in_triangle(const Point<2>& x) {
+  return x.sum() < 1;
+}
+
+bool outside_hole(const Point<2>& x) {
+  return (x.array() - .5).matrix().norm() > .3;
+}
+
+double rms(const Eigen::ArrayXd& x) {
+  return std::sqrt(x.square().mean());
+}
+
+template <class Keep>
+void expect_sane_in_gap(const Keep& keep, double largest_error) {
+  const Samples<2> data = franke_where(6000, 1, keep);
+  const Fit<2> fit = csrbf::fit(data);
+  const Samples<2> gap = franke_where(
+      4000, 2, [&](const Point<2>& x) { return !keep(x) && (x.array() < .97).all() && (x.array() > .03).all(); });
+  const Eigen::ArrayXd error = fit.components[0]->evaluate(gap.points).value.array() - gap.values.col(0).array();
+  EXPECT_LE(rms(error), largest_error);
+  EXPECT_LE(error.abs().maxCoeff(), 1);  // the values are from 0 to 1.2
+  const Eigen::ArrayXd deviation = fit.variances[0]->evaluate(gap.points).value.array().sqrt();
+  EXPECT_GE(static_cast<double>((error.abs() <= 1.96 * deviation).count()), .75 * static_cast<double>(error.size()));
+  EXPECT_LE(deviation.maxCoeff(), 1);
+}
+
+TEST(FillGaps, NothingExplodesInGaps) {
+  expect_sane_in_gap(in_triangle, .25);   // without: 6.8; a thin plate: .12
+  expect_sane_in_gap(outside_hole, .05);  // a thin plate: .04
+}
+
+TEST(FillGaps, TheDeviationGrowsWithTheDistanceToTheSamples) {
+  const Fit<2> fit = csrbf::fit(franke_where(6000, 1, in_triangle));
+  Points<2> x(2, 4);
+  x << .4, .55, .7, .85, .4, .55, .7, .85;
+  const Eigen::VectorXd variance = fit.variances[0]->evaluate(x).value;
+  for (Index k = 1; k < x.cols(); ++k) EXPECT_GT(variance[k], 4 * variance[k - 1]) << k;
+}
+
+TEST(FillGaps, WithoutGapsNothingChanges) {
+  const Samples<2> data = sample<2>(random_points<2>(3000, 1), franke);
+  const auto fit = partition_of_unity(data);
+  const auto variance = local_variance(data, fit);
+  const FilledGaps<2> filled = fill_gaps(data, fit, variance);
+  EXPECT_EQ(filled.patches, 0);
+  EXPECT_EQ(filled.fit.data, fit.data);
+  EXPECT_EQ(filled.variances, variance);
+}
+
+TEST(FillGaps, FarFromAGapNothingChanges) {
+  const Samples<2> data = franke_where(6000, 1, in_triangle);
+  const auto fit = partition_of_unity(data);
+  const FilledGaps<2> filled = fill_gaps(data, fit, local_variance(data, fit));
+  ASSERT_GT(filled.patches, 0);
+  Points<2> x = random_points<2>(500, 3);
+  x.row(0) *= .25;
+  x.row(1) *= .25;
+  EXPECT_LE((filled.fit.fields()[0]->evaluate(x).value - fit.fields()[0]->evaluate(x).value).cwiseAbs().maxCoeff(),
+            1e-12);
+}
+
+TEST(FillGaps, DerivativesAndGridsAreThoseOfTheValues) {
+  const Samples<2> data = franke_where(6000, 1, in_triangle);
+  const auto fit = partition_of_unity(data);
+  const auto field = fill_gaps(data, fit, local_variance(data, fit)).fit.fields()[0];
+  const Points<2> x = (.1 + .8 * random_points<2>(200, 4).array()).matrix();
+  const Jet<2> jet = field->evaluate(x, Derivatives::gradient);
+  constexpr double h = 1e-5;
+  for (Index a = 0; a < 2; ++a) {
+    Points<2> before = x, after = x;
+    before.row(a).array() -= h;
+    after.row(a).array() += h;
+    const Eigen::VectorXd slope = (field->evaluate(after).value - field->evaluate(before).value) / (2 * h);
+    const double size = slope.cwiseAbs().maxCoeff();
+    EXPECT_LE((slope - jet.gradient.row(a).transpose()).cwiseAbs().maxCoeff(), 1e-4 * size);
+  }
+  const Eigen::VectorXd axis = Eigen::VectorXd::LinSpaced(40, 0, 1);
+  const Eigen::VectorXd grid = field->evaluate_grid({axis, axis});
+  Points<2> nodes(2, 1600);
+  for (Index k = 0; k < 1600; ++k) nodes.col(k) = Point<2>(axis[k % 40], axis[k / 40]);
+  EXPECT_LE((grid - field->evaluate(nodes).value).cwiseAbs().maxCoeff(), 1e-10);
+}
+
+TEST(FillGaps, DoesNotDependOnThreadsUnitsAndOffsets) {
+  const Samples<2> data = franke_where(3000, 1, in_triangle);
+  const Points<2> x = random_points<2>(300, 5);
+  const int threads = thread_count();
+  set_thread_count(1);
+  const Eigen::VectorXd one = fit(data).components[0]->evaluate(x).value;
+  set_thread_count(4);
+  EXPECT_EQ(one, fit(data).components[0]->evaluate(x).value);
+  set_thread_count(threads);
+  Samples<2> scaled = data;
+  scaled.points *= 1024;
+  scaled.values *= 1e6;
+  const Eigen::VectorXd other = fit(scaled).components[0]->evaluate((1024 * x).eval()).value / 1e6;
+  EXPECT_LE((one - other).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+}  // namespace
+}  // namespace csrbf
