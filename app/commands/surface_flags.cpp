@@ -24,7 +24,8 @@ void declare(CommandFlags& v, ReconstructCommand& c) {
   for (const SurfaceMethod& method : surface_methods()) methods += std::string("; ") + method.name + ": " + method.what;
   v.flag("method", c.method, "NAME", "auto", methods);
   v.flag("normals", c.normals, "auto|file|estimate", "auto",
-         "auto: those of the file if it has any, turned outwards where they contradict each other or point inward; "
+         "auto: those of the file if it has any, corrected where they have errors, and turned outwards where they "
+         "contradict each other or point inward; "
          "file: as they are; estimate: always estimated")
       ->check(CLI::IsMember({"auto", "file", "estimate"}));
   v.positive_flag("centers", c.centers, "N", "from the data", "budget of RBF centres");

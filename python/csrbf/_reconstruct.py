@@ -34,7 +34,8 @@ def reconstruct(
     points : array_like (n, 3), PointCloud or file name
         Normals of a cloud or file are used like `normals`.
     normals : array_like (n, 3), optional
-        Outward; they are flipped where they contradict each other or point inward, and estimated when there are none.
+        Outward; they are corrected where they have errors, flipped where they contradict each other or point inward,
+        and estimated when there are none.
     method : str
         "auto", "composite", "medial-axis", ...: an unknown name lists them all.
     centers : int, optional
