@@ -181,6 +181,10 @@ py::dict to_dict(const SegmentReport& r) {
   for (const RegionReport& region : r.regions)
     regions.append(py::dict("label"_a = region.label, "voxels"_a = region.voxels, "volume"_a = region.volume,
                             "mean"_a = region.mean, "sd"_a = region.sd));
+  py::list prices;
+  for (const EnergyPrice& each : r.prices)
+    prices.append(py::dict("energy"_a = std::string(name_of(each.energy)),
+                           "shading"_a = std::string(name_of(each.shading)), "nats"_a = each.nats));
   const py::dict options("energy"_a = std::string(name_of(o.energy)), "mode"_a = std::string(name_of(o.mode)),
                          "method"_a = std::string(name_of(o.method)), "shading"_a = std::string(name_of(o.shading)),
                          "regions"_a = o.regions, "center_spacing"_a = o.center_spacing, "support"_a = o.support,
@@ -188,7 +192,7 @@ py::dict to_dict(const SegmentReport& r) {
                          "balloon"_a = o.balloon, "fill_holes"_a = o.fill_holes, "iterations"_a = o.iterations);
   return py::dict("iterations"_a = r.iterations, "converged"_a = r.converged, "energy"_a = r.energy,
                   "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise, "speckle"_a = r.speckle,
-                  "options"_a = options, "warnings"_a = r.warnings);
+                  "prices"_a = prices, "options"_a = options, "warnings"_a = r.warnings);
 }
 
 const SegmentReport& report_of(const Segments& s) {

@@ -108,7 +108,7 @@ struct InpaintCommand {
 
 /// How an image is segmented.
 struct SegmentFlags {
-  std::string energy = "chan-vese";
+  std::string energy = "auto";
   std::string init = "auto";
   int regions = 2;
   std::optional<double> center_spacing;

@@ -49,11 +49,21 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
                        {"sd", region.sd}});
   session.result = {{"iterations", r.iterations}, {"converged", r.converged},   {"energy", r.energy},
                     {"regions", regions},         {"components", r.components}, {"noise", r.noise}};
+  if (!r.prices.empty()) {
+    Json prices = Json::array();
+    for (const EnergyPrice& each : r.prices)
+      prices.push_back({{"energy", name_of(each.energy)}, {"shading", name_of(each.shading)}, {"nats", each.nats}});
+    session.result["prices"] = prices;
+  }
   if (r.speckle) session.result["speckle"] = *r.speckle;
   session.warn(r.warnings);
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
-  session.say("energy: " + std::string(name_of(r.options.energy)) + ", " + std::string(name_of(r.options.mode)) + "; " +
+  session.say("energy: " + std::string(name_of(r.options.energy)) +
+              (r.prices.empty() || r.options.shading == Shading::none
+                   ? ""
+                   : ", shading " + std::string(name_of(r.options.shading))) +
+              (r.prices.empty() ? ", " : ", chosen; ") + std::string(name_of(r.options.mode)) + "; " +
               counted(r.iterations, "iteration") + (r.converged ? ", converged" : ", not converged") +
               (r.options.center_spacing ? "; centers every " + rounded(*r.options.center_spacing) + " voxels" : ""));
   constexpr Index most_lines = 5;  // of the summary; the report has every region

@@ -7,15 +7,16 @@ namespace {
 void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
   v.flag(
        "energy", c.energy, "NAME", c.energy,
-       "what distinguishes regions: chan-vese (means), gaussian (means and variances), generalized-gaussian (textures "
+       "what distinguishes regions: auto (chan-vese or gaussian and the shading, by the shortest description; in local "
+       "mode chan-vese); chan-vese (means), gaussian (means and variances), generalized-gaussian (textures "
        "too), rayleigh, gamma (ultrasound), edge (a short contour on edges; needs --init)")
-      ->check(CLI::IsMember({"chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma", "edge"}));
+      ->check(CLI::IsMember({"auto", "chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma", "edge"}));
   v.flag("init", c.init, "WHERE", c.init,
          "initial inside, in physical units of the image: auto; sphere:X,Y[,Z],R; box:X,Y[,Z],X,Y[,Z] (two corners); "
          "mask:FILE (nonzero inside); points:FILE (some points on the boundary); or MODEL.csrbf");
   v.flag("regions", c.regions, "N", "2", "number of regions, labels 0 to N-1 by ascending intensity")
       ->check(CLI::Range(2, 16));
-  v.flag("center-spacing", c.center_spacing, "S", "2 to 12, from the noise",
+  v.flag("center-spacing", c.center_spacing, "S", "1 to 12, from objects and noise",
          "spacing of the RBF centres in voxels, at most half the image: smaller resolves more detail")
       ->check(CLI::Range(1.0, 1e6));
   v.flag("support", c.support, "RHO", "2.5, collocation 4", "their support radius, in center spacings")
@@ -25,13 +26,15 @@ void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
   v.flag(
       "smoothness", c.smoothness, "auto|L", "auto",
       "weight of the contour length relative to the contrast, in voxels: details of a smaller radius vanish; auto: 0, "
-      "as the centres smooth already (edge: 1)");
+      "as the centres smooth already (edge: 1); a number takes --energy auto for chan-vese");
   v.flag("window", c.window, "N", "0, generalized-gaussian from 1 on",
          "energies are averaged over boxes of 2 N + 1 voxels: larger separates textures, smaller keeps details")
       ->check(CLI::Range(0, 1000));
-  v.flag("shading", c.shading, "auto|none|linear|quadratic", "auto",
-         "how the means vary over the image, for chan-vese and gaussian in global mode")
-      ->check(CLI::IsMember({"auto", "none", "linear", "quadratic"}));
+  v.flag(
+       "shading", c.shading, "auto|none|linear|quadratic|smooth|objects", "auto",
+       "how the means vary over the image, for auto, chan-vese and gaussian in global mode; smooth and objects (a mean "
+       "for each component) with --energy auto only")
+      ->check(CLI::IsMember({"auto", "none", "linear", "quadratic", "smooth", "objects"}));
   v.flag("balloon", c.balloon, "P", "0", "pressure of the energy edge, from -1 (shrink) to 1 (grow)")
       ->check(CLI::Range(-1.0, 1.0));
   v.flag("fill-holes", c.fill_holes, "auto|yes|no", "auto",

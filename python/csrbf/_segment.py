@@ -27,7 +27,7 @@ def segment(
     image: ImageLike,
     voxel_size: ArrayLike | None = None,
     init: Start = "auto",
-    energy: str = "chan-vese",
+    energy: str = "auto",
     regions: int = 2,
     *,
     mode: str = "global",
@@ -58,7 +58,9 @@ def segment(
         units, "mask:FILE", "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (nonzero
         inside), a Function or a Surface (positive inside).
     energy : str
-        "chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma" or "edge".
+        "auto": "chan-vese" or "gaussian" and the shading, whichever describes the image shortest (in local mode, and
+        with a window or a smoothness, "chan-vese"); "chan-vese", "gaussian", "generalized-gaussian", "rayleigh",
+        "gamma" or "edge".
     regions : int
         Number of labels, from 0 on.
     mode : "global" or "local"
@@ -77,8 +79,9 @@ def segment(
         Weight of the contour length, in voxels.
     window : int, optional
         Energies are averaged over boxes of 2 window + 1 voxels.
-    shading : "auto", "none", "linear" or "quadratic"
-        How the means of the regions vary over the image.
+    shading : "auto", "none", "linear", "quadratic", "smooth" or "objects"
+        How the means of the regions vary over the image; "smooth" and "objects" (a mean for each component of a
+        region) with the energy "auto" only.
     balloon : float
         Pressure of the energy "edge", from -1 (shrink) to 1 (grow).
     fill_holes : bool, optional
@@ -126,7 +129,7 @@ def track(
     frames: ImageLike | Iterable[ImageLike],
     voxel_size: ArrayLike | None = None,
     init: Start = "auto",
-    energy: str = "chan-vese",
+    energy: str = "auto",
     regions: int = 2,
     *,
     mask: ImageLike | None = None,

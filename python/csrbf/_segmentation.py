@@ -26,7 +26,8 @@ class Segmentation:
     report : dict
         What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
         components, noise, speckle (the power of the amplitude that the image shows, None when it is not speckle),
-        options, warnings.
+        prices (of the energy "auto": energy, shading and nats, the length of the description of the image by each model
+        over that by the one chosen), options, warnings.
 
     Examples
     --------

@@ -178,11 +178,11 @@ class Fit(VTKPythonAlgorithmBase):
 class Segment(VTKPythonAlgorithmBase):
     """The regions of an image: labels (first output) and the contour of the inside (second)."""
 
-    _energies = ["chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma", "edge"]
+    _energies = ["auto", "chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma", "edge"]
 
     def __init__(self):
         super().__init__(nInputPorts=1, nOutputPorts=2, inputType="vtkImageData", outputType="vtkImageData")
-        self._center, self._radius, self._energy, self._local = (0.0, 0.0, 0.0), 0.0, "chan-vese", False
+        self._center, self._radius, self._energy, self._local = (0.0, 0.0, 0.0), 0.0, "auto", False
 
     def FillOutputPortInformation(self, port, info):
         info.Set(vtkDataObject.DATA_TYPE_NAME(), "vtkImageData" if port == 0 else "vtkPolyData")
@@ -200,7 +200,7 @@ class Segment(VTKPythonAlgorithmBase):
         self._radius = radius
         self.Modified()
 
-    @smproperty.stringvector(name="Energy", default_values="chan-vese")
+    @smproperty.stringvector(name="Energy", default_values="auto")
     @smdomain.xml('<StringListDomain name="list">' + "".join(f'<String value="{e}"/>' for e in _energies) +
                   "</StringListDomain>")
     def SetEnergy(self, energy):

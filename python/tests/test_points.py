@@ -146,7 +146,7 @@ class Contract(unittest.TestCase):
             csrbf.RBFInterpolator: "y, d, neighbors=None, smoothing=0.0, kernel='thin_plate_spline', epsilon=None, "
             "degree=None",
             csrbf.reconstruct: "points, normals=None, method='auto', centers=None, tolerance=None",
-            csrbf.segment: "image, voxel_size=None, init='auto', energy='chan-vese', regions=2",
+            csrbf.segment: "image, voxel_size=None, init='auto', energy='auto', regions=2",
             csrbf.estimate_normals: "points",
             csrbf.farthest_points: "points, n",
             csrbf.read_points: "path",

@@ -4,10 +4,12 @@
 #include "csrbf/levelset/baselines/collocation.hpp"
 #include "csrbf/levelset/baselines/finite_difference.hpp"
 #include "csrbf/levelset/contour/edge_flow.hpp"
+#include "csrbf/levelset/contour/region_order.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_contour.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
-#include "csrbf/levelset/image_contour.hpp"
+#include "csrbf/levelset/partition/partition_contours.hpp"
+#include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_cores.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
@@ -20,6 +22,16 @@ namespace csrbf {
 namespace {
 
 constexpr const char* here = "segment";
+
+constexpr double contour_length = 1.5;  // nats per voxel edge of a contour; see segment.md
+
+std::optional<MeanShape> shape_of(Shading shading) {
+  if (shading == Shading::automatic) return std::nullopt;
+  return static_cast<MeanShape>(static_cast<int>(shading) - static_cast<int>(Shading::none));
+}
+Shading shading_of(MeanShape shape) {
+  return static_cast<Shading>(static_cast<int>(shape) + static_cast<int>(Shading::none));
+}
 
 IntensityLaw law_of(SegmentEnergy energy) {
   switch (energy) {
@@ -50,13 +62,18 @@ ForceUpdate force_update(ForceSource& source, std::size_t voxels, std::vector<do
 }
 
 // The settings with values in place of `automatic`, but for the center spacing, the window and the shading.
-SegmentSettings choose_settings(const SegmentOptions& given) {
+SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
   SegmentSettings used = given;
   const bool edge = used.energy == SegmentEnergy::edge && !given.force;
   if (edge) used.mode = SegmentMode::local;
+  constexpr Index large = 1 << 23;  // voxels from which the search takes longer than all else; it took 40 s for 256^3
+  const bool chosen = chooses_model(given) && voxels <= large;
+  require(chosen || (given.shading != Shading::smooth && given.shading != Shading::objects), here, "shading",
+          std::string(name_of(given.shading)), "is for images of at most 8 million voxels");
+  if (used.energy == SegmentEnergy::automatic && !chosen) used.energy = SegmentEnergy::chan_vese;
   const bool smooth_by_centers = !used.smoothness || *used.smoothness > 0;
-  if (!used.center_spacing && !smooth_by_centers) used.center_spacing = 1;
-  if (!used.smoothness) used.smoothness = edge ? 1 : 0;
+  if (!used.center_spacing && !smooth_by_centers && !chosen) used.center_spacing = 1;
+  if (!used.smoothness && !chosen) used.smoothness = edge ? 1 : 0;
   if (!used.support) used.support = used.method == SegmentMethod::collocation ? 4 : 2.5;
   if (!used.fill_holes) used.fill_holes = used.mode == SegmentMode::local;
   return used;
@@ -67,31 +84,6 @@ int choose_window(const SegmentOptions& options, const ForceNoise& noise, int di
   if (options.energy != SegmentEnergy::generalized_gaussian || options.force) return 0;
   return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
 }
-
-// The force of the caller, which depends on the labels of the last fit().
-class CallerForces final : public ForceSource {
- public:
-  explicit CallerForces(const SegmentOptions& options) : ForceSource(2, options.prior), options_(options) {}
-
-  void fit(std::span<const std::uint8_t> labels) override {
-    saved_ = std::exchange(labels_, {labels.begin(), labels.end()});
-  }
-  void undo() override { labels_ = saved_; }
-  double force(int /*k*/, double scale, std::span<float> force) const override {
-    options_.force(labels_.data(), force.data());
-    double outside = 0;  // the smaller cost of each voxel is 0
-    for (std::size_t i = 0; i < force.size(); ++i) {
-      require(std::isfinite(force[i]), here, "force", force[i], "the function must write finite numbers");
-      force[i] = options_.mask.empty() || options_.mask[i] != 0 ? static_cast<float>(force[i] / scale) : 0.0F;
-      outside += std::max(0.0, -static_cast<double>(force[i]) * scale);
-    }
-    return outside;
-  }
-
- private:
-  const SegmentOptions& options_;
-  std::vector<std::uint8_t> labels_, saved_;
-};
 
 ForceNoise measure_noise(const ForceSource& source, const std::vector<std::uint8_t>& labels,
                          const std::vector<std::uint8_t>& mask, const Grid& grid) {
@@ -107,27 +99,12 @@ ForceNoise measure_noise(const ForceSource& source, const std::vector<std::uint8
   return noise;
 }
 
-// Makes the region that must be inside label 1, or brings the labels of several in order.
-void choose_polarity(const Grid& grid, const SegmentOptions& options, VariationalResult& result) {
-  int outside = -1;
-  if (!options.seed.empty()) {
-    const int inside = seeded_region(result.labels, options.seed, options.mask);
-    if (inside >= 0) outside = 1 - inside;
-  }
-  if (outside < 0) outside = border_region(result.labels, grid, options.mask, options.regions);
-  if (outside == 0) return;
-  const auto other = static_cast<std::uint8_t>(outside);
-  for (std::uint8_t& label : result.labels) {
-    if (label == 0)
-      label = other;
-    else if (label == other)
-      label = 0;
-  }
-  if (options.regions > 2)
-    std::swap(result.coefficients[0], result.coefficients[outside]);
-  else
-    for (std::vector<float>& set : result.coefficients)
-      for (float& c : set) c = -c;
+std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices) {
+  std::vector<EnergyPrice> list;
+  for (const ModelPrice& each : prices)
+    list.push_back({each.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese,
+                    shading_of(each.model.shape), each.nats});
+  return list;
 }
 
 template <int Dim>
@@ -151,7 +128,7 @@ template <int Dim>
 class Segmenter {
  public:
   Segmenter(const Volume<float>& image, const SegmentOptions& options)
-      : image_(image), options_(options), grid_(image.grid), used_(choose_settings(options)) {}
+      : image_(image), options_(options), grid_(image.grid), used_(choose_settings(options, image.grid.voxels())) {}
 
   // The values, the source of the forces and the labels that the statistics start from.
   void start() {
@@ -186,13 +163,17 @@ class Segmenter {
       labels_ = std::move(given_);
       source().fit(labels_);
     }
-    if (!used_.center_spacing) used_.center_spacing = choose_center_spacing(noise_, Dim);
+    if (!used_.center_spacing && !chooses_model()) used_.center_spacing = choose_center_spacing(noise_, Dim);
   }
 
   // Labels and level sets.
   void solve() {
     if (!is_variational()) {
       follow_baseline();
+      return;
+    }
+    if (chooses_model()) {
+      partition();
       return;
     }
     Lattice<Dim> lattice = make_lattice();
@@ -215,6 +196,7 @@ class Segmenter {
     found.components = count_components(labels, grid_);
     found.noise = noise_.size;
     found.speckle = speckle_;
+    found.prices = price_list(prices_);
     for (const RegionReport& region : found.regions)
       if (region.voxels == 0)
         found.warnings.push_back("label " + std::to_string(region.label) +
@@ -227,6 +209,8 @@ class Segmenter {
   [[nodiscard]] bool is_local() const { return used_.mode == SegmentMode::local; }
   [[nodiscard]] bool is_variational() const { return options_.method == SegmentMethod::variational; }
 
+  [[nodiscard]] bool chooses_model() const { return used_.energy == SegmentEnergy::automatic; }
+
   ForceSource& source() {
     if (caller_) return *caller_;
     return *regions_;
@@ -236,10 +220,61 @@ class Segmenter {
     return Lattice<Dim>(grid_.size, grid_.spacing, {*used_.center_spacing, *used_.support, used_.kernel});
   }
 
+  // The shortest description of the image by regions, then their contours in CSRBFs.
+  void partition() {
+    const IntensityBins bins = choose_bins(values_, 256, options_.mask);
+    PartitionPrice price(values_, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
+    Partition found = find_partition(price, {options_.regions, shape_of(used_.shading), options_.progress});
+    const bool given = used_.center_spacing.has_value();
+    const LatticeOptions lattice{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
+    PartitionContours<Dim> contours = partition_contours<Dim>(price, found, options_.regions, lattice, given);
+    if (!given) used_.center_spacing = contours.spacing;
+    result_ = {std::move(contours.coefficients), std::move(found.labels), found.iterations, found.converged,
+               std::move(found.energy)};
+    for (double& energy : result_.energy) energy /= price.voxels();
+    std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(price, found.model);
+    choose_polarity(grid_, options_, values_, result_);
+    used_.energy = found.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;
+    used_.shading = shading_of(found.model.shape);
+    if (options_.regions == 2) {
+      std::vector<float> force(result_.labels.size());
+      price.force(force);
+      used_.smoothness = contour_length / mean_magnitude(force);
+    }
+    prices_ = std::move(found.prices);
+    fields_ = make_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
+  }
+
+  // Descends from the contour of a partition on centres as far apart as the noise asks for: contours are smoother than
+  // a grid says. Kept where the labels cost hardly more, with the lattice; small objects cost much.
+  std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model) {
+    constexpr double tolerance = 0.25;  // of the price of the contour; by hand: smaller follows the noise
+    if (options_.regions > 2 || model.own_deviations || model.shape == MeanShape::smooth ||
+        model.shape == MeanShape::objects)
+      return std::nullopt;
+    regions_->set_shading_degree(static_cast<int>(model.shape));
+    regions_->fit(result_.labels);
+    const ForceNoise noise = measure_noise(*regions_, result_.labels, options_.mask, grid_);
+    const Index longest = *std::max_element(grid_.size.begin(), grid_.size.end());
+    const double spacing =
+        std::min(choose_center_spacing(noise, Dim), std::max(1.0, 0.5 * static_cast<double>(longest)));
+    Lattice<Dim> lattice(grid_.size, grid_.spacing, {spacing, *used_.support, used_.kernel});
+    VariationalResult found =
+        descend_globally(lattice, *regions_, {0, noise.size, used_.iterations, false, {}}, result_.labels);
+    const double least = price.fit(result_.labels, model);
+    if (price.fit(found.labels, model) >
+        least + tolerance * contour_price(result_.labels, 1, grid_.size, price.weight()))
+      return std::nullopt;
+    used_.center_spacing = spacing;
+    result_.labels = std::move(found.labels);
+    result_.coefficients = std::move(found.coefficients);
+    return lattice;
+  }
+
   // The methods that the variational one is compared with.
   void follow_baseline() {
     result_.labels = std::move(labels_);
-    if (options_.seed.empty()) choose_polarity(grid_, options_, result_);
+    if (options_.seed.empty()) choose_polarity(grid_, options_, values_, result_);
     const unsigned char* start = result_.labels.data();
     std::vector<double> energy;
     const auto take = [&](auto&& found) {
@@ -275,7 +310,7 @@ class Segmenter {
       return descend_locally(lattice, source(), how, grid_, std::move(labels_));
     VariationalResult found = descend_globally(lattice, source(), how, std::move(labels_));
     if (!is_local() && can_be_shaded()) shade(lattice, how, found);
-    choose_polarity(grid_, options_, found);
+    choose_polarity(grid_, options_, values_, found);
     return is_local() ? descend_locally(lattice, source(), how, grid_, std::move(found.labels)) : std::move(found);
   }
 
@@ -336,6 +371,7 @@ class Segmenter {
   VariationalResult result_;
   std::vector<std::shared_ptr<const Field<Dim>>> fields_;
   std::optional<double> speckle_;
+  std::vector<ModelPrice> prices_;
 };
 
 }  // namespace
@@ -351,31 +387,7 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   return segmenter.finish();
 }
 
-template <int Dim>
-std::vector<RegionMeasure> measure_segmentation(const Segmentation<Dim>& segmentation, const Grid& grid) {
-  std::vector<RegionMeasure> measures;
-  const bool two = segmentation.fields.size() == 1;
-  for (const RegionReport& region : segmentation.report.regions) {
-    if (region.label == 0) continue;
-    RegionMeasure measure{region.label, region.voxels, 0, 0, region.mean};
-    const auto contour = image_contour(*segmentation.fields[two ? 0 : static_cast<std::size_t>(region.label)], grid);
-    if constexpr (Dim == 2) {
-      measure.volume = contour.lines.area;
-      measure.area = contour.lines.length;
-    } else {
-      measure.volume = contour.volume;
-      measure.area = contour.area;
-    }
-    measures.push_back(measure);
-  }
-  return measures;
-}
-
-#define CSRBF_INSTANTIATE(Dim)                                                          \
-  template Segmentation<Dim> segment<Dim>(const Volume<float>&, const SegmentOptions&); \
-  template std::vector<RegionMeasure> measure_segmentation<Dim>(const Segmentation<Dim>&, const Grid&);
-CSRBF_INSTANTIATE(2)
-CSRBF_INSTANTIATE(3)
-#undef CSRBF_INSTANTIATE
+template Segmentation<2> segment<2>(const Volume<float>&, const SegmentOptions&);
+template Segmentation<3> segment<3>(const Volume<float>&, const SegmentOptions&);
 
 }  // namespace csrbf

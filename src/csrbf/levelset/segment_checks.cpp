@@ -39,6 +39,12 @@ void check_array(const std::vector<std::uint8_t>& array, const char* name, std::
 
 }  // namespace
 
+bool chooses_model(const SegmentOptions& given) {
+  return given.energy == SegmentEnergy::automatic && given.mode == SegmentMode::global &&
+         given.method == SegmentMethod::variational && !given.force && given.start.empty() && given.prior.empty() &&
+         !given.window && !given.smoothness;
+}
+
 void check_segment_options(const SegmentOptions& options) {
   require(options.regions >= 2 && options.regions <= 16, here, "regions", options.regions, "must be 2 to 16");
   require(options.iterations > 0, here, "iterations", options.iterations, "must be positive");
@@ -56,6 +62,9 @@ void check_segment_options(const SegmentOptions& options) {
     require(options.seed.empty() && options.start.empty() && options.prior.empty(), here, "regions", options.regions,
             "seed, start and prior are for two regions");
   }
+  if (options.shading == Shading::smooth || options.shading == Shading::objects)
+    require(chooses_model(options) && options.regions == 2, here, "shading", std::string(name_of(options.shading)),
+            "needs the energy auto in global mode, two regions, and no window, smoothness, start or prior");
   if (options.method != SegmentMethod::variational)
     require(options.energy != SegmentEnergy::edge || options.force, here, "energy", "edge",
             "needs the method variational");

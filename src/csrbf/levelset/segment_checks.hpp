@@ -7,6 +7,10 @@
 
 namespace csrbf {
 
+/// Whether the energy is chosen by the description length: it is `automatic`, and what else is given has a meaning
+/// there.
+bool chooses_model(const SegmentOptions& given);
+
 /// What segment() refuses: these throw InvalidInput. First the options as such, then the image and what of the options
 /// depends on it.
 void check_segment_options(const SegmentOptions& options);

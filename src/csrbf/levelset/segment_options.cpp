@@ -7,11 +7,11 @@ namespace csrbf {
 namespace {
 
 // In the order of the enumerators.
-constexpr std::array<std::string_view, 6> energies{"chan-vese", "gaussian", "generalized-gaussian",
-                                                   "rayleigh",  "gamma",    "edge"};
+constexpr std::array<std::string_view, 7> energies{"auto",     "chan-vese", "gaussian", "generalized-gaussian",
+                                                   "rayleigh", "gamma",     "edge"};
 constexpr std::array<std::string_view, 2> modes{"global", "local"};
 constexpr std::array<std::string_view, 3> methods{"variational", "collocation", "finite-difference"};
-constexpr std::array<std::string_view, 4> shadings{"auto", "none", "linear", "quadratic"};
+constexpr std::array<std::string_view, 6> shadings{"auto", "none", "linear", "quadratic", "smooth", "objects"};
 
 template <class Enum, std::size_t n>
 Enum named_in(const std::array<std::string_view, n>& names, std::string_view name, std::string_view what) {

@@ -14,6 +14,7 @@ namespace csrbf {
 /// The energy that is minimised: that of regions whose intensities follow a law each (see IntensityLaw), or of a
 /// contour on edges.
 enum class SegmentEnergy {
+  automatic,             ///< means or Gaussians and how they vary, by the shortest description; global contours
   chan_vese,             ///< two means
   gaussian,              ///< means and variances
   generalized_gaussian,  ///< also the shape: distinguishes textures of equal mean
@@ -39,6 +40,8 @@ enum class Shading {
   none,
   linear,
   quadratic,
+  smooth,   ///< a quadratic and the local mean of what it leaves; energy automatic only
+  objects,  ///< each component of one region has a mean of its own; energy automatic only
 };
 
 /// Names on the command line and in Python: chan-vese, gaussian, ...; global, local; variational, ...; auto, none, ....
@@ -54,12 +57,13 @@ Shading shading_named(std::string_view name);
 
 /// The options of segment() without arrays and functions.
 struct SegmentSettings {
-  SegmentEnergy energy = SegmentEnergy::chan_vese;
+  SegmentEnergy energy = SegmentEnergy::automatic;
   SegmentMode mode = SegmentMode::global;
   SegmentMethod method = SegmentMethod::variational;
   int regions = 2;  ///< 2 to 16; more than 2 in global mode of the variational method only
   /// Distance of the centres in voxels of the shortest edge, from 1 to half the longest side of the image, and at most
-  /// 256 in the plane, 40 in space; automatic: 2 to 12, growing with the noise; in speckle six times its grain.
+  /// 256 in the plane, 40 in space; automatic: 2 to 12, growing with the noise, with the energy
+  /// `automatic` down to 1 where small objects ask for it; in speckle six times its grain.
   std::optional<double> center_spacing = {};
   /// Support radius in center spacings; automatic: 2.5, for collocation 4 as in the thesis.
   std::optional<double> support = {};

@@ -108,6 +108,9 @@ class Tracker {
   Tracker(Index frames, const FrameSource& read, const TrackOptions& options)
       : frames_(frames), read_(read), options_(options), states_(static_cast<std::size_t>(frames)) {
     report_.options = {options.segment, options.persistence, options.motion, options.prediction, options.sweeps};
+    // One energy for all frames, whose contours and statistics go on from those before.
+    if (report_.options.segment.energy == SegmentEnergy::automatic)
+      report_.options.segment.energy = SegmentEnergy::chan_vese;
     const SegmentOptions& base = options.segment;
     remembers_ = options.persistence > 0 && base.regions == 2 &&
                  (base.energy != SegmentEnergy::edge || static_cast<bool>(base.force));

@@ -1,0 +1,71 @@
+#include "csrbf/levelset/contour/label_contours.hpp"
+
+#include "csrbf/levelset/contour/contour_energy.hpp"
+#include "csrbf/levelset/regions/force_noise.hpp"
+
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+constexpr int fit_steps = 12;         // of conjugate gradients; by hand: more change no label
+constexpr int side_steps = 40;        // to bring voxels to their side; by hand: most end after 5 to 15
+constexpr double side_margin = 0.05;  // |f| that voxels are pushed to; by hand
+constexpr float doubtful = 0.3F;  // |force| of voxels that the contour leaves on the side they do not favour; by hand
+constexpr double noisy = 0.005;   // share of such voxels above which forces say nothing about single voxels; by hand
+
+// -1 and 1 by the labels, with the size of the forces where these agree.
+std::vector<float> guide(std::span<const float> force, const std::vector<std::uint8_t>& labels, std::uint8_t label) {
+  std::vector<float> to(labels.size());
+  const auto side = [&](std::size_t i) { return labels[i] == label ? -1.0F : 1.0F; };
+  double wrong = 0;
+  const double scale = force.empty() ? 1 : std::max(mean_magnitude(force), 1e-30);
+  for (std::size_t i = 0; i < force.size(); ++i) wrong += force[i] * side(i) < 0 ? 1 : 0;
+  const bool plain = force.empty() || wrong > noisy * static_cast<double>(labels.size());
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const float size = plain ? 2.0F : std::abs(static_cast<float>(static_cast<double>(force[i]) / scale));
+    to[i] = side(i) * (!plain && force[i] * side(i) < 0 ? doubtful : std::max(size, doubtful));
+  }
+  return to;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std::span<const float> force, int regions,
+                                               std::vector<std::uint8_t>& labels) {
+  std::vector<std::vector<float>> sets;
+  for (int k = regions == 2 ? 1 : 0; k < regions; ++k) {
+    const std::vector<float> wanted = guide(force, labels, static_cast<std::uint8_t>(k));
+    std::vector<float> coefficients(static_cast<std::size_t>(lattice.array_size()), 0.0F);
+    fit_target(lattice, ContourEnergy{wanted.data()}, fit_steps, coefficients);
+    separate_voxels(lattice, wanted.data(), side_margin, side_steps, coefficients);
+    sets.push_back(std::move(coefficients));
+  }
+  if (regions == 2) {
+    update_labels(lattice, sets[0], labels.data());
+    return sets;
+  }
+  std::vector<float> best(labels.size(), -std::numeric_limits<float>::infinity());
+  for (std::size_t k = 0; k < sets.size(); ++k)
+    lattice.sweep(
+        sets[k].data(), false,
+        [&](const LatticeRow& row) {
+          for (Index i = 0; i < row.count; ++i) {
+            const auto voxel = static_cast<std::size_t>(row.voxel + i * row.stride);
+            if (row.value[i] <= best[voxel]) continue;
+            best[voxel] = row.value[i];
+            labels[voxel] = static_cast<std::uint8_t>(k);
+          }
+          return 0.0;
+        },
+        nullptr);
+  return sets;
+}
+
+template std::vector<std::vector<float>> label_contours<2>(const Lattice<2>&, std::span<const float>, int,
+                                                           std::vector<std::uint8_t>&);
+template std::vector<std::vector<float>> label_contours<3>(const Lattice<3>&, std::span<const float>, int,
+                                                           std::vector<std::uint8_t>&);
+
+}  // namespace csrbf

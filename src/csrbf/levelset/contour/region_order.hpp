@@ -1,0 +1,15 @@
+#pragma once
+
+#include "csrbf/levelset/contour/variational.hpp"
+#include "csrbf/levelset/segment_options.hpp"
+
+#include <span>
+
+namespace csrbf {
+
+/// Makes the region that must be inside label 1: the one that the seed marks, or else the one with less of the border
+/// of the image. More than two regions are brought in the order of their means, empty ones last.
+void choose_polarity(const Grid& grid, const SegmentOptions& options, std::span<const float> values,
+                     VariationalResult& result);
+
+}  // namespace csrbf

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "csrbf/levelset/lattice/lattice.hpp"
+#include "csrbf/levelset/partition/partition.hpp"
+
+namespace csrbf {
+
+/// Level sets of a partition, whose labels they replace by their own.
+template <int Dim>
+struct PartitionContours {
+  Lattice<Dim> lattice;
+  double spacing;                                ///< of the centres, in voxels
+  std::vector<std::vector<float>> coefficients;  ///< as of label_contours()
+};
+
+/// Writes the contours of a partition in CSRBFs on the coarsest lattice, of center spacings 4, 3, 2 and 1 voxels, whose
+/// labels cost at most a few percent of the contour more than those found, so that centres are as dense as the smallest
+/// objects ask for; on the lattice of `given.center_spacing` when `spacing_is_given`.
+template <int Dim>
+PartitionContours<Dim> partition_contours(PartitionPrice& price, Partition& partition, int regions,
+                                          const LatticeOptions& given, bool spacing_is_given);
+
+}  // namespace csrbf

@@ -1,0 +1,105 @@
+#pragma once
+
+#include "csrbf/levelset/partition/convex_contour.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace csrbf {
+
+/// How the mean of a region varies over the image.
+enum class MeanShape {
+  constant,
+  linear,
+  quadratic,
+  smooth,   ///< a quadratic and the local mean of what it leaves
+  objects,  ///< one constant for each component of a region, a quadratic in the other
+};
+
+/// What the intensities of regions follow: means with independent deviations about them.
+struct PartitionModel {
+  MeanShape shape = MeanShape::constant;
+  bool own_deviations = false;    ///< one standard deviation for each region, or one for all
+  std::uint8_t object_label = 1;  ///< of MeanShape::objects
+};
+
+/// The description length of an image by regions and their model, in nats: - log likelihood of the voxels in the mask,
+/// half the logarithm of their number for each parameter (Rissanen 1978; Leclerc 1989), the price of the contours, and
+/// of two regions the logarithm of that number for the place of each connected part. A constant that is the same for
+/// all labels and models of the image is left out.
+class PartitionPrice {
+ public:
+  /// `values`: finite; lo < hi: the range that they are clipped to, whose 1/512 no deviation is below; `mask` may be
+  /// empty. All must outlive this.
+  PartitionPrice(std::span<const float> values, double lo, double hi, const Grid& grid,
+                 std::span<const std::uint8_t> mask, const ContourWeight& weight);
+
+  /// Fits the model to the regions 0 to regions - 1 and returns the price; infinite when a region has fewer than 3
+  /// voxels. More than two regions have constant means. O(voxels).
+  double fit(std::span<const std::uint8_t> labels, const PartitionModel& model, int regions = 2) {
+    return label_price(labels, regions) + fit_values(labels, model, regions);
+  }
+
+  /// The two summands of fit(): the price of the labels, that of the values and the model given the labels.
+  [[nodiscard]] double label_price(std::span<const std::uint8_t> labels, int regions) const;
+  double fit_values(std::span<const std::uint8_t> labels, const PartitionModel& model, int regions);
+
+  /// What each voxel costs in region k, by the last fit(); 0 outside the mask.
+  void cost(int k, std::span<float> to) const;
+  /// The cost in region 1 minus that in region 0.
+  void force(std::span<float> to) const;
+
+  /// Gives the parts of two regions that are not worth their contour and their place to the other region.
+  void drop_parts(std::span<const float> force, std::span<std::uint8_t> labels) const;
+
+  /// Correlation of what neighbours of one region leave, by the last fit(), in the region where it is largest: about 0
+  /// when the voxels are independent, as the likelihood takes them to be.
+  [[nodiscard]] double correlation(std::span<const std::uint8_t> labels) const;
+
+  /// Standard deviation of the means over their regions, where it is largest, over the contrast of the regions; of
+  /// objects that of their means.
+  [[nodiscard]] double variation(std::span<const std::uint8_t> labels) const;
+
+  /// The largest standard deviation of a region over the smallest, by the last fit().
+  [[nodiscard]] double deviation_ratio() const {
+    const auto [least, most] = std::minmax_element(variances_.begin(), variances_.end());
+    return std::sqrt(*most / *least);
+  }
+
+  [[nodiscard]] double value(std::size_t i) const {
+    return std::min(1.0, std::max(0.0, (static_cast<double>(values_[i]) - lo_) * inverse_));
+  }
+  [[nodiscard]] bool inside(std::size_t i) const { return mask_.empty() || mask_[i] != 0; }
+  [[nodiscard]] const Grid& grid() const { return grid_; }
+  [[nodiscard]] const ContourWeight& weight() const { return weight_; }
+  [[nodiscard]] std::span<const std::uint8_t> mask() const { return mask_; }
+  [[nodiscard]] double voxels() const { return count_; }
+  /// Means of the regions, of those that vary averaged, in units of the range.
+  [[nodiscard]] const std::vector<double>& means() const { return means_; }
+
+ private:
+  [[nodiscard]] double mean(std::size_t k, std::size_t i) const {
+    return fields_[k].empty() ? means_[k] : static_cast<double>(fields_[k][i]);
+  }
+  [[nodiscard]] double place_price() const { return std::log(count_); }
+  [[nodiscard]] Index count_parts(std::span<const std::uint8_t> labels) const;
+  void fit_constants(std::span<const std::uint8_t> labels);
+  [[nodiscard]] double fit_polynomial(std::span<const std::uint8_t> labels, std::size_t k, int degree);
+  [[nodiscard]] double add_local_mean(std::span<const std::uint8_t> labels, std::size_t k);
+  [[nodiscard]] double fit_objects(std::span<const std::uint8_t> labels, std::uint8_t k);
+  [[nodiscard]] double fit_deviations(std::span<const std::uint8_t> labels, bool own);
+
+  std::span<const float> values_;
+  double lo_, inverse_;
+  const Grid& grid_;
+  std::span<const std::uint8_t> mask_;
+  ContourWeight weight_;
+  double count_ = 0;
+  PartitionModel model_;
+  std::vector<double> means_, counts_, variances_;
+  std::vector<std::vector<float>> fields_;  // means that vary; empty: constant
+};
+
+}  // namespace csrbf

@@ -1,0 +1,133 @@
+#include "csrbf/levelset/partition/partition_starts.hpp"
+
+#include "csrbf/core/percentile.hpp"
+#include "csrbf/levelset/image/box_mean.hpp"
+#include "csrbf/levelset/image/gaussian_blur.hpp"
+#include "csrbf/levelset/regions/intensity_classes.hpp"
+#include "csrbf/levelset/regions/intensity_histogram.hpp"
+
+namespace csrbf {
+namespace {
+
+using Image = std::vector<float>;
+
+class Starts {
+ public:
+  Starts(const PartitionPrice& price, const std::function<void(PartitionStart&&)>& take) : price_(price), take_(take) {
+    values_.resize(static_cast<std::size_t>(price.grid().voxels()));
+    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = static_cast<float>(price.value(i));
+  }
+
+  void make(int regions, bool few) {
+    const std::vector<double> widths = few ? std::vector<double>{0, 1, 2} : std::vector<double>{0, 1, 2, 4};
+    for (const double sd : widths) {
+      const Image f = blurred(values_, sd);
+      classes(f, regions);
+      if (regions > 2) continue;
+      if (sd == 0) shares(f, {0.001});
+      if (few) continue;
+      if (sd == 1) {
+        shares(f, {0.005, 0.02, 0.1});
+        transformed(f, [](float x) { return std::sqrt(x); });
+        constexpr float dark = 1.0F / 256;  // a grey level of 256, against the logarithm of 0
+        transformed(f, [](float x) { return std::log(x + dark); });
+      }
+      if (sd == 0 || sd == 2)
+        for (const double part : {1.0 / 16, 1.0 / 6}) local(f, part);
+    }
+    if (regions == 2 && !few) texture();
+  }
+
+ private:
+  [[nodiscard]] Image blurred(Image f, double sd) const {
+    if (sd == 0) return f;
+    const Grid& grid = price_.grid();
+    std::array<double, 3> along{0, 0, 0};
+    for (std::size_t a = 0; a < 3; ++a) along[a] = sd * price_.weight().along[a];
+    gaussian_blur(f, grid.size, along);
+    return f;
+  }
+
+  // The classes of least variance.
+  void classes(const Image& f, int regions, bool is_local = false) {
+    const IntensityBins bins = choose_bins_of(f);
+    if (!(bins.hi > bins.lo)) return;
+    Histogram histogram(bins);
+    Index filled = 0;
+    for (std::size_t i = 0; i < f.size(); ++i)
+      if (price_.inside(i)) histogram.add(static_cast<double>(f[i]));
+    for (const double count : histogram.counts) filled += count > 0 ? 1 : 0;
+    if (filled < regions) return;
+    const IntensityClasses found = optimal_classes(histogram, regions);
+    PartitionStart start{std::vector<std::uint8_t>(f.size()), !is_local, is_local};
+    for (std::size_t i = 0; i < f.size(); ++i)
+      for (const double threshold : found.thresholds)
+        if (static_cast<double>(f[i]) > threshold) ++start.labels[i];
+    take_(std::move(start));
+  }
+
+  [[nodiscard]] IntensityBins choose_bins_of(const Image& f) const {
+    IntensityBins bins{1e30, -1e30, 256};
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      if (!price_.inside(i)) continue;
+      bins.lo = std::min(bins.lo, static_cast<double>(f[i]));
+      bins.hi = std::max(bins.hi, static_cast<double>(f[i]));
+    }
+    return bins;
+  }
+
+  // The brightest and the darkest voxels.
+  void shares(const Image& f, const std::vector<double>& parts) {
+    Image sorted;
+    for (std::size_t i = 0; i < f.size(); ++i)
+      if (price_.inside(i)) sorted.push_back(f[i]);
+    for (const double part : parts)
+      for (const bool bright : {true, false}) {
+        const float limit = percentile(sorted, bright ? 1 - part : part);
+        PartitionStart start{std::vector<std::uint8_t>(f.size())};
+        for (std::size_t i = 0; i < f.size(); ++i) start.labels[i] = (bright ? f[i] > limit : f[i] < limit) ? 1 : 0;
+        take_(std::move(start));
+      }
+  }
+
+  template <class Map>
+  void transformed(Image f, const Map& map) {
+    for (float& x : f) x = map(x);
+    classes(f, 2);
+  }
+
+  // What differs from the mean of a box around it whose half width is that part of the longest side.
+  void local(Image f, double part) {
+    const Grid& grid = price_.grid();
+    double longest = 0;
+    for (int a = 0; a < 3; ++a) longest = std::max(longest, static_cast<double>(grid.size[a]) * grid.spacing[a]);
+    std::array<Index, 3> half{0, 0, 0};
+    for (int a = 0; a < grid.dimension(); ++a)
+      half[a] = std::clamp<Index>(std::lround(part * longest / grid.spacing[a]), 1, grid.size[a]);
+    Image mean = f;
+    for (int pass = 0; pass < 3; ++pass) box_mean(mean, grid.size, half);
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] -= mean[i];
+    classes(f, 2, true);
+  }
+
+  // By the size of what a Gaussian leaves.
+  void texture() {
+    Image f = blurred(values_, 2);
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] = std::abs(f[i] - values_[i]);
+    f = blurred(std::move(f), 4);
+    classes(f, 2);
+  }
+
+  const PartitionPrice& price_;
+  const std::function<void(PartitionStart&&)>& take_;
+  Image values_;
+};
+
+}  // namespace
+
+void for_partition_starts(const PartitionPrice& price, int regions, bool few,
+                          const std::function<void(PartitionStart&&)>& take) {
+  Starts(price, take).make(regions, few);
+}
+
+}  // namespace csrbf

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "csrbf/levelset/partition/partition_model.hpp"
+
+#include <functional>
+
+namespace csrbf {
+
+/// Labels that a search for the best partition may start from.
+struct PartitionStart {
+  std::vector<std::uint8_t> labels;
+  bool classes = false;  ///< of all voxels: for any model
+  bool local = false;    ///< by comparison with the surroundings: for means that vary
+};
+
+/// Calls take() with one start after the other: classes of least variance after Gaussians of 0, 1, 2 and 4 voxels (of
+/// two regions also of roots and logarithms), the brightest and darkest shares, what differs from its surroundings, and
+/// the most and least textured. `few`: only what is cheap, for large images. More than two regions have classes only.
+void for_partition_starts(const PartitionPrice& price, int regions, bool few,
+                          const std::function<void(PartitionStart&&)>& take);
+
+}  // namespace csrbf

@@ -1,0 +1,129 @@
+#include "csrbf/levelset/partition/partition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+
+namespace csrbf {
+namespace {
+
+constexpr Index n = 96;
+constexpr double length = 1.5;
+
+struct Picture {
+  Grid grid;
+  std::vector<float> values;
+  std::vector<std::uint8_t> truth;
+};
+
+// value(x, y, inside, a normal number) where inside(x, y).
+Picture paint(const std::function<bool(double, double)>& inside,
+              const std::function<double(double, double, bool, double)>& value) {
+  Picture picture;
+  picture.grid.axes = 2;
+  picture.grid.size = {n, n, 1};
+  std::mt19937 generator(7);
+  std::normal_distribution<double> normal(0, 1);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) {
+      const auto x = static_cast<double>(i), y = static_cast<double>(j);
+      const bool in = inside(x, y);
+      picture.truth.push_back(in ? 1 : 0);
+      picture.values.push_back(static_cast<float>(value(x, y, in, normal(generator))));
+    }
+  return picture;
+}
+
+struct Found {
+  Partition partition;
+  double price, price_of_truth, dice;
+};
+
+Found find(const Picture& picture) {
+  const auto [lo, hi] = std::minmax_element(picture.values.begin(), picture.values.end());
+  PartitionPrice price(picture.values, static_cast<double>(*lo), static_cast<double>(*hi), picture.grid, {},
+                       contour_weight(picture.grid, length));
+  Found found{find_partition(price), 0, 0, 0};
+  found.price = price.fit(found.partition.labels, found.partition.model);
+  found.price_of_truth = price.fit(picture.truth, found.partition.model);
+  std::array<double, 2> both{0, 0}, sum{0, 0};
+  for (std::size_t i = 0; i < picture.truth.size(); ++i)
+    for (std::size_t k = 0; k < 2; ++k) {
+      const bool in = (found.partition.labels[i] != 0) == (k == 0), true_in = picture.truth[i] != 0;
+      both[k] += in && true_in ? 1 : 0;
+      sum[k] += (in ? 1 : 0) + (true_in ? 1 : 0);
+    }
+  found.dice = std::max(2 * both[0] / sum[0], 2 * both[1] / sum[1]);
+  return found;
+}
+
+bool disc(double x, double y, double cx, double cy, double radius) {
+  return std::hypot(x - cx, y - cy) < radius;
+}
+bool four_discs(double x, double y) {
+  return disc(x, y, 24, 24, 11) || disc(x, y, 72, 24, 11) || disc(x, y, 24, 72, 11) || disc(x, y, 72, 72, 11);
+}
+
+TEST(Partition, FindsAnObjectOfAThousandthOfTheImage) {
+  const Found found = find(paint([](double x, double y) { return disc(x, y, 30, 60, 1.8); },
+                                 [](double, double, bool in, double z) { return in + 0.1 * z; }));
+  EXPECT_GT(found.dice, 0.99);
+  EXPECT_EQ(found.partition.model.shape, MeanShape::constant);
+  EXPECT_FALSE(found.partition.model.own_deviations);
+}
+
+TEST(Partition, IsNoMoreExpensiveThanTheTruth) {
+  for (const double noise : {0.1, 0.5, 1.0, 1.4}) {
+    const Found found = find(paint([](double x, double y) { return disc(x, y, 50, 45, 25); },
+                                   [&](double, double, bool in, double z) { return in + noise * z; }));
+    EXPECT_LE(found.price, found.price_of_truth + 1) << noise;
+    EXPECT_GT(found.dice, 0.96) << noise;
+    for (std::size_t i = 1; i < found.partition.energy.size(); ++i)
+      EXPECT_LE(found.partition.energy[i], found.partition.energy[i - 1]);
+  }
+}
+
+TEST(Partition, TellsEqualMeansApartByTheirDeviations) {
+  const Found found = find(paint([](double x, double y) { return disc(x, y, 50, 45, 25); },
+                                 [](double, double, bool in, double z) { return (in ? 2 : 1) * z; }));
+  EXPECT_TRUE(found.partition.model.own_deviations);
+  EXPECT_GT(found.dice, 0.95);
+}
+
+TEST(Partition, SeesThroughLightThatVariesMoreThanTheObjects) {
+  const Found found =
+      find(paint(four_discs, [](double x, double, bool in, double z) { return in + x / 32 + 0.1 * z; }));
+  EXPECT_EQ(found.partition.model.shape, MeanShape::linear);
+  EXPECT_GT(found.dice, 0.99);
+}
+
+TEST(Partition, GivesDimAndBrightObjectsMeansOfTheirOwn) {
+  const Found found = find(paint(four_discs, [](double x, double y, bool in, double z) {
+    return in * (x < 48 ? 1.0 : 0.25) * (y < 48 ? 1 : 0.6) + 0.02 * z;
+  }));
+  EXPECT_EQ(found.partition.model.shape, MeanShape::objects);
+  EXPECT_GT(found.dice, 0.99);
+}
+
+TEST(Partition, DoesNotTakeStructuresForDeviations) {
+  // The inside of a blurred spot is no law of independent voxels.
+  const Found found = find(paint([](double x, double y) { return disc(x, y, 48, 48, 12); },
+                                 [](double x, double y, bool, double z) {
+                                   const double r = std::hypot(x - 48, y - 48);
+                                   return 1 / (1 + std::exp((r - 12) / 2)) + 0.3 * std::exp(-r / 20) + 0.005 * z;
+                                 }));
+  EXPECT_FALSE(found.partition.model.own_deviations);
+  EXPECT_GT(found.dice, 0.85);  // the flank of the spot belongs to either side
+}
+
+TEST(Partition, ListsAPriceForEachModelAboveTheOneChosen) {
+  const Found found = find(paint(four_discs, [](double, double, bool in, double z) { return in + 0.1 * z; }));
+  ASSERT_EQ(found.partition.prices.size(), 7);
+  double least = 1e9;
+  for (const ModelPrice& each : found.partition.prices) least = std::min(least, each.nats);
+  EXPECT_NEAR(least, 0, 1);
+}
+
+}  // namespace
+}  // namespace csrbf
