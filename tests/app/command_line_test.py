@@ -463,7 +463,7 @@ class Surfaces(CommandLine):
         self.succeed("polygonize", self.path("model.csrbf"), "-o", self.path("coarse.obj"), "--resolution", "16",
                      "--report", self.path("report.json"))
         self.assertTrue(self.report()["result"]["watertight"])
-        self.assertEqual(self.report()["options"]["method"], "marching-cubes")
+        self.assertEqual(self.report()["options"]["method"], "dual-contouring")
         triangles = {}
         for method in ("marching-tetrahedra", "dual-contouring", "adaptive"):
             self.succeed("polygonize", self.path("model.csrbf"), "-o", self.path("other.obj"), "--resolution", "24",

@@ -27,12 +27,12 @@ Labels solve(const Grid& grid, double length, const std::vector<float>& force, s
 // -1 within a disc, 1 outside, and noise.
 std::vector<float> noisy_disc(const Grid& grid, double radius, double noise) {
   std::mt19937 generator(3);
-  std::normal_distribution<double> normal(0, noise);
+  std::normal_distribution<double> normal(0, 1);
   std::vector<float> force;
   for (Index y = 0; y < grid.size[1]; ++y)
     for (Index x = 0; x < grid.size[0]; ++x) {
       const double r = std::hypot(static_cast<double>(x - grid.size[0] / 2), static_cast<double>(y - grid.size[1] / 2));
-      force.push_back(static_cast<float>((r < radius ? -1 : 1) + normal(generator)));
+      force.push_back(static_cast<float>((r < radius ? -1 : 1) + noise * normal(generator)));
     }
   return force;
 }

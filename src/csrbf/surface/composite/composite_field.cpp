@@ -11,12 +11,15 @@ constexpr int lanes = PatchSums::lanes;
 
 // Found on ten meshes, each sampled in four ways (exact normals, none, noise, few samples), by chamfer distance,
 // Hausdorff distance and topology unless noted; factors of 1.5 change little. Patches are trusted where the sum of
-// their weights exceeds `trusted_weight` (chosen by hand), or `certain_weight` more where the winding number is
-// certain: there, patches that extrapolate beyond their samples make sheets and bubbles ...
+// their weights exceeds `trusted_weight` (chosen by hand), or `certain_weight` more where the winding number is certain
+// and they do not confirm its sign: there, patches that extrapolate beyond their samples make sheets and bubbles. Where
+// the mean m of the local models, in units of the radii, leaves no doubt about the sign, a sum smaller by the factor 1
+// + mean_factor m^2 suffices (chosen by hand), so that the field stays a distance further away ...
 constexpr double trusted_weight = 0.04;
 constexpr double certain_weight = 0.6;
-// ... where the mean of the local models, in units of the radii, does not contradict a certain winding number: up to
-// `conflict` it may, above `full_conflict` the patches are not trusted at all ...
+constexpr double mean_factor = 20;
+// ... where m does not contradict a certain winding number: up to `conflict` it may, above `full_conflict` the patches
+// are not trusted at all ...
 constexpr double conflict = 0.1;
 constexpr double full_conflict = 0.2;
 // ... and where the variance of the local models, in the same units, is below `agree`. Above `contradict` they are not
@@ -105,8 +108,10 @@ Scalar trust(const PatchSums& sums, int lane, const Winding<Scalar>& winding) {
   const Scalar mean = load<Scalar>(sums.A, lane) / W;
   const Scalar variance = load<Scalar>(sums.Q, lane) / W - mean * mean;
   if (value_of(variance) >= contradict) return Scalar(0.0);
-  Scalar result = smooth_step(W / (trusted_weight + certain_weight * winding.certainty));
-  const Scalar wrong = (-winding.sign()) * mean;
+  const Scalar right = winding.sign() * mean, wrong = (-1.0) * right;
+  const Scalar doubt = value_of(right) < conflict ? 1.0 - smooth_step((1 / conflict) * right) : Scalar(0.0);
+  Scalar result = smooth_step(W * (1.0 + mean_factor * (mean * mean)) /
+                              (trusted_weight + certain_weight * (winding.certainty * doubt)));
   if (value_of(wrong) > conflict)
     result = result * (1.0 - winding.certainty * smooth_step((1 / (full_conflict - conflict)) * (wrong - conflict)));
   if (value_of(variance) > agree)
