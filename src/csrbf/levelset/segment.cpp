@@ -245,10 +245,19 @@ class Segmenter {
     fields_ = make_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
   }
 
+  // Components of both of two regions.
+  [[nodiscard]] std::array<Index, 2> count_parts(std::vector<std::uint8_t> labels) const {
+    const Index inside = count_components(labels, grid_);
+    for (std::uint8_t& label : labels) label = 1 - label;
+    return {inside, count_components(labels, grid_)};
+  }
+
   // Descends from the contour of a partition on centres as far apart as the noise asks for: contours are smoother than
-  // a grid says. Kept where the labels cost hardly more, with the lattice; small objects cost much.
+  // a grid says, which follows the noise. Kept where the labels cost hardly more, with the lattice; where they hold as
+  // many parts, so that no small object is lost, they may cost more.
   std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model) {
-    constexpr double tolerance = 0.25;  // of the price of the contour; by hand: smaller follows the noise
+    constexpr double tolerance = 0.25;  // of the price of the contour; by hand: smaller follows the noise ...
+    constexpr double same_parts = 1;    // ... and this for as many parts
     if (options_.regions > 2 || model.own_deviations || model.shape == MeanShape::smooth ||
         model.shape == MeanShape::objects)
       return std::nullopt;
@@ -262,9 +271,9 @@ class Segmenter {
     VariationalResult found =
         descend_globally(lattice, *regions_, {0, noise.size, used_.iterations, false, {}}, result_.labels);
     const double least = price.fit(result_.labels, model);
-    if (price.fit(found.labels, model) >
-        least + tolerance * contour_price(result_.labels, 1, grid_.size, price.weight()))
-      return std::nullopt;
+    const bool same = count_parts(found.labels) == count_parts(result_.labels);
+    const double most = (same ? same_parts : tolerance) * contour_price(result_.labels, 1, grid_.size, price.weight());
+    if (price.fit(found.labels, model) > least + most) return std::nullopt;
     used_.center_spacing = spacing;
     result_.labels = std::move(found.labels);
     result_.coefficients = std::move(found.coefficients);
