@@ -252,12 +252,10 @@ class Segmenter {
     return {inside, count_components(labels, grid_)};
   }
 
-  // Descends from the contour of a partition on centres as far apart as the noise asks for: contours are smoother than
-  // a grid says, which follows the noise. Kept where the labels cost hardly more, with the lattice; where they hold as
-  // many parts, so that no small object is lost, they may cost more.
+  // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
+  // Kept where the labels cost hardly more, or no part is lost.
   std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model) {
-    constexpr double tolerance = 0.25;  // of the price of the contour; by hand: smaller follows the noise ...
-    constexpr double same_parts = 1;    // ... and this for as many parts
+    constexpr double tolerance = 0.25, same_parts = 1;  // of the contour's price; by hand: smaller follows the noise
     if (options_.regions > 2 || model.own_deviations || model.shape == MeanShape::smooth ||
         model.shape == MeanShape::objects)
       return std::nullopt;
