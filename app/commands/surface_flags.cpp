@@ -25,8 +25,7 @@ void declare(CommandFlags& v, ReconstructCommand& c) {
   v.flag("method", c.method, "NAME", "auto", methods);
   v.flag("normals", c.normals, "auto|file|estimate", "auto",
          "auto: those of the file if it has any, corrected where they have errors, and turned outwards where they "
-         "contradict each other or point inward; "
-         "file: as they are; estimate: always estimated")
+         "contradict each other or point inward; file: as they are; estimate: always estimated")
       ->check(CLI::IsMember({"auto", "file", "estimate"}));
   v.positive_flag("centers", c.centers, "N", "from the data", "budget of RBF centres");
   v.positive_flag(
@@ -62,9 +61,8 @@ void declare(CommandFlags& v, PolygonizeCommand& c) {
   v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
   v.flag("method", c.method, "NAME", c.method,
          "auto: dual-contouring for surfaces from points without noise, else marching-cubes; marching-cubes; "
-         "marching-tetrahedra; "
-         "dual-contouring: preserves sharp edges of the model; adaptive: the same with larger triangles where the "
-         "surface is flat")
+         "marching-tetrahedra; dual-contouring: preserves sharp edges of the model; adaptive: the same with larger "
+         "triangles where the surface is flat")
       ->check(CLI::IsMember({"auto", "marching-cubes", "marching-tetrahedra", "dual-contouring", "adaptive"}));
   v.positive_flag("tolerance", c.tolerance, "E", "a tenth of a cell",
                   "adaptive: about how far the mesh may be from the surface, as a fraction of the diagonal");

@@ -184,13 +184,22 @@ std::vector<Index> ids_within(const KdTree<3>& tree, const PointsRef<3>& x, doub
 // Points nearest to a component.
 struct Support {
   double samples = 0;
-  double area = 0;  // of their squared spacings; only for small components
+  double area = 0;  // of the surface that they usually represent; only for small components
 };
 
+// Mean of the squared spacings of the points, from some of them.
+double mean_squared_spacing(const KdTree<3>& tree, const PointsRef<3>& points) {
+  const Index step = std::max<Index>(1, points.cols() / spacings_asked);
+  double sum = 0, count = 0;
+  for (Index i = 0; i < points.cols(); i += step, ++count) sum += std::pow(spacing_at(tree, points, i), 2);
+  return sum / count;
+}
+
 // Those of each component. Points farther than `distance` from all others count for the largest one, so that most need
-// no search.
+// no search. `density`: points per area of the mesh.
 std::vector<Support> supports_of_components(const Mesh& mesh, const std::vector<Index>& label, Index count,
-                                            Index largest, const PointsRef<3>& points, double distance) {
+                                            Index largest, const PointsRef<3>& points, double density) {
+  const double distance = near_component / std::sqrt(density);
   std::vector<Index> others;
   for (std::size_t v = 0; v < label.size(); ++v)
     if (label[v] != largest) others.push_back(static_cast<Index>(v));
@@ -206,23 +215,15 @@ std::vector<Support> supports_of_components(const Mesh& mesh, const std::vector<
   const std::vector<Index> order = morton_order<3>(contested);
   const std::vector<Index> nearest = nearest_points(rival_tree, contested(Eigen::all, order));
   for (const Index v : nearest) supports[label[rivals[v]]].samples += 1;
-  if (std::none_of(supports.begin(), supports.end(), [](const Support& s) { return s.samples < small; }))
-    return supports;
+  const auto may_be_bubble = [](const Support& s) { return s.samples >= fewest_samples && s.samples < small; };
+  if (std::none_of(supports.begin(), supports.end(), may_be_bubble)) return supports;
   const KdTree<3> tree(points);
+  const double usual = density * mean_squared_spacing(tree, points);
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     Support& support = supports[label[rivals[nearest[i]]]];
-    if (support.samples < small) support.area += std::pow(spacing_at(tree, points, open[order[i]]), 2);
+    if (may_be_bubble(support)) support.area += std::pow(spacing_at(tree, points, open[order[i]]), 2) / usual;
   }
   return supports;
-}
-
-// Mean of the squared spacings of the points, from some of them.
-double mean_sample_area(const PointsRef<3>& points) {
-  const KdTree<3> tree(points);
-  const Index step = std::max<Index>(1, points.cols() / spacings_asked);
-  double sum = 0, count = 0;
-  for (Index i = 0; i < points.cols(); i += step, ++count) sum += std::pow(spacing_at(tree, points, i), 2);
-  return sum / count;
 }
 
 }  // namespace
@@ -250,16 +251,12 @@ DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) 
   const std::vector<double> area = areas(mesh, label, count);
   const double density = static_cast<double>(points.cols()) / std::accumulate(area.begin(), area.end(), 0.0);
   const auto largest = std::max_element(area.begin(), area.end()) - area.begin();
-  const std::vector<Support> supports =
-      supports_of_components(mesh, label, count, largest, points, near_component / std::sqrt(density));
-  const double usual = density * mean_sample_area(points);  // area that samples represent, over area of the mesh
+  const std::vector<Support> supports = supports_of_components(mesh, label, count, largest, points, density);
   std::vector<char> keep(supports.size());
   for (std::size_t c = 0; c < keep.size(); ++c) {
-    const auto& [samples, represented] = supports[c];
-    keep[c] = samples >= fewest_samples && samples >= expected_share * density * area[c] &&
-                      represented <= crowded * usual * area[c]
-                  ? 1
-                  : 0;
+    const double samples = supports[c].samples;
+    const bool on_it = samples >= fewest_samples && samples >= expected_share * density * area[c];
+    keep[c] = on_it && supports[c].area <= crowded * area[c] ? 1 : 0;
   }
   const auto fewer = [](const Support& a, const Support& b) { return a.samples < b.samples; };
   keep[std::max_element(supports.begin(), supports.end(), fewer) - supports.begin()] = 1;
