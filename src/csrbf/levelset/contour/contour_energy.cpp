@@ -313,6 +313,25 @@ Index update_labels(const Lattice<Dim>& lattice, const std::vector<float>& coeff
       nullptr));
 }
 
+template <int Dim>
+void update_labels(const Lattice<Dim>& lattice, const std::vector<const float*>& coefficients,
+                   std::vector<std::uint8_t>& labels) {
+  std::vector<float> best(labels.size(), -std::numeric_limits<float>::infinity());
+  for (std::size_t k = 0; k < coefficients.size(); ++k)
+    lattice.sweep(
+        coefficients[k], false,
+        [&](const LatticeRow& row) {
+          for (Index i = 0; i < row.count; ++i) {
+            const auto voxel = static_cast<std::size_t>(row.voxel + i * row.stride);
+            if (row.value[i] <= best[voxel]) continue;
+            best[voxel] = row.value[i];
+            labels[voxel] = static_cast<std::uint8_t>(k);
+          }
+          return 0.0;
+        },
+        nullptr);
+}
+
 #define CSRBF_INSTANTIATE(Dim)                                                                                        \
   template double contour_energy<Dim>(const Lattice<Dim>&, const ContourEnergy&, const float*, float*);               \
   template void fit_target<Dim>(const Lattice<Dim>&, const ContourEnergy&, int, std::vector<float>&);                 \
@@ -320,7 +339,8 @@ Index update_labels(const Lattice<Dim>& lattice, const std::vector<float>& coeff
                                             std::vector<float>&, std::vector<double>&);                               \
   template int separate_voxels<Dim>(const Lattice<Dim>&, const float*, double, int, std::vector<float>&);             \
   template double target_residual<Dim>(const Lattice<Dim>&, const ContourEnergy&, const std::vector<float>&, double); \
-  template Index update_labels<Dim>(const Lattice<Dim>&, const std::vector<float>&, unsigned char*);
+  template Index update_labels<Dim>(const Lattice<Dim>&, const std::vector<float>&, unsigned char*);                  \
+  template void update_labels<Dim>(const Lattice<Dim>&, const std::vector<const float*>&, std::vector<std::uint8_t>&);
 CSRBF_INSTANTIATE(2)
 CSRBF_INSTANTIATE(3)
 #undef CSRBF_INSTANTIATE

@@ -60,4 +60,9 @@ double target_residual(const Lattice<Dim>& lattice, const ContourEnergy& energy,
 template <int Dim>
 Index update_labels(const Lattice<Dim>& lattice, const std::vector<float>& coefficients, unsigned char* labels);
 
+/// Writes the number of the level set whose f is largest, the first of equal ones, for every voxel.
+template <int Dim>
+void update_labels(const Lattice<Dim>& lattice, const std::vector<const float*>& coefficients,
+                   std::vector<std::uint8_t>& labels);
+
 }  // namespace csrbf

@@ -3,8 +3,6 @@
 #include "csrbf/levelset/contour/contour_energy.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 
-#include <limits>
-
 namespace csrbf {
 namespace {
 
@@ -46,20 +44,9 @@ std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std:
     update_labels(lattice, sets[0], labels.data());
     return sets;
   }
-  std::vector<float> best(labels.size(), -std::numeric_limits<float>::infinity());
-  for (std::size_t k = 0; k < sets.size(); ++k)
-    lattice.sweep(
-        sets[k].data(), false,
-        [&](const LatticeRow& row) {
-          for (Index i = 0; i < row.count; ++i) {
-            const auto voxel = static_cast<std::size_t>(row.voxel + i * row.stride);
-            if (row.value[i] <= best[voxel]) continue;
-            best[voxel] = row.value[i];
-            labels[voxel] = static_cast<std::uint8_t>(k);
-          }
-          return 0.0;
-        },
-        nullptr);
+  std::vector<const float*> coefficients;
+  for (const std::vector<float>& set : sets) coefficients.push_back(set.data());
+  update_labels(lattice, coefficients, labels);
   return sets;
 }
 

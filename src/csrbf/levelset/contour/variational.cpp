@@ -70,21 +70,10 @@ template <int Dim>
 Index label_voxels(const Lattice<Dim>& lattice, const std::vector<LevelSet<Dim>>& sets,
                    std::vector<std::uint8_t>& labels) {
   if (sets.size() == 1) return update_labels(lattice, sets[0].coefficients, labels.data());
-  std::vector<float> best(labels.size(), -std::numeric_limits<float>::infinity());
   const std::vector<std::uint8_t> before = labels;
-  for (std::size_t k = 0; k < sets.size(); ++k)
-    lattice.sweep(
-        sets[k].coefficients.data(), false,
-        [&](const LatticeRow& row) {
-          for (Index i = 0; i < row.count; ++i) {
-            const auto voxel = static_cast<std::size_t>(row.voxel + i * row.stride);
-            if (row.value[i] <= best[voxel]) continue;
-            best[voxel] = row.value[i];
-            labels[voxel] = static_cast<std::uint8_t>(k);
-          }
-          return 0.0;
-        },
-        nullptr);
+  std::vector<const float*> coefficients;
+  for (const LevelSet<Dim>& set : sets) coefficients.push_back(set.coefficients.data());
+  update_labels(lattice, coefficients, labels);
   Index changed = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) changed += labels[i] != before[i] ? 1 : 0;
   return changed;
