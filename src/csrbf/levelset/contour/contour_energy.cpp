@@ -4,6 +4,8 @@
 #include "csrbf/levelset/contour/spectral_descent.hpp"
 #include "csrbf/levelset/lattice/coefficient_sums.hpp"
 
+#include <limits>
+
 namespace csrbf {
 namespace {
 
