@@ -255,9 +255,12 @@ TEST(Interpolate, RejectsBadInput) {
   EXPECT_EQ(message({.smoothing = -1}),
             "interpolate: smoothing = -1: must be finite and not negative; leave it empty to have it chosen");
   EXPECT_EQ(message({.support = -2}), "interpolate: support = -2: must be positive and finite, or 0 to have it chosen");
-  EXPECT_EQ(message({.kernel = "cubic", .dense_limit = 10}),
-            "interpolate: number of samples = 20: is above dense_limit; use a compactly supported kernel, such as "
-            "wendland-c2, or a partition of unity");
+  EXPECT_EQ(message({.tolerance = 1}),
+            "interpolate: tolerance = 1: must be positive and below 1, or 0 for the default");
+  EXPECT_EQ(
+      invalid_input_message([] { (void)interpolate(sample<4>(wave<4>, 20), {.kernel = "cubic", .dense_limit = 10}); }),
+      "interpolate: number of samples = 20: is above dense_limit; use a compactly supported kernel, such as "
+      "wendland-c2, or a partition of unity");
   EXPECT_EQ(message({.kernel = "splines"}).find("Kernel: name = splines: unknown; use one of wendland-c0"), 0U);
   EXPECT_EQ(invalid_input_message([] { (void)interpolate(Samples<2>{}); }),
             "interpolate: samples = none: at least one sample is needed");

@@ -2,8 +2,17 @@
 
 #include "csrbf/approx/basis/evaluation_order.hpp"
 #include "csrbf/approx/basis/polynomial.hpp"
+#include "csrbf/approx/sums/fast_sum.hpp"
+
+#include <mutex>
 
 namespace csrbf {
+
+template <int Dim>
+struct Expansion<Dim>::LazyFarField {
+  std::once_flag once;
+  FarField field;
+};
 
 template <int Dim>
 Expansion<Dim>::Expansion(std::shared_ptr<const RadialBasis<Dim>> basis, Eigen::VectorXd coefficients,
@@ -11,6 +20,7 @@ Expansion<Dim>::Expansion(std::shared_ptr<const RadialBasis<Dim>> basis, Eigen::
     : basis_(std::move(basis)),
       coefficients_(std::move(coefficients)),
       slot_coefficients_(basis_->to_slots(coefficients_)),
+      far_field_(std::make_shared<LazyFarField>()),
       tail_(std::move(tail)),
       bounds_(bounds) {
   require(tail_.coefficients.size() == Polynomials<Dim>(tail_.degree).size(), "Expansion", "tail.coefficients",
@@ -26,7 +36,9 @@ double Expansion<Dim>::feature_size() const {
 
 template <int Dim>
 std::vector<Index> Expansion<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
-  if (!basis_->kernel().compact()) return {};
+  const FastSum<Dim>* const fast = basis_->fast_sum();
+  if (!basis_->kernel().compact() && fast == nullptr) return {};
+  if (fast != nullptr) static_cast<void>(far_field(*fast));  // here, where all threads are free
   return evaluation_order_of<Dim>(x);
 }
 
@@ -36,10 +48,46 @@ void Expansion<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out
   std::fill_n(out.value, n, 0.0);
   if (out.gradient != nullptr) std::fill_n(out.gradient, Dim * n, 0.0);
   if (out.hessian != nullptr) std::fill_n(out.hessian, symmetric_size<Dim> * n, 0.0);
-  if (basis_->size() > 0) basis_->add_sums(x, slot_coefficients_, out);
+  if (const FastSum<Dim>* const fast = basis_->fast_sum(); fast != nullptr)
+    add_fast_sums(*fast, x, out);
+  else if (basis_->size() > 0)
+    basis_->add_sums(x, slot_coefficients_, out);
   if (tail_.degree < 0) return;
   for (Index begin = 0; begin < n; begin += this->block_size)  // all monomials of these points are in memory at once
     add_tail(x.middleCols(begin, std::min(this->block_size, n - begin)), out.template from<Dim>(begin));
+}
+
+template <int Dim>
+const FarField& Expansion<Dim>::far_field(const FastSum<Dim>& fast) const {
+  std::call_once(far_field_->once, [&] {
+    if constexpr (Dim <= 3) far_field_->field = fast.expand(coefficients_);
+  });
+  return far_field_->field;
+}
+
+template <int Dim>
+void Expansion<Dim>::add_fast_sums(const FastSum<Dim>& fast, const PointsRef<Dim>& x, const JetBlock& out) const {
+  if constexpr (Dim <= 3) {
+    const FarField& field = far_field(fast);
+    const auto& transforms = basis_->metric().transforms;
+    if (transforms.empty()) return fast.add_sums(field, x, out);
+    const Eigen::Matrix<double, Dim, Dim>& T = transforms.front();
+    fast.add_sums(field, Points<Dim>(T * x), out);
+    for (Index k = 0; k < x.cols(); ++k) {
+      if (out.gradient != nullptr) {
+        Eigen::Map<Point<Dim>> gradient(out.gradient + Dim * k);
+        gradient = (T.transpose() * gradient).eval();
+      }
+      if (out.hessian == nullptr) continue;
+      double* const triangle = out.hessian + symmetric_size<Dim> * k;
+      Eigen::Matrix<double, Dim, Dim> H;
+      for (int a = 0, entry = 0; a < Dim; ++a)
+        for (int b = a; b < Dim; ++b, ++entry) H(a, b) = H(b, a) = triangle[entry];
+      H = (T.transpose() * H * T).eval();
+      for (int a = 0, entry = 0; a < Dim; ++a)
+        for (int b = a; b < Dim; ++b, ++entry) triangle[entry] = H(a, b);
+    }
+  }
 }
 
 template <int Dim>

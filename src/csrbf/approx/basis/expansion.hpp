@@ -6,6 +6,8 @@
 
 namespace csrbf {
 
+struct FarField;
+
 /// Polynomial sum_q c_q m_q((p - origin) / scale) over the monomials m_q of Polynomials<Dim>(degree).
 template <int Dim>
 struct PolynomialTail {
@@ -42,11 +44,16 @@ class Expansion : public Field<Dim> {
   [[nodiscard]] const PolynomialTail<Dim>& tail() const { return tail_; }
 
  private:
+  struct LazyFarField;
+
   void add_tail(const PointsRef<Dim>& x, const JetBlock& out) const;
+  [[nodiscard]] const FarField& far_field(const FastSum<Dim>& fast) const;
+  void add_fast_sums(const FastSum<Dim>& sum, const PointsRef<Dim>& x, const JetBlock& out) const;
 
   std::shared_ptr<const RadialBasis<Dim>> basis_;
   Eigen::VectorXd coefficients_;
   Eigen::VectorXd slot_coefficients_;
+  std::shared_ptr<LazyFarField> far_field_;  // of fast sums
   PolynomialTail<Dim> tail_;
   Box<Dim> bounds_;
 };

@@ -1,16 +1,21 @@
 #include "csrbf/approx/basis/radial_basis.hpp"
+
+#include "csrbf/approx/sums/fast_sum.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
 #include <memory>
+#include <mutex>
 #include <utility>
 
 namespace csrbf {
 namespace {
 
 constexpr const char* function = "RadialBasis";
+constexpr Index many_centers = 8000;  // beyond which fast sums are faster than direct ones; chosen by hand
+constexpr double accuracy = 1e-9;     // of fast sums
 constexpr double most_shifts = 1000;  // periodic images per query, each a search; chosen by hand
 
 template <int Dim>
@@ -19,6 +24,12 @@ double smallest_stretch(const Eigen::Matrix<double, Dim, Dim>& transform) {
 }
 
 }  // namespace
+
+template <int Dim>
+struct RadialBasis<Dim>::LazyFastSum {
+  std::once_flag once;
+  std::unique_ptr<const FastSum<Dim>> sum;
+};
 
 template <int Dim>
 RadialBasis<Dim>::RadialBasis(const Kernel& kernel, const PointsRef<Dim>& centers, const Eigen::VectorXd& supports,
@@ -36,6 +47,22 @@ RadialBasis<Dim>::RadialBasis(const Kernel& kernel, const PointsRef<Dim>& center
   tree_ = SupportTree<Dim>(mapped, search_radii());
   list_shifts();
   fill_arrays(mapped);
+  if (Dim <= 3 && !kernel_.compact() && size() > many_centers && supports_.size() == 1 && !own_transforms())
+    fast_sum_ = std::make_shared<LazyFastSum>();
+}
+
+template <int Dim>
+const FastSum<Dim>* RadialBasis<Dim>::fast_sum() const {
+  if constexpr (Dim > 3) {
+    return nullptr;
+  } else {
+    if (fast_sum_ == nullptr) return nullptr;
+    std::call_once(fast_sum_->once, [this] {
+      fast_sum_->sum = std::make_unique<const FastSum<Dim>>(Points<Dim>(transform_ * centers_), kernel_, support(0),
+                                                            TreeOptions{.tolerance = accuracy, .everywhere = true});
+    });
+    return fast_sum_->sum.get();
+  }
 }
 
 template <int Dim>

@@ -1,16 +1,20 @@
 #pragma once
 
-#include "csrbf/approx/basis/radial_sums.hpp"
 #include "csrbf/approx/basis/support_tree.hpp"
+#include "csrbf/approx/sums/radial_sums.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/field.hpp"
 #include "csrbf/kernels/kernel.hpp"
 
 #include <Eigen/SparseCore>
 
+#include <memory>
 #include <vector>
 
 namespace csrbf {
+
+template <int Dim>
+class FastSum;
 
 /// How a radial basis measures distances.
 template <int Dim>
@@ -25,7 +29,8 @@ struct RadialMetric {
 
 /// Functions phi_j(p) = phi(|p - c_j| / sigma_j), j < M, of one kernel: centres with a common support radius or one
 /// each, and optionally a metric. Basis functions of a compact kernel are found through trees, so that evaluation costs
-/// O(log M + number of supports that contain the point); others are summed over all centres. Immutable and thread safe.
+/// O(log M + number of supports that contain the point); others are summed over all centres, or where these are many by
+/// fast_sum(). Immutable and thread safe.
 template <int Dim>
 class RadialBasis {
  public:
@@ -56,6 +61,10 @@ class RadialBasis {
   /// Coefficients (M) in the order required by add_sums.
   [[nodiscard]] Eigen::VectorXd to_slots(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const;
 
+  /// For more than 8000 centres of a kernel that is not compact, in one to three dimensions, with one support and at
+  /// most one transform; else null. In coordinates to which the transform is applied. Made at the first call.
+  [[nodiscard]] const FastSum<Dim>* fast_sum() const;
+
   /// Adds sum_j alpha_j phi_j and the derivatives requested by `out` at a block of points.
   void add_sums(const PointsRef<Dim>& x, const Eigen::VectorXd& slot_coefficients, const JetBlock& out) const;
 
@@ -75,10 +84,13 @@ class RadialBasis {
   void for_each_batch(const Point<Dim>& x, bool with_directions, Runs& runs, RadialBatch& batch, const Use& use) const;
   void row(const Point<Dim>& x, Runs& runs, RadialBatch& batch, std::vector<std::pair<int, double>>& entries) const;
 
+  struct LazyFastSum;
+
   Kernel kernel_;
   Points<Dim> centers_;
   Eigen::VectorXd supports_;
   RadialMetric<Dim> metric_;
+  std::shared_ptr<LazyFastSum> fast_sum_;  // null where it is of no use
   Matrix transform_ = Matrix::Identity();  // the common one
   std::vector<Point<Dim>> shifts_;         // of the query, before the transform
   SupportTree<Dim> tree_;

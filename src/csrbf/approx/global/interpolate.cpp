@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/approx/global/choose_kernel.hpp"
+#include "csrbf/approx/global/iterative_system.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
@@ -23,7 +24,8 @@ constexpr double largest_jitter = 1e-9;  // of lambda, where rounding makes a sy
 constexpr Index always_dense = 1500;     // samples up to which dense systems are solved whatever the support
 constexpr Index spectrum_limit = 1500;   // samples up to which lambda is chosen on all of them: O(9 n^3)
 constexpr Index sparse_neighbors = 100;  // per support, where that of a sparse system is chosen: accuracy against cost
-constexpr double sparse_enough = .1;     // share of entries that are not zero, below which sparse solvers are faster
+constexpr int highest_fast_dimension = 3;  // of fast sums
+constexpr double sparse_enough = .1;       // share of entries that are not zero, below which sparse solvers are faster
 
 // The coefficients of the kernel and of the functions of the polynomial block, and the scale of the variance.
 struct Coefficients {
@@ -62,6 +64,8 @@ void check(const Samples<Dim>& samples, const InterpolateOptions& options, const
           "must be finite and not negative; leave it empty to have it chosen");
   require(options.support >= 0 && std::isfinite(options.support), "interpolate", "support", options.support,
           "must be positive and finite, or 0 to have it chosen");
+  require(options.tolerance >= 0 && options.tolerance < 1, "interpolate", "tolerance", options.tolerance,
+          "must be positive and below 1, or 0 for the default");
   require(options.degree >= -2, "interpolate", "degree", options.degree,
           "must be -2 (by the kernel), -1 (none), 0, 1, ...");
   require(metric.transforms.size() <= 1, "interpolate", "metric.transforms", metric.transforms.size(),
@@ -72,7 +76,8 @@ void check(const Samples<Dim>& samples, const InterpolateOptions& options, const
           options.kernel + " needs at least degree " + std::to_string(kernel.order() - 1));
   require(kernel.compact() || !periodic(metric), "interpolate", "kernel", options.kernel,
           "periodic axes need a compactly supported kernel");
-  require(kernel.compact() || samples.size() <= options.dense_limit, "interpolate", "number of samples", samples.size(),
+  require(kernel.compact() || Dim <= highest_fast_dimension || samples.size() <= options.dense_limit, "interpolate",
+          "number of samples", samples.size(),
           "is above dense_limit; use a compactly supported kernel, such as wendland-c2, or a partition of unity");
 }
 
@@ -101,13 +106,17 @@ KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& optio
                              .degree = options.degree};
   if (options.kernel != "auto") {
     choice.names = {options.kernel};
+  } else if (sparse && Dim <= highest_fast_dimension && !periodic(metric)) {
+    choice.names = {"linear", "thin-plate", "cubic"};
+    choice.parameter = nan;
   } else if (sparse || periodic(metric)) {
     choice.names = {"wendland-c2", "wendland-c4", "wendland-c6"};
     choice.parameter = nan;
   }
   Samples<Dim> mapped = samples;
   if (metric.transforms.size() == 1) mapped.points = metric.transforms[0] * samples.points;
-  if (sparse) choice.largest_support = neighbor_distance<Dim>(mapped.points, sparse_neighbors);
+  const bool compact = choice.names.empty() || Kernel(choice.names.front(), Dim, choice.parameter).compact();
+  if (sparse && compact) choice.largest_support = neighbor_distance<Dim>(mapped.points, sparse_neighbors);
   // Everything is given: nothing to compare.
   if (options.kernel != "auto" && options.smoothing) {
     const Kernel kernel(options.kernel, Dim, options.parameter);
@@ -188,6 +197,34 @@ Coefficients solve_sparse(const Samples<Dim>& samples, Eigen::SparseMatrix<doubl
   return c;
 }
 
+// Kernels that are not compact, many samples.
+template <int Dim>
+Coefficients solve_by_fast_sums(const Samples<Dim>& samples, const RadialBasis<Dim>& basis, const Eigen::MatrixXd& G,
+                                const InterpolateOptions& options, InterpolationReport& report) {
+  if constexpr (Dim > highest_fast_dimension) {
+    throw std::logic_error("interpolate: fast sums in too many dimensions");
+  } else {
+    Points<Dim> points = samples.points;
+    if (!basis.metric().transforms.empty()) points = basis.metric().transforms.front() * points;
+    const Eigen::VectorXd weights = samples.all_weights();
+    const double tolerance = options.tolerance > 0 ? options.tolerance : Dim == 3 ? 1e-7 : 1e-8;
+    IterativeSolution solution =
+        solve_iteratively<Dim>(points, basis.kernel(), basis.support(0), report.smoothing * weights.cwiseInverse(), G,
+                               samples.values, {.tolerance = tolerance, .progress = options.progress});
+    const Eigen::MatrixXd left_out = solution.alpha.array().colwise() / solution.inverse_diagonal.array();
+    report.leave_one_out = weighted_rms(left_out, weights);
+    report.condition = nan;
+    report.solver = InterpolationSolver::fast_sums;
+    report.iterations = solution.iterations;
+    report.residual = solution.residual;
+    Coefficients c;
+    c.sigma2 = solution.alpha.cwiseProduct(left_out).colwise().mean().transpose();
+    c.alpha = std::move(solution.alpha);
+    c.pi = std::move(solution.pi);
+    return c;
+  }
+}
+
 template <int Dim>
 Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, const InterpolateOptions& options,
                        const RadialMetric<Dim>& metric, InterpolationReport report) {
@@ -208,6 +245,8 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
   const double entries = static_cast<double>(n) * static_cast<double>(n);
   if (A.nonZeros() > 0 && (n > options.dense_limit || static_cast<double>(A.nonZeros()) < sparse_enough * entries)) {
     c = solve_sparse(samples, std::move(A), block.G, options, report);
+  } else if (n > options.dense_limit) {
+    c = solve_by_fast_sums(samples, *basis, block.G, options, report);
   } else {
     c = solve_dense(samples, *basis, block.G, options, report);
   }
@@ -218,7 +257,8 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
         std::make_shared<const Expansion<Dim>>(basis, c.alpha.col(k), block.tail(c.pi.col(k)), box));
   }
   result.report = report;
-  if (n > options.dense_limit || !c.sigma2.allFinite()) return result;
+  if ((n > options.dense_limit && report.solver != InterpolationSolver::fast_sums) || !c.sigma2.allFinite())
+    return result;
   const auto power = std::make_shared<const PowerFunction<Dim>>(basis, degree, report.smoothing, samples.weights);
   for (const double sigma2 : c.sigma2)
     result.variances.push_back(std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box));

@@ -21,7 +21,8 @@ struct RadialMetric;
 
 struct InterpolateOptions {
   /// A name of Kernel, or "auto": the kernel with the smallest leave-one-out error (see choose_kernel()); beyond
-  /// `dense_limit` samples and on periodic axes a Wendland function.
+  /// `dense_limit` samples among linear, thin-plate and cubic, on periodic axes and there in more than three dimensions
+  /// among Wendland functions.
   std::string kernel = "auto";
   double parameter = std::numeric_limits<double>::quiet_NaN();  ///< of the kernel; NaN: its default
 
@@ -38,22 +39,27 @@ struct InterpolateOptions {
   int degree = -2;
 
   Index dense_limit = 4000;  ///< largest number of distinct samples for dense systems
-  Progress progress = {};    ///< stages "choose", "solve"
+  /// Largest residual at a sample, in units of the largest |value|, of systems solved by fast sums; 0: 1e-8, in space
+  /// 1e-7.
+  double tolerance = 0;
+  Progress progress = {};  ///< stages "choose", "solve"
 };
 
-enum class InterpolationSolver { dense, sparse_direct, sparse_iterative };
+enum class InterpolationSolver { dense, sparse_direct, sparse_iterative, fast_sums };
 
 struct InterpolationReport {
   std::string kernel;    ///< its name
   double support = 0;    ///< used or chosen
   double smoothing = 0;  ///< used or chosen; positive also where rounding made the system singular
   int degree = -1;       ///< of the polynomial
-  /// Weighted root mean square of the leave-one-out errors, over all components: exact for dense systems, estimated on
-  /// neighbourhoods for sparse ones whose support was chosen, NaN otherwise.
+  /// Weighted root mean square of the leave-one-out errors, over all components: exact for dense systems, estimated for
+  /// those solved by fast sums and, on neighbourhoods, for sparse ones whose support was chosen; NaN otherwise.
   double leave_one_out = 0;
   double condition = 0;  ///< estimate for dense systems; NaN otherwise
   Index merged = 0;      ///< samples merged with another one at the same point
   InterpolationSolver solver = InterpolationSolver::dense;
+  int iterations = 0;   ///< of fast sums
+  double residual = 0;  ///< largest one at a sample, of fast sums
 };
 
 template <int Dim>
@@ -78,16 +84,17 @@ struct Interpolation {
 /// fewer than the polynomial has coefficients: with degree -2 it is restricted to what the points determine. Constant
 /// data give a constant. Results do not depend on the units of points, values and weights.
 ///
-/// Systems are dense, O(n^3), for kernels that are not compact and up to 1500 samples, and up to `dense_limit` when the
-/// matrix is not sparse; beyond, for compact kernels, sparse, solved directly or iteratively depending on size. A
-/// chosen support of a sparse system holds at most about 100 samples, which limits the accuracy: for many samples a
-/// multilevel fit or a partition of unity is better.
+/// Systems are dense, O(n^3), up to 1500 samples, and up to `dense_limit` when the matrix is not sparse. Beyond, those
+/// of compact kernels are sparse, solved directly or iteratively depending on size; a chosen support then holds at most
+/// about 100 samples, which limits the accuracy. Those of all others are solved by conjugate gradients with fast sums
+/// in one to three dimensions (see solve_iteratively()): about O(n) in time and memory, a million samples in minutes.
 ///
 /// `metric`: at most one transform (for anisotropic data); periods need a compact kernel.
 ///
 /// Throws InvalidInput for invalid samples, unknown kernels and kernels for other dimensions, a degree below order - 1,
-/// metrics with a transform per centre, and more than `dense_limit` samples with a kernel that is not compact;
-/// SolverFailure when the system is singular even with a small smoothing.
+/// metrics with a transform per centre, and more than `dense_limit` samples with a kernel that is not compact in more
+/// than three dimensions; SolverFailure when the system is singular even with a small smoothing, or too ill conditioned
+/// for the tolerance.
 template <int Dim>
 Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOptions& options,
                                const RadialMetric<Dim>& metric);

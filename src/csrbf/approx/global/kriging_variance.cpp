@@ -1,14 +1,25 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
+#include "csrbf/spatial/farthest_points.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include <algorithm>
 #include <limits>
 
 namespace csrbf {
+namespace {
+
+// Chosen by hand.
+constexpr Index most_dense = 4000;  // centres in one system
+constexpr Index nearest = 64;       // beyond: centres near the point ...
+constexpr Index covering = 64;      // ... and spread over all
+
+}  // namespace
 
 // With G = [Y Z] (R; 0) the predictor of the value at x has the weights w = w0 + Z u, where w0 = Y R^-T g(x) makes it
 // unbiased and u minimises its variance phi(0) - 2 w^T k(x) + w^T K w, K = A + lambda W^-1: a difference of a part that
@@ -75,14 +86,84 @@ template <int Dim>
 PowerFunction<Dim>::~PowerFunction() = default;
 
 template <int Dim>
-const typename PowerFunction<Dim>::System& PowerFunction<Dim>::system() const {
-  std::call_once(once_, [this] { system_ = std::make_unique<const System>(*this); });
-  return *system_;
-}
+struct PowerFunction<Dim>::Neighborhoods {
+  Points<Dim> mapped;  // distances between which are those of the basis
+  KdTree<Dim> tree;
+  std::vector<Index> spread;
+  PolynomialBlock<Dim> block;
+  Polynomials<Dim> polynomials;
+
+  explicit Neighborhoods(const PowerFunction& power)
+      : mapped(power.basis_->metric().transforms.empty()
+                   ? power.basis_->centers()
+                   : Points<Dim>(power.basis_->metric().transforms.front() * power.basis_->centers())),
+        tree(mapped),
+        spread(farthest_points<Dim>(mapped, covering).indices),
+        block(polynomial_block<Dim>(power.basis_->centers(), power.degree_, RankDeficiency::reduce)),
+        polynomials(power.degree_) {}
+};
 
 template <int Dim>
 Eigen::VectorXd PowerFunction<Dim>::evaluate(const PointsRef<Dim>& x) const {
-  const System& s = system();
+  return basis_->size() > most_dense ? evaluate_nearest(x) : evaluate_all(x);
+}
+
+// With K w + G mu = k and G^T w = g the variance is phi(0) + lambda - k^T w - g^T mu.
+template <int Dim>
+Eigen::VectorXd PowerFunction<Dim>::evaluate_nearest(const PointsRef<Dim>& x) const {
+  std::call_once(once_, [this] { neighborhoods_ = std::make_unique<const Neighborhoods>(*this); });
+  const Neighborhoods& all = *neighborhoods_;
+  const Kernel& kernel = basis_->kernel();
+  const Index r = all.block.G.cols();
+  const double column = std::sqrt(static_cast<double>(basis_->size()));  // G has columns of unit norm
+  const Points<Dim> local = (x.colwise() - all.block.frame.origin) / all.block.frame.scale;
+  Eigen::MatrixXd rows(x.cols(), all.polynomials.size());
+  all.polynomials.rows(local, rows.data());
+  rows = (column * rows * all.block.monomials).eval();
+  Eigen::VectorXd result(x.cols());
+  std::vector<double> r2(nearest);
+  for (Index at = 0; at < x.cols(); ++at) {
+    std::vector<Index> ids(nearest);
+    Point<Dim> p = x.col(at);
+    if (!basis_->metric().transforms.empty()) p = basis_->metric().transforms.front() * p;
+    if (!p.allFinite()) {
+      result[at] = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
+    ids.resize(all.tree.nearest(p, nearest, ids.data(), r2.data()));
+    ids.insert(ids.end(), all.spread.begin(), all.spread.end());
+    std::ranges::sort(ids);
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    const Index m = std::ssize(ids);
+    Points<Dim> points(Dim, m + 1);
+    for (Index i = 0; i < m; ++i) points.col(i) = all.mapped.col(ids[i]);
+    points.col(m) = p;
+    Eigen::MatrixXd distances(m + 1, m + 1), K(m + 1, m + 1);
+    for (Index j = 0; j <= m; ++j)
+      distances.col(j) = (points.colwise() - points.col(j)).colwise().squaredNorm().transpose() /
+                         (basis_->support(0) * basis_->support(0));
+    kernel.values(distances.data(), distances.size(), K.data());
+    const double scale = K.cwiseAbs().maxCoeff();
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(m + r, m + r);
+    Eigen::VectorXd right(m + r);
+    system.topLeftCorner(m, m) = K.topLeftCorner(m, m) / scale;
+    right.head(m) = K.col(m).head(m) / scale;
+    for (Index i = 0; i < m; ++i) {
+      system(i, i) += smoothing_ / (weights_.size() > 0 ? weights_[ids[i]] : 1) / scale;
+      system.block(i, m, 1, r) = column * all.block.G.row(ids[i]);
+    }
+    system.bottomLeftCorner(r, m) = system.topRightCorner(m, r).transpose();
+    right.tail(r) = rows.row(at).transpose();
+    const Eigen::VectorXd solution = system.partialPivLu().solve(right);
+    result[at] = std::max(0., kernel.value(0) + smoothing_ - scale * solution.dot(right));
+  }
+  return result;
+}
+
+template <int Dim>
+Eigen::VectorXd PowerFunction<Dim>::evaluate_all(const PointsRef<Dim>& x) const {
+  std::call_once(once_, [this] { system_ = std::make_unique<const System>(*this); });
+  const System& s = *system_;
   const Index n = s.K.rows(), r = s.constraints();
   Eigen::MatrixXd k = basis_->dense_matrix(x).transpose();
   Eigen::VectorXd value = Eigen::VectorXd::Constant(x.cols(), basis_->kernel().value(0) + smoothing_);

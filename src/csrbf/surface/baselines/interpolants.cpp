@@ -31,8 +31,7 @@ MethodFit interpolant(const Samples<3>& samples, const InterpolateOptions& optio
 }
 
 InterpolateOptions triharmonic(const MethodOptions& options) {
-  return {
-      .kernel = "cubic", .smoothing = options.smoothing.value_or(0), .dense_limit = 6000, .progress = options.progress};
+  return {.kernel = "cubic", .smoothing = options.smoothing.value_or(0), .progress = options.progress};
 }
 
 // Transforms space so that the basis function of a centre is a ball where its neighbours fill space, a disc where they

@@ -1,4 +1,4 @@
-#include "csrbf/approx/basis/radial_sums.hpp"
+#include "csrbf/approx/sums/radial_sums.hpp"
 
 #include "csrbf/core/lanes.hpp"
 

@@ -1,0 +1,96 @@
+#include "csrbf/approx/basis/expansion.hpp"
+#include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
+
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include <random>
+
+namespace csrbf {
+namespace {
+
+template <int Dim>
+Samples<Dim> wave(Index n) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Samples<Dim> samples{Points<Dim>::NullaryExpr(Dim, n, [&] { return uniform(random); }), Eigen::MatrixXd(n, 1), {}};
+  samples.values.col(0) =
+      ((5 * samples.points.row(0).array()).sin() * (4 * samples.points.row(Dim - 1).array()).cos()).transpose();
+  return samples;
+}
+
+TEST(InterpolateManySamples, GivesWhatTheDenseSystemGives) {
+  const Samples<2> samples = wave<2>(1200);
+  const Points<2> x = .9 * wave<2>(300).points;
+  for (const char* kernel : {"linear", "thin-plate", "cubic", "matern-c2"}) {
+    InterpolateOptions options{.kernel = kernel, .support = .5};
+    const Interpolation<2> dense = interpolate(samples, options);
+    options.dense_limit = 100;
+    const Interpolation<2> fast = interpolate(samples, options);
+    ASSERT_EQ(fast.report.solver, InterpolationSolver::fast_sums);
+    EXPECT_GT(fast.report.iterations, 0);
+    EXPECT_LE(fast.report.residual, 1e-8);
+    EXPECT_NEAR(fast.report.leave_one_out / dense.report.leave_one_out, 1, .1) << kernel;
+    const Eigen::VectorXd difference = fast.components[0]->evaluate(x).value - dense.components[0]->evaluate(x).value;
+    EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-6) << kernel;
+    const Eigen::ArrayXd ratio =
+        fast.variances[0]->evaluate(x).value.array() / dense.variances[0]->evaluate(x).value.array();
+    EXPECT_NEAR(ratio.mean(), 1, .1) << kernel;
+  }
+}
+
+TEST(InterpolateManySamples, IsEvaluatedByFastSumsWithDerivatives) {
+  const Samples<2> samples = wave<2>(12000);
+  const Interpolation<2> fit = interpolate(samples, {.kernel = "thin-plate"});
+  EXPECT_LE(fit.report.residual, 1e-8);
+  const Expansion<2>& f = *fit.components[0];
+  ASSERT_NE(f.basis().fast_sum(), nullptr);
+  EXPECT_LT((f.evaluate(samples.points).value - samples.values.col(0)).cwiseAbs().maxCoeff(), 1e-6);
+  const Points<2> x = .9 * wave<2>(200).points;
+  const Jet<2> jet = f.evaluate(x, Derivatives::hessian);
+  const Eigen::ArrayXXd t = x.array();
+  const Eigen::ArrayXd fx = 5 * (5 * t.row(0)).cos() * (4 * t.row(1)).cos();
+  const Eigen::ArrayXd fxx = -25 * (5 * t.row(0)).sin() * (4 * t.row(1)).cos();
+  EXPECT_LT((jet.gradient.row(0).transpose().array() - fx).abs().maxCoeff(), .01);
+  EXPECT_LT((jet.hessian.row(0).transpose().array() - fxx).abs().maxCoeff(), 2);
+}
+
+TEST(InterpolateManySamples, ChoosesAKernelAndSmoothing) {
+  Samples<2> samples = wave<2>(6000);
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal(0, .1);
+  for (double& value : samples.values.reshaped()) value += normal(random);
+  const Interpolation<2> fit = interpolate(samples, {.smoothing = std::nullopt});
+  EXPECT_EQ(fit.report.solver, InterpolationSolver::fast_sums);
+  EXPECT_GT(fit.report.smoothing, 0);
+  const Samples<2> truth = wave<2>(6000);
+  const Eigen::VectorXd error = fit.components[0]->evaluate(truth.points).value - truth.values.col(0);
+  EXPECT_LT(std::sqrt(error.squaredNorm() / 6000), .03);
+  EXPECT_NEAR(fit.report.leave_one_out, .1, .02);
+}
+
+TEST(InterpolateManySamples, WithAMetricIsTheSameInMappedCoordinates) {
+  Samples<2> samples = wave<2>(9000);
+  const Eigen::Matrix2d T{{2, .5}, {0, 30}};
+  Samples<2> squeezed = samples;
+  squeezed.points = T.inverse() * samples.points;
+  const Interpolation<2> plain = interpolate(samples, {.kernel = "thin-plate"});
+  const Interpolation<2> mapped = interpolate(squeezed, {.kernel = "thin-plate"}, {.transforms = {T}});
+  const Points<2> x = .9 * wave<2>(100).points;
+  const Jet<2> a = plain.components[0]->evaluate(x, Derivatives::gradient);
+  const Jet<2> b = mapped.components[0]->evaluate(Points<2>(T.inverse() * x), Derivatives::gradient);
+  EXPECT_LT((a.value - b.value).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT((T.transpose() * a.gradient - b.gradient).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(InterpolateManySamples, InSpace) {
+  const Samples<3> samples = wave<3>(5000);
+  const Interpolation<3> fit = interpolate(samples, {.kernel = "linear"});
+  EXPECT_EQ(fit.report.solver, InterpolationSolver::fast_sums);
+  EXPECT_LE(fit.report.residual, 1e-7);
+  EXPECT_LE(fit.report.iterations, 40);
+}
+
+}  // namespace
+}  // namespace csrbf
