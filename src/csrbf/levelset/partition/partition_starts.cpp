@@ -13,15 +13,12 @@ using Image = std::vector<float>;
 
 class Starts {
  public:
-  Starts(const PartitionPrice& price, const std::function<void(PartitionStart&&)>& take) : price_(price), take_(take) {
-    values_.resize(static_cast<std::size_t>(price.grid().voxels()));
-    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = static_cast<float>(price.value(i));
-  }
+  Starts(const PartitionPrice& price, const std::function<void(PartitionStart&&)>& take) : price_(price), take_(take) {}
 
   void make(int regions, bool few) {
     const std::vector<double> widths = few ? std::vector<double>{0, 1, 2} : std::vector<double>{0, 1, 2, 4};
     for (const double sd : widths) {
-      const Image f = blurred(values_, sd);
+      const Image f = blurred(price_.values(), sd);
       classes(f, regions);
       if (regions > 2) continue;
       if (sd == 0) shares(f, {0.001});
@@ -39,7 +36,8 @@ class Starts {
   }
 
  private:
-  [[nodiscard]] Image blurred(Image f, double sd) const {
+  [[nodiscard]] Image blurred(std::span<const float> values, double sd) const {
+    Image f(values.begin(), values.end());
     if (sd == 0) return f;
     const Grid& grid = price_.grid();
     std::array<double, 3> along{0, 0, 0};
@@ -112,15 +110,14 @@ class Starts {
 
   // By the size of what a Gaussian leaves.
   void texture() {
-    Image f = blurred(values_, 2);
-    for (std::size_t i = 0; i < f.size(); ++i) f[i] = std::abs(f[i] - values_[i]);
-    f = blurred(std::move(f), 4);
+    Image f = blurred(price_.values(), 2);
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] = std::abs(f[i] - price_.values()[i]);
+    f = blurred(f, 4);
     classes(f, 2);
   }
 
   const PartitionPrice& price_;
   const std::function<void(PartitionStart&&)>& take_;
-  Image values_;
 };
 
 }  // namespace
