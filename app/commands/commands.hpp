@@ -128,6 +128,9 @@ struct SegmentFlags {
 struct SegmentCommand : SegmentFlags {
   std::string input, output;
   std::string contour, model, preview;
+  bool objects = false;
+  Index min_size = 1;
+  std::string table;
 };
 
 struct TrackCommand : SegmentFlags {

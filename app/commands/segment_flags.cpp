@@ -65,6 +65,11 @@ void declare(CommandFlags& v, SegmentCommand& c) {
          "save the level set: .csrbf, for csrbf evaluate, polygonize, render and curvature");
   v.flag("preview", c.preview, "FILE", "",
          "draw the contour on the image, or on the slice with the largest area inside: .png");
+  v.toggle("--objects", c.objects,
+           "split what is inside into objects, touching ones too, and write their numbers, 1 to n, as labels");
+  v.flag("table", c.table, "FILE", "", "size, place, shape and mean of every object: .csv");
+  v.flag("min-size", c.min_size, "N", "1", "leave out objects, and fill holes, of fewer voxels")
+      ->check(CLI::Range(1, 2147483647));
 }
 
 void declare(CommandFlags& v, TrackCommand& c) {

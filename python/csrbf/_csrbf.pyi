@@ -113,6 +113,9 @@ class Segments:
 def segment(
     image: Volume, seed: Bytes | None, mask: Bytes | None, options: Options, force: Any, listener: Listener
 ) -> Segments: ...
+def find_objects(
+    image: Volume, segments: Segments, min_size: int, listener: Listener
+) -> tuple[NDArray[np.int32], list[dict[str, Any]]]: ...
 def track(
     images: Sequence[Volume],
     seed: Bytes | None,

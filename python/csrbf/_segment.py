@@ -42,6 +42,8 @@ def segment(
     balloon: float = 0.0,
     fill_holes: bool | None = None,
     force: Force | None = None,
+    objects: bool = False,
+    min_size: int = 1,
     iterations: int = 100,
     progress: Progress = None,
 ) -> Segmentation:
@@ -89,6 +91,10 @@ def segment(
     force : callable, optional
         Instead of an energy, a function of the labels (an array like the image, 1 inside) that returns the cost of each
         voxel inside instead of outside, in an array of the same shape: negative where it should be inside.
+    objects : bool
+        Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
+    min_size : int
+        Objects of fewer voxels are left out, and holes filled.
     iterations : int
         Largest number of iterations.
     progress : bool or callable, optional
@@ -114,6 +120,10 @@ def segment(
     >>> g.labels[20, 30], g.labels[0, 0], g.report["components"]
     (1, 0, 1)
     """
+    if objects and regions > 2:
+        raise ValueError("objects: needs two regions, of which label 1 has the objects")
+    if min_size != 1 and not objects:
+        raise ValueError("min_size: is about objects: add objects=True")
     image = as_image(image, voxel_size)
     volume = _volume(image)
     if force is not None and not callable(force):
@@ -122,7 +132,8 @@ def segment(
                        balloon, fill_holes, iterations)
     start, voxels = seed(init, image, volume), marked(mask, volume, "mask")
     with listening(progress) as listener:
-        return Segmentation(_csrbf.segment(volume, start, voxels, options, force, listener))
+        found = _csrbf.segment(volume, start, voxels, options, force, listener)
+        return Segmentation(found, _csrbf.find_objects(volume, found, int(min_size), listener) if objects else None)
 
 
 def track(

@@ -58,6 +58,24 @@ class Segment(CommandLine):
 
 
 class Plane(Segment):
+    def test_objects_and_their_table(self):
+        values = [10.0 if min(math.hypot(x - 20, y - 24), math.hypot(x - 40, y - 24)) < 11 else 1.0
+                  for y in range(48) for x in range(64)]
+        image = self.write_bytes("two.npy", npy_bytes((48, 64), values, "<f4"))
+        labels, report = self.labels(image, "--objects", "--min-size", "20", "--table", self.path("table.csv"))
+        self.assertEqual((labels[24 * 64 + 20], labels[24 * 64 + 40], labels[0]), (1, 2, 0))
+        self.assertEqual(report["result"]["objects"], 2)
+        with open(self.path("table.csv")) as file:
+            head, first, second = file.read().split()
+        self.assertEqual(head, "label,voxels,area,length,x,y,major_axis,minor_axis,mean,sphericity")
+        row = dict(zip(head.split(","), map(float, second.split(","))))
+        self.assertAlmostEqual(row["x"], 40, delta=0.5)
+        self.assertAlmostEqual(row["area"], math.pi * 121, delta=15)
+        self.assertAlmostEqual(row["mean"], 10, delta=0.5)
+
+    def test_table_needs_objects(self):
+        self.fail_with(2, "--objects", "segment", self.disc(), "-o", self.path("l.npy"), "--table", self.path("t.csv"))
+
     def test_labels_report_and_summary(self):
         image = self.disc()
         done = self.succeed("segment", image, "-o", self.path("l.npy"), "--report", self.path("report.json"))
