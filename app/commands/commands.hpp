@@ -131,6 +131,8 @@ struct SegmentCommand : SegmentFlags {
   bool objects = false;
   Index min_size = 1;
   std::string table;
+  std::string channels;
+  std::string seeds;
 };
 
 struct TrackCommand : SegmentFlags {

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -90,6 +91,7 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
   session.options.update({{"contour", or_null(command.contour)},
                           {"model", or_null(command.model)},
                           {"preview", or_null(command.preview)},
+                          {"channels", or_null(command.channels)},
                           {"objects", command.objects},
                           {"table", or_null(command.table)},
                           {"min_size", command.min_size}});
@@ -112,6 +114,7 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
     session.result["prices"] = prices;
   }
   if (r.speckle) session.result["speckle"] = *r.speckle;
+  if (!r.channels.empty()) session.result["channels"] = r.channels;
   session.warn(r.warnings);
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
@@ -177,12 +180,37 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
   });
 }
 
+// The components that --channels asks for; by default all, of pictures without their transparency.
+Volume<float> with_channels(const SegmentCommand& command, Volume<float> image) {
+  const Index n = image.components;
+  std::vector<Index> chosen;
+  if (command.channels.empty()) {
+    const bool transparent = !is_floating(image.type) && (n == 2 || n == 4);
+    if (!transparent) return image;
+    for (Index c = 0; c + 1 < n; ++c) chosen.push_back(c);
+  } else {
+    for (const double number : parse_list(command.channels, ',', "--channels")) {
+      if (number != std::floor(number) || number < 1 || number > static_cast<double>(n))
+        throw UsageError("--channels " + command.channels + ": expected numbers from 1 to " + std::to_string(n) +
+                         ", the components of the image");
+      chosen.push_back(static_cast<Index>(number) - 1);
+    }
+  }
+  VolumeLayout layout = image;
+  layout.components = std::ssize(chosen);
+  Volume<float> result(layout);
+  for (Index i = 0; i < image.grid.voxels() * image.frames; ++i)
+    for (std::size_t c = 0; c < chosen.size(); ++c)
+      result.values[static_cast<std::size_t>(i) * chosen.size() + c] = image.values[i * n + chosen[c]];
+  return result;
+}
+
 }  // namespace
 
 void run(const SegmentCommand& command, Session& session) {
   const SegmentOptions options = make_segment_options(command);
   expect_outputs(command, session);
-  const Volume<float> image = session.timed("read", [&] { return read_volume(command.input); });
+  const Volume<float> image = session.timed("read", [&] { return with_channels(command, read_volume(command.input)); });
   check_image(command.input, image);
   const Grid& grid = image.grid;
   session.input = {{"file", command.input},

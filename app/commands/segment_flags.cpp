@@ -65,6 +65,8 @@ void declare(CommandFlags& v, SegmentCommand& c) {
          "save the level set: .csrbf, for csrbf evaluate, polygonize, render and curvature");
   v.flag("preview", c.preview, "FILE", "",
          "draw the contour on the image, or on the slice with the largest area inside: .png");
+  v.flag("channels", c.channels, "LIST", "all but transparency",
+         "components of the image to use, from 1 on: 1,3 are the red and the blue of a colour image");
   v.toggle("--objects", c.objects,
            "split what is inside into objects, touching ones too, and write their numbers, 1 to n, as labels");
   v.flag("table", c.table, "FILE", "", "size, place, shape and mean of every object: .csv");

@@ -136,11 +136,6 @@ void check_image(const std::string& path, const Volume<float>& image) {
   if (image.frames > 1)
     refuse("the image has " + std::to_string(image.frames) +
            " frames; segment takes one: save one frame, or segment all of them with csrbf track");
-  if (image.components > 1)
-    refuse(
-        "the image has " + std::to_string(image.components) +
-        " values per pixel, such as colours or transparency; convert it to grey, or keep one channel (for example by "
-        "\"convert photo.png -alpha off -colorspace gray grey.png\")");
   if (std::all_of(image.values.begin(), image.values.end(), [&](float value) { return value == image.values[0]; }))
     refuse("all voxels have the value " + rounded(image.values[0]) + ": there is nothing to segment");
   const Grid& grid = image.grid;
@@ -157,9 +152,10 @@ void check_image(const std::string& path, const Volume<float>& image) {
 }
 
 void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
+  const auto voxel_at = [&](std::size_t i) { return static_cast<Index>(i) / image.components; };
   for (std::size_t i = 0; i < image.values.size(); ++i) {
-    if (std::isfinite(image.values[i]) || (!mask.empty() && mask[i] == 0)) continue;
-    const std::string voxel = voxel_text(image.grid, static_cast<Index>(i));
+    if (std::isfinite(image.values[i]) || (!mask.empty() && mask[voxel_at(i)] == 0)) continue;
+    const std::string voxel = voxel_text(image.grid, voxel_at(i));
     throw UsageError(path + ": voxel " + voxel + " is " + rounded(image.values[i]) +
                      "; fill such voxels with csrbf inpaint, or exclude them with --mask");
   }
@@ -178,6 +174,7 @@ std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string
 
 Volume<float> label_image(VolumeLayout layout, const std::vector<std::uint8_t>& labels) {
   layout.type = SampleType::uint8;
+  layout.components = 1;
   Volume<float> image(layout);
   image.values.assign(labels.begin(), labels.end());
   return image;

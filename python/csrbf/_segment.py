@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
@@ -42,6 +42,7 @@ def segment(
     balloon: float = 0.0,
     fill_holes: bool | None = None,
     force: Force | None = None,
+    channels: Sequence[int] | None = None,
     objects: bool = False,
     min_size: int = 1,
     iterations: int = 100,
@@ -91,6 +92,9 @@ def segment(
     force : callable, optional
         Instead of an energy, a function of the labels (an array like the image, 1 inside) that returns the cost of each
         voxel inside instead of outside, in an array of the same shape: negative where it should be inside.
+    channels : sequence of int, optional
+        Of an image with components, such as colours: those to use, from 1 on; all but transparency when not given. An
+        array has components when it is an `Image` with the axes "yxc" or "zyxc".
     objects : bool
         Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
     min_size : int
@@ -125,7 +129,7 @@ def segment(
     if min_size != 1 and not objects:
         raise ValueError("min_size: is about objects: add objects=True")
     image = as_image(image, voxel_size)
-    volume = _volume(image)
+    volume = _volume(image, channels)
     if force is not None and not callable(force):
         raise ValueError("force: must be a function of the labels")
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
@@ -225,14 +229,24 @@ def _frames(frames: Any, voxel_size: ArrayLike | None) -> list[Image]:
     return [as_image(frame, voxel_size) for frame in frames]
 
 
-def _volume(image: Image) -> _csrbf.Volume:
-    if image.axes not in ("yx", "zyx"):
+def _volume(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Volume:
+    if image.axes.removesuffix("c") not in ("yx", "zyx"):
         raise ValueError(
-            f"dimension of the image: its axes are [{', '.join(image.axes)}], they must be [y, x] or [z, y, x]; "
-            "convert colours to grey, and take one frame of a sequence"
+            f"dimension of the image: its axes are [{', '.join(image.axes)}], they must be [y, x] or [z, y, x], and c for "
+            "components; take one frame of a sequence"
         )
-    layout = dict(image._layout(), type="float32")
-    return _csrbf.Volume(np.ascontiguousarray(image.values, dtype=np.float32).ravel(), layout)
+    values, components = image.values, 1
+    if image.axes.endswith("c"):
+        n = values.shape[-1]
+        transparent = n in (2, 4) and values.dtype.kind in "ui"
+        chosen = range(1, n + 1 - transparent) if channels is None else [int(c) for c in channels]
+        if not len(chosen) or min(chosen) < 1 or max(chosen) > n:
+            raise ValueError(f"channels: {list(chosen)} must be numbers from 1 to {n}, the components of the image")
+        values, components = values[..., [c - 1 for c in chosen]], len(chosen)
+    elif channels is not None and list(channels) != [1]:
+        raise ValueError("channels: the image has one value per voxel")
+    layout = dict(image._layout(), type="float32", components=components)
+    return _csrbf.Volume(np.ascontiguousarray(values, dtype=np.float32).ravel(), layout)
 
 
 def _options(

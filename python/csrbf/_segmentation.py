@@ -27,7 +27,8 @@ class Segmentation:
         What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
         components, noise, speckle (the power of the amplitude that the image shows, None when it is not speckle),
         prices (of the energy "auto": energy, shading and nats, the length of the description of the image by each model
-        over that by the one chosen), options, warnings.
+        over that by the one chosen), channels (the weights of the components, of whose sum the regions are), options,
+        warnings.
     objects : ndarray of int32 or None
         With `objects=True` the number of the object that a voxel belongs to, from 1 on, 0 outside.
     table : list of dict or None

@@ -301,8 +301,21 @@ class Errors(Segment):
         frames = self.write_bytes("frames.npy", npy_bytes((2, 3, 4, 5), list(range(120)), "<f4"))
         self.refused("the image has 2 frames; segment takes one: save one frame, or segment all of them with "
                      "csrbf track", frames)
-        color = self.write_bytes("color.ppm", b"P6\n2 2\n255\n" + bytes(range(12)))
-        self.refused("the image has 3 values per pixel, such as colours or transparency; convert it to grey", color)
+
+    def test_colours_and_their_channels(self):
+        inside = [math.hypot(x - 30, y - 20) < 12 for y in range(48) for x in range(64)]
+        noise = [7 * i * i % 41 for i in range(len(inside))]
+        pixels = bytes(v for i, n in zip(inside, noise) for v in ((150 if i else 60) + n, (60 if i else 150) + n, 2 * n))
+        image = self.write_bytes("color.ppm", b"P6\n64 48\n255\n" + pixels)
+        labels, report = self.labels(image)
+        self.assertLess(sum(bool(a) != b for a, b in zip(labels, inside)), 12)
+        red, green, blue = report["result"]["channels"]
+        self.assertLess(red * green, -0.4)
+        self.assertLess(abs(blue), 0.1)
+        labels, report = self.labels(image, "--channels", "2")
+        self.assertNotIn("channels", report["result"])
+        self.assertLess(sum(bool(a) != b for a, b in zip(labels, inside)), 40)
+        self.refused("--channels 4: expected numbers from 1 to 3, the components of the image", image, "--channels", "4")
 
     def test_damaged_files_and_unknown_types(self):
         header = bytearray(348)

@@ -8,9 +8,11 @@
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_contour.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
+#include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
+#include "csrbf/levelset/regions/label_runs.hpp"
 #include "csrbf/levelset/regions/region_cores.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
@@ -245,13 +247,6 @@ class Segmenter {
     fields_ = make_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
   }
 
-  // Components of both of two regions.
-  [[nodiscard]] std::array<Index, 2> count_parts(std::vector<std::uint8_t> labels) const {
-    const Index inside = count_components(labels, grid_);
-    for (std::uint8_t& label : labels) label = 1 - label;
-    return {inside, count_components(labels, grid_)};
-  }
-
   // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
   // Kept where the labels cost hardly more, or no part is lost.
   std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model) {
@@ -269,7 +264,7 @@ class Segmenter {
     VariationalResult found =
         descend_globally(lattice, *regions_, {0, noise.size, used_.iterations, false, {}}, result_.labels);
     const double least = price.fit(result_.labels, model);
-    const bool same = count_parts(found.labels) == count_parts(result_.labels);
+    const bool same = LabelRuns(found.labels, grid_).count_parts() == LabelRuns(result_.labels, grid_).count_parts();
     const double most = (same ? same_parts : tolerance) * contour_price(result_.labels, 1, grid_.size, price.weight());
     if (price.fit(found.labels, model) > least + most) return std::nullopt;
     used_.center_spacing = spacing;
@@ -387,6 +382,12 @@ template <int Dim>
 Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
   check_segment_options(options);
   check_segment_image<Dim>(image, options);
+  if (image.components > 1) {
+    const std::vector<double> weights = channel_contrast(image, options.mask);
+    Segmentation<Dim> found = segment<Dim>(weigh_channels(image, weights), options);
+    found.report.channels = weights;
+    return found;
+  }
   Segmenter<Dim> segmenter(image, options);
   segmenter.start();
   segmenter.measure();

@@ -76,9 +76,11 @@ template <int Dim>
 void check_segment_image(const Volume<float>& image, const SegmentOptions& options) {
   const Grid& grid = image.grid;
   const auto voxels = static_cast<std::size_t>(grid.voxels());
-  require(image.components == 1, here, "components", image.components, "the image must have one value per voxel");
+  require(image.components >= 1 && image.components <= 64, here, "components", image.components,
+          "the image must have 1 to 64 values per voxel");
   require(image.frames == 1, here, "frames", image.frames, "the image must have one frame; track() takes sequences");
-  require(image.values.size() == voxels, here, "number of values", image.values.size(), "must be that of the voxels");
+  require(std::ssize(image.values) == image.values_per_frame(), here, "number of values", image.values.size(),
+          "must be that of the voxels and their components");
   for (std::size_t a = 0; a < 3; ++a)
     require(a < Dim ? grid.size[a] >= 2 : grid.size[a] == 1, here, "size", grid.size[a],
             a < Dim ? "the image must have at least 2 voxels along each axis" : "the image has too many axes");
