@@ -102,11 +102,12 @@ ForceUpdate force_of(const py::object& function, const Grid& grid) {
 }
 
 std::unique_ptr<Segments> segment_image(const Image& image, const std::optional<Bytes>& seed,
-                                        const std::optional<Bytes>& mask, const py::dict& given,
-                                        const py::object& force, const py::object& listener) {
+                                        const std::optional<Bytes>& mask, const std::optional<Bytes>& seeds,
+                                        const py::dict& given, const py::object& force, const py::object& listener) {
   SegmentOptions options = make_options(given);
   options.seed = voxels_of(seed);
   options.mask = voxels_of(mask);
+  options.seeds = voxels_of(seeds);
   options.force = force_of(force, image.grid);
   return run(listener, [&](const Progress& progress) {
     options.progress = progress;

@@ -92,6 +92,7 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
                           {"model", or_null(command.model)},
                           {"preview", or_null(command.preview)},
                           {"channels", or_null(command.channels)},
+                          {"seeds", or_null(command.seeds)},
                           {"objects", command.objects},
                           {"table", or_null(command.table)},
                           {"min_size", command.min_size}});
@@ -162,6 +163,11 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
   });
   check_finite(command.input, image, options.mask);
   options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
+  if (!command.seeds.empty()) {
+    options.seeds = session.timed("read", [&] { return read_seeds<Dim>(command.seeds, grid); });
+    const int most = *std::max_element(options.seeds.begin(), options.seeds.end());
+    if (command.regions == SegmentFlags().regions) options.regions = std::max(options.regions, most);
+  }
   const Segmentation<Dim> segmentation = timed_segment<Dim>(image, std::move(options), session);
   add_options(command, segmentation.report.options, session);
   add_result(command, segmentation.report, grid, session);

@@ -65,6 +65,9 @@ void declare(CommandFlags& v, SegmentCommand& c) {
          "save the level set: .csrbf, for csrbf evaluate, polygonize, render and curvature");
   v.flag("preview", c.preview, "FILE", "",
          "draw the contour on the image, or on the slice with the largest area inside: .png");
+  v.flag("seeds", c.seeds, "FILE", "",
+         "voxels that are known, some of every region: an image, or a table of points, of numbers that are 1 for label "
+         "0, 2 for label 1 and so on; 0: not known");
   v.flag("channels", c.channels, "LIST", "all but transparency",
          "components of the image to use, from 1 on: 1,3 are the red and the blue of a colour image");
   v.toggle("--objects", c.objects,

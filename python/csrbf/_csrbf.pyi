@@ -111,7 +111,13 @@ class Segments:
     def restore(function: Function, labels: Bytes, layout: Layout) -> Segments: ...
 
 def segment(
-    image: Volume, seed: Bytes | None, mask: Bytes | None, options: Options, force: Any, listener: Listener
+    image: Volume,
+    seed: Bytes | None,
+    mask: Bytes | None,
+    seeds: Bytes | None,
+    options: Options,
+    force: Any,
+    listener: Listener,
 ) -> Segments: ...
 def find_objects(
     image: Volume, segments: Segments, min_size: int, listener: Listener

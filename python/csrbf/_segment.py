@@ -42,6 +42,7 @@ def segment(
     balloon: float = 0.0,
     fill_holes: bool | None = None,
     force: Force | None = None,
+    seeds: ImageLike | None = None,
     channels: Sequence[int] | None = None,
     objects: bool = False,
     min_size: int = 1,
@@ -92,6 +93,8 @@ def segment(
     force : callable, optional
         Instead of an energy, a function of the labels (an array like the image, 1 inside) that returns the cost of each
         voxel inside instead of outside, in an array of the same shape: negative where it should be inside.
+    seeds : Image, array_like or file name, optional
+        Like the image, in voxels whose region is known 1 + its label, some of every region; 0 elsewhere.
     channels : sequence of int, optional
         Of an image with components, such as colours: those to use, from 1 on; all but transparency when not given. An
         array has components when it is an `Image` with the axes "yxc" or "zyxc".
@@ -135,8 +138,15 @@ def segment(
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
                        balloon, fill_holes, iterations)
     start, voxels = seed(init, image, volume), marked(mask, volume, "mask")
+    known = None
+    if seeds is not None:
+        known = np.ascontiguousarray(as_image(seeds).values)
+        if known.size == 0 or known.min() < 0 or known.max() > 16 or (known != np.floor(known)).any():
+            raise ValueError("seeds: must be whole numbers from 0 to 16")
+        known = known.astype(np.uint8)
+        options["regions"] = max(options["regions"], int(known.max())) if regions == 2 else options["regions"]
     with listening(progress) as listener:
-        found = _csrbf.segment(volume, start, voxels, options, force, listener)
+        found = _csrbf.segment(volume, start, voxels, known, options, force, listener)
         return Segmentation(found, _csrbf.find_objects(volume, found, int(min_size), listener) if objects else None)
 
 

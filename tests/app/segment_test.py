@@ -73,6 +73,23 @@ class Plane(Segment):
         self.assertAlmostEqual(row["area"], math.pi * 121, delta=15)
         self.assertAlmostEqual(row["mean"], 10, delta=0.5)
 
+    def test_seeds_keep_their_labels(self):
+        values = [(0.0, 5.0, 10.0)[x // 20] + 0.1 * (7 * x * y % 11) for y in range(40) for x in range(60)]
+        image = self.write_bytes("bands.npy", npy_bytes((40, 60), values, "<f4"))
+        with open(self.path("seeds.csv"), "w") as file:  # the order is not that of the means
+            file.write("x,y,label\n10,20,3\n30,20,1\n50,20,2\n55,5,1\n")
+        labels, report = self.labels(image, "--seeds", self.path("seeds.csv"))
+        self.assertEqual([labels[20 * 60 + x] for x in (10, 30, 50)], [2, 0, 1])
+        self.assertEqual(labels[5 * 60 + 55], 0)  # a seed against its intensity
+        self.assertEqual(report["options"]["regions"], 3)
+        with open(self.path("seeds.csv"), "w") as file:
+            file.write("x,y,label\n10,20,1\n99,20,2\n")
+        self.fail_with(2, "point 2 is outside the image", "segment", image, "-o", self.path("l.npy"), "--seeds",
+                       self.path("seeds.csv"))
+        self.write_bytes("one.npy", npy_bytes((40, 60), [1] + [0] * 2399, "|u1"))
+        self.fail_with(2, "must mark every region", "segment", image, "-o", self.path("l.npy"), "--seeds",
+                       self.path("one.npy"))
+
     def test_table_needs_objects(self):
         self.fail_with(2, "--objects", "segment", self.disc(), "-o", self.path("l.npy"), "--table", self.path("t.csv"))
 

@@ -338,8 +338,10 @@ TEST(Segment, SaysWhatIsWrong) {
   image.values.resize(2 * 32 * 32);
   expect_refused(image, {}, "too many axes");
   image = phantom.image;
+  image.components = 65;
+  expect_refused(image, {}, "components = 65");
   image.components = 3;
-  expect_refused(image, {}, "components = 3");
+  expect_refused(image, {}, "number of values = 1024");
 
   const auto with = [](const auto& change) {
     SegmentOptions options;

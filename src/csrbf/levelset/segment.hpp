@@ -48,7 +48,7 @@ struct Segmentation {
 /// colours, a weighted sum is segmented: that in which the means of two classes differ (channel_contrast()).
 ///
 /// Order of the labels: of two regions, the seed marks label 1; without a seed, label 0 has most of the image
-/// border. More than two are numbered by ascending mean.
+/// border. More than two are numbered by ascending mean. With seeds of all regions labels are those of the seeds.
 ///
 /// With the energy `automatic`, in global mode and up to 8 million voxels, labels and model are those of the shortest
 /// description (find_partition()) among means, means and deviations, and means that vary over the image, and the

@@ -11,7 +11,6 @@ namespace {
 constexpr Index width = 16;           // voxels of a tile, along x: one register of AVX-512
 constexpr int most_iterations = 300;  // by hand: enough for contours without noise, a voxel or two for the noisiest
 constexpr int check_every = 5;        // iterations between two looks at the change
-constexpr double at_rest = 2e-5;      // mean change of u per iteration at convergence; by hand: larger leaves specks
 constexpr Index tiles_per_task = 512;
 
 struct Tile {
@@ -143,6 +142,7 @@ class Doubt {
                    {static_cast<float>(weight_.along[0]), static_cast<float>(weight_.along[1]),
                     static_cast<float>(weight_.along[2])}};
     const auto n = std::ssize(list_);
+    const double at_rest = state_ != nullptr ? state_->at_rest : ContourState().at_rest;
     int iteration = 0;
     while (iteration < most_iterations) {
       ++iteration;

@@ -24,6 +24,7 @@ double contour_price(std::span<const std::uint8_t> labels, std::uint8_t label, c
 struct ContourState {
   std::vector<float> u;                     ///< of each voxel, in [0, 1]
   std::array<std::vector<float>, 3> duals;  ///< along the axes
+  double at_rest = 2e-5;                    ///< mean change of u per iteration at the end; larger leaves specks
 };
 
 /// Minimises sum force u + contour_price(u) over 0 <= u <= 1 and labels 1 where u > 1/2: the global minimum over all

@@ -13,6 +13,7 @@ constexpr double least_gain = 0.5;         // nats: less is not worth a round or
 constexpr std::size_t followed = 2;        // starts of each model that are followed to their end; by hand
 constexpr std::size_t first_followed = 3;  // of constant means; by hand: 2 miss a disc in noise of twice the contrast
 constexpr int trial_rounds = 2;            // before models are compared; by hand: most of the gain comes in the first
+constexpr double roughly = 3e-4;           // mean change of u per iteration at the end of a contour on trial; by hand
 constexpr double hope = 3;                 // gains of the last round that are still to be expected; by hand
 constexpr double changed_share = 1e-5;     // of the labels may change at convergence
 constexpr double independent = 0.3;  // correlation of neighbours up to which deviations tell regions apart; by hand
@@ -90,7 +91,7 @@ class Search {
 
   // Means that follow the image closely go on from what simpler ones found.
   [[nodiscard]] bool suits(MeanShape shape, const PartitionStart& start) const {
-    if (shape == MeanShape::constant) return !start.local;
+    if (shape == MeanShape::constant) return start.classes || !start.local;
     return (start.classes || start.local) && (shape != MeanShape::smooth || options_.shape);
   }
 
@@ -120,6 +121,7 @@ class Search {
 
   // A few rounds from the most promising starts: models are far apart, and rounds gain less and less.
   void try_out(Contest& contest) {
+    state_.at_rest = roughly;
     if (!result_.labels.empty()) enter(contest, result_.labels, price_.measure(result_.labels, options_.regions));
     std::vector<Candidate>& best = contest.best;
     if (best.empty() || !is_promising(contest)) return;
@@ -131,10 +133,12 @@ class Search {
 
   // Follows what may still become the cheapest to the end.
   void finish(Contest& contest) {
+    state_.at_rest = ContourState().at_rest;
     if (contest.best.empty() || !std::isfinite(contest.best.front().gain)) return;
     for (Candidate& each : contest.best) {
       if (contest.price() > best_ && contest.price() - hope * contest.best.front().gain >= best_) break;
-      if (!each.converged) follow(each, contest.model, most_rounds);
+      each.converged = false;
+      follow(each, contest.model, most_rounds);
       take(each, contest.model);
     }
     sort(contest.best);
@@ -147,7 +151,9 @@ class Search {
 
   // The result when it is cheaper and credible.
   void take(const Candidate& found, const PartitionModel& model) {
-    if (found.price >= best_ - least_gain || !is_credible(model, found.labels)) return;
+    const bool goes_on = model == result_.model && found.price <= best_;
+    if (!goes_on && found.price >= best_ - least_gain) return;
+    if (!is_credible(model, found.labels)) return;
     best_ = found.price;
     result_.labels = found.labels;
     result_.model = model;

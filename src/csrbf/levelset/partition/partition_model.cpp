@@ -13,6 +13,7 @@ namespace {
 
 constexpr Index grain = 1 << 14;               // voxels per task
 constexpr double least_deviation = 1.0 / 512;  // of the range: half a grey level of 256
+constexpr float certain = 100;                 // nats of a seed on the wrong side: more than any contour could save
 constexpr double least_contrast = 0.1;  // of an object, of that of the regions; by hand: less is the surroundings
 
 }  // namespace
@@ -225,6 +226,7 @@ void PartitionPrice::cost(int k, std::span<float> to) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double off = value(i) - mean(region, i);
       to[i] = inside(i) ? static_cast<float>(factor * off * off + level) : 0.0F;
+      if (!seeds_.empty() && seeds_[i] != 0) to[i] = seeds_[i] == k + 1 ? -certain : certain;
     }
   });
 }
@@ -242,6 +244,7 @@ void PartitionPrice::force(std::span<float> to) {
       // An object that is not brighter (darker) than its surroundings, as objects are, has no voxels.
       if (objects && (m1 - m0) * side <= least_contrast * side * side) F = away * (std::abs(F) + 1);
       to[i] = inside(i) ? static_cast<float>(F) : 0.0F;
+      if (!seeds_.empty() && seeds_[i] != 0) to[i] = seeds_[i] == 2 ? -certain : certain;
     }
   });
 }

@@ -24,6 +24,8 @@ struct PartitionModel {
   MeanShape shape = MeanShape::constant;
   bool own_deviations = false;    ///< one standard deviation for each region, or one for all
   std::uint8_t object_label = 1;  ///< of MeanShape::objects
+
+  bool operator==(const PartitionModel&) const = default;
 };
 
 /// What all models have to know of labels.
@@ -42,6 +44,10 @@ class PartitionPrice {
   /// empty. Grid and mask must outlive this.
   PartitionPrice(std::span<const float> values, double lo, double hi, const Grid& grid,
                  std::span<const std::uint8_t> mask, const ContourWeight& weight);
+
+  /// Voxels that are to have label seeds[i] - 1, where that is not 0; empty: none. Must outlive this.
+  void set_seeds(std::span<const std::uint8_t> seeds) { seeds_ = seeds; }
+  [[nodiscard]] std::span<const std::uint8_t> seeds() const { return seeds_; }
 
   [[nodiscard]] LabelMeasures measure(std::span<const std::uint8_t> labels, int regions = 2) const;
 
@@ -101,7 +107,7 @@ class PartitionPrice {
 
   std::vector<float> values_;
   const Grid& grid_;
-  std::span<const std::uint8_t> mask_;
+  std::span<const std::uint8_t> mask_, seeds_;
   ContourWeight weight_;
   double count_ = 0;
   RegionMoments all_;  // of both of two regions
