@@ -1,4 +1,5 @@
 #include "csrbf/levelset/segment.hpp"
+#include "csrbf/levelset/seed.hpp"
 
 #include "core/error_testing.hpp"
 #include "csrbf/core/parallel.hpp"
@@ -318,6 +319,20 @@ TEST(Segment, FollowsAForceOfTheCaller) {
     force[0] = std::numeric_limits<float>::quiet_NaN();
   };
   EXPECT_NE(invalid_input_message([&] { segment<2>(phantom.image, options); }).find("finite"), std::string::npos);
+}
+
+TEST(Segment, ALocalContourGrowsFromASmallSeedAndKeepsIt) {
+  for (const double noise : {50.0, 170.0}) {  // of a contrast of 170
+    const auto disc = [](double x, double y) { return 40 - std::hypot(x, y); };
+    const Phantom phantom = make_phantom(n, disc, 0.5, noise);
+    SegmentOptions options;
+    options.mode = SegmentMode::local;
+    options.seed = seed_ball<2>(phantom.image.grid, {100, 100}, noise < 100 ? 5 : 15);
+    const Segmentation<2> result = segment<2>(phantom.image, options);
+    EXPECT_GT(dice(result.labels, phantom.truth), 0.95) << noise;
+    for (std::size_t i = 0; i < result.labels.size(); ++i) EXPECT_GE(result.labels[i], options.seed[i]) << i;
+    expect_falling_energy(result);
+  }
 }
 
 TEST(Segment, SaysWhatIsWrong) {
