@@ -54,7 +54,7 @@ struct Segmentation {
 /// description (find_partition()) among means, means and deviations, and means that vary over the image, and the
 /// centres are as dense as the smallest objects ask for; else it is chan_vese.
 ///
-/// Cost: of `automatic` 5 to 20 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
+/// Cost: of `automatic` 1 to 5 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
 /// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image (2.4 GB in all for 512^3).
 ///
 /// Throws InvalidInput for options out of their ranges, arrays of the wrong size, an image with fewer or more than Dim

@@ -135,6 +135,8 @@ class Search {
   void finish(Contest& contest) {
     state_.at_rest = ContourState().at_rest;
     if (contest.best.empty() || !std::isfinite(contest.best.front().gain)) return;
+    // What is not credible after a trial seldom is so later.
+    if (!is_credible(contest.model, contest.best.front().labels)) return;
     for (Candidate& each : contest.best) {
       if (contest.price() > best_ && contest.price() - hope * contest.best.front().gain >= best_) break;
       each.converged = false;
