@@ -159,7 +159,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
   const Grid& grid = image.grid;
   if (!command.contour.empty()) check_contour_file(command.contour, Dim);
   session.timed("read", [&] {
-    if (!command.mask.empty()) options.mask = read_voxels("--mask", command.mask, grid);
+    if (!command.mask.empty()) options.mask = read_mask<Dim>(command.mask, grid);
   });
   check_finite(command.input, image, options.mask);
   options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });

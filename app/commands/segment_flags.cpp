@@ -40,7 +40,8 @@ void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
   v.flag("fill-holes", c.fill_holes, "auto|yes|no", "auto",
          "count everything the contour encloses as inside; auto: in local mode only")
       ->check(CLI::IsMember({"auto", "yes", "no"}));
-  v.flag("mask", c.mask, "FILE", "", "image of the same size, 0 in voxels to ignore");
+  v.flag("mask", c.mask, "FILE|box:...", "",
+         "image of the same size, 0 in voxels to ignore; or box:X,Y[,Z],X,Y[,Z], the two corners of what to look at");
   v.flag("mode", c.mode, "global|local", c.mode,
          "global: regions appear wherever they fit; local: the contour evolves from its start")
       ->check(CLI::IsMember({"global", "local"}));

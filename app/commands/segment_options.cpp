@@ -33,11 +33,12 @@ Seed sphere(const std::string& where, const std::string& numbers, const Grid& gr
 }
 
 template <int Dim>
-Seed box(const std::string& where, const std::string& numbers, const Grid& grid) {
+Seed box(const std::string& flag, const std::string& where, const Grid& grid) {
+  const std::string numbers = where.substr(where.find(':') + 1);
   if (std::count(numbers.begin(), numbers.end(), ',') != 2 * Dim - 1)
-    throw UsageError("--init " + where + ": expected box:" + axes_text(Dim) + "," + axes_text(Dim) +
+    throw UsageError(flag + " " + where + ": expected box:" + axes_text(Dim) + "," + axes_text(Dim) +
                      ", two opposite corners, for an image of " + std::to_string(Dim) + " axes");
-  const Eigen::VectorXd n = parse_list(numbers, ',', "--init box:");
+  const Eigen::VectorXd n = parse_list(numbers, ',', flag + " box:");
   Box<Dim> corners;
   corners.add(Point<Dim>(n.head<Dim>()));
   corners.add(Point<Dim>(n.tail<Dim>()));
@@ -190,7 +191,7 @@ Seed read_seed(const std::string& where, const Grid& grid, const Progress& progr
   if (form == "sphere")
     seed = sphere<Dim>(where, rest, grid);
   else if (form == "box")
-    seed = box<Dim>(where, rest, grid);
+    seed = box<Dim>("--init", where, grid);
   else if (form == "mask")
     seed = read_voxels("--init mask:", rest, grid);
   else if (form == "points")
@@ -203,6 +204,18 @@ Seed read_seed(const std::string& where, const Grid& grid, const Progress& progr
     throw UsageError("--init " + where + ": covers no voxel of the image, which has " + extent_text<Dim>(grid));
   return seed;
 }
+
+template <int Dim>
+std::vector<std::uint8_t> read_mask(const std::string& where, const Grid& grid) {
+  if (!where.starts_with("box:")) return read_voxels("--mask", where, grid);
+  Seed mask = box<Dim>("--mask", where, grid);
+  if (std::find(mask.begin(), mask.end(), 1) == mask.end())
+    throw UsageError("--mask " + where + ": covers no voxel of the image, which has " + extent_text<Dim>(grid));
+  return mask;
+}
+
+template std::vector<std::uint8_t> read_mask<2>(const std::string&, const Grid&);
+template std::vector<std::uint8_t> read_mask<3>(const std::string&, const Grid&);
 
 template <int Dim>
 std::vector<std::uint8_t> read_seeds(const std::string& path, const Grid& grid) {

@@ -33,7 +33,12 @@ std::vector<std::uint8_t> read_seeds(const std::string& path, const Grid& grid);
 /// The labels of an image with this layout.
 Volume<float> label_image(VolumeLayout layout, const std::vector<std::uint8_t>& labels);
 
-/// The voxels of --mask FILE. Throws UsageError when it has another size, IoError.
+/// The voxels of --mask FILE, or those in --mask box:X,Y[,Z],X,Y[,Z]. Throws UsageError when it has another size or
+/// covers no voxel, IoError.
+template <int Dim>
+std::vector<std::uint8_t> read_mask(const std::string& where, const Grid& grid);
+
+/// Where an image has values other than 0. Throws UsageError when it has another size, IoError.
 std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string& path, const Grid& grid);
 
 }  // namespace csrbf::app

@@ -90,6 +90,15 @@ class Plane(Segment):
         self.fail_with(2, "must mark every region", "segment", image, "-o", self.path("l.npy"), "--seeds",
                        self.path("one.npy"))
 
+    def test_mask_is_a_box(self):
+        values = [10.0 if math.hypot(x - 20, y - 24) < 9 else 30.0 if x > 45 else 1.0 for y in range(48)
+                  for x in range(64)]
+        image = self.write_bytes("two.npy", npy_bytes((48, 64), values, "<f4"))
+        labels, _ = self.labels(image, "--mask", "box:0,0,40,47")
+        self.assertEqual([labels[24 * 64 + x] for x in (20, 35, 60)], [1, 0, 0])
+        self.fail_with(2, "--mask box:90,0,99,9: covers no voxel", "segment", image, "-o", self.path("l.npy"), "--mask",
+                       "box:90,0,99,9")
+
     def test_table_needs_objects(self):
         self.fail_with(2, "--objects", "segment", self.disc(), "-o", self.path("l.npy"), "--table", self.path("t.csv"))
 
