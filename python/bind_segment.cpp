@@ -3,6 +3,7 @@
 
 #include "csrbf/io/model.hpp"
 #include "csrbf/levelset/image_contour.hpp"
+#include "csrbf/levelset/objects.hpp"
 #include "csrbf/levelset/seed.hpp"
 #include "csrbf/levelset/segment.hpp"
 #include "csrbf/levelset/track.hpp"
@@ -101,11 +102,12 @@ ForceUpdate force_of(const py::object& function, const Grid& grid) {
 }
 
 std::unique_ptr<Segments> segment_image(const Image& image, const std::optional<Bytes>& seed,
-                                        const std::optional<Bytes>& mask, const py::dict& given,
-                                        const py::object& force, const py::object& listener) {
+                                        const std::optional<Bytes>& mask, const std::optional<Bytes>& seeds,
+                                        const py::dict& given, const py::object& force, const py::object& listener) {
   SegmentOptions options = make_options(given);
   options.seed = voxels_of(seed);
   options.mask = voxels_of(mask);
+  options.seeds = voxels_of(seeds);
   options.force = force_of(force, image.grid);
   return run(listener, [&](const Progress& progress) {
     options.progress = progress;
@@ -192,7 +194,7 @@ py::dict to_dict(const SegmentReport& r) {
                          "balloon"_a = o.balloon, "fill_holes"_a = o.fill_holes, "iterations"_a = o.iterations);
   return py::dict("iterations"_a = r.iterations, "converged"_a = r.converged, "energy"_a = r.energy,
                   "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise, "speckle"_a = r.speckle,
-                  "prices"_a = prices, "options"_a = options, "warnings"_a = r.warnings);
+                  "prices"_a = prices, "channels"_a = r.channels, "options"_a = options, "warnings"_a = r.warnings);
 }
 
 const SegmentReport& report_of(const Segments& s) {
@@ -215,6 +217,38 @@ const auto& field_of(const Fields& fields, Index label) {
   const Index k = fields.size() == 1 ? label - 1 : label;
   require(k >= 0 && k < static_cast<Index>(fields.size()), "contour", "label", label, "there is no such region");
   return *fields[k];
+}
+
+// The labels, and the measures of each.
+py::tuple objects_of(const Image& image, const Segments& s, Index min_size, const py::object& listener) {
+  using namespace py::literals;
+  const Objects found = run(listener, [&](const Progress& progress) {
+    return std::visit(
+        [&](const auto& segmentation) {
+          return find_objects(image, segmentation.labels, {.min_size = min_size, .progress = progress});
+        },
+        s.found);
+  });
+  py::array_t<std::int32_t> labels(shape_of(s.grid));
+  std::copy(found.labels.begin(), found.labels.end(), labels.mutable_data());
+  const int dim = s.grid.dimension();
+  py::list table;
+  for (const ObjectMeasure& each : found.table) {
+    py::list centroid, axes;
+    for (int a = 0; a < dim; ++a) {
+      centroid.append(each.centroid[a]);
+      axes.append(each.axes[static_cast<std::size_t>(a)]);
+    }
+    py::dict row("label"_a = each.label, "voxels"_a = each.voxels);
+    row[dim == 2 ? "area" : "volume"] = each.volume;
+    row[dim == 2 ? "length" : "area"] = each.area;
+    row["centroid"] = centroid;
+    row["axes"] = axes;
+    row["mean"] = each.mean;
+    row["sphericity"] = each.sphericity;
+    table.append(row);
+  }
+  return py::make_tuple(labels, table);
 }
 
 // Arrays of the points of each line, and its measures.
@@ -299,6 +333,7 @@ void bind_segment(py::module_& m) {
       .def_property_readonly("layout", &layout_of)
       .def_static("restore", &restored);
   m.def("segment", &segment_image);
+  m.def("find_objects", &objects_of);
   m.def("track", [](const std::vector<const Image*>& images, const std::optional<Bytes>& seed,
                     const std::optional<Bytes>& mask, const py::dict& given, double persistence,
                     std::optional<double> motion, int sweeps, const py::object& listener) {

@@ -128,6 +128,11 @@ struct SegmentFlags {
 struct SegmentCommand : SegmentFlags {
   std::string input, output;
   std::string contour, model, preview;
+  bool objects = false;
+  Index min_size = 1;
+  std::string table;
+  std::string channels;
+  std::string seeds;
 };
 
 struct TrackCommand : SegmentFlags {

@@ -5,19 +5,72 @@
 
 #include "csrbf/implicit/preview.hpp"
 #include "csrbf/io/contour_lines.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/image.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/volume.hpp"
+#include "csrbf/levelset/objects.hpp"
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <optional>
 #include <span>
+#include <sstream>
 
 namespace csrbf::app {
 namespace {
+
+void check_object_flags(const SegmentCommand& command, Session& session) {
+  if (!command.objects) {
+    const char* flag = !command.table.empty() ? "--table" : command.min_size > 1 ? "--min-size" : nullptr;
+    if (flag != nullptr) throw UsageError(std::string(flag) + ": is about objects: add --objects");
+    return;
+  }
+  if (command.regions > 2) throw UsageError("--objects: needs two regions, of which label 1 has the objects");
+  if (!command.table.empty()) session.expect_output("--table", command.table, ".csv", "tables of objects");
+}
+
+// The objects that --objects asks for; their number goes to the report and the summary.
+std::optional<Objects> find_objects(const SegmentCommand& command, const Volume<float>& image,
+                                    const std::vector<std::uint8_t>& labels, Session& session) {
+  if (!command.objects) return std::nullopt;
+  Objects objects = session.timed("objects", [&] {
+    return csrbf::find_objects(image, labels, {.min_size = command.min_size, .progress = session.progress()});
+  });
+  session.result["objects"] = objects.table.size();
+  session.say(counted(std::ssize(objects.table), "object"));
+  return objects;
+}
+
+// One row for each object.
+void write_object_table(const std::string& path, const std::vector<ObjectMeasure>& table, const Grid& grid) {
+  const bool plane = grid.dimension() == 2;
+  std::ostringstream text;
+  text.precision(9);
+  text << (plane ? "label,voxels,area,length,x,y,major_axis,minor_axis,mean,sphericity\n"
+                 : "label,voxels,volume,area,x,y,z,major_axis,middle_axis,minor_axis,mean,sphericity\n");
+  for (const ObjectMeasure& each : table) {
+    text << each.label << ',' << each.voxels << ',' << each.volume << ',' << each.area;
+    for (int a = 0; a < grid.dimension(); ++a) text << ',' << each.centroid[a];
+    for (int a = 0; a < grid.dimension(); ++a) text << ',' << each.axes[static_cast<std::size_t>(a)];
+    text << ',' << each.mean << ',' << each.sphericity << '\n';
+  }
+  write_file(path, text.str());
+}
+
+// Of as many bits as their number needs.
+Volume<float> object_image(VolumeLayout layout, const Objects& objects) {
+  const std::size_t n = objects.table.size();
+  layout.type = n < 256 ? SampleType::uint8 : n < 65536 ? SampleType::uint16 : SampleType::uint32;
+  layout.components = 1;
+  Volume<float> image(layout);
+  for (std::size_t i = 0; i < objects.labels.size(); ++i) image.values[i] = static_cast<float>(objects.labels[i]);
+  return image;
+}
 
 void expect_outputs(const SegmentCommand& command, Session& session) {
   session.expect_output("--output", command.output,
@@ -29,6 +82,7 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
         std::string("contours are ") + plane_contour_formats + " in the plane, " + mesh_formats + " in space");
   if (!command.model.empty()) session.expect_output("--model", command.model, ".csrbf", "models");
   if (!command.preview.empty()) session.expect_output("--preview", command.preview, ".png", "pictures");
+  check_object_flags(command, session);
 }
 
 void add_options(const SegmentCommand& command, const SegmentSettings& used, Session& session) {
@@ -36,7 +90,12 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
   add_segment_options(command, used, session);
   session.options.update({{"contour", or_null(command.contour)},
                           {"model", or_null(command.model)},
-                          {"preview", or_null(command.preview)}});
+                          {"preview", or_null(command.preview)},
+                          {"channels", or_null(command.channels)},
+                          {"seeds", or_null(command.seeds)},
+                          {"objects", command.objects},
+                          {"table", or_null(command.table)},
+                          {"min_size", command.min_size}});
 }
 
 void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, Session& session) {
@@ -56,6 +115,7 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
     session.result["prices"] = prices;
   }
   if (r.speckle) session.result["speckle"] = *r.speckle;
+  if (!r.channels.empty()) session.result["channels"] = r.channels;
   session.warn(r.warnings);
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
@@ -99,24 +159,56 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
   const Grid& grid = image.grid;
   if (!command.contour.empty()) check_contour_file(command.contour, Dim);
   session.timed("read", [&] {
-    if (!command.mask.empty()) options.mask = read_voxels("--mask", command.mask, grid);
+    if (!command.mask.empty()) options.mask = read_mask<Dim>(command.mask, grid);
   });
   check_finite(command.input, image, options.mask);
   options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
+  if (!command.seeds.empty()) {
+    options.seeds = session.timed("read", [&] { return read_seeds<Dim>(command.seeds, grid); });
+    const int most = *std::max_element(options.seeds.begin(), options.seeds.end());
+    if (command.regions == SegmentFlags().regions) options.regions = std::max(options.regions, most);
+  }
   const Segmentation<Dim> segmentation = timed_segment<Dim>(image, std::move(options), session);
   add_options(command, segmentation.report.options, session);
   add_result(command, segmentation.report, grid, session);
+  const std::optional<Objects> objects = find_objects(command, image, segmentation.labels, session);
   const SegmentContours<Dim> contours(segmentation, grid, session);
   session.add_to_page([&](Page& page) {
     const auto mesh_at = [&](int resolution) { return contours.mesh(resolution); };
     show<Dim>(image, segmentation, session.result["contour"], mesh_at, page);
   });
   session.write([&] {
-    write_volume(command.output, label_image(image, segmentation.labels));
+    write_volume(command.output, objects ? object_image(image, *objects) : label_image(image, segmentation.labels));
+    if (objects && !command.table.empty()) write_object_table(command.table, objects->table, grid);
     if (!command.contour.empty()) session.warn(contours.write(command.contour));
     if (!command.model.empty()) write_model(command.model, to_function(segmentation));
     if (!command.preview.empty()) write_png(command.preview, preview<Dim>(image, inside_fields(segmentation)));
   });
+}
+
+// The components that --channels asks for; by default all, of pictures without their transparency.
+Volume<float> with_channels(const SegmentCommand& command, Volume<float> image) {
+  const Index n = image.components;
+  std::vector<Index> chosen;
+  if (command.channels.empty()) {
+    const bool transparent = !is_floating(image.type) && (n == 2 || n == 4);
+    if (!transparent) return image;
+    for (Index c = 0; c + 1 < n; ++c) chosen.push_back(c);
+  } else {
+    for (const double number : parse_list(command.channels, ',', "--channels")) {
+      if (number != std::floor(number) || number < 1 || number > static_cast<double>(n))
+        throw UsageError("--channels " + command.channels + ": expected numbers from 1 to " + std::to_string(n) +
+                         ", the components of the image");
+      chosen.push_back(static_cast<Index>(number) - 1);
+    }
+  }
+  VolumeLayout layout = image;
+  layout.components = std::ssize(chosen);
+  Volume<float> result(layout);
+  for (Index i = 0; i < image.grid.voxels() * image.frames; ++i)
+    for (std::size_t c = 0; c < chosen.size(); ++c)
+      result.values[static_cast<std::size_t>(i) * chosen.size() + c] = image.values[i * n + chosen[c]];
+  return result;
 }
 
 }  // namespace
@@ -124,7 +216,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
 void run(const SegmentCommand& command, Session& session) {
   const SegmentOptions options = make_segment_options(command);
   expect_outputs(command, session);
-  const Volume<float> image = session.timed("read", [&] { return read_volume(command.input); });
+  const Volume<float> image = session.timed("read", [&] { return with_channels(command, read_volume(command.input)); });
   check_image(command.input, image);
   const Grid& grid = image.grid;
   session.input = {{"file", command.input},

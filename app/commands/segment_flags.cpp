@@ -40,7 +40,8 @@ void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
   v.flag("fill-holes", c.fill_holes, "auto|yes|no", "auto",
          "count everything the contour encloses as inside; auto: in local mode only")
       ->check(CLI::IsMember({"auto", "yes", "no"}));
-  v.flag("mask", c.mask, "FILE", "", "image of the same size, 0 in voxels to ignore");
+  v.flag("mask", c.mask, "FILE|box:...", "",
+         "image of the same size, 0 in voxels to ignore; or box:X,Y[,Z],X,Y[,Z], the two corners of what to look at");
   v.flag("mode", c.mode, "global|local", c.mode,
          "global: regions appear wherever they fit; local: the contour evolves from its start")
       ->check(CLI::IsMember({"global", "local"}));
@@ -65,6 +66,16 @@ void declare(CommandFlags& v, SegmentCommand& c) {
          "save the level set: .csrbf, for csrbf evaluate, polygonize, render and curvature");
   v.flag("preview", c.preview, "FILE", "",
          "draw the contour on the image, or on the slice with the largest area inside: .png");
+  v.flag("seeds", c.seeds, "FILE", "",
+         "voxels that are known, some of every region: an image, or a table of points, of numbers that are 1 for label "
+         "0, 2 for label 1 and so on; 0: not known");
+  v.flag("channels", c.channels, "LIST", "all but transparency",
+         "components of the image to use, from 1 on: 1,3 are the red and the blue of a colour image");
+  v.toggle("--objects", c.objects,
+           "split what is inside into objects, touching ones too, and write their numbers, 1 to n, as labels");
+  v.flag("table", c.table, "FILE", "", "size, place, shape and mean of every object: .csv");
+  v.flag("min-size", c.min_size, "N", "1", "leave out objects, and fill holes, of fewer voxels")
+      ->check(CLI::Range(1, 2147483647));
 }
 
 void declare(CommandFlags& v, TrackCommand& c) {

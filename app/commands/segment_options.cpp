@@ -33,11 +33,12 @@ Seed sphere(const std::string& where, const std::string& numbers, const Grid& gr
 }
 
 template <int Dim>
-Seed box(const std::string& where, const std::string& numbers, const Grid& grid) {
+Seed box(const std::string& flag, const std::string& where, const Grid& grid) {
+  const std::string numbers = where.substr(where.find(':') + 1);
   if (std::count(numbers.begin(), numbers.end(), ',') != 2 * Dim - 1)
-    throw UsageError("--init " + where + ": expected box:" + axes_text(Dim) + "," + axes_text(Dim) +
+    throw UsageError(flag + " " + where + ": expected box:" + axes_text(Dim) + "," + axes_text(Dim) +
                      ", two opposite corners, for an image of " + std::to_string(Dim) + " axes");
-  const Eigen::VectorXd n = parse_list(numbers, ',', "--init box:");
+  const Eigen::VectorXd n = parse_list(numbers, ',', flag + " box:");
   Box<Dim> corners;
   corners.add(Point<Dim>(n.head<Dim>()));
   corners.add(Point<Dim>(n.tail<Dim>()));
@@ -136,11 +137,6 @@ void check_image(const std::string& path, const Volume<float>& image) {
   if (image.frames > 1)
     refuse("the image has " + std::to_string(image.frames) +
            " frames; segment takes one: save one frame, or segment all of them with csrbf track");
-  if (image.components > 1)
-    refuse(
-        "the image has " + std::to_string(image.components) +
-        " values per pixel, such as colours or transparency; convert it to grey, or keep one channel (for example by "
-        "\"convert photo.png -alpha off -colorspace gray grey.png\")");
   if (std::all_of(image.values.begin(), image.values.end(), [&](float value) { return value == image.values[0]; }))
     refuse("all voxels have the value " + rounded(image.values[0]) + ": there is nothing to segment");
   const Grid& grid = image.grid;
@@ -157,9 +153,10 @@ void check_image(const std::string& path, const Volume<float>& image) {
 }
 
 void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
+  const auto voxel_at = [&](std::size_t i) { return static_cast<Index>(i) / image.components; };
   for (std::size_t i = 0; i < image.values.size(); ++i) {
-    if (std::isfinite(image.values[i]) || (!mask.empty() && mask[i] == 0)) continue;
-    const std::string voxel = voxel_text(image.grid, static_cast<Index>(i));
+    if (std::isfinite(image.values[i]) || (!mask.empty() && mask[voxel_at(i)] == 0)) continue;
+    const std::string voxel = voxel_text(image.grid, voxel_at(i));
     throw UsageError(path + ": voxel " + voxel + " is " + rounded(image.values[i]) +
                      "; fill such voxels with csrbf inpaint, or exclude them with --mask");
   }
@@ -178,6 +175,7 @@ std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string
 
 Volume<float> label_image(VolumeLayout layout, const std::vector<std::uint8_t>& labels) {
   layout.type = SampleType::uint8;
+  layout.components = 1;
   Volume<float> image(layout);
   image.values.assign(labels.begin(), labels.end());
   return image;
@@ -193,7 +191,7 @@ Seed read_seed(const std::string& where, const Grid& grid, const Progress& progr
   if (form == "sphere")
     seed = sphere<Dim>(where, rest, grid);
   else if (form == "box")
-    seed = box<Dim>(where, rest, grid);
+    seed = box<Dim>("--init", where, grid);
   else if (form == "mask")
     seed = read_voxels("--init mask:", rest, grid);
   else if (form == "points")
@@ -207,6 +205,57 @@ Seed read_seed(const std::string& where, const Grid& grid, const Progress& progr
   return seed;
 }
 
+template <int Dim>
+std::vector<std::uint8_t> read_mask(const std::string& where, const Grid& grid) {
+  if (!where.starts_with("box:")) return read_voxels("--mask", where, grid);
+  Seed mask = box<Dim>("--mask", where, grid);
+  if (std::find(mask.begin(), mask.end(), 1) == mask.end())
+    throw UsageError("--mask " + where + ": covers no voxel of the image, which has " + extent_text<Dim>(grid));
+  return mask;
+}
+
+template std::vector<std::uint8_t> read_mask<2>(const std::string&, const Grid&);
+template std::vector<std::uint8_t> read_mask<3>(const std::string&, const Grid&);
+
+template <int Dim>
+std::vector<std::uint8_t> read_seeds(const std::string& path, const Grid& grid) {
+  constexpr double most = 16;  // regions
+  const auto label = [&](double value) {
+    if (value != std::floor(value) || value < 0 || value > most)
+      throw UsageError("--seeds " + path + ": " + rounded(value) +
+                       " is no label; 1 marks label 0 of the result, 2 label 1, up to 16; 0 nothing");
+    return static_cast<std::uint8_t>(value);
+  };
+  std::vector<std::uint8_t> seeds(static_cast<std::size_t>(grid.voxels()), 0);
+  if (is_volume_file(path)) {
+    const Volume<float> image = read_volume(path);
+    if (image.components != 1 || image.frames != 1 || image.grid.size != grid.size)
+      throw UsageError("--seeds " + path + ": expected one label for each of " + size_text(grid) + " voxels, it has " +
+                       size_text(image.grid));
+    std::transform(image.values.begin(), image.values.end(), seeds.begin(),
+                   [&](float value) { return label(static_cast<double>(value)); });
+    return seeds;
+  }
+  const SampleTable table = read_samples(path);
+  if (table.coordinates.rows() != Dim || table.values.cols() != 1)
+    throw UsageError("--seeds " + path + ": expected the columns " + axes_text(Dim) + " and a label");
+  const auto to_voxel = grid.to_voxel<Dim>();
+  for (Index i = 0; i < table.coordinates.cols(); ++i) {
+    const Point<Dim> p = to_voxel * Point<Dim>(table.coordinates.col(i));
+    std::array<Index, 3> at{0, 0, 0};
+    for (int a = 0; a < Dim; ++a) {
+      at[static_cast<std::size_t>(a)] = std::lround(p[a]);
+      if (!(p[a] > -0.5 && p[a] < static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5))
+        throw UsageError("--seeds " + path + ": point " + std::to_string(i + 1) + " is outside the image, which has " +
+                         extent_text<Dim>(grid));
+    }
+    seeds[grid.index(at[0], at[1], at[2])] = label(table.values(i, 0));
+  }
+  return seeds;
+}
+
+template std::vector<std::uint8_t> read_seeds<2>(const std::string&, const Grid&);
+template std::vector<std::uint8_t> read_seeds<3>(const std::string&, const Grid&);
 template Seed read_seed<2>(const std::string&, const Grid&, const Progress&);
 template Seed read_seed<3>(const std::string&, const Grid&, const Progress&);
 

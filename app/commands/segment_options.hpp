@@ -25,10 +25,20 @@ void check_finite(const std::string& path, const Volume<float>& image, const std
 template <int Dim>
 Seed read_seed(const std::string& where, const Grid& grid, const Progress& progress);
 
+/// The voxels of --seeds FILE, an image of labels or a table of points with labels: 1 marks label 0 of the result, 2
+/// label 1, and so on; 0 elsewhere. Throws UsageError for other numbers, another size and points outside, IoError.
+template <int Dim>
+std::vector<std::uint8_t> read_seeds(const std::string& path, const Grid& grid);
+
 /// The labels of an image with this layout.
 Volume<float> label_image(VolumeLayout layout, const std::vector<std::uint8_t>& labels);
 
-/// The voxels of --mask FILE. Throws UsageError when it has another size, IoError.
+/// The voxels of --mask FILE, or those in --mask box:X,Y[,Z],X,Y[,Z]. Throws UsageError when it has another size or
+/// covers no voxel, IoError.
+template <int Dim>
+std::vector<std::uint8_t> read_mask(const std::string& where, const Grid& grid);
+
+/// Where an image has values other than 0. Throws UsageError when it has another size, IoError.
 std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string& path, const Grid& grid);
 
 }  // namespace csrbf::app

@@ -216,7 +216,7 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
                Session& session) {
   const Grid& grid = first.grid;
   if (!command.mask.empty())
-    options.segment.mask = session.timed("read", [&] { return read_voxels("--mask", command.mask, grid); });
+    options.segment.mask = session.timed("read", [&] { return read_mask<Dim>(command.mask, grid); });
   options.segment.seed =
       session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
   options.progress = session.progress();

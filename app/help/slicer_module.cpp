@@ -27,6 +27,8 @@ constexpr std::array segment_files{SlicerFile{"IMAGE", "image", plain_image, "in
                                    SlicerFile{"--output", "image", label_image, "output"},
                                    SlicerFile{"--contour", "geometry", model, "output"},
                                    SlicerFile{"--mask", "image", label_image, "input"},
+                                   SlicerFile{"--seeds", "image", label_image, "input"},
+                                   SlicerFile{"--table", "file", " fileExtensions=\".csv\"", "output"},
                                    SlicerFile{"--model", "file", " fileExtensions=\".csrbf\"", "output"},
                                    SlicerFile{"--preview", "file", " fileExtensions=\".png\"", "output"}};
 constexpr std::array reconstruct_files{SlicerFile{"POINTS", "geometry", model, "input"},

@@ -111,8 +111,17 @@ class Segments:
     def restore(function: Function, labels: Bytes, layout: Layout) -> Segments: ...
 
 def segment(
-    image: Volume, seed: Bytes | None, mask: Bytes | None, options: Options, force: Any, listener: Listener
+    image: Volume,
+    seed: Bytes | None,
+    mask: Bytes | None,
+    seeds: Bytes | None,
+    options: Options,
+    force: Any,
+    listener: Listener,
 ) -> Segments: ...
+def find_objects(
+    image: Volume, segments: Segments, min_size: int, listener: Listener
+) -> tuple[NDArray[np.int32], list[dict[str, Any]]]: ...
 def track(
     images: Sequence[Volume],
     seed: Bytes | None,

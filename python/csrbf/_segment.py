@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
@@ -42,6 +42,10 @@ def segment(
     balloon: float = 0.0,
     fill_holes: bool | None = None,
     force: Force | None = None,
+    seeds: ImageLike | None = None,
+    channels: Sequence[int] | None = None,
+    objects: bool = False,
+    min_size: int = 1,
     iterations: int = 100,
     progress: Progress = None,
 ) -> Segmentation:
@@ -89,6 +93,15 @@ def segment(
     force : callable, optional
         Instead of an energy, a function of the labels (an array like the image, 1 inside) that returns the cost of each
         voxel inside instead of outside, in an array of the same shape: negative where it should be inside.
+    seeds : Image, array_like or file name, optional
+        Like the image, in voxels whose region is known 1 + its label, some of every region; 0 elsewhere.
+    channels : sequence of int, optional
+        Of an image with components, such as colours: those to use, from 1 on; all but transparency when not given. An
+        array has components when it is an `Image` with the axes "yxc" or "zyxc".
+    objects : bool
+        Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
+    min_size : int
+        Objects of fewer voxels are left out, and holes filled.
     iterations : int
         Largest number of iterations.
     progress : bool or callable, optional
@@ -114,15 +127,27 @@ def segment(
     >>> g.labels[20, 30], g.labels[0, 0], g.report["components"]
     (1, 0, 1)
     """
+    if objects and regions > 2:
+        raise ValueError("objects: needs two regions, of which label 1 has the objects")
+    if min_size != 1 and not objects:
+        raise ValueError("min_size: is about objects: add objects=True")
     image = as_image(image, voxel_size)
-    volume = _volume(image)
+    volume = _volume(image, channels)
     if force is not None and not callable(force):
         raise ValueError("force: must be a function of the labels")
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
                        balloon, fill_holes, iterations)
     start, voxels = seed(init, image, volume), marked(mask, volume, "mask")
+    known = None
+    if seeds is not None:
+        known = np.ascontiguousarray(as_image(seeds).values)
+        if known.size == 0 or known.min() < 0 or known.max() > 16 or (known != np.floor(known)).any():
+            raise ValueError("seeds: must be whole numbers from 0 to 16")
+        known = known.astype(np.uint8)
+        options["regions"] = max(options["regions"], int(known.max())) if regions == 2 else options["regions"]
     with listening(progress) as listener:
-        return Segmentation(_csrbf.segment(volume, start, voxels, options, force, listener))
+        found = _csrbf.segment(volume, start, voxels, known, options, force, listener)
+        return Segmentation(found, _csrbf.find_objects(volume, found, int(min_size), listener) if objects else None)
 
 
 def track(
@@ -214,14 +239,24 @@ def _frames(frames: Any, voxel_size: ArrayLike | None) -> list[Image]:
     return [as_image(frame, voxel_size) for frame in frames]
 
 
-def _volume(image: Image) -> _csrbf.Volume:
-    if image.axes not in ("yx", "zyx"):
+def _volume(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Volume:
+    if image.axes.removesuffix("c") not in ("yx", "zyx"):
         raise ValueError(
-            f"dimension of the image: its axes are [{', '.join(image.axes)}], they must be [y, x] or [z, y, x]; "
-            "convert colours to grey, and take one frame of a sequence"
+            f"dimension of the image: its axes are [{', '.join(image.axes)}], they must be [y, x] or [z, y, x], and c for "
+            "components; take one frame of a sequence"
         )
-    layout = dict(image._layout(), type="float32")
-    return _csrbf.Volume(np.ascontiguousarray(image.values, dtype=np.float32).ravel(), layout)
+    values, components = image.values, 1
+    if image.axes.endswith("c"):
+        n = values.shape[-1]
+        transparent = n in (2, 4) and values.dtype.kind in "ui"
+        chosen = range(1, n + 1 - transparent) if channels is None else [int(c) for c in channels]
+        if not len(chosen) or min(chosen) < 1 or max(chosen) > n:
+            raise ValueError(f"channels: {list(chosen)} must be numbers from 1 to {n}, the components of the image")
+        values, components = values[..., [c - 1 for c in chosen]], len(chosen)
+    elif channels is not None and list(channels) != [1]:
+        raise ValueError("channels: the image has one value per voxel")
+    layout = dict(image._layout(), type="float32", components=components)
+    return _csrbf.Volume(np.ascontiguousarray(values, dtype=np.float32).ravel(), layout)
 
 
 def _options(

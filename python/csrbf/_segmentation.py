@@ -27,7 +27,13 @@ class Segmentation:
         What was chosen and found: iterations, converged, energy, regions (label, voxels, volume, mean, sd),
         components, noise, speckle (the power of the amplitude that the image shows, None when it is not speckle),
         prices (of the energy "auto": energy, shading and nats, the length of the description of the image by each model
-        over that by the one chosen), options, warnings.
+        over that by the one chosen), channels (the weights of the components, of whose sum the regions are), options,
+        warnings.
+    objects : ndarray of int32 or None
+        With `objects=True` the number of the object that a voxel belongs to, from 1 on, 0 outside.
+    table : list of dict or None
+        For each object: label, voxels, volume and area (2D: area and length), centroid, axes of the ellipsoid with the
+        same second moments, mean intensity, sphericity.
 
     Examples
     --------
@@ -37,17 +43,28 @@ class Segmentation:
     <csrbf.Segmentation of 48 x 64 voxels, 2 regions>
     >>> g.labels[20, 30], bool(g.field([30, 20]) > 0)
     (1, True)
+    >>> two = np.minimum(np.hypot(x - 20, y - 24), np.hypot(x - 40, y - 24)) < 11
+    >>> g = csrbf.segment(two, objects=True)
+    >>> g.objects[24, 20], g.objects[24, 40], [row["voxels"] > 350 for row in g.table]
+    (1, 2, [True, True])
     """
 
     labels: NDArray[np.uint8]
     field: Function
     report: dict[str, Any]
+    objects: NDArray[np.int32] | None
+    table: list[dict[str, Any]] | None
 
-    def __init__(self, segments: _csrbf.Segments) -> None:
+    def __init__(
+        self,
+        segments: _csrbf.Segments,
+        objects: tuple[NDArray[np.int32], list[dict[str, Any]]] | None = None,
+    ) -> None:
         self._segments = segments
         self.labels = segments.labels
         self.report = segments.report
         self.field = Function(segments.function())
+        self.objects, self.table = objects or (None, None)
 
     @property
     def energy(self) -> list[float]:
@@ -135,7 +152,14 @@ class Segmentation:
             image_from_layout(self.labels, self._segments.layout).save(path)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, (self.field, self.labels, self._segments.layout, self.report)
+        return _restore, (
+            self.field,
+            self.labels,
+            self._segments.layout,
+            self.report,
+            self.objects,
+            self.table,
+        )
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.labels.shape))
@@ -143,11 +167,17 @@ class Segmentation:
 
 
 def _restore(
-    field: Function, labels: NDArray[np.uint8], layout: dict[str, Any], report: dict[str, Any]
+    field: Function,
+    labels: NDArray[np.uint8],
+    layout: dict[str, Any],
+    report: dict[str, Any],
+    objects: NDArray[np.int32] | None = None,
+    table: list[dict[str, Any]] | None = None,
 ) -> Segmentation:
     segmentation = Segmentation.__new__(Segmentation)
     segmentation._segments = _csrbf.Segments.restore(field._function, labels, layout)
     segmentation.labels, segmentation.report, segmentation.field = labels, report, field
+    segmentation.objects, segmentation.table = objects, table
     return segmentation
 
 

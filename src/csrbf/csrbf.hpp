@@ -62,6 +62,7 @@
 #include "csrbf/levelset/baselines/nodes.hpp"
 #include "csrbf/levelset/compare_labels.hpp"
 #include "csrbf/levelset/image_contour.hpp"
+#include "csrbf/levelset/objects.hpp"
 #include "csrbf/levelset/seed.hpp"
 #include "csrbf/levelset/segment.hpp"
 #include "csrbf/levelset/segment_options.hpp"

@@ -58,6 +58,50 @@ class Segment(CommandLine):
 
 
 class Plane(Segment):
+    def test_objects_and_their_table(self):
+        values = [10.0 if min(math.hypot(x - 20, y - 24), math.hypot(x - 40, y - 24)) < 11 else 1.0
+                  for y in range(48) for x in range(64)]
+        image = self.write_bytes("two.npy", npy_bytes((48, 64), values, "<f4"))
+        labels, report = self.labels(image, "--objects", "--min-size", "20", "--table", self.path("table.csv"))
+        self.assertEqual((labels[24 * 64 + 20], labels[24 * 64 + 40], labels[0]), (1, 2, 0))
+        self.assertEqual(report["result"]["objects"], 2)
+        with open(self.path("table.csv")) as file:
+            head, first, second = file.read().split()
+        self.assertEqual(head, "label,voxels,area,length,x,y,major_axis,minor_axis,mean,sphericity")
+        row = dict(zip(head.split(","), map(float, second.split(","))))
+        self.assertAlmostEqual(row["x"], 40, delta=0.5)
+        self.assertAlmostEqual(row["area"], math.pi * 121, delta=15)
+        self.assertAlmostEqual(row["mean"], 10, delta=0.5)
+
+    def test_seeds_keep_their_labels(self):
+        values = [(0.0, 5.0, 10.0)[x // 20] + 0.1 * (7 * x * y % 11) for y in range(40) for x in range(60)]
+        image = self.write_bytes("bands.npy", npy_bytes((40, 60), values, "<f4"))
+        with open(self.path("seeds.csv"), "w") as file:  # the order is not that of the means
+            file.write("x,y,label\n10,20,3\n30,20,1\n50,20,2\n55,5,1\n")
+        labels, report = self.labels(image, "--seeds", self.path("seeds.csv"))
+        self.assertEqual([labels[20 * 60 + x] for x in (10, 30, 50)], [2, 0, 1])
+        self.assertEqual(labels[5 * 60 + 55], 0)  # a seed against its intensity
+        self.assertEqual(report["options"]["regions"], 3)
+        with open(self.path("seeds.csv"), "w") as file:
+            file.write("x,y,label\n10,20,1\n99,20,2\n")
+        self.fail_with(2, "point 2 is outside the image", "segment", image, "-o", self.path("l.npy"), "--seeds",
+                       self.path("seeds.csv"))
+        self.write_bytes("one.npy", npy_bytes((40, 60), [1] + [0] * 2399, "|u1"))
+        self.fail_with(2, "must mark every region", "segment", image, "-o", self.path("l.npy"), "--seeds",
+                       self.path("one.npy"))
+
+    def test_mask_is_a_box(self):
+        values = [10.0 if math.hypot(x - 20, y - 24) < 9 else 30.0 if x > 45 else 1.0 for y in range(48)
+                  for x in range(64)]
+        image = self.write_bytes("two.npy", npy_bytes((48, 64), values, "<f4"))
+        labels, _ = self.labels(image, "--mask", "box:0,0,40,47")
+        self.assertEqual([labels[24 * 64 + x] for x in (20, 35, 60)], [1, 0, 0])
+        self.fail_with(2, "--mask box:90,0,99,9: covers no voxel", "segment", image, "-o", self.path("l.npy"), "--mask",
+                       "box:90,0,99,9")
+
+    def test_table_needs_objects(self):
+        self.fail_with(2, "--objects", "segment", self.disc(), "-o", self.path("l.npy"), "--table", self.path("t.csv"))
+
     def test_labels_report_and_summary(self):
         image = self.disc()
         done = self.succeed("segment", image, "-o", self.path("l.npy"), "--report", self.path("report.json"))
@@ -283,8 +327,21 @@ class Errors(Segment):
         frames = self.write_bytes("frames.npy", npy_bytes((2, 3, 4, 5), list(range(120)), "<f4"))
         self.refused("the image has 2 frames; segment takes one: save one frame, or segment all of them with "
                      "csrbf track", frames)
-        color = self.write_bytes("color.ppm", b"P6\n2 2\n255\n" + bytes(range(12)))
-        self.refused("the image has 3 values per pixel, such as colours or transparency; convert it to grey", color)
+
+    def test_colours_and_their_channels(self):
+        inside = [math.hypot(x - 30, y - 20) < 12 for y in range(48) for x in range(64)]
+        noise = [7 * i * i % 41 for i in range(len(inside))]
+        pixels = bytes(v for i, n in zip(inside, noise) for v in ((150 if i else 60) + n, (60 if i else 150) + n, 2 * n))
+        image = self.write_bytes("color.ppm", b"P6\n64 48\n255\n" + pixels)
+        labels, report = self.labels(image)
+        self.assertLess(sum(bool(a) != b for a, b in zip(labels, inside)), 12)
+        red, green, blue = report["result"]["channels"]
+        self.assertLess(red * green, -0.4)
+        self.assertLess(abs(blue), 0.1)
+        labels, report = self.labels(image, "--channels", "2")
+        self.assertNotIn("channels", report["result"])
+        self.assertLess(sum(bool(a) != b for a, b in zip(labels, inside)), 40)
+        self.refused("--channels 4: expected numbers from 1 to 3, the components of the image", image, "--channels", "4")
 
     def test_damaged_files_and_unknown_types(self):
         header = bytearray(348)

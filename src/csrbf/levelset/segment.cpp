@@ -8,9 +8,11 @@
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/contour/speckle_contour.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
+#include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
+#include "csrbf/levelset/regions/label_runs.hpp"
 #include "csrbf/levelset/regions/region_cores.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
@@ -59,24 +61,6 @@ ForceUpdate force_update(ForceSource& source, std::size_t voxels, std::vector<do
     }
     energy.push_back(sum / (size > 0 ? size : 1));
   };
-}
-
-// The settings with values in place of `automatic`, but for the center spacing, the window and the shading.
-SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
-  SegmentSettings used = given;
-  const bool edge = used.energy == SegmentEnergy::edge && !given.force;
-  if (edge) used.mode = SegmentMode::local;
-  constexpr Index large = 1 << 23;  // voxels from which the search takes longer than all else; it took 40 s for 256^3
-  const bool chosen = chooses_model(given) && voxels <= large;
-  require(chosen || (given.shading != Shading::smooth && given.shading != Shading::objects), here, "shading",
-          std::string(name_of(given.shading)), "is for images of at most 8 million voxels");
-  if (used.energy == SegmentEnergy::automatic && !chosen) used.energy = SegmentEnergy::chan_vese;
-  const bool smooth_by_centers = !used.smoothness || *used.smoothness > 0;
-  if (!used.center_spacing && !smooth_by_centers && !chosen) used.center_spacing = 1;
-  if (!used.smoothness && !chosen) used.smoothness = edge ? 1 : 0;
-  if (!used.support) used.support = used.method == SegmentMethod::collocation ? 4 : 2.5;
-  if (!used.fill_holes) used.fill_holes = used.mode == SegmentMode::local;
-  return used;
 }
 
 // About 50 voxels of independent noise distinguish two textures; the centers smooth further.
@@ -136,12 +120,23 @@ class Segmenter {
     values_ = repaired_.empty() ? std::span<const float>(image_.values) : repaired_;
     check_contrast(values_, options_.mask);
     report(options_.progress, "prepare", 0);
-    regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, options_.prior);
+    keep_seed();
+    regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
     if (options_.force) caller_.emplace(options_);
     const bool follows_seed = !options_.seed.empty() && (is_local() || !is_variational() || options_.force);
     given_ = options_.start.empty() && follows_seed ? options_.seed : options_.start;
     for (std::uint8_t& label : given_) label = label != 0 ? 1 : 0;
     labels_ = !given_.empty() && options_.force ? given_ : regions_->start();
+  }
+
+  // A contour that moves from a seed keeps the seed inside.
+  void keep_seed() {
+    constexpr float certain = 10;  // mean costs of a voxel in the wrong region
+    prior_ = options_.prior;
+    if (!is_local() || options_.seed.empty()) return;
+    prior_.resize(options_.seed.size(), 0.0F);
+    for (std::size_t i = 0; i < prior_.size(); ++i)
+      if (options_.seed[i] != 0) prior_[i] -= certain;
   }
 
   // The noise of the forces, and what is chosen by it. It is that between the two classes of the image: a seed may lie
@@ -224,6 +219,7 @@ class Segmenter {
   void partition() {
     const IntensityBins bins = choose_bins(values_, 256, options_.mask);
     PartitionPrice price(values_, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
+    price.set_seeds(options_.seeds);
     Partition found = find_partition(price, {options_.regions, shape_of(used_.shading), options_.progress});
     const bool given = used_.center_spacing.has_value();
     const LatticeOptions lattice{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
@@ -233,7 +229,10 @@ class Segmenter {
                std::move(found.energy)};
     for (double& energy : result_.energy) energy /= price.voxels();
     std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(price, found.model);
-    choose_polarity(grid_, options_, values_, result_);
+    // The lattice may leave out seeds of a voxel or two.
+    for (std::size_t i = 0; i < options_.seeds.size(); ++i)
+      if (options_.seeds[i] != 0) result_.labels[i] = options_.seeds[i] - 1;
+    if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
     used_.energy = found.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;
     used_.shading = shading_of(found.model.shape);
     if (options_.regions == 2) {
@@ -243,13 +242,6 @@ class Segmenter {
     }
     prices_ = std::move(found.prices);
     fields_ = make_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
-  }
-
-  // Components of both of two regions.
-  [[nodiscard]] std::array<Index, 2> count_parts(std::vector<std::uint8_t> labels) const {
-    const Index inside = count_components(labels, grid_);
-    for (std::uint8_t& label : labels) label = 1 - label;
-    return {inside, count_components(labels, grid_)};
   }
 
   // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
@@ -269,7 +261,7 @@ class Segmenter {
     VariationalResult found =
         descend_globally(lattice, *regions_, {0, noise.size, used_.iterations, false, {}}, result_.labels);
     const double least = price.fit(result_.labels, model);
-    const bool same = count_parts(found.labels) == count_parts(result_.labels);
+    const bool same = LabelRuns(found.labels, grid_).count_parts() == LabelRuns(result_.labels, grid_).count_parts();
     const double most = (same ? same_parts : tolerance) * contour_price(result_.labels, 1, grid_.size, price.weight());
     if (price.fit(found.labels, model) > least + most) return std::nullopt;
     used_.center_spacing = spacing;
@@ -370,6 +362,7 @@ class Segmenter {
   SegmentSettings used_;
   std::vector<float> repaired_;  // the values when some are not finite
   std::span<const float> values_;
+  std::vector<float> prior_;
   std::optional<RegionForces<Dim>> regions_;
   std::optional<CallerForces> caller_;
   std::vector<std::uint8_t> given_;  // labels of the caller to start from
@@ -387,6 +380,12 @@ template <int Dim>
 Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options) {
   check_segment_options(options);
   check_segment_image<Dim>(image, options);
+  if (image.components > 1) {
+    const std::vector<double> weights = channel_contrast(image, options.mask);
+    Segmentation<Dim> found = segment<Dim>(weigh_channels(image, weights), options);
+    found.report.channels = weights;
+    return found;
+  }
   Segmenter<Dim> segmenter(image, options);
   segmenter.start();
   segmenter.measure();

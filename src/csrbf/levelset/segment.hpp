@@ -31,6 +31,7 @@ struct SegmentReport {
   /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
   std::optional<double> speckle = {};
   std::vector<EnergyPrice> prices;  ///< of the energy `automatic`: one for each model
+  std::vector<double> channels;     ///< of an image with components: the weights of their sum, which was segmented
   std::vector<std::string> warnings;
 };
 
@@ -43,21 +44,22 @@ struct Segmentation {
   SegmentReport report;
 };
 
-/// Segments an image of Dim axes and one component into regions with smooth boundaries (thesis part IV).
+/// Segments an image of Dim axes into regions with smooth boundaries (thesis part IV). Of several components, such as
+/// colours, a weighted sum is segmented: that in which the means of two classes differ (channel_contrast()).
 ///
 /// Order of the labels: of two regions, the seed marks label 1; without a seed, label 0 has most of the image
-/// border. More than two are numbered by ascending mean.
+/// border. More than two are numbered by ascending mean. With seeds of all regions labels are those of the seeds.
 ///
 /// With the energy `automatic`, in global mode and up to 8 million voxels, labels and model are those of the shortest
 /// description (find_partition()) among means, means and deviations, and means that vary over the image, and the
 /// centres are as dense as the smallest objects ask for; else it is chan_vese.
 ///
-/// Cost: of `automatic` 5 to 20 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
+/// Cost: of `automatic` 1 to 5 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
 /// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image (2.4 GB in all for 512^3).
 ///
 /// Throws InvalidInput for options out of their ranges, arrays of the wrong size, an image with fewer or more than Dim
-/// axes, more than one component or frame, NaN inside the mask, a constant image, and a seed that is empty or has no
-/// voxel inside the mask; Cancelled.
+/// axes, more than 64 components or one frame, NaN inside the mask, a constant image, and a seed that is empty or has
+/// no voxel inside the mask; Cancelled.
 template <int Dim>
 Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& options = {});
 

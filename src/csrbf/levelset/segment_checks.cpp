@@ -45,6 +45,25 @@ bool chooses_model(const SegmentOptions& given) {
          !given.window && !given.smoothness;
 }
 
+// The settings with values in place of `automatic`, but for the center spacing, the window and the shading.
+SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
+  SegmentSettings used = given;
+  const bool edge = used.energy == SegmentEnergy::edge && !given.force;
+  if (edge) used.mode = SegmentMode::local;
+  constexpr Index large = 1 << 23;  // voxels from which the search takes longer than all else; it took 40 s for 256^3
+  const bool chosen = chooses_model(given) && voxels <= large;
+  require(chosen || (given.shading != Shading::smooth && given.shading != Shading::objects), here, "shading",
+          std::string(name_of(given.shading)), "is for images of at most 8 million voxels");
+  require(chosen || given.seeds.empty(), here, "seeds", "given", "are for images of at most 8 million voxels");
+  if (used.energy == SegmentEnergy::automatic && !chosen) used.energy = SegmentEnergy::chan_vese;
+  const bool smooth_by_centers = !used.smoothness || *used.smoothness > 0;
+  if (!used.center_spacing && !smooth_by_centers && !chosen) used.center_spacing = 1;
+  if (!used.smoothness && !chosen) used.smoothness = edge ? 1 : 0;
+  if (!used.support) used.support = used.method == SegmentMethod::collocation ? 4 : 2.5;
+  if (!used.fill_holes) used.fill_holes = used.mode == SegmentMode::local;
+  return used;
+}
+
 void check_segment_options(const SegmentOptions& options) {
   require(options.regions >= 2 && options.regions <= 16, here, "regions", options.regions, "must be 2 to 16");
   require(options.iterations > 0, here, "iterations", options.iterations, "must be positive");
@@ -72,13 +91,37 @@ void check_segment_options(const SegmentOptions& options) {
     require(!options.seed.empty(), here, "energy", "edge", "needs a seed to start from (init)");
 }
 
+namespace {
+
+// Of every region at least one voxel.
+void check_seeds(const SegmentOptions& options, std::size_t voxels) {
+  if (options.seeds.empty()) return;
+  require(options.seeds.size() == voxels, here, "seeds size", options.seeds.size(),
+          "must be the number of voxels, " + std::to_string(voxels));
+  require(chooses_model(options) && options.seed.empty(), here, "seeds", "given",
+          "need the energy auto in global mode, and no seed, start, prior, force, window or smoothness");
+  std::vector<Index> counts(static_cast<std::size_t>(options.regions) + 1, 0);
+  for (std::size_t i = 0; i < voxels; ++i) {
+    require(options.seeds[i] <= options.regions, here, "seeds", static_cast<int>(options.seeds[i]),
+            "must be at most the number of regions, " + std::to_string(options.regions));
+    if (options.mask.empty() || options.mask[i] != 0) ++counts[options.seeds[i]];
+  }
+  for (std::size_t k = 1; k < counts.size(); ++k)
+    require(counts[k] > 0, here, "seeds", "without " + std::to_string(k),
+            "must mark every region, the background too: 1 marks label 0, 2 label 1, and so on");
+}
+
+}  // namespace
+
 template <int Dim>
 void check_segment_image(const Volume<float>& image, const SegmentOptions& options) {
   const Grid& grid = image.grid;
   const auto voxels = static_cast<std::size_t>(grid.voxels());
-  require(image.components == 1, here, "components", image.components, "the image must have one value per voxel");
+  require(image.components >= 1 && image.components <= 64, here, "components", image.components,
+          "the image must have 1 to 64 values per voxel");
   require(image.frames == 1, here, "frames", image.frames, "the image must have one frame; track() takes sequences");
-  require(image.values.size() == voxels, here, "number of values", image.values.size(), "must be that of the voxels");
+  require(std::ssize(image.values) == image.values_per_frame(), here, "number of values", image.values.size(),
+          "must be that of the voxels and their components");
   for (std::size_t a = 0; a < 3; ++a)
     require(a < Dim ? grid.size[a] >= 2 : grid.size[a] == 1, here, "size", grid.size[a],
             a < Dim ? "the image must have at least 2 voxels along each axis" : "the image has too many axes");
@@ -86,6 +129,7 @@ void check_segment_image(const Volume<float>& image, const SegmentOptions& optio
   check_array(options.mask, "mask", voxels, options.mask);
   check_array(options.seed, "seed", voxels, options.mask);
   check_array(options.start, "start", voxels, options.mask);
+  check_seeds(options, voxels);
   require(options.prior.empty() || options.prior.size() == voxels, here, "prior size", options.prior.size(),
           "must be the number of voxels, " + std::to_string(voxels));
 }

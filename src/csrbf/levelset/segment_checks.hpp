@@ -11,6 +11,10 @@ namespace csrbf {
 /// there.
 bool chooses_model(const SegmentOptions& given);
 
+/// The settings with values in place of `automatic`, but for the center spacing, the window and the shading. Throws
+/// InvalidInput for a shading that images of this size cannot have.
+SegmentSettings choose_settings(const SegmentOptions& given, Index voxels);
+
 /// What segment() refuses: these throw InvalidInput. First the options as such, then the image and what of the options
 /// depends on it.
 void check_segment_options(const SegmentOptions& options);

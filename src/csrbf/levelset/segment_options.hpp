@@ -93,6 +93,9 @@ struct SegmentOptions : SegmentSettings {
   std::vector<std::uint8_t> seed = {};
   /// Labels of two regions that the statistics start from, such as those of the previous frame; one per voxel, or none.
   std::vector<std::uint8_t> start = {};
+  /// Voxels whose region is known: 1 + its label, 0 elsewhere; one per voxel, at least one of every region, or none.
+  /// They keep these labels. With the energy `automatic` in global mode, and up to 8 million voxels.
+  std::vector<std::uint8_t> seeds = {};
   /// Added to the cost of a voxel inside, in units of the mean cost of a voxel in the wrong region. One per voxel, or
   /// none; for two regions.
   std::vector<float> prior = {};

@@ -275,7 +275,13 @@ TrackReport track(Index frames, const FrameSource& read, const TrackOptions& opt
                   const std::function<void(Index, TrackedFrame<Dim>&&)>& take) {
   require(frames > 0, here, "frames", frames, "there must be a frame");
   check_options(options);
-  return Tracker<Dim>(frames, read, options).run(take);
+  const FrameSource checked = [&](Index t) {
+    Volume<float> image = read(t);
+    require(image.components == 1, here, "components", image.components,
+            "frames must have one value per voxel: convert colours to grey");
+    return image;
+  };
+  return Tracker<Dim>(frames, checked, options).run(take);
 }
 
 template <int Dim>

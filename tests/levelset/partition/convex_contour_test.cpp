@@ -78,6 +78,22 @@ TEST(ConvexContour, TheResultDoesNotDependOnTheStart) {
   EXPECT_LT(wrong, 80);  // of 7760, measured 70; the sign of the force is wrong in 2400
 }
 
+TEST(ConvexContour, GoesOnFromWhatTheLastOneLeft) {
+  const Grid grid = plane(97, 80);
+  const ContourWeight weight = contour_weight(grid, 2);
+  std::vector<float> force = noisy_disc(grid, 25, 2);
+  Labels labels(force.size(), 0);
+  ContourState state;
+  const int first = convex_contour(grid.size, weight, force, labels, &state);
+  for (float& F : force) F *= 1.01F;
+  Labels again = labels;
+  EXPECT_LT(convex_contour(grid.size, weight, force, again, &state), first / 2);
+  const Labels anew = solve(grid, 2, force);
+  Index different = 0;
+  for (std::size_t i = 0; i < anew.size(); ++i) different += anew[i] != again[i] ? 1 : 0;
+  EXPECT_LE(different, 4);
+}
+
 TEST(ConvexContour, LeavesNoBetterSetAmongDiscs) {
   const Grid grid = plane(64, 64);
   const std::vector<float> force = noisy_disc(grid, 15, 3);

@@ -106,6 +106,29 @@ TEST(Partition, GivesDimAndBrightObjectsMeansOfTheirOwn) {
   EXPECT_GT(found.dice, 0.99);
 }
 
+TEST(Partition, KeepsSeedsAndSaysWhichRegionIsWhich) {
+  const Picture picture = paint([](double x, double y) { return disc(x, y, 50, 45, 25); },
+                                [](double, double, bool in, double z) { return in + 0.3 * z; });
+  std::vector<std::uint8_t> seeds(picture.values.size(), 0);
+  const auto at = [](Index x, Index y) { return static_cast<std::size_t>(x + n * y); };
+  seeds[at(50, 45)] = 1;  // the bright disc is label 0
+  seeds[at(48, 45)] = 1;
+  seeds[at(5, 5)] = 2;
+  seeds[at(8, 5)] = 2;
+  seeds[at(90, 90)] = 1;  // against its value
+  const auto [lo, hi] = std::minmax_element(picture.values.begin(), picture.values.end());
+  PartitionPrice price(picture.values, static_cast<double>(*lo), static_cast<double>(*hi), picture.grid, {},
+                       contour_weight(picture.grid, length));
+  price.set_seeds(seeds);
+  const Partition found = find_partition(price);
+  Index wrong = 0;
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    EXPECT_TRUE(seeds[i] == 0 || found.labels[i] == seeds[i] - 1) << i;
+    wrong += found.labels[i] == picture.truth[i] ? 1 : 0;
+  }
+  EXPECT_LT(wrong, 60);  // of 9216
+}
+
 TEST(Partition, DoesNotTakeStructuresForDeviations) {
   // The inside of a blurred spot is no law of independent voxels.
   const Found found = find(paint([](double x, double y) { return disc(x, y, 48, 48, 12); },

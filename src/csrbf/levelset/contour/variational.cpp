@@ -292,7 +292,9 @@ class LocalDescent {
     std::vector<double> steps;
     minimize_contour_energy(lattice_, step_, local_descent, descent_tolerance, set_.coefficients, steps);
     const double next = set_.total(lattice_);
-    if (next > energy_) {
+    // A start that the lattice cannot represent is left behind.
+    if (next > energy_ && result_.iterations == 1) result_.energy.clear();
+    if (next > energy_ && result_.iterations > 1) {
       set_.coefficients = before;
       result_.converged = true;
       return false;

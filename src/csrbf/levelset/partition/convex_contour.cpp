@@ -10,8 +10,7 @@ namespace {
 
 constexpr Index width = 16;           // voxels of a tile, along x: one register of AVX-512
 constexpr int most_iterations = 300;  // by hand: enough for contours without noise, a voxel or two for the noisiest
-constexpr int check_every = 10;       // iterations between two looks at the change
-constexpr double at_rest = 2e-5;      // mean change of u per iteration at convergence; by hand: larger leaves specks
+constexpr int check_every = 5;        // iterations between two looks at the change
 constexpr Index tiles_per_task = 512;
 
 struct Tile {
@@ -28,8 +27,9 @@ struct Arrays {
 };
 
 // One ascent of the dual variables of tiles [begin, end). Tiles without a neighbour have difference 0 there.
-CSRBF_SIMD_CLONES void ascend(const Tile* tiles, const Index* counts, Index begin, Index end, const Steps& by,
-                              const float* u, float* px, float* py, float* pz) {
+template <bool Flat>
+CSRBF_ALWAYS_INLINE void ascend_in(const Tile* tiles, const Index* counts, Index begin, Index end, const Steps& by,
+                                   const float* u, float* px, float* py, float* pz) {
   for (Index t = begin; t < end; ++t) {
     const Tile& tile = tiles[t];
     const float* here = u + t * width;
@@ -44,32 +44,45 @@ CSRBF_SIMD_CLONES void ascend(const Tile* tiles, const Index* counts, Index begi
       right[counts[t] - 1] = here[counts[t] - 1];
     float* x = px + t * width;
     float* y = py + t * width;
-    float* z = pz + t * width;
+    float* z = Flat ? nullptr : pz + t * width;
     for (Index i = 0; i < width; ++i) {
       const float a = x[i] + by.dual * by.along[0] * (right[i] - here[i]);
       const float b = y[i] + by.dual * by.along[1] * (up[i] - here[i]);
-      const float c = z[i] + by.dual * by.along[2] * (above[i] - here[i]);
-      const float size = std::sqrt(a * a + b * b + c * c);
-      const float scale = by.bound / std::max(by.bound, size);
+      float squares = a * a + b * b, c = 0;
+      if constexpr (!Flat) {
+        c = z[i] + by.dual * by.along[2] * (above[i] - here[i]);
+        squares += c * c;
+      }
+      const float scale = by.bound / std::max(by.bound, std::sqrt(squares));
       x[i] = a * scale;
       y[i] = b * scale;
-      z[i] = c * scale;
+      if constexpr (!Flat) z[i] = c * scale;
     }
   }
 }
 
+CSRBF_SIMD_CLONES void ascend(const Tile* tiles, const Index* counts, Index begin, Index end, const Steps& by,
+                              const float* u, float* px, float* py, float* pz) {
+  if (pz == nullptr)
+    ascend_in<true>(tiles, counts, begin, end, by, u, px, py, pz);
+  else
+    ascend_in<false>(tiles, counts, begin, end, by, u, px, py, pz);
+}
+
 // One descent of u; returns the sum of its changes.
-CSRBF_SIMD_CLONES double descend(const Tile* tiles, Index begin, Index end, const Steps& by, const float* force,
-                                 const float* px, const float* py, const float* pz, float* u, float* extrapolated) {
+template <bool Flat>
+CSRBF_ALWAYS_INLINE double descend_in(const Tile* tiles, Index begin, Index end, const Steps& by, const float* force,
+                                      const float* px, const float* py, const float* pz, float* u,
+                                      float* extrapolated) {
   static constexpr float none[width] = {};
   double sum = 0;
   for (Index t = begin; t < end; ++t) {
     const Tile& tile = tiles[t];
     const float* x = px + t * width;
     const float* y = py + t * width;
-    const float* z = pz + t * width;
+    const float* z = Flat ? none : pz + t * width;
     const float* down = tile.last[1] >= 0 ? py + tile.last[1] * width : none;
-    const float* below = tile.last[2] >= 0 ? pz + tile.last[2] * width : none;
+    const float* below = !Flat && tile.last[2] >= 0 ? pz + tile.last[2] * width : none;
     float left[width];
     left[0] = tile.last[0] >= 0 ? px[tile.last[0] * width + width - 1] : 0.0F;
     for (Index i = 1; i < width; ++i) left[i] = x[i - 1];
@@ -78,8 +91,8 @@ CSRBF_SIMD_CLONES double descend(const Tile* tiles, Index begin, Index end, cons
     const float* F = force + t * width;
     float change[width];
     for (Index i = 0; i < width; ++i) {
-      const float divergence =
-          by.along[0] * (x[i] - left[i]) + by.along[1] * (y[i] - down[i]) + by.along[2] * (z[i] - below[i]);
+      float divergence = by.along[0] * (x[i] - left[i]) + by.along[1] * (y[i] - down[i]);
+      if constexpr (!Flat) divergence += by.along[2] * (z[i] - below[i]);
       const float moved = here[i] + by.primal * (divergence - F[i]);
       const float now = std::min(1.0F, std::max(0.0F, moved));
       change[i] = std::abs(now - here[i]);
@@ -91,18 +104,30 @@ CSRBF_SIMD_CLONES double descend(const Tile* tiles, Index begin, Index end, cons
   return sum;
 }
 
+CSRBF_SIMD_CLONES double descend(const Tile* tiles, Index begin, Index end, const Steps& by, const float* force,
+                                 const float* px, const float* py, const float* pz, float* u, float* extrapolated) {
+  if (pz == nullptr) return descend_in<true>(tiles, begin, end, by, force, px, py, pz, u, extrapolated);
+  return descend_in<false>(tiles, begin, end, by, force, px, py, pz, u, extrapolated);
+}
+
 // The tiles that hold voxels in doubt, and those whose differences they take part in.
 class Doubt {
  public:
   Doubt(const std::array<Index, 3>& size, const ContourWeight& weight, std::span<const float> force,
-        std::span<std::uint8_t> labels)
-      : size_(size), columns_((size[0] + width - 1) / width), force_(force), labels_(labels), weight_(weight) {
+        std::span<std::uint8_t> labels, ContourState* state)
+      : state_(state),
+        size_(size),
+        columns_((size[0] + width - 1) / width),
+        force_(force),
+        labels_(labels),
+        weight_(weight) {
     // A voxel takes part in one forward and one backward difference along each axis.
     most_ = 0;
     for (const double along : weight.along) most_ += 2 * weight.length * along;
     number_.assign(static_cast<std::size_t>(columns_ * size[1] * size[2]), -1);
     mark();
     gather();
+    if (state_ != nullptr) exchange_state(true);
   }
 
   int solve() {
@@ -117,25 +142,52 @@ class Doubt {
                    {static_cast<float>(weight_.along[0]), static_cast<float>(weight_.along[1]),
                     static_cast<float>(weight_.along[2])}};
     const auto n = std::ssize(list_);
+    const double at_rest = state_ != nullptr ? state_->at_rest : ContourState().at_rest;
     int iteration = 0;
     while (iteration < most_iterations) {
       ++iteration;
       parallel_for(n, tiles_per_task, [&](Index begin, Index end) {
-        ascend(tiles_.data(), counts_.data(), begin, end, by, a_.extrapolated.data(), a_.px.data(), a_.py.data(),
-               a_.pz.data());
+        ascend(tiles_.data(), counts_.data(), begin, end, by, a_.extrapolated.data(), a_.px.data(), a_.py.data(), pz());
       });
       const double change = parallel_sum(n, tiles_per_task, [&](Index begin, Index end) {
-        return descend(tiles_.data(), begin, end, by, a_.force.data(), a_.px.data(), a_.py.data(), a_.pz.data(),
-                       a_.u.data(), a_.extrapolated.data());
+        return descend(tiles_.data(), begin, end, by, a_.force.data(), a_.px.data(), a_.py.data(), pz(), a_.u.data(),
+                       a_.extrapolated.data());
       });
       if (iteration % check_every == 0 && change <= at_rest * static_cast<double>(doubtful_)) break;
     }
     for (Index t = 0; t < n; ++t)
       for (Index i = 0; i < counts_[t]; ++i) labels_[first(list_[t]) + i] = a_.u[t * width + i] > 0.5F ? 1 : 0;
+    if (state_ != nullptr) exchange_state(false);
     return iteration;
   }
 
  private:
+  [[nodiscard]] bool is_flat() const { return weight_.along[2] == 0; }
+  [[nodiscard]] float* pz() { return is_flat() ? nullptr : a_.pz.data(); }
+
+  // Reads or writes the values of the tiles.
+  void exchange_state(bool read) {
+    const auto exchange = [&](std::vector<float>& all, std::vector<float>& mine, const auto& take) {
+      all.resize(labels_.size(), 0.0F);
+      for (std::size_t t = 0; t < list_.size(); ++t) {
+        float* here = mine.data() + t * width;
+        float* there = all.data() + first(list_[t]);
+        for (Index i = 0; i < counts_[t]; ++i)
+          if (read)
+            take(there[i], here[i]);
+          else
+            there[i] = here[i];
+      }
+    };
+    exchange(state_->u, a_.u, [](float old, float& u) {
+      if ((old > 0.5F) == (u > 0.5F)) u = old;
+    });
+    a_.extrapolated = a_.u;
+    const std::array<std::vector<float>*, 3> duals{&a_.px, &a_.py, &a_.pz};
+    for (std::size_t a = 0; a < (is_flat() ? 2 : 3); ++a)
+      exchange(state_->duals[a], *duals[a], [](float old, float& p) { p = old; });
+  }
+
   [[nodiscard]] Index first(Index tile) const { return tile / columns_ * size_[0] + tile % columns_ * width; }
   [[nodiscard]] Index count(Index tile) const { return std::min(width, size_[0] - tile % columns_ * width); }
 
@@ -182,7 +234,8 @@ class Doubt {
     const auto n = list_.size();
     tiles_.resize(n);
     counts_.resize(n);
-    for (std::vector<float>* values : {&a_.u, &a_.force, &a_.px, &a_.py, &a_.pz}) values->assign(n * width, 0.0F);
+    for (std::vector<float>* values : {&a_.u, &a_.force, &a_.px, &a_.py}) values->assign(n * width, 0.0F);
+    if (!is_flat()) a_.pz = a_.px;
     for (std::size_t t = 0; t < n; ++t) {
       for (std::size_t a = 0; a < 3; ++a) {
         const Index next = neighbour(list_[t], a, 1), last = neighbour(list_[t], a, -1);
@@ -204,6 +257,7 @@ class Doubt {
 
   [[nodiscard]] bool is_clear(float F) const { return std::abs(static_cast<double>(F)) > most_; }
 
+  ContourState* state_;
   std::array<Index, 3> size_;
   Index columns_;
   std::span<const float> force_;
@@ -258,8 +312,8 @@ double contour_price(std::span<const std::uint8_t> labels, std::uint8_t label, c
 }
 
 int convex_contour(const std::array<Index, 3>& size, const ContourWeight& weight, std::span<const float> force,
-                   std::span<std::uint8_t> labels) {
-  return Doubt(size, weight, force, labels).solve();
+                   std::span<std::uint8_t> labels, ContourState* state) {
+  return Doubt(size, weight, force, labels, state).solve();
 }
 
 }  // namespace csrbf

@@ -1,54 +1,58 @@
 #include "csrbf/levelset/partition/nearest_component.hpp"
 
-namespace csrbf {
-namespace {
+#include "csrbf/levelset/regions/label_runs.hpp"
 
-// Calls take(neighbour) for the face neighbours of a voxel.
-template <class Take>
-void for_neighbours(const Grid& grid, Index voxel, const Take& take) {
-  const auto [nx, ny, nz] = grid.size;
-  const Index x = voxel % nx, y = voxel / nx % ny, z = voxel / (nx * ny);
-  if (x > 0) take(voxel - 1);
-  if (x + 1 < nx) take(voxel + 1);
-  if (y > 0) take(voxel - nx);
-  if (y + 1 < ny) take(voxel + nx);
-  if (z > 0) take(voxel - nx * ny);
-  if (z + 1 < nz) take(voxel + nx * ny);
+namespace csrbf {
+
+VoxelComponents voxel_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid) {
+  LabelRuns runs(labels, grid);
+  const LabelRuns::Parts parts = runs.parts(label);
+  VoxelComponents result{std::vector<std::int32_t>(labels.size(), -1), parts.count};
+  for (std::size_t row = 0; row + 1 < runs.first.size(); ++row)
+    for (std::size_t i = runs.first[row]; i < runs.first[row + 1]; ++i) {
+      const auto at = result.component.begin() + static_cast<std::ptrdiff_t>(row) * grid.size[0];
+      if (parts.of_run[i] >= 0) std::fill(at + runs.runs[i].begin, at + runs.runs[i].end, parts.of_run[i]);
+    }
+  return result;
 }
 
-}  // namespace
-
-NearestComponents nearest_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid) {
-  NearestComponents result;
+// Steps along the axes to the nearest voxel of the label: each is first or last reached along an axis, so that a sweep
+// in the order of the voxels and one back find them all.
+VoxelComponents nearest_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid) {
+  VoxelComponents result = voxel_components(labels, label, grid);
   std::vector<std::int32_t>& component = result.component;
-  component.assign(labels.size(), -1);
-  std::vector<std::int32_t> queue;
-  queue.reserve(labels.size());
-  for (std::size_t seed = 0; seed < labels.size(); ++seed) {
-    if (labels[seed] != label || component[seed] >= 0) continue;
-    std::size_t head = queue.size();
-    component[seed] = static_cast<std::int32_t>(result.count);
-    queue.push_back(static_cast<std::int32_t>(seed));
-    for (; head < queue.size(); ++head)
-      for_neighbours(grid, queue[head], [&](Index next) {
-        if (labels[next] != label || component[next] >= 0) return;
-        component[next] = static_cast<std::int32_t>(result.count);
-        queue.push_back(static_cast<std::int32_t>(next));
-      });
-    ++result.count;
-  }
   if (result.count == 0) {
     component.assign(labels.size(), 0);
     result.count = 1;
     return result;
   }
-  // Fronts start from all voxels of all components at once.
-  for (std::size_t head = 0; head < queue.size(); ++head)
-    for_neighbours(grid, queue[head], [&](Index next) {
-      if (component[next] >= 0) return;
-      component[next] = component[queue[head]];
-      queue.push_back(static_cast<std::int32_t>(next));
-    });
+  const auto [nx, ny, nz] = grid.size;
+  constexpr std::int32_t far = 1 << 30;
+  std::vector<std::int32_t> steps(labels.size());
+  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = component[i] >= 0 ? 0 : far;
+  const auto take = [&](Index to, Index from) {
+    if (steps[from] + 1 >= steps[to]) return;
+    steps[to] = steps[from] + 1;
+    component[to] = component[from];
+  };
+  for (Index z = 0; z < nz; ++z)
+    for (Index y = 0; y < ny; ++y) {
+      const Index begin = nx * (y + ny * z);
+      for (Index i = begin; i < begin + nx; ++i) {
+        if (i > begin) take(i, i - 1);
+        if (y > 0) take(i, i - nx);
+        if (z > 0) take(i, i - nx * ny);
+      }
+    }
+  for (Index z = nz; z-- > 0;)
+    for (Index y = ny; y-- > 0;) {
+      const Index begin = nx * (y + ny * z);
+      for (Index i = begin + nx; i-- > begin;) {
+        if (i + 1 < begin + nx) take(i, i + 1);
+        if (y + 1 < ny) take(i, i + nx);
+        if (z + 1 < nz) take(i, i + nx * ny);
+      }
+    }
   return result;
 }
 

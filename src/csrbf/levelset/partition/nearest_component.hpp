@@ -7,14 +7,17 @@
 
 namespace csrbf {
 
-/// For every voxel the connected component (by faces) of the voxels of one label that it belongs to, or else the one
-/// that is nearest by steps along the axes.
-struct NearestComponents {
-  std::vector<std::int32_t> component;  ///< 0 to count - 1, in the order of their first voxels
+/// For every voxel the connected component (by faces) of the voxels of one label that it belongs to.
+struct VoxelComponents {
+  std::vector<std::int32_t> component;  ///< 0 to count - 1, in the order of their first voxels; -1: none
   std::size_t count = 0;
 };
 
-/// O(voxels); 8 bytes per voxel. When no voxel has the label, all belong to component 0 of 1.
-NearestComponents nearest_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid);
+/// O(voxels).
+VoxelComponents voxel_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid);
+
+/// The same, and for voxels of other labels the component that is nearest by steps along the axes. When no voxel has
+/// the label, all belong to component 0 of 1. O(voxels), two sweeps; 8 bytes per voxel.
+VoxelComponents nearest_components(std::span<const std::uint8_t> labels, std::uint8_t label, const Grid& grid);
 
 }  // namespace csrbf

@@ -11,7 +11,10 @@ namespace {
 constexpr int most_rounds = 15;            // of statistics and contours; by hand: most end after 3 to 6
 constexpr double least_gain = 0.5;         // nats: less is not worth a round or another model
 constexpr std::size_t followed = 2;        // starts of each model that are followed to their end; by hand
-constexpr std::size_t first_followed = 5;  // of constant means; by hand: 2 miss a disc in noise of twice the contrast
+constexpr std::size_t first_followed = 3;  // of constant means; by hand: 2 miss a disc in noise of twice the contrast
+constexpr int trial_rounds = 2;            // before models are compared; by hand: most of the gain comes in the first
+constexpr double roughly = 3e-4;           // mean change of u per iteration at the end of a contour on trial; by hand
+constexpr double hope = 3;                 // gains of the last round that are still to be expected; by hand
 constexpr double changed_share = 1e-5;     // of the labels may change at convergence
 constexpr double independent = 0.3;  // correlation of neighbours up to which deviations tell regions apart; by hand
 constexpr double least_variation = 0.05;  // of the contrast: below, constants are as good; by hand
@@ -21,11 +24,15 @@ constexpr Index large = 1 << 21;          // voxels from which only constant mea
 struct Candidate {
   double price = std::numeric_limits<double>::infinity();
   std::vector<std::uint8_t> labels;
+  double gain = std::numeric_limits<double>::infinity();  // of its last round
+  std::vector<double> steps = {};                         // prices downwards
+  bool converged = false;
 };
 
 struct Contest {
   PartitionModel model;
-  std::vector<Candidate> best;  // of its starts, by price
+  std::vector<Candidate> best;  // by price
+  [[nodiscard]] double price() const { return best.empty() ? Candidate().price : best.front().price; }
 };
 
 class Search {
@@ -40,22 +47,31 @@ class Search {
     gather_models();
     for_partition_starts(price_, options_.regions, few_, [&](PartitionStart&& start) {
       report(options_.progress, "evolve", 0);
-      const double of_labels = price_.label_price(start.labels, options_.regions);
+      const LabelMeasures measures = price_.measure(start.labels, options_.regions);
       for (Contest& contest : contests_)
-        if (suits(contest.model.shape, start)) enter(contest, start.labels, of_labels);
+        if (suits(contest.model.shape, start)) enter(contest, start.labels, measures);
     });
-    double done = 0;
     std::vector<std::vector<std::uint8_t>> simpler;  // of the quadratic means, for the smooth ones
     for (Contest& contest : contests_) {
       if (contest.model.shape == MeanShape::quadratic)
         for (const Candidate& each : contest.best) simpler.push_back(each.labels);
       if (contest.model.shape == MeanShape::smooth)
         for (const std::vector<std::uint8_t>& labels : simpler)
-          enter(contest, labels, price_.label_price(labels, options_.regions));
-      report(options_.progress, "evolve", done++ / static_cast<double>(contests_.size()));
-      play(contest);
+          enter(contest, labels, price_.measure(labels, options_.regions));
+      report_progress();
+      try_out(contest);
     }
-    for (ModelPrice& each : result_.prices) each.nats -= best_;
+    std::vector<Contest*> order;
+    for (Contest& contest : contests_) order.push_back(&contest);
+    std::stable_sort(order.begin(), order.end(),
+                     [](const Contest* a, const Contest* b) { return a->price() < b->price(); });
+    for (Contest* contest : order) {
+      report_progress();
+      finish(*contest);
+    }
+    for (const Contest& contest : contests_)
+      if (!contest.best.empty())
+        result_.prices.push_back({contest.model, contest.price() - best_, contest.best.front().steps.size() > 1});
     return std::move(result_);
   }
 
@@ -75,49 +91,81 @@ class Search {
 
   // Means that follow the image closely go on from what simpler ones found.
   [[nodiscard]] bool suits(MeanShape shape, const PartitionStart& start) const {
-    if (shape == MeanShape::constant) return !start.local;
+    if (shape == MeanShape::constant) return start.classes || !start.local;
     return (start.classes || start.local) && (shape != MeanShape::smooth || options_.shape);
   }
 
+  static bool is_simplest(const PartitionModel& model) {
+    return model.shape == MeanShape::constant && !model.own_deviations;
+  }
+
+  void report_progress() {
+    report(options_.progress, "evolve", done_ / (2 * static_cast<double>(contests_.size())));
+    done_ += 1;
+  }
+
   // Keeps the starts of least price.
-  void enter(Contest& contest, const std::vector<std::uint8_t>& labels, double of_labels) {
-    const double price = of_labels + price_.fit_values(labels, contest.model, options_.regions);
+  void enter(Contest& contest, const std::vector<std::uint8_t>& labels, const LabelMeasures& measures) {
+    const double price = price_.fit(labels, measures, contest.model);
     if (!std::isfinite(price)) return;
     std::vector<Candidate>& best = contest.best;
     for (const Candidate& other : best)
       if (std::abs(other.price - price) < least_gain) return;
     const auto place = std::find_if(best.begin(), best.end(), [&](const Candidate& c) { return price < c.price; });
     // Noise hides the best start until its contours are smooth: of the simplest model more are followed.
-    const bool simplest = contest.model.shape == MeanShape::constant && !contest.model.own_deviations;
-    const std::size_t most = few_ ? 1 : simplest ? first_followed : followed;
+    const std::size_t most = few_ ? 1 : is_simplest(contest.model) ? first_followed : followed;
     if (place == best.end() && best.size() >= most) return;
-    best.insert(place, {price, labels});
+    best.insert(place, Candidate{price, labels});
     if (best.size() > most) best.pop_back();
   }
 
-  void play(Contest& contest) {
-    if (!result_.labels.empty()) enter(contest, result_.labels, price_.label_price(result_.labels, options_.regions));
-    if (contest.best.empty()) return;
-    ModelPrice entry{contest.model, contest.best.front().price, false};
-    const bool promising = !contest.model.own_deviations || is_credible(contest.model, contest.best.front().labels);
-    if (entry.nats < best_ - least_gain && promising) {
-      entry.searched = true;
-      for (Candidate& start : contest.best) {
-        const double first = start.price;
-        std::vector<double> steps;
-        bool converged = false;
-        Candidate found = follow(std::move(start), contest.model, steps, converged);
-        entry.nats = std::min(entry.nats, found.price);
-        if (found.price >= best_ - least_gain || !is_credible(contest.model, found.labels)) continue;
-        best_ = found.price;
-        result_.labels = std::move(found.labels);
-        result_.model = contest.model;
-        result_.converged = converged;
-        result_.energy = {first};
-        result_.energy.insert(result_.energy.end(), steps.begin(), steps.end());
-      }
+  // A few rounds from the most promising starts: models are far apart, and rounds gain less and less.
+  void try_out(Contest& contest) {
+    state_.at_rest = roughly;
+    if (!result_.labels.empty()) enter(contest, result_.labels, price_.measure(result_.labels, options_.regions));
+    std::vector<Candidate>& best = contest.best;
+    if (best.empty() || !is_promising(contest)) return;
+    const std::size_t tried = is_simplest(contest.model) ? first_followed : 1;
+    for (std::size_t i = 0; i < std::min(tried, best.size()); ++i) follow(best[i], contest.model, trial_rounds);
+    sort(best);
+    take(best.front(), contest.model);
+  }
+
+  // Follows what may still become the cheapest to the end.
+  void finish(Contest& contest) {
+    state_.at_rest = ContourState().at_rest;
+    if (contest.best.empty() || !std::isfinite(contest.best.front().gain)) return;
+    // What is not credible after a trial seldom is so later.
+    if (!is_credible(contest.model, contest.best.front().labels)) return;
+    for (Candidate& each : contest.best) {
+      if (contest.price() > best_ && contest.price() - hope * contest.best.front().gain >= best_) break;
+      each.converged = false;
+      follow(each, contest.model, most_rounds);
+      take(each, contest.model);
     }
-    result_.prices.push_back(entry);
+    sort(contest.best);
+  }
+
+  static void sort(std::vector<Candidate>& best) {
+    std::stable_sort(best.begin(), best.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.price < b.price; });
+  }
+
+  // The result when it is cheaper and credible.
+  void take(const Candidate& found, const PartitionModel& model) {
+    const bool goes_on = model == result_.model && found.price <= best_;
+    if (!goes_on && found.price >= best_ - least_gain) return;
+    if (!is_credible(model, found.labels)) return;
+    best_ = found.price;
+    result_.labels = found.labels;
+    result_.model = model;
+    result_.converged = found.converged;
+    result_.energy = found.steps;
+  }
+
+  bool is_promising(const Contest& contest) {
+    return contest.price() < best_ - least_gain &&
+           (!contest.model.own_deviations || is_credible(contest.model, contest.best.front().labels));
   }
 
   // Deviations of its own make a region likely wherever it gathers structures that its mean does not explain, and means
@@ -135,32 +183,30 @@ class Search {
   }
 
   // Statistics and contours in turns while the price falls.
-  Candidate follow(Candidate now, const PartitionModel& model, std::vector<double>& steps, bool& converged) {
-    Candidate best = now;
-    for (int round = 0; round < most_rounds; ++round) {
+  void follow(Candidate& best, const PartitionModel& model, int rounds) {
+    if (best.steps.empty()) best.steps = {best.price};
+    std::vector<std::uint8_t> labels = best.labels;
+    for (int round = 0; round < rounds && !best.converged; ++round) {
       ++result_.iterations;
-      move_contours(now.labels, model);
-      now.price = price_.fit(now.labels, model, options_.regions);
+      move_contours(labels, model);
+      const double price = price_.fit(labels, model, options_.regions);
       std::size_t changed = 0;
-      for (std::size_t i = 0; i < now.labels.size(); ++i) changed += now.labels[i] != best.labels[i] ? 1 : 0;
-      const bool better = now.price < best.price - least_gain;
-      if (now.price < best.price) {
-        best = now;
-        steps.push_back(now.price);
-      }
-      if (!better || static_cast<double>(changed) <= changed_share * static_cast<double>(now.labels.size())) {
-        converged = true;
-        break;
-      }
+      for (std::size_t i = 0; i < labels.size(); ++i) changed += labels[i] != best.labels[i] ? 1 : 0;
+      best.converged = price >= best.price - least_gain ||
+                       static_cast<double>(changed) <= changed_share * static_cast<double>(labels.size());
+      best.gain = std::max(0.0, best.price - price);
+      if (price >= best.price) return;
+      best.price = price;
+      best.labels = labels;
+      best.steps.push_back(price);
     }
-    return best;
   }
 
   void move_contours(std::vector<std::uint8_t>& labels, const PartitionModel& model) {
     price_.fit(labels, model, options_.regions);
     if (options_.regions == 2) {
       price_.force(costs_[0]);
-      convex_contour(price_.grid().size, price_.weight(), costs_[0], labels);
+      convex_contour(price_.grid().size, price_.weight(), costs_[0], labels, &state_);
       price_.drop_parts(costs_[0], labels);
       return;
     }
@@ -173,8 +219,9 @@ class Search {
   bool few_;
   std::vector<Contest> contests_;
   std::vector<std::vector<float>> costs_;
+  ContourState state_;
   Partition result_;
-  double best_ = std::numeric_limits<double>::infinity();
+  double best_ = std::numeric_limits<double>::infinity(), done_ = 0;
 };
 
 }  // namespace

@@ -3,9 +3,7 @@
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/partition/nearest_component.hpp"
-#include "csrbf/levelset/regions/region_labels.hpp"
-
-#include <Eigen/Cholesky>
+#include "csrbf/levelset/regions/label_runs.hpp"
 
 #include <limits>
 #include <numbers>
@@ -15,191 +13,131 @@ namespace {
 
 constexpr Index grain = 1 << 14;               // voxels per task
 constexpr double least_deviation = 1.0 / 512;  // of the range: half a grey level of 256
+constexpr float certain = 100;                 // nats of a seed on the wrong side: more than any contour could save
 constexpr double least_contrast = 0.1;  // of an object, of that of the regions; by hand: less is the surroundings
-constexpr int most_terms = 10;          // of a quadratic in space
-
-// 1, x, y, z, then the products, of coordinates in [-1, 1] along the axes that the image has.
-class Monomials {
- public:
-  Monomials(const Grid& grid, int degree) : grid_(grid), axes_(grid.dimension()) {
-    terms = degree == 1 ? axes_ + 1 : (axes_ + 1) * (axes_ + 2) / 2;
-  }
-  int terms;
-  void at(Index voxel, double* t) const {
-    std::array<double, 3> p{};
-    for (int a = 0; a < axes_; ++a) {
-      const Index n = grid_.size[a];
-      p[a] = n > 1 ? 2 * static_cast<double>(voxel % n) / static_cast<double>(n - 1) - 1 : 0;
-      voxel /= n;
-    }
-    products(p, t);
-  }
-  /// Sum of c_j t_j where x is given and y and z are those of the voxel.
-  [[nodiscard]] double sum(const double* c, Index voxel, double x) const {
-    std::array<double, most_terms> t{};
-    std::array<double, 3> p{x, 0, 0};
-    voxel /= grid_.size[0];
-    for (int a = 1; a < axes_; ++a) {
-      const Index n = grid_.size[a];
-      p[a] = n > 1 ? 2 * static_cast<double>(voxel % n) / static_cast<double>(n - 1) - 1 : 0;
-      voxel /= n;
-    }
-    products(p, t.data());
-    double total = 0;
-    for (int j = 0; j < terms; ++j) total += c[j] * t[j];
-    return total;
-  }
-
- private:
-  void products(const std::array<double, 3>& p, double* t) const {
-    int term = 0;
-    t[term++] = 1;
-    for (int a = 0; a < axes_; ++a) t[term++] = p[a];
-    if (terms == axes_ + 1) return;
-    for (int a = 0; a < axes_; ++a)
-      for (int b = a; b < axes_; ++b) t[term++] = p[a] * p[b];
-  }
-
-  const Grid& grid_;
-  int axes_;
-};
 
 }  // namespace
 
 PartitionPrice::PartitionPrice(std::span<const float> values, double lo, double hi, const Grid& grid,
                                std::span<const std::uint8_t> mask, const ContourWeight& weight)
-    : values_(values), lo_(lo), inverse_(1 / (hi - lo)), grid_(grid), mask_(mask), weight_(weight) {
-  for (std::size_t i = 0; i < values.size(); ++i) count_ += inside(i) ? 1 : 0;
+    : values_(values.size()), grid_(grid), mask_(mask), weight_(weight) {
+  const double inverse = 1 / (hi - lo);
+  parallel_for(std::ssize(values), grain, [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      values_[i] =
+          inside(i) ? static_cast<float>(std::clamp((static_cast<double>(values[i]) - lo) * inverse, 0.0, 1.0)) : 0.0F;
+  });
+  all_ = region_moments(values_, masked(std::vector<std::uint8_t>(values.size(), 0)), 0, grid_);
+  count_ = all_.count();
 }
 
-double PartitionPrice::fit_values(std::span<const std::uint8_t> labels, const PartitionModel& model, int regions) {
-  const auto n = static_cast<std::size_t>(regions);
+// With a label that no region has outside the mask.
+std::vector<std::uint8_t> PartitionPrice::masked(std::span<const std::uint8_t> labels) const {
+  std::vector<std::uint8_t> result(labels.begin(), labels.end());
+  for (std::size_t i = 0; i < mask_.size(); ++i)
+    if (mask_[i] == 0) result[i] = 255;
+  return result;
+}
+
+LabelMeasures PartitionPrice::measure(std::span<const std::uint8_t> labels, int regions) const {
+  const std::vector<std::uint8_t> without_mask = mask_.empty() ? std::vector<std::uint8_t>() : masked(labels);
+  const auto moments = [&](int k) {
+    return region_moments(values_, mask_.empty() ? labels : without_mask, static_cast<std::uint8_t>(k), grid_);
+  };
+  LabelMeasures result;
+  if (regions == 2) {
+    result.regions = {all_, moments(1)};
+    result.regions[0].add(result.regions[1], -1);
+    result.price = contour_price(labels, 1, grid_.size, weight_) +
+                   place_price() * static_cast<double>(LabelRuns(labels, grid_).count_parts());
+    return result;
+  }
+  for (int k = 0; k < regions; ++k) {
+    result.regions.push_back(moments(k));
+    // A contour between two regions is the border of both.
+    result.price += 0.5 * contour_price(labels, static_cast<std::uint8_t>(k), grid_.size, weight_);
+  }
+  return result;
+}
+
+double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeasures& measures,
+                           const PartitionModel& model) {
+  const std::size_t n = measures.regions.size();
   model_ = model;
   means_.assign(n, 0);
   counts_.assign(n, 0);
-  variances_.assign(n, 0);
   fields_.assign(n, {});
-  fit_constants(labels);
-  for (const double count : counts_)
-    if (count < 3) return std::numeric_limits<double>::infinity();
-  double parameters = static_cast<double>(n);
-  if (model.shape == MeanShape::objects) {
-    const auto other = static_cast<std::size_t>(1 - model.object_label);
-    parameters = fit_polynomial(labels, other, 2) + fit_objects(labels, model.object_label);
-  } else if (model.shape != MeanShape::constant) {
-    parameters = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      parameters += fit_polynomial(labels, k, model.shape == MeanShape::linear ? 1 : 2);
-      if (model.shape == MeanShape::smooth) parameters += add_local_mean(labels, k);
-    }
+  polynomials_.clear();
+  for (std::size_t k = 0; k < n; ++k) {
+    counts_[k] = measures.regions[k].count();
+    if (counts_[k] < 3) return std::numeric_limits<double>::infinity();
+    means_[k] = measures.regions[k].mean();
   }
-  parameters += model.own_deviations ? static_cast<double>(n) : 1;
-  return fit_deviations(labels, model.own_deviations) + 0.5 * parameters * std::log(count_);
+  const bool objects = model.shape == MeanShape::objects;
+  const int degree = model.shape == MeanShape::constant ? 0 : model.shape == MeanShape::linear ? 1 : 2;
+  double parameters = model.own_deviations ? static_cast<double>(n) : 1;
+  std::vector<double> squares;
+  for (std::size_t k = 0; k < n; ++k) {
+    const RegionMoments& region = measures.regions[k];
+    polynomials_.emplace_back(region, objects && k == model.object_label ? 0 : degree, grid_);
+    parameters += static_cast<double>(polynomials_[k].parameters());
+    squares.push_back(polynomials_[k].residual(region));
+  }
+  if (objects) {
+    fill_field(1 - model.object_label);
+    parameters += fit_objects(labels, model.object_label) - 1;
+    squares[model.object_label] = residual(labels, model.object_label);
+  }
+  if (model.shape == MeanShape::smooth)
+    for (std::size_t k = 0; k < n; ++k) {
+      fill_field(k);
+      parameters += add_local_mean(labels, k);
+      squares[k] = residual(labels, k);
+    }
+  return measures.price + fit_deviations(squares) + 0.5 * parameters * std::log(count_);
 }
 
-double PartitionPrice::label_price(std::span<const std::uint8_t> labels, int regions) const {
-  if (regions == 2)
-    return contour_price(labels, 1, grid_.size, weight_) + place_price() * static_cast<double>(count_parts(labels));
-  double price = 0;
-  // A contour between two regions is the border of both.
-  for (int k = 0; k < regions; ++k)
-    price += 0.5 * contour_price(labels, static_cast<std::uint8_t>(k), grid_.size, weight_);
-  return price;
+void PartitionPrice::fill_fields() {
+  if (model_.shape == MeanShape::constant) return;
+  for (std::size_t k = 0; k < fields_.size(); ++k)
+    if (fields_[k].empty()) fill_field(k);
 }
 
-Index PartitionPrice::count_parts(std::span<const std::uint8_t> labels) const {
-  std::vector<std::uint8_t> others(labels.size());
-  for (std::size_t i = 0; i < labels.size(); ++i) others[i] = labels[i] == 0 ? 1 : 0;
-  return count_components(labels, grid_) + count_components(others, grid_);
+void PartitionPrice::fill_field(std::size_t k) {
+  const Index nx = grid_.size[0];
+  fields_[k].resize(values_.size());
+  parallel_for(grid_.voxels() / nx, 64, [&](Index begin, Index end) {
+    for (Index row = begin; row < end; ++row)
+      polynomials_[k].fill_row(
+          row, std::span(fields_[k]).subspan(static_cast<std::size_t>(row * nx), static_cast<std::size_t>(nx)));
+  });
 }
 
 void PartitionPrice::drop_parts(std::span<const float> force, std::span<std::uint8_t> labels) const {
-  const std::array<Index, 3> strides{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
+  const Index nx = grid_.size[0], nxy = nx * grid_.size[1], rows = grid_.size[1] * grid_.size[2];
+  const auto squared = [&](std::size_t axis) { return weight_.along[axis] * weight_.along[axis]; };
   for (const std::uint8_t label : {std::uint8_t{1}, std::uint8_t{0}}) {
-    const NearestComponents parts = nearest_components(labels, label, grid_);
+    const VoxelComponents parts = voxel_components(labels, label, grid_);
+    if (parts.count < 2) continue;
     std::vector<double> gain(parts.count, 0);  // of the part being there
     for (std::size_t i = 0; i < labels.size(); ++i)
       if (labels[i] == label) gain[parts.component[i]] += (label == 1 ? -1 : 1) * static_cast<double>(force[i]);
     // The contour, as in contour_price(), of the part of the voxel inside it or next to it.
-    for (Index i = 0; i < std::ssize(labels); ++i) {
-      double squares = 0;
-      std::int32_t part = labels[i] == label ? parts.component[i] : -1;
-      for (std::size_t a = 0; a < 3; ++a) {
-        if (i / strides[a] % grid_.size[a] + 1 == grid_.size[a]) continue;
-        const Index next = i + strides[a];
-        if (labels[next] == labels[i]) continue;
-        squares += weight_.along[a] * weight_.along[a];
-        if (part < 0) part = parts.component[next];
+    for (Index row = 0; row < rows; ++row) {
+      const bool y = row % grid_.size[1] + 1 < grid_.size[1], z = row / grid_.size[1] + 1 < grid_.size[2];
+      for (Index i = row * nx, end = i + nx; i < end; ++i) {
+        const std::uint8_t here = labels[i];
+        const bool a = i + 1 < end && labels[i + 1] != here, b = y && labels[i + nx] != here,
+                   c = z && labels[i + nxy] != here;
+        if (!a && !b && !c) continue;
+        const Index inside = here == label ? i : a ? i + 1 : b ? i + nx : i + nxy;
+        const double squares = (a ? squared(0) : 0) + (b ? squared(1) : 0) + (c ? squared(2) : 0);
+        gain[parts.component[inside]] -= weight_.length * std::sqrt(squares);
       }
-      if (squares > 0) gain[part] -= weight_.length * std::sqrt(squares);
     }
-    if (parts.count < 2) continue;
     for (std::size_t i = 0; i < labels.size(); ++i)
       if (labels[i] == label && gain[parts.component[i]] < place_price()) labels[i] = 1 - label;
   }
-}
-
-void PartitionPrice::fit_constants(std::span<const std::uint8_t> labels) {
-  for (std::size_t k = 0; k < means_.size(); ++k) {
-    const auto sum = [&](bool of_values) {
-      return parallel_sum(std::ssize(labels), grain, [&](Index begin, Index end) {
-        double part = 0;
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-          if (labels[i] == k && inside(i)) part += of_values ? value(i) : 1;
-        return part;
-      });
-    };
-    counts_[k] = sum(false);
-    means_[k] = counts_[k] > 0 ? sum(true) / counts_[k] : 0;
-  }
-}
-
-double PartitionPrice::fit_polynomial(std::span<const std::uint8_t> labels, std::size_t k, int degree) {
-  constexpr Index enough = 1 << 18;  // voxels sampled: far more than there are numbers to fit
-  const Monomials monomials(grid_, degree);
-  using Left = Eigen::Matrix<double, most_terms, most_terms>;
-  using Right = Eigen::Matrix<double, most_terms, 1>;
-  const Index n = grid_.voxels(), step = std::max<Index>(1, n / enough) | 1;
-  const Index samples = (n + step - 1) / step, tasks = (samples + grain - 1) / grain;
-  std::vector<Left> lefts(tasks, Left::Zero());
-  std::vector<Right> rights(tasks, Right::Zero());
-  parallel_for(samples, grain, [&](Index begin, Index end) {
-    Right t = Right::Zero();
-    for (Index s = begin; s < end; ++s) {
-      const Index i = s * step;
-      const auto voxel = static_cast<std::size_t>(i);
-      if (labels[voxel] != k || !inside(voxel)) continue;
-      monomials.at(i, t.data());
-      lefts[begin / grain].noalias() += t * t.transpose();
-      rights[begin / grain] += (value(voxel) - means_[k]) * t;
-    }
-  });
-  Left left = Left::Zero();
-  Right right = Right::Zero();
-  for (Index task = 0; task < tasks; ++task) {
-    left += lefts[task];
-    right += rights[task];
-  }
-  constexpr double ridge = 1e-6;  // of the voxels, for regions within a row
-  left.diagonal().array() += ridge * (left(0, 0) + 1);
-  Right c = left.ldlt().solve(right);
-  c[0] += means_[k];
-  std::vector<float>& field = fields_[k];
-  field.resize(labels.size());
-  const Index nx = grid_.size[0];
-  parallel_for(n / nx, 64, [&](Index begin, Index end) {
-    for (Index row = begin; row < end; ++row) {
-      // Along x a parabola, from its values at -1, 0 and 1.
-      const double left_end = monomials.sum(c.data(), row * nx, -1), middle = monomials.sum(c.data(), row * nx, 0),
-                   right_end = monomials.sum(c.data(), row * nx, 1);
-      const double slope = 0.5 * (right_end - left_end), bend = 0.5 * (right_end + left_end) - middle;
-      for (Index x = 0; x < nx; ++x) {
-        const double p = nx > 1 ? 2 * static_cast<double>(x) / static_cast<double>(nx - 1) - 1 : 0;
-        field[row * nx + x] = static_cast<float>(middle + p * (slope + p * bend));
-      }
-    }
-  });
-  return monomials.terms;
 }
 
 // The mean of the residuals close by, drawn to 0 where there are none.
@@ -233,7 +171,7 @@ double PartitionPrice::add_local_mean(std::span<const std::uint8_t> labels, std:
 // Each voxel has the mean of the nearest object. All objects are brighter than their surroundings or all are darker: an
 // object that is not has the mean of what surrounds it.
 double PartitionPrice::fit_objects(std::span<const std::uint8_t> labels, std::uint8_t k) {
-  const NearestComponents nearest = nearest_components(labels, k, grid_);
+  const VoxelComponents nearest = nearest_components(labels, k, grid_);
   const auto other = static_cast<std::size_t>(1 - k);
   const double side = means_[k] - means_[other];
   std::vector<double> sums(nearest.count, 0), around(nearest.count, 0), counts(nearest.count, 0);
@@ -253,40 +191,48 @@ double PartitionPrice::fit_objects(std::span<const std::uint8_t> labels, std::ui
   return static_cast<double>(nearest.count);
 }
 
-double PartitionPrice::fit_deviations(std::span<const std::uint8_t> labels, bool own) {
+double PartitionPrice::residual(std::span<const std::uint8_t> labels, std::size_t k) const {
+  return parallel_sum(std::ssize(labels), grain, [&](Index begin, Index end) {
+    double part = 0;
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      if (labels[i] == k && inside(i)) {
+        const double off = value(i) - mean(k, i);
+        part += off * off;
+      }
+    return part;
+  });
+}
+
+// From the sums of the squares that the means leave.
+double PartitionPrice::fit_deviations(const std::vector<double>& squares) {
   double all = 0, price = 0;
   constexpr double least = least_deviation * least_deviation;
-  for (std::size_t k = 0; k < means_.size(); ++k) {
-    const double squares = parallel_sum(std::ssize(labels), grain, [&](Index begin, Index end) {
-      double part = 0;
-      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        if (labels[i] == k && inside(i)) {
-          const double off = value(i) - mean(k, i);
-          part += off * off;
-        }
-      return part;
-    });
-    all += squares;
-    variances_[k] = squares / counts_[k] + least;
+  variances_.assign(squares.size(), 0);
+  for (std::size_t k = 0; k < squares.size(); ++k) {
+    all += squares[k];
+    variances_[k] = squares[k] / counts_[k] + least;
     price += 0.5 * counts_[k] * std::log(variances_[k]);
   }
-  if (own) return price;
+  if (model_.own_deviations) return price;
   std::fill(variances_.begin(), variances_.end(), all / count_ + least);
   return 0.5 * count_ * std::log(variances_[0]);
 }
 
-void PartitionPrice::cost(int k, std::span<float> to) const {
+void PartitionPrice::cost(int k, std::span<float> to) {
+  fill_fields();
   const auto region = static_cast<std::size_t>(k);
   const double factor = 0.5 / variances_[region], level = 0.5 * std::log(variances_[region]);
   parallel_for(std::ssize(to), grain, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double off = value(i) - mean(region, i);
       to[i] = inside(i) ? static_cast<float>(factor * off * off + level) : 0.0F;
+      if (!seeds_.empty() && seeds_[i] != 0) to[i] = seeds_[i] == k + 1 ? -certain : certain;
     }
   });
 }
 
-void PartitionPrice::force(std::span<float> to) const {
+void PartitionPrice::force(std::span<float> to) {
+  fill_fields();
   const double in = 0.5 / variances_[1], out = 0.5 / variances_[0];
   const double level = 0.5 * std::log(variances_[1] / variances_[0]);
   const bool objects = model_.shape == MeanShape::objects;
@@ -298,11 +244,13 @@ void PartitionPrice::force(std::span<float> to) const {
       // An object that is not brighter (darker) than its surroundings, as objects are, has no voxels.
       if (objects && (m1 - m0) * side <= least_contrast * side * side) F = away * (std::abs(F) + 1);
       to[i] = inside(i) ? static_cast<float>(F) : 0.0F;
+      if (!seeds_.empty() && seeds_[i] != 0) to[i] = seeds_[i] == 2 ? -certain : certain;
     }
   });
 }
 
-double PartitionPrice::correlation(std::span<const std::uint8_t> labels) const {
+double PartitionPrice::correlation(std::span<const std::uint8_t> labels) {
+  fill_fields();
   std::vector<double> products(means_.size(), 0), squares(means_.size(), 0);
   const Index n = grid_.voxels();
   const std::array<Index, 3> strides{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
@@ -325,7 +273,8 @@ double PartitionPrice::correlation(std::span<const std::uint8_t> labels) const {
   return most;
 }
 
-double PartitionPrice::variation(std::span<const std::uint8_t> labels) const {
+double PartitionPrice::variation(std::span<const std::uint8_t> labels) {
+  fill_fields();
   double most = 0;
   for (std::size_t k = 0; k < means_.size(); ++k) {
     if (model_.shape == MeanShape::objects && k != model_.object_label) continue;

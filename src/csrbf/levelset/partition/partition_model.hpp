@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/levelset/partition/convex_contour.hpp"
+#include "csrbf/levelset/partition/region_moments.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,14 @@ struct PartitionModel {
   MeanShape shape = MeanShape::constant;
   bool own_deviations = false;    ///< one standard deviation for each region, or one for all
   std::uint8_t object_label = 1;  ///< of MeanShape::objects
+
+  bool operator==(const PartitionModel&) const = default;
+};
+
+/// What all models have to know of labels.
+struct LabelMeasures {
+  std::vector<RegionMoments> regions;
+  double price = 0;  ///< of the contours and the places of the parts
 };
 
 /// The description length of an image by regions and their model, in nats: - log likelihood of the voxels in the mask,
@@ -32,35 +41,39 @@ struct PartitionModel {
 class PartitionPrice {
  public:
   /// `values`: finite; lo < hi: the range that they are clipped to, whose 1/512 no deviation is below; `mask` may be
-  /// empty. All must outlive this.
+  /// empty. Grid and mask must outlive this.
   PartitionPrice(std::span<const float> values, double lo, double hi, const Grid& grid,
                  std::span<const std::uint8_t> mask, const ContourWeight& weight);
 
-  /// Fits the model to the regions 0 to regions - 1 and returns the price; infinite when a region has fewer than 3
-  /// voxels. More than two regions have constant means. O(voxels).
+  /// Voxels that are to have label seeds[i] - 1, where that is not 0; empty: none. Must outlive this.
+  void set_seeds(std::span<const std::uint8_t> seeds) { seeds_ = seeds; }
+  [[nodiscard]] std::span<const std::uint8_t> seeds() const { return seeds_; }
+
+  [[nodiscard]] LabelMeasures measure(std::span<const std::uint8_t> labels, int regions = 2) const;
+
+  /// Fits the model to the regions of the labels and returns the price; infinite when a region has fewer than 3 voxels.
+  /// More than two regions have constant means. Polynomials take no time once the labels are measured, other means
+  /// O(voxels).
+  double fit(std::span<const std::uint8_t> labels, const LabelMeasures& measures, const PartitionModel& model);
   double fit(std::span<const std::uint8_t> labels, const PartitionModel& model, int regions = 2) {
-    return label_price(labels, regions) + fit_values(labels, model, regions);
+    return fit(labels, measure(labels, regions), model);
   }
 
-  /// The two summands of fit(): the price of the labels, that of the values and the model given the labels.
-  [[nodiscard]] double label_price(std::span<const std::uint8_t> labels, int regions) const;
-  double fit_values(std::span<const std::uint8_t> labels, const PartitionModel& model, int regions);
-
   /// What each voxel costs in region k, by the last fit(); 0 outside the mask.
-  void cost(int k, std::span<float> to) const;
+  void cost(int k, std::span<float> to);
   /// The cost in region 1 minus that in region 0.
-  void force(std::span<float> to) const;
+  void force(std::span<float> to);
 
   /// Gives the parts of two regions that are not worth their contour and their place to the other region.
   void drop_parts(std::span<const float> force, std::span<std::uint8_t> labels) const;
 
   /// Correlation of what neighbours of one region leave, by the last fit(), in the region where it is largest: about 0
   /// when the voxels are independent, as the likelihood takes them to be.
-  [[nodiscard]] double correlation(std::span<const std::uint8_t> labels) const;
+  [[nodiscard]] double correlation(std::span<const std::uint8_t> labels);
 
   /// Standard deviation of the means over their regions, where it is largest, over the contrast of the regions; of
   /// objects that of their means.
-  [[nodiscard]] double variation(std::span<const std::uint8_t> labels) const;
+  [[nodiscard]] double variation(std::span<const std::uint8_t> labels);
 
   /// The largest standard deviation of a region over the smallest, by the last fit().
   [[nodiscard]] double deviation_ratio() const {
@@ -68,9 +81,8 @@ class PartitionPrice {
     return std::sqrt(*most / *least);
   }
 
-  [[nodiscard]] double value(std::size_t i) const {
-    return std::min(1.0, std::max(0.0, (static_cast<double>(values_[i]) - lo_) * inverse_));
-  }
+  /// The values, clipped to the range and in its units; 0 outside the mask.
+  [[nodiscard]] std::span<const float> values() const { return values_; }
   [[nodiscard]] bool inside(std::size_t i) const { return mask_.empty() || mask_[i] != 0; }
   [[nodiscard]] const Grid& grid() const { return grid_; }
   [[nodiscard]] const ContourWeight& weight() const { return weight_; }
@@ -80,26 +92,29 @@ class PartitionPrice {
   [[nodiscard]] const std::vector<double>& means() const { return means_; }
 
  private:
+  [[nodiscard]] double value(std::size_t i) const { return static_cast<double>(values_[i]); }
   [[nodiscard]] double mean(std::size_t k, std::size_t i) const {
     return fields_[k].empty() ? means_[k] : static_cast<double>(fields_[k][i]);
   }
   [[nodiscard]] double place_price() const { return std::log(count_); }
-  [[nodiscard]] Index count_parts(std::span<const std::uint8_t> labels) const;
-  void fit_constants(std::span<const std::uint8_t> labels);
-  [[nodiscard]] double fit_polynomial(std::span<const std::uint8_t> labels, std::size_t k, int degree);
+  [[nodiscard]] std::vector<std::uint8_t> masked(std::span<const std::uint8_t> labels) const;
+  void fill_fields();
+  void fill_field(std::size_t k);
   [[nodiscard]] double add_local_mean(std::span<const std::uint8_t> labels, std::size_t k);
   [[nodiscard]] double fit_objects(std::span<const std::uint8_t> labels, std::uint8_t k);
-  [[nodiscard]] double fit_deviations(std::span<const std::uint8_t> labels, bool own);
+  [[nodiscard]] double residual(std::span<const std::uint8_t> labels, std::size_t k) const;
+  double fit_deviations(const std::vector<double>& squares);
 
-  std::span<const float> values_;
-  double lo_, inverse_;
+  std::vector<float> values_;
   const Grid& grid_;
-  std::span<const std::uint8_t> mask_;
+  std::span<const std::uint8_t> mask_, seeds_;
   ContourWeight weight_;
   double count_ = 0;
+  RegionMoments all_;  // of both of two regions
   PartitionModel model_;
   std::vector<double> means_, counts_, variances_;
-  std::vector<std::vector<float>> fields_;  // means that vary; empty: constant
+  std::vector<MeanPolynomial> polynomials_;  // of the regions, where their means are some
+  std::vector<std::vector<float>> fields_;   // means that vary, once they are asked for
 };
 
 }  // namespace csrbf

@@ -13,15 +13,16 @@ using Image = std::vector<float>;
 
 class Starts {
  public:
-  Starts(const PartitionPrice& price, const std::function<void(PartitionStart&&)>& take) : price_(price), take_(take) {
-    values_.resize(static_cast<std::size_t>(price.grid().voxels()));
-    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = static_cast<float>(price.value(i));
-  }
+  Starts(const PartitionPrice& price, const std::function<void(PartitionStart&&)>& take) : price_(price), take_(take) {}
 
   void make(int regions, bool few) {
+    if (!price_.seeds().empty()) {
+      for (const double sd : {0.0, 1.0, 2.0, 4.0}) like_seeds(blurred(price_.values(), sd), regions);
+      return;
+    }
     const std::vector<double> widths = few ? std::vector<double>{0, 1, 2} : std::vector<double>{0, 1, 2, 4};
     for (const double sd : widths) {
-      const Image f = blurred(values_, sd);
+      const Image f = blurred(price_.values(), sd);
       classes(f, regions);
       if (regions > 2) continue;
       if (sd == 0) shares(f, {0.001});
@@ -39,13 +40,36 @@ class Starts {
   }
 
  private:
-  [[nodiscard]] Image blurred(Image f, double sd) const {
+  [[nodiscard]] Image blurred(std::span<const float> values, double sd) const {
+    Image f(values.begin(), values.end());
     if (sd == 0) return f;
     const Grid& grid = price_.grid();
     std::array<double, 3> along{0, 0, 0};
     for (std::size_t a = 0; a < 3; ++a) along[a] = sd * price_.weight().along[a];
     gaussian_blur(f, grid.size, along);
     return f;
+  }
+
+  // Each voxel has the label of the seeds whose mean is nearest to its value.
+  void like_seeds(const Image& f, int regions) {
+    const std::span<const std::uint8_t> seeds = price_.seeds();
+    std::vector<double> sums(static_cast<std::size_t>(regions), 0), counts = sums;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      if (seeds[i] == 0 || !price_.inside(i)) continue;
+      sums[seeds[i] - 1] += static_cast<double>(f[i]);
+      counts[seeds[i] - 1] += 1;
+    }
+    PartitionStart start{std::vector<std::uint8_t>(f.size()), true, true};
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      double least = 1e30;
+      for (std::size_t k = 0; k < sums.size(); ++k) {
+        const double off = std::abs(static_cast<double>(f[i]) - sums[k] / counts[k]);
+        if (off < least) start.labels[i] = static_cast<std::uint8_t>(k);
+        least = std::min(least, off);
+      }
+      if (seeds[i] != 0) start.labels[i] = seeds[i] - 1;
+    }
+    take_(std::move(start));
   }
 
   // The classes of least variance.
@@ -112,15 +136,14 @@ class Starts {
 
   // By the size of what a Gaussian leaves.
   void texture() {
-    Image f = blurred(values_, 2);
-    for (std::size_t i = 0; i < f.size(); ++i) f[i] = std::abs(f[i] - values_[i]);
-    f = blurred(std::move(f), 4);
+    Image f = blurred(price_.values(), 2);
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] = std::abs(f[i] - price_.values()[i]);
+    f = blurred(f, 4);
     classes(f, 2);
   }
 
   const PartitionPrice& price_;
   const std::function<void(PartitionStart&&)>& take_;
-  Image values_;
 };
 
 }  // namespace

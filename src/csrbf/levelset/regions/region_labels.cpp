@@ -1,55 +1,9 @@
 #include "csrbf/levelset/regions/region_labels.hpp"
 
-#include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/levelset/regions/label_runs.hpp"
 
 namespace csrbf {
 namespace {
-
-struct Run {
-  Index begin, end;  // voxels along x
-  std::uint8_t label;
-};
-
-// The runs of equal labels in all rows, and their connected components.
-class Runs {
- public:
-  Runs(std::span<const std::uint8_t> labels, const Grid& grid) : sets(0) {
-    const auto [nx, ny, nz] = grid.size;
-    for (Index row = 0; row < ny * nz; ++row) {
-      first.push_back(runs.size());
-      const std::uint8_t* label = labels.data() + nx * row;
-      for (Index x = 0; x < nx;) {
-        Index end = x + 1;
-        while (end < nx && label[end] == label[x]) ++end;
-        runs.push_back({x, end, label[x]});
-        x = end;
-      }
-    }
-    first.push_back(runs.size());
-    sets = DisjointSets(runs.size());
-    for (Index z = 0; z < nz; ++z)
-      for (Index y = 0; y < ny; ++y) {
-        if (y > 0) join(y + ny * z, y - 1 + ny * z);
-        if (z > 0) join(y + ny * z, y + ny * (z - 1));
-      }
-  }
-
-  std::vector<Run> runs;
-  std::vector<std::size_t> first;  // run of each row
-  DisjointSets sets;
-
- private:
-  void join(Index row, Index other) {
-    std::size_t a = first[row], b = first[other];
-    const std::size_t a_end = first[static_cast<std::size_t>(row) + 1];
-    const std::size_t b_end = first[static_cast<std::size_t>(other) + 1];
-    while (a < a_end && b < b_end) {
-      if (runs[a].label == runs[b].label && runs[a].begin < runs[b].end && runs[b].begin < runs[a].end)
-        sets.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
-      (runs[a].end < runs[b].end ? a : b) += 1;
-    }
-  }
-};
 
 bool takes_part(std::span<const std::uint8_t> mask, std::size_t i) {
   return mask.empty() || mask[i] != 0;
@@ -58,7 +12,7 @@ bool takes_part(std::span<const std::uint8_t> mask, std::size_t i) {
 }  // namespace
 
 Index count_components(std::span<const std::uint8_t> labels, const Grid& grid) {
-  Runs parts(labels, grid);
+  LabelRuns parts(labels, grid);
   Index count = 0;
   for (std::size_t i = 0; i < parts.runs.size(); ++i)
     if (parts.runs[i].label != 0 && parts.sets.find(static_cast<std::uint32_t>(i)) == i) ++count;
@@ -67,7 +21,7 @@ Index count_components(std::span<const std::uint8_t> labels, const Grid& grid) {
 
 Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid) {
   const auto [nx, ny, nz] = grid.size;
-  Runs parts(labels, grid);
+  LabelRuns parts(labels, grid);
   std::vector<bool> open(parts.runs.size(), false);
   for (Index row = 0; row < ny * nz; ++row) {
     const Index y = row % ny, z = row / ny;
@@ -79,7 +33,7 @@ Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid) {
   Index filled = 0;
   for (Index row = 0; row < ny * nz; ++row)
     for (std::size_t i = parts.first[row]; i < parts.first[static_cast<std::size_t>(row) + 1]; ++i) {
-      const Run& run = parts.runs[i];
+      const LabelRuns::Run& run = parts.runs[i];
       if (run.label != 0 || open[parts.sets.find(static_cast<std::uint32_t>(i))]) continue;
       std::fill(labels.begin() + nx * row + run.begin, labels.begin() + nx * row + run.end, std::uint8_t{1});
       filled += run.end - run.begin;

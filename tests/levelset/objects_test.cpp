@@ -1,0 +1,112 @@
+#include "csrbf/levelset/objects.hpp"
+
+#include "csrbf/core/error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace csrbf {
+namespace {
+
+struct Ball {
+  double x, y, z, radius;
+};
+
+// 1 within the balls; the values are 10 there and 2 elsewhere.
+struct Picture {
+  Volume<float> image;
+  std::vector<std::uint8_t> labels;
+
+  Picture(std::array<Index, 3> size, const std::vector<Ball>& balls, Point<3> spacing = Point<3>::Ones()) {
+    VolumeLayout layout;
+    layout.grid.size = size;
+    layout.grid.axes = size[2] > 1 ? 3 : 2;
+    layout.grid.spacing = spacing;
+    image = Volume<float>(layout, 2);
+    labels.assign(image.values.size(), 0);
+    for (Index z = 0; z < size[2]; ++z)
+      for (Index y = 0; y < size[1]; ++y)
+        for (Index x = 0; x < size[0]; ++x)
+          for (const Ball& b : balls) {
+            const Point<3> off =
+                Point<3>(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)).cwiseProduct(spacing) -
+                Point<3>(b.x, b.y, b.z);
+            if (off.norm() > b.radius) continue;
+            labels[layout.grid.index(x, y, z)] = 1;
+            image.values[layout.grid.index(x, y, z)] = 10;
+          }
+  }
+};
+
+TEST(Objects, SplitsTouchingDiscsAndLeavesOvalsWhole) {
+  const std::vector<Ball> touching{{30, 30, 0, 12}, {50, 33, 0, 11}, {42, 50, 0, 10}}, far{{80, 80, 0, 9}};
+  std::vector<Ball> all = touching;
+  all.push_back(far[0]);
+  for (double x = 10; x < 40; x += 0.5) all.push_back({x, 85, 0, 8});  // a sausage
+  const Picture picture({100, 100, 1}, all);
+  const Objects found = find_objects(picture.image, picture.labels);
+  EXPECT_EQ(found.table.size(), 5U);
+  EXPECT_EQ(find_objects(picture.image, picture.labels, {.split = false}).table.size(), 3U);
+  for (const Ball& b : touching)
+    for (const Ball& other : touching) {
+      const auto label = [&](const Ball& at) {
+        return found.labels[picture.image.grid.index(std::lround(at.x), std::lround(at.y))];
+      };
+      EXPECT_EQ(label(b) == label(other), &b == &other);
+    }
+  for (std::size_t i = 0; i < found.labels.size(); ++i) EXPECT_EQ(found.labels[i] != 0, picture.labels[i] != 0);
+}
+
+TEST(Objects, SplitsTouchingBallsOfAnisotropicVoxels) {
+  const Picture picture({60, 40, 14}, {{20, 20, 20, 11}, {39, 20, 20, 11}}, {1, 1, 3});
+  const Objects found = find_objects(picture.image, picture.labels);
+  ASSERT_EQ(found.table.size(), 2U);
+  EXPECT_NEAR(found.table[0].centroid.x(), 20, 0.5);
+  EXPECT_NEAR(found.table[1].centroid.x(), 39, 0.5);
+}
+
+TEST(Objects, AreMeasured) {
+  const double radius = 11;
+  const Picture disc({60, 50, 1}, {{30, 20, 0, radius}}, {1, 1, 1});
+  const ObjectMeasure in_plane = find_objects(disc.image, disc.labels).table.at(0);
+  EXPECT_NEAR(in_plane.volume, std::numbers::pi * radius * radius, 5);
+  EXPECT_NEAR(in_plane.area / (2 * std::numbers::pi * radius), 1, 0.02);
+  EXPECT_NEAR(in_plane.centroid.x(), 30, 1e-9);
+  EXPECT_NEAR(in_plane.axes[0], 2 * radius, 0.3);
+  EXPECT_NEAR(in_plane.axes[1], 2 * radius, 0.3);
+  EXPECT_EQ(in_plane.axes[2], 0);
+  EXPECT_NEAR(in_plane.sphericity, 1, 0.02);
+  EXPECT_NEAR(in_plane.mean, 10, 1e-6);
+  const Picture ball({50, 50, 25}, {{24, 24, 24, radius}}, {1, 1, 2});
+  const ObjectMeasure in_space = find_objects(ball.image, ball.labels).table.at(0);
+  EXPECT_NEAR(in_space.volume / (4.0 / 3 * std::numbers::pi * std::pow(radius, 3)), 1, 0.02);
+  EXPECT_NEAR(in_space.area / (4 * std::numbers::pi * radius * radius), 1, 0.04);
+  EXPECT_NEAR(in_space.axes[2], 2 * radius, 0.5);
+  const Picture tube({60, 60, 1}, {{15, 15, 0, 6}, {19, 15, 0, 6}, {23, 15, 0, 6}, {27, 15, 0, 6}, {31, 15, 0, 6}});
+  const ObjectMeasure longer = find_objects(tube.image, tube.labels).table.at(0);
+  EXPECT_LT(longer.sphericity, 0.9);
+  EXPECT_GT(longer.axes[0], 1.8 * longer.axes[1]);
+}
+
+TEST(Objects, SmallerThanMinSizeAreLeftOutAndSuchHolesFilled) {
+  Picture picture({60, 50, 1}, {{30, 20, 0, 10}, {50, 40, 0, 1.5}});
+  picture.labels[static_cast<std::size_t>(picture.image.grid.index(30, 20))] = 0;
+  const Objects all = find_objects(picture.image, picture.labels);
+  EXPECT_EQ(all.labels[static_cast<std::size_t>(picture.image.grid.index(30, 20))], 0);
+  const Objects large = find_objects(picture.image, picture.labels, {.min_size = 20});
+  EXPECT_EQ(large.table.size(), 1U);
+  EXPECT_EQ(large.labels[static_cast<std::size_t>(picture.image.grid.index(30, 20))], 1);
+  EXPECT_EQ(large.labels[static_cast<std::size_t>(picture.image.grid.index(50, 40))], 0);
+}
+
+TEST(Objects, OfEmptyAndFullImagesAreNoneAndOne) {
+  const Picture empty({20, 20, 1}, {});
+  EXPECT_TRUE(find_objects(empty.image, empty.labels).table.empty());
+  EXPECT_EQ(find_objects(empty.image, std::vector<std::uint8_t>(400, 1)).table.size(), 1U);
+  EXPECT_THROW(find_objects(empty.image, std::vector<std::uint8_t>(3, 1)), InvalidInput);
+  EXPECT_THROW(find_objects(empty.image, empty.labels, {.min_size = 0}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace csrbf
