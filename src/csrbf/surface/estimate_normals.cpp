@@ -3,6 +3,7 @@
 #include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
+#include "csrbf/surface/normals/winding_consistency.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -11,10 +12,13 @@ namespace {
 
 constexpr std::string_view stage = "estimate normals", where = "estimate_normals";
 // Chosen by hand.
-constexpr Index shared_from = 33;      // neighbourhoods of at least this many points are shared ...
-constexpr Index share = 16;            // ... by up to a sixteenth of their points
-constexpr Index graph_neighbors = 12;  // of orient_normals(), its default
-constexpr double line = 1e-14;         // of the largest variance: the cloud lies on a line
+constexpr Index shared_from = 33;        // neighbourhoods of at least this many points are shared ...
+constexpr Index share = 16;              // ... by up to a sixteenth of their points
+constexpr Index graph_neighbors = 12;    // of orient_normals(), its default
+constexpr Index fewest_consistent = 50;  // points whose winding number shows an inside
+constexpr double has_inside = 0.15;      // mean winding number on the points; 0.1 on sheets without inside
+constexpr double same_axis = 0.87;       // cosine of 30 degrees, to the normal by the winding number: the fit is good
+constexpr double line = 1e-14;           // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
 struct Cloud {
@@ -90,6 +94,23 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
   return fit;
 }
 
+// Gives the fitted normals signs, and where they are far off on thin parts other axes; false for sheets without inside.
+bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, Points<3>& normals, bool& certain) {
+  if (points.cols() < fewest_consistent) return false;
+  const ConsistentNormals consistent = consistent_normals(points, tree);
+  if (!(consistent.mean_winding > has_inside)) return false;
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const double cosine = normals.col(i).dot(consistent.normals.col(i));
+    if (cosine == 0) continue;  // a wire has no normal
+    if (!consistent.interpolated && std::abs(cosine) < same_axis)
+      normals.col(i) = consistent.normals.col(i);
+    else if (cosine < 0)
+      normals.col(i) = -normals.col(i).eval();
+  }
+  certain = !consistent.interpolated;
+  return true;
+}
+
 }  // namespace
 
 Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options, NormalReport* details) {
@@ -106,9 +127,15 @@ Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& opti
   Points<3>& normals = fit.normals;
   if (consistent) {
     if (fit.table.k == 0) fit.table = make_neighbor_table(cloud.points, tree, graph_neighbors);
-    result.orientation = orient_normals(cloud.points, fit.table, normals, [&](std::string_view, double fraction) {
-      return !options.progress || options.progress(stage, 0.7 + 0.3 * fraction);
-    });
+    bool certain = false;
+    const bool oriented = orient_by_winding(cloud.points, tree, normals, certain);
+    if (!certain)
+      result.orientation = orient_normals(
+          cloud.points, fit.table, normals,
+          [&](std::string_view, double fraction) {
+            return !options.progress || options.progress(stage, 0.7 + 0.3 * fraction);
+          },
+          oriented);
   }
   Points<3> output(3, points.cols());
   for (Index i = 0; i < points.cols(); ++i) {
