@@ -12,13 +12,14 @@ namespace {
 
 constexpr std::string_view stage = "estimate normals", where = "estimate_normals";
 // Chosen by hand.
-constexpr Index shared_from = 33;        // neighbourhoods of at least this many points are shared ...
-constexpr Index share = 16;              // ... by up to a sixteenth of their points
-constexpr Index graph_neighbors = 12;    // of orient_normals(), its default
-constexpr Index fewest_consistent = 50;  // points whose winding number shows an inside
-constexpr double has_inside = 0.15;      // mean winding number on the points; 0.1 on sheets without inside
-constexpr double same_axis = 0.87;       // cosine of 30 degrees, to the normal by the winding number: the fit is good
-constexpr double line = 1e-14;           // of the largest variance: the cloud lies on a line
+constexpr Index shared_from = 33;            // neighbourhoods of at least this many points are shared ...
+constexpr Index share = 16;                  // ... by up to a sixteenth of their points
+constexpr Index graph_neighbors = 12;        // of orient_normals(), its default
+constexpr Index fewest_consistent = 50;      // points whose winding number shows an inside
+constexpr double has_inside = 0.15;          // mean winding number on the points; 0.1 on sheets without inside
+constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees between the fitted normal and that by the
+                                             // winding number: the first counts alone, the second does
+constexpr double line = 1e-14;               // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
 struct Cloud {
@@ -94,18 +95,20 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
   return fit;
 }
 
-// Gives the fitted normals signs, and where they are far off on thin parts other axes; false for sheets without inside.
+// Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes; false for sheets
+// without inside.
 bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, Points<3>& normals, bool& certain) {
   if (points.cols() < fewest_consistent) return false;
   const ConsistentNormals consistent = consistent_normals(points, tree);
   if (!(consistent.mean_winding > has_inside)) return false;
   for (Index i = 0; i < normals.cols(); ++i) {
-    const double cosine = normals.col(i).dot(consistent.normals.col(i));
+    const Point<3> global = consistent.normals.col(i);
+    const double cosine = normals.col(i).dot(global);
     if (cosine == 0) continue;  // a wire has no normal
-    if (!consistent.interpolated && std::abs(cosine) < same_axis)
-      normals.col(i) = consistent.normals.col(i);
-    else if (cosine < 0)
-      normals.col(i) = -normals.col(i).eval();
+    if (cosine < 0) normals.col(i) = -normals.col(i).eval();
+    if (consistent.interpolated || std::abs(cosine) > close) continue;
+    normals.col(i) += std::min(1.0, (close - std::abs(cosine)) / (close - far)) * (global - normals.col(i));
+    normals.col(i).normalize();
   }
   certain = !consistent.interpolated;
   return true;
