@@ -19,12 +19,13 @@ constexpr Index neighbors = 9;                 // for the spacing
 constexpr double widest = 1, narrowest = 0.3;  // smoothing lengths in spacings, first and last without noise
 constexpr double widest_noise = 1.5;           // ... and the last under strong noise
 constexpr double width_of_noise = 4;           // last smoothing length in standard deviations of the noise
-constexpr double clean_energy = 0.025;  // least with smoothing so narrow: clean clouds have less, noisy ones more
-constexpr double momentum = 0.7;        // largest share of the last change that is repeated
-constexpr Index sampled_points = 300;   // at which noise is measured
-constexpr Index fitted_points = 17;     // ... from the quadric of so many
-constexpr double cleanest = 0.1;        // ... where few deviate: thin parts and creases look like noise
-constexpr Index blended = 3;            // nearest points of the subset that give a normal to any other
+constexpr double clean_energy = 0.022;         // least with smoothing so narrow: clean clouds have less ...
+constexpr double noisy_energy = 0.036;         // ... noisy ones more
+constexpr double momentum = 0.7;               // largest share of the last change that is repeated
+constexpr Index sampled_points = 300;          // at which noise is measured
+constexpr Index fitted_points = 17;            // ... from the quadric of so many
+constexpr double cleanest = 0.1;               // ... where few deviate: thin parts and creases look like noise
+constexpr Index blended = 3;                   // nearest points of the subset that give a normal to any other
 
 // Standard deviation of the points from quadrics through their neighbours.
 double noise(const Points<3>& points, const KdTree<3>& tree) {
@@ -110,10 +111,11 @@ ConsistentNormals solve_level(const Points<3>& points, const KdTree<3>& tree, do
     for (int left = count; left-- > 0;) level.turn(last + std::max(0.0, widest - last) * left / count);
     return level;
   };
+  if (width < 2 * narrowest) return solve(width).result();
   // Thin sheets look like noise, but reach a low energy.
-  if (width > 2 * narrowest)
-    if (Level thin = solve(narrowest); thin.energy() < clean_energy) return thin.result();
-  return solve(width).result();
+  Level thin = solve(narrowest);
+  const double noisy = (thin.energy() - clean_energy) / (noisy_energy - clean_energy);
+  return noisy > 0 ? solve(narrowest + std::min(1.0, noisy) * (width - narrowest)).result() : thin.result();
 }
 
 // The mean normal of the nearest points of a subset.
