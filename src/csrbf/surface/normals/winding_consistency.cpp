@@ -14,7 +14,7 @@ using Vectors = winding::DipoleSums::Vectors;
 constexpr Index coarsest = 3000;               // points of the first level at most
 constexpr Index finest = 100'000;              // ... and of the last: bounds time
 constexpr Index thinning = 4;                  // ratio between levels
-constexpr int first_rounds = 16, rounds = 5;   // of the first level and the others; more: slower, no better
+constexpr int first_rounds = 16, rounds = 8;   // of the first level and the others; more: slower, no better
 constexpr Index neighbors = 9;                 // for the spacing
 constexpr double widest = 1, narrowest = 0.3;  // smoothing lengths in spacings, first and last without noise
 constexpr double widest_noise = 1.5;           // ... and the last under strong noise
