@@ -11,14 +11,15 @@ namespace {
 using Vectors = winding::DipoleSums::Vectors;
 
 // Chosen by hand.
-constexpr Index coarsest = 3000;               // points of the first level at most
-constexpr Index finest = 100'000;              // ... and of the last: bounds time
-constexpr Index thinning = 4;                  // ratio between levels
-constexpr int first_rounds = 16, rounds = 8;   // of the first level and the others; more: slower, no better
+constexpr Index coarsest = 3000;   // points of the first level at most
+constexpr Index finest = 100'000;  // ... and of the last: bounds time
+constexpr Index thinning = 4;      // ratio between levels
+constexpr int first_rounds = 16, rounds = 8,
+              noisy_rounds = 4;                // of the first level and the others; more: slower, no better
 constexpr Index neighbors = 9;                 // for the spacing
 constexpr double widest = 1, narrowest = 0.3;  // smoothing lengths in spacings, first and last without noise
 constexpr double widest_noise = 1.5;           // ... and the last under strong noise
-constexpr double width_of_noise = 4;           // last smoothing length in standard deviations of the noise
+constexpr double width_of_noise = 5.5;         // last smoothing length in standard deviations of the noise
 constexpr double clean_energy = 0.022;         // least with smoothing so narrow: clean clouds have less ...
 constexpr double noisy_energy = 0.036;         // ... noisy ones more
 constexpr double momentum = 0.7;               // largest share of the last change that is repeated
@@ -107,7 +108,7 @@ ConsistentNormals solve_level(const Points<3>& points, const KdTree<3>& tree, do
   const Points<3> dipoles = start * spacing.cwiseAbs2().asDiagonal();
   const auto solve = [&](double last) {
     Level level(points, spacing, dipoles.cast<float>());
-    const int count = first ? first_rounds : rounds;
+    const int count = first ? first_rounds : last < widest ? rounds : noisy_rounds;
     for (int left = count; left-- > 0;) level.turn(last + std::max(0.0, widest - last) * left / count);
     return level;
   };
