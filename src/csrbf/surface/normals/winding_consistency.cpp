@@ -19,16 +19,15 @@ constexpr int first_rounds = 16, rounds = 8,
 constexpr Index neighbors = 9;                 // for the spacing
 constexpr double widest = 1, narrowest = 0.3;  // smoothing lengths in spacings, first and last without noise
 constexpr double widest_noise = 1.5;           // ... and the last under strong noise
-constexpr double width_of_noise = 5.5;         // last smoothing length in standard deviations of the noise
+constexpr double width_of_noise = 4.3;         // last smoothing length in standard deviations of the noise
 constexpr double clean_energy = 0.022;         // least with smoothing so narrow: clean clouds have less ...
 constexpr double noisy_energy = 0.036;         // ... noisy ones more
 constexpr double momentum = 0.7;               // largest share of the last change that is repeated
 constexpr Index sampled_points = 300;          // at which noise is measured
 constexpr Index fitted_points = 17;            // ... from the quadric of so many
-constexpr double cleanest = 0.1;               // ... where few deviate: thin parts and creases look like noise
 constexpr Index blended = 3;                   // nearest points of the subset that give a normal to any other
 
-// Standard deviation of the points from quadrics through their neighbours.
+// Standard deviation of most points from quadrics through their neighbours: noise, or thin parts.
 double noise(const Points<3>& points, const KdTree<3>& tree) {
   const Index n = points.cols(), count = std::min(sampled_points, n);
   if (n < fitted_points) return 0;
@@ -40,7 +39,7 @@ double noise(const Points<3>& points, const KdTree<3>& tree) {
       deviations[s] = near.deviation();
     }
   });
-  return percentile(deviations, cleanest);
+  return median(deviations);
 }
 
 // Normals times areas of the points of one level, in the order of the sums.
