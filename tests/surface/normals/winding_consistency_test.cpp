@@ -51,13 +51,6 @@ TEST(WindingConsistency, SeesThatASheetHasNoInside) {
   EXPECT_GT(estimate_normals(sheet.points).row(2).minCoeff(), 0);
 }
 
-TEST(WindingConsistency, OfLargeCloudsIsThatOfASubset) {
-  const Shape sphere = sorted(random_sphere(120'000, 5));
-  const ConsistentNormals found = solve(sphere);
-  EXPECT_TRUE(found.interpolated);
-  EXPECT_EQ(outward_share(found.normals, sphere.normals), 1);
-}
-
 TEST(WindingConsistency, DoesNotDependOnTheNumberOfThreads) {
   const Shape torus = sorted(random_torus(5000, 6));
   set_thread_count(1);

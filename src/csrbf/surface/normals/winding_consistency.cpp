@@ -11,11 +11,11 @@ namespace {
 using Vectors = winding::DipoleSums::Vectors;
 
 // Chosen by hand.
-constexpr Index coarsest = 3000;   // points of the first level at most
-constexpr Index finest = 100'000;  // ... and of the last: bounds time
-constexpr Index thinning = 4;      // ratio between levels
-constexpr int first_rounds = 16, rounds = 8,
-              noisy_rounds = 4;                // of the first level and the others; more: slower, no better
+constexpr Index coarsest = 3000;               // points of the first level at most
+constexpr Index thinning = 4;                  // ratio between levels
+constexpr int first_rounds = 16;               // of the first level; this and the next two, more: slower, no better
+constexpr int rounds = 8;                      // ... of the others
+constexpr int noisy_rounds = 4;                // ... under strong noise
 constexpr Index neighbors = 9;                 // for the spacing
 constexpr double widest = 1, narrowest = 0.3;  // smoothing lengths in spacings, first and last without noise
 constexpr double widest_noise = 1.5;           // ... and the last under strong noise
@@ -25,7 +25,6 @@ constexpr double noisy_energy = 0.036;         // ... noisy ones more
 constexpr double momentum = 0.7;               // largest share of the last change that is repeated
 constexpr Index sampled_points = 300;          // at which noise is measured
 constexpr Index fitted_points = 17;            // ... from the quadric of so many
-constexpr Index blended = 3;                   // nearest points of the subset that give a normal to any other
 
 // Standard deviation of most points from quadrics through their neighbours: noise, or thin parts.
 double noise(const Points<3>& points, const KdTree<3>& tree) {
@@ -118,18 +117,16 @@ ConsistentNormals solve_level(const Points<3>& points, const KdTree<3>& tree, do
   return noisy > 0 ? solve(narrowest + std::min(1.0, noisy) * (width - narrowest)).result() : thin.result();
 }
 
-// The mean normal of the nearest points of a subset.
-Points<3> interpolate(const Points<3>& from, const Points<3>& normals, const Points<3>& points, Index count) {
-  const KdTree<3> tree(from);
+// The normal of the nearest point of the level before.
+Points<3> start_from(const Points<3>& coarse, const Points<3>& normals, const Points<3>& points) {
+  const KdTree<3> tree(coarse);
   Points<3> result(3, points.cols());
   parallel_for(points.cols(), 1024, [&](Index begin, Index end) {
-    std::vector<Index> nearest(count);
-    std::vector<double> d2(count);
+    Index nearest = 0;
+    double squared = 0;
     for (Index i = begin; i < end; ++i) {
-      const Index found = tree.nearest(points.col(i), count, nearest.data(), d2.data());
-      Point<3> sum = Point<3>::Zero();
-      for (Index k = 0; k < found; ++k) sum += normals.col(nearest[k]);
-      result.col(i) = sum.normalized();
+      tree.nearest(points.col(i), 1, &nearest, &squared);
+      result.col(i) = normals.col(nearest);
     }
   });
   return result;
@@ -138,21 +135,18 @@ Points<3> interpolate(const Points<3>& from, const Points<3>& normals, const Poi
 }  // namespace
 
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree) {
-  const Index n = points.cols(), last = 1 + (n - 1) / finest;
+  const Index n = points.cols();
   const double deviation = noise(points, tree);
-  Index stride = last;
+  Index stride = 1;
   while (n / stride > coarsest) stride *= thinning;
   Points<3> coarse(3, 0);
   ConsistentNormals result;
-  for (bool first = true; stride >= last; stride /= thinning, first = false) {
+  for (bool first = true; stride > 0; stride /= thinning, first = false) {
     const Points<3> some = points(Eigen::all, Eigen::seq(0, n - 1, stride));
-    const Points<3> start = first ? Points<3>::Zero(3, some.cols()) : interpolate(coarse, result.normals, some, 1);
+    const Points<3> start = first ? Points<3>::Zero(3, some.cols()) : start_from(coarse, result.normals, some);
     result = solve_level(some, KdTree<3>(some), deviation, first, start);
     coarse = some;
   }
-  if (last == 1) return result;
-  result.normals = interpolate(coarse, result.normals, points, blended);
-  result.interpolated = true;
   return result;
 }
 
