@@ -3,6 +3,7 @@
 #include "csrbf/core/shared_work.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
+#include "csrbf/surface/normals/winding_consistency.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -11,10 +12,15 @@ namespace {
 
 constexpr std::string_view stage = "estimate normals", where = "estimate_normals";
 // Chosen by hand.
-constexpr Index shared_from = 33;      // neighbourhoods of at least this many points are shared ...
-constexpr Index share = 16;            // ... by up to a sixteenth of their points
-constexpr Index graph_neighbors = 12;  // of orient_normals(), its default
-constexpr double line = 1e-14;         // of the largest variance: the cloud lies on a line
+constexpr Index shared_from = 33;            // neighbourhoods of at least this many points are shared ...
+constexpr Index share = 16;                  // ... by up to a sixteenth of their points
+constexpr Index graph_neighbors = 12;        // of orient_normals(), its default
+constexpr Index fewest_consistent = 50;      // points whose winding number shows an inside
+constexpr Index most_consistent = 100'000;   // ... more: no better than by neighbours, and slower
+constexpr double has_inside = 0.15;          // mean winding number on the points; 0.1 on sheets without inside
+constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees between the fitted normal and that by the
+                                             // winding number: the first counts alone, the second does
+constexpr double line = 1e-14;               // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
 struct Cloud {
@@ -90,6 +96,24 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
   return fit;
 }
 
+// Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes; false for sheets
+// without inside.
+bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, Points<3>& normals) {
+  if (points.cols() < fewest_consistent || points.cols() > most_consistent) return false;
+  const ConsistentNormals consistent = consistent_normals(points, tree);
+  if (!(consistent.mean_winding > has_inside)) return false;
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const Point<3> global = consistent.normals.col(i);
+    const double cosine = normals.col(i).dot(global);
+    if (cosine == 0) continue;  // a wire has no normal
+    if (cosine < 0) normals.col(i) = -normals.col(i).eval();
+    if (std::abs(cosine) > close) continue;
+    normals.col(i) += std::min(1.0, (close - std::abs(cosine)) / (close - far)) * (global - normals.col(i));
+    normals.col(i).normalize();
+  }
+  return true;
+}
+
 }  // namespace
 
 Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options, NormalReport* details) {
@@ -105,10 +129,14 @@ Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& opti
   Fit fit = fit_all(cloud.points, tree, result.neighbors, consistent ? graph_neighbors : 0, options.progress);
   Points<3>& normals = fit.normals;
   if (consistent) {
-    if (fit.table.k == 0) fit.table = make_neighbor_table(cloud.points, tree, graph_neighbors);
-    result.orientation = orient_normals(cloud.points, fit.table, normals, [&](std::string_view, double fraction) {
-      return !options.progress || options.progress(stage, 0.7 + 0.3 * fraction);
-    });
+    if (orient_by_winding(cloud.points, tree, normals)) {
+      result.orientation.method = OrientMethod::winding_number;
+    } else {
+      if (fit.table.k == 0) fit.table = make_neighbor_table(cloud.points, tree, graph_neighbors);
+      result.orientation = orient_normals(cloud.points, fit.table, normals, [&](std::string_view, double fraction) {
+        return !options.progress || options.progress(stage, 0.7 + 0.3 * fraction);
+      });
+    }
   }
   Points<3> output(3, points.cols());
   for (Index i = 0; i < points.cols(); ++i) {

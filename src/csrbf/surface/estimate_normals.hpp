@@ -38,6 +38,11 @@ struct NormalReport {
 /// <= l2 the eigenvalues: l0 / l1 grows with K by curvature but falls while noise makes up the thickness. Beyond 32
 /// neighbours, nearby points share a neighbourhood and its quadric.
 ///
+/// Consistent signs come from the winding number (see consistent_normals()), and so does the normal itself where both
+/// differ by more than 30 degrees, as on creases and on parts thinner than the neighbourhoods, by a share that grows up
+/// to there. Sheets without inside, and less than 50 points, are left to orient_normals(), as are clouds of more than
+/// 100,000.
+///
 /// Coinciding points count once. Where the neighbours lie on a line, their number is doubled until they do not, up to
 /// 256; a normal that remains undetermined is zero. Invariant under similarities, up to signs for Orient::none. Throws
 /// InvalidInput for coordinates that are not finite, fewer than 3 distinct points, or points on one line. O(n log n):

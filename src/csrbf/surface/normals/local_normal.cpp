@@ -84,4 +84,11 @@ Point<3> LocalQuadric::normal(const Point<3>& p) const {
   return (frame.axes.col(0) - zx * frame.axes.col(1) - zy * frame.axes.col(2)).normalized();
 }
 
+double LocalQuadric::height(const Point<3>& p) const {
+  const double scale = frame.h > 0 ? 1 / frame.h : 0;
+  const Point<3> q = scale * (frame.axes.transpose() * (p - frame.center));
+  const double x = q[1], y = q[2];
+  return frame.h * (q[0] - (z[0] + z[1] * x + z[2] * y + z[3] * x * x + z[4] * x * y + z[5] * y * y));
+}
+
 }  // namespace csrbf

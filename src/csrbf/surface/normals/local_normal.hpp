@@ -29,6 +29,8 @@ struct LocalQuadric {
 
   /// Unit normal of the quadric under the point p.
   [[nodiscard]] Point<3> normal(const Point<3>& p) const;
+  /// Height of the point p over the quadric, along the axis of the frame.
+  [[nodiscard]] double height(const Point<3>& p) const;
 };
 
 /// Weighted least squares with a ridge of 1e-5 of the weights on the quadratic terms, which vanish for fewer than 8

@@ -12,6 +12,7 @@ constexpr Index sampled_points = 300;  // that the choice is made with; more: sl
 constexpr double stop_ratio = 1.15;    // a criterion this much larger than the least ends the search
 constexpr double flat = 0.4;           // largest thickness, (l0 / l1)^(1/2), of a neighbourhood that shows a surface
 constexpr double thinnest = 0.01;      // floor of the thickness: less is rounding
+constexpr double coefficients = 6;     // of a quadric
 constexpr Index max_neighbors = 256;   // at which doubling for neighbours on a line ends
 
 // Median of (l0 / l1)^(1/2) over a sample of the points.
@@ -44,6 +45,18 @@ void Neighborhood::query_surface(const Point<3>& center, Index count) {
   query(center, count);
   while (!frame_.is_surface() && static_cast<Index>(count_) < std::min(max_neighbors, points_.cols()))
     query(center, count *= 2);
+}
+
+double Neighborhood::deviation() const {
+  const LocalQuadric fit = quadric();
+  double sum = 0, weights = 0;
+  for (std::size_t j = 0; j < count_; ++j) {
+    const double height = fit.height(points_.col(ids_[j])), w = 1 - d2_[j] / (frame_.h * frame_.h);
+    sum += w * height * height;
+    weights += w;
+  }
+  const auto count = static_cast<double>(count_);
+  return weights > 0 ? std::sqrt(sum / weights * count / (count - coefficients)) : 0;
 }
 
 Index choose_neighbors(const Points<3>& points, const KdTree<3>& tree) {

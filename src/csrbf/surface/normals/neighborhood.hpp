@@ -30,6 +30,8 @@ class Neighborhood {
   [[nodiscard]] std::span<const double> d2() const { return {d2_.data(), count_}; }
   [[nodiscard]] const LocalFrame& frame() const { return frame_; }
   [[nodiscard]] LocalQuadric quadric() const { return fit_quadric(points_, ids(), d2(), frame_); }
+  /// Standard deviation of the neighbours from their quadric; more than its 6 coefficients.
+  [[nodiscard]] double deviation() const;
 
  private:
   const Points<3>& points_;

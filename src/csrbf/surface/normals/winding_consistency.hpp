@@ -1,0 +1,23 @@
+#pragma once
+
+#include "csrbf/spatial/kd_tree.hpp"
+
+namespace csrbf {
+
+/// Outward normals of points from their positions alone.
+struct ConsistentNormals {
+  Points<3> normals;        ///< unit
+  double mean_winding = 0;  ///< on the points: 1/2 for a closed surface, about 0.1 if there is no inside
+};
+
+/// Winding number normal consistency (Lin, Shi and Liu 2024): normals whose winding number w is 1/2 at all points and
+/// falls along each of them. Every round takes the best step along the steepest descent of sum (w - 1/2)^2 and the last
+/// change, then turns each normal against the gradient of w, whose smoothing length falls from round to round, from one
+/// spacing to a share of it that grows with the noise. The first level, of at most 3000 points, starts from nothing,
+/// each of the next ones, with four times as many, from the one before. Parts may be thinner than the neighbourhoods
+/// that local fits need.
+///
+/// Points in Morton order, not all the same. O(n log n): 0.03 s for 1000 points on one core.
+ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree);
+
+}  // namespace csrbf
