@@ -2,6 +2,8 @@
 
 #include "commands/command_flags.hpp"
 
+#include "csrbf/core/joined.hpp"
+
 #include <algorithm>
 #include <functional>
 #include <iostream>
@@ -27,7 +29,7 @@ std::string shell_word(const std::string& argument) {
 class Parser {
  public:
   Parser() : app_("Smooth functions and surfaces from scattered data and images", "csrbf") {
-    app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version");
+    app_.set_version_flag("-V,--version", "csrbf " CSRBF_VERSION, "print the version");
     app_.set_help_flag("-h,--help", "print this help; csrbf COMMAND --help describes a command");
     app_.require_subcommand(1);
     app_.formatter(help_formatter());
@@ -73,6 +75,7 @@ class Parser {
     taken_[name] = [command] { return Command(*command); };
   }
   void add_installed_texts();
+  [[nodiscard]] std::vector<std::string> command_names() const;
 
   CLI::App app_;
   CommonOptions common_;
@@ -94,13 +97,43 @@ void Parser::add_installed_texts() {
       ->group("");
 }
 
+std::vector<std::string> Parser::command_names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, take] : taken_) names.push_back(name);
+  return names;
+}
+
+// Before CLI11 complains about what is missing because of them.
+void refuse_unknown_flags(const CLI::App& subcommand, const std::vector<std::string>& arguments) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : subcommand.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string& argument : arguments) {
+    if (argument == "--") return;
+    const std::string flag = argument.substr(0, argument.find('='));
+    if (!flag.starts_with("--") || std::find(known.begin(), known.end(), flag) != known.end()) continue;
+    const std::string name = "csrbf " + subcommand.get_name();
+    throw UsageError("unknown flag " + flag + "; " + did_you_mean(flag, known) + name + " --help lists them");
+  }
+}
+
+// "csrbf help fit" is "csrbf fit --help".
+void rewrite_help(std::vector<std::string>& arguments) {
+  if (arguments.front() != "help") return;
+  arguments.erase(arguments.begin());
+  arguments.emplace_back("--help");
+}
+
 std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
   if (arguments.empty()) throw UsageError("a command is required; csrbf --help lists them");
+  rewrite_help(arguments);
   const bool is_subcommand = !arguments.front().empty() && arguments.front().front() != '-';
   const std::string first = is_subcommand ? arguments.front() : "";
   const auto names_it = [&](const CLI::App* subcommand) { return subcommand->get_name() == first; };
   if (is_subcommand && app_.get_subcommands(names_it).empty())
-    throw UsageError("unknown command " + in_quotes(first) + "; csrbf --help lists them");
+    throw UsageError("unknown command " + in_quotes(first) + "; " + did_you_mean(first, command_names()) +
+                     "csrbf --help lists them");
+  if (is_subcommand) refuse_unknown_flags(*app_.get_subcommand(first), arguments);
   common_.command = "csrbf";
   for (const std::string& argument : arguments) common_.command += " " + shell_word(argument);
   try {

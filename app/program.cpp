@@ -16,7 +16,10 @@ enum ExitCode { success = 0, no_result = 1, bad_input = 2 };
 
 int fail(const std::string& subcommand, const std::string& message, int code) {
   const std::string name = subcommand.empty() ? "csrbf" : "csrbf " + subcommand;
-  std::fprintf(stderr, "%s: %s\n", name.c_str(), message.c_str());
+  // The library names its function, which often has the name of the command.
+  const std::string function = subcommand + ": ";
+  const bool is_twice = !subcommand.empty() && message.starts_with(function);
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), message.c_str() + (is_twice ? function.size() : 0));
   return code;
 }
 

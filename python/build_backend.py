@@ -35,7 +35,10 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     with tempfile.TemporaryDirectory() as staging:
         _run("--install", str(build), "--config", "Release", "--component", "python", "--strip", "--prefix", staging)
         package = next(pathlib.Path(staging).rglob("csrbf/__init__.py")).parent
-        files = {f"csrbf/{path.relative_to(package)}": path for path in sorted(package.rglob("*")) if path.is_file()}
+        # A library is found by the name of a symbolic link to it, and a wheel has no links.
+        linked = {path.resolve() for path in package.rglob("*") if path.is_symlink()}
+        paths = sorted(path for path in package.rglob("*") if path.is_file() and path not in linked)
+        files = {f"csrbf/{path.relative_to(package)}": path for path in paths}
         return _pack(pathlib.Path(wheel_directory), files)
 
 
@@ -70,6 +73,7 @@ def _configure(build):
         "CSRBF_BUILD_EXAMPLES": "ON",  # the figures of csrbf.thesis
         "CSRBF_BUILD_TESTS": "OFF",
         "CSRBF_BUILD_PYTHON": "ON",
+        "CSRBF_BUNDLE_LIBRARIES": "ON",
         "Python3_EXECUTABLE": sys.executable,
     }
     generator = ["-G", "Ninja"] if shutil.which("ninja") and not (build / "CMakeCache.txt").exists() else []
@@ -93,7 +97,7 @@ def _pack(folder, files):
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in contents.items():
             entry = zipfile.ZipInfo(name, _time())
-            entry.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
+            entry.external_attr = (0o755 if ".so" in name else 0o644) << 16
             archive.writestr(entry, data, zipfile.ZIP_DEFLATED)
     return wheel.name
 

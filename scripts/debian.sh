@@ -20,6 +20,9 @@ python_test_packages=(python3-scipy python3-sklearn python3-tqdm mypy python3-pi
 # What csrbf-mpi needs in addition.
 distributed_packages=(libopenmpi-dev openmpi-bin libmumps-dev)
 
+# What the preset libcxx needs in addition; its GoogleTest is compiled from source.
+libcxx_packages=(clang libc++-dev libc++abi-dev googletest libgtest-dev)
+
 # What the documentation site needs.
 docs_packages=(python3-sphinx python3-myst-parser furo doxygen)
 

@@ -1,5 +1,6 @@
 #include "commands/evaluation_places.hpp"
 
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/samples.hpp"
@@ -15,7 +16,7 @@ namespace {
 constexpr Index most_axes = 3;  // of a grid
 
 bool is_table_file(const std::string& path) {
-  const std::string extension = file_extension(path);
+  const std::string extension = content_extension(path);
   return path == "-" || extension == ".csv" || extension == ".txt" || extension == ".npy";
 }
 

@@ -4,6 +4,8 @@ namespace csrbf::app {
 
 // Extensions of the files that the commands read and write, as help and messages list them.
 inline constexpr const char* point_formats = ".ply .xyz .pts .txt .csv .obj .off .npy .vtp";
+inline constexpr const char* read_point_formats = ".ply .xyz .pts .txt .csv .obj .off .npy .vtp .las .pcd";
+inline constexpr const char* written_mesh_formats = ".ply .obj .off .stl .vtp .glb";
 inline constexpr const char* mesh_formats = ".ply .obj .off .stl .vtp";
 inline constexpr const char* image_formats = ".png .pgm .ppm .tif .nii .nii.gz .nrrd .mha .mhd .npy .vti";
 inline constexpr const char* label_formats = ".png .pgm .tif .nii .nii.gz .nrrd .mha .mhd .npy .vti";

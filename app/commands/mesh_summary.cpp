@@ -7,7 +7,7 @@
 namespace csrbf::app {
 
 void expect_mesh_output(const std::string& path, Session& session) {
-  session.expect_output("--output", path, is_mesh_file(path), std::string("mesh files are ") + mesh_formats);
+  session.expect_output("--output", path, is_mesh_file(path), std::string("mesh files are ") + written_mesh_formats);
 }
 
 void add_mesh_summary(const std::string& path, const Mesh& mesh, Session& session) {

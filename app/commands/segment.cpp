@@ -79,7 +79,7 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
   if (!command.contour.empty())
     session.expect_output(
         "--contour", command.contour, is_contour_lines_file(command.contour) || is_mesh_file(command.contour),
-        std::string("contours are ") + plane_contour_formats + " in the plane, " + mesh_formats + " in space");
+        std::string("contours are ") + plane_contour_formats + " in the plane, " + written_mesh_formats + " in space");
   if (!command.model.empty()) session.expect_output("--model", command.model, ".csrbf", "models");
   if (!command.preview.empty()) session.expect_output("--preview", command.preview, ".png", "pictures");
   check_object_flags(command, session);

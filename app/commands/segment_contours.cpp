@@ -149,7 +149,7 @@ void check_contour_file(const std::string& path, int dimension) {
   if (dimension == 2 ? is_contour_lines_file(path) : is_mesh_file(path)) return;
   throw UsageError("--contour " + path + ": unknown extension \"" + file_extension(path) + "\"; contours in " +
                    (dimension == 2 ? std::string("the plane are ") + plane_contour_formats
-                                   : std::string("space are ") + mesh_formats));
+                                   : std::string("space are ") + written_mesh_formats));
 }
 
 }  // namespace csrbf::app

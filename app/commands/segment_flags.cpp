@@ -61,7 +61,7 @@ void declare(CommandFlags& v, SegmentCommand& c) {
   declare_segmentation(v, c);
   v.flag("contour", c.contour, "FILE", "",
          std::string("write the contour, finer than voxels: ") + plane_contour_formats + " in the plane, " +
-             mesh_formats + " in space");
+             written_mesh_formats + " in space");
   v.flag("model", c.model, "FILE", "",
          "save the level set: .csrbf, for csrbf evaluate, polygonize, render and curvature");
   v.flag("preview", c.preview, "FILE", "",

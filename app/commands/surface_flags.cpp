@@ -7,7 +7,7 @@ namespace csrbf::app {
 namespace {
 
 std::string points_or_input() {
-  return std::string(point_formats) + ", or - for text on standard input";
+  return std::string(read_point_formats) + ", or - for text on standard input";
 }
 
 }  // namespace
@@ -17,7 +17,7 @@ void declare(CommandFlags& v, ReconstructCommand& c) {
              "points to read: " + points_or_input() +
                  "; or contours drawn on slices: text with columns x, y, z and contour (a number for each closed "
                  "curve), or .obj or .ply with lines and no faces");
-  v.output(c.output, std::string("mesh to write: ") + mesh_formats);
+  v.output(c.output, std::string("mesh to write: ") + written_mesh_formats);
   std::string methods =
       "auto: contours for files that hold contours, else composite; composite: partition of unity with an RBF "
       "residual; contours: triharmonic spline through closed curves on two or more planes";
@@ -57,7 +57,7 @@ void declare(CommandFlags& v, EstimateNormalsCommand& c) {
 
 void declare(CommandFlags& v, PolygonizeCommand& c) {
   v.argument("MODEL", c.input, "model to read: .csrbf");
-  v.output(c.output, std::string("mesh to write: ") + mesh_formats);
+  v.output(c.output, std::string("mesh to write: ") + written_mesh_formats);
   v.flag("resolution", c.resolution, "N", "from the model", "cells along the longest side")->check(CLI::Range(1, 4096));
   v.flag("method", c.method, "NAME", c.method,
          "auto: dual-contouring for surfaces from points without noise, else marching-cubes; marching-cubes; "

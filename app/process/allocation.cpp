@@ -3,7 +3,7 @@
 
 #include "process/file_memory.hpp"
 
-#include "csrbf/core/sanitized.hpp"
+#include "csrbf/core/simd.hpp"
 
 #include <cerrno>
 #include <cstdlib>

@@ -29,7 +29,24 @@ struct Domain {
   }
 };
 
-void add_facts(const FitReport& r, const Domain& domain, Page& page) {
+// Whether the errors at the samples are those of rounding.
+bool passes_through(const FitReport& r, const Eigen::MatrixXd& values) {
+  constexpr double share = 1e-6;  // of the range of the values; chosen by hand
+  return r.max_error <= share * (values.maxCoeff() - values.minCoeff());
+}
+
+// What the errors at the samples come from.
+std::string treatment(const FitReport& r, const Eigen::MatrixXd& values) {
+  if (passes_through(r, values)) return "The function passes through the samples: nothing was smoothed away.";
+  if (r.smoothing > 0)
+    return "The function does not pass through every sample: part of their variation was treated as noise and smoothed "
+           "away (smoothing " +
+           readable(r.smoothing) + ").";
+  return "The function does not pass through every sample: it has fewer degrees of freedom than there are samples, and "
+         "comes as near as these allow.";
+}
+
+void add_facts(const FitReport& r, const Domain& domain, const SampleTable& samples, Page& page) {
   page.facts = {{grouped(r.samples), "samples"},
                 {readable(r.rmse), "error at the samples, root mean square"},
                 {readable(r.max_error), "largest error at a sample"}};
@@ -39,11 +56,7 @@ void add_facts(const FitReport& r, const Domain& domain, Page& page) {
                             readable(r.cross_validation_rmse) +
                             " (root mean square): expect this error between the samples.");
   }
-  page.findings.push_back(
-      r.smoothing > 0 ? "The function does not pass through every sample: part of their variation was treated as "
-                        "noise and smoothed away (smoothing " +
-                            readable(r.smoothing) + ")."
-                      : "The function passes through the samples: nothing was smoothed away.");
+  page.findings.push_back(treatment(r, samples.values));
   if (domain.model.value_names.size() > 1)
     page.findings.push_back("The pictures show " + domain.value() + ", the first of " +
                             counted(std::ssize(domain.model.value_names), "value") + ".");
@@ -234,7 +247,7 @@ Figure landscape_view(const Landscape& landscape, const Domain& domain, const Sa
 void show(const NamedFunction& model, const SampleTable& samples, Page& page) {
   const Domain domain{model.function.bounds(), model};
   const FitReport& r = model.function.report();
-  add_facts(r, domain, page);
+  add_facts(r, domain, samples, page);
   const std::vector<Index> chosen = spread_indices(samples.coordinates.cols(), most_samples);
   const Eigen::VectorXd error =
       samples.values(chosen, 0) - model.function.evaluate(samples.coordinates(Eigen::all, chosen)).value.col(0);

@@ -6,6 +6,7 @@ import hashlib
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -87,6 +88,20 @@ class Wheel(unittest.TestCase):
         self.assertIn(self.version, run(python, "-m", "pip", "show", "csrbf"))
         run(python, "-m", "pip", "uninstall", "-y", "csrbf")
         self.assertEqual(list(environment.rglob("csrbf")), [])
+
+    def test_it_brings_all_libraries_but_those_of_c_and_cpp(self):
+        cache = pathlib.Path(BUILD, "CMakeCache.txt").read_text()
+        if "CSRBF_BUNDLE_LIBRARIES:BOOL=ON" not in cache or not shutil.which("ldd"):
+            self.skipTest("needs a build with CSRBF_BUNDLE_LIBRARIES, and ldd")
+        folder = pathlib.Path(self.folder.name, "unpacked")
+        with zipfile.ZipFile(self.wheel) as archive:
+            archive.extractall(folder)
+        runtime = re.compile(r"(linux-vdso|ld-linux.*|libc|libm|libgcc_s|libstdc\+\+|lib[aut]san|libdl|libpthread)\.so")
+        for module in folder.rglob("_*.so"):
+            for line in run("ldd", module).splitlines():
+                name = line.strip().removeprefix("/lib64/")
+                if not runtime.match(name):
+                    self.assertIn(str(folder), line, module.name)
 
     def test_sources_are_packed_when_git_knows_them(self):
         if not (SOURCE / ".git").exists():

@@ -196,7 +196,22 @@ class Usage(CommandLine):
         self.fail_with(2, "unknown command \"frobnicate\"", "frobnicate")
         self.fail_with(2, "--output is required", "reconstruct", "points.xyz")
         self.fail_with(2, "csrbf info --help", "info")
-        self.fail_with(2, "not expected", "info", "a.ply", "--frobnicate")
+        self.fail_with(2, "unknown flag --frobnicate", "info", "a.ply", "--frobnicate")
+
+    def test_a_slip_of_the_keys_gets_a_suggestion(self):
+        self.fail_with(2, "unknown command \"reconstrcut\"; did you mean reconstruct?", "reconstrcut", "a.ply")
+        self.fail_with(2, "unknown flag --kernl; did you mean --kernel?", "fit", "a.csv", "--kernl", "cubic")
+        with open(self.path("slip.csv"), "w", encoding="utf-8") as file:
+            file.write("x,y,depth\n" + "".join(f"{i},{i * i % 7},{i % 5}\n" for i in range(20)))
+        fit = ["fit", self.path("slip.csv"), "-o", self.path("slip.csrbf")]
+        self.fail_with(2, "did you mean wendland-c2?", *fit, "--kernel", "wendlnd-c2")
+        self.fail_with(2, "csrbf fit: method = intrpolate: unknown; did you mean interpolate?", *fit, "--method", "intrpolate")
+        self.fail_with(2, "did you mean depth?", *fit, "--values", "dpeth")
+
+    def test_help_is_a_command_too(self):
+        self.assertEqual(self.succeed("help", "fit").stdout, self.succeed("fit", "--help").stdout)
+        self.assertEqual(self.succeed("help").stdout, self.succeed("--help").stdout)
+        self.assertEqual(self.succeed("-V").stdout, self.succeed("--version").stdout)
         self.fail_with(2, "--threads", "info", "a.ply", "--threads", "0")
         self.fail_with(2, "--progress", "info", "a.ply", "--progress", "sometimes")
         self.fail_with(2, "--resolution", "reconstruct", "a.ply", "-o", "b.ply", "--resolution", "many")
@@ -300,7 +315,9 @@ class Input(CommandLine):
         broken = self.write("broken.ply", ply(sphere(50))[:-100])
         self.fail_with(2, "broken.ply:", "reconstruct", broken, "-o", out)
         las = self.write("cloud.las", "LASF")
-        self.fail_with(2, "unknown extension \".las\"", "reconstruct", las, "-o", out)
+        self.fail_with(2, "cloud.las: the file is truncated", "reconstruct", las, "-o", out)
+        laz = self.write("cloud.laz", "LASF")
+        self.fail_with(2, "unknown extension \".laz\"; convert it to .las", "reconstruct", laz, "-o", out)
         model = self.write("model.csrbf", "not a model")
         self.fail_with(2, "model.csrbf: not a csrbf model", "polygonize", model, "-o", out)
         self.fail_with(2, "not a csrbf model", "render", model, "-o", self.path("a.png"))

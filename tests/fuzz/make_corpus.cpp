@@ -65,6 +65,17 @@ void write_geometry(const Corpus& corpus) {
     write_points(corpus.path(target), cloud);
   for (const char* target : {"mesh.ply", "mesh.obj", "mesh.off", "mesh.stl", "mesh.vtp"})
     write_mesh(corpus.path(target), mesh);
+  corpus.text("points.pcd", "ascii",
+              "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n"
+              "DATA ascii\n1 2 3 9\n4 5 6 7\n");
+  corpus.text("points.pcd", "compressed",
+              std::string("FIELDS x y z\nSIZE 1 1 1\nTYPE U U U\nPOINTS 2\nDATA binary_compressed\n") +
+                  std::string("\4\0\0\0\6\0\0\0\0\1\140\0", 12));
+  std::string las(227 + 2 * 28, '\1');  // version 1.1 of format 1
+  las.replace(0, 4, "LASF");
+  las.replace(96, 15, std::string("\343\0\0\0\0\0\0\0\1\34\0\2\0\0\0", 15));
+  corpus.text("points.las", "format1", las);
+
   Polylines lines{mesh.vertices, {}, mesh.properties};
   lines.edges.resize(2, 3);
   lines.edges << 0, 1, 2, 1, 2, 0;

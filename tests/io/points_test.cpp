@@ -230,10 +230,11 @@ TEST(ReadPoints, SaysWhyAFileCannotBeOpened) {
   std::filesystem::create_directory(folder.file("folder.ply"));
   EXPECT_EQ(io_error([&] { read_points(folder.file("folder.ply")); }),
             folder.file("folder.ply") + ": cannot read the file: Is a directory");
-  EXPECT_EQ(io_error([&] { read_points("cloud.las"); }),
-            "cloud.las: unknown extension \".las\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp");
+  EXPECT_EQ(io_error([&] { read_points("cloud.shp"); }),
+            "cloud.shp: unknown extension \".shp\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp .las "
+            ".pcd, also as .gz");
   EXPECT_EQ(io_error([&] { write_points("cloud", {}); }),
-            "cloud: unknown extension \"\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp");
+            "cloud: unknown extension \"\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp, also as .gz");
 }
 
 }  // namespace

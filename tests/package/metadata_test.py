@@ -25,6 +25,32 @@ def project_version():
     return re.search(r"project\([^)]*VERSION ([0-9.]+)", text("CMakeLists.txt"))[1]
 
 
+class Recipes(unittest.TestCase):
+    """Those for package managers, which cannot be run here."""
+
+    def test_they_have_the_version_of_the_project(self):
+        conda = text("packaging/conda-forge/recipe.yaml")
+        self.assertEqual(re.search(r'^  version: "([^"]*)"', conda, re.M)[1], project_version())
+        self.assertEqual(json.loads(text("packaging/vcpkg/vcpkg.json"))["version"], project_version())
+
+    def test_every_option_of_cmake_that_they_set_exists(self):
+        defined = set()
+        for path in [SOURCES / "CMakeLists.txt", *SOURCES.glob("*/CMakeLists.txt"), *SOURCES.glob("cmake/*.cmake")]:
+            defined |= set(re.findall(r"(?:option|set)\((CSRBF_\w+)", path.read_text(encoding="utf-8")))
+        for name in ("packaging/conda-forge/recipe.yaml", "packaging/vcpkg/portfile.cmake"):
+            used = set(re.findall(r"CSRBF_[A-Z_]+", text(name)))
+            self.assertTrue(used)
+            self.assertLessEqual(used, defined, name)
+
+    def test_yaml_is_valid(self):
+        try:
+            import yaml
+        except ImportError:
+            self.skipTest("needs PyYAML")
+        for path in [*SOURCES.glob("packaging/**/*.yaml"), *SOURCES.glob(".github/workflows/*.yml")]:
+            self.assertIsInstance(yaml.safe_load(path.read_text(encoding="utf-8")), dict, path)
+
+
 class Version(unittest.TestCase):
     def test_citation_has_the_version_of_the_project(self):
         self.assertEqual(re.search("^version: (.*)$", text("CITATION.cff"), re.M)[1], project_version())

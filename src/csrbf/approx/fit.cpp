@@ -25,7 +25,7 @@ constexpr double rounding = 1e-12;          // relative
 template <int Dim>
 void check(const FitOptions& options) {
   require(options.method == "auto" || find_fit_method(options.method) != nullptr, "fit", "method", options.method,
-          "unknown; use one of " + joined(fit_methods()));
+          "unknown; " + did_you_mean(options.method, fit_methods()) + "use one of " + joined(fit_methods()));
   require(options.centers >= 0, "fit", "centers", options.centers, "must be positive, or 0 to let the method decide");
   require(options.tolerance >= 0 && std::isfinite(options.tolerance), "fit", "tolerance", options.tolerance,
           "must be a positive error in the unit of the values, or 0 for none");

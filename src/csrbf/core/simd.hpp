@@ -1,8 +1,16 @@
 #pragma once
 
-#include "csrbf/core/sanitized.hpp"
-
 #include <cstdlib>  // defines __GLIBC__ where the C library is glibc
+
+/// CSRBF_SANITIZED is defined when compiling with a sanitizer of memory or threads.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#define CSRBF_SANITIZED
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define CSRBF_SANITIZED
+#endif
 
 /// CSRBF_SIMD_CLONES before a non-template function with long arithmetic loops compiles it three times, for plain
 /// x86-64, AVX2 + FMA and AVX-512, and lets the program loader choose. Templates called from it take part when they are

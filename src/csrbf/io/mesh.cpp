@@ -1,7 +1,7 @@
 #include "csrbf/io/mesh.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/geometry/formats.hpp"
 #include "csrbf/io/geometry/properties.hpp"
@@ -13,20 +13,22 @@
 namespace csrbf {
 namespace {
 
+Mesh refuse_glb(std::string_view /*bytes*/, const std::string& name) {
+  throw IoError(name + ": .glb is only written; export the mesh as .ply, .obj or .stl");
+}
+
 struct Format {
   std::string_view extension;
   Mesh (*parse)(std::string_view bytes, const std::string& name);
   std::string (*format)(const Mesh& mesh);
 };
 
-constexpr Format formats[] = {{".ply", parse_ply, format_ply},
-                              {".obj", parse_obj, format_obj},
-                              {".off", parse_off, format_off},
-                              {".stl", parse_stl, format_stl},
-                              {".vtp", parse_vtp, format_vtp}};
+constexpr Format formats[] = {{".ply", parse_ply, format_ply}, {".obj", parse_obj, format_obj},
+                              {".off", parse_off, format_off}, {".stl", parse_stl, format_stl},
+                              {".vtp", parse_vtp, format_vtp}, {".glb", refuse_glb, format_glb}};
 
 const Format* find_format(const std::string& path) {
-  const std::string extension = path == "-" ? ".off" : file_extension(path);
+  const std::string extension = path == "-" ? ".off" : content_extension(path);
   for (const Format& format : formats)
     if (format.extension == extension) return &format;
   return nullptr;
@@ -62,7 +64,7 @@ std::vector<std::string> precision_warnings(const std::string& path, const Point
 
 Mesh read_mesh(const std::string& path) {
   const Format& format = checked_format(path);
-  Mesh mesh = format.parse(read_file(path), display_name(path));
+  Mesh mesh = format.parse(read_content(path), display_name(path));
   if (mesh.triangles.cols() == 0)
     throw IoError(display_name(path) + ": the file holds " + std::to_string(mesh.vertices.cols()) +
                   " points but no faces");
@@ -71,7 +73,7 @@ Mesh read_mesh(const std::string& path) {
 
 Mesh read_mesh_or_points(const std::string& path) {
   if (const Format* format = find_format(path); format != nullptr && path != "-")
-    return format->parse(read_file(path), display_name(path));
+    return format->parse(read_content(path), display_name(path));
   PointCloud cloud = read_points(path);
   Mesh mesh;
   mesh.vertices = std::move(cloud.points);
@@ -83,7 +85,7 @@ Mesh read_mesh_or_points(const std::string& path) {
 std::vector<std::string> write_mesh(const std::string& path, const Mesh& mesh) {
   const Format& format = checked_format(path);
   check(mesh);
-  write_file(path, format.format(mesh));
+  write_content(path, format.format(mesh));
   return format.extension == ".stl" ? precision_warnings(path, mesh.vertices) : std::vector<std::string>();
 }
 

@@ -2,7 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
-#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/geometry/formats.hpp"
@@ -11,13 +11,15 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* extensions = ".ply .xyz .pts .txt .csv .obj .off .npy .vtp";
+const std::string extensions = ".ply .xyz .pts .txt .csv .obj .off .npy .vtp";
+const std::string only_read = " .las .pcd";
 
 // The format of a path: its extension, or .xyz for the standard streams.
-std::string checked_extension(const std::string& path) {
-  const std::string extension = path == "-" ? ".xyz" : file_extension(path);
-  if (!is_listed(extension, extensions))
-    refuse_extension(path, extension, std::string("point files are ") + extensions);
+std::string checked_extension(const std::string& path, const std::string& known) {
+  const std::string extension = path == "-" ? ".xyz" : content_extension(path);
+  if (extension == ".laz" || extension == ".e57")
+    refuse_extension(path, extension, "convert it to .las, as with CloudCompare or PDAL");
+  if (!is_listed(extension, known)) refuse_extension(path, extension, "point files are " + known + ", also as .gz");
   return extension;
 }
 
@@ -61,6 +63,8 @@ PointCloud parse_points_as(const std::string& extension, const std::string& byte
   if (extension == ".off") return points_of(parse_off(bytes, name));
   if (extension == ".npy") return points_of(parse_npy(bytes, name), name);
   if (extension == ".vtp") return points_of(parse_vtp(bytes, name));
+  if (extension == ".las") return parse_las(bytes, name);
+  if (extension == ".pcd") return parse_pcd(bytes, name);
   return parse_point_table(bytes, name);
 }
 
@@ -78,23 +82,23 @@ std::string format_points(const std::string& extension, const PointCloud& cloud)
 }  // namespace
 
 PointCloud read_points(const std::string& path) {
-  const std::string extension = checked_extension(path);
-  return parse_points_as(extension, read_file(path), display_name(path));
+  const std::string extension = checked_extension(path, extensions + only_read);
+  return parse_points_as(extension, read_content(path), display_name(path));
 }
 
 PointCloud parse_points(const std::string& bytes, const std::string& path) {
-  return parse_points_as(checked_extension(path), bytes, display_name(path));
+  return parse_points_as(checked_extension(path, extensions + only_read), bytes, display_name(path));
 }
 
 void write_points(const std::string& path, const PointCloud& cloud) {
-  const std::string extension = checked_extension(path);
+  const std::string extension = checked_extension(path, extensions);
   require(cloud.normals.cols() == 0 || cloud.has_normals(), "write_points", "normals", cloud.normals.cols(),
           "none or one per point is needed");
-  write_file(path, format_points(extension, cloud));
+  write_content(path, format_points(extension, cloud));
 }
 
 bool is_point_file(const std::string& path) {
-  return path == "-" || is_listed(file_extension(path), extensions);
+  return path == "-" || is_listed(content_extension(path), extensions);
 }
 
 }  // namespace csrbf

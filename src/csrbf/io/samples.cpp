@@ -2,7 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
-#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/table.hpp"
@@ -29,12 +29,12 @@ Table table_of(const NpyArray& array, const std::string& name) {
 }
 
 Table read_table(const std::string& path) {
-  const std::string extension = path == "-" ? ".csv" : file_extension(path);
+  const std::string extension = path == "-" ? ".csv" : content_extension(path);
   const char* const known = ".csv .txt .tsv .dat .xyz .npy";
   if (!is_listed(extension, known)) refuse_extension(path, extension, std::string("files of samples are ") + known);
   const std::string name = display_name(path);
-  if (extension == ".npy") return table_of(parse_npy(read_file(path), name), name);
-  return parse_table(read_file(path), name, TextCells::note);
+  if (extension == ".npy") return table_of(parse_npy(read_content(path), name), name);
+  return parse_table(read_content(path), name, TextCells::note);
 }
 
 class ColumnPicker {
@@ -95,7 +95,7 @@ class ColumnPicker {
       throw IoError(name_ + ": there is no column " + in_quotes(word) + "; the file has " + std::to_string(size()) +
                     " columns");
     else
-      throw IoError(name_ + ": no column is named " + in_quotes(word) + "; " +
+      throw IoError(name_ + ": no column is named " + in_quotes(word) + "; " + did_you_mean(word, table_.names) +
                     (table_.names.empty()
                          ? "the columns have no names, give numbers from 1 to " + std::to_string(size())
                          : "the columns are " + listed(table_.names)));
@@ -209,13 +209,13 @@ void write_table(const std::string& path, const ResultTable& table) {
               std::ssize(table.value_names) == table.values.cols(),
           "write_table", "names", table.coordinate_names.size() + table.value_names.size(),
           "one per coordinate and value is needed");
-  const std::string extension = path == "-" ? ".csv" : file_extension(path);
+  const std::string extension = path == "-" ? ".csv" : content_extension(path);
   if (extension == ".npy") {
     NpyArray array{{rows}, {}};
     if (table.values.cols() != 1) array.shape.push_back(table.values.cols());
     array.values.resize(table.values.size());
     Eigen::Map<Eigen::MatrixXd>(array.values.data(), table.values.cols(), rows) = table.values.transpose();
-    return write_file(path, format_npy(array));
+    return write_content(path, format_npy(array));
   }
   if (extension != ".csv" && extension != ".txt")
     refuse_extension(path, extension, "tables of results are .csv .txt .npy");
@@ -223,7 +223,8 @@ void write_table(const std::string& path, const ResultTable& table) {
   columns << table.coordinates, table.values.transpose();
   std::vector<std::string> names = table.coordinate_names;
   names.insert(names.end(), table.value_names.begin(), table.value_names.end());
-  write_file(path, extension == ".csv" ? format_table(names, columns, ',') : format_table(names, columns, ' ', "# "));
+  write_content(path,
+                extension == ".csv" ? format_table(names, columns, ',') : format_table(names, columns, ' ', "# "));
 }
 
 }  // namespace csrbf

@@ -71,13 +71,14 @@ const Entry& find(std::string_view name, int dimension) {
   require(dimension >= 1, "Kernel", "dimension", dimension, "must be at least 1; give the dimension of the points");
   for (const Entry& entry : entries) {
     if (entry.name != name) continue;
-    require(dimension <= entry.largest_dimension, "Kernel", "name", name,
-            "is positive definite only up to dimension " + std::to_string(entry.largest_dimension) + ", not in " +
-                std::to_string(dimension) + "; use one of " + joined(Kernel::names(dimension)));
+    if (dimension > entry.largest_dimension)
+      throw InvalidInput("kernel = " + std::string(name) + ": is positive definite only up to dimension " +
+                         std::to_string(entry.largest_dimension) + ", not in " + std::to_string(dimension) +
+                         "; use one of " + joined(Kernel::names(dimension)));
     return entry;
   }
-  throw InvalidInput("Kernel: name = " + std::string(name) + ": unknown; use one of " +
-                     joined(Kernel::names(dimension)));
+  throw InvalidInput("kernel = " + std::string(name) + ": unknown; " + did_you_mean(name, Kernel::names(dimension)) +
+                     "use one of " + joined(Kernel::names(dimension)));
 }
 
 bool is_integer(double x) {

@@ -3,8 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/shared_work.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "csrbf/core/small_matrices.hpp"
 
 #include <numeric>
 #include <utility>
@@ -41,14 +40,8 @@ bool principal_axes(const PointsRef<Dim>& columns, const Index* ids, Index n, Ei
   }
   const double scale = covariance.trace();
   if (!(scale > 0)) return false;
-  if constexpr (Dim <= 3) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Dim, Dim>> solver;
-    solver.computeDirect(covariance / scale);
-    axes = solver.eigenvectors();
-  } else {
-    using Bounded = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;  // one solver for 4 to 6 dimensions
-    axes = Eigen::SelfAdjointEigenSolver<Bounded>(covariance / scale).eigenvectors();
-  }
+  covariance /= scale;
+  axes = symmetric_eigen_direct(covariance).vectors;
   return true;
 }
 

@@ -1,11 +1,10 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
 #include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
 #include "csrbf/surface/normals/winding_consistency.hpp"
-
-#include <Eigen/Eigenvalues>
 
 namespace csrbf {
 namespace {
@@ -58,7 +57,7 @@ void check_spread(const Points<3>& points) {
           "a surface needs points in 3 dimensions, at least 3 of them");
   const Points<3> centered = points.colwise() - points.rowwise().mean();
   const Eigen::Matrix3d covariance = centered * centered.transpose();
-  const Eigen::Vector3d variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
+  const Eigen::Vector3d variance = symmetric_eigen(covariance).values;
   require(variance[1] > line * variance[2], where, "points", "all on one line",
           "a surface needs points that spread in at least two directions");
 }

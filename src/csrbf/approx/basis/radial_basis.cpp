@@ -2,9 +2,7 @@
 
 #include "csrbf/approx/sums/fast_sum.hpp"
 #include "csrbf/core/parallel.hpp"
-
-#include <Eigen/LU>
-#include <Eigen/SVD>
+#include "csrbf/core/small_matrices.hpp"
 
 #include <memory>
 #include <mutex>
@@ -17,11 +15,6 @@ constexpr const char* function = "RadialBasis";
 constexpr Index many_centers = 8000;  // beyond which fast sums are faster than direct ones; chosen by hand
 constexpr double accuracy = 1e-9;     // of fast sums
 constexpr double most_shifts = 1000;  // periodic images per query, each a search; chosen by hand
-
-template <int Dim>
-double smallest_stretch(const Eigen::Matrix<double, Dim, Dim>& transform) {
-  return Eigen::JacobiSVD<Eigen::Matrix<double, Dim, Dim>>(transform).singularValues()[Dim - 1];
-}
 
 }  // namespace
 
@@ -75,7 +68,7 @@ void RadialBasis<Dim>::check() const {
   const auto count = static_cast<Index>(metric_.transforms.size());
   require(count <= 1 || count == size(), function, "transforms", count, "there must be none, one, or one per centre");
   for (const Matrix& transform : metric_.transforms)
-    require(transform.allFinite() && smallest_stretch<Dim>(transform) > 0, function, "transforms",
+    require(transform.allFinite() && smallest_singular_value(transform) > 0, function, "transforms",
             "singular or not finite", "every transform must be invertible");
   require(metric_.periods.allFinite() && metric_.periods.minCoeff() >= 0, function, "periods",
           metric_.periods.transpose(), "must be 0 (not periodic) or the positive length of the period");
@@ -92,7 +85,7 @@ Eigen::VectorXd RadialBasis<Dim>::search_radii() const {
   Eigen::VectorXd radii(size());
   for (Index j = 0; j < size(); ++j) {
     radii[j] = margin * support(j);
-    if (own_transforms()) radii[j] /= smallest_stretch<Dim>(metric_.transforms[j]);
+    if (own_transforms()) radii[j] /= smallest_singular_value(metric_.transforms[j]);
   }
   return radii;
 }
@@ -102,7 +95,7 @@ void RadialBasis<Dim>::list_shifts() {
   shifts_ = {Point<Dim>::Zero()};
   if (metric_.periods.maxCoeff() == 0 || size() == 0) return;
   double reach = search_radii().maxCoeff();
-  if (common_transform()) reach /= smallest_stretch<Dim>(transform_);
+  if (common_transform()) reach /= smallest_singular_value(transform_);
   for (int a = 0; a < Dim; ++a) {
     if (metric_.periods[a] == 0) continue;
     const double repetitions = std::ceil(reach / metric_.periods[a]);

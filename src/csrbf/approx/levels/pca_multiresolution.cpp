@@ -3,8 +3,7 @@
 #include "csrbf/approx/levels/error_bounded.hpp"
 #include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "csrbf/core/small_matrices.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -82,8 +81,7 @@ class Clusters {
       const Point<Dim> x = (points_.col(*k) - c) / radius;
       moments += x * x.transpose();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Dim, Dim>> axes(moments);
-    const Point<Dim> normal = axes.eigenvectors().col(Dim - 1);
+    const Point<Dim> normal = symmetric_eigen(moments).vectors.col(Dim - 1);
     const auto height = [&](Index k) { return normal.dot(points_.col(k) - c); };
     auto middle = std::stable_partition(begin, end, [&](Index k) { return height(k) < 0; });
     if (middle == begin || middle == end) {

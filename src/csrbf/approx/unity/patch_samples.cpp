@@ -1,7 +1,6 @@
 #include "csrbf/approx/unity/patch_samples.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "csrbf/core/small_matrices.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,9 +51,8 @@ bool narrower(double share, const Points<Dim>& points, const std::vector<std::pa
   }
   Eigen::Matrix<double, Dim, Dim> covariance = Eigen::Matrix<double, Dim, Dim>::Zero();
   for (const auto& [d2, id] : chosen) covariance += (points.col(id) - mean) * (points.col(id) - mean).transpose() / n;
-  // LL^T of covariance - threshold fails when an eigenvalue is below the threshold.
   covariance.diagonal().array() -= share * reach2 / (Dim + 2);
-  return covariance.llt().info() != Eigen::Success;
+  return !positive_definite(covariance);
 }
 
 // See find_patch_samples.
@@ -67,10 +65,11 @@ Eigen::Matrix<double, Dim, Dim> metric_of(const Points<Dim>& points, const Point
   Matrix covariance = Matrix::Zero();
   for (const auto& [d2, id] : nearest)
     covariance += (points.col(id) - center) * (points.col(id) - center).transpose() / reach2;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(covariance);
-  const Point<Dim> variances = eigen.eigenvalues().cwiseMax(least_variance * eigen.eigenvalues()[Dim - 1]);
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  const Matrix axes = eigen.vectors;
+  const Point<Dim> variances = eigen.values.cwiseMax(least_variance * eigen.values[Dim - 1]);
   const Point<Dim> scales = variances.array().pow(-0.5 * anisotropy);
-  return eigen.eigenvectors() * scales.asDiagonal() * eigen.eigenvectors().transpose();
+  return axes * scales.asDiagonal() * axes.transpose();
 }
 
 }  // namespace

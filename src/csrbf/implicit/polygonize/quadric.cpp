@@ -1,7 +1,6 @@
 #include "csrbf/implicit/polygonize/quadric.hpp"
 
-#include <Eigen/Eigenvalues>
-
+#include "csrbf/core/small_matrices.hpp"
 namespace csrbf::polygonization {
 namespace {
 
@@ -39,15 +38,16 @@ double Quadric::distance(const Point<3>& x) const {
 
 Point<3> Quadric::minimizer(const Box<3>& box) const {
   const Point<3> center = mean();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(A_);
-  const Point<3> inverse = (eigen.eigenvalues().array() > smallest_eigenvalue * eigen.eigenvalues()[2])
-                               .select(eigen.eigenvalues().cwiseInverse(), 0.0);
-  const Point<3> slope = eigen.eigenvectors().transpose() * (b_ - A_ * center);
-  Point<3> x = center + eigen.eigenvectors() * inverse.cwiseProduct(slope);
+  const SymmetricEigen eigen = symmetric_eigen(A_);
+  const Point<3> values = eigen.values;
+  const Eigen::Matrix3d axes = eigen.vectors;
+  const Point<3> inverse = (values.array() > smallest_eigenvalue * values[2]).select(values.cwiseInverse(), 0.0);
+  const Point<3> slope = axes.transpose() * (b_ - A_ * center);
+  Point<3> x = center + axes * inverse.cwiseProduct(slope);
   if (box.contains(x)) return x;
 
   // Projected coordinate descent, which converges: the mean makes the sum strictly convex.
-  const double weight = pull_to_mean * eigen.eigenvalues()[2];
+  const double weight = pull_to_mean * values[2];
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (int axis = 0; axis < 3; ++axis) {
       const double slope_there = A_.row(axis).dot(x) - b_[axis] + weight * (x[axis] - center[axis]);

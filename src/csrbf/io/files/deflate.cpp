@@ -45,18 +45,20 @@ class Inflater {
     bool cut = false;  // the end of the stream is missing
   };
 
-  // Fills `out` as far as the stream goes. The trailer of a stream, with its checksum, is read even when `out` is full.
-  Result run(std::string_view compressed, std::string& out) {
+  // Fills `out` as far as the stream goes; it grows if it may. The trailer of a stream, with its checksum, is read even
+  // when `out` is full.
+  Result run(std::string_view compressed, std::string& out, bool grows = false) {
     std::size_t used = 0;
     while (true) {
       stop_if_interrupted();
+      if (grows && used == out.size()) out.resize(2 * out.size());
       give_input(stream_, compressed);
       give_output(stream_, out, used);
       const uInt room = stream_.avail_out;
       const int status = inflate(&stream_, Z_NO_FLUSH);
       used += room - stream_.avail_out;
       if (status == Z_STREAM_END) {
-        if (used == out.size() || (stream_.avail_in == 0 && compressed.empty())) return {used, false};
+        if ((used == out.size() && !grows) || (stream_.avail_in == 0 && compressed.empty())) return {used, false};
         inflateReset(&stream_);  // another member of the file follows
       } else if (status == Z_BUF_ERROR) {
         return {used, stream_.avail_in == 0 && compressed.empty()};  // nothing left to read, or more than fits
@@ -73,6 +75,15 @@ class Inflater {
 };
 
 }  // namespace
+
+std::string inflate_all(std::string_view compressed, const std::string& name) {
+  constexpr std::size_t usual_ratio = 4, least = 4096;  // a first guess of the size, which grows
+  std::string out(std::max(least, usual_ratio * compressed.size()), '\0');
+  const Inflater::Result result = Inflater(name).run(compressed, out, true);
+  if (result.cut) throw IoError(name + ": the file is truncated: the end of its compressed data is missing");
+  out.resize(result.size);
+  return out;
+}
 
 std::string inflate_head(std::string_view compressed, std::size_t size, const std::string& name) {
   std::string out(size, '\0');

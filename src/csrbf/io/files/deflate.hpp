@@ -10,6 +10,9 @@ namespace csrbf {
 /// `name` for damaged data and for streams that end earlier.
 std::string inflate_bytes(std::string_view compressed, std::size_t size, const std::string& name);
 
+/// The whole content of such a file. Throws IoError with `name` for damaged and truncated data.
+std::string inflate_all(std::string_view compressed, const std::string& name);
+
 /// At most `size` bytes from the beginning of the stream, to inspect a header. Throws IoError for damaged data.
 std::string inflate_head(std::string_view compressed, std::size_t size, const std::string& name);
 

@@ -57,6 +57,19 @@ PointCloud parse_point_table(std::string_view text, const std::string& name);
 /// Points as text; .xyz and .pts keep coordinates and normals only.
 std::string format_point_table(const PointCloud& cloud, TableStyle style);
 
+/// Reads a LAS file, versions 1.0 to 1.4, all point formats: coordinates with all their digits, and the properties
+/// intensity, return_number, number_of_returns, classification, point_source_id, gps_time and red green blue where the
+/// format has them. Points marked as withheld are left out. Throws IoError, for compressed files (LAZ) too.
+PointCloud parse_las(std::string_view bytes, const std::string& name);
+
+/// Reads a PCD file of PCL: text, binary or compressed; normals (normal_x ...), colours (rgb or rgba) and every other
+/// field of one number. The viewpoint is not applied. Throws IoError.
+PointCloud parse_pcd(std::string_view bytes, const std::string& name);
+
+/// The bytes of a binary glTF 2.0 file: vertices, normals, colours and triangles, or points when there are none. Where
+/// float32 would lose digits of the coordinates, they are relative to the middle, to which the node moves them.
+std::string format_glb(const Mesh& mesh);
+
 /// Reads a binary or text STL file. Corners with identical coordinates are merged into one vertex; vertices are
 /// numbered in the order of their first use. Throws IoError.
 Mesh parse_stl(std::string_view bytes, const std::string& name);

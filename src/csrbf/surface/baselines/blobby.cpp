@@ -1,8 +1,8 @@
 #include "csrbf/approx/basis/expansion.hpp"
+#include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/baselines/baselines.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <unsupported/Eigen/LevenbergMarquardt>
 
 #include <numbers>
@@ -166,9 +166,9 @@ class BlobFitter {
     const std::vector<Index> own = worst_samples();
     Points<3> around = samples_.points(Eigen::all, own);
     around.colwise() -= Point<3>(around.rowwise().mean());
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(around * around.transpose() /
-                                                              static_cast<double>(own.size()));
-    const Point<3> step = split_offset * std::sqrt(std::max(0.0, axes.eigenvalues()[2])) * axes.eigenvectors().col(2);
+    const Eigen::Matrix3d covariance = around * around.transpose() / static_cast<double>(own.size());
+    const SymmetricEigen axes = symmetric_eigen(covariance);
+    const Point<3> step = split_offset * std::sqrt(std::max(0.0, axes.values[2])) * axes.vectors.col(2);
     const Index worst = owner(own.front());
     Blob half = blobs_[worst];
     half.b /= 2;

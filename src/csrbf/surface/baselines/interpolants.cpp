@@ -2,11 +2,10 @@
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
+#include "csrbf/core/small_matrices.hpp"
 #include "csrbf/linalg/ridge.hpp"
 #include "csrbf/surface/baselines/baselines.hpp"
 #include "csrbf/surface/baselines/off_surface.hpp"
-
-#include <Eigen/Eigenvalues>
 
 namespace csrbf::baselines {
 namespace {
@@ -38,10 +37,12 @@ InterpolateOptions triharmonic(const MethodOptions& options) {
 // lie on a plane, and a needle along an edge.
 Eigen::Matrix3d stretch(const Points<3>& around) {
   const Points<3> centered = around.colwise() - around.rowwise().mean();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(centered * centered.transpose());
+  const Eigen::Matrix3d moments = centered * centered.transpose();
+  const SymmetricEigen eigen = symmetric_eigen(moments);
+  const Eigen::Matrix3d axes = eigen.vectors;
   const Eigen::Vector3d widths =
-      (axes.eigenvalues().cwiseMax(0).cwiseSqrt() / std::sqrt(axes.eigenvalues()[2])).cwiseMax(least_stretch);
-  return axes.eigenvectors() * widths.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose();
+      (eigen.values.cwiseMax(0).cwiseSqrt() / std::sqrt(eigen.values[2])).cwiseMax(least_stretch);
+  return axes * widths.cwiseInverse().asDiagonal() * axes.transpose();
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 #include "csrbf/surface/contours/slices.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/small_matrices.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <numeric>
@@ -74,8 +74,9 @@ Plane fit_plane(const Points<3>& loop, Index number) {
   Plane plane{loop.rowwise().mean(), {}, {}};
   const Points<3> centered = loop.colwise() - plane.center;
   plane.size = centered.colwise().norm().maxCoeff();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(centered * centered.transpose());
-  plane.normal = axes.eigenvectors().col(0);
+  const Eigen::Matrix3d moments = centered * centered.transpose();
+  const Eigen::Matrix3d axes = symmetric_eigen(moments).vectors;
+  plane.normal = axes.col(0);
   // The signs of the axes depend on the contour alone, so that results turn with it.
   Point<3> area = Point<3>::Zero();
   for (Index i = 0; i < loop.cols(); ++i) {
@@ -87,7 +88,7 @@ Plane fit_plane(const Points<3>& loop, Index number) {
   while (centered.col(first).norm() < 0.5 * plane.size) ++first;
   plane.aside = loop.col(first);
   plane.deviation = (plane.normal.transpose() * centered).cwiseAbs().maxCoeff();
-  const double width = (axes.eigenvectors().col(1).transpose() * centered).cwiseAbs().maxCoeff();
+  const double width = (axes.col(1).transpose() * centered).cwiseAbs().maxCoeff();
   require(width > least_width * plane.size, function, "contour", number + 1,
           "its points are collinear; a contour must enclose an area");
   require(plane.deviation <= flatness * plane.size, function, "contour", number + 1,

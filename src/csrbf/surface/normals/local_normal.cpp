@@ -1,7 +1,8 @@
 #include "csrbf/surface/normals/local_normal.hpp"
 
+#include "csrbf/core/small_matrices.hpp"
+
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 namespace csrbf {
 namespace {
@@ -38,11 +39,11 @@ LocalFrame local_frame(const Points<3>& points, std::span<const Index> ids, std:
   mean /= total;
   covariance = covariance / total - mean * mean.transpose();
   const double scale = covariance.trace() > 0 ? 1 / covariance.trace() : 1;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(covariance * scale);
-  if (!(solver.eigenvalues()[1] > roots_apart * solver.eigenvalues()[2])) solver.compute(covariance * scale);
-  frame.axes = solver.eigenvectors();
-  frame.eigenvalues = solver.eigenvalues() / scale;
+  covariance *= scale;
+  SymmetricEigen eigen = symmetric_eigen_direct(covariance);
+  if (!(eigen.values[1] > roots_apart * eigen.values[2])) eigen = symmetric_eigen(covariance);
+  frame.axes = eigen.vectors;
+  frame.eigenvalues = eigen.values / scale;
   return frame;
 }
 

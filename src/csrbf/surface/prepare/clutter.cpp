@@ -2,8 +2,7 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "csrbf/core/small_matrices.hpp"
 
 #include <numbers>
 #include <numeric>
@@ -69,10 +68,8 @@ double variation(const Points<3>& points) {
       Points<3> around = points(Eigen::all, std::span(ids).first(static_cast<std::size_t>(found)));
       around.colwise() -= around.rowwise().mean().eval();
       const Eigen::Matrix3d covariance = around * around.transpose();
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-      solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
-      share[i] =
-          std::max(0.0, solver.eigenvalues()[0]) / std::max(covariance.trace(), std::numeric_limits<double>::min());
+      const double least = symmetric_eigen_direct(covariance).values[0];
+      share[i] = std::max(0.0, least) / std::max(covariance.trace(), std::numeric_limits<double>::min());
     }
   });
   return std::accumulate(share.begin(), share.end(), 0.0) / static_cast<double>(share.size());
@@ -114,8 +111,7 @@ class Plane {
       mean = q * weight / weight.sum();
       const Points<3> d = q.colwise() - mean;
       const Eigen::Matrix3d covariance = d * weight.asDiagonal() * d.transpose();
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-      normal = solver.eigenvectors().col(0);
+      normal = symmetric_eigen(covariance).vectors.col(0);
       const Eigen::VectorXd height = (normal.transpose() * d).transpose().cwiseAbs();
       deviation = median(std::vector<double>(height.begin(), height.end())) / median_of_normal;
       const double scale = std::max(2 * deviation, std::numeric_limits<double>::min());

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/disjoint_sets.hpp"
 #include "csrbf/core/percentile.hpp"
+#include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/coincident_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/estimate_normals.hpp"
@@ -10,8 +11,6 @@
 #include "csrbf/surface/normals/neighbor_table.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
 #include "csrbf/surface/prepare/clutter.hpp"
-
-#include <Eigen/Eigenvalues>
 
 #include <map>
 #include <utility>
@@ -58,7 +57,7 @@ void require_spread(const Points<3>& y) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (Index i = 0; i < y.cols(); ++i) covariance += (y.col(i) - mean) * (y.col(i) - mean).transpose();
   covariance /= static_cast<double>(y.cols());
-  const Eigen::Vector3d spread = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
+  const Eigen::Vector3d spread = symmetric_eigen(covariance).values;
   if (!(spread[1] > 1e-14 * spread[2]))
     throw InvalidInput(
         "reconstruct: points: all lie on one line; a surface needs points that spread in at least two directions");

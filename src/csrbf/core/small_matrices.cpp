@@ -1,0 +1,45 @@
+#include "csrbf/core/small_matrices.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+
+namespace csrbf {
+namespace {
+
+template <class Matrix>
+SymmetricEigen by_iteration(const Matrix& A) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(A);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+template <class Matrix>
+SymmetricEigen in_closed_form(const Matrix& A) {
+  Eigen::SelfAdjointEigenSolver<Matrix> eigen;
+  eigen.computeDirect(A);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+}  // namespace
+
+SymmetricEigen symmetric_eigen(const Eigen::Ref<const SmallMatrix>& A) {
+  if (A.rows() == 2) return by_iteration<Eigen::Matrix2d>(A);
+  if (A.rows() == 3) return by_iteration<Eigen::Matrix3d>(A);
+  return by_iteration<SmallMatrix>(A);
+}
+
+SymmetricEigen symmetric_eigen_direct(const Eigen::Ref<const SmallMatrix>& A) {
+  if (A.rows() == 2) return in_closed_form<Eigen::Matrix2d>(A);
+  if (A.rows() == 3) return in_closed_form<Eigen::Matrix3d>(A);
+  return by_iteration<SmallMatrix>(A);
+}
+
+bool positive_definite(const Eigen::Ref<const SmallMatrix>& A) {
+  return Eigen::LLT<SmallMatrix>(A).info() == Eigen::Success;
+}
+
+double smallest_singular_value(const Eigen::Ref<const SmallMatrix>& A) {
+  return Eigen::JacobiSVD<SmallMatrix>(A).singularValues().tail<1>()[0];
+}
+
+}  // namespace csrbf

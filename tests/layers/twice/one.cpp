@@ -1,0 +1,5 @@
+namespace {
+
+constexpr int limit = 1;
+
+}  // namespace

@@ -1,0 +1,7 @@
+namespace {
+
+int limit() {
+  return 2;
+}
+
+}  // namespace

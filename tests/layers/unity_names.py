@@ -1,0 +1,55 @@
+"""Fails when two files that are compiled together (cmake/unity_build.cmake) give the same name to something in their
+anonymous namespaces. Names are found by their form in formatted code, so overloads count as the same name.
+
+usage: unity_names.py compiled_together.txt
+"""
+
+import collections
+import re
+import sys
+
+DECLARATIONS = [
+    re.compile(r"(?:class|struct|enum class|enum|union)\s+(\w+)"),
+    re.compile(r"using\s+(\w+)\s*="),
+    re.compile(r"(?:static |inline )?(?:thread_local |constinit )?(?:const|constexpr)\s[^(=]*?(\w+)(?:\[[^\]]*\])?\s*[={<]"),
+    re.compile(r"[\w:<>,&*\s\[\]]*?[\s&*](\w+)\("),
+]
+
+
+def anonymous_names(lines):
+    """The names that start a line between `namespace {` and its end."""
+    inside = False
+    for line in lines:
+        if line == "namespace {":
+            inside = True
+        elif line == "}  // namespace":
+            inside = False
+        elif inside and re.match(r"[A-Za-z]", line) and not line.startswith(("template", "namespace")):
+            match = next(filter(None, (form.match(line) for form in DECLARATIONS)), None)
+            if match:
+                yield match[1]
+                yield from re.findall(r",\s*(\w+)\s*=", line) if line.startswith("const") else ()
+
+
+def names_of(path):
+    with open(path, encoding="utf-8") as file:
+        return set(anonymous_names(file.read().splitlines()))
+
+
+def main(groups_file):
+    owners = collections.defaultdict(lambda: collections.defaultdict(list))
+    with open(groups_file, encoding="utf-8") as lines:
+        for group, path in (line.split(maxsplit=1) for line in lines.read().splitlines()):
+            for name in names_of(path):
+                owners[group][name].append(path)
+    twice = [f"{name}: {', '.join(paths)}" for names in owners.values() for name, paths in names.items() if len(paths) > 1]
+    for line in sorted(twice):
+        print(f"the same name in files that are compiled together: {line}")
+    if twice:
+        sys.exit("rename one of them, or list a file after ALONE in the call of csrbf_compile_together")
+    if not owners:
+        sys.exit(f"{groups_file}: no files")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
