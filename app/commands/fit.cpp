@@ -36,6 +36,7 @@ void run(const FitCommand& command, Session& session) {
     return read_samples(command.input, {command.coordinates, command.values, command.weights});
   });
   options.periods = parse_periods(command.periods, samples);
+  options.missing = command.missing;
   report_input(command.input, samples, session);
 
   NamedFunction model{fit_function(samples.coordinates, samples.values, samples.weights, options),
@@ -45,6 +46,7 @@ void run(const FitCommand& command, Session& session) {
                      {"coordinates", model.coordinate_names},
                      {"values", model.value_names},
                      {"weights", or_null(command.weights)},
+                     {"missing", or_null(command.missing)},
                      {"periods", or_null(!options.periods.empty(), options.periods)}};
   session.result = {{"dimension", model.function.dimension()}, {"components", model.function.components()}};
   add_fit_report(command.fit, report, session);

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 namespace csrbf {
 
@@ -35,6 +36,9 @@ class FittedField : public Field<Dim> {
   [[nodiscard]] const Frame& frame() const { return frame_; }
 
  private:
+  void continue_linearly(const PointsRef<Dim>& x, const Points<Dim>& y,
+                         const std::vector<std::array<bool, Dim>>& outside, const JetBlock& out) const;
+
   // Coordinates of the inner field; `outside[a]` says whether coordinate a was moved to the box.
   Point<Dim> map(const Point<Dim>& x, std::array<bool, Dim>& outside) const;
 

@@ -80,7 +80,7 @@ Archive to_archive(const typename FittedField<Dim>::Frame& frame) {
   archive.set("scales", frame.scales);
   archive.set("periods", frame.periods);
   set_box(archive, frame.box);
-  archive.set("extrapolation", frame.extrapolation == Extrapolation::nan ? "nan" : "constant");
+  archive.set("extrapolation", name_of(frame.extrapolation));
   return archive;
 }
 
@@ -90,9 +90,7 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
   frame.scales = archive.numbers("scales", Dim, 1);
   frame.periods = archive.numbers("periods", Dim, 1);
   frame.box = box_of<Dim>(archive);
-  const std::string& beyond = archive.text("extrapolation");
-  if (beyond != "nan" && beyond != "constant") archive.fail("unknown extrapolation \"" + beyond + "\"");
-  frame.extrapolation = beyond == "nan" ? Extrapolation::nan : Extrapolation::constant;
+  frame.extrapolation = extrapolation_of(archive.text("extrapolation"));
   if (!(frame.scales.minCoeff() > 0) || !(frame.periods.minCoeff() >= 0) || frame.box.empty() ||
       !frame.box.extent().allFinite())
     archive.fail("the frame is damaged");
