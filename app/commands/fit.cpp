@@ -53,6 +53,7 @@ void run(const FitCommand& command, Session& session) {
   session.say(command.output + ": function of " + counted(model.function.dimension(), "variable") + " from " +
               counted(report.samples, "sample") +
               (report.merged_duplicates > 0 ? ", " + counted(report.merged_duplicates, "duplicate") + " merged" : ""));
+  session.result["missing"] = report.missing;
   say_fit(report, session);
   session.add_to_page([&](Page& page) { show(model, samples, page); });
   session.write([&] { write_model(command.output, model); });

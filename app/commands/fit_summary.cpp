@@ -45,7 +45,6 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
   session.result.update({{"samples", r.samples},
                          {"samples_fitted", r.samples_fitted},
                          {"merged_duplicates", r.merged_duplicates},
-                         {"missing", r.missing},
                          {"gross_errors", rows_of(r.gross_errors)},
                          {"method", r.method},
                          {"kernel", or_null(r.kernel)},

@@ -96,7 +96,7 @@ def fit(
     >>> bool(abs(f([0.2, 0.5]) - np.cos(0.6) * 0.5) < 0.05)
     True
     >>> f.report["method"], round(f.report["cross_validation_rmse"], 2)
-    ('partition-of-unity', 0.05)
+    ('interpolate', 0.05)
     """
     points = rows(points, "points")
     values = floats(values, "values")

@@ -25,6 +25,7 @@ constexpr double different_units = 10;      // ratio of the extents of axes that
 constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
 constexpr Index checked_samples = 100'000;  // for the error at the samples
 constexpr double rounding = 1e-12;          // relative
+constexpr double much_better = 2;           // errors of one system over those of patches, which have no covariance
 constexpr Index one_system = 2500;          // samples that one system is tried for; chosen by hand
 
 template <int Dim>
@@ -103,9 +104,9 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
 template <int Dim>
 std::optional<AxisCovariance<Dim>> learn(const Samples<Dim>& samples, const Replicates& replicates,
                                          const FitOptions& options, FitMethod method) {
-  const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter);
+  const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing;
   const bool compare = method == FitMethod::partition_of_unity && options.method == "auto" && !options.degree &&
-                       !options.smoothing && samples.size() <= one_system;
+                       samples.size() <= one_system;
   if (!is_free || !(compare || method == FitMethod::interpolate)) return std::nullopt;
   if (samples.size() > InterpolateOptions{}.dense_limit) return std::nullopt;
   const Samples<Dim> used = without_zero_weights(samples);
@@ -115,7 +116,7 @@ std::optional<AxisCovariance<Dim>> learn(const Samples<Dim>& samples, const Repl
   const Point<Dim> scales = choose_scales(used, options, method);
   scaled.points.array().colwise() /= scales.array();
   const double of_patches = choose_local_options(scaled, partition_options(options)).error;
-  return left_out_error(used, *covariance) < of_patches ? std::move(covariance) : std::nullopt;
+  return left_out_error(used, *covariance) < much_better * of_patches ? std::move(covariance) : std::nullopt;
 }
 
 // The samples to fit, when they are not all of those given as they are.
@@ -145,7 +146,8 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   require_within_limits(*samples, "fit");
   const FitMethodInfo* method = find_fit_method(options.method);
   const bool has_bound = options.tolerance > 0 || (method != nullptr && method->keeps_duplicates);
-  if (options.loss == "auto" && has_bound) return selected;  // that holds at every sample
+  const bool interpolates = options.smoothing && *options.smoothing == 0;
+  if (options.loss == "auto" && (has_bound || interpolates)) return selected;  // all samples are to be met
   RobustWeights robust = robust_weights(*samples, options.loss);
   if (robust.factors.size() == 0) return selected;
   if (!selected.samples) selected.samples = given;

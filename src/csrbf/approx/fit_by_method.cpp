@@ -248,7 +248,7 @@ class Fitter {
       options.kernel = learned_->kernel.name();
       options.parameter = learned_->kernel.parameter();
       options.support = learned_->support;
-      if (!options_.smoothing) options.smoothing = learned_->nugget;
+      options.smoothing = learned_->nugget;
       if (!options_.degree) options.degree = learned_->degree;
     }
     Interpolation<Dim> best = learned_ != nullptr ? shortened(options) : interpolate(samples_, options);

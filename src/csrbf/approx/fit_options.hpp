@@ -46,7 +46,8 @@ struct FitOptions {
   std::vector<double> periods = {};
   Extrapolation extrapolation = Extrapolation::constant;
   /// auto: samples far from what those around them say (gross errors) are left out and reported; squares: none is;
-  /// huber, student: all samples have less weight the farther they are (Huber 1964; Lange et al. 1989).
+  /// huber, student: all samples have less weight the farther they are (Huber 1964; Lange et al. 1989). auto keeps all
+  /// where a tolerance, or smoothing 0, asks for them.
   std::string loss = "auto";
   /// Samples with this value, such as -9999, have none and are left out.
   std::optional<double> missing = {};

@@ -13,6 +13,8 @@ namespace {
 
 // Chosen by hand.
 constexpr double gross = 8;               // deviations of a gross error
+constexpr double few_errors = 0.01;       // share below which they may be the tail of the distribution
+constexpr double gross_alone = 30;        // deviations of one of so few
 constexpr double most_errors = 0.2;       // share of the samples
 constexpr Index all_at_once = 2000;       // samples that are all looked at
 constexpr Index blocks = 8, block = 256;  // of neighbours, beyond
@@ -52,9 +54,10 @@ RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& los
   const Eigen::ArrayXd deviation = local_deviations(samples, all);
   RobustWeights result;
   if (loss == "auto") {
-    const auto errors = static_cast<double>((deviation > gross).count());
-    if (errors == 0 || errors > most_errors * static_cast<double>(n)) return {};
-    result.factors = (deviation <= gross).template cast<double>();
+    const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
+    const double limit = share(gross) < few_errors ? gross_alone : gross;
+    if (share(limit) == 0 || share(limit) > most_errors) return {};
+    result.factors = (deviation <= limit).template cast<double>();
   } else if (loss == "huber") {
     result.factors = huber / deviation.max(huber);
   } else {
