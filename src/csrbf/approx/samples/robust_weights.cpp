@@ -14,7 +14,7 @@ namespace {
 // Chosen by hand.
 constexpr double gross = 8;               // deviations of a gross error
 constexpr double few_errors = 0.01;       // share below which they may be the tail of the distribution
-constexpr double gross_alone = 30;        // deviations of one of so few
+constexpr double gross_alone = 100;       // deviations of one of so few
 constexpr double most_errors = 0.2;       // share of the samples
 constexpr Index all_at_once = 2000;       // samples that are all looked at
 constexpr Index blocks = 8, block = 256;  // of neighbours, beyond
