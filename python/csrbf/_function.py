@@ -170,7 +170,7 @@ class Function:
 
         Those of a sample include the error of the function and the noise of the values. With the method "interpolate"
         they are 0 (or that of the noise) at the samples and grow with the distance to them; with "partition-of-unity"
-        they are local cross-validation errors, NaN outside the box of the samples, and grow in gaps.
+        they are local cross-validation errors, and grow in gaps and outside the box of the samples.
 
         Parameters
         ----------

@@ -303,6 +303,20 @@ TEST(Fit, IsConstantOrUndefinedBeyondItsSamples) {
   }
 }
 
+TEST(Fit, KnowsLessTheFartherFromItsSamples) {
+  for (const Index n : {300, 4000}) {
+    const Fit<2> result = fit<2>(sample<2>(random_points<2>(n, 1), franke));
+    double before = (*result.variances[0])(Point<2>(.9, .5));
+    for (const double x : {1.05, 1.2, 1.4}) {
+      const double variance = (*result.variances[0])(Point<2>(x, .5));
+      EXPECT_GT(variance, before) << n << " " << x;
+      before = variance;
+    }
+    EXPECT_GE(before, 1e-3);
+    EXPECT_LE((*result.variances[0])(Point<2>(3, 3)), 10) << n;
+  }
+}
+
 TEST(Fit, CanBeCancelledLate) {
   const Samples<2> data = sample<2>(random_points<2>(3000, 1), franke);
   Index calls = 0;

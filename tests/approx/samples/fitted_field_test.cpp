@@ -74,6 +74,15 @@ TEST(FittedField, ContinuesLinearlyOrAsItIs) {
   EXPECT_DOUBLE_EQ(trend(Point<2>(1, 20)), linear(Point<2>(1, 20)));
 }
 
+TEST(FittedField, GrowsOutsideTheBox) {
+  const FittedField<2> f = field({.scales = Point<2>(2, 10), .box = box, .growth = {.5, 2, 4}});
+  const FittedField<2> constant = field({.scales = Point<2>(2, 10), .box = box});
+  EXPECT_EQ(f(Point<2>(1, 20)), constant(Point<2>(1, 20)));
+  EXPECT_DOUBLE_EQ(f(Point<2>(5, 20)), constant(Point<2>(5, 20)) + .5);
+  EXPECT_DOUBLE_EQ(f(Point<2>(5, 40)), constant(Point<2>(5, 40)) + 1);
+  EXPECT_DOUBLE_EQ(f(Point<2>(50, 40)), constant(Point<2>(50, 40)) + 4);
+}
+
 TEST(FittedField, HasTrueDerivativesInsideAndOutsideTheBox) {
   const FittedField<2> f = field({.scales = Point<2>(2, 10), .box = box});
   Points<2> x = (random_points<2>(50, 1).array() * 60 - 15).matrix();

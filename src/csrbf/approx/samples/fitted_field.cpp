@@ -71,6 +71,11 @@ void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& o
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     const bool undefined = !x.col(i).allFinite() || (any && frame_.extrapolation == Extrapolation::nan);
     if (undefined) out.value[i] = nan;
+    if (any && frame_.growth.amount > 0) {
+      const double distance = (x.col(i).cwiseQuotient(frame_.scales) - y.col(i)).norm();
+      out.value[i] +=
+          std::min(frame_.growth.amount * std::pow(distance, frame_.growth.exponent), frame_.growth.largest);
+    }
     // A coordinate that was moved to the box has no influence.
     const auto factor = [&](int a) { return moved[a] ? 0.0 : 1 / frame_.scales[a]; };
     if (out.gradient != nullptr)
@@ -117,7 +122,7 @@ void FittedField<Dim>::continue_linearly(const PointsRef<Dim>& x, const Points<D
 template <int Dim>
 Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const {
   const bool by_axis = frame_.extrapolation == Extrapolation::constant || frame_.extrapolation == Extrapolation::trend;
-  if (!by_axis) return Field<Dim>::evaluate_grid(axes);
+  if (!by_axis || frame_.growth.amount > 0) return Field<Dim>::evaluate_grid(axes);
   GridAxes<Dim> mapped = axes;
   for (std::size_t a = 0; a < Dim; ++a)
     for (double& coordinate : mapped[a]) {
@@ -130,7 +135,8 @@ Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const
 
 template <int Dim>
 std::optional<Enclosure> FittedField<Dim>::enclose(const Box<Dim>& box) const {
-  if (!frame_.periods.isZero() || frame_.extrapolation != Extrapolation::constant) return std::nullopt;
+  if (!frame_.periods.isZero() || frame_.extrapolation != Extrapolation::constant || frame_.growth.amount > 0)
+    return std::nullopt;
   const auto mapped = [&](const Point<Dim>& x) -> Point<Dim> {
     return x.cwiseMax(frame_.box.lo).cwiseMin(frame_.box.hi).cwiseQuotient(frame_.scales);
   };

@@ -14,11 +14,16 @@ namespace csrbf {
 template <int Dim>
 class FittedField : public Field<Dim> {
  public:
+  /// min(amount distance^exponent, largest): of variances.
+  struct Growth {
+    double amount = 0, exponent = 1, largest = 0;
+  };
   struct Frame {
     Point<Dim> scales = Point<Dim>::Ones();
     Point<Dim> periods = Point<Dim>::Zero();  ///< 0 for axes that are not periodic; the first period starts at box.lo
     Box<Dim> box;                             ///< of the samples, in the coordinates of the user
     Extrapolation extrapolation = Extrapolation::constant;
+    Growth growth = {};  ///< added outside the box, at the distance from it in the coordinates of the inner field
   };
 
   FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame);
