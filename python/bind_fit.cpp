@@ -80,13 +80,15 @@ py::array_t<Scalar> evaluate_grid(const NamedFunction& f, const std::vector<Arra
   return values;
 }
 
-py::array_t<double> standard_deviation(const NamedFunction& f, const Array& at) {
+py::array_t<double> standard_deviation(const NamedFunction& f, const Array& at, const std::string& of) {
+  require(of == "sample" || of == "function", "standard_deviation", "of", of, "must be sample or function");
+  const DeviationOf what = of == "sample" ? DeviationOf::sample : DeviationOf::function;
   const auto x = columns(at, "x");
   py::array_t<double> result({x.cols(), f.function.components()});
   double* const out = result.mutable_data();
   run([&](const Progress& progress) {
     in_parts(x.cols(), progress, [&](Index begin, Index count) {
-      const Eigen::MatrixXd part = f.function.standard_deviation(x.middleCols(begin, count)).transpose();
+      const Eigen::MatrixXd part = f.function.standard_deviation(x.middleCols(begin, count), what).transpose();
       std::copy_n(part.data(), part.size(), out + part.rows() * begin);
     });
   });
@@ -116,7 +118,10 @@ FitOptions fit_options(const py::dict& given) {
   read_entry(given, "degree", options.degree);
   read_entry(given, "periods", options.periods);
   read_entry(given, "scale_axes", options.scale_axes);
-  if (given.contains("nan_outside") && given["nan_outside"].cast<bool>()) options.extrapolation = Extrapolation::nan;
+  read_entry(given, "loss", options.loss);
+  read_entry(given, "missing", options.missing);
+  if (given.contains("extrapolation"))
+    options.extrapolation = extrapolation_of(given["extrapolation"].cast<std::string>());
   return options;
 }
 
@@ -129,6 +134,7 @@ py::dict to_dict(const FitReport& r) {
       "patches"_a = partition.patches, "samples_per_patch"_a = partition.samples_per_patch, "degree"_a = r.degree,
       "support"_a = r.support, "anisotropy"_a = partition.anisotropy, "smoothing"_a = r.smoothing, "rmse"_a = r.rmse,
       "max_error"_a = r.max_error, "cross_validation_rmse"_a = r.cross_validation_rmse, "axis_scales"_a = r.axis_scales,
+      "missing"_a = r.missing, "gross_errors"_a = r.gross_errors, "noise"_a = r.noise,
       "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
 }
 

@@ -76,6 +76,7 @@ struct FitFlags {
   double tolerance = 0;
   std::string smoothing = "auto";
   std::optional<int> degree;
+  std::string loss = "auto";
   std::string extrapolation = "constant";
 };
 
@@ -84,6 +85,7 @@ struct FitCommand {
   FitFlags fit;
   std::string coordinates, values, weights;
   std::string periods;
+  std::optional<double> missing;
   bool resume = false;
 };
 
@@ -95,6 +97,7 @@ struct EvaluateCommand {
   bool gradient = false;
   bool hessian = false;
   bool standard_deviation = false;
+  std::string deviation_of = "sample";
   bool labels = false;
   bool float32 = false;
 };

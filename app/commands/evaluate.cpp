@@ -16,6 +16,7 @@ struct Wanted {
   bool gradient = false;
   bool hessian = false;
   bool standard_deviation = false;
+  DeviationOf deviation_of = DeviationOf::sample;
 
   [[nodiscard]] Derivatives derivatives() const {
     if (hessian) return Derivatives::hessian;
@@ -70,7 +71,7 @@ void evaluate_columns(const NamedFunction& model, const Places& places, const Wa
     put(values.value);
     if (wanted.gradient) put(values.gradient);
     if (wanted.hessian) put(values.hessian);
-    if (wanted.standard_deviation) put(model.function.standard_deviation(points));
+    if (wanted.standard_deviation) put(model.function.standard_deviation(points, wanted.deviation_of));
   }
 }
 
@@ -168,7 +169,8 @@ void warn_of_rounding(const NamedFunction& model, Session& session) {
 
 template <class Scalar>
 void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, const Places& places, Session& session) {
-  const Wanted wanted{command.gradient, command.hessian, command.standard_deviation};
+  const Wanted wanted{command.gradient, command.hessian, command.standard_deviation,
+                      command.deviation_of == "function" ? DeviationOf::function : DeviationOf::sample};
   std::vector<std::string> columns = column_names(model, wanted);
   Volume<Scalar> answers = session.timed("evaluate", [&] {
     return evaluate_all<Scalar>(model, places, wanted, static_cast<Index>(columns.size()), session.progress());
@@ -193,10 +195,15 @@ void run(const EvaluateCommand& command, Session& session) {
   const Places places = session.timed("read", [&] { return make_places(command, model); });
   session.input = {
       {"file", command.input}, {"dimension", model.function.dimension()}, {"components", model.function.components()}};
-  session.options = {{"output", command.output},      {"points", or_null(command.points)},
-                     {"like", or_null(command.like)}, {"gradient", command.gradient},
-                     {"hessian", command.hessian},    {"standard_deviation", command.standard_deviation},
-                     {"labels", command.labels},      {"float32", command.float32}};
+  session.options = {{"output", command.output},
+                     {"points", or_null(command.points)},
+                     {"like", or_null(command.like)},
+                     {"gradient", command.gradient},
+                     {"hessian", command.hessian},
+                     {"standard_deviation", command.standard_deviation},
+                     {"deviation_of", command.deviation_of},
+                     {"labels", command.labels},
+                     {"float32", command.float32}};
   session.options.update(places.options);
   if (places.is_image && places.layout.type == SampleType::float32)
     evaluate_as<float>(command, model, places, session);

@@ -36,6 +36,7 @@ void run(const FitCommand& command, Session& session) {
     return read_samples(command.input, {command.coordinates, command.values, command.weights});
   });
   options.periods = parse_periods(command.periods, samples);
+  options.missing = command.missing;
   report_input(command.input, samples, session);
 
   NamedFunction model{fit_function(samples.coordinates, samples.values, samples.weights, options),
@@ -45,12 +46,14 @@ void run(const FitCommand& command, Session& session) {
                      {"coordinates", model.coordinate_names},
                      {"values", model.value_names},
                      {"weights", or_null(command.weights)},
+                     {"missing", or_null(command.missing)},
                      {"periods", or_null(!options.periods.empty(), options.periods)}};
   session.result = {{"dimension", model.function.dimension()}, {"components", model.function.components()}};
   add_fit_report(command.fit, report, session);
   session.say(command.output + ": function of " + counted(model.function.dimension(), "variable") + " from " +
               counted(report.samples, "sample") +
               (report.merged_duplicates > 0 ? ", " + counted(report.merged_duplicates, "duplicate") + " merged" : ""));
+  session.result["missing"] = report.missing;
   say_fit(report, session);
   session.add_to_page([&](Page& page) { show(model, samples, page); });
   session.write([&] { write_model(command.output, model); });

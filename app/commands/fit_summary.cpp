@@ -1,6 +1,15 @@
 #include "commands/fit_summary.hpp"
 
 namespace csrbf::app {
+namespace {
+
+// From 1, as in a file.
+std::vector<Index> rows_of(std::vector<Index> samples) {
+  for (Index& row : samples) ++row;
+  return samples;
+}
+
+}  // namespace
 
 FitOptions make_fit_options(const FitFlags& flags, Session& session) {
   FitOptions options;
@@ -13,7 +22,8 @@ FitOptions make_fit_options(const FitFlags& flags, Session& session) {
   if (options.smoothing && !(*options.smoothing >= 0))
     throw UsageError("--smoothing " + flags.smoothing + ": must not be negative");
   options.degree = flags.degree;
-  options.extrapolation = flags.extrapolation == "nan" ? Extrapolation::nan : Extrapolation::constant;
+  options.loss = flags.loss;
+  options.extrapolation = extrapolation_of(flags.extrapolation);
   options.progress = session.progress();
   return options;
 }
@@ -29,11 +39,13 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                           {"tolerance", or_null(flags.tolerance > 0, flags.tolerance)},
                           {"smoothing", r.smoothing},
                           {"degree", or_null(r.degree >= 0, r.degree)},
+                          {"loss", flags.loss},
                           {"extrapolation", flags.extrapolation}});
   const PartitionReport partition = r.partition.value_or(PartitionReport{});
   session.result.update({{"samples", r.samples},
                          {"samples_fitted", r.samples_fitted},
                          {"merged_duplicates", r.merged_duplicates},
+                         {"gross_errors", rows_of(r.gross_errors)},
                          {"method", r.method},
                          {"kernel", or_null(r.kernel)},
                          {"centers", r.centers},
@@ -43,6 +55,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                          {"degree", r.degree},
                          {"support", r.support},
                          {"axis_scales", r.axis_scales},
+                         {"noise", r.noise},
                          {"anisotropy", partition.anisotropy},
                          {"smoothing", r.smoothing},
                          {"rmse", r.rmse},

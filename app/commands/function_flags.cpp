@@ -17,9 +17,15 @@ void add_fit_flags(CommandFlags& v, FitFlags& f) {
                   "largest error allowed at any sample, in the unit of the values");
   v.flag("smoothing", f.smoothing, "auto|none|L", "auto", "how much noise to smooth away; larger is smoother");
   v.flag("degree", f.degree, "N", "from the data", "degree of the polynomial part")->check(CLI::Range(0, 8));
-  v.flag("extrapolation", f.extrapolation, "constant|nan", "constant",
-         "outside the box of the samples: the value at the nearest point of the box, or none")
-      ->check(CLI::IsMember({"constant", "nan"}));
+  v.flag(
+       "loss", f.loss, "auto|squares|huber|student", "auto",
+       "what samples far from those around them count for: auto leaves gross errors out and names them, squares keeps "
+       "all, huber and student give them less weight")
+      ->check(CLI::IsMember({"auto", "squares", "huber", "student"}));
+  v.flag("extrapolation", f.extrapolation, "constant|linear|trend|nan", "constant",
+         "outside the box of the samples: the value at the nearest point of the box, the same and its slope, the trend "
+         "of the samples, or none")
+      ->check(CLI::IsMember({"constant", "linear", "trend", "nan"}));
 }
 
 }  // namespace
@@ -36,6 +42,7 @@ void declare(CommandFlags& v, FitCommand& c) {
   v.flag("weights", c.weights, "COLUMN", "none", "column of weights: the inverse variances of the values");
   v.flag("periods", c.periods, "P,P,...", "none",
          "period of each coordinate, 0 for none: 360,0 for longitude and latitude");
+  v.flag("missing", c.missing, "VALUE", "none", "value, such as -9999, of samples that have none: they are left out");
   v.resume(c.resume);
 }
 
@@ -55,6 +62,9 @@ void declare(CommandFlags& v, EvaluateCommand& c) {
   v.toggle("--standard-deviation", c.standard_deviation,
            "write, as the last columns, the standard deviation of a sample there from the value (interpolate and "
            "partition-of-unity)");
+  v.flag("deviation-of", c.deviation_of, "sample|function", "sample",
+         "whether it contains the noise of a sample, or is that of the function alone")
+      ->check(CLI::IsMember({"sample", "function"}));
   v.toggle(
       "--labels", c.labels,
       "write labels instead of values, like csrbf segment: with one component, 1 where it is positive and 0 elsewhere; "

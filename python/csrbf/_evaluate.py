@@ -27,6 +27,7 @@ def evaluate(
     gradient: bool = False,
     hessian: bool = False,
     standard_deviation: bool = False,
+    deviation_of: str = "sample",
     labels: bool = False,
 ) -> NDArray[Any]:
     """Values of a model at points, at the nodes of a grid or at the voxels of an image, and derivatives, in one table.
@@ -43,6 +44,8 @@ def evaluate(
         Instead of points: the centres of the voxels of this image.
     gradient, hessian, standard_deviation : bool
         Append the gradient, the upper triangle of the Hessian and the standard deviation.
+    deviation_of : "sample" or "function"
+        Whether the standard deviation contains the noise of a sample.
     labels : bool
         Labels instead of values: with one component 1 where it is positive, with several the number of the largest.
 
@@ -93,7 +96,7 @@ def evaluate(
         upper = np.triu(np.ones((d, d), dtype=bool))
         columns.append(_function(f, "hessian").hessian(x)[..., upper].reshape(len(x), -1))
     if standard_deviation:
-        columns.append(_function(f, "standard_deviation").standard_deviation(x).reshape(len(x), -1))
+        columns.append(_function(f, "standard_deviation").standard_deviation(x, deviation_of).reshape(len(x), -1))
     table: NDArray[Any] = np.concatenate(columns, axis=1)
     return table.reshape(shape) if table.shape[1] == 1 else table.reshape(shape + table.shape[1:])
 

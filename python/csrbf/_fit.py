@@ -26,6 +26,8 @@ def fit(
     weights: ArrayLike | None = None,
     periods: Sequence[float | None] | float | None = None,
     extrapolation: str = "constant",
+    loss: str = "auto",
+    missing: float | None = None,
     scale_axes: bool = True,
     progress: Progress = None,
 ) -> Function:
@@ -55,8 +57,14 @@ def fit(
         How much each sample counts: the inverse variance of its error, up to a factor.
     periods : sequence of float, optional
         Period of every axis, None or 0 for axes that are not periodic: ``[360, None]`` for longitude and latitude.
-    extrapolation : "constant" or "nan"
-        Outside the box of the samples: the value at the nearest point of the box, or NaN.
+    extrapolation : "constant", "linear", "trend" or "nan"
+        Outside the box of the samples: the value at the nearest point of the box; the same and its slope; the trend of
+        the samples, as the method "interpolate" continues (others as "linear"); or NaN.
+    loss : "auto", "squares", "huber" or "student"
+        What samples far from those around them count for: "auto" leaves gross errors out and reports them, "squares"
+        keeps all, "huber" and "student" give them less weight.
+    missing : float, optional
+        Value, such as -9999, of samples that have none: they are left out.
     scale_axes : bool
         Whether axes of different units may be scaled; False where all coordinates are lengths of one unit.
     progress : bool or callable, optional
@@ -88,7 +96,7 @@ def fit(
     >>> bool(abs(f([0.2, 0.5]) - np.cos(0.6) * 0.5) < 0.05)
     True
     >>> f.report["method"], round(f.report["cross_validation_rmse"], 2)
-    ('partition-of-unity', 0.05)
+    ('interpolate', 0.05)
     """
     points = rows(points, "points")
     values = floats(values, "values")
@@ -96,6 +104,9 @@ def fit(
         raise ValueError(f"values: has shape {values.shape}; must be ({len(points)},) or ({len(points)}, k)")
     given = fit_options(method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation)
     given["scale_axes"] = bool(scale_axes)
+    given["loss"] = loss
+    if missing is not None:
+        given["missing"] = float(missing)
     if periods is not None:
         given["periods"] = [period or 0.0 for period in np.atleast_1d(np.asarray(periods, dtype=object)).tolist()]
     if weights is not None:
@@ -116,8 +127,6 @@ def fit_options(
     extrapolation: str,
 ) -> dict[str, Any]:
     """Options common to `fit` and `inpaint`, without those left to the library."""
-    if extrapolation not in ("constant", "nan"):
-        raise ValueError(f'extrapolation: "{extrapolation}" is neither "constant" nor "nan"')
     options = {
         "method": method,
         "kernel": kernel,
@@ -126,6 +135,6 @@ def fit_options(
         "tolerance": tolerance,
         "smoothing": smoothing_or_none(smoothing),
         "degree": degree,
-        "nan_outside": extrapolation == "nan",
+        "extrapolation": extrapolation,
     }
     return {name: value for name, value in options.items() if value is not None}

@@ -165,16 +165,18 @@ class Function:
         grid = np.transpose(values, tuple(range(len(shape)))[::-1] + (len(shape),))
         return grid[..., 0] if self._scalar else grid
 
-    def standard_deviation(self, x: ArrayLike) -> Floats:
-        """Standard deviations of the difference between a sample and the value there.
+    def standard_deviation(self, x: ArrayLike, of: str = "sample") -> Floats:
+        """Standard deviations of the difference between a sample, or the function, and the value there.
 
-        They include the error of the function and the noise of the values. With the method "interpolate" they are 0 (or
-        that of the noise) at the samples and grow between them; with "partition-of-unity" they are local
-        cross-validation errors. NaN outside the box of the samples.
+        Those of a sample include the error of the function and the noise of the values. With the method "interpolate"
+        they are 0 (or that of the noise) at the samples and grow with the distance to them; with "partition-of-unity"
+        they are local cross-validation errors, and grow in gaps and outside the box of the samples.
 
         Parameters
         ----------
         x : array_like (..., d)
+        of : "sample" or "function"
+            With the noise of a sample, or without it.
 
         Returns
         -------
@@ -183,7 +185,7 @@ class Function:
         Raises
         ------
         ValueError
-            For functions of other methods.
+            For functions of other methods, and without the noise where it is unknown.
 
         Examples
         --------
@@ -193,7 +195,7 @@ class Function:
         True
         """
         x, shape = queries(x, self.dimension)
-        result = self._function.standard_deviation(x)
+        result = self._function.standard_deviation(x, of)
         result = result[:, 0] if self._scalar else result
         return result.reshape(shape + result.shape[1:])
 

@@ -24,7 +24,8 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     Parameters
     ----------
-    method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, extrapolation, scale_axes
+    method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, extrapolation, loss, missing,
+    scale_axes
         See `csrbf.fit`. Only `smoothing` matters for more than six features.
 
     Attributes
@@ -58,6 +59,8 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         degree: int | None = None,
         periods: Any = None,
         extrapolation: str = "constant",
+        loss: str = "auto",
+        missing: float | None = None,
         scale_axes: bool = True,
     ) -> None:
         self.method = method
@@ -69,6 +72,8 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.degree = degree
         self.periods = periods
         self.extrapolation = extrapolation
+        self.loss = loss
+        self.missing = missing
         self.scale_axes = scale_axes
 
     def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> CSRBFRegressor:

@@ -123,7 +123,23 @@ class StandardDeviations(unittest.TestCase):
         self.assertEqual(middle.shape, (2,))
         self.assertLess(at_samples.max(), 1e-3 * middle.min())
         np.testing.assert_allclose(middle[0], middle[1], rtol=1e-9)
-        self.assertTrue(np.isnan(f.standard_deviation([[9.0, 9.0]])).all())
+        self.assertTrue((f.standard_deviation([[9.0, 9.0]]) > middle).all())
+
+    def test_are_those_of_samples_or_of_the_function(self):
+        x, v = samples(400)
+        noisy = v + 0.1 * np.random.default_rng(3).standard_normal(400)
+        f = csrbf.fit(x, noisy)
+        both, own = f.standard_deviation(x), f.standard_deviation(x, of="function")
+        self.assertAlmostEqual(f.report["noise"][0], 0.1, delta=0.03)
+        np.testing.assert_allclose(both**2 - own**2, f.report["noise"][0] ** 2, rtol=1e-6)
+        with self.assertRaisesRegex(ValueError, "must be sample or function"):
+            f.standard_deviation(x, of="both")
+
+    def test_of_replicates_keep_their_scatter(self):
+        x, v = samples(60)
+        x, v = np.repeat(x, 6, axis=0), np.repeat(v, 6)
+        f = csrbf.fit(x, v + 0.3 * np.random.default_rng(3).standard_normal(len(v)))
+        self.assertAlmostEqual(f.report["noise"][0], 0.3, delta=0.05)
 
     def test_of_noisy_samples_are_their_noise(self):
         x, v = samples(3000)
@@ -288,7 +304,8 @@ class Failures(unittest.TestCase):
             ("wendland", (x, v), {"kernel": "magic"}),
             ("weights", (x, v), {"weights": -np.ones(50)}),
             ("weights", (x, v), {"weights": np.ones(49)}),
-            ("neither", (x, v), {"extrapolation": "linear"}),
+            ("extrapolation = mirror: unknown; use one of constant", (x, v), {"extrapolation": "mirror"}),
+            ("loss = least: unknown; use one of auto", (x, v), {"loss": "least"}),
             ("neither", (x, v), {"smoothing": "much"}),
             ("progress", (x, v), {"progress": 5}),
             ("centers = 'many': is of the wrong type", (x, v), {"centers": "many"}),

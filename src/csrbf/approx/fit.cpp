@@ -1,9 +1,12 @@
 #include "csrbf/approx/fit.hpp"
 
 #include "csrbf/approx/fit_by_method.hpp"
+#include "csrbf/approx/global/axis_covariance.hpp"
+#include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
+#include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/approx/samples/sample_limits.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
 #include "csrbf/core/joined.hpp"
@@ -13,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace csrbf {
 namespace {
@@ -21,6 +25,8 @@ constexpr double different_units = 10;      // ratio of the extents of axes that
 constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
 constexpr Index checked_samples = 100'000;  // for the error at the samples
 constexpr double rounding = 1e-12;          // relative
+constexpr double much_better = 2;           // errors of one system over those of patches, which have no covariance
+constexpr Index one_system = 2500;          // samples that one system is tried for; chosen by hand
 
 template <int Dim>
 void check(const FitOptions& options) {
@@ -33,6 +39,9 @@ void check(const FitOptions& options) {
           options.smoothing.value_or(0), "must not be negative");
   require(!options.degree || (*options.degree >= -1 && *options.degree <= 8), "fit", "degree",
           options.degree.value_or(0), "must be -1 (none), 0, ... or 8");
+  const std::vector<std::string> losses = fit_losses();
+  require(std::find(losses.begin(), losses.end(), options.loss) != losses.end(), "fit", "loss", options.loss,
+          "unknown; use one of " + joined(losses));
   require(options.periods.empty() || options.periods.size() == Dim, "fit", "periods", options.periods.size(),
           "one per axis, 0 for axes that are not periodic, or none at all");
   for (const double period : options.periods)
@@ -90,6 +99,126 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
              : Point<Dim>(Point<Dim>::Ones());
 }
 
+// For one system of all samples, when the kernel is left to choose: of few samples, and of more where it predicts
+// samples left out better than a partition of unity.
+template <int Dim>
+std::optional<AxisCovariance<Dim>> learn(const Samples<Dim>& samples, const Replicates& replicates,
+                                         const FitOptions& options, FitMethod method) {
+  const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing;
+  const bool compare = method == FitMethod::partition_of_unity && options.method == "auto" && !options.degree &&
+                       samples.size() <= one_system;
+  if (!is_free || !(compare || method == FitMethod::interpolate)) return std::nullopt;
+  if (samples.size() > InterpolateOptions{}.dense_limit) return std::nullopt;
+  const Samples<Dim> used = without_zero_weights(samples);
+  auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
+  if (!covariance || !compare) return covariance;
+  Samples<Dim> scaled = used;
+  const Point<Dim> scales = choose_scales(used, options, method);
+  scaled.points.array().colwise() /= scales.array();
+  const double of_patches = choose_local_options(scaled, partition_options(options)).error;
+  return left_out_error(used, *covariance) < much_better * of_patches ? std::move(covariance) : std::nullopt;
+}
+
+// The samples to fit, when they are not all of those given as they are.
+template <int Dim>
+struct Selected {
+  std::optional<Samples<Dim>> samples = {};
+  Index missing = 0;
+  std::vector<Index> gross_errors = {};
+};
+
+template <int Dim>
+Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
+  Selected<Dim> selected;
+  std::vector<Index> rows;
+  const Samples<Dim>* samples = &given;
+  if (options.missing) {
+    for (Index i = 0; i < given.values.rows(); ++i)
+      if ((given.values.row(i).array() != *options.missing).all()) rows.push_back(i);
+    selected.missing = given.values.rows() - std::ssize(rows);
+    if (selected.missing > 0 && given.points.cols() == given.values.rows()) {
+      require(!rows.empty(), "fit", "missing", *options.missing, "all samples have this value; there is none to fit");
+      selected.samples = {given.points(Eigen::all, rows), given.values(rows, Eigen::all), {}};
+      if (given.weights.size() == given.size()) selected.samples->weights = given.weights(rows);
+      samples = &*selected.samples;
+    }
+  }
+  require_within_limits(*samples, "fit");
+  const FitMethodInfo* method = find_fit_method(options.method);
+  const bool has_bound = options.tolerance > 0 || (method != nullptr && method->keeps_duplicates);
+  const bool interpolates = options.smoothing && *options.smoothing == 0;
+  if (options.loss == "auto" && (has_bound || interpolates)) return selected;  // all samples are to be met
+  RobustWeights robust = robust_weights(*samples, options.loss);
+  if (robust.factors.size() == 0) return selected;
+  if (!selected.samples) selected.samples = given;
+  selected.samples->weights = selected.samples->all_weights().cwiseProduct(robust.factors);
+  const bool had_weights = given.weights.size() > 0;
+  if (options.loss == "auto") selected.samples = without_zero_weights(*selected.samples);
+  if (options.loss == "auto" && !had_weights) selected.samples->weights.resize(0);
+  for (Index& row : robust.gross_errors)
+    if (selected.missing > 0) row = rows[static_cast<std::size_t>(row)];
+  selected.gross_errors = std::move(robust.gross_errors);
+  return selected;
+}
+
+std::string text_of(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+// Says what may be wrong with the values.
+template <int Dim>
+void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitReport& report) {
+  constexpr std::size_t most_named = 10;
+  const std::vector<Index>& rows = report.gross_errors;
+  if (!rows.empty() && options.loss == "auto") {
+    std::string names;
+    for (std::size_t k = 0; k < std::min(most_named, rows.size()); ++k)
+      names += (k > 0 ? ", " : "") + std::to_string(rows[k] + 1);
+    report.warnings.push_back(std::to_string(rows.size()) + " of " + std::to_string(samples.size()) +
+                              " samples are far from what those around them say, and left out (number " + names +
+                              (rows.size() > most_named ? ", ..." : "") + "); loss squares keeps them");
+  }
+  for (Index c = 0; c < samples.components(); ++c)
+    if (const std::optional<double> value = value_beyond_all_others(samples.values.col(c), options.missing))
+      report.warnings.push_back(text_of(*value) + " is far from all other values; if it means that there is none, " +
+                                "leave it out by missing");
+}
+
+// How values differ with the distance, without their noise: of pairs of samples at two distances.
+template <int Dim>
+typename FittedField<Dim>::Growth variance_outside(const Samples<Dim>& samples, Index component,
+                                                   const Field<Dim>& variance) {
+  constexpr Index at_most = 400;                          // samples
+  constexpr double near = 0.04, far = 0.16, width = 1.5;  // in extents, and factors about these; chosen by hand
+  const Index n = samples.size(), stride = std::max<Index>(1, n / at_most);
+  const Points<Dim> x = samples.points(Eigen::all, Eigen::seq(0, n - 1, stride));
+  const Eigen::VectorXd v = samples.values.col(component)(Eigen::seq(0, n - 1, stride));
+  const double extent = bounding_box<Dim>(samples.points).extent().maxCoeff();
+  const double noise = 2 * variance.evaluate(x).value.cwiseMax(0).mean();
+  double squares[2] = {}, count[2] = {};
+  for (Index j = 0; j < x.cols(); ++j)
+    for (Index i = j + 1; i < x.cols(); ++i) {
+      const double distance = (x.col(i) - x.col(j)).norm() / extent;
+      for (const int k : {0, 1}) {
+        const double middle = k == 0 ? near : far;
+        if (distance < middle / width || distance > middle * width) continue;
+        squares[k] += (v[i] - v[j]) * (v[i] - v[j]);
+        count[k] += 1;
+      }
+    }
+  const double spread = (v.array() - v.mean()).square().mean();
+  if (!(extent > 0) || !(spread > 0)) return {};
+  const double beyond_noise = 0.05;  // share that is left, at least
+  const auto at = [&](int k) {
+    const double mean = count[k] > 0 ? squares[k] / count[k] : spread;
+    return std::max(mean - noise, beyond_noise * mean);
+  };
+  const double exponent = std::clamp(std::log(at(1) / at(0)) / std::log(far / near), 0.5, 2.0);
+  return {at(1) / std::pow(far * extent, exponent), exponent, 2 * spread};
+}
+
 template <int Dim>
 void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
   const Index stride = std::max<Index>(1, samples.size() / checked_samples);
@@ -108,13 +237,16 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
 }  // namespace
 
 template <int Dim>
-Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
-  require_within_limits(samples, "fit");
+Fit<Dim> fit(const Samples<Dim>& given_samples, const FitOptions& options) {
   check<Dim>(options);
+  Selected<Dim> selected = select(given_samples, options);
+  const Samples<Dim>& samples = selected.samples ? *selected.samples : given_samples;
   csrbf::report(options.progress, "choose", 0);
   auto start = std::chrono::steady_clock::now();
   Fit<Dim> result;
   FitReport& report = result.report;
+  report.missing = selected.missing;
+  report.gross_errors = std::move(selected.gross_errors);
   typename FittedField<Dim>::Frame frame;
   frame.box = bounding_box<Dim>(samples.points);
   frame.extrapolation = options.extrapolation;
@@ -125,6 +257,8 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   const bool keep_duplicates = given != nullptr ? given->keeps_duplicates : options.tolerance > 0;
   Samples<Dim> scaled =
       frame.periods.maxCoeff() > 0 ? repeat_periodically<Dim>(samples, frame.periods, frame.box.lo) : samples;
+  if (scaled.weights.size() > 0)
+    scaled.weights *= static_cast<double>((scaled.weights.array() > 0).count()) / scaled.weights.sum();
   MergedSamples<Dim> merged = keep_duplicates ? merge_duplicates(scaled) : merge_duplicates(std::move(scaled));
   const auto place = merged.place.begin();  // the samples come before their repetitions
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
@@ -134,21 +268,38 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   require(std::isnan(options.kernel_parameter) || method.kernel_parameter, "fit", "kernel_parameter",
           options.kernel_parameter,
           std::string("is for the method interpolate; ") + method.name + " uses the default of the kernel");
-  frame.scales = choose_scales(scaled, options, method.method);
+  const std::optional<AxisCovariance<Dim>> covariance = learn(scaled, merged.replicates, options, method.method);
+  const FitMethod chosen = covariance ? FitMethod::interpolate : method.method;
+  std::optional<LearnedCovariance> learned;
+  if (covariance) {
+    const double support = covariance->lengths.minCoeff();
+    frame.scales = covariance->lengths / support;
+    learned = {covariance->kernel, support, covariance->nugget, covariance->degree};
+  } else {
+    frame.scales = choose_scales(scaled, options, chosen);
+  }
   if ((frame.scales.array() != 1).any()) scaled.points.array().colwise() /= frame.scales.array();
   report.axis_scales.assign(frame.scales.data(), frame.scales.data() + Dim);
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  MethodFields<Dim> fields = fit_by_method(scaled, options, method.method, report);
+  MethodFields<Dim> fields = fit_by_method(scaled, options, chosen, learned ? &*learned : nullptr, report);
+  if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
+    frame.extrapolation = Extrapolation::linear;
   for (auto& field : fields.components)
     result.components.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
-  frame.extrapolation = Extrapolation::nan;  // what the function is there is a convention, with no error to tell
-  for (auto& field : fields.variances)
-    result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
+  if (options.extrapolation != Extrapolation::nan)
+    frame.extrapolation = fields.method == FitMethod::interpolate ? Extrapolation::trend : Extrapolation::constant;
+  for (std::size_t c = 0; c < fields.variances.size(); ++c) {
+    if (fields.method != FitMethod::interpolate)
+      frame.growth = variance_outside<Dim>(scaled, static_cast<Index>(c), *fields.variances[c]);
+    result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(fields.variances[c]), frame));
+  }
   report.fit_seconds = seconds_since(start);
   measure_errors(samples, result);
   report.method = info_of(fields.method).name;
+  report.noise = std::move(fields.noise);
   warn(options, info_of(fields.method), report);
+  warn_of_errors(given_samples, options, report);
   return result;
 }
 

@@ -15,9 +15,9 @@ struct Fit {
   std::vector<std::shared_ptr<const Field<Dim>>> components;
   /// Variance of the difference between a sample of mean weight and the component: the error of the function and the
   /// noise of the values together. For interpolate that of kriging (see KrigingVariance), 0 at samples without noise
-  /// and growing between them; for partition-of-unity from local leave-one-out errors (see local_variance). NaN outside
-  /// the box of the samples. Empty for the other methods, for interpolation of more than 4000 samples, and where there
-  /// are too few samples to estimate it.
+  /// and growing between them; for partition-of-unity from local leave-one-out errors (see local_variance), outside the
+  /// box growing with the distance as the values differ. Empty for the other methods, for interpolation of more than
+  /// 4000 samples, and where there are too few samples to estimate it.
   std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
   FitReport report = {};
 };

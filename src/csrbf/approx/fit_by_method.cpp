@@ -30,12 +30,13 @@ constexpr double rounding = 1e-12;  // relative
 template <int Dim>
 class Fitter {
  public:
-  Fitter(const Samples<Dim>& samples, const FitOptions& options, FitMethod method, FitReport& report)
-      : samples_(samples), options_(options), method_(method), report_(report) {}
+  Fitter(const Samples<Dim>& samples, const FitOptions& options, FitMethod method, const LearnedCovariance* learned,
+         FitReport& report)
+      : samples_(samples), options_(options), method_(method), learned_(learned), report_(report) {}
 
   MethodFields<Dim> fit() {
     Fields components = fit_components();
-    return {std::move(components), std::move(variances_), method_};
+    return {std::move(components), std::move(variances_), method_, std::move(noise_)};
   }
 
  private:
@@ -224,6 +225,16 @@ class Fitter {
     return moving_least_squares(samples_, options);
   }
 
+  // Lengths of functions that the trend takes nearly are as long as can be: too long for the system.
+  Interpolation<Dim> shortened(InterpolateOptions options) const {
+    constexpr double shorter = 0.3;
+    for (int attempt = 0; attempt < 5; ++attempt, options.support *= shorter) try {
+        return interpolate(samples_, options);
+      } catch (const SolverFailure&) {
+      }
+    return interpolate(samples_, options);
+  }
+
   // Without noise the samples are met; whether there is any, leave-one-out tells.
   Fields interpolant() {
     InterpolateOptions options;
@@ -231,9 +242,17 @@ class Fitter {
     options.parameter = options_.kernel_parameter;
     options.smoothing = options_.smoothing.value_or(0);
     if (options_.degree) options.degree = *options_.degree;
+    options.keep_weights = true;
     options.progress = options_.progress;
-    Interpolation<Dim> best = interpolate(samples_, options);
-    if (!options_.smoothing && samples_.size() > 2 * Dim) {
+    if (learned_ != nullptr) {
+      options.kernel = learned_->kernel.name();
+      options.parameter = learned_->kernel.parameter();
+      options.support = learned_->support;
+      options.smoothing = learned_->nugget;
+      if (!options_.degree) options.degree = learned_->degree;
+    }
+    Interpolation<Dim> best = learned_ != nullptr ? shortened(options) : interpolate(samples_, options);
+    if (learned_ == nullptr && !options_.smoothing && samples_.size() > 2 * Dim) {
       options.smoothing.reset();
       Interpolation<Dim> smoothed = interpolate(samples_, options);
       const double deviation = weighted_deviation(samples_.values, samples_.all_weights());
@@ -248,6 +267,8 @@ class Fitter {
     report_.cross_validation_rmse = best.report.leave_one_out;
     report_.centers = best.components.front()->basis().size();
     variances_ = {best.variances.begin(), best.variances.end()};
+    for (const auto& variance : best.variances)
+      noise_.push_back(std::sqrt(variance->sigma2() * variance->power().smoothing()));
     return {best.components.begin(), best.components.end()};
   }
 
@@ -258,7 +279,9 @@ class Fitter {
   const Samples<Dim>& samples_;
   const FitOptions& options_;
   FitMethod method_;
+  const LearnedCovariance* learned_;
   Fields variances_ = {};
+  std::vector<double> noise_ = {};  // of samples of weight 1
   FitReport& report_;
   PartitionOfUnityFit<Dim> last_fit_ = {};  // by partition()
 };
@@ -276,12 +299,13 @@ PartitionOfUnityOptions partition_options(const FitOptions& options) {
 
 template <int Dim>
 MethodFields<Dim> fit_by_method(const Samples<Dim>& samples, const FitOptions& options, FitMethod method,
-                                FitReport& report) {
-  return Fitter<Dim>(samples, options, method, report).fit();
+                                const LearnedCovariance* learned, FitReport& report) {
+  return Fitter<Dim>(samples, options, method, learned, report).fit();
 }
 
-#define CSRBF_INSTANTIATE(Dim) \
-  template MethodFields<Dim> fit_by_method<Dim>(const Samples<Dim>&, const FitOptions&, FitMethod, FitReport&);
+#define CSRBF_INSTANTIATE(Dim)                                                                     \
+  template MethodFields<Dim> fit_by_method<Dim>(const Samples<Dim>&, const FitOptions&, FitMethod, \
+                                                const LearnedCovariance*, FitReport&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -3,6 +3,7 @@
 #include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/fit_options.hpp"
 #include "csrbf/approx/unity/partition_of_unity.hpp"
+#include "csrbf/kernels/kernel.hpp"
 
 namespace csrbf {
 
@@ -17,18 +18,28 @@ constexpr Index few_samples(int dimension) {
 /// The options of fit() that a partition of unity has as well.
 PartitionOfUnityOptions partition_options(const FitOptions& options);
 
+/// What was learned from the samples before they were scaled by its lengths: see AxisCovariance.
+struct LearnedCovariance {
+  Kernel kernel;
+  double support = 1;
+  double nugget = 0;
+  int degree = 0;
+};
+
 /// A fit in scaled coordinates.
 template <int Dim>
 struct MethodFields {
   std::vector<std::shared_ptr<const Field<Dim>>> components;
   std::vector<std::shared_ptr<const Field<Dim>>> variances;  ///< see Fit
   FitMethod method;                                          ///< the one used
+  std::vector<double> noise = {};                            ///< see FitReport
 };
 
 /// Fits by `method`, or by the one that it gives way to: auto tries a partition of unity for a tolerance, and weights
-/// that follow tracks for rough values. Fills in what the report says of the model.
+/// that follow tracks for rough values. `learned`: null, or for the method interpolate. Fills in what the report says
+/// of the model.
 template <int Dim>
 MethodFields<Dim> fit_by_method(const Samples<Dim>& samples, const FitOptions& options, FitMethod method,
-                                FitReport& report);
+                                const LearnedCovariance* learned, FitReport& report);
 
 }  // namespace csrbf

@@ -1,6 +1,7 @@
 #include "csrbf/approx/fit_method.hpp"
 
 #include "csrbf/approx/fit_options.hpp"
+#include "csrbf/core/error.hpp"
 
 #include <algorithm>
 
@@ -34,6 +35,31 @@ const FitMethodInfo* find_fit_method(std::string_view name) {
   const std::vector<FitMethodInfo>& all = fit_method_table();
   const auto found = std::find_if(all.begin(), all.end(), [&](const FitMethodInfo& info) { return info.name == name; });
   return found == all.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> fit_losses() {
+  return {"auto", "squares", "huber", "student"};
+}
+
+std::string name_of(Extrapolation extrapolation) {
+  switch (extrapolation) {
+    case Extrapolation::nan:
+      return "nan";
+    case Extrapolation::linear:
+      return "linear";
+    case Extrapolation::trend:
+      return "trend";
+    case Extrapolation::constant:
+      break;
+  }
+  return "constant";
+}
+
+Extrapolation extrapolation_of(const std::string& name) {
+  for (const Extrapolation one :
+       {Extrapolation::constant, Extrapolation::nan, Extrapolation::linear, Extrapolation::trend})
+    if (name == name_of(one)) return one;
+  throw InvalidInput("extrapolation = " + name + ": unknown; use one of constant, linear, trend, nan");
 }
 
 std::vector<std::string> fit_methods() {

@@ -14,7 +14,13 @@ namespace csrbf {
 enum class Extrapolation {
   constant,  ///< its value at the nearest point of the box: bounded and continuous
   nan,       ///< NaN
+  linear,    ///< its value and slope at the nearest point of the box
+  trend,     ///< returns to the trend of the samples, as its covariance says; for interpolate, elsewhere as linear
 };
+
+/// constant, nan, linear or trend, and back. Throws InvalidInput for other names.
+std::string name_of(Extrapolation extrapolation);
+Extrapolation extrapolation_of(const std::string& name);
 
 struct FitOptions {
   /// auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget,
@@ -39,10 +45,19 @@ struct FitOptions {
   /// Period of every axis, 0 for none (longitude: 360); empty: no axis is periodic.
   std::vector<double> periods = {};
   Extrapolation extrapolation = Extrapolation::constant;
+  /// auto: samples far from what those around them say (gross errors) are left out and reported; squares: none is;
+  /// huber, student: all samples have less weight the farther they are (Huber 1964; Lange et al. 1989). auto keeps all
+  /// where a tolerance, or smoothing 0, asks for them.
+  std::string loss = "auto";
+  /// Samples with this value, such as -9999, have none and are left out.
+  std::optional<double> missing = {};
   /// Whether axes of different units may be scaled; false where all coordinates are lengths in one unit, as in images.
   bool scale_axes = true;
   Progress progress = {};
 };
+
+/// The names that FitOptions::loss accepts.
+std::vector<std::string> fit_losses();
 
 /// The names that FitOptions::method accepts.
 std::vector<std::string> fit_methods();
@@ -57,10 +72,12 @@ struct PartitionReport {
 /// What a fit did: the options used, given or chosen, and its errors.
 struct FitReport {
   std::string method, kernel;
-  Index samples = 0;            ///< used
-  Index samples_fitted = 0;     ///< of these; the others, if any, are within the tolerance nevertheless
-  Index merged_duplicates = 0;  ///< samples that were merged with others at the same place
-  Index centers = 0;            ///< radial functions
+  Index samples = 0;                ///< used
+  Index samples_fitted = 0;         ///< of these; the others, if any, are within the tolerance nevertheless
+  Index merged_duplicates = 0;      ///< samples that were merged with others at the same place
+  Index missing = 0;                ///< samples left out because they had the value for none
+  std::vector<Index> gross_errors;  ///< samples left out or given less than half their weight, by number from 0
+  Index centers = 0;                ///< radial functions
   Index levels = 1;
   int degree = -1;
   double support =
@@ -70,6 +87,7 @@ struct FitReport {
   double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();
   std::optional<PartitionReport> partition = {};
   std::vector<double> axis_scales;  ///< what the coordinates were divided by
+  std::vector<double> noise;        ///< standard deviations of the noise of a sample of mean weight; empty: unknown
   std::vector<std::string> warnings;
   double choose_seconds = 0, fit_seconds = 0;  ///< of this run: models do not keep them
 };

@@ -36,13 +36,19 @@ auto points_of(const Eigen::Ref<const Eigen::MatrixXd>& x) {
 }
 
 template <int Dim>
-Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::MatrixXd>& x) {
+Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::MatrixXd>& x, DeviationOf of) {
   const auto points = points_of<Dim>(x);
   require(!fit.variances.empty(), "standard_deviation", "method", fit.report.method,
           "this fit has none; use interpolate with at most 4000 samples, or partition-of-unity");
   Eigen::MatrixXd result(x.cols(), static_cast<Index>(fit.variances.size()));
-  for (Index c = 0; c < result.cols(); ++c)
-    result.col(c) = shared_evaluate(*fit.variances[c], points).value.cwiseSqrt();
+  const std::vector<double>& noise = fit.report.noise;
+  require(of == DeviationOf::sample || std::ssize(noise) == result.cols(), "standard_deviation", "of", "function",
+          "the noise of the samples is unknown for this fit; ask for that of a sample");
+  for (Index c = 0; c < result.cols(); ++c) {
+    Eigen::ArrayXd variance = shared_evaluate(*fit.variances[c], points).value;
+    if (of == DeviationOf::function) variance -= noise[c] * noise[c];
+    result.col(c) = variance.unaryExpr([](double v) { return v < 0 ? 0 : v; }).sqrt();  // keeps NaN
+  }
   return result;
 }
 
@@ -145,8 +151,8 @@ void Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Re
   evaluate_slices<float>(*this, axes, values, progress);
 }
 
-Eigen::MatrixXd Function::standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x) const {
-  return visit_fit(*fit_, [&](const auto& fit) { return deviation(fit, x); });
+Eigen::MatrixXd Function::standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x, DeviationOf of) const {
+  return visit_fit(*fit_, [&](const auto& fit) { return deviation(fit, x, of); });
 }
 
 Eigen::MatrixXd Function::bounds() const {

@@ -10,6 +10,10 @@ namespace csrbf {
 
 struct FunctionFit;
 
+/// What a standard deviation is of: the difference of the function fitted to the true one, or to a sample of mean
+/// weight, whose noise comes on top.
+enum class DeviationOf { sample, function };
+
 /// A fitted function whose dimension is known only at run time, as held by the program, model files and Python.
 class Function {
  public:
@@ -46,10 +50,10 @@ class Function {
   void evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Ref<Eigen::MatrixXf> values,
                      const Progress& progress = {}) const;
 
-  /// Standard deviations of the differences between samples of mean weight and the function, m x k: the square roots of
-  /// Fit::variances. `x`: d x m. Throws InvalidInput when it has another number of rows and when the method of the fit
-  /// has none.
-  [[nodiscard]] Eigen::MatrixXd standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x) const;
+  /// Standard deviations at m points, m x k: from Fit::variances, without the noise those of the function. `x`: d x m.
+  /// Throws InvalidInput when it has another number of rows and when the fit has none.
+  [[nodiscard]] Eigen::MatrixXd standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x,
+                                                   DeviationOf of = DeviationOf::sample) const;
 
   /// The box of the samples: d x 2, lower and upper corner.
   [[nodiscard]] Eigen::MatrixXd bounds() const;

@@ -54,6 +54,35 @@ TEST(FittedField, DividesCoordinatesByTheirScales) {
   EXPECT_EQ(f.bounds().lo, box.lo);
 }
 
+TEST(FittedField, ContinuesLinearlyOrAsItIs) {
+  const FittedField<2> linear = field({.scales = Point<2>(2, 10), .box = box, .extrapolation = Extrapolation::linear});
+  const Point<2> corner(3, 30), x(5, 50);
+  const Jet<2> at = linear.evaluate(corner, Derivatives::hessian), beyond = linear.evaluate(x, Derivatives::hessian);
+  EXPECT_DOUBLE_EQ(beyond.value[0], at.value[0] + at.gradient.col(0).dot(x - corner));
+  EXPECT_DOUBLE_EQ(beyond.gradient(0, 0), at.gradient(0, 0));
+  EXPECT_EQ(beyond.hessian(0, 0), 0);
+  const Points<2> places = (random_points<2>(50, 1).array() * 60 - 15).matrix();
+  const Jet<2> jet = linear.evaluate(places, Derivatives::gradient);
+  for (int a = 0; a < 2; ++a) {
+    const Points<2> ahead = places.colwise() + 1e-5 * Point<2>::Unit(a),
+                    behind = places.colwise() - 1e-5 * Point<2>::Unit(a);
+    const Eigen::VectorXd slope = (linear.evaluate(ahead).value - linear.evaluate(behind).value) / 2e-5;
+    EXPECT_LE((jet.gradient.row(a).transpose() - slope).cwiseAbs().maxCoeff(), 1e-6);
+  }
+  const FittedField<2> trend = field({.scales = Point<2>(2, 10), .box = box, .extrapolation = Extrapolation::trend});
+  EXPECT_DOUBLE_EQ(trend(x), 2.5 * 2.5 * 5 + 15);
+  EXPECT_DOUBLE_EQ(trend(Point<2>(1, 20)), linear(Point<2>(1, 20)));
+}
+
+TEST(FittedField, GrowsOutsideTheBox) {
+  const FittedField<2> f = field({.scales = Point<2>(2, 10), .box = box, .growth = {.5, 2, 4}});
+  const FittedField<2> constant = field({.scales = Point<2>(2, 10), .box = box});
+  EXPECT_EQ(f(Point<2>(1, 20)), constant(Point<2>(1, 20)));
+  EXPECT_DOUBLE_EQ(f(Point<2>(5, 20)), constant(Point<2>(5, 20)) + .5);
+  EXPECT_DOUBLE_EQ(f(Point<2>(5, 40)), constant(Point<2>(5, 40)) + 1);
+  EXPECT_DOUBLE_EQ(f(Point<2>(50, 40)), constant(Point<2>(50, 40)) + 4);
+}
+
 TEST(FittedField, HasTrueDerivativesInsideAndOutsideTheBox) {
   const FittedField<2> f = field({.scales = Point<2>(2, 10), .box = box});
   Points<2> x = (random_points<2>(50, 1).array() * 60 - 15).matrix();

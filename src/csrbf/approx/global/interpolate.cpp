@@ -34,9 +34,9 @@ struct Coefficients {
   Eigen::VectorXd sigma2;
 };
 
-// Distinct points of positive weight, of mean 1.
+// Distinct points of positive weight, of mean 1 unless they are kept.
 template <int Dim>
-Samples<Dim> prepare(const Samples<Dim>& samples, InterpolationReport& report) {
+Samples<Dim> prepare(const Samples<Dim>& samples, bool keep_weights, InterpolationReport& report) {
   require_valid(samples, "interpolate");
   std::vector<Index> used;
   for (Index i = 0; i < samples.size(); ++i)
@@ -48,7 +48,8 @@ Samples<Dim> prepare(const Samples<Dim>& samples, InterpolationReport& report) {
   MergedSamples<Dim> merged = merge_duplicates(std::move(positive));
   report.merged = merged.merged();
   Samples<Dim>& result = merged.samples;
-  if (result.weights.size() > 0) result.weights *= static_cast<double>(result.size()) / result.weights.sum();
+  if (result.weights.size() > 0 && !keep_weights)
+    result.weights *= static_cast<double>(result.size()) / result.weights.sum();
   return std::move(result);
 }
 
@@ -271,7 +272,7 @@ template <int Dim>
 Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOptions& options,
                                const RadialMetric<Dim>& metric) {
   InterpolationReport start;
-  const Samples<Dim> used = prepare(samples, start);
+  const Samples<Dim> used = prepare(samples, options.keep_weights, start);
   check(used, options, metric);
   report(options.progress, "choose", 0);
   KernelChoice choice = choose(used, options, metric);

@@ -34,6 +34,9 @@ struct InterpolateOptions {
   /// the data, roughly); 0 interpolates; empty: chosen from the data.
   std::optional<double> smoothing = 0;
   LambdaCriterion criterion = LambdaCriterion::leave_one_out;  ///< by which lambda is chosen
+  /// Whether weights are used as they are: lambda, and the variances, are for samples of weight 1, also where the
+  /// samples are means of several.
+  bool keep_weights = false;
 
   /// Degree of the polynomial: at least the order of the kernel minus 1; -1: none; -2: order - 1, but at least 0.
   int degree = -2;

@@ -38,7 +38,8 @@ template <int Dim>
 Point<Dim> FittedField<Dim>::map(const Point<Dim>& x, std::array<bool, Dim>& outside) const {
   Point<Dim> y;
   for (int a = 0; a < Dim; ++a) {
-    const double inside = frame_.periods[a] > 0 ? x[a] : std::clamp(x[a], frame_.box.lo[a], frame_.box.hi[a]);
+    const bool is_free = frame_.periods[a] > 0 || frame_.extrapolation == Extrapolation::trend;
+    const double inside = is_free ? x[a] : std::clamp(x[a], frame_.box.lo[a], frame_.box.hi[a]);
     outside[a] = inside != x[a];
     y[a] = inside / frame_.scales[a];
   }
@@ -62,6 +63,7 @@ void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& o
   Points<Dim> y(Dim, x.cols());
   std::vector<std::array<bool, Dim>> outside(x.cols());
   for (Index i = 0; i < x.cols(); ++i) y.col(i) = map(x.col(i), outside[i]);
+  if (frame_.extrapolation == Extrapolation::linear) return continue_linearly(x, y, outside, out);
   repeated_->evaluate_block(y, out);
   for (Index i = 0; i < x.cols(); ++i) {
     const std::array<bool, Dim>& moved = outside[i];
@@ -69,6 +71,11 @@ void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& o
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     const bool undefined = !x.col(i).allFinite() || (any && frame_.extrapolation == Extrapolation::nan);
     if (undefined) out.value[i] = nan;
+    if (any && frame_.growth.amount > 0) {
+      const double distance = (x.col(i).cwiseQuotient(frame_.scales) - y.col(i)).norm();
+      out.value[i] +=
+          std::min(frame_.growth.amount * std::pow(distance, frame_.growth.exponent), frame_.growth.largest);
+    }
     // A coordinate that was moved to the box has no influence.
     const auto factor = [&](int a) { return moved[a] ? 0.0 : 1 / frame_.scales[a]; };
     if (out.gradient != nullptr)
@@ -80,10 +87,42 @@ void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& o
   }
 }
 
+// f(y) + sum_a f_a(y) (x - y)_a over the axes a along which x is outside, y the nearest point of the box; in second
+// derivatives third ones are left out.
+template <int Dim>
+void FittedField<Dim>::continue_linearly(const PointsRef<Dim>& x, const Points<Dim>& y,
+                                         const std::vector<std::array<bool, Dim>>& outside, const JetBlock& out) const {
+  constexpr Index entries = symmetric_size<Dim>;
+  const Index n = x.cols();
+  Eigen::Matrix<double, Dim, Eigen::Dynamic> gradient(Dim, n);
+  Eigen::Matrix<double, entries, Eigen::Dynamic> hessian(entries, out.gradient != nullptr ? n : 0);
+  repeated_->evaluate_block(y, {out.value, gradient.data(), out.gradient != nullptr ? hessian.data() : nullptr});
+  for (Index i = 0; i < n; ++i) {
+    if (!x.col(i).allFinite()) gradient.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+    Point<Dim> step = x.col(i).cwiseQuotient(frame_.scales) - y.col(i);
+    for (int a = 0; a < Dim; ++a)
+      if (!outside[i][a]) step[a] = 0;
+    out.value[i] += gradient.col(i).dot(step);
+    if (out.gradient == nullptr) continue;
+    Eigen::Matrix<double, Dim, Dim> H;
+    for (int a = 0, entry = 0; a < Dim; ++a)
+      for (int b = a; b < Dim; ++b, ++entry) H(a, b) = H(b, a) = hessian(entry, i);
+    const Point<Dim> turned = H * step;
+    for (int a = 0; a < Dim; ++a)
+      out.gradient[Dim * i + a] = (gradient(a, i) + (outside[i][a] ? 0 : turned[a])) / frame_.scales[a];
+    if (out.hessian == nullptr) continue;
+    double* to = out.hessian + entries * i;
+    for (int a = 0; a < Dim; ++a)
+      for (int b = a; b < Dim; ++b)
+        *to++ = outside[i][a] && outside[i][b] ? 0 : H(a, b) / frame_.scales[a] / frame_.scales[b];
+  }
+}
+
 // The coordinates of the inner field along an axis depend on those along that axis only.
 template <int Dim>
 Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const {
-  if (frame_.extrapolation == Extrapolation::nan) return Field<Dim>::evaluate_grid(axes);
+  const bool by_axis = frame_.extrapolation == Extrapolation::constant || frame_.extrapolation == Extrapolation::trend;
+  if (!by_axis || frame_.growth.amount > 0) return Field<Dim>::evaluate_grid(axes);
   GridAxes<Dim> mapped = axes;
   for (std::size_t a = 0; a < Dim; ++a)
     for (double& coordinate : mapped[a]) {
@@ -96,7 +135,8 @@ Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const
 
 template <int Dim>
 std::optional<Enclosure> FittedField<Dim>::enclose(const Box<Dim>& box) const {
-  if (!frame_.periods.isZero() || frame_.extrapolation != Extrapolation::constant) return std::nullopt;
+  if (!frame_.periods.isZero() || frame_.extrapolation != Extrapolation::constant || frame_.growth.amount > 0)
+    return std::nullopt;
   const auto mapped = [&](const Point<Dim>& x) -> Point<Dim> {
     return x.cwiseMax(frame_.box.lo).cwiseMin(frame_.box.hi).cwiseQuotient(frame_.scales);
   };

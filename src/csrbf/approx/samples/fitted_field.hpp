@@ -5,6 +5,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 namespace csrbf {
 
@@ -13,11 +14,16 @@ namespace csrbf {
 template <int Dim>
 class FittedField : public Field<Dim> {
  public:
+  /// min(amount distance^exponent, largest): of variances.
+  struct Growth {
+    double amount = 0, exponent = 1, largest = 0;
+  };
   struct Frame {
     Point<Dim> scales = Point<Dim>::Ones();
     Point<Dim> periods = Point<Dim>::Zero();  ///< 0 for axes that are not periodic; the first period starts at box.lo
     Box<Dim> box;                             ///< of the samples, in the coordinates of the user
     Extrapolation extrapolation = Extrapolation::constant;
+    Growth growth = {};  ///< added outside the box, at the distance from it in the coordinates of the inner field
   };
 
   FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame);
@@ -35,6 +41,9 @@ class FittedField : public Field<Dim> {
   [[nodiscard]] const Frame& frame() const { return frame_; }
 
  private:
+  void continue_linearly(const PointsRef<Dim>& x, const Points<Dim>& y,
+                         const std::vector<std::array<bool, Dim>>& outside, const JetBlock& out) const;
+
   // Coordinates of the inner field; `outside[a]` says whether coordinate a was moved to the box.
   Point<Dim> map(const Point<Dim>& x, std::array<bool, Dim>& outside) const;
 

@@ -16,7 +16,7 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
   Index distinct = 0;
   for (Index i = 0; i < n; ++i) distinct += first[i] == i ? 1 : 0;
   if (distinct == n) {
-    MergedSamples<Dim> same{std::move(samples), Eigen::VectorXd::Zero(n), std::vector<Index>(first.size())};
+    MergedSamples<Dim> same{std::move(samples), Eigen::VectorXd::Zero(n), std::vector<Index>(first.size()), {}};
     std::iota(same.place.begin(), same.place.end(), Index{0});
     return same;
   }
@@ -28,6 +28,7 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
        Eigen::VectorXd::Zero(distinct)};
   Eigen::VectorXd count = Eigen::VectorXd::Zero(distinct);
   Eigen::MatrixXd plain = m.values;
+  merged.replicates.squares = Eigen::VectorXd::Zero(samples.components());
   Eigen::MatrixXd least = Eigen::MatrixXd::Constant(distinct, samples.components(), infinity);
   Eigen::MatrixXd largest = -least;
   Index next = 0;
@@ -41,9 +42,14 @@ MergedSamples<Dim> merge_duplicates(Samples<Dim> samples, DuplicateValue value) 
     least.row(place) = least.row(place).cwiseMin(samples.values.row(i));
     largest.row(place) = largest.row(place).cwiseMax(samples.values.row(i));
     plain.row(place) += (samples.values.row(i) - plain.row(place)) / count[place];
+    const double before = m.weights[place];
     if (samples.weight(i) == 0) continue;
     m.weights[place] += samples.weight(i);
-    m.values.row(place) += samples.weight(i) / m.weights[place] * (samples.values.row(i) - m.values.row(place));
+    const Eigen::RowVectorXd step = samples.values.row(i) - m.values.row(place);
+    m.values.row(place) += samples.weight(i) / m.weights[place] * step;
+    if (before == 0) continue;
+    merged.replicates.squares += samples.weight(i) * before / m.weights[place] * step.cwiseAbs2().transpose();
+    ++merged.replicates.count;
   }
   for (Index place = 0; place < distinct; ++place)
     if (m.weights[place] == 0) m.values.row(place) = plain.row(place);

@@ -6,11 +6,18 @@
 
 namespace csrbf {
 
+/// What samples at the same points say about the noise of values.
+struct Replicates {
+  Eigen::VectorXd squares = {};  ///< by component: weighted sum of the squared differences to the means of the points
+  Index count = 0;               ///< samples minus distinct points, without those of weight 0
+};
+
 template <int Dim>
 struct MergedSamples {
   Samples<Dim> samples;      ///< one per distinct point, in the order of first appearance
   Eigen::VectorXd spread;    ///< half the largest difference of values at the point; 0 without duplicates
   std::vector<Index> place;  ///< for each input sample the merged one that contains it
+  Replicates replicates = {};
 
   [[nodiscard]] Index merged() const { return static_cast<Index>(place.size()) - samples.size(); }
 };

@@ -59,15 +59,22 @@ Samples<Dim> make_samples(const Eigen::Ref<const Eigen::MatrixXd>& points,
   return samples;
 }
 
-/// The samples of positive weight, with weights of mean 1; all of them when there are no weights.
+/// The samples of positive weight; all of them when there are no weights.
 template <int Dim>
-Samples<Dim> normalize_weights(const Samples<Dim>& samples) {
+Samples<Dim> without_zero_weights(const Samples<Dim>& samples) {
   if (samples.weights.size() == 0) return samples;
   std::vector<Index> positive;
   for (Index i = 0; i < samples.size(); ++i)
     if (samples.weights[i] > 0) positive.push_back(i);
-  Samples<Dim> result{samples.points(Eigen::all, positive), samples.values(positive, Eigen::all),
-                      samples.weights(positive) / samples.weights.maxCoeff()};
+  return {samples.points(Eigen::all, positive), samples.values(positive, Eigen::all), samples.weights(positive)};
+}
+
+/// The same with weights of mean 1.
+template <int Dim>
+Samples<Dim> normalize_weights(const Samples<Dim>& samples) {
+  Samples<Dim> result = without_zero_weights(samples);
+  if (result.weights.size() == 0) return result;
+  result.weights /= result.weights.maxCoeff();
   result.weights /= result.weights.mean();
   return result;
 }

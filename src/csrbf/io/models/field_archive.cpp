@@ -80,7 +80,8 @@ Archive to_archive(const typename FittedField<Dim>::Frame& frame) {
   archive.set("scales", frame.scales);
   archive.set("periods", frame.periods);
   set_box(archive, frame.box);
-  archive.set("extrapolation", frame.extrapolation == Extrapolation::nan ? "nan" : "constant");
+  archive.set("extrapolation", name_of(frame.extrapolation));
+  archive.set("growth", Eigen::Vector3d(frame.growth.amount, frame.growth.exponent, frame.growth.largest));
   return archive;
 }
 
@@ -90,9 +91,11 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
   frame.scales = archive.numbers("scales", Dim, 1);
   frame.periods = archive.numbers("periods", Dim, 1);
   frame.box = box_of<Dim>(archive);
-  const std::string& beyond = archive.text("extrapolation");
-  if (beyond != "nan" && beyond != "constant") archive.fail("unknown extrapolation \"" + beyond + "\"");
-  frame.extrapolation = beyond == "nan" ? Extrapolation::nan : Extrapolation::constant;
+  frame.extrapolation = extrapolation_of(archive.text("extrapolation"));
+  if (archive.has("growth")) {  // older models have none
+    const Eigen::MatrixXd growth = archive.numbers("growth", 3, 1);
+    frame.growth = {growth(0), growth(1), growth(2)};
+  }
   if (!(frame.scales.minCoeff() > 0) || !(frame.periods.minCoeff() >= 0) || frame.box.empty() ||
       !frame.box.extent().allFinite())
     archive.fail("the frame is damaged");

@@ -49,6 +49,9 @@ Archive to_archive(const FitReport& report) {
   for_each_member(report, partition, [&](const char* name, const auto& member) { archive.set(name, member); });
   archive.set("anisotropy", partition.anisotropy);
   archive.set("axis_scales", report.axis_scales);
+  archive.set("missing", report.missing);
+  archive.set("gross_errors", std::vector<double>(report.gross_errors.begin(), report.gross_errors.end()));
+  archive.set("noise", report.noise);
   set_texts(archive, "warning", report.warnings);
   return archive;
 }
@@ -72,6 +75,11 @@ FitReport report_from(const Archive& archive) {
   if (archive.has("anisotropy")) partition.anisotropy = archive.number("anisotropy");  // older models have none
   if (partition.patches > 0) report.partition = partition;
   report.axis_scales = archive.column("axis_scales");
+  if (archive.has("gross_errors")) {  // older models have none of these
+    report.missing = archive.integer("missing");
+    for (const double row : archive.column("gross_errors")) report.gross_errors.push_back(static_cast<Index>(row));
+    report.noise = archive.column("noise");
+  }
   report.warnings = texts_of(archive, "warning");
   return report;
 }

@@ -1,0 +1,140 @@
+#include "csrbf/approx/global/restricted_likelihood.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
+#include <cmath>
+#include <limits>
+
+namespace csrbf {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double tiny = 1e-30;      // squared residual of a component without any variation
+constexpr Index per_unknown = 4;    // samples for every unknown of a trend, at least; chosen by hand
+constexpr double dependent = 1e-6;  // share of a column of the trend outside the span of the others
+
+}  // namespace
+
+// With K = L L^T, white residuals W = L^-1 (s - G beta) and Q an orthonormal basis of L^-1 G.
+template <int Dim>
+struct RestrictedLikelihood<Dim>::Solved {
+  Points<Dim> scaled;
+  Eigen::MatrixXd K, slopes, white, Q;
+  Eigen::VectorXd sigma2;
+  double value = infinity;
+};
+
+template <int Dim>
+RestrictedLikelihood<Dim>::RestrictedLikelihood(Samples<Dim> samples, Replicates replicates)
+    : samples_(std::move(samples)), replicates_(std::move(replicates)) {
+  const Index n = samples_.size();
+  inverse_weights_ = samples_.all_weights().cwiseInverse();
+  std::vector<Index> axes;
+  for (Index a = 0; a < Dim; ++a)
+    if (samples_.points.row(a).maxCoeff() > samples_.points.row(a).minCoeff()) axes.push_back(a);
+  trend_.resize(n, 1 + std::ssize(axes));
+  trend_ << Eigen::VectorXd::Ones(n), samples_.points(axes, Eigen::all).transpose();
+  for (Index c = 1; c < trend_.cols(); ++c) trend_.col(c).array() -= trend_.col(c).mean();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(dependent);
+  qr.compute(trend_);
+  if (!axes.empty() && n >= per_unknown * trend_.cols() && qr.rank() == trend_.cols()) largest_degree_ = 1;
+  log_trend_[0] = std::log(static_cast<double>(n));
+  log_trend_[1] = 2 * qr.matrixQR().diagonal().array().abs().log().sum();
+}
+
+template <int Dim>
+bool RestrictedLikelihood<Dim>::solve(const Kernel& kernel, int degree, const Parameters& at, bool derivatives,
+                                      Solved& solved) const {
+  const Index n = size(), C = samples_.components();
+  const double nugget = std::exp(at.log_nugget);
+  solved.scaled = (-at.log_lengths).array().exp().matrix().asDiagonal() * samples_.points;
+  const Points<Dim>& z = solved.scaled;
+  solved.K.resize(n, n);
+  if (derivatives) solved.slopes.resize(n, n);
+  Eigen::VectorXd r2(n);
+  for (Index j = 0; j < n; ++j) {
+    const Index rest = n - j;
+    r2.head(rest) = (z.rightCols(rest).colwise() - z.col(j)).colwise().squaredNorm().transpose();
+    if (derivatives)
+      kernel.gradients(r2.data(), rest, &solved.K(j, j), &solved.slopes(j, j));
+    else
+      kernel.values(r2.data(), rest, &solved.K(j, j));
+  }
+  solved.K.diagonal() += nugget * inverse_weights_;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(solved.K);  // in place
+  if (llt.info() != Eigen::Success) return false;
+  const Index q = degree == 1 ? trend_.cols() : 1;
+  Eigen::MatrixXd G = trend_.leftCols(q);
+  solved.white = samples_.values;
+  llt.matrixL().solveInPlace(G);
+  llt.matrixL().solveInPlace(solved.white);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(G);
+  solved.Q = qr.householderQ() * Eigen::MatrixXd::Identity(n, q);
+  solved.white -= solved.Q * (solved.Q.transpose() * solved.white);
+  const auto extra = static_cast<double>(replicates_.count);
+  const double degrees = static_cast<double>(n - q) + extra;
+  solved.sigma2 = solved.white.colwise().squaredNorm().transpose();
+  if (replicates_.count > 0) solved.sigma2 += replicates_.squares / nugget;
+  solved.sigma2 = (solved.sigma2 / degrees).cwiseMax(tiny);
+  const double log_determinant = 2 * solved.K.diagonal().array().log().sum() +
+                                 2 * qr.matrixQR().diagonal().array().abs().log().sum() - log_trend_[degree] +
+                                 extra * at.log_nugget;
+  solved.value = .5 * (degrees * solved.sigma2.array().log().sum() + static_cast<double>(C) * log_determinant);
+  return std::isfinite(solved.value);
+}
+
+template <int Dim>
+double RestrictedLikelihood<Dim>::value(const Kernel& kernel, int degree, const Parameters& at) const {
+  Solved solved;
+  return solve(kernel, degree, at, false, solved) ? solved.value : infinity;
+}
+
+// With P = K^-1 - K^-1 G (G^T K^-1 G)^-1 G^T K^-1 and alpha = P s, the derivative by a parameter t is half the trace of
+// (C P - sum_c alpha_c alpha_c^T / sigma_c^2) dK/dt, and samples left out are missed by alpha_i / P_ii (Dubrule 1983).
+template <int Dim>
+typename RestrictedLikelihood<Dim>::Value RestrictedLikelihood<Dim>::with_derivatives(const Kernel& kernel, int degree,
+                                                                                      const Parameters& at) const {
+  Solved solved;
+  if (!solve(kernel, degree, at, true, solved)) return {infinity, Point<Dim>::Zero(), 0, infinity};
+  const Index n = size();
+  const auto C = static_cast<double>(samples_.components());
+  const auto lower = solved.K.template triangularView<Eigen::Lower>();
+  const auto upper = solved.K.transpose().template triangularView<Eigen::Upper>();
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(n, n);
+  lower.solveInPlace(inverse);
+  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(n, n);
+  P.template selfadjointView<Eigen::Lower>().rankUpdate(inverse.transpose(), C);
+  const Eigen::MatrixXd B = upper.solve(solved.Q);
+  P.template selfadjointView<Eigen::Lower>().rankUpdate(B, -C);
+  const Eigen::MatrixXd alpha = upper.solve(solved.white);
+  const Eigen::VectorXd weights = inverse_weights_.cwiseInverse();
+  const Eigen::MatrixXd errors = (P.diagonal() / C).cwiseInverse().asDiagonal() * alpha;
+  Value result{solved.value, Point<Dim>::Zero(), 0, 0};
+  result.leave_one_out = std::sqrt((weights.asDiagonal() * errors.cwiseAbs2()).sum() /
+                                   (weights.sum() * static_cast<double>(alpha.cols())));
+  P.template selfadjointView<Eigen::Lower>().rankUpdate(alpha * solved.sigma2.cwiseSqrt().cwiseInverse().asDiagonal(),
+                                                        -1.0);
+  // Half a trace is the sum over pairs; a pair's covariance grows with the logarithm of a length by -g z_a^2.
+  Point<Dim> slopes = Point<Dim>::Zero();
+  for (Index j = 0; j + 1 < n; ++j) {
+    const Index rest = n - j - 1;
+    const Eigen::VectorXd pairs = P.col(j).tail(rest).cwiseProduct(solved.slopes.col(j).tail(rest));
+    for (Index a = 0; a < Dim; ++a)
+      slopes[a] -= ((solved.scaled.row(a).tail(rest).array() - solved.scaled(a, j)).square().matrix() * pairs)(0);
+  }
+  result.d_log_lengths = slopes;
+  const double nugget = std::exp(at.log_nugget);
+  result.d_log_nugget = .5 * nugget * P.diagonal().dot(inverse_weights_);
+  if (replicates_.count > 0)
+    result.d_log_nugget += .5 * (C * static_cast<double>(replicates_.count) -
+                                 (replicates_.squares.array() / solved.sigma2.array()).sum() / nugget);
+  return result;
+}
+
+#define CSRBF_INSTANTIATE(Dim) template class RestrictedLikelihood<Dim>;
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/kernels/kernel.hpp"
+
+#include <vector>
+
+namespace csrbf {
+
+/// Samples as values of a random function: a trend (constant, or linear), a part of mean 0 and covariance sigma^2
+/// phi(|T (x - y)|) with T = diag(1 / length), and noise of variance sigma^2 nugget / weight. Minus the logarithm of
+/// the restricted likelihood (Patterson and Thompson 1971) of lengths and nugget, sigma^2 at its best for every
+/// component, the rest common to all.
+template <int Dim>
+class RestrictedLikelihood {
+ public:
+  /// `samples`: distinct points; values of size 1 about. `replicates`: what duplicates of their points say about the
+  /// noise.
+  RestrictedLikelihood(Samples<Dim> samples, Replicates replicates);
+
+  struct Parameters {
+    Point<Dim> log_lengths;
+    double log_nugget = 0;
+  };
+  struct Value {
+    double value;              ///< infinite where the covariance is not positive definite
+    Point<Dim> d_log_lengths;  ///< derivatives
+    double d_log_nugget = 0;
+    double leave_one_out = 0;  ///< weighted root mean square of the errors of samples left out
+  };
+  /// O(n^3 / 3).
+  [[nodiscard]] double value(const Kernel& kernel, int degree, const Parameters& at) const;
+  /// The derivatives, too, and the errors: seven times as long.
+  [[nodiscard]] Value with_derivatives(const Kernel& kernel, int degree, const Parameters& at) const;
+
+  [[nodiscard]] Index size() const { return samples_.size(); }
+  /// Samples with those of the replicates.
+  [[nodiscard]] Index observations() const { return size() + replicates_.count; }
+  /// Of the largest trend that the samples determine well: 0 or 1.
+  [[nodiscard]] int largest_degree() const { return largest_degree_; }
+
+ private:
+  struct Solved;
+  bool solve(const Kernel& kernel, int degree, const Parameters& at, bool derivatives, Solved& solved) const;
+
+  Samples<Dim> samples_;
+  Replicates replicates_;
+  Eigen::VectorXd inverse_weights_;
+  Eigen::MatrixXd trend_;  // 1 and the coordinates
+  int largest_degree_ = 0;
+  double log_trend_[2];  // log det G^T G by degree: makes likelihoods of both comparable (Harville 1974)
+};
+
+}  // namespace csrbf

@@ -1,0 +1,105 @@
+#include "csrbf/approx/samples/robust_weights.hpp"
+
+#include "csrbf/approx/samples/local_deviations.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace csrbf {
+namespace {
+
+// Chosen by hand.
+constexpr double gross = 8;               // deviations of a gross error
+constexpr double few_errors = 0.01;       // share below which they may be the tail of the distribution
+constexpr double gross_alone = 100;       // deviations of one of so few
+constexpr double most_errors = 0.2;       // share of the samples
+constexpr Index all_at_once = 2000;       // samples that are all looked at
+constexpr Index blocks = 8, block = 256;  // of neighbours, beyond
+constexpr double huber = 1.345;           // deviation up to which samples have their weight (Huber 1981)
+constexpr double student_degrees = 4;     // of freedom (Lange et al. 1989)
+
+// The samples nearest to a few of them: O(n) for each.
+template <int Dim>
+bool any_in_blocks(const Samples<Dim>& samples) {
+  const Index n = samples.size();
+  Eigen::VectorXd r2(n);
+  std::vector<Index> order(static_cast<std::size_t>(n));
+  for (Index k = 0; k < blocks; ++k) {
+    r2 = (samples.points.colwise() - samples.points.col((2 * k + 1) * n / (2 * blocks))).colwise().squaredNorm();
+    std::iota(order.begin(), order.end(), Index{0});
+    std::nth_element(order.begin(), order.begin() + block, order.end(),
+                     [&](Index a, Index b) { return r2[a] < r2[b]; });
+    const std::vector<Index> chosen(order.begin(), order.begin() + block);
+    Samples<Dim> some{samples.points(Eigen::all, chosen), samples.values(chosen, Eigen::all), {}};
+    if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
+    std::vector<Index> all(chosen.size());
+    std::iota(all.begin(), all.end(), Index{0});
+    if (local_deviations(some, all).maxCoeff() > gross) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+template <int Dim>
+RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& loss) {
+  const Index n = samples.size();
+  if (loss == "squares") return {};
+  if (loss == "auto" && n > all_at_once && !any_in_blocks(samples)) return {};
+  std::vector<Index> all(static_cast<std::size_t>(n));
+  std::iota(all.begin(), all.end(), Index{0});
+  const Eigen::ArrayXd deviation = local_deviations(samples, all);
+  RobustWeights result;
+  if (loss == "auto") {
+    const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
+    const double limit = share(gross) < few_errors ? gross_alone : gross;
+    if (share(limit) == 0 || share(limit) > most_errors) return {};
+    result.factors = (deviation <= limit).template cast<double>();
+  } else if (loss == "huber") {
+    result.factors = huber / deviation.max(huber);
+  } else {
+    result.factors = (student_degrees + 1) / (student_degrees + deviation.max(1.0).square());
+  }
+  for (Index i = 0; i < n; ++i)
+    if (result.factors[i] < .5) result.gross_errors.push_back(i);
+  return result;
+}
+
+std::optional<double> value_beyond_all_others(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                              std::optional<double> known) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  constexpr double far = 3;  // ranges of the others; chosen by hand
+  constexpr std::array<double, 9> usual = {-99, -999, -9999, -99999, 9999, 99999, -32768, 1e20, 1e30};
+  for (const double sign : {1.0, -1.0}) {
+    double largest = -infinity, next = -infinity, smallest = infinity;
+    Index count = 0;
+    for (const double v : values) {
+      if (known && v == *known) continue;
+      const double value = sign * v;
+      smallest = std::min(smallest, value);
+      if (value > largest) {
+        next = std::exchange(largest, value);
+        count = 1;
+      } else if (value == largest) {
+        ++count;
+      } else {
+        next = std::max(next, value);
+      }
+    }
+    if (!(next > -infinity) || !(largest - next > far * (next - smallest))) continue;
+    const double value = sign * largest;
+    const bool is_usual = std::find(usual.begin(), usual.end(), value) != usual.end();
+    const bool others_differ = next > smallest;
+    if (others_differ && (is_usual || count > 1)) return value;
+  }
+  return std::nullopt;
+}
+
+#define CSRBF_INSTANTIATE(Dim) template RobustWeights robust_weights<Dim>(const Samples<Dim>&, const std::string&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "csrbf/approx/samples/samples.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace csrbf {
+
+struct RobustWeights {
+  Eigen::VectorXd factors;          ///< of the weights of the samples; empty: all 1
+  std::vector<Index> gross_errors;  ///< samples with a factor below 1/2, in ascending order
+};
+
+/// What samples count for, by how far they are from what the samples around them say (see local_deviations()): "auto" 0
+/// for gross errors and 1 for all others, "huber" and "student" less and less, "squares" 1. auto looks at some
+/// thousands of the samples, and at all where these have gross errors; a fifth of all samples that deviate are no
+/// errors but how the values are distributed, and so are a few that are not very far off. Samples may be at the same
+/// points.
+template <int Dim>
+RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& loss);
+
+/// A value that files have where there is none, such as -9999: of several samples, or a usual one, and farther from all
+/// others than three times their range. `known`: one that is not meant.
+std::optional<double> value_beyond_all_others(const Eigen::Ref<const Eigen::VectorXd>& values,
+                                              std::optional<double> known = {});
+
+}  // namespace csrbf

@@ -1,0 +1,91 @@
+#include "csrbf/approx/samples/robust_weights.hpp"
+
+#include "approx/approx_testing.hpp"
+
+#include "csrbf/approx/samples/local_deviations.hpp"
+
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+template <int Dim, class Function>
+Samples<Dim> noisy(Index n, const Function& f, double sigma, unsigned seed = 5) {
+  Samples<Dim> data = sample<Dim>(random_points<Dim>(n, seed), f);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> error;
+  for (double& value : data.values.reshaped()) value += sigma * error(random);
+  return data;
+}
+
+TEST(RobustWeights, FindsGrossErrorsAndNoOthers) {
+  for (const double sigma : {0.0, .02}) {
+    Samples<2> data = noisy<2>(1500, franke, sigma);
+    std::vector<Index> expected;
+    for (Index i = 10; i < 1500; i += 40) {
+      data.values(i) += i % 80 < 40 ? 5 : -3;
+      expected.push_back(i);
+    }
+    const RobustWeights found = robust_weights(data, "auto");
+    EXPECT_EQ(found.gross_errors, expected) << sigma;
+    for (const Index i : expected) EXPECT_EQ(found.factors[i], 0);
+    EXPECT_EQ(found.factors.sum(), 1500 - static_cast<double>(expected.size()));
+  }
+}
+
+TEST(RobustWeights, TakesNothingForAnErrorWhereThereAreNone) {
+  const auto step = [](const Point<2>& p) { return p[0] + .3 * p[1] > .6 ? 1. : 0.; };
+  const auto bump = [](const Point<2>& p) { return std::exp(-300 * (p - Point<2>(.4, .6)).squaredNorm()); };
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    EXPECT_TRUE(robust_weights(noisy<2>(1500, franke, 0, seed), "auto").gross_errors.empty());
+    EXPECT_TRUE(robust_weights(noisy<2>(1500, franke, .1, seed), "auto").gross_errors.empty());
+    EXPECT_TRUE(robust_weights(noisy<2>(1500, step, .01, seed), "auto").gross_errors.empty());
+    EXPECT_TRUE(robust_weights(noisy<2>(1500, bump, .01, seed), "auto").gross_errors.empty());
+    EXPECT_TRUE(robust_weights(noisy<1>(300, waves<1>, .1, seed), "auto").gross_errors.empty());
+    EXPECT_TRUE(robust_weights(noisy<5>(300, waves<5>, 0, seed), "auto").gross_errors.empty());
+  }
+}
+
+TEST(RobustWeights, LooksAtAllOfManySamplesWhereSomeAreErrors) {
+  Samples<2> data = noisy<2>(20'000, franke, .02);
+  EXPECT_EQ(robust_weights(data, "auto").factors.size(), 0);
+  for (Index i = 0; i < 20'000; i += 50) data.values(i) += 3;
+  EXPECT_EQ(robust_weights(data, "auto").gross_errors.size(), 400U);
+}
+
+TEST(RobustWeights, AreThoseOfTheLoss) {
+  Samples<2> data = noisy<2>(500, franke, .02);
+  data.values(7) += 9;
+  EXPECT_EQ(robust_weights(data, "squares").factors.size(), 0);
+  for (const std::string loss : {"huber", "student"}) {
+    const RobustWeights found = robust_weights(data, loss);
+    EXPECT_LE(found.factors[7], .05) << loss;
+    EXPECT_LE(found.factors.maxCoeff(), 1) << loss;
+    EXPECT_GE((found.factors.array() > .99).count(), 300) << loss;
+    EXPECT_NE(std::find(found.gross_errors.begin(), found.gross_errors.end(), 7), found.gross_errors.end());
+  }
+}
+
+TEST(RobustWeights, TakesRepeatedPoints) {
+  Samples<2> data = noisy<2>(40, franke, .02);
+  const Samples<2> once = data;
+  data.points = once.points.replicate(1, 20).eval();
+  data.values = once.values.replicate(20, 1).eval();
+  EXPECT_TRUE(robust_weights(data, "auto").gross_errors.empty());
+}
+
+TEST(ValueBeyondAllOthers, IsNamedWhereItMeansNone) {
+  Eigen::VectorXd values = Eigen::VectorXd::LinSpaced(100, 2, 8);
+  EXPECT_FALSE(value_beyond_all_others(values));
+  values[3] = -9999;
+  EXPECT_EQ(value_beyond_all_others(values), -9999);
+  EXPECT_FALSE(value_beyond_all_others(values, -9999));
+  values[3] = 777;
+  EXPECT_FALSE(value_beyond_all_others(values));  // one, and not a usual one
+  values[30] = 777;
+  EXPECT_EQ(value_beyond_all_others(values), 777);
+  EXPECT_FALSE(value_beyond_all_others(Eigen::Vector4d(0, 0, 1, 1)));
+}
+
+}  // namespace
+}  // namespace csrbf
