@@ -96,6 +96,38 @@ class Plane(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "size of the result of force"):
             csrbf.segment(image, force=lambda labels: np.zeros(3), init="sphere:30,20,5")
 
+    def test_objects_and_their_table(self):
+        y, x = np.mgrid[:48, :64]
+        two = np.minimum(np.hypot(x - 20, y - 24), np.hypot(x - 40, y - 24)) < 11
+        g = csrbf.segment(10.0 * two + 1, objects=True, min_size=20)
+        self.assertEqual((g.objects[24, 20], g.objects[24, 40], g.objects[0, 0]), (1, 2, 0))
+        self.assertEqual([row["label"] for row in g.table], [1, 2])
+        np.testing.assert_allclose(g.table[1]["centroid"], (40, 24), atol=0.6)
+        self.assertIsNone(csrbf.segment(disc()).objects)
+        for arguments in ({"min_size": 3}, {"objects": True, "regions": 3}):
+            with self.assertRaises(ValueError):
+                csrbf.segment(disc(), **arguments)
+
+    def test_channels_of_a_colour_image(self):
+        inside = disc() > 5
+        colours = np.stack([np.where(inside, 200, 60), np.where(inside, 60, 200), 7 * np.arange(48 * 64).reshape(48, 64) % 40],
+                           axis=-1).astype(np.uint8)
+        image = csrbf.Image(colours, axes="yxc")
+        g = csrbf.segment(image)
+        self.assertTrue((g.labels == inside).all())
+        np.testing.assert_allclose(np.abs(g.report["channels"]), [0.707, 0.707, 0], atol=0.02)
+        self.assertTrue((csrbf.segment(image, channels=[1]).labels == inside).all())
+        with self.assertRaisesRegex(ValueError, "channels"):
+            csrbf.segment(image, channels=[4])
+
+    def test_seeds_keep_their_labels(self):
+        seeds = np.zeros((48, 64), int)
+        seeds[20, 30], seeds[5, 5], seeds[45, 60] = 1, 2, 1
+        labels = csrbf.segment(disc(), seeds=seeds).labels
+        self.assertEqual((labels[20, 30], labels[5, 5], labels[45, 60], labels[20, 35]), (0, 1, 0, 0))
+        with self.assertRaisesRegex(ValueError, "seeds"):
+            csrbf.segment(disc(), seeds=-seeds)
+
     def test_wrong_arguments_are_value_errors(self):
         image = disc()
         for message, arguments in (
