@@ -19,11 +19,12 @@ constexpr int noisy_rounds = 4;                // ... under strong noise
 constexpr Index neighbors = 9;                 // for the spacing
 constexpr double widest = 1, narrowest = 0.3;  // smoothing lengths in spacings, first and last without noise
 constexpr double widest_noise = 1.5;           // ... and the last under strong noise
-constexpr double width_of_noise = 4.3;         // last smoothing length in standard deviations of the noise
+constexpr double width_of_noise = 4.8;         // last smoothing length in standard deviations of the noise
 constexpr double clean_energy = 0.022;         // least with smoothing so narrow: clean clouds have less ...
 constexpr double noisy_energy = 0.036;         // ... noisy ones more
 constexpr double momentum = 0.7;               // largest share of the last change that is repeated
 constexpr Index sampled_points = 300;          // at which noise is measured
+constexpr double usual_place = 0.4;            // ... as a share: noise along one axis spares a third of the places
 constexpr Index fitted_points = 17;            // ... from the quadric of so many
 
 // Standard deviation of most points from quadrics through their neighbours: noise, or thin parts.
@@ -38,7 +39,7 @@ double noise(const Points<3>& points, const KdTree<3>& tree) {
       deviations[s] = near.deviation();
     }
   });
-  return median(deviations);
+  return percentile(deviations, usual_place);
 }
 
 // Normals times areas of the points of one level, in the order of the sums.
