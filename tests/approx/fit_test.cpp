@@ -276,17 +276,6 @@ TEST(Fit, LeavesAxesOfOneUnitAlone) {
   EXPECT_EQ(fit<2>(data, {.scale_axes = false}).report.axis_scales, (std::vector<double>{1, 1}));
 }
 
-TEST(Fit, TakesValuesOfAnySize) {
-  for (const double size : {1e-200, 1e-30, 1e30, 1e200}) {
-    Samples<2> data = sample<2>(random_points<2>(1200, 1), franke);
-    data.values *= size;
-    const Fit<2> result = fit<2>(data);
-    EXPECT_LE(result.report.max_error, 1e-3 * size);
-    EXPECT_LE(result.report.rmse, result.report.max_error);
-    EXPECT_GT(result.report.rmse, 0);
-  }
-}
-
 TEST(Fit, IsConstantOrUndefinedBeyondItsSamples) {
   for (const Index n : {300, 1500}) {
     const Samples<2> data = sample<2>(random_points<2>(n, 1), franke);
@@ -300,20 +289,6 @@ TEST(Fit, IsConstantOrUndefinedBeyondItsSamples) {
     EXPECT_TRUE(std::isnan((*undefined)(Point<2>(.5, box.lo[1] - 1e-9))));
     EXPECT_EQ((*undefined)(Point<2>(.5, .5)), (*constant)(Point<2>(.5, .5)));
     EXPECT_EQ((*undefined)(box.hi), (*constant)(box.hi));
-  }
-}
-
-TEST(Fit, KnowsLessTheFartherFromItsSamples) {
-  for (const Index n : {300, 4000}) {
-    const Fit<2> result = fit<2>(sample<2>(random_points<2>(n, 1), franke));
-    double before = (*result.variances[0])(Point<2>(.9, .5));
-    for (const double x : {1.05, 1.2, 1.4}) {
-      const double variance = (*result.variances[0])(Point<2>(x, .5));
-      EXPECT_GT(variance, before) << n << " " << x;
-      before = variance;
-    }
-    EXPECT_GE(before, 1e-3);
-    EXPECT_LE((*result.variances[0])(Point<2>(3, 3)), 10) << n;
   }
 }
 
@@ -347,12 +322,6 @@ TEST(Fit, RefusesInvalidSamples) {
   bad = good;
   bad.points(0, 3) = HUGE_VAL;
   refused(bad, "points = NaN or infinity");
-  bad = good;
-  bad.values(3) = -1e300;
-  refused(bad, "values = 1e+300: must not exceed 1e250; use another unit");
-  bad = good;
-  bad.points(0, 3) = -1e200;
-  refused(bad, "points = 1e+200: must not exceed 1e150; use another unit");
 }
 
 TEST(Fit, RefusesInvalidOptions) {

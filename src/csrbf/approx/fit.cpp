@@ -7,7 +7,6 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
-#include "csrbf/approx/samples/sample_limits.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
@@ -143,7 +142,6 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
       samples = &*selected.samples;
     }
   }
-  require_within_limits(*samples, "fit");
   const FitMethodInfo* method = find_fit_method(options.method);
   const bool has_bound = options.tolerance > 0 || (method != nullptr && method->keeps_duplicates);
   const bool interpolates = options.smoothing && *options.smoothing == 0;
@@ -234,11 +232,15 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
   fit.report.rmse = norms.stableNorm() / std::sqrt(static_cast<double>(points.cols() * norms.size()));
 }
 
-}  // namespace
+// A power of two by which numbers have a usual size; 1 if they have one.
+double unit_of(double largest) {
+  constexpr double usual = 1e100;  // products of several neither overflow nor vanish
+  if (!std::isfinite(largest) || largest == 0 || (largest <= usual && largest >= 1 / usual)) return 1;
+  return std::ldexp(1.0, std::ilogb(largest));
+}
 
 template <int Dim>
-Fit<Dim> fit(const Samples<Dim>& given_samples, const FitOptions& options) {
-  check<Dim>(options);
+Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options) {
   Selected<Dim> selected = select(given_samples, options);
   const Samples<Dim>& samples = selected.samples ? *selected.samples : given_samples;
   csrbf::report(options.progress, "choose", 0);
@@ -299,7 +301,45 @@ Fit<Dim> fit(const Samples<Dim>& given_samples, const FitOptions& options) {
   report.method = info_of(fields.method).name;
   report.noise = std::move(fields.noise);
   warn(options, info_of(fields.method), report);
-  warn_of_errors(given_samples, options, report);
+  return result;
+}
+
+// Of samples divided by both units, with the errors and the tolerance in that of the values.
+template <int Dim>
+Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double coordinates, double values) {
+  samples.points /= coordinates;
+  samples.values /= values;
+  for (double& period : options.periods) period /= coordinates;
+  options.tolerance /= values;
+  if (options.missing) *options.missing /= values;
+  Fit<Dim> result = fit_in_usual_units(samples, options);
+  const auto place = [&](std::vector<std::shared_ptr<const Field<Dim>>>& fields, double unit) {
+    for (auto& field : fields) field = dynamic_cast<const FittedField<Dim>&>(*field).in_units(coordinates, unit);
+  };
+  place(result.components, values);
+  place(result.variances, 1);
+  result.variance_unit = values;
+  FitReport& report = result.report;
+  for (double& scale : report.axis_scales) scale *= coordinates;
+  for (double& noise : report.noise) noise *= values;
+  report.rmse *= values;
+  report.max_error *= values;
+  report.cross_validation_rmse *= values;
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
+  check<Dim>(options);
+  require_valid(samples, "fit");
+  const double coordinates = unit_of(samples.points.cwiseAbs().maxCoeff());
+  const double values =
+      unit_of(samples.values.unaryExpr([&](double v) { return options.missing == v ? 0.0 : std::abs(v); }).maxCoeff());
+  Fit<Dim> result = coordinates == 1 && values == 1 ? fit_in_usual_units(samples, options)
+                                                    : fit_in_units(samples, options, coordinates, values);
+  warn_of_errors(samples, options, result.report);
   return result;
 }
 

@@ -19,6 +19,7 @@ struct Fit {
   /// box growing with the distance as the values differ. Empty for the other methods, for interpolation of more than
   /// 4000 samples, and where there are too few samples to estimate it.
   std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
+  double variance_unit = 1;  ///< variances are in its square, which keeps those of huge and tiny values finite
   FitReport report = {};
 };
 

@@ -3,6 +3,7 @@
 #include "csrbf/approx/function_fit.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 
+#include <cmath>
 #include <type_traits>
 
 namespace csrbf {
@@ -46,8 +47,8 @@ Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::Mat
           "the noise of the samples is unknown for this fit; ask for that of a sample");
   for (Index c = 0; c < result.cols(); ++c) {
     Eigen::ArrayXd variance = shared_evaluate(*fit.variances[c], points).value;
-    if (of == DeviationOf::function) variance -= noise[c] * noise[c];
-    result.col(c) = variance.unaryExpr([](double v) { return v < 0 ? 0 : v; }).sqrt();  // keeps NaN
+    if (of == DeviationOf::function) variance -= std::pow(noise[c] / fit.variance_unit, 2);
+    result.col(c) = fit.variance_unit * variance.unaryExpr([](double v) { return v < 0 ? 0 : v; }).sqrt();  // keeps NaN
   }
   return result;
 }

@@ -20,7 +20,7 @@ bool contains(const Box<Dim>& box, const PointsRef<Dim>& x) {
 // Whether inside the box the coordinates of the inner field are those of the user.
 template <int Dim>
 bool is_same_inside(const typename FittedField<Dim>::Frame& frame) {
-  return frame.periods.isZero() && frame.scales == Point<Dim>::Ones();
+  return frame.periods.isZero() && frame.scales == Point<Dim>::Ones() && frame.unit == 1;
 }
 
 }  // namespace
@@ -32,6 +32,17 @@ FittedField<Dim>::FittedField(std::shared_ptr<const Field<Dim>> inner, const Fra
     if (frame.periods[a] > 0)
       repeated_ = std::make_shared<const PeriodicField<Dim>>(repeated_, a, frame.box.lo[a] / frame.scales[a],
                                                              frame.periods[a] / frame.scales[a]);
+}
+
+template <int Dim>
+std::shared_ptr<const FittedField<Dim>> FittedField<Dim>::in_units(double coordinates, double values) const {
+  Frame frame = frame_;
+  frame.scales *= coordinates;
+  frame.periods *= coordinates;
+  frame.box.lo *= coordinates;
+  frame.box.hi *= coordinates;
+  frame.unit *= values;
+  return std::make_shared<const FittedField>(inner_, frame);
 }
 
 template <int Dim>
@@ -59,6 +70,18 @@ std::vector<Index> FittedField<Dim>::evaluation_order(const PointsRef<Dim>& x) c
 
 template <int Dim>
 void FittedField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const {
+  evaluate_in_unit(x, out);
+  if (frame_.unit == 1) return;
+  const auto scale = [&](double* from, Index count) {
+    if (from != nullptr) Eigen::Map<Eigen::VectorXd>(from, count) *= frame_.unit;
+  };
+  scale(out.value, x.cols());
+  scale(out.gradient, Dim * x.cols());
+  scale(out.hessian, symmetric_size<Dim> * x.cols());
+}
+
+template <int Dim>
+void FittedField<Dim>::evaluate_in_unit(const PointsRef<Dim>& x, const JetBlock& out) const {
   if (is_same_inside<Dim>(frame_) && contains<Dim>(frame_.box, x)) return repeated_->evaluate_block(x, out);
   Points<Dim> y(Dim, x.cols());
   std::vector<std::array<bool, Dim>> outside(x.cols());
@@ -130,12 +153,13 @@ Eigen::VectorXd FittedField<Dim>::evaluate_grid(const GridAxes<Dim>& axes) const
       std::array<bool, Dim> outside;
       coordinate = map(Point<Dim>::Constant(coordinate), outside)[static_cast<Index>(a)];
     }
-  return repeated_->evaluate_grid(mapped);
+  return frame_.unit * repeated_->evaluate_grid(mapped);
 }
 
 template <int Dim>
 std::optional<Enclosure> FittedField<Dim>::enclose(const Box<Dim>& box) const {
-  if (!frame_.periods.isZero() || frame_.extrapolation != Extrapolation::constant || frame_.growth.amount > 0)
+  if (frame_.unit != 1 || !frame_.periods.isZero() || frame_.extrapolation != Extrapolation::constant ||
+      frame_.growth.amount > 0)
     return std::nullopt;
   const auto mapped = [&](const Point<Dim>& x) -> Point<Dim> {
     return x.cwiseMax(frame_.box.lo).cwiseMin(frame_.box.hi).cwiseQuotient(frame_.scales);

@@ -23,6 +23,7 @@ class FittedField : public Field<Dim> {
     Point<Dim> periods = Point<Dim>::Zero();  ///< 0 for axes that are not periodic; the first period starts at box.lo
     Box<Dim> box;                             ///< of the samples, in the coordinates of the user
     Extrapolation extrapolation = Extrapolation::constant;
+    double unit = 1;     ///< of the values: f = unit inner
     Growth growth = {};  ///< added outside the box, at the distance from it in the coordinates of the inner field
   };
 
@@ -37,10 +38,14 @@ class FittedField : public Field<Dim> {
   /// That of the inner field, if there are no periods and values are constant outside.
   [[nodiscard]] std::optional<Enclosure> enclose(const Box<Dim>& box) const override;
 
+  /// The same for coordinates in another unit, and with values in one.
+  [[nodiscard]] std::shared_ptr<const FittedField> in_units(double coordinates, double values) const;
+
   [[nodiscard]] const Field<Dim>& inner() const { return *inner_; }
   [[nodiscard]] const Frame& frame() const { return frame_; }
 
  private:
+  void evaluate_in_unit(const PointsRef<Dim>& x, const JetBlock& out) const;
   void continue_linearly(const PointsRef<Dim>& x, const Points<Dim>& y,
                          const std::vector<std::array<bool, Dim>>& outside, const JetBlock& out) const;
 

@@ -81,6 +81,7 @@ Archive to_archive(const typename FittedField<Dim>::Frame& frame) {
   archive.set("periods", frame.periods);
   set_box(archive, frame.box);
   archive.set("extrapolation", name_of(frame.extrapolation));
+  archive.set("unit", frame.unit);
   archive.set("growth", Eigen::Vector3d(frame.growth.amount, frame.growth.exponent, frame.growth.largest));
   return archive;
 }
@@ -95,6 +96,7 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
   if (archive.has("growth")) {  // older models have none
     const Eigen::MatrixXd growth = archive.numbers("growth", 3, 1);
     frame.growth = {growth(0), growth(1), growth(2)};
+    frame.unit = archive.number("unit");
   }
   if (!(frame.scales.minCoeff() > 0) || !(frame.periods.minCoeff() >= 0) || frame.box.empty() ||
       !frame.box.extent().allFinite())

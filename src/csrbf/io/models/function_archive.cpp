@@ -90,6 +90,7 @@ void set_components(Archive& archive, const Fit<Dim>& fit) {
   for (std::size_t i = 0; i < fit.components.size(); ++i)
     archive.set("component" + std::to_string(i), writer.field(*fit.components[i]));
   archive.set("variances", fit.variances.size());
+  archive.set("variance_unit", fit.variance_unit);
   for (std::size_t i = 0; i < fit.variances.size(); ++i)
     archive.set("variance" + std::to_string(i), writer.field(*fit.variances[i]));
   writer.store_shared(archive);
@@ -104,6 +105,7 @@ Function make_function(const Archive& archive, std::int64_t components) {
   const std::int64_t variances = archive.integer("variances", 0, components);
   for (std::int64_t i = 0; i < variances; ++i)
     fit.variances.push_back(reader.field(archive.part("variance" + std::to_string(i))));
+  if (archive.has("variance_unit")) fit.variance_unit = archive.number("variance_unit");  // older models have none
   if (variances != 0 && variances != components) archive.fail("there is not one variance per component");
   fit.report = report_from(archive.part("report"));
   return Function(std::move(fit));
