@@ -1,13 +1,13 @@
 # Most of the time of a build goes into headers and into templates that many files instantiate: files of a folder are
 # therefore compiled together, several in one translation unit. OFF where single files are edited and compiled again, and
 # where every file must show that it includes what it uses.
-option(CSRBF_UNITY_BUILD "Compile the files of a folder together" ON)
+option(CSRBF_UNITY_BUILD "Compile the files of a folder together, with precompiled headers" ON)
 
-# csrbf_compile_together(<target> <file>... [ALONE <file>...]): compiles the files together, those of a folder in groups
-# of at most eight, except the ones ALONE, whose names in anonymous namespaces others of the folder have too. The test
-# `unity_names` reads the groups from compiled_together.txt.
+# csrbf_compile_together(<target> <file>... [ALONE <file>...] [HEADERS <header>...]): compiles the files together, those
+# of a folder in groups of at most eight, except the ones ALONE, whose names in anonymous namespaces others of the folder
+# have too. The headers are compiled once, before. The test `unity_names` reads the groups from compiled_together.txt.
 function(csrbf_compile_together target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" ALONE)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ALONE;HEADERS")
   set(most 8)
   set(folders "")
   foreach(file ${arg_UNPARSED_ARGUMENTS})
@@ -33,6 +33,7 @@ function(csrbf_compile_together target)
     endforeach()
   endforeach()
   if(CSRBF_UNITY_BUILD)
+    target_precompile_headers(${target} PRIVATE ${arg_HEADERS})
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
     # A local name may be that of something in another file's anonymous namespace, whose types GCC takes for those of a
     # header.

@@ -98,7 +98,8 @@ TEST(Kernel, OfMaternByBesselFunctionsAgreesWithTheClosedForms) {
   }
 }
 
-// Around r = 1e-8, where the limit at the center takes over.
+// Around r = 1e-8, where the limit at the center takes over; libc++ has no Bessel functions to compare with.
+#ifdef __cpp_lib_math_special_functions
 TEST(Kernel, OfMaternIsThatOfBesselFunctionsNextToTheCenter) {
   for (const double nu : {.3, .7, .9})
     for (const double r : {1e-10, 9e-9, 1.1e-8, 1e-6}) {
@@ -106,6 +107,7 @@ TEST(Kernel, OfMaternIsThatOfBesselFunctionsNextToTheCenter) {
       EXPECT_NEAR(Kernel("matern", 2, nu).value(r), bessel, 1e-12) << nu << " " << r;
     }
 }
+#endif
 
 TEST(Kernel, OfMaternAndItsDerivativesVanishFarAway) {
   for (const double nu : {.3, 1.0, 1.7, 2.0, 3.2})
