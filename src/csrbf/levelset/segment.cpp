@@ -129,11 +129,11 @@ class Segmenter {
     labels_ = !given_.empty() && options_.force ? given_ : regions_->start();
   }
 
-  // A contour that moves from a seed keeps the seed inside.
+  // A contour that moves from a seed keeps the seed inside, unless it starts elsewhere.
   void keep_seed() {
     constexpr float certain = 10;  // mean costs of a voxel in the wrong region
     prior_ = options_.prior;
-    if (!is_local() || options_.seed.empty()) return;
+    if (!is_local() || options_.seed.empty() || !options_.start.empty()) return;
     prior_.resize(options_.seed.size(), 0.0F);
     for (std::size_t i = 0; i < prior_.size(); ++i)
       if (options_.seed[i] != 0) prior_[i] -= certain;

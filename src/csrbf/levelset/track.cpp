@@ -165,8 +165,10 @@ class Tracker {
     if (last >= 0 && options.regions == 2) {
       const std::vector<std::uint8_t>& labels = state(last).labels;
       if (std::find(labels.begin(), labels.end(), 1) != labels.end()) options.seed = labels;
-      if (remembers_) {
+      // Where the contour was is where it starts, not what it must keep.
+      if (remembers_ || options.mode == SegmentMode::local || options.energy == SegmentEnergy::edge)
         options.start = options.seed;
+      if (remembers_) {
         options.prior = prior(t, sweep, last);
       }
     }

@@ -108,7 +108,7 @@ KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& optio
   if (options.kernel != "auto") {
     choice.names = {options.kernel};
   } else if (sparse && Dim <= highest_fast_dimension && !periodic(metric)) {
-    choice.names = {"linear", "thin-plate", "cubic"};
+    choice.names = {"linear", "thin-plate"};
     choice.parameter = nan;
   } else if (sparse || periodic(metric)) {
     choice.names = {"wendland-c2", "wendland-c4", "wendland-c6"};

@@ -21,8 +21,8 @@ struct RadialMetric;
 
 struct InterpolateOptions {
   /// A name of Kernel, or "auto": the kernel with the smallest leave-one-out error (see choose_kernel()); beyond
-  /// `dense_limit` samples among linear, thin-plate and cubic, on periodic axes and there in more than three dimensions
-  /// among Wendland functions.
+  /// `dense_limit` samples linear or thin-plate, on periodic axes and there in more than three dimensions a Wendland
+  /// function.
   std::string kernel = "auto";
   double parameter = std::numeric_limits<double>::quiet_NaN();  ///< of the kernel; NaN: its default
 

@@ -24,6 +24,7 @@ constexpr double trusted = .2;                           // share of the residua
 constexpr double costly_accuracy = 1e-8;                 // below which operators in space take seconds
 constexpr Index many_direct = 40000, few_direct = 2000;  // points summed directly with such operators and others
 constexpr int most_smoothness = 6;                       // that needs more neighbours in the preconditioner
+constexpr double unseen = 2;                             // the largest error at all samples, in units of that at some
 constexpr Index checked = 64;                            // samples at which sums are compared with direct ones
 
 // K alpha at some samples, directly.
@@ -160,7 +161,7 @@ IterativeSolution solve_iteratively(const PointsRef<Dim>& points, const Kernel& 
       const Eigen::VectorXd product = outer(alpha);
       rest = values - product;
       r = project(rest);
-      off = outer.error(alpha, product);
+      off = unseen * outer.error(alpha, product);
     };
     while (largest(r) + off > goal) {
       const double before = largest(r);

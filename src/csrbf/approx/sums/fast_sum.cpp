@@ -1,5 +1,6 @@
 #include "csrbf/approx/sums/fast_sum.hpp"
 
+#include "csrbf/approx/sums/nodal_products.hpp"
 #include "csrbf/approx/sums/radial_sums.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
@@ -17,38 +18,6 @@ constexpr Index grain = 16;      // boxes per task, chosen by hand
 constexpr Index padded_slots(Index n) {
   return (n + slot_width - 1) / slot_width * slot_width;
 }
-
-// Lagrange polynomials of the nodes at points of a box, in its units.
-template <int Dim>
-class NodalProducts {
- public:
-  NodalProducts(const BoxOperators<Dim>& level, const Points<Dim>& unit, int derivatives) : level_(level) {
-    for (int d = 0; d < Dim; ++d)
-      for (int k = 0; k <= derivatives; ++k) axis_[d][k] = level.chebyshev().lagrange(unit.row(d).transpose(), k);
-  }
-
-  // n x order.
-  [[nodiscard]] const Eigen::MatrixXd& first(int derivative) const { return axis_[0][derivative]; }
-
-  // Products over the other axes: slab x n.
-  [[nodiscard]] Eigen::MatrixXd others(const std::array<int, 3>& derivative) const {
-    const Index n = axis_[0][0].rows();
-    const int p = level_.chebyshev().order();
-    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(level_.slab(), n);
-    if constexpr (Dim == 1) T.row(0).setOnes();
-    if constexpr (Dim == 2) T.topRows(p) = axis_[1][derivative[1]].transpose();
-    if constexpr (Dim == 3) {
-      const Eigen::MatrixXd b = axis_[1][derivative[1]].transpose(), c = axis_[2][derivative[2]].transpose();
-      for (Index i = 0; i < n; ++i)
-        for (int k = 0; k < p; ++k) T.col(i).segment(p * k, p) = c(k, i) * b.col(i);
-    }
-    return T;
-  }
-
- private:
-  const BoxOperators<Dim>& level_;
-  std::array<std::array<Eigen::MatrixXd, 3>, Dim> axis_;
-};
 
 template <int Dim>
 const PointsRef<Dim>& checked(const PointsRef<Dim>& centers, double support, const TreeOptions& options) {

@@ -77,7 +77,12 @@ FitReport report_from(const Archive& archive) {
   report.axis_scales = archive.column("axis_scales");
   if (archive.has("gross_errors")) {  // older models have none of these
     report.missing = archive.integer("missing");
-    for (const double row : archive.column("gross_errors")) report.gross_errors.push_back(static_cast<Index>(row));
+    for (const double row : archive.column("gross_errors")) {
+      constexpr double most = 9007199254740992;  // 2^53: whole numbers up to there are exact
+      if (!(row >= 0 && row <= most && row == std::floor(row)))
+        archive.fail("a row of gross_errors is not a whole number");
+      report.gross_errors.push_back(static_cast<Index>(row));
+    }
     report.noise = archive.column("noise");
   }
   report.warnings = texts_of(archive, "warning");
@@ -108,6 +113,8 @@ Function make_function(const Archive& archive, std::int64_t components) {
   if (archive.has("variance_unit")) fit.variance_unit = archive.number("variance_unit");  // older models have none
   if (variances != 0 && variances != components) archive.fail("there is not one variance per component");
   fit.report = report_from(archive.part("report"));
+  if (!fit.report.noise.empty() && std::ssize(fit.report.noise) != components)
+    archive.fail("there is not one noise per component");
   return Function(std::move(fit));
 }
 
