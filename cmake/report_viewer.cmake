@@ -1,5 +1,5 @@
-# Bundles the interactive view of reports (viewer/) with three.js into one script. CSRBF_VIEWER_SCRIPT is its path, or
-# empty: then reports show still pictures. three.js and esbuild come from Debian (libjs-three, esbuild) or, after
+# Bundles the interactive view of reports (viewer/) with three.js into one script. CSRBF_VIEWER_SCRIPT is its path and
+# the target csrbf-viewer makes it; or it is empty: then reports and notebooks show still pictures. three.js and esbuild come from Debian (libjs-three, esbuild) or, after
 # `npm install` in viewer/, from there.
 find_file(CSRBF_THREE_MODULE three.module.js
           PATHS ${PROJECT_SOURCE_DIR}/viewer/node_modules/three/build /usr/share/javascript/three
@@ -21,6 +21,7 @@ if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE AND CSRBF_ESBUILD)
     DEPENDS ${viewer_sources} ${CSRBF_THREE_MODULE}
     COMMENT "Bundling the viewer of reports"
     VERBATIM)
+  add_custom_target(csrbf-viewer DEPENDS ${CSRBF_VIEWER_SCRIPT})
 else()
   message(STATUS "HTML reports show still pictures: three.js (libjs-three) and esbuild make them interactive")
 endif()

@@ -2,9 +2,12 @@
 #include "picture.hpp"
 
 #include "csrbf/implicit/compare.hpp"
+#include "csrbf/implicit/render/color_map.hpp"
 #include "csrbf/io/image.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/polylines.hpp"
+
+#include <cmath>
 
 namespace csrbf::python {
 namespace {
@@ -58,6 +61,19 @@ void write_picture(const std::string& path, const py::array_t<std::uint8_t, py::
   run([&](const Progress& /*progress*/) { write_png(path, picture); });
 }
 
+// sRGB colours (n, 3) of values from 0 to 1.
+py::array_t<std::uint8_t> color_map(const Array& given, bool diverging) {
+  const auto values = vector(given, "values");
+  py::array_t<std::uint8_t> colors({values.size(), Index{3}});
+  std::uint8_t* out = colors.mutable_data();
+  constexpr float most = 255;  // of 8 bits
+  for (const double t : values) {
+    const LinearRgb color = diverging ? diverging_color(2 * t - 1) : sequential_color(t);
+    for (const float part : color) *out++ = static_cast<std::uint8_t>(std::lround(most * srgb_from_linear(part)));
+  }
+  return colors;
+}
+
 }  // namespace
 
 void bind_mesh(py::module_& m) {
@@ -81,6 +97,7 @@ void bind_mesh(py::module_& m) {
     return to_array(run(listener, [&](const Progress& progress) { return render(mesh, picture.with(progress)); }));
   });
   m.def("write_picture", &write_picture);
+  m.def("color_map", &color_map);
   m.def("write_polylines", [](const std::string& path, const py::tuple& given) {
     const Polylines lines = polylines_from(given);
     run([&](const Progress& /*progress*/) { write_polylines(path, lines); });

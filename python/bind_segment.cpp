@@ -1,6 +1,8 @@
 #include "mesh_arrays.hpp"
+#include "picture.hpp"
 #include "volume_layout.hpp"
 
+#include "csrbf/implicit/preview.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/levelset/image_contour.hpp"
 #include "csrbf/levelset/objects.hpp"
@@ -300,6 +302,20 @@ std::unique_ptr<Segments> restored(const NamedFunction& function, const Bytes& l
   return segments;
 }
 
+// A slice of the image with the contours of all regions but the outside.
+py::array_t<std::uint8_t> preview_of(const Segments& s, const Image& image, int axis, int size) {
+  return to_array(run([&](const Progress& /*progress*/) {
+    return std::visit(
+        [&]<int Dim>(const Segmentation<Dim>& found) {
+          std::vector<const Field<Dim>*> fields;
+          for (std::size_t k = found.fields.size() > 1 ? 1 : 0; k < found.fields.size(); ++k)
+            fields.push_back(found.fields[k].get());
+          return preview<Dim>(image, fields, {.axis = axis, .size = size});
+        },
+        s.found);
+  }));
+}
+
 py::dict layout_of(const Segments& s) {
   VolumeLayout layout;
   layout.grid = s.grid;
@@ -330,6 +346,7 @@ void bind_segment(py::module_& m) {
       .def_property_readonly("report", [](const Segments& s) { return to_dict(report_of(s)); })
       .def("function", &function_of)
       .def("contour", &contour_of)
+      .def("preview", &preview_of)
       .def_property_readonly("layout", &layout_of)
       .def_static("restore", &restored);
   m.def("segment", &segment_image);

@@ -36,6 +36,7 @@ PictureOptions::PictureOptions(const py::dict& given, const std::optional<py::tu
   read_entry(given, "view", options_.view);
   read_entry(given, "field_of_view", options_.field_of_view);
   read_entry(given, "color_limit", options_.color_limit);
+  read_entry(given, "occlusion_rays", options_.occlusion_rays);
   read_entry(given, "material", options_.material);
   read_entry(given, "background", options_.background);
   options_.up = up_named(given["up"].cast<std::string>());

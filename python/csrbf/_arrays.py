@@ -9,18 +9,56 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike, NDArray
 
+from csrbf._masks import data_of, mask_of
+
 Floats = NDArray[np.float64]
 Path = Union[str, "os.PathLike[str]"]
 
 
+def numbers(array: ArrayLike, name: str, kinds: str = "biuf") -> NDArray[Any]:
+    """An array of real numbers of any type (numpy's `kinds`); masked entries, which mostly have no meaning, are refused."""
+    mask = mask_of(array)
+    if mask is not None:
+        entries = "entry is" if mask.sum() == 1 else "entries are"
+        raise ValueError(f"{name}: {mask.sum()} {entries} masked; leave them out, or give them values with .filled()")
+    try:
+        found = np.asarray(data_of(array))
+    except ValueError as error:
+        raise ValueError(f"{name}: must be an array of numbers: {error}") from None
+    if found.dtype.kind not in kinds:
+        raise ValueError(f"{name}: must be real numbers{_what_else(found)}")
+    return found
+
+
+def _what_else(array: NDArray[Any]) -> str:
+    """What an array holds instead of real numbers, as the end of a sentence."""
+    if array.dtype.kind == "c":
+        return ", not complex ones; give .real and .imag as two columns of values"
+    if array.dtype.kind in "mM":
+        return ", not dates or times; convert them, as in (times - times[0]) / numpy.timedelta64(1, 's')"
+    if array.dtype.kind == "O":
+        for index, entry in np.ndenumerate(array):
+            if not isinstance(entry, (bool, int, float, np.number, np.bool_)):
+                place = ", ".join(map(str, index))
+                return f"; entry [{place}] is {entry!r:.60}"
+        return "; the array is of type object, convert it with .astype(float)"
+    return f"; the array is of type {array.dtype}"
+
+
 def floats(array: ArrayLike, name: str) -> Floats:
     """A C-contiguous array of float64; `array` itself when it is one already."""
-    if np.iscomplexobj(array):
-        raise ValueError(f"{name}: must be real numbers")
-    try:
-        return np.ascontiguousarray(array, dtype=np.float64) if np.ndim(array) else np.asarray(array, dtype=np.float64)
-    except TypeError as error:
-        raise ValueError(f"{name}: must be numbers: {error}") from None
+    found = numbers(array, name)
+    return np.ascontiguousarray(found, dtype=np.float64) if found.ndim else np.asarray(found, dtype=np.float64)
+
+
+def indices(array: ArrayLike, name: str) -> NDArray[np.int32]:
+    """A C-contiguous array of int32, of whole numbers that fit it."""
+    found = numbers(array, name)
+    limits = np.iinfo(np.int32)
+    whole = found.dtype.kind in "iu" or found.size == 0 or bool((found == np.rint(found)).all())
+    if found.size > 0 and not (whole and limits.min <= found.min() and found.max() <= limits.max):
+        raise ValueError(f"{name}: must be whole numbers below 2^31, the indices of vertices")
+    return np.ascontiguousarray(found, dtype=np.int32)
 
 
 def rows(array: ArrayLike, name: str) -> Floats:
@@ -29,14 +67,6 @@ def rows(array: ArrayLike, name: str) -> Floats:
     if array.ndim != 2:
         raise ValueError(f"{name}: has shape {array.shape}; give one point per row, in an array of shape (n, d)")
     return array
-
-
-def queries(x: ArrayLike, dimension: int) -> tuple[Floats, tuple[int, ...]]:
-    """Points of an array (..., d) as rows, and the leading shape."""
-    x = floats(x, "x")
-    if x.ndim == 0 or x.shape[-1] != dimension:
-        raise ValueError(f"x: has shape {x.shape}; its last axis must hold the {dimension} coordinates of a point")
-    return x.reshape(-1, dimension), x.shape[:-1]
 
 
 def smoothing_or_none(smoothing: str | float | None) -> float | None:

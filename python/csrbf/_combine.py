@@ -1,16 +1,17 @@
 from __future__ import annotations
 
 from csrbf import _csrbf
+from csrbf._options import Blending, Operation
 from csrbf._progress import Progress, listening
 from csrbf._surface import Surface
 
 
 def combine(
-    operation: str,
+    operation: Operation,
     *surfaces: Surface,
     radius: float | None = None,
     sharpness: float | None = None,
-    blending: str | None = None,
+    blending: Blending | None = None,
     progress: Progress = None,
 ) -> Surface:
     """Unite, intersect, subtract or blend surfaces.

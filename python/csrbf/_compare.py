@@ -100,12 +100,10 @@ def _point_arrays(points: Any) -> _csrbf.CloudArrays:
 
 def _labels(labels: Any, voxel_size: ArrayLike | None) -> Image:
     if isinstance(labels, Segmentation):
-        from csrbf._image import image_from_layout
-
-        return image_from_layout(labels.labels, labels._segments.layout)
+        return labels._label_image()
     if isinstance(labels, Image):
         return labels
-    return as_image(np.asarray(labels), voxel_size)
+    return as_image(labels, voxel_size)
 
 
 def _compare_labels(a: Image, b: Image, listener: Any) -> dict[str, Any]:
@@ -114,7 +112,7 @@ def _compare_labels(a: Image, b: Image, listener: Any) -> dict[str, Any]:
     # An image without a position is given that of the other one.
     places = [b if _has_no_place(a) else a, a if _has_no_place(b) else b]
     layouts = [_placed(image, place) for image, place in zip((a, b), places)]
-    numbers = [np.ascontiguousarray(image.values, dtype=np.float32).ravel() for image in (a, b)]
+    numbers = [np.ascontiguousarray(image._filled(), dtype=np.float32).ravel() for image in (a, b)]
     return _csrbf.compare_labels(numbers[0], layouts[0], numbers[1], layouts[1], bool(alike), listener)
 
 

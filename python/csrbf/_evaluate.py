@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from csrbf._arrays import Floats, Path, queries
+from csrbf._arrays import Floats, Path, floats
 from csrbf._function import Function
 from csrbf._image import as_image
+from csrbf._labels import Labelled, Places, is_data_array, is_dataset
 from csrbf._load import load
+from csrbf._options import DeviationOf
 from csrbf._surface import Surface
 
 if TYPE_CHECKING:
@@ -19,29 +21,31 @@ if TYPE_CHECKING:
 
 def evaluate(
     model: Function | Surface | Path,
-    points: ArrayLike | None = None,
+    points: ArrayLike | Labelled | None = None,
     *,
     grid: int | Sequence[int] | None = None,
     bounds: ArrayLike | None = None,
-    like: ImageLike | None = None,
+    like: ImageLike | Labelled | None = None,
     gradient: bool = False,
     hessian: bool = False,
     standard_deviation: bool = False,
-    deviation_of: str = "sample",
+    deviation_of: DeviationOf = "sample",
     labels: bool = False,
-) -> NDArray[Any]:
+) -> Any:
     """Values of a model at points, at the nodes of a grid or at the voxels of an image, and derivatives, in one table.
 
     Parameters
     ----------
     model : Function, Surface or file name
-    points : array_like (..., d), optional
+    points : array_like (..., d) or DataFrame, optional
+        A table has columns with the names of the coordinates of the model.
     grid : int or sequence of int, optional
         Instead of points: number of nodes along x, y (and z).
     bounds : array_like (d, 2), optional
         First and last node of the grid along each axis; the box of the samples when not given.
-    like : Image, array_like or file name, optional
-        Instead of points: the centres of the voxels of this image.
+    like : Image, array_like, DataArray or file name, optional
+        Instead of points: the centres of the voxels of this image, or the coordinates of an array of xarray, which have
+        the names of those of the model.
     gradient, hessian, standard_deviation : bool
         Append the gradient, the upper triangle of the Hessian and the standard deviation.
     deviation_of : "sample" or "function"
@@ -51,7 +55,7 @@ def evaluate(
 
     Returns
     -------
-    ndarray (..., columns), or (...) for one column
+    ndarray (..., columns), or (...) for one column; DataFrame, Series, Dataset or DataArray
         For points (m, ...); for a grid or an image [y, x] or [z, y, x], indexed as images are. Columns: the k values,
         then k x d derivatives, value by value, and so on.
 
@@ -79,26 +83,33 @@ def evaluate(
         raise ValueError("labels: have no derivatives or deviations; leave those out")
     f = load(model) if isinstance(model, (str, os.PathLike)) else model
     d = f.dimension if isinstance(f, Function) else 3
+    where: Any = points
     if grid is not None:
-        points = _nodes(f.bounds.T if bounds is None else np.asarray(bounds, dtype=float), grid, d)
+        where = _nodes(f.bounds.T if bounds is None else floats(bounds, "bounds"), grid, d)
     elif like is not None:
-        points = as_image(like).centers()[..., :d]  # a volume of one slice is a 2D image
-    assert points is not None
-    x, shape = queries(points, d)
-    columns = [f(x).reshape(len(x), -1)]
+        # A volume of one slice is a 2D image.
+        given: Any = like
+        where = given if is_data_array(given) or is_dataset(given) else as_image(given).centers()[..., :d]
+    places = f._places(where) if isinstance(f, Function) else Places(where, "xyz")
+    x = places.rows
+    axes, values = (f.coordinate_names, f.value_names) if isinstance(f, Function) else (list("xyz"), ["value"])
+    columns, names = [f(x).reshape(len(x), -1)], list(values)
     if labels:
         found = columns[0]
         numbers: NDArray[Any] = found[:, 0] > 0 if found.shape[1] == 1 else found.argmax(axis=1)
-        return np.asarray(numbers, dtype=np.uint8).reshape(shape)
+        return places.like_given(np.asarray(numbers, dtype=np.uint8), ["label"])
     if gradient:
         columns.append(f.gradient(x).reshape(len(x), -1))
+        names += [f"{value}_{axis}" for value in values for axis in axes]
     if hessian:
         upper = np.triu(np.ones((d, d), dtype=bool))
         columns.append(_function(f, "hessian").hessian(x)[..., upper].reshape(len(x), -1))
+        names += [f"{value}_{axes[a]}_{axes[b]}" for value in values for a, b in np.argwhere(upper)]
     if standard_deviation:
         columns.append(_function(f, "standard_deviation").standard_deviation(x, deviation_of).reshape(len(x), -1))
+        names += [f"{value}_standard_deviation" for value in values]
     table: NDArray[Any] = np.concatenate(columns, axis=1)
-    return table.reshape(shape) if table.shape[1] == 1 else table.reshape(shape + table.shape[1:])
+    return places.like_given(table[:, 0] if table.shape[1] == 1 else table, names)
 
 
 def _function(f: Function | Surface, option: str) -> Function:

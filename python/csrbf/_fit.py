@@ -7,26 +7,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from csrbf import _csrbf
-from csrbf._arrays import floats, rows, smoothing_or_none
+from csrbf._arrays import smoothing_or_none
 from csrbf._function import Function
+from csrbf._labels import Labelled
+from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing
 from csrbf._progress import Progress, listening
+from csrbf._samples import samples_of
 
 
 def fit(
-    points: ArrayLike,
-    values: ArrayLike,
-    method: str = "auto",
+    points: ArrayLike | Labelled,
+    values: ArrayLike | None = None,
+    method: FitMethod = "auto",
     tolerance: float | None = None,
     centers: int | None = None,
-    smoothing: str | float = "auto",
+    smoothing: Smoothing = "auto",
     *,
-    kernel: str = "auto",
+    coordinates: str | Sequence[str] | None = None,
+    kernel: Kernel = "auto",
     kernel_parameter: float | None = None,
     degree: int | None = None,
     weights: ArrayLike | None = None,
     periods: Sequence[float | None] | float | None = None,
-    extrapolation: str = "constant",
-    loss: str = "auto",
+    extrapolation: Extrapolation = "constant",
+    loss: Loss = "auto",
     missing: float | None = None,
     scale_axes: bool = True,
     progress: Progress = None,
@@ -35,9 +39,12 @@ def fit(
 
     Parameters
     ----------
-    points : array_like (n, d)
-        In any order, d from 1 to 6. Coincident points are merged.
-    values : array_like (n,) or (n, k)
+    points : array_like (n, d), DataFrame, DataArray or Dataset
+        In any order, d from 1 to 6. Coincident points are merged. A table of pandas contains the values too, an array
+        of xarray has them at the coordinates of its dimensions.
+    values : array_like (n,) or (n, k), or names
+        For a table or Dataset the name of a column or variable, or a list of names; none for a DataArray. Samples that
+        are masked (numpy.ma), or NaN in a table, are left out: `report["missing"]` counts them.
     method : str
         "auto" chooses from the data; "interpolate", "least-squares", "partition-of-unity", "multilevel",
         "pca-multiresolution", "fixed-budget", "error-bounded", "moving-least-squares" or "along-tracks".
@@ -47,13 +54,15 @@ def fit(
         Largest number of radial basis functions.
     smoothing : "auto", "none" or float
         "auto" chooses by cross-validation, "none" interpolates, a number is used as given: larger is smoother.
+    coordinates : list of str, optional
+        Names of the coordinates in a table, or in an array of xarray, whose dimensions they are when not given, x last.
     kernel : str
         "auto", "wendland-c2", "gaussian", "cubic", ...: an unknown name lists them all.
     kernel_parameter : float, optional
         Parameter of kernels that have one.
     degree : int, optional
         Degree of the polynomials; chosen automatically when not given.
-    weights : array_like (n,), optional
+    weights : array_like (n,) or name of a column, optional
         How much each sample counts: the inverse variance of its error, up to a factor.
     periods : sequence of float, optional
         Period of every axis, None or 0 for axes that are not periodic: ``[360, None]`` for longitude and latitude.
@@ -97,11 +106,13 @@ def fit(
     True
     >>> f.report["method"], round(f.report["cross_validation_rmse"], 2)
     ('interpolate', 0.05)
+
+    With a table of pandas:
+
+    >>> soundings = pandas.DataFrame({"x": x[:, 0], "y": x[:, 1], "depth": depth})  # doctest: +SKIP
+    >>> csrbf.fit(soundings, "depth", coordinates=["x", "y"])(soundings)  # a Series  # doctest: +SKIP
     """
-    points = rows(points, "points")
-    values = floats(values, "values")
-    if values.ndim not in (1, 2) or len(values) != len(points):
-        raise ValueError(f"values: has shape {values.shape}; must be ({len(points)},) or ({len(points)}, k)")
+    samples = samples_of(points, values, coordinates, weights)
     given = fit_options(method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation)
     given["scale_axes"] = bool(scale_axes)
     given["loss"] = loss
@@ -109,11 +120,12 @@ def fit(
         given["missing"] = float(missing)
     if periods is not None:
         given["periods"] = [period or 0.0 for period in np.atleast_1d(np.asarray(periods, dtype=object)).tolist()]
-    if weights is not None:
-        weights = floats(weights, "weights")
-    table = values if values.ndim == 2 else values.reshape(-1, 1)
     with listening(progress) as listener:
-        return Function(_csrbf.fit(points, table, weights, given, listener), scalar=values.ndim == 1)
+        function = Function(
+            _csrbf.fit(samples.points, samples.values, samples.weights, given, listener), scalar=samples.scalar
+        )
+    function._describe(samples)
+    return function
 
 
 def fit_options(

@@ -1,26 +1,38 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Floats, Path, floats, queries
+from csrbf._arrays import Floats, Path, floats
+from csrbf._labels import Labelled, Places
+from csrbf._options import DeviationOf
+from csrbf._samples import Samples
+from csrbf._show import Page, Panel, Shown
+
+_MOST_SAMPLES = 2000  # kept for pictures; more would hide what they lie on
 
 
-class Function:
+class Function(Shown):
     """A smooth function of d variables, with one value or k values at every point.
 
     Functions come from `fit`, `load` and `Segmentation.field`. Points may be given in an array of any shape
-    (..., d); results have the same leading shape. Functions can be pickled.
+    (..., d); results have the same leading shape. Points of a pandas DataFrame, whose columns have the names of the
+    coordinates, give a Series or DataFrame of the same index; the grid of an xarray DataArray gives a DataArray (or a
+    Dataset when there are several columns). Where a masked array of points is masked, so is the result. Functions can
+    be pickled.
 
     Attributes
     ----------
     report : dict
         What the fit did: the method and all options used, including those chosen automatically, the errors at the
         samples, the cross-validation error, times and warnings.
+    samples : tuple of ndarray (m, d) and (m, k), or None
+        The samples of the fit, at most 2000 of them, evenly chosen: for pictures. None when loaded from a file.
 
     Examples
     --------
@@ -33,11 +45,13 @@ class Function:
     """
 
     report: dict[str, Any]
+    samples: tuple[Floats, Floats] | None
 
     def __init__(self, function: _csrbf.Function, scalar: bool | None = None) -> None:
         self._function = function
         self._scalar = function.components == 1 if scalar is None else scalar
         self.report = function.report
+        self.samples = None
 
     @property
     def dimension(self) -> int:
@@ -62,16 +76,44 @@ class Function:
         """
         return self._function.bounds
 
-    def __call__(self, x: ArrayLike) -> Floats:
+    @property
+    def coordinate_names(self) -> list[str]:
+        """Names of the variables: those of the table or file that was fitted, else x, y, z, or x1, x2, ...
+
+        Examples
+        --------
+        >>> csrbf.fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 4.0]).coordinate_names
+        ['x']
+        """
+        d = self.dimension
+        return self._function.coordinate_names or (list("xyz"[:d]) if d <= 3 else [f"x{i + 1}" for i in range(d)])
+
+    @property
+    def value_names(self) -> list[str]:
+        """Names of the values: those of the table or file that was fitted, else value, or value1, value2, ...
+
+        Examples
+        --------
+        >>> csrbf.fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 4.0]).value_names
+        ['value']
+        """
+        k = self._function.components
+        return self._function.value_names or (["value"] if k == 1 else [f"value{i + 1}" for i in range(k)])
+
+    @overload
+    def __call__(self, x: Labelled) -> Any: ...
+    @overload
+    def __call__(self, x: ArrayLike) -> Floats: ...
+    def __call__(self, x: Any) -> Any:
         """Values at points.
 
         Parameters
         ----------
-        x : array_like (..., d)
+        x : array_like (..., d), DataFrame or DataArray
 
         Returns
         -------
-        ndarray (...) or (..., k)
+        ndarray (...) or (..., k), or of the kind of `x`
 
         Raises
         ------
@@ -86,16 +128,21 @@ class Function:
         """
         return self._evaluate(x, 0)
 
-    def gradient(self, x: ArrayLike) -> Floats:
+    @overload
+    def gradient(self, x: Labelled) -> Any: ...
+    @overload
+    def gradient(self, x: ArrayLike) -> Floats: ...
+    def gradient(self, x: Any) -> Any:
         """Gradients at points, exact derivatives of the function.
 
         Parameters
         ----------
-        x : array_like (..., d)
+        x : array_like (..., d), DataFrame or DataArray
 
         Returns
         -------
-        ndarray (..., d) or (..., k, d)
+        ndarray (..., d) or (..., k, d), or of the kind of `x`
+            With columns such as value_x and value_y.
 
         Examples
         --------
@@ -106,16 +153,21 @@ class Function:
         """
         return self._evaluate(x, 1)
 
-    def hessian(self, x: ArrayLike) -> Floats:
+    @overload
+    def hessian(self, x: Labelled) -> Any: ...
+    @overload
+    def hessian(self, x: ArrayLike) -> Floats: ...
+    def hessian(self, x: Any) -> Any:
         """Matrices of second derivatives at points.
 
         Parameters
         ----------
-        x : array_like (..., d)
+        x : array_like (..., d), DataFrame or DataArray
 
         Returns
         -------
-        ndarray (..., d, d) or (..., k, d, d)
+        ndarray (..., d, d) or (..., k, d, d), or of the kind of `x`
+            With columns such as value_x_x, value_x_y and value_y_y.
 
         Examples
         --------
@@ -165,7 +217,11 @@ class Function:
         grid = np.transpose(values, tuple(range(len(shape)))[::-1] + (len(shape),))
         return grid[..., 0] if self._scalar else grid
 
-    def standard_deviation(self, x: ArrayLike, of: str = "sample") -> Floats:
+    @overload
+    def standard_deviation(self, x: Labelled, of: DeviationOf = "sample") -> Any: ...
+    @overload
+    def standard_deviation(self, x: ArrayLike, of: DeviationOf = "sample") -> Floats: ...
+    def standard_deviation(self, x: Any, of: DeviationOf = "sample") -> Any:
         """Standard deviations of the difference between a sample, or the function, and the value there.
 
         Those of a sample include the error of the function and the noise of the values. With the method "interpolate"
@@ -174,13 +230,14 @@ class Function:
 
         Parameters
         ----------
-        x : array_like (..., d)
+        x : array_like (..., d), DataFrame or DataArray
         of : "sample" or "function"
             With the noise of a sample, or without it.
 
         Returns
         -------
-        ndarray (...) or (..., k)
+        ndarray (...) or (..., k), or of the kind of `x`
+            With columns such as value_standard_deviation.
 
         Raises
         ------
@@ -194,10 +251,10 @@ class Function:
         >>> bool(at_sample < 0.01 * between)
         True
         """
-        x, shape = queries(x, self.dimension)
-        result = self._function.standard_deviation(x, of)
-        result = result[:, 0] if self._scalar else result
-        return result.reshape(shape + result.shape[1:])
+        places = self._places(x)
+        result = self._function.standard_deviation(places.rows, of)
+        names = [f"{value}_standard_deviation" for value in self.value_names]
+        return places.like_given(result[:, 0] if self._scalar else result, names)
 
     def save(self, path: Path) -> None:
         """Write a .csrbf file, which `load` and the program csrbf read.
@@ -217,14 +274,113 @@ class Function:
         """
         self._function.save(os.fspath(path))
 
-    def _evaluate(self, x: ArrayLike, order: int) -> Floats:
-        x, shape = queries(x, self.dimension)
-        result = self._function.evaluate(x, order)[order]
-        result = result[:, 0] if self._scalar else result
-        return result.reshape(shape + result.shape[1:])
+    def plot(
+        self,
+        ax: Any = None,
+        *,
+        variables: Sequence[str | int] | None = None,
+        at: ArrayLike | None = None,
+        component: int = 0,
+        deviation: bool = False,
+        samples: bool = True,
+        resolution: int = 200,
+    ) -> Any:
+        """Draw the function with matplotlib: a curve of one variable, or a map of two, with the samples.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Those of a new figure when not given.
+        variables : one or two names or numbers, optional
+            The variables drawn, the first two when not given.
+        at : array_like (d,), optional
+            Values of the other variables; the middle of the samples when not given.
+        component : int
+            Which of several values.
+        deviation : bool
+            Whether a curve has a band of two standard deviations, and a map shows the standard deviation instead.
+        samples : bool
+            Whether samples are drawn; they are when all variables are.
+        resolution : int
+            Nodes along each variable.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).random((100, 2))
+        >>> csrbf.fit(x, x[:, 0] * x[:, 1]).plot()  # doctest: +SKIP
+        <Axes: xlabel='x', ylabel='y'>
+        """
+        from csrbf._plots import axes_for, plot_function
+
+        names = self.coordinate_names
+        given = names[:2] if variables is None else variables
+        chosen = [names.index(v) if isinstance(v, str) and v in names else v for v in given]
+        if len(chosen) not in (1, 2) or not all(isinstance(v, int) and 0 <= v < len(names) for v in chosen):
+            raise ValueError(f"variables: {list(given)} must be one or two of {', '.join(names)}, or their numbers")
+        if not 0 <= component < len(self.value_names):
+            raise ValueError(f"component: {component} must be from 0 to {len(self.value_names) - 1}")
+        place = self.bounds.mean(axis=0) if at is None else floats(at, "at")
+        if place.shape != (self.dimension,):
+            raise ValueError(f"at: has shape {place.shape}; must have one value for each variable, ({self.dimension},)")
+        numbers = [int(v) for v in chosen]
+        return plot_function(self, axes_for(ax), numbers, place, component, deviation, samples, int(resolution))
+
+    def _page(self, large: bool) -> Page:
+        from csrbf._landscape import landscape_panel
+        from csrbf._plots import plot_picture
+
+        report = self.report
+        facts = {"method": str(report["method"]), "samples": f"{report['samples']:,}"}
+        for name, text in {"rmse": "rms error at samples", "cross_validation_rmse": "cross-validation error"}.items():
+            if report.get(name) is not None and np.isfinite(report[name]):
+                facts[text] = f"{report[name]:.3g}"
+        low, high = self.bounds
+        facts |= {name: f"{a:.4g} ... {b:.4g}" for name, a, b in zip(self.coordinate_names, low, high)}
+        picture = plot_picture(lambda ax: self.plot(ax, resolution=150))
+        caption = "The first value." if len(self.value_names) > 1 else ""
+        if self.dimension > 2:
+            others = zip(self.coordinate_names[2:], self.bounds.mean(axis=0)[2:])
+            caption = (caption + " At " + ", ".join(f"{name} = {value:.4g}" for name, value in others) + ".").strip()
+        panels = [] if picture is None else [Panel(picture, caption)]
+        if self.dimension == 2 and (large or picture is None):
+            panels.append(landscape_panel(self))
+        notes = [] if panels else ["Install matplotlib to see a plot here."]
+        return Page(", ".join(self.value_names[:3]), facts, panels, list(report.get("warnings", [])) + notes)
+
+    def _describe(self, samples: Samples) -> None:
+        """Keeps what the compiled function does not know about its samples."""
+        self._function.coordinate_names = samples.coordinate_names
+        self._function.value_names = samples.value_names
+        if samples.left_out > 0:
+            self.report["missing"] += samples.left_out
+        shown = np.linspace(0, len(samples.points) - 1, min(len(samples.points), _MOST_SAMPLES)).astype(int)
+        self.samples = samples.points[shown], samples.values[shown]
+
+    def _places(self, x: Any) -> Places:
+        return Places(x, self.coordinate_names, given=bool(self._function.coordinate_names))
+
+    def _evaluate(self, x: Any, order: int) -> Any:
+        places = self._places(x)
+        values = self._function.evaluate(places.rows, order)[order]
+        result = values[:, 0] if self._scalar else values
+        if order == 2 and places.labelled:
+            result = result[..., np.triu(np.ones((self.dimension, self.dimension), dtype=bool))]
+        return places.like_given(result, self._columns(order))
+
+    def _columns(self, order: int) -> list[str]:
+        """Names of the values, or of their derivatives of first or second order."""
+        axes = self.coordinate_names
+        ends = [""] if order == 0 else [f"_{axis}" for axis in axes]
+        if order == 2:
+            ends = [f"_{first}_{second}" for a, first in enumerate(axes) for second in axes[a:]]
+        return [value + end for value in self.value_names for end in ends]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, (self._function.to_bytes(), self._scalar)
+        return _restore, (self._function.to_bytes(), self._scalar, self.report, self.samples)
 
     def __repr__(self) -> str:
         values = "one value" if self._scalar else f"{self._function.components} values"
@@ -232,5 +388,9 @@ class Function:
         return f"<csrbf.Function of {variables}, {values}, method {self.report['method']}>"
 
 
-def _restore(content: bytes, scalar: bool) -> Function:
-    return Function(_csrbf.Function.from_bytes(content), scalar)
+def _restore(
+    content: bytes, scalar: bool, report: dict[str, Any], samples: tuple[Floats, Floats] | None
+) -> Function:
+    function = Function(_csrbf.Function.from_bytes(content), scalar)
+    function.report, function.samples = report, samples
+    return function

@@ -1,13 +1,18 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import ArrayBacked, Floats, Path
+from csrbf._arrays import ArrayBacked, Floats, Path, numbers
+from csrbf._labels import is_data_array
+from csrbf._masks import as_nan, data_of, mask_of, masked, present
+from csrbf._options import Space
+from csrbf._show import Page, Panel, Shown, side_by_side
 
 if TYPE_CHECKING:
     ImageLike = Union["Image", ArrayLike, Path]
@@ -15,13 +20,13 @@ if TYPE_CHECKING:
 _AXES = ("x", "yx", "zyx", "tzyx")  # default meaning of an array with that many axes
 
 
-class Image(ArrayBacked):
+class Image(ArrayBacked, Shown):
     """An image or volume with its position in space; to numpy, the array of its values.
 
     Parameters
     ----------
     values : array_like
-        Indexed [y, x] or [z, y, x]: x is the fastest axis.
+        Indexed [y, x] or [z, y, x]: x is the fastest axis. Masked voxels of a masked array (numpy.ma) have no value.
     spacing : float or sequence of float
         Distance of neighbouring voxels along x, y (and z), or one number for all.
     origin : sequence of float
@@ -30,7 +35,8 @@ class Image(ArrayBacked):
         Columns: unit vectors of the axes x, y and z. Default: the axes of space.
     axes : str, optional
         Meaning of the axes of the array: "yx" or "zyx", preceded by "t" for time and followed by "c" for components,
-        such as colours. Default: "x", "yx", "zyx" or "tzyx", by the number of axes.
+        such as colours. Default: "x", "yx", "zyx" or "tzyx", by the number of axes; "yxc" when the last of three axes
+        has the length 3 or 4.
     space : "unknown", "LPS" or "RAS"
         Orientation of the axes of space: those of a patient point to the left and the back, or to the right and the
         front.
@@ -39,7 +45,7 @@ class Image(ArrayBacked):
 
     Attributes
     ----------
-    values : ndarray
+    values : ndarray, or masked array where voxels are masked
     spacing, origin : ndarray (3,)
         Of x, y and z, also for 2D images.
     direction : ndarray (3, 3)
@@ -70,13 +76,12 @@ class Image(ArrayBacked):
         direction: ArrayLike | None = None,
         *,
         axes: str | None = None,
-        space: str = "unknown",
+        space: Space = "unknown",
         time_step: float = 1.0,
     ) -> None:
-        self.values = self._array = np.asarray(values)
-        if np.iscomplexobj(self.values):
-            raise ValueError("image: must be real numbers")
-        self.axes = _checked_axes(axes, self.values.ndim)
+        mask, plain = mask_of(values), numbers(data_of(values), "image")
+        self.values = self._array = plain if mask is None else masked(plain, mask)
+        self.axes = _checked_axes(axes, self.values.shape)
         self.spacing = _three(spacing, len(self._plane()), "voxel_size", 1.0)
         self.origin = _three(origin, len(self._plane()), "origin", 0.0)
         self.direction = np.eye(3) if direction is None else np.array(direction, dtype=float).reshape(3, 3)
@@ -129,7 +134,109 @@ class Image(ArrayBacked):
         >>> csrbf.read_image("volume.nrrd").spacing
         array([1., 1., 2.])
         """
-        _csrbf.write_image(os.fspath(path), self.values.ravel(), self._layout())
+        _csrbf.write_image(os.fspath(path), self._filled().ravel(), self._layout())
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        values = self._filled()
+        return np.array(values, dtype=dtype) if copy else np.asarray(values, dtype=dtype)
+
+    def _filled(self) -> NDArray[Any]:
+        """The values, NaN where they are masked; refused where they cannot be."""
+        if mask_of(self.values) is None:
+            return self.values
+        if self.values.dtype.kind != "f":
+            raise ValueError(
+                f"image: voxels are masked, and {self.values.dtype} has no number for them; use .values.filled()"
+            )
+        return as_nan(self.values).astype(self.values.dtype)
+
+    def _mask(self) -> NDArray[np.bool_] | None:
+        """Masked voxels, whatever component of theirs is masked; None without any."""
+        mask = mask_of(self.values)
+        if mask is None or not self.axes.endswith("c"):
+            return mask
+        hidden: NDArray[np.bool_] = mask.any(axis=-1)
+        return hidden
+
+    def plot(self, ax: Any = None, *, axis: str = "z", slice: int | None = None, frame: int = 0, **options: Any) -> Any:
+        """Draw the image with matplotlib, in its coordinates; a slice of a volume.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Those of a new figure when not given.
+        axis : "x", "y" or "z"
+            The axis across the slice.
+        slice : int, optional
+            Its number along this axis; the middle one when not given.
+        frame : int
+            Of a sequence.
+        **options
+            Of ``imshow``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> csrbf.Image(np.eye(8)).plot()  # doctest: +SKIP
+        <Axes: xlabel='x', ylabel='y'>
+        """
+        from csrbf._plots import axes_for, plot_image
+
+        plane, axes = self._slice(axis, slice, frame)
+        return plot_image(self, axes_for(ax), plane, axes, options)
+
+    def _slice(self, axis: str, number: int | None, frame: int = 0) -> tuple[NDArray[Any], tuple[int, int]]:
+        """A plane [row, column] or [row, column, component] of the values, and the axes of its columns and rows."""
+        values = self.values[frame] if self.axes.startswith("t") else self.values
+        plane = self._plane()
+        if len(plane) == 1:
+            values, plane = values[None], "yx"
+        if len(plane) == 3:
+            if axis not in ("x", "y", "z"):
+                raise ValueError(f'axis: "{axis}" must be "x", "y" or "z"')
+            place = plane.index(axis)
+            count = values.shape[place]
+            number = count // 2 if number is None else number
+            if not 0 <= number < count:
+                raise ValueError(f"slice: {number} must be from 0 to {count - 1}")
+            values, plane = np.take(values, number, axis=place), plane.replace(axis, "")
+        if self.axes.endswith("c") and values.shape[-1] not in (3, 4):
+            values = values[..., 0]
+        rows, columns = ("xyz".index(name) for name in plane)
+        return values, (columns, rows)
+
+    def _page(self, large: bool) -> Page:
+        facts = {f"size [{', '.join(self.axes)}]": " x ".join(map(str, self.shape)), "type": str(self.dtype)}
+        facts["spacing"] = ", ".join(f"{step:.4g}" for step in self.spacing[: len(self._plane())])
+        finite = present(self.values)
+        if finite.size == 0:
+            return Page("Image", facts)
+        facts["values"] = f"{finite.min():.4g} ... {finite.max():.4g}"
+        pictures = []
+        for axis in ("z", "y", "x") if len(self._plane()) == 3 else ("z",):
+            plane, axes = self._slice(axis, None)
+            pictures.append(_picture_of(plane, [self.spacing[a] for a in axes], large))
+        caption = "The middle slices across z, y and x." if len(pictures) == 3 else ""
+        return Page("Image", facts, [Panel(side_by_side(pictures), caption)])
+
+    def _result(self, values: NDArray[Any], report: dict[str, Any]) -> Any:
+        """An image of other values at the same place, of the kind that users gave this one in."""
+        place = (self.spacing, self.origin, self.direction)
+        image = Image(values, *place, axes=self.axes, space=self.space, time_step=self.time_step)
+        image.report = report
+        return image
+
+    def _frame(self, number: int) -> Image:
+        """A frame of a sequence."""
+        place = (self.spacing, self.origin, self.direction)
+        return Image(self.values[number], *place, axes=self.axes[1:], space=self.space)
+
+    def _labels_like(self, labels: NDArray[Any], name: str) -> Any:
+        """An array with one number for each voxel, of the kind that users gave the image in."""
+        return labels
 
     def _plane(self) -> str:
         """The axes in space, slowest first."""
@@ -156,14 +263,51 @@ class Image(ArrayBacked):
         return f"<csrbf.Image of {shape} {self.dtype} [{', '.join(self.axes)}], spacing {self.spacing.tolist()}>"
 
 
-def _checked_axes(axes: str | None, ndim: int) -> str:
+_PIXELS = 360, 720  # along the longer side of a picture in a notebook and in a file
+
+
+def _picture_of(plane: NDArray[Any], spacing: Sequence[float], large: bool) -> NDArray[np.uint8]:
+    """A plane as a picture, its pixels repeated or left out; grey from the 1st to the 99th of 100 values."""
+    colored = plane.ndim == 3
+    values = as_nan(plane)
+    if colored and plane.dtype == np.uint8:
+        low, high = 0.0, 255.0
+    elif colored and np.nanmin(values) >= 0 and np.nanmax(values) <= 1:
+        low, high = 0.0, 1.0
+    else:
+        finite = values[np.isfinite(values)]
+        low, high = np.percentile(finite, [1, 99]) if finite.size > 0 else (0.0, 1.0)
+    grey = np.nan_to_num(255 * np.clip((values - low) / (high - low if high > low else 1), 0, 1)).astype(np.uint8)
+    picture = grey[..., :3] if colored else np.repeat(grey[..., None], 3, axis=2)
+    extent = np.array([plane.shape[0] * spacing[1], plane.shape[1] * spacing[0]])
+    pixels = np.maximum(1, np.rint(_PIXELS[large] * extent / extent.max())).astype(int)
+    row, column = (np.arange(pixels[a]) * plane.shape[a] // pixels[a] for a in range(2))
+    shown: NDArray[np.uint8] = picture[row][:, column]
+    return shown
+
+
+def _checked_axes(axes: str | None, shape: tuple[int, ...]) -> str:
+    ndim = len(shape)
     if axes is None:
         if not 1 <= ndim <= 4:
-            raise ValueError(f"dimension of the image: {ndim}; must be 1 to 4, or give axes")
-        return _AXES[ndim - 1]
+            raise ValueError(f"image: has {ndim} axes; must have 1 to 4, or give axes")
+        return _axes_of_picture(shape) if ndim > 2 and shape[-1] in (3, 4) else _AXES[ndim - 1]
     if len(axes) != ndim or axes.removeprefix("t").removesuffix("c") not in _AXES[:3]:
         raise ValueError(f'axes: "{axes}" does not name {ndim} axes; give "yx" or "zyx", "t" before and "c" after it')
     return axes
+
+
+def _axes_of_picture(shape: tuple[int, ...]) -> str:
+    """Axes of an array whose last axis is as long as colours are: they are, unless the others are as short."""
+    if len(shape) == 3 and min(shape[:2]) > 4:
+        return "yxc"
+    if max(shape) <= 4:
+        return _AXES[len(shape) - 1]
+    colours = {3: "yxc", 4: "tyxc"}[len(shape)]
+    raise ValueError(
+        f"image: has shape {shape}, whose last axis may be colours or x; give csrbf.Image(array, "
+        f'axes="{colours}") or csrbf.Image(array, axes="{_AXES[len(shape) - 1]}")'
+    )
 
 
 def _three(given: ArrayLike, dimension: int, name: str, missing: float) -> Floats:
@@ -225,7 +369,16 @@ def as_image(image: ImageLike, voxel_size: ArrayLike | None = None) -> Image:
         if voxel_size is not None:
             raise ValueError("voxel_size: the image has one; pass the array to use another one")
         return image if isinstance(image, Image) else read_image(image)
-    array = np.asarray(image)
-    if voxel_size is not None and np.size(voxel_size) not in (1, array.ndim):
-        raise ValueError(f"voxel_size: {voxel_size!r} must be one number, or one for each of the {array.ndim} axes")
-    return Image(array, 1.0 if voxel_size is None else voxel_size)
+    if is_data_array(image):
+        if voxel_size is not None:
+            raise ValueError("voxel_size: follows from the coordinates of the DataArray; leave it out")
+        from csrbf._grid_image import GridImage
+
+        return GridImage(image)
+    made = Image(image, 1.0 if voxel_size is None else voxel_size)
+    axes = made._plane()
+    if voxel_size is not None and np.size(voxel_size) not in (1, len(axes)):
+        raise ValueError(
+            f"voxel_size: {voxel_size!r} must be one number, or one for each of the {len(axes)} axes {', '.join(axes)}"
+        )
+    return made

@@ -8,12 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
+from csrbf._arrays import numbers
 from csrbf._fit import fit_options
-from csrbf._image import Image, as_image, read_image
+from csrbf._image import as_image, read_image
+from csrbf._masks import data_of
+from csrbf._options import Extrapolation, FitMethod, Kernel, Smoothing
 from csrbf._progress import Progress, listening
 
 if TYPE_CHECKING:
-    from csrbf._image import ImageLike
+    from csrbf._image import Image, ImageLike
 
 
 def inpaint(
@@ -22,16 +25,16 @@ def inpaint(
     missing: float | None = None,
     *,
     voxel_size: ArrayLike | None = None,
-    method: str = "auto",
+    method: FitMethod = "auto",
     tolerance: float | None = None,
     centers: int | None = None,
-    smoothing: str | float = "auto",
-    kernel: str = "auto",
+    smoothing: Smoothing = "auto",
+    kernel: Kernel = "auto",
     kernel_parameter: float | None = None,
     degree: int | None = None,
-    extrapolation: str = "constant",
+    extrapolation: Extrapolation = "constant",
     progress: Progress = None,
-) -> Image:
+) -> Any:
     """An image with its missing or unreliable values filled in.
 
     A smooth function is fitted to the known values (see `fit`), separately for every frame and component. Known values
@@ -39,10 +42,11 @@ def inpaint(
 
     Parameters
     ----------
-    image : Image, array_like or file name
+    image : Image, array_like, DataArray or file name
         [y, x] or [z, y, x]; other axes need an `Image`.
     mask : Image, array_like or file name, optional
-        Like the image (or one frame of it), nonzero where values are to be replaced.
+        Like the image (or one frame of it), nonzero where values are to be replaced. The mask of a masked array
+        (numpy.ma) counts as well.
     missing : float, optional
         Value that marks missing ones. NaN and infinity are always missing.
     voxel_size : float or sequence of float, optional
@@ -52,9 +56,10 @@ def inpaint(
 
     Returns
     -------
-    Image
+    Image or DataArray
         An array to numpy, of the type of `image`: whole numbers are rounded and clipped to their range. Its `report`
-        has the numbers of missing and known values, and what the fit did.
+        has the numbers of missing and known values, and what the fit did. For a DataArray of xarray another one, with
+        the same coordinates.
 
     Raises
     ------
@@ -70,7 +75,7 @@ def inpaint(
     (25, True)
     """
     image = as_image(image, voxel_size)
-    values = image.values
+    values = data_of(image.values)
     floating = np.issubdtype(values.dtype, np.floating)
     if extrapolation == "nan" and not floating:
         raise ValueError('extrapolation: the image holds whole numbers, which cannot be NaN; use "constant"')
@@ -84,17 +89,7 @@ def inpaint(
         warnings.warn("inpaint: nothing is missing; give mask or missing", stacklevel=2)
     if not floating:
         filled = np.clip(np.rint(filled), *_range(values.dtype))
-    result = Image(
-        filled.reshape(values.shape).astype(values.dtype, copy=False),
-        image.spacing,
-        image.origin,
-        image.direction,
-        axes=image.axes,
-        space=image.space,
-        time_step=image.time_step,
-    )
-    result.report = report
-    return result
+    return image._result(filled.reshape(values.shape).astype(values.dtype, copy=False), report)
 
 
 def _range(dtype: np.dtype[Any]) -> tuple[float, float]:
@@ -107,11 +102,15 @@ def _holes(image: Image, mask: ImageLike | None, missing: float | None) -> NDArr
     shape = image.values.shape[:-1] if components else image.values.shape
     holes = np.zeros(shape, dtype=bool)
     if mask is not None:
-        marked = np.asarray(read_image(mask) if isinstance(mask, (str, os.PathLike)) else mask)
+        marked = numbers(read_image(mask) if isinstance(mask, (str, os.PathLike)) else mask, "mask")
         if marked.shape not in (shape, shape[image.axes.startswith("t") :]):
             raise ValueError(f"mask: has shape {marked.shape}; the image has {shape}")
         holes |= marked != 0
+    hidden = image._mask()
+    if hidden is not None:
+        holes |= hidden
     if missing is not None:
-        same = image.values == np.asarray(missing).astype(image.values.dtype)
+        values = data_of(image.values)
+        same = values == np.asarray(missing).astype(values.dtype)
         holes |= same.all(axis=-1) if components else same
     return holes.astype(np.uint8)

@@ -1,22 +1,35 @@
 from __future__ import annotations
 
+import dataclasses
 import os
 import warnings
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Floats, Path, rows
+from csrbf._arrays import Floats, Path, indices, rows
+from csrbf._coarse import coarse, with_normals
+from csrbf._options import UpAxis
 from csrbf._picture import Color, picture_options, reference_mesh, write_picture
 from csrbf._progress import Progress, listening
+from csrbf._show import Page, Panel, Shown
+from csrbf._viewer import MOST_VERTICES, Scale, View, colors_of
 
 if TYPE_CHECKING:
     from csrbf._csrbf import MeshArrays
 
 
-class Mesh:
+_VERTICES_IN_NOTEBOOK = 20000  # half a megabyte; notebooks hold many pictures
+_POINTS_SHOWN = 10000  # more hide the surface
+_RAYS = 2  # of shadows per pixel: the picture is only seen where the page cannot be turned
+PLAIN: Color = (0.80, 0.76, 0.71)
+WHITE: Color = (1.0, 1.0, 1.0)
+
+
+class Mesh(Shown):
     """Triangles over shared vertices, counter-clockwise as seen from outside.
 
     Attributes
@@ -50,7 +63,7 @@ class Mesh:
         properties: dict[str, NDArray[Any]] | None = None,
     ) -> None:
         self.vertices = rows(vertices, "vertices")
-        self.faces = np.ascontiguousarray(faces, dtype=np.int32)
+        self.faces = indices(faces, "faces")
         self.normals = None if normals is None else rows(normals, "normals")
         self.properties = properties or {}
 
@@ -121,7 +134,7 @@ class Mesh:
         *,
         size: tuple[int, int] = (800, 600),
         view: tuple[float, float] = (30.0, 20.0),
-        up: str = "z",
+        up: UpAxis = "z",
         color: str = "plain",
         reference: Mesh | Path | None = None,
         color_limit: float = 0.0,
@@ -154,6 +167,50 @@ class Mesh:
         with listening(progress) as listener:
             picture = _csrbf.render_mesh(self._arrays(), options, to, listener)
         return write_picture(path, picture)
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the mesh with matplotlib: ray-traced, or by `plot_trisurf` where the axes are of space.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Those of a new figure when not given.
+        **options
+            Of `render`; of ``plot_trisurf`` for axes of space.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> corner = csrbf.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> corner.plot(size=(160, 120))  # doctest: +SKIP
+        <Axes: >
+        """
+        from csrbf._plots import axes_for
+
+        ax = axes_for(ax)
+        if hasattr(ax, "plot_trisurf"):
+            ax.plot_trisurf(*self.vertices.T, triangles=self.faces, **options)
+            ax.set_aspect("equal")
+        else:
+            ax.imshow(self.render(**options))
+            ax.set_axis_off()
+        return ax
+
+    def _page(self, large: bool) -> Page:
+        facts = {"vertices": f"{len(self.vertices):,}", "triangles": f"{len(self.faces):,}"}
+        if len(self.faces) == 0:
+            return Page("Mesh", facts, notes=["The mesh has no triangles."])
+        facts |= _facts_of(self.topology)
+        scales = [
+            Scale(name.replace("_", " "), name.replace("_", " "), self.properties[name].astype(float), diverging=True)
+            for name in ("mean_curvature", "gaussian_curvature")
+            if name in self.properties
+        ]
+        return Page("Mesh", facts, [mesh_panel(self, large, scales)])
 
     def to_trimesh(self) -> Any:
         """The same mesh as a ``trimesh.Trimesh``.
@@ -230,7 +287,7 @@ class Mesh:
 
     def _arrays(self) -> MeshArrays:
         normals = np.empty((0, 3)) if self.normals is None else self.normals
-        return rows(self.vertices, "vertices"), np.asarray(self.faces), rows(normals, "normals"), self.properties
+        return rows(self.vertices, "vertices"), indices(self.faces, "faces"), rows(normals, "normals"), self.properties
 
     def __repr__(self) -> str:
         return f"<csrbf.Mesh of {len(self.vertices)} vertices, {len(self.faces)} triangles>"
@@ -266,6 +323,35 @@ def read_mesh(path: Path) -> Mesh:
     <csrbf.Mesh of 3 vertices, 1 triangles>
     """
     return mesh_of(_csrbf.read_mesh(os.fspath(path)))
+
+
+def mesh_panel(
+    mesh: Mesh, large: bool, scales: Sequence[Scale] = (), points: Floats | None = None, caption: str = ""
+) -> Panel:
+    """A mesh to turn, with fewer triangles where it has too many; scales are those of its own vertices."""
+    shown = with_normals(coarse(mesh, MOST_VERTICES if large else _VERTICES_IN_NOTEBOOK))
+    if shown is not mesh and len(shown.vertices) < len(mesh.vertices):
+        caption += f" Shown with {len(shown.faces):,} of its {len(mesh.faces):,} triangles."
+        scales = [
+            dataclasses.replace(scale, values=shown.properties[scale.name.replace(" ", "_")])
+            for scale in scales
+            if scale.name.replace(" ", "_") in shown.properties
+        ]
+    size = (900, 560) if large else (480, 300)
+    options, _ = picture_options(size, (-65, 15), "z", "plain", 0.0, 20.0, PLAIN, WHITE, False)
+    picture = _csrbf.render_mesh(shown._arrays(), options | {"occlusion_rays": _RAYS}, None, None)
+    view = View(shown, scales=list(scales), shown="own" if colors_of(shown.properties) is not None else "plain")
+    if points is not None:
+        view.points = points[:: max(1, len(points) // _POINTS_SHOWN + 1)]
+    return Panel(picture, caption.strip(), view)
+
+
+def _facts_of(topology: dict[str, Any]) -> dict[str, str]:
+    return {
+        "components": f"{topology['components']:,}",
+        "watertight": "yes" if topology["watertight"] else "no",
+        "manifold": "yes" if topology["manifold"] else "no",
+    }
 
 
 def _imported(module: str, method: str) -> Any:

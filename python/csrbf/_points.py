@@ -8,10 +8,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
 from csrbf._arrays import ArrayBacked, Floats, Path, floats, rows
+from csrbf._options import Orientation
 from csrbf._progress import Progress, listening
+from csrbf._show import Page, Panel, Shown
+from csrbf._viewer import View, colors_of
 
 
-class PointCloud(ArrayBacked):
+_MOST_PLOTTED = 20000
+_MOST_IN_NOTEBOOK, _MOST_IN_FILE = 20000, 200000
+
+
+class PointCloud(ArrayBacked, Shown):
     """Points in space with their normals and properties; to numpy, the array of their coordinates.
 
     Parameters
@@ -64,9 +71,79 @@ class PointCloud(ArrayBacked):
         arrays = (self.points, none if self.normals is None else self.normals, self.properties)
         _csrbf.write_points(os.fspath(path), arrays)
 
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the points with matplotlib, at most 20,000 of them, in their colours when they have some.
+
+        Parameters
+        ----------
+        ax : mpl_toolkits.mplot3d.axes3d.Axes3D, optional
+            Those of a new figure when not given.
+        **options
+            Of ``scatter``.
+
+        Returns
+        -------
+        mpl_toolkits.mplot3d.axes3d.Axes3D
+
+        Examples
+        --------
+        >>> csrbf.PointCloud([[0, 0, 0], [1, 2, 3]]).plot()  # doctest: +SKIP
+        <Axes3D: xlabel='x', ylabel='y', zlabel='z'>
+        """
+        from csrbf._plots import space_axes_for
+
+        ax = space_axes_for(ax)
+        step = -(-len(self) // _MOST_PLOTTED) or 1
+        colors = colors_of(self.properties)
+        given: dict[str, Any] = {} if colors is None else {"c": colors[::step] / 255}
+        ax.scatter(*self.points[::step].T, **{"s": 1, **given, **options})
+        ax.set(xlabel="x", ylabel="y", zlabel="z")
+        ax.set_aspect("equal")
+        return ax
+
+    def _page(self, large: bool) -> Page:
+        facts = {"points": f"{len(self):,}", "normals": "yes" if self.normals is not None else "no"}
+        if len(self) == 0:
+            return Page("Points", facts)
+        facts["sides of the box"] = " x ".join(f"{side:.3g}" for side in np.ptp(self.points, axis=0))
+        most = _MOST_IN_FILE if large else _MOST_IN_NOTEBOOK
+        step = -(-len(self) // most)
+        caption = "" if step == 1 else f"Shown with {-(-len(self) // step):,} of the points."
+        return Page("Points", facts, [self._panel(step, caption)])
+
+    def _panel(self, step: int, caption: str) -> Panel:
+        from csrbf._mesh import Mesh
+
+        points, colors = self.points[::step], colors_of(self.properties)
+        colors = None if colors is None else colors[::step]
+        none = Mesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), np.empty((0, 3)))
+        view = View(none, points, colors, shown="plain" if colors is None else "own")
+        return Panel(_dots(points, colors), caption, view)
+
     def __repr__(self) -> str:
         normals = "without normals" if self.normals is None else "with normals"
         return f"<csrbf.PointCloud of {len(self)} points {normals}>"
+
+
+def _dots(points: Floats, colors: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
+    """Points seen from above their front, near ones over far ones, in their colours or lighter where farther."""
+    azimuth, elevation = np.radians(-65), np.radians(15)
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0])
+    near = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
+    x, y, depth = ((points - points.mean(axis=0)) @ np.column_stack([right, np.cross(near, right), near])).T
+    height, width, margin = 400, 640, 20
+    picture = np.full((height, width, 3), 255, dtype=np.uint8)
+    scale = min((width - 2 * margin) / (np.ptp(x) or 1), (height - 2 * margin) / (np.ptp(y) or 1))
+    column = np.rint(width / 2 + scale * (x - (x.max() + x.min()) / 2)).astype(int)
+    row = np.rint(height / 2 - scale * (y - (y.max() + y.min()) / 2)).astype(int)
+    if colors is None:
+        fade = (depth.max() - depth) / (np.ptp(depth) or 1)
+        colors = (np.array([25, 82, 153]) + fade[:, None] * np.array([165, 118, 67])).astype(np.uint8)
+    order = np.argsort(depth)
+    for down in (0, 1):
+        for across in (0, 1):
+            picture[row[order] + down, column[order] + across] = colors[order]
+    return picture
 
 
 def read_points(path: Path) -> PointCloud:
@@ -100,7 +177,7 @@ def read_points(path: Path) -> PointCloud:
 def estimate_normals(
     points: ArrayLike,
     neighbors: int | None = None,
-    orient: str = "consistent",
+    orient: Orientation = "consistent",
     *,
     viewpoint: ArrayLike | None = None,
     progress: Progress = None,

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Floats, rows
+from csrbf._arrays import Floats, floats, numbers, rows
+from csrbf._options import InterpolatorKernel
 
 
 class SingularSystem(_csrbf.SolverFailure, np.linalg.LinAlgError):
@@ -66,24 +67,25 @@ class RBFInterpolator:
         d: ArrayLike,
         neighbors: float | None = None,
         smoothing: ArrayLike = 0.0,
-        kernel: str = "thin_plate_spline",
+        kernel: InterpolatorKernel = "thin_plate_spline",
         epsilon: float | None = None,
         degree: int | None = None,
     ) -> None:
         self.y = rows(y, "y")
         n, dimension = self.y.shape
         self.d_dtype: type = complex if np.iscomplexobj(d) else float
-        values: NDArray[Any] = np.ascontiguousarray(d, dtype=self.d_dtype)
-        if np.ndim(d) == 0 or len(values) != n:
+        given = numbers(_converted(d), "d", kinds="biufc")
+        values: NDArray[Any] = np.ascontiguousarray(given, dtype=self.d_dtype)
+        if given.ndim == 0 or len(values) != n:
             raise ValueError(f"d: has shape {np.shape(d)}; the length of its first axis must be that of y, {n}")
         self.d_shape = values.shape[1:]
         # The real and imaginary parts of complex values are separate components.
         self.d: Floats = values.reshape(n, -1).view(float)
-        diagonal = np.asarray(smoothing, dtype=float)
+        diagonal = floats(smoothing, "smoothing")
         if diagonal.shape not in ((), (n,)):
             raise ValueError(f"smoothing: has shape {diagonal.shape}; must be a number or ({n},)")
         self.smoothing: Floats = np.ascontiguousarray(np.broadcast_to(diagonal, n))
-        self.kernel = kernel.lower()
+        self.kernel: str = kernel.lower()
         self.neighbors = None if neighbors is None else int(min(neighbors, n))
         if self.neighbors is not None and self.neighbors < 1:
             raise ValueError(f"neighbors: {neighbors} must be at least 1, or None for all")
@@ -163,3 +165,13 @@ class RBFInterpolator:
             self._interpolant = _csrbf.RbfInterpolator.restore(
                 self.y, coefficients, self.smoothing, self.kernel, self.epsilon, degree
             )
+
+
+def _converted(d: ArrayLike) -> ArrayLike:
+    """Objects as floats, as in SciPy, when all are numbers."""
+    if isinstance(d, np.ma.MaskedArray) or np.asarray(d).dtype != object:
+        return d
+    try:
+        return np.asarray(d, dtype=float)
+    except (TypeError, ValueError):
+        return d

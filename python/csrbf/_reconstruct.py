@@ -2,28 +2,31 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from csrbf import _csrbf
 from csrbf._arrays import Path, floats, rows, smoothing_or_none
+from csrbf._labels import Labelled, frame_columns, is_frame
+from csrbf._masks import data_of, mask_of
+from csrbf._options import Smoothing, SurfaceMethod
 from csrbf._points import PointCloud, read_points
 from csrbf._progress import Progress, listening
 from csrbf._surface import Surface
 
 if TYPE_CHECKING:
-    PointsLike = Union[PointCloud, ArrayLike, Path]
+    PointsLike = Union[PointCloud, ArrayLike, Labelled, Path]
 
 
 def reconstruct(
     points: PointsLike,
     normals: ArrayLike | None = None,
-    method: str = "auto",
+    method: SurfaceMethod = "auto",
     centers: int | None = None,
     tolerance: float | None = None,
-    smoothing: str | float = "auto",
+    smoothing: Smoothing = "auto",
     *,
     progress: Progress = None,
 ) -> Surface:
@@ -31,8 +34,9 @@ def reconstruct(
 
     Parameters
     ----------
-    points : array_like (n, 3), PointCloud or file name
-        Normals of a cloud or file are used like `normals`.
+    points : array_like (n, 3), PointCloud, DataFrame or file name
+        Normals of a cloud or file are used like `normals`. A table has the columns x, y, z and perhaps nx, ny, nz.
+        Points that are masked (numpy.ma) are left out.
     normals : array_like (n, 3), optional
         Outward; they are corrected where they have errors, flipped where they contradict each other or point inward,
         and estimated when there are none.
@@ -70,17 +74,38 @@ def reconstruct(
         points = read_points(points)
     if isinstance(points, PointCloud) and normals is None:
         normals = points.normals
+    cloud: Any
+    cloud, normals = _of_frame(points, normals) if is_frame(points) else _unmasked(points, normals)
     vectors = None if normals is None else floats(normals, "normals")
     smoothness = smoothing_or_none(smoothing)
     with listening(progress) as listener:
         surface, report = _csrbf.reconstruct(
-            rows(points, "points"), vectors, method, int(centers or 0), float(tolerance or 0.0), smoothness, listener
+            rows(cloud, "points"), vectors, method, int(centers or 0), float(tolerance or 0.0), smoothness, listener
         )
     return Surface(surface, report)
 
 
+def _of_frame(frame: Any, normals: ArrayLike | None) -> tuple[ArrayLike, ArrayLike | None]:
+    """Columns x, y and z of a table, and its normals nx, ny and nz."""
+    has_normals = normals is None and all(name in frame.columns for name in ("nx", "ny", "nz"))
+    own = frame_columns(frame, ["nx", "ny", "nz"], "normals") if has_normals else normals
+    return frame_columns(frame, ["x", "y", "z"], "points"), own
+
+
+def _unmasked(points: PointsLike, normals: ArrayLike | None) -> tuple[Any, Any]:
+    """Points of a masked array that are not masked, with their normals."""
+    mask = mask_of(points)
+    if mask is None or mask.ndim != 2:
+        return points, normals
+    kept = ~mask.any(axis=1)
+    if normals is not None:
+        normals = np.asanyarray(normals)
+        normals = normals[kept] if len(normals) == len(kept) else normals
+    return data_of(points)[kept], normals
+
+
 def reconstruct_contours(
-    contours: Sequence[ArrayLike], *, centers: int = 2000, smoothing: str | float = "auto", progress: Progress = None
+    contours: Sequence[ArrayLike], *, centers: int = 2000, smoothing: Smoothing = "auto", progress: Progress = None
 ) -> Surface:
     """A smooth closed implicit surface through contours drawn on slices.
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from csrbf import _csrbf
+from csrbf._arrays import numbers
 from csrbf._function import Function
 from csrbf._image import Image, read_image
 from csrbf._points import read_points
@@ -25,7 +26,7 @@ def marked(given: Any, volume: _csrbf.Volume, name: str) -> NDArray[np.uint8] | 
     """The voxels that an array, Image or file like the image marks."""
     if given is None:
         return None
-    array = np.asarray(read_image(given) if isinstance(given, (str, os.PathLike)) else given)
+    array = numbers(read_image(given) if isinstance(given, (str, os.PathLike)) else given, name)
     if list(array.shape) != list(volume.shape):
         raise ValueError(f"{name}: has shape {array.shape}; the image has {tuple(volume.shape)}")
     inside: NDArray[np.bool_] = np.nan_to_num(array) != 0

@@ -8,9 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Path
+from csrbf._arrays import Path, numbers
 from csrbf._function import Function
 from csrbf._image import Image, as_image
+from csrbf._labels import is_data_array
+from csrbf._masks import data_of, mask_of, present
+from csrbf._options import CompactKernel, Energy, Mode, SegmentMethod, Shading, Smoothness
 from csrbf._progress import Progress, listening
 from csrbf._seed import marked, seed
 from csrbf._segmentation import Segmentation, Tracking
@@ -27,18 +30,18 @@ def segment(
     image: ImageLike,
     voxel_size: ArrayLike | None = None,
     init: Start = "auto",
-    energy: str = "auto",
+    energy: Energy = "auto",
     regions: int = 2,
     *,
-    mode: str = "global",
-    method: str = "variational",
+    mode: Mode = "global",
+    method: SegmentMethod = "variational",
     mask: ImageLike | None = None,
     center_spacing: float | None = None,
     support: float | None = None,
-    kernel: str = "wendland-c2",
-    smoothness: str | float = "auto",
+    kernel: CompactKernel = "wendland-c2",
+    smoothness: Smoothness = "auto",
     window: int | None = None,
-    shading: str = "auto",
+    shading: Shading = "auto",
     balloon: float = 0.0,
     fill_holes: bool | None = None,
     force: Force | None = None,
@@ -53,8 +56,9 @@ def segment(
 
     Parameters
     ----------
-    image : Image, array_like or file name
-        [y, x] or [z, y, x].
+    image : Image, array_like, DataArray or file name
+        [y, x] or [z, y, x]. Where a masked array (numpy.ma) is masked, or a DataArray of xarray is NaN, voxels are
+        ignored, as by `mask`; labels of a DataArray are one, with its coordinates.
     voxel_size : float or sequence of float, optional
         Of an array: size of a voxel along x, y (and z); 1 when not given. The first voxel is at 0.
     init : str, Image, array_like, Function or Surface
@@ -97,7 +101,8 @@ def segment(
         Like the image, in voxels whose region is known 1 + its label, some of every region; 0 elsewhere.
     channels : sequence of int, optional
         Of an image with components, such as colours: those to use, from 1 on; all but transparency when not given. An
-        array has components when it is an `Image` with the axes "yxc" or "zyxc".
+        array has components when it is an `Image` with the axes "yxc" or "zyxc", or its last of three axes has the
+        length 3 or 4.
     objects : bool
         Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
     min_size : int
@@ -132,43 +137,44 @@ def segment(
     if min_size != 1 and not objects:
         raise ValueError("min_size: is about objects: add objects=True")
     image = as_image(image, voxel_size)
-    volume = _volume(image, channels)
+    volume = volume_of(image, channels)
     if force is not None and not callable(force):
         raise ValueError("force: must be a function of the labels")
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
                        balloon, fill_holes, iterations)
-    start, voxels = seed(init, image, volume), marked(mask, volume, "mask")
+    start, voxels = seed(init, image, volume), _unmasked(image, marked(mask, volume, "mask"))
     known = None
     if seeds is not None:
-        known = np.ascontiguousarray(as_image(seeds).values)
+        known = np.ascontiguousarray(numbers(as_image(seeds).values, "seeds"))
         if known.size == 0 or known.min() < 0 or known.max() > 16 or (known != np.floor(known)).any():
             raise ValueError("seeds: must be whole numbers from 0 to 16")
         known = known.astype(np.uint8)
         options["regions"] = max(options["regions"], int(known.max())) if regions == 2 else options["regions"]
     with listening(progress) as listener:
         found = _csrbf.segment(volume, start, voxels, known, options, force, listener)
-        return Segmentation(found, _csrbf.find_objects(volume, found, int(min_size), listener) if objects else None)
+        parts = _csrbf.find_objects(volume, found, int(min_size), listener) if objects else None
+    return Segmentation(found, parts, image)
 
 
 def track(
     frames: ImageLike | Iterable[ImageLike],
     voxel_size: ArrayLike | None = None,
     init: Start = "auto",
-    energy: str = "auto",
+    energy: Energy = "auto",
     regions: int = 2,
     *,
     mask: ImageLike | None = None,
     persistence: float = 1.0,
     motion: float | None = None,
     sweeps: int = 2,
-    mode: str = "global",
-    method: str = "variational",
+    mode: Mode = "global",
+    method: SegmentMethod = "variational",
     center_spacing: float | None = None,
     support: float | None = None,
-    kernel: str = "wendland-c2",
-    smoothness: str | float = "auto",
+    kernel: CompactKernel = "wendland-c2",
+    smoothness: Smoothness = "auto",
     window: int | None = None,
-    shading: str = "auto",
+    shading: Shading = "auto",
     balloon: float = 0.0,
     fill_holes: bool | None = None,
     iterations: int = 100,
@@ -178,7 +184,7 @@ def track(
 
     Parameters
     ----------
-    frames : array_like, Image, file name or sequence of these
+    frames : array_like, Image, DataArray, file name or sequence of these
         An array [t, y, x] or [t, z, y, x], an image or file with a time axis, or one image for each frame.
     voxel_size, energy, regions
         See `segment`.
@@ -218,34 +224,45 @@ def track(
     images = _frames(frames, voxel_size)
     if not images:
         raise ValueError("frames: there are none")
-    volumes = [_volume(image) for image in images]
+    volumes = [volume_of(image) for image in images]
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
                        balloon, fill_holes, iterations)
     start, voxels = seed(init, images[0], volumes[0]), marked(mask, volumes[0], "mask")
+    for image in images:
+        voxels = _unmasked(image, voxels)
     with listening(progress) as listener:
         found, warnings = _csrbf.track(
             volumes, start, voxels, options, float(persistence), motion, int(sweeps), listener
         )
-    return Tracking([Segmentation(one) for one, _ in found], [regions for _, regions in found], warnings)
+    segmentations = [Segmentation(one, None, image) for (one, _), image in zip(found, images)]
+    return Tracking(segmentations, [regions for _, regions in found], warnings)
+
+
+def _unmasked(image: Image, voxels: NDArray[np.uint8] | None) -> NDArray[np.uint8] | None:
+    """The voxels to look at, without those that a masked array masks."""
+    hidden = image._mask()
+    if hidden is None:
+        return voxels
+    shown = (~hidden).astype(np.uint8)
+    return shown if voxels is None else shown * voxels
 
 
 def _frames(frames: Any, voxel_size: ArrayLike | None) -> list[Image]:
-    if isinstance(frames, (str, os.PathLike, Image)):
+    if isinstance(frames, (str, os.PathLike, Image)) or is_data_array(frames):
         sequence = as_image(frames, voxel_size)
         if not sequence.axes.startswith("t"):
             return [sequence]
-        place = (sequence.spacing, sequence.origin, sequence.direction)
-        return [Image(values, *place, axes=sequence.axes[1:], space=sequence.space) for values in sequence.values]
+        return [sequence._frame(number) for number in range(len(sequence))]
     return [as_image(frame, voxel_size) for frame in frames]
 
 
-def _volume(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Volume:
+def volume_of(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Volume:
     if image.axes.removesuffix("c") not in ("yx", "zyx"):
         raise ValueError(
-            f"dimension of the image: its axes are [{', '.join(image.axes)}], they must be [y, x] or [z, y, x], and c for "
-            "components; take one frame of a sequence"
+            f"image: its axes are [{', '.join(image.axes)}]; they must be [y, x] or [z, y, x], and c for components; take "
+            "one frame of a sequence"
         )
-    values, components = image.values, 1
+    values, components = _visible(image), 1
     if image.axes.endswith("c"):
         n = values.shape[-1]
         transparent = n in (2, 4) and values.dtype.kind in "ui"
@@ -257,6 +274,18 @@ def _volume(image: Image, channels: Sequence[int] | None = None) -> _csrbf.Volum
         raise ValueError("channels: the image has one value per voxel")
     layout = dict(image._layout(), type="float32", components=components)
     return _csrbf.Volume(np.ascontiguousarray(values, dtype=np.float32).ravel(), layout)
+
+
+def _visible(image: Image) -> NDArray[Any]:
+    """The values, masked ones replaced by the mean of the others: they are not looked at."""
+    mask = mask_of(image.values)
+    if mask is None:
+        return image.values
+    known = present(image.values)
+    if known.size == 0:
+        raise ValueError("image: all voxels are masked")
+    values: NDArray[Any] = np.where(mask, known.mean(), data_of(image.values))
+    return values
 
 
 def _options(

@@ -1,21 +1,25 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from csrbf import _csrbf
-from csrbf._arrays import Floats, Path, floats, queries
+from csrbf._arrays import Floats, Path, floats
 from csrbf._curvature import Curvature
-from csrbf._mesh import Mesh, mesh_of
+from csrbf._labels import Labelled, Places
+from csrbf._mesh import Mesh, mesh_of, mesh_panel
+from csrbf._options import MeshMethod, Operation, UpAxis
 from csrbf._picture import Color, picture_options, reference_mesh, write_picture
 from csrbf._polylines import Polylines
 from csrbf._progress import Progress, listening
+from csrbf._show import Page, Shown
+from csrbf._viewer import Scale
 
 
-class Surface:
+class Surface(Shown):
     """A closed surface as the zero set of a function f: f > 0 inside, f < 0 outside, close to the signed distance near
     the data.
 
@@ -41,6 +45,7 @@ class Surface:
     def __init__(self, surface: _csrbf.Surface, report: dict[str, Any] | None = None) -> None:
         self._surface = surface
         self.report = report or {}
+        self._shown: dict[int, Mesh] = {}
 
     @property
     def bounds(self) -> Floats:
@@ -56,16 +61,21 @@ class Surface:
         """
         return self._surface.bounds
 
-    def __call__(self, x: ArrayLike) -> Floats:
+    @overload
+    def __call__(self, x: Labelled) -> Any: ...
+    @overload
+    def __call__(self, x: ArrayLike) -> Floats: ...
+    def __call__(self, x: Any) -> Any:
         """Values of f at points, positive inside.
 
         Parameters
         ----------
-        x : array_like (..., 3)
+        x : array_like (..., 3), DataFrame or DataArray
+            Of a table the columns x, y and z.
 
         Returns
         -------
-        ndarray (...)
+        ndarray (...), or of the kind of `x`
 
         Examples
         --------
@@ -74,19 +84,24 @@ class Surface:
         >>> ball([[0, 0, 0.9], [0, 0, 1.1]]).round(1)
         array([ 0.1, -0.1])
         """
-        x, shape = queries(x, 3)
-        return self._surface.evaluate(x, False)[0].reshape(shape)
+        places = Places(x, "xyz")
+        return places.like_given(self._surface.evaluate(places.rows, False)[0], ["value"])
 
-    def gradient(self, x: ArrayLike) -> Floats:
+    @overload
+    def gradient(self, x: Labelled) -> Any: ...
+    @overload
+    def gradient(self, x: ArrayLike) -> Floats: ...
+    def gradient(self, x: Any) -> Any:
         """Gradients of f at points. They point inwards.
 
         Parameters
         ----------
-        x : array_like (..., 3)
+        x : array_like (..., 3), DataFrame or DataArray
 
         Returns
         -------
-        ndarray (..., 3)
+        ndarray (..., 3), or of the kind of `x`
+            With the columns value_x, value_y and value_z.
 
         Examples
         --------
@@ -95,8 +110,8 @@ class Surface:
         >>> bool(ball.gradient([0, 0, 1])[2] < -0.9)
         True
         """
-        x, shape = queries(x, 3)
-        return self._surface.evaluate(x, True)[1].reshape(shape + (3,))
+        places = Places(x, "xyz")
+        return places.like_given(self._surface.evaluate(places.rows, True)[1], ["value_x", "value_y", "value_z"])
 
     def normal(self, x: ArrayLike) -> Floats:
         """Outward unit normals -grad f / \\|grad f\\| at points; NaN where the gradient is zero.
@@ -116,7 +131,7 @@ class Surface:
         >>> np.allclose(ball.normal([0, 0, 1]), [0, 0, 1], atol=0.02)
         True
         """
-        gradient = self.gradient(x)
+        gradient = self.gradient(floats(x, "x"))
         # Scaled first: squares of the gradient may overflow or underflow.
         largest = np.abs(gradient).max(axis=-1, keepdims=True, initial=0)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -142,10 +157,14 @@ class Surface:
         >>> bool(abs(np.median(ball.curvature(ball.points).mean) - 0.5) < 0.01)
         True
         """
-        x, shape = queries(x, 3)
-        k1, k2, direction1, direction2 = self._surface.curvature(x)
-        vector = shape + (3,)
-        return Curvature(k1.reshape(shape), k2.reshape(shape), direction1.reshape(vector), direction2.reshape(vector))
+        x = floats(x, "x")
+        if x.ndim == 0 or x.shape[-1] != 3:
+            raise ValueError(f"x: has shape {x.shape}; its last axis must hold the 3 coordinates of a point")
+        k1, k2, direction1, direction2 = self._surface.curvature(x.reshape(-1, 3))
+        shape = x.shape[:-1]
+        return Curvature(
+            k1.reshape(shape), k2.reshape(shape), direction1.reshape(x.shape), direction2.reshape(x.shape)
+        )
 
     @property
     def points(self) -> Floats:
@@ -177,7 +196,7 @@ class Surface:
         >>> ball.contains([[0, 0, 0], [2, 0, 0]])
         array([ True, False])
         """
-        inside: NDArray[np.bool_] = np.asarray(self(x) > 0)
+        inside: NDArray[np.bool_] = self(x) > 0
         return inside
 
     def polygonize(
@@ -185,7 +204,7 @@ class Surface:
         resolution: int | None = None,
         *,
         level: float = 0.0,
-        method: str = "auto",
+        method: MeshMethod = "auto",
         tolerance: float | None = None,
         refine: bool = True,
         trim: float | None = None,
@@ -266,10 +285,13 @@ class Surface:
         >>> distances.round(2)
         array([ 4., inf])
         """
-        directions, shape = queries(directions, 3)
+        directions = floats(directions, "directions")
+        if directions.ndim == 0 or directions.shape[-1] != 3:
+            raise ValueError(f"directions: has shape {directions.shape}; its last axis must hold 3 coordinates")
+        shape = directions.shape[:-1]
         spread = np.broadcast_to(floats(origins, "origins"), shape + (3,)).reshape(-1, 3)
         cells = 0 if resolution is None else int(resolution)
-        t, normals = self._surface.raycast(np.ascontiguousarray(spread), directions, cells)
+        t, normals = self._surface.raycast(np.ascontiguousarray(spread), directions.reshape(-1, 3), cells)
         return t.reshape(shape), normals.reshape(shape + (3,))
 
     def ridges(
@@ -312,7 +334,7 @@ class Surface:
         *,
         size: tuple[int, int] = (800, 600),
         view: tuple[float, float] = (30.0, 20.0),
-        up: str = "z",
+        up: UpAxis = "z",
         color: str = "plain",
         reference: Mesh | Path | None = None,
         color_limit: float = 0.0,
@@ -376,6 +398,54 @@ class Surface:
             picture = self._surface.render(options, to, listener)
         return write_picture(path, picture)
 
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the surface with matplotlib, ray-traced.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Those of a new figure when not given.
+        **options
+            Of `render`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> x = np.random.default_rng(0).normal(size=(2000, 3))
+        >>> ball = csrbf.reconstruct(x / np.linalg.norm(x, axis=1, keepdims=True))
+        >>> ball.plot(size=(160, 120))  # doctest: +SKIP
+        <Axes: >
+        """
+        from csrbf._plots import axes_for
+
+        ax = axes_for(ax)
+        ax.imshow(self.render(**options))
+        ax.set_axis_off()
+        return ax
+
+    def _page(self, large: bool) -> Page:
+        resolution = 120 if large else 64
+        if resolution not in self._shown:
+            try:
+                mesh = self.polygonize(resolution, method="marching-cubes")
+            except _csrbf.SolverFailure as error:
+                return Page("Surface", {"surface": "none"}, notes=[str(error)])
+            curvature = self.curvature(mesh.vertices).mean
+            self._shown[resolution] = Mesh(mesh.vertices, mesh.faces, mesh.normals, {"mean_curvature": curvature})
+        mesh = self._shown[resolution]
+        scale = Scale("mean curvature", "mean curvature", mesh.properties["mean_curvature"], diverging=True)
+        facts = {"sides of the box": " x ".join(f"{side:.3g}" for side in self.bounds[1] - self.bounds[0])}
+        if "points" in self.report:
+            facts["points"] = f"{self.report['points']:,}"
+            facts["rms distance / diagonal"] = f"{self.report['rms_distance']:.2g}"
+            facts["method"] = str(self.report["method"])
+        caption = f"A mesh of {resolution} cells along the longest side; polygonize() chooses as many as the data need."
+        panel = mesh_panel(mesh, large, [scale], self.points if len(self.points) > 0 else None, caption)
+        return Page("Surface", facts, [panel], list(self.report.get("warnings", [])))
+
     def save(self, path: Path) -> None:
         """Write a .csrbf file, which `load` and the program csrbf read.
 
@@ -423,11 +493,11 @@ class Surface:
         return _restore, (surface.to_bytes(), surface.points, surface.normals, self.report)
 
     def __repr__(self) -> str:
-        lower, upper = self.bounds
-        return f"<csrbf.Surface in {lower.tolist()} ... {upper.tolist()}>"
+        lower, upper = (", ".join(f"{x:.6g}" for x in corner) for corner in self.bounds)
+        return f"<csrbf.Surface in [{lower}] ... [{upper}]>"
 
 
-def _combined(operation: str, first: Surface, second: Surface) -> Surface:
+def _combined(operation: Operation, first: Surface, second: Surface) -> Surface:
     from csrbf._combine import combine
 
     return combine(operation, first, second) if isinstance(second, Surface) else NotImplemented

@@ -11,6 +11,7 @@ from sklearn.utils.validation import _check_sample_weight, check_array, check_is
 
 from csrbf._fit import fit
 from csrbf._function import Function
+from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing
 from csrbf._spline import fit_spline
 
 _MOST_FEATURES = 6  # dimensions that `fit` supports
@@ -49,17 +50,17 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     def __init__(
         self,
-        method: str = "auto",
+        method: FitMethod = "auto",
         tolerance: float | None = None,
         centers: int | None = None,
-        smoothing: str | float = "auto",
+        smoothing: Smoothing = "auto",
         *,
-        kernel: str = "auto",
+        kernel: Kernel = "auto",
         kernel_parameter: float | None = None,
         degree: int | None = None,
         periods: Any = None,
-        extrapolation: str = "constant",
-        loss: str = "auto",
+        extrapolation: Extrapolation = "constant",
+        loss: Loss = "auto",
         missing: float | None = None,
         scale_axes: bool = True,
     ) -> None:

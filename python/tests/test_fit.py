@@ -313,7 +313,7 @@ class Failures(unittest.TestCase):
             ("real", (x, v + 1j), {}),
             ("", (np.zeros((50, 7)), v), {}),
             ("", (x[:0], v[:0]), {}),
-            ("could not convert", (np.array([["a", "b"]]), v[:1]), {}),
+            ("points: must be real numbers; the array is of type <U1", (np.array([["a", "b"]]), v[:1]), {}),
         ]
         for message, arguments, keywords in cases:
             with self.subTest(message=message, keywords=keywords):

@@ -142,7 +142,7 @@ class Files(unittest.TestCase):
 class Contract(unittest.TestCase):
     def test_arguments_have_their_names_and_defaults(self):
         expected = {
-            csrbf.fit: "points, values, method='auto', tolerance=None, centers=None, smoothing='auto'",
+            csrbf.fit: "points, values=None, method='auto', tolerance=None, centers=None, smoothing='auto'",
             csrbf.RBFInterpolator: "y, d, neighbors=None, smoothing=0.0, kernel='thin_plate_spline', epsilon=None, "
             "degree=None",
             csrbf.reconstruct: "points, normals=None, method='auto', centers=None, tolerance=None",

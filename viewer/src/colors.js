@@ -24,6 +24,11 @@ export function colorsOf(values, stops, missing) {
   return result;
 }
 
+/** Colours stored in bytes: red, green, blue, red, ... */
+export function ofBytes(bytes) {
+  return Float32Array.from(bytes, (byte) => byte / 255);
+}
+
 /** The same colour `count` times. */
 export function uniform(count, color) {
   const result = new Float32Array(3 * count);

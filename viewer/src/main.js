@@ -10,6 +10,7 @@ import {Vector3} from "three";
 
 const AXES = {x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1)};
 const PLAIN = "plain";
+const OWN = "own"; // colours that come with the surface
 const BEYOND_BOX = 1.001; // scales the depth of the cut, so that rounding spares nothing at its ends
 
 class View {
@@ -26,6 +27,8 @@ class View {
       triangles: decode.shorts(data.triangles),
     };
     this.points = data.points ? {positions: decode.positions(data.points.positions, halfSides)} : null;
+    this.tints = data.tints ? colors.ofBytes(decode.bytes(data.tints)) : null;
+    this.pointTints = data.points && data.points.tints ? colors.ofBytes(decode.bytes(data.points.tints)) : null;
     this.scales = data.scales.map((scale) => ({
       ...scale,
       values: decode.bytes(scale.values),
@@ -33,6 +36,7 @@ class View {
     }));
     this.scene = new Scene(this.canvas, this.surface, this.points, this.orbit);
     this.theme = window.matchMedia("(prefers-color-scheme: dark)");
+    this.canvas.addEventListener("webglcontextlost", () => this.stop());
     this.addControls();
     this.reset();
     listen(this.canvas, this.orbit, () => this.changed());
@@ -46,7 +50,8 @@ class View {
   }
 
   addControls() {
-    const names = [[PLAIN, "plain"], ...this.scales.map((scale, i) => [String(i), scale.name])];
+    const own = this.tints || this.pointTints ? [[OWN, "its own"]] : [];
+    const names = [[PLAIN, "plain"], ...own, ...this.scales.map((scale, i) => [String(i), scale.name])];
     const cuts = [["none", "none"], ["x", "across x"], ["y", "across y"], ["z", "across z"], ["view", "facing you"]];
     const ups = Object.keys(AXES).map((axis) => [axis, axis]);
     this.legend = new Legend();
@@ -66,7 +71,8 @@ class View {
   reset() {
     this.turnUp(upAxis(this.data.up));
     if (this.controls.up) this.controls.up.set(this.orbit.up);
-    this.set({color: this.scales.length > 0 ? this.data.shown : PLAIN, points: false, cut: "none", depth: 0.5});
+    const cloudAlone = this.surface.triangles.length === 0;
+    this.set({color: this.controls.color ? this.data.shown : PLAIN, points: cloudAlone, cut: "none", depth: 0.5});
   }
 
   turnUp(axis) {
@@ -109,12 +115,15 @@ class View {
     const scale = this.scales[this.state.color];
     const stops = scale && this.data.colors[scale.map];
     const count = this.surface.positions.length / 3;
-    const tint = scale ? colors.colorsOf(scale.values, stops, missing) : colors.uniform(count, plain);
+    const own = this.state.color === OWN;
+    let tint = scale ? colors.colorsOf(scale.values, stops, missing) : colors.uniform(count, plain);
+    if (own && this.tints) tint = this.tints;
     let pointTint = null;
     if (this.points) {
       const n = this.points.positions.length / 3;
       const values = scale && scale.pointValues;
       pointTint = values ? colors.colorsOf(values, stops, missing) : colors.uniform(n, pointColor);
+      if (own && this.pointTints) pointTint = this.pointTints;
     }
     this.scene.setColors(tint, pointTint, dark ? [0.3, 0.42, 0.52] : [0.42, 0.55, 0.66]);
     this.legend.show(scale, stops);
@@ -124,6 +133,13 @@ class View {
   resize() {
     this.scene.resize();
     this.changed();
+  }
+
+  // Browsers draw some sixteen views at a time; the oldest one becomes a still picture again.
+  stop() {
+    this.figure.classList.remove("live");
+    this.figure.querySelector(".why-still").textContent =
+      "A still picture: the browser draws no more views at a time. Reload the page to turn it.";
   }
 
   changed() {
