@@ -138,7 +138,7 @@ class Plane(unittest.TestCase):
             ("shape", {"init": np.zeros((3, 3))}),
             ("shape", {"mask": np.zeros((3, 3))}),
             ("must be one of", {"energy": "none"}),
-            ("dimension of the image", {"image": np.ones(9)}),
+            ("image: its axes are \\[x\\]; they must be", {"image": np.ones(9)}),
             ("voxel_size", {"voxel_size": (1, 2, 3)}),
             ("force", {"force": 3}),
         ):
