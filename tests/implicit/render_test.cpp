@@ -244,6 +244,25 @@ TEST(Render, AMeshTurnedInsideOutLooksTheSame) {
   EXPECT_LT(mean_difference(render(mesh, options), expected), 0.01);
 }
 
+TEST(Render, BothSidesOfASheetLookAlike) {
+  // A bowl seen from above: inside out by its volume, or not, with normals or without.
+  Mesh bowl = unit_sphere(20);
+  std::vector<Index> lower;
+  for (Index t = 0; t < bowl.triangles.cols(); ++t)
+    if (bowl.vertices(2, bowl.triangles.col(t).maxCoeff()) < -0.8) lower.push_back(t);
+  bowl.triangles = Triangles(bowl.triangles(Eigen::all, lower));
+  const RenderOptions options{.width = 100, .height = 80, .view = {0, 60}};
+  const RgbImage expected = render(bowl, options);
+  Mesh turned = bowl;
+  turned.triangles.row(1).swap(turned.triangles.row(2));
+  EXPECT_LT(mean_difference(render(turned, options), expected), 0.01);
+  turned.normals = -turned.normals;
+  EXPECT_LT(mean_difference(render(turned, options), expected), 0.01);
+  bowl.normals.resize(3, 0);
+  constexpr double facets = 2;  // of 255, by other normals at the edge
+  EXPECT_LT(mean_difference(render(bowl, options), expected), facets);
+}
+
 TEST(Render, TheFrameOptionReplacesTheSurface) {
   RenderOptions options = bare(100, 100);
   options.field_of_view = 0;

@@ -6,7 +6,9 @@
 namespace csrbf {
 namespace {
 
-constexpr double crease_cosine = 0.766;  // 40 degrees: normals are not averaged over sharper edges. Chosen by hand
+// Chosen by hand.
+constexpr double crease_cosine = 0.766;  // 40 degrees: normals are not averaged over sharper edges
+constexpr double opening = 0.25;         // least share of openings in the area of a sheet; half a sphere has 0.5
 
 const Property* find_property(const Mesh& mesh, std::string_view name) {
   for (const Property& property : mesh.properties) {
@@ -49,7 +51,7 @@ MeshScene::MeshScene(const Mesh& mesh, const RenderOptions& options)
   }
   for (int k = 0; k < 3; ++k) material_[k] = linear_from_srgb(options.material[k]);
 
-  if (inside_out()) orientation_ = -1;
+  find_sides();
   if (shading_ == MeshShading::smooth && mesh.normals.cols() == 0) collect_fans();
   keep_used_vertices();
 }
@@ -59,19 +61,34 @@ Point<3> MeshScene::area_of(Index triangle) const {
   return orientation_ * area_vector(corner(0), corner(1), corner(2));
 }
 
-// Whether the volume enclosed by the triangles is negative.
-bool MeshScene::inside_out() const {
+// The area vectors of a closed surface add up to zero, those of others to minus that of their openings. A sheet has no
+// inside: its sides look alike. Other surfaces whose volume is negative are inside out.
+void MeshScene::find_sides() {
   constexpr Index grain = 8192;
   const Index n = mesh_.triangles.cols();
   const Point<3> center = tree_.bounds().center();
-  std::vector<double> volumes((n + grain - 1) / grain, 0.0);
+  struct Sums {
+    double volume = 0, area = 0;
+    Point<3> vector = Point<3>::Zero();
+  };
+  std::vector<Sums> parts((n + grain - 1) / grain);
   parallel_for(n, grain, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t)
-      volumes[begin / grain] += area_of(t).dot(mesh_.vertices.col(mesh_.triangles(0, t)) - center);
+    Sums& part = parts[begin / grain];
+    for (Index t = begin; t < end; ++t) {
+      const Point<3> area = area_of(t);
+      part.volume += area.dot(mesh_.vertices.col(mesh_.triangles(0, t)) - center);
+      part.area += area.norm();
+      part.vector += area;
+    }
   });
-  double volume = 0;
-  for (const double part : volumes) volume += part;
-  return volume < 0;
+  Sums sums;
+  for (const Sums& part : parts) {
+    sums.volume += part.volume;
+    sums.area += part.area;
+    sums.vector += part.vector;
+  }
+  is_sheet_ = sums.vector.norm() > opening * sums.area;
+  if (!is_sheet_ && sums.volume < 0) orientation_ = -1;
 }
 
 // Lists the triangles around each vertex.
@@ -116,8 +133,12 @@ Point<3> MeshScene::corner_normal(Index triangle, int corner, const Point<3>& fa
 SurfaceHit MeshScene::shade(const Ray& ray, const TriangleTree::Hit& hit) const {
   SurfaceHit surface;
   surface.t = hit.t;
-  const Point<3> outward = area_of(hit.triangle).normalized();
+  Point<3> outward = area_of(hit.triangle).normalized();
   surface.inside = outward.dot(ray.direction) > 0;
+  if (is_sheet_ && surface.inside) {
+    outward = -outward;
+    surface.inside = false;
+  }
   surface.facet = surface.inside ? Point<3>(-outward) : outward;
   surface.normal = outward;
   surface.color = material_;
@@ -131,7 +152,8 @@ SurfaceHit MeshScene::shade(const Ray& ray, const TriangleTree::Hit& hit) const 
     Point<3> normal = Point<3>::Zero(), lifted = Point<3>::Zero();
     const double side = surface.inside ? -1 : 1;
     for (int k = 0; k < 3; ++k) {
-      const Point<3> n = corner_normal(hit.triangle, k, outward);
+      Point<3> n = corner_normal(hit.triangle, k, outward);
+      if (n.dot(outward) < 0) n = -n;  // normals of a file may belong to the other side
       // Lifting the origin of shadow rays towards the tangent planes of the corners hides the facets of coarse meshes
       // at the shadow's edge (Hanika 2021).
       const double below = std::min(0.0, side * n.dot(p - mesh_.vertices.col(vertex(k))));

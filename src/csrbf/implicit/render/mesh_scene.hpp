@@ -20,7 +20,7 @@ class MeshScene : public Scene {
  private:
   [[nodiscard]] SurfaceHit shade(const Ray& ray, const TriangleTree::Hit& hit) const;
   [[nodiscard]] Point<3> area_of(Index triangle) const;
-  [[nodiscard]] bool inside_out() const;
+  void find_sides();
   [[nodiscard]] Point<3> corner_normal(Index triangle, int corner, const Point<3>& facet) const;
   void collect_fans();
   void keep_used_vertices();
@@ -28,7 +28,8 @@ class MeshScene : public Scene {
   const Mesh& mesh_;
   TriangleTree tree_;
   MeshShading shading_;
-  double orientation_ = 1;  // -1 if the triangles of a closed mesh face inwards
+  double orientation_ = 1;  // -1 if the triangles face inwards
+  bool is_sheet_ = false;   // without inside: both sides look alike
   double clearance_;
   const Property* curvature_ = nullptr;
   std::array<const Property*, 3> rgb_{};
