@@ -4,12 +4,15 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/implicit/mesh/clip_mesh.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <Eigen/Geometry>
 
 #include <map>
+#include <numeric>
+#include <queue>
 
 namespace csrbf {
 namespace {
@@ -18,6 +21,7 @@ constexpr Index spacing_neighbors = 6;  // as many as surround a sample of a hex
 // Chosen by hand.
 constexpr Index facing_neighbors = 8;    // nearest points of which one must face the same way
 constexpr double facing = 0.7;           // least cosine between normals that face the same way: 45 degrees
+constexpr double overlap = 0.5;          // spacings by which a trimmed mesh reaches beyond the outermost points
 constexpr double expected_share = 0.05;  // a component with less of the mean density of samples is empty ...
 constexpr double fewest_samples = 8;     // ... or with fewer of them
 constexpr double near_component = 4;     // spacings: points farther from a component do not count for it
@@ -47,25 +51,97 @@ double spacing_at(const KdTree<3>& tree, const PointsRef<3>& points, Index i) {
   return sum / static_cast<double>(found - 1);
 }
 
-// 1 for vertices that trim() keeps.
-std::vector<char> near_samples(const Mesh& mesh, const PointsRef<3>& points, double distance,
-                               const PointsRef<3>& normals) {
-  const std::vector<Index> order = morton_order<3>(points);
-  const Points<3> sorted = points(Eigen::all, order);
-  const KdTree<3> tree(sorted);
-  const Index asked = normals.cols() > 0 ? std::min(facing_neighbors, points.cols()) : 1;
-  std::vector<char> near(mesh.vertices.cols());
+// Samples in Morton order.
+struct Samples {
+  Samples(const PointsRef<3>& x, const PointsRef<3>& n) : order(morton_order<3>(x)), points(x(Eigen::all, order)) {
+    if (n.cols() > 0) normals = n(Eigen::all, order);
+  }
+
+  std::vector<Index> order;
+  Points<3> points, normals{3, 0};
+  KdTree<3> tree{points};
+};
+
+// How far each vertex is within the distance that trim() keeps; negative beyond it.
+Eigen::VectorXd depths(const Mesh& mesh, const Samples& samples, double distance) {
+  const bool has_normals = samples.normals.cols() > 0;
+  const Index asked = has_normals ? std::min(facing_neighbors, samples.points.cols()) : 1;
+  Eigen::VectorXd depth(mesh.vertices.cols());
   parallel_for(mesh.vertices.cols(), 1024, [&](Index begin, Index end) {
     std::array<Index, facing_neighbors> index{};
     std::array<double, facing_neighbors> squared{};
     for (Index v = begin; v < end; ++v) {
-      const Index found = tree.nearest(mesh.vertices.col(v), asked, index.data(), squared.data());
-      const double reach = distance * spacing_at(tree, sorted, index[0]);
-      for (Index k = 0; k < found && squared[k] <= reach * reach; ++k)
-        if (normals.cols() == 0 || normals.col(order[index[k]]).dot(mesh.normals.col(v)) > facing) near[v] = 1;
+      const Index found = samples.tree.nearest(mesh.vertices.col(v), asked, index.data(), squared.data());
+      const double reach = distance * spacing_at(samples.tree, samples.points, index[0]);
+      depth[v] = -reach;
+      for (Index k = 0; k < found && depth[v] < 0; ++k)
+        if (!has_normals || samples.normals.col(index[k]).dot(mesh.normals.col(v)) > facing)
+          depth[v] = std::max(depth[v], reach - std::sqrt(squared[k]));
     }
   });
+  return depth;
+}
+
+// Neighbours of each vertex, and which vertices are on the boundary.
+struct Neighbors {
+  std::vector<Index> begin;
+  std::vector<std::int32_t> vertex;
+  std::vector<char> on_boundary;
+};
+
+// An edge between two triangles occurs once in each direction: sums of its other ends, with signs, vanish.
+Neighbors neighbors_of(const Mesh& mesh) {
+  Neighbors near{std::vector<Index>(mesh.vertices.cols() + 1, 0), {}, std::vector<char>(mesh.vertices.cols(), 0)};
+  for (Index i = 0; i < mesh.triangles.size(); ++i) near.begin[mesh.triangles.data()[i] + 1] += 2;
+  std::partial_sum(near.begin.begin(), near.begin.end(), near.begin.begin());
+  near.vertex.resize(2 * mesh.triangles.size());
+  std::vector<Index> next(near.begin.begin(), near.begin.end() - 1);
+  for (Index t = 0; t < mesh.triangles.cols(); ++t)
+    for (int c = 0; c < 3; ++c)
+      for (const int other : {1, 2}) near.vertex[next[mesh.triangles(c, t)]++] = mesh.triangles((c + other) % 3, t);
+  for (Index v = 0; v < mesh.vertices.cols(); ++v) {
+    const auto first = near.vertex.begin() + near.begin[v], last = near.vertex.begin() + near.begin[v + 1];
+    std::sort(first, last);
+    for (auto end = first; end != last;) {
+      const auto begin = end;
+      end = std::upper_bound(begin, last, *begin);
+      if (end - begin == 1) near.on_boundary[v] = 1;
+    }
+  }
   return near;
+}
+
+// Distance of the vertices from the boundary along the mesh, less that of the boundary from the samples but for
+// `overlap` spacings: negative in the margin that trim() takes off again. Large where it is not near.
+Eigen::VectorXd beyond_margin(const Mesh& mesh, const Samples& samples) {
+  const Neighbors near = neighbors_of(mesh);
+  Eigen::VectorXd result = Eigen::VectorXd::Constant(mesh.vertices.cols(), std::numeric_limits<double>::infinity());
+  std::vector<std::int32_t> source(mesh.vertices.cols(), -1);  // the vertex of the boundary that is nearest
+  std::vector<double> margin(mesh.vertices.cols(), 0);
+  using Entry = std::pair<double, std::int32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  const auto reach = [&](std::int32_t v, std::int32_t from) {
+    const double value = (mesh.vertices.col(v) - mesh.vertices.col(from)).norm() - margin[from];
+    if (!(value < result[v])) return;
+    result[v] = value;
+    source[v] = from;
+    open.emplace(value, v);
+  };
+  for (std::int32_t v = 0; v < mesh.vertices.cols(); ++v) {
+    if (near.on_boundary[v] == 0) continue;
+    Index nearest = 0;
+    double squared = 0;
+    samples.tree.nearest(mesh.vertices.col(v), 1, &nearest, &squared);
+    margin[v] = std::sqrt(squared) - overlap * spacing_at(samples.tree, samples.points, nearest);
+    if (margin[v] > 0) reach(v, v);
+  }
+  while (!open.empty()) {
+    const auto [value, v] = open.top();
+    open.pop();
+    if (value > result[v] || value >= 0) continue;
+    for (Index k = near.begin[v]; k < near.begin[v + 1]; ++k) reach(near.vertex[k], source[v]);
+  }
+  return result;
 }
 
 // The chosen triangles and their vertices, in the old order.
@@ -233,13 +309,9 @@ Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const P
   require(points.cols() >= 2, "trim", "points", points.cols(), "at least 2 are needed");
   require(normals.cols() == 0 || normals.cols() == points.cols(), "trim", "normals", normals.cols(),
           "must be one per point, or none");
-  const std::vector<char> near = near_samples(mesh, points, distance, normals);
-  std::vector<Index> kept;
-  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const auto is_near = [&](int c) { return near[mesh.triangles(c, t)] != 0; };
-    if (is_near(0) && is_near(1) && is_near(2)) kept.push_back(t);
-  }
-  Mesh trimmed = submesh(mesh, kept);
+  const Samples samples(points, normals);
+  const Mesh near = clip_mesh(mesh, depths(mesh, samples, distance));
+  Mesh trimmed = clip_mesh(near, beyond_margin(near, samples));
   double_shared_vertices(trimmed);
   return trimmed;
 }

@@ -4,12 +4,15 @@
 
 namespace csrbf {
 
-/// The part of a mesh within `distance` local spacings of `points` (3 x n): triangles with a vertex farther away are
-/// removed, as are unused vertices. The local spacing at a vertex is that of its nearest point: the mean distance to
-/// its nearest neighbours. The result is open where the data are, and manifold (a vertex that would join two parts is
-/// duplicated). With `normals` (3 x n, unit) the far side of an open sheet is removed too: a vertex is kept only if one
-/// of the nearest 8 points within the distance faces the same way (within 45 degrees). O((v + n) log n). Throws
-/// InvalidInput unless distance > 0, there are at least two points, and normals (if given) are one per point.
+/// The part of a mesh where there are `points` (3 x n): what is farther than `distance` local spacings from them is cut
+/// away, and then, from the edges that come about, a margin as wide as their distance from the points, but for half a
+/// spacing. So holes of the data narrower than twice the distance stay filled, and edges run along the outermost points
+/// (a closing in the sense of mathematical morphology). Triangles are cut, which makes new vertices. The local spacing
+/// at a vertex is that of its nearest point: the mean distance to its nearest neighbours. The result is manifold (a
+/// vertex that would join two parts is duplicated). With `normals` (3 x n, unit; the mesh has them too) the far side of
+/// an open sheet is removed too: a vertex is kept only if one of the nearest 8 points within the distance faces the
+/// same way (within 45 degrees). O((v + n) log n). Throws InvalidInput unless distance > 0, there are at least two
+/// points, and normals (if given) are one per point.
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals = Points<3>(3, 0));
 
 /// The mesh without the connected components that have no data: those with far fewer `points` (3 x n) near them than
