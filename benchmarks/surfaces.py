@@ -324,6 +324,13 @@ def preamble(options, open3d):
         "```", ""])
 
 
+def population(output):
+    """The section of the page that population.py writes."""
+    page = output.read_text() if output.exists() else ""
+    start = page.find("## Population\n")
+    return [] if start < 0 else [page[start:page.find("\n## ", start)].rstrip() + "\n"]
+
+
 # Command line.
 
 
@@ -371,11 +378,11 @@ def main(arguments):
     open3d = module_version(options.work, "open3d")
     if open3d is None:
         print("Open3D cannot be imported (Debian: apt install python3-open3d): its rows are left out", flush=True)
-    parts = [preamble(options, open3d)]
+    parts, kept = [preamble(options, open3d)], population(options.output)
     for case in options.cases:
         print(case, flush=True)
         parts.append(table(case, run_case(case, options, open3d is not None)))
-        options.output.write_text("\n".join([*parts, LEGEND]))
+        options.output.write_text("\n".join([*parts, *kept, LEGEND]))
     print(f"written: {options.output}")
 
 
