@@ -181,8 +181,7 @@ Index dual_contouring(const Extraction& e, Mesh& mesh) {
   const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
   Mesh crossings;
   resize_vertices(number_edge_vertices(bricks), true, crossings);
-  place_edge_vertices(e.lattice, bricks, e.sampler, {.refine = e.options.refine, .sharp = true}, crossings,
-                      e.options.progress);
+  place_edge_vertices(e.lattice, bricks, e.sampler, {.refine = e.options.refine}, crossings, e.options.progress);
   report(e.options.progress, "polygonize", 0.95);
   std::vector<CellPlanes> planes;
   const DualSurface surface = make_dual_surface(e.lattice, bricks, crossings, mesh, adaptive ? &planes : nullptr);

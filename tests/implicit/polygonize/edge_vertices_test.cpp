@@ -19,7 +19,7 @@ struct Vertices {
     tracer.run({});
     bricks = tracer.finish(directions);
     mesh.vertices.setConstant(3, number_edge_vertices(bricks), std::numeric_limits<double>::quiet_NaN());
-    if (demand.normals || demand.sharp) mesh.normals = mesh.vertices;
+    if (demand.normals) mesh.normals = mesh.vertices;
     const Index traced = sampler.value_count();
     place_edge_vertices(lattice, bricks, sampler, demand, mesh, {});
     evaluations = sampler.value_count() - traced + sampler.gradient_count();
@@ -191,19 +191,6 @@ TEST(EdgeVertices, NextToACornerAreOnThePlaneToo) {
       EXPECT_GT(near, 50);
     }
   }
-}
-
-// f jumps in its slope where the surface has an edge: with `sharp`, normals are those of the vertex itself.
-TEST(EdgeVertices, HaveTheNormalsOfTheirOwnPlaceWhenAsked) {
-  const Implicit ball = sphere(1);
-  const Vertices sharp(ball, lattice_around(off_center, 1.3, 5), {.normals = true, .sharp = true});
-  const Vertices bare(ball, lattice_around(off_center, 1.3, 5), {.normals = false, .sharp = true});
-  for (const Vertices* vertices : {&sharp, &bare})
-    vertices->for_each([&](int vertex, const Cell& lower, int d) {
-      if (vertices->on_cap(lower, d)) return;
-      const Point<3> normal = (vertices->mesh.vertices.col(vertex) - off_center).normalized();
-      EXPECT_LT((vertices->mesh.normals.col(vertex) - normal).norm(), rounding);
-    });
 }
 
 TEST(EdgeVertices, OfCapsStandAMarginOutsideTheirInsideCorner) {

@@ -84,7 +84,6 @@ class EdgeBlock {
       mesh_.vertices.col(root.vertex) = position(root);
     }
     if (demand_.refine) settle_near_corners();
-    if (demand_.sharp) take_normals();
     roots_.clear();
   }
 
@@ -116,13 +115,6 @@ class EdgeBlock {
       }
       open_.resize(kept);
     }
-  }
-
-  void take_normals() {
-    const auto n = std::ssize(roots_);
-    for (Index i = 0; i < n; ++i) points_.col(i) = mesh_.vertices.col(roots_[i].vertex);
-    sampler_.sample_block(points_.leftCols(n), value_.data(), gradient_.data());
-    for (Index i = 0; i < n; ++i) mesh_.normals.col(roots_[i].vertex) = outward_normal(gradient_.col(i));
   }
 
   // Vertices clamped to the margin of their edge move onto the surface along the gradient.
@@ -219,12 +211,12 @@ void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& 
     const auto pack = [&](Index begin, Index end, ByteWriter& out) {
       const auto [lo, count] = vertices(begin, end);
       out.put(mesh.vertices.data() + 3 * lo, 3 * count);
-      if (demand.normals || demand.sharp) out.put(mesh.normals.data() + 3 * lo, 3 * count);
+      if (demand.normals) out.put(mesh.normals.data() + 3 * lo, 3 * count);
     };
     const auto unpack = [&](Index begin, Index end, ByteReader& in) {
       const auto [lo, count] = vertices(begin, end);
       in.take(mesh.vertices.data() + 3 * lo, 3 * count);
-      if (demand.normals || demand.sharp) in.take(mesh.normals.data() + 3 * lo, 3 * count);
+      if (demand.normals) in.take(mesh.normals.data() + 3 * lo, 3 * count);
     };
     share_work({"polygonize", std::min(part, total - first), bricks_per_range, compute, pack, unpack});
   }

@@ -13,7 +13,6 @@ namespace csrbf::polygonization {
 struct VertexDemand {
   bool refine = true;   ///< on the surface, not only on the chord of the two corner values
   bool normals = true;  ///< outward unit normals
-  bool sharp = false;   ///< normals at the final vertices, not at the last estimates: correct next to sharp edges
 };
 
 /// -gradient / |gradient|; zero where undefined.
