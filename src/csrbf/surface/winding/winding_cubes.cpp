@@ -10,7 +10,7 @@ namespace {
 // Chosen by hand; for the error of u see winding_number.hpp. Larger values of the first two: more accurate, slower.
 constexpr double separation = 3;  // half sides from the centre of a cube (maximum norm) to sources in its polynomial
 constexpr double opening = 4;     // radii from its centre beyond which a node replaces its samples
-constexpr Index near_capacity = 2500;  // near samples of an undivided cube; larger: slower values, less memory
+constexpr Index near_capacity = 1000;  // near samples of an undivided cube; larger: slower values, less memory
 constexpr int max_depth = 30;  // for coincident samples: half sides of 4 / 2^30, about the resolution of coordinates
 
 using Matrix = Eigen::Matrix<float, order, order>;
