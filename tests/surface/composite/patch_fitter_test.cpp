@@ -9,7 +9,8 @@ namespace {
 
 // Distance of x to the surface of a patch of one piece.
 double distance(const FittedPatch& fitted, const Point<3>& x) {
-  return fitted.pieces.front().distance(fitted.frame().T * (x - fitted.frame().center));
+  const Eigen::MatrixX3d q = (fitted.frame().T * (x - fitted.frame().center)).transpose();
+  return fitted.pieces.front().distances(q)[0];
 }
 
 // Coefficients of 1, x, y, z, xx, xy, xz, yy, yz, zz in the coordinates of the cloud.

@@ -9,7 +9,7 @@ namespace {
 // Chosen by hand. More samples: time in proportion, a more reliable choice.
 constexpr Index block_size = 48;                // samples predicted together
 constexpr Index around_block = 4 * block_size;  // nearest samples of which a block takes those along the sheet
-constexpr Index blocks = 100;                   // some ten thousand samples in all
+constexpr Index blocks = 48;                    // some two thousand samples in all
 
 // Chosen by hand.
 constexpr double thickest = 0.2;    // largest error over the patch radius; smaller patches follow layers of the noise
@@ -18,6 +18,7 @@ constexpr double margin = 0.1;      // relative: by which a closer fit may be wo
 constexpr Index noisy_leaf = 12;    // the cloud is noisy if the best leaves have at least this many points
 constexpr Index screening_stride = 4;  // every fourth block screens the values of an option: ...
 constexpr double reject_ratio = 1.3;   // ... those whose error exceeds the least by this factor are not tried further
+constexpr double give_up_ratio = 2;    // ... nor are larger leaves after two sizes that exceed it by this one
 
 // Values tried. Leaf sizes: repeated halves of a block, and larger ones.
 constexpr std::array<Index, 7> leaf_sizes = {6, 12, 24, 48, 96, 200, 350};
@@ -187,15 +188,17 @@ std::size_t choose(const std::vector<Eigen::ArrayXd>& errors, bool noisy) {
 template <class Value, class Values>
 Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& options, Value CompositeSettings::*member,
                       const Values& values, bool noisy) {
-  Eigen::ArrayXd screened(static_cast<Index>(values.size()));
-  std::vector<CrossValidation::Prediction> predictions;
-  for (std::size_t i = 0; i < values.size(); ++i) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Eigen::ArrayXd screened = Eigen::ArrayXd::Constant(static_cast<Index>(values.size()), infinity);
+  std::vector<CrossValidation::Prediction> predictions(values.size());
+  int worse = 0;                                                // values in a row
+  for (std::size_t i = values.size(); i-- > 0 && worse < 2;) {  // least smooth first, which are also the cheapest
     options.*member = values[i];
-    predictions.push_back(validation.screen(options));
-    screened[static_cast<Index>(i)] = predictions.back().checked_errors().mean();
+    predictions[i] = validation.screen(options);
+    screened[static_cast<Index>(i)] = predictions[i].checked_errors().mean();
+    worse = screened[static_cast<Index>(i)] > give_up_ratio * screened.minCoeff() ? worse + 1 : 0;
   }
-  std::vector<Eigen::ArrayXd> errors(values.size(),
-                                     Eigen::ArrayXd::Constant(1, std::numeric_limits<double>::infinity()));
+  std::vector<Eigen::ArrayXd> errors(values.size(), Eigen::ArrayXd::Constant(1, infinity));
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!(screened[static_cast<Index>(i)] <= reject_ratio * screened.minCoeff())) continue;
     options.*member = values[i];

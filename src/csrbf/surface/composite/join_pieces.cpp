@@ -73,12 +73,10 @@ std::vector<std::size_t> join_pieces(std::vector<FittedPiece>& pieces, const std
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Points<3>& q = samples[p];
     all[p] = {p, Eigen::MatrixXd(q.cols(), std::ssize(pieces)), Eigen::VectorXd(q.cols())};
-    for (Index k = 0; k < q.cols(); ++k) {
-      const double s = std::max(0.0, 1 - q.col(k).squaredNorm());
-      all[p].weight[k] = s * s;
-      for (std::size_t other = 0; other < pieces.size(); ++other)
-        all[p].value(k, static_cast<Index>(other)) = pieces[other].evaluate(q.col(k))[0];
-    }
+    all[p].weight = (1 - q.colwise().squaredNorm().array()).max(0.0).square().matrix().transpose();
+    const Eigen::MatrixX3d rows = q.transpose();
+    for (std::size_t other = 0; other < pieces.size(); ++other)
+      all[p].value.col(static_cast<Index>(other)) = pieces[other].evaluate(rows).col(0);
   }
   std::vector<std::size_t> kept = {0};
   for (std::size_t p = 1; p < pieces.size(); ++p)

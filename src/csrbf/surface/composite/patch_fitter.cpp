@@ -62,13 +62,13 @@ void add_stragglers(const OrientedPoints& cloud, const std::vector<Index>& sampl
 
 Point<3> FittedPatch::step_to_surface(const Point<3>& x) const {
   const Patch& patch = frame();
-  const Point<3> q = patch.T * (x - patch.center);
-  Eigen::Vector4d f = pieces.front().evaluate(q);
+  const Eigen::MatrixX3d q = (patch.T * (x - patch.center)).transpose();
+  Eigen::RowVector4d f = pieces.front().evaluate(q);
   for (std::size_t p = 1; p < pieces.size(); ++p) {
-    const Eigen::Vector4d g = pieces[p].evaluate(q);
+    const Eigen::RowVector4d g = pieces[p].evaluate(q);
     if (pieces[p].patch.join == Join::intersection ? g[0] < f[0] : g[0] > f[0]) f = g;
   }
-  const Point<3> slope = f.tail<3>();
+  const Point<3> slope = f.tail<3>().transpose();
   const double squared = std::max(slope.squaredNorm(), smallest_slope * smallest_slope);
   return (-f[0] * patch.radius * patch.radius / squared) * (patch.T.transpose() * slope);
 }
@@ -236,16 +236,19 @@ double PatchFitter::error_on_other_sheets(const FittedPatch& patch) const {
 
 void PatchFitter::left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance) const {
   const Patch& frame = patch.frame();
-  const Points<3> q = local(cloud_, {ids.begin(), ids.end()}, frame);
-  for (Index i = 0; i < q.cols(); ++i) distance[i] = patch.pieces[main_].distance(q.col(i));
+  const Eigen::MatrixX3d q = local(cloud_, {ids.begin(), ids.end()}, frame).transpose();
+  Eigen::Map<Eigen::VectorXd>(distance, q.rows()) = patch.pieces[main_].distances(q);
   for (std::size_t p = 0; p < patch.pieces.size(); ++p) {
     std::vector<Index> rows, columns;  // in the samples of the piece and in `ids`
-    for (Index i = 0; i < q.cols(); ++i) {
+    for (Index i = 0; i < q.rows(); ++i) {
       const auto found = std::find(groups_[p].begin(), groups_[p].end(), ids[i]);
       if (found == groups_[p].end()) continue;
-      if (p != main_) distance[i] = patch.pieces[p].distance(q.col(i));
       rows.push_back(found - groups_[p].begin());
       columns.push_back(i);
+    }
+    if (p != main_) {
+      const Eigen::VectorXd own = patch.pieces[p].distances(q(columns, Eigen::all));
+      for (Index i = 0; i < own.size(); ++i) distance[columns[i]] = own[i];
     }
     const Eigen::VectorXd leverage = fitters_[fitter_of_[p]].leverage(patch.pieces[p], rows);
     for (Index i = 0; i < leverage.size(); ++i) distance[columns[i]] /= std::max(1 - leverage[i], smallest_freedom);

@@ -70,6 +70,34 @@ CSRBF_SIMD_CLONES void kernel_columns(const double* __restrict q, Index K, const
   }
 }
 
+CSRBF_SIMD_CLONES void piece_jets(const double* __restrict q, Index K, const double* __restrict b,
+                                  const double* __restrict centers, const double* __restrict alpha, Index M,
+                                  double* __restrict jets) {
+  double* __restrict f = jets;
+  double* __restrict fx = f + K;
+  double* __restrict fy = fx + K;
+  double* __restrict fz = fy + K;
+  for (Index k = 0; k < K; ++k) {
+    const double x = q[k], y = q[K + k], z = q[2 * K + k];
+    f[k] =
+        b[0] + x * (b[1] + b[4] * x + b[5] * y + b[6] * z) + y * (b[2] + b[7] * y + b[8] * z) + z * (b[3] + b[9] * z);
+    fx[k] = b[1] + 2 * b[4] * x + b[5] * y + b[6] * z;
+    fy[k] = b[2] + b[5] * x + 2 * b[7] * y + b[8] * z;
+    fz[k] = b[3] + b[6] * x + b[8] * y + 2 * b[9] * z;
+  }
+  for (Index j = 0; j < M; ++j) {
+    const double cx = centers[3 * j], cy = centers[3 * j + 1], cz = centers[3 * j + 2], a = alpha[j];
+    for (Index k = 0; k < K; ++k) {
+      const double dx = q[k] - cx, dy = q[K + k] - cy, dz = q[2 * K + k] - cz;
+      const double d2 = dx * dx + dy * dy + dz * dz, slope = a * patch_kernel::slope(d2);
+      f[k] += a * patch_kernel::value(d2);
+      fx[k] += slope * dx;
+      fy[k] += slope * dy;
+      fz[k] += slope * dz;
+    }
+  }
+}
+
 CSRBF_SIMD_CLONES void add_kernel_matrix(const double* __restrict centers, Index M, double factor, double* __restrict A,
                                          Index stride) {
   const double* x = centers;

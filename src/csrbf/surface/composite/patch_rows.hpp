@@ -12,6 +12,11 @@ void quadric_columns(const double* q, Index K, const double* root_w, const doubl
 void kernel_columns(const double* q, Index K, const double* root_w, const double* root_g, const double* centers,
                     Index M, double* columns);
 
+/// Values and gradients, 4 columns of K, at K points q (K x 3, column-major) of a quadric with those ten coefficients
+/// and M such functions with coefficients alpha.
+void piece_jets(const double* q, Index K, const double* quadric, const double* centers, const double* alpha, Index M,
+                double* jets);
+
 /// Adds `factor` times the kernel matrix of M such functions around `centers` (M x 3, column-major) to the lower
 /// triangle of A (column-major, columns `stride` apart).
 void add_kernel_matrix(const double* centers, Index M, double factor, double* A, Index stride);

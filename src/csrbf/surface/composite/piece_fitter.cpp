@@ -27,28 +27,25 @@ QuadricRows quadric_rows(const Point<3>& q) {
 
 }  // namespace
 
-Eigen::Vector4d FittedPiece::evaluate(const Point<3>& q) const {
-  Eigen::Vector4d f = quadric_rows(q) * patch.quadric;
-  for (Index j = 0; j < alpha.size(); ++j) {
-    const Point<3> d = q - centers.col(j);
-    const double d2 = d.squaredNorm();
-    f[0] += alpha[j] * patch_kernel::value(d2);
-    f.tail<3>() += alpha[j] * patch_kernel::slope(d2) * d;
-  }
+Eigen::MatrixX4d FittedPiece::evaluate(const Eigen::MatrixX3d& q) const {
+  Eigen::MatrixX4d f(q.rows(), 4);
+  piece_jets(q.data(), q.rows(), patch.quadric.data(), centers.data(), alpha.data(), alpha.size(), f.data());
   return f;
 }
 
-double FittedPiece::distance(const Point<3>& target) const {
-  const double height = normal.dot(target - middle);
-  const Point<3> foot = target - height * normal;
-  double t = 0;
-  Eigen::Vector4d f = evaluate(foot);
+Eigen::VectorXd FittedPiece::distances(const Eigen::MatrixX3d& q) const {
+  const Eigen::VectorXd height = (q.rowwise() - middle.transpose()) * normal;
+  const Eigen::MatrixX3d foot = q - height * normal.transpose();
+  Eigen::VectorXd t = Eigen::VectorXd::Zero(q.rows());
+  Eigen::MatrixX4d f = evaluate(foot);
   for (int step = 0; step < newton_steps; ++step) {
-    t = std::clamp(t - f[0] / std::min(normal.dot(f.tail<3>()), -smallest_slope), -1.0, 1.0);
-    f = evaluate(foot + t * normal);
+    const Eigen::ArrayXd slope = (f.rightCols<3>() * normal).array().min(-smallest_slope);
+    t = (t.array() - f.col(0).array() / slope).max(-1.0).min(1.0);
+    f = evaluate(foot + t * normal.transpose());
   }
-  return patch.radius * std::abs(height - t) * std::abs(normal.dot(f.tail<3>())) /
-         std::max(f.tail<3>().norm(), smallest_slope);
+  const Eigen::ArrayXd cosine =
+      (f.rightCols<3>() * normal).array().abs() / f.rightCols<3>().rowwise().norm().array().max(smallest_slope);
+  return patch.radius * (height - t).array().abs() * cosine;
 }
 
 void FittedPiece::pack(ByteWriter& out) const {
@@ -92,12 +89,8 @@ void PieceFitter::fit(const OrientedPoints& cloud, std::span<const Index> ids, c
 }
 
 double PieceFitter::largest_normal_residual(const FittedPiece& piece) const {
-  double largest = 0;
-  for (Index k = 0; k < samples_; ++k) {
-    const Point<3> q = q_.row(k), target = target_.row(k);
-    largest = std::max(largest, (piece.evaluate(q).tail<3>() - target).squaredNorm());
-  }
-  return std::sqrt(largest);
+  const Eigen::MatrixX4d f = piece.evaluate(q_);
+  return std::sqrt((f.rightCols<3>() - target_).topRows(samples_).rowwise().squaredNorm().maxCoeff());
 }
 
 // The fit is linear in the samples: leaving sample k out divides its residual by 1 - h_k, h_k = df_k / ds_k (its

@@ -17,12 +17,13 @@ struct FittedPiece {
   Point<3> normal = Point<3>::UnitZ();  ///< unit, outward, of its samples on average
   Point<3> middle = Point<3>::Zero();   ///< of its samples
 
-  /// Value and gradient at q.
-  [[nodiscard]] Eigen::Vector4d evaluate(const Point<3>& q) const;
+  /// Value and gradient at the points q, one per row.
+  [[nodiscard]] Eigen::MatrixX4d evaluate(const Eigen::MatrixX3d& q) const;
 
-  /// Distance of q to the surface of the piece, unit of the cloud, searched along the piece's normal from the plane
-  /// through its middle: the search does not start at q, so that q has no influence on which sheet is found.
-  [[nodiscard]] double distance(const Point<3>& q) const;
+  /// Distances of q (one per row) to the surface of the piece, unit of the cloud, searched along the piece's normal
+  /// from the plane through its middle: the search does not start at q, so that q has no influence on which sheet is
+  /// found.
+  [[nodiscard]] Eigen::VectorXd distances(const Eigen::MatrixX3d& q) const;
 
   void pack(ByteWriter& out) const;
   void unpack(ByteReader& in);
