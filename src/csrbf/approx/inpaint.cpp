@@ -1,5 +1,6 @@
 #include "csrbf/approx/inpaint.hpp"
 
+#include "csrbf/approx/images/sparse_blocks.hpp"
 #include "csrbf/core/interruption.hpp"
 
 #include <algorithm>
@@ -19,6 +20,8 @@ constexpr double useful_share = .5;  // of the known voxels: with more of them i
 
 constexpr Index few = 100;    // samples up to which fit() chooses the method
 constexpr double deep = 1.5;  // mean depth of missing voxels, in spacings of known ones, above which they form holes
+constexpr Index least_trial_step = 16, most_trial_voxels = 1000;  // of known voxels, to test the fit on
+constexpr double first_threshold = 4, last_threshold = 4.0 / 30;  // of blocks, in errors of the fit; see inpaint.md
 constexpr double shift_depths = 4;  // how far holes are shifted to test kernels on them, in depths of the deepest one
 
 using Mask = std::vector<unsigned char>;  // one entry per voxel
@@ -168,55 +171,185 @@ Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
   return best;
 }
 
-// Leaving out single voxels favours smooth kernels and high degrees, which overshoot in holes of textured images. So
-// holes of the same shape among the known voxels decide between those and rough kernels about a mean.
-template <int Dim, class Scalar>
-FitOptions for_holes(const Part<Scalar>& part, const FitOptions& options) {
-  const std::vector<Index> hidden =
-      marked(trial_holes(part.missing, part.grid, part.frame.cols() - part.missing_voxels()));
-  Mask missing = part.missing;
-  for (const Index i : hidden) missing[i] = 1;
-  const Index known = std::count(missing.begin(), missing.end(), 0);
-  if (hidden.empty() || known <= few) return options;
-  const Samples<Dim> truth = samples_at<Dim>(hidden, part);
-  const Samples<Dim> samples = samples_at<Dim>(sample_voxels(missing, part.grid, known), part);
-  FitOptions best = options;
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const char* kernel : {"auto", "wendland-c2", "wendland-c0"}) {
-    FitOptions trial = options;
-    trial.kernel = kernel;
-    if (trial.kernel != "auto") trial.degree = options.degree.value_or(0);
-    const Fit<Dim> fitted = fit(samples, trial);
-    double sum = 0;
-    for (Index c = 0; c < part.count; ++c)
-      sum += (fitted.components[c]->evaluate(truth.points).value - truth.values.col(c)).squaredNorm();
-    if (!(sum < smallest)) continue;
-    smallest = sum;
-    best = trial;
-  }
-  return best;
+// Some of the known voxels near missing ones: one of each run of `step`, not always at the same place in it.
+Mask trial_voxels(const std::vector<Index>& known, std::size_t voxels) {
+  Mask hidden(voxels, 0);
+  const Index n = std::ssize(known), step = std::max(least_trial_step, n / most_trial_voxels);
+  for (Index run = 0; run + step <= n; run += step) hidden[known[run + run / step * 7919 % step]] = 1;
+  return hidden;
 }
 
+// How a fit is refined.
+struct BlockChoice {
+  Index width = 0;                  // of the blocks; 0: not at all
+  std::vector<double> errors = {};  // of the fit, root mean squares of the components
+};
+
+// The values of a component with those of the unknown voxels refined; `error`: theirs.
+void refine(Eigen::VectorXd& values, const Mask& unknown, const Grid& grid, Index width, double error) {
+  std::array<Index, 3> size{1, 1, 1};
+  std::size_t axis = 0;
+  for (const int a : long_axes(grid)) size[axis++] = grid.size[a];
+  double mean = 0;  // of the unknown ones: what is far away does not matter
+  for (Index i = 0; i < values.size(); ++i) mean += unknown[i] != 0 ? values[i] : 0;
+  mean /= static_cast<double>(unknown.size() - std::count(unknown.begin(), unknown.end(), 0));
+  std::vector<float> scaled(unknown.size());
+  for (Index i = 0; i < values.size(); ++i) scaled[i] = static_cast<float>((values[i] - mean) / error);
+  refine_by_sparse_blocks(
+      scaled, unknown, size,
+      {.width = width, .step = width / 4, .first_threshold = first_threshold, .last_threshold = last_threshold});
+  for (Index i = 0; i < values.size(); ++i)
+    if (unknown[i] != 0) values[i] = mean + error * static_cast<double>(scaled[i]);
+}
+
+// Marks the voxels within `reach` voxels of those of a mask along every axis.
+Mask grown(Mask mask, const Grid& grid, Index reach) {
+  Index stride = 1;
+  for (const int a : {0, 1, 2}) {
+    const Index size = grid.size[a];
+    const Mask before = mask;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (before[i] == 0) continue;
+      const Index at = static_cast<Index>(i) / stride % size;
+      for (Index to = std::max<Index>(0, at - reach); to <= std::min(size - 1, at + reach); ++to)
+        mask[i + static_cast<std::size_t>((to - at) * stride)] = 1;
+    }
+    stride *= size;
+  }
+  return mask;
+}
+
+// Fits to what is known without some hidden voxels, and the errors there: they choose the kernel, and whether and by
+// which blocks the fit is refined.
 template <int Dim, class Scalar>
-FitReport fill(Part<Scalar>& part, const FitOptions& options) {
+class Trial {
+ public:
+  Trial(const Part<Scalar>& part, const FitOptions& options) : part_(part), options_(options) {
+    const Index known = part.frame.cols() - part.missing_voxels();
+    Mask hidden = trial_holes(part.missing, part.grid, known);
+    holes_ = std::find(hidden.begin(), hidden.end(), 1) != hidden.end();
+    if (!holes_) hidden = trial_voxels(sample_voxels(part.missing, part.grid, known), part.missing.size());
+    hidden_ = marked(hidden);
+    unknown_ = part.missing;
+    for (const Index i : hidden_) unknown_[i] = 1;
+    known_ = std::count(unknown_.begin(), unknown_.end(), 0);
+    hidden_mask_ = std::move(hidden);
+  }
+
+  // Nothing to choose by: too little is known.
+  [[nodiscard]] bool is_possible() const { return !hidden_.empty() && known_ > few; }
+  [[nodiscard]] bool has_holes() const { return holes_; }
+
+  // Leaving out single voxels favours smooth kernels and high degrees, which overshoot in holes of textured images. So
+  // holes of the same shape among the known voxels decide between those and rough kernels about a mean.
+  FitOptions choose_kernel(const std::vector<const char*>& kernels) {
+    const Samples<Dim> truth = samples_at<Dim>(hidden_, part_);
+    const Samples<Dim> samples = samples_at<Dim>(sample_voxels(unknown_, part_.grid, known_), part_);
+    FitOptions best = options_;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const char* kernel : kernels) {
+      FitOptions trial = options_;
+      trial.kernel = kernel;
+      if (kernels.size() > 1 && trial.kernel != "auto") trial.degree = options_.degree.value_or(0);
+      Fit<Dim> fitted = fit(samples, trial);
+      std::vector<double> errors;
+      double sum = 0;
+      for (Index c = 0; c < part_.count; ++c) {
+        const double squares = (fitted.components[c]->evaluate(truth.points).value - truth.values.col(c)).squaredNorm();
+        errors.push_back(std::sqrt(squares / static_cast<double>(hidden_.size())));
+        sum += squares;
+      }
+      if (!(sum < smallest)) continue;
+      smallest = sum;
+      best = trial;
+      errors_ = std::move(errors);
+      fitted_ = std::move(fitted);
+    }
+    return best;
+  }
+
+  // The blocks with the smallest error; none where the fit by itself is better.
+  BlockChoice choose_blocks(const std::optional<int>& wanted) {
+    const bool exact = errors_.empty() || std::any_of(errors_.begin(), errors_.end(),
+                                                      [](double e) { return !(e > 0) || !std::isfinite(e); });
+    if (exact) return {};
+    if (wanted) return {*wanted, errors_};
+    const std::vector<float> depth = distance_to(false, unknown_, part_.grid);
+    const double deepest = static_cast<double>(*std::max_element(depth.begin(), depth.end()));
+    const bool is_deep = deepest > 8 * mean_spacing(part_.grid);
+    double least = static_cast<double>(part_.count);
+    BlockChoice best;
+    for (Index width = 8; width <= (!holes_ ? 8 : is_deep ? 32 : 16); width *= 2) {
+      double sum = 0;
+      for (Index c = 0; c < part_.count; ++c) sum += error_with(width, c);
+      if (sum >= least) continue;
+      least = sum;
+      best = {width, errors_};
+    }
+    return best;
+  }
+
+ private:
+  // Mean square at the hidden voxels after blocks of that width, over that of the fit.
+  double error_with(Index width, Index c) const {
+    Mask unknown = grown(hidden_mask_, part_.grid, width);
+    for (std::size_t i = 0; i < unknown.size(); ++i) unknown[i] &= unknown_[i];
+    Eigen::VectorXd values = part_.frame.row(part_.first + c).transpose().template cast<double>();
+    const std::vector<Index> wanted = marked(unknown_);
+    values(wanted) = fitted_.components[c]->evaluate(positions<Dim>(wanted, part_.grid)).value;
+    refine(values, unknown, part_.grid, width, errors_[c]);
+    double sum = 0;
+    for (const Index i : hidden_) sum += std::pow(values[i] - static_cast<double>(part_.frame(part_.first + c, i)), 2);
+    return sum / static_cast<double>(hidden_.size()) / std::pow(errors_[c], 2);
+  }
+
+  const Part<Scalar>& part_;
+  const FitOptions& options_;
+  bool holes_ = false;
+  Index known_ = 0;  // of the trial
+  std::vector<Index> hidden_;
+  Mask hidden_mask_, unknown_;  // the hidden voxels; with the missing ones
+  Fit<Dim> fitted_;
+  std::vector<double> errors_;  // at the hidden voxels, of each component
+};
+
+template <int Dim, class Scalar>
+InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
   const std::vector<Index> known = sample_voxels(part.missing, part.grid, part.frame.cols() - part.missing_voxels());
   Samples<Dim> samples = samples_at<Dim>(known, part);
   FitOptions used = with_method(options, samples.size());
-  if (used.method == "partition-of-unity" && used.kernel == "auto") used = for_holes<Dim>(part, used);
+  const bool is_open = used.method == "partition-of-unity" && used.kernel == "auto";
+  // Who asks for a method, smoothing or a degree gets the function itself.
+  const bool is_free = is_open && options.method == "auto" && !used.smoothing && !used.degree;
+  const bool may_refine = Dim > 1 && (options.blocks ? *options.blocks > 0 : is_free);
+  BlockChoice blocks;
+  if (is_open || may_refine)
+    if (Trial<Dim, Scalar> trial(part, used); trial.is_possible() && (trial.has_holes() || may_refine)) {
+      const bool several = is_open && trial.has_holes();
+      used = trial.choose_kernel(several ? std::vector<const char*>{"auto", "wendland-c2", "wendland-c0"}
+                                         : std::vector<const char*>{used.kernel.c_str()});
+      if (may_refine) blocks = trial.choose_blocks(options.blocks);
+    }
   const Fit<Dim> fitted = fit(samples, used);
   samples = {};
 
   const std::vector<Index> wanted = marked(part.missing);
   const Points<Dim> points = positions<Dim>(wanted, part.grid);
   for (Index c = 0; c < part.count; ++c) {
-    const Eigen::VectorXd values = fitted.components[c]->evaluate(points).value;
-    for (Index k = 0; k < values.size(); ++k) part.frame(part.first + c, wanted[k]) = static_cast<Scalar>(values[k]);
+    Eigen::VectorXd found = fitted.components[c]->evaluate(points).value;
+    if (blocks.width > 0) {
+      Eigen::VectorXd values = part.frame.row(part.first + c).transpose().template cast<double>();
+      values(wanted) = found;
+      refine(values, part.missing, part.grid, blocks.width, blocks.errors[c]);
+      found = values(wanted);
+    }
+    for (Index k = 0; k < found.size(); ++k) part.frame(part.first + c, wanted[k]) = static_cast<Scalar>(found[k]);
   }
-  return fitted.report;
+  return {.blocks = blocks.width, .fit = fitted.report};
 }
 
 template <class Scalar>
-FitReport fill(Part<Scalar>& part, const FitOptions& options) {
+InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
   const std::size_t axes = long_axes(part.grid).size();
   if (axes <= 1) return fill<1>(part, options);
   return axes == 2 ? fill<2>(part, options) : fill<3>(part, options);
@@ -262,12 +395,15 @@ Progress of_frame(const Progress& progress, Index t, Index frames) {
 }  // namespace
 
 template <class Scalar>
-InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const FitOptions& options) {
+InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const InpaintOptions& options) {
+  if (options.blocks)
+    require(*options.blocks == 0 || (*options.blocks >= 4 && *options.blocks <= 64), function, "blocks",
+            *options.blocks, "must be 0 (none) or a width of 4 to 64 voxels");
   check(image, static_cast<Index>(image.values.size()), static_cast<Index>(missing.size()));
   InpaintReport report;
   const bool same_mask = static_cast<Index>(missing.size()) == image.grid.voxels();
   for (Index t = 0; t < image.frames; ++t) {
-    FitOptions frame_options = options;
+    InpaintOptions frame_options = options;
     frame_options.scale_axes = false;
     frame_options.progress = of_frame(options.progress, t, image.frames);
     for (Part<Scalar>& part : parts_of(image, t, missing.data() + (same_mask ? 0 : t * image.grid.voxels()))) {
@@ -275,8 +411,11 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
       const Index known = part.frame.cols() - unknown;
       require(known > 0, function, "known voxels", 0, "frame " + std::to_string(t + 1) + " has no known value");
       if (unknown > 0) {
-        FitReport fitted = fill(part, frame_options);
-        if (report.missing == 0) report.fit = std::move(fitted);
+        InpaintReport filled = fill(part, frame_options);
+        if (report.missing == 0) {
+          report.fit = std::move(filled.fit);
+          report.blocks = filled.blocks;
+        }
       }
       report.missing += unknown * part.count;
       report.known += known * part.count;
@@ -285,7 +424,7 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
   return report;
 }
 
-template InpaintReport inpaint(Volume<float>&, const std::vector<unsigned char>&, const FitOptions&);
-template InpaintReport inpaint(Volume<double>&, const std::vector<unsigned char>&, const FitOptions&);
+template InpaintReport inpaint(Volume<float>&, const std::vector<unsigned char>&, const InpaintOptions&);
+template InpaintReport inpaint(Volume<double>&, const std::vector<unsigned char>&, const InpaintOptions&);
 
 }  // namespace csrbf
