@@ -39,6 +39,10 @@ struct InpaintReport {
 /// (that of cross-validation, wendland-c2, wendland-c0) with the smallest error in holes of the same shape among known
 /// voxels: smooth images need smooth kernels, which overshoot in texture.
 ///
+/// In holes of images that are not smooth a spline on the grid takes the place of the fit (fill_by_grid_spline()), with
+/// the tension that is best in those trials, unless a method, kernel, degree, smoothing, tolerance or budget is given:
+/// there the fit is no better and takes seconds. The report then says grid-spline.
+///
 /// What the fit says is then refined by blocks, which continue edges and textures (see InpaintOptions::blocks).
 ///
 /// Throws InvalidInput when `missing` has another size, a frame has no known value or the width of the blocks is out of
