@@ -57,16 +57,16 @@ void write_image(const std::string& path, const py::array& values, const py::dic
 
 // The filled values, as doubles, and the report.
 py::tuple inpaint_image(const Array& values, const py::dict& layout, const Bytes& missing, const py::dict& given,
-                        const py::object& listener) {
+                        const std::optional<int>& blocks, const py::object& listener) {
   using namespace py::literals;
   Volume<double> volume = volume_from<double>(values, layout);
   const std::vector<unsigned char> holes(missing.data(), missing.data() + missing.size());
-  FitOptions options = fit_options(given);
+  InpaintOptions options{fit_options(given), blocks};
   const InpaintReport report = run(listener, [&](const Progress& progress) {
     options.progress = progress;
     return inpaint(volume, holes, options);
   });
-  py::dict result("missing"_a = report.missing, "known"_a = report.known);
+  py::dict result("missing"_a = report.missing, "known"_a = report.known, "blocks"_a = report.blocks);
   if (report.missing > 0) result["fit"] = to_dict(report.fit);
   return py::make_tuple(py::array_t<double>(static_cast<py::ssize_t>(volume.values.size()), volume.values.data()),
                         result);

@@ -106,6 +106,7 @@ struct InpaintCommand {
   std::string input, output;
   std::string mask;
   std::string missing;
+  std::string blocks = "auto";
   FitFlags fit;
 };
 

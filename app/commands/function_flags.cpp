@@ -77,6 +77,10 @@ void declare(CommandFlags& v, InpaintCommand& c) {
   v.output(c.output, std::string("image to write: ") + image_formats);
   v.flag("mask", c.mask, "FILE", "", "image of the same size, nonzero where values are missing or unreliable");
   v.flag("missing", c.missing, "VALUE", "nan", "value that marks missing pixels; NaN always does");
+  v.flag(
+      "blocks", c.blocks, "auto|none|N", "auto",
+      "width in pixels of blocks that continue edges and textures into what is missing; none: the fitted function as "
+      "it is; auto: what is best at known pixels, none where flags of the fit are given");
   add_fit_flags(v, c.fit);
 }
 

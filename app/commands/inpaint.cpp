@@ -19,6 +19,14 @@ double parse_missing(const std::string& text) {
   return parse_numbers(text, ',', 1, "--missing")[0];
 }
 
+int parse_blocks(const std::string& text) {
+  if (text == "none") return 0;
+  const double width = parse_numbers(text, ',', 1, "--blocks")[0];
+  if (width != std::floor(width) || width < 4 || width > 64)
+    throw UsageError("--blocks " + text + ": expected auto, none or a whole number from 4 to 64");
+  return static_cast<int>(width);
+}
+
 std::string size_text(const VolumeLayout& image) {
   return csrbf::size_text(image.grid) + (image.frames > 1 ? " x " + std::to_string(image.frames) + " frames" : "");
 }
@@ -57,7 +65,8 @@ std::vector<unsigned char> missing_voxels(const InpaintCommand& command, double 
 }  // namespace
 
 void run(const InpaintCommand& command, Session& session) {
-  const FitOptions options = make_fit_options(command.fit, session);
+  InpaintOptions options{make_fit_options(command.fit, session)};
+  if (command.blocks != "auto") options.blocks = parse_blocks(command.blocks);
   const double value = parse_missing(command.missing);
   session.expect_output("--output", command.output, is_volume_file(command.output),
                         std::string("images are ") + image_formats);
@@ -76,13 +85,16 @@ void run(const InpaintCommand& command, Session& session) {
                    {"spacing", {image.grid.spacing.x(), image.grid.spacing.y(), image.grid.spacing.z()}}};
 
   const InpaintReport report = session.timed("inpaint", [&] { return inpaint(image, missing, options); });
-  session.options = {
-      {"output", command.output}, {"mask", or_null(command.mask)}, {"missing", or_null(!std::isnan(value), value)}};
+  session.options = {{"output", command.output},
+                     {"mask", or_null(command.mask)},
+                     {"missing", or_null(!std::isnan(value), value)},
+                     {"blocks", report.blocks}};
   session.result = {{"missing", report.missing}, {"known", report.known}};
   session.say(command.output + ": " + size_text(image) + " pixels, " + counted(report.missing, "value") + " filled");
   if (report.missing > 0) {
     add_fit_report(command.fit, report.fit, session);
     say_fit(report.fit, session);
+    if (report.blocks > 0) session.say("refined by blocks of " + std::to_string(report.blocks) + " pixels");
   } else {
     session.warn("nothing is missing: give --mask FILE or --missing VALUE");
   }

@@ -33,12 +33,13 @@ def inpaint(
     kernel_parameter: float | None = None,
     degree: int | None = None,
     extrapolation: Extrapolation = "constant",
+    blocks: int | None = None,
     progress: Progress = None,
 ) -> Any:
     """An image with its missing or unreliable values filled in.
 
-    A smooth function is fitted to the known values (see `fit`), separately for every frame and component. Known values
-    are unchanged.
+    A smooth function is fitted to the known values (see `fit`), separately for every frame and component, and refined
+    by blocks that continue edges and textures. Known values are unchanged.
 
     Parameters
     ----------
@@ -53,6 +54,9 @@ def inpaint(
         Of an array: size of a voxel along x, y (and z); 1 when not given.
     method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation, progress
         See `fit`.
+    blocks : int, optional
+        Width in pixels, 4 to 64, of blocks that continue edges and textures into what is missing; 0: the fitted
+        function as it is. By default what is best at known pixels, and 0 where options of the fit are given.
 
     Returns
     -------
@@ -84,7 +88,7 @@ def inpaint(
     with listening(progress) as listener:
         doubles = np.ascontiguousarray(values, dtype=np.float64).ravel()
         layout = dict(image._layout(), type="float64")
-        filled, report = _csrbf.inpaint(doubles, layout, holes.ravel(), options, listener)
+        filled, report = _csrbf.inpaint(doubles, layout, holes.ravel(), options, blocks, listener)
     if report["missing"] == 0:
         warnings.warn("inpaint: nothing is missing; give mask or missing", stacklevel=2)
     if not floating:

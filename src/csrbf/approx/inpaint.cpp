@@ -1,6 +1,8 @@
 #include "csrbf/approx/inpaint.hpp"
 
-#include "csrbf/core/interruption.hpp"
+#include "csrbf/approx/images/grid_spline.hpp"
+#include "csrbf/approx/images/missing_voxels.hpp"
+#include "csrbf/approx/images/sparse_blocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,73 +14,12 @@ namespace csrbf {
 namespace {
 
 constexpr const char* function = "inpaint";
-// All chosen by hand. The rim of a hole, whose voxels are samples: large enough for the patches around missing voxels.
-constexpr double rim_voxels = 8;     // width
-constexpr double rim_depths = 2;     // the same in depths of the deepest hole; the larger one counts
-constexpr double useful_share = .5;  // of the known voxels: with more of them in rims all known ones are samples
 
-constexpr Index few = 100;    // samples up to which fit() chooses the method
-constexpr double deep = 1.5;  // mean depth of missing voxels, in spacings of known ones, above which they form holes
-constexpr double shift_depths = 4;  // how far holes are shifted to test kernels on them, in depths of the deepest one
+constexpr Index few = 100;                                        // samples up to which fit() chooses the method
+constexpr double first_threshold = 4, last_threshold = 4.0 / 30;  // of blocks, in errors of the fit; see inpaint.md
 
-using Mask = std::vector<unsigned char>;  // one entry per voxel
-
-// City-block distance of every voxel to the nearest one with mask[i] == wanted, in the unit of the spacing. The
-// distance is separable: the minimum along one axis after the other, there and back.
-std::vector<float> distance_to(bool wanted, const Mask& mask, const Grid& grid) {
-  std::vector<float> distance(mask.size());
-  for (std::size_t i = 0; i < mask.size(); ++i)
-    distance[i] = (mask[i] != 0) == wanted ? 0 : std::numeric_limits<float>::infinity();
-  InterruptionPoint pause(1U << 10);
-  Index stride = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Index size = grid.size[axis];
-    const auto step = static_cast<float>(grid.spacing[static_cast<Index>(axis)]);
-    for (Index line = 0; line < grid.voxels(); line += size * stride) {
-      const auto relax = [&](Index to, Index from) {
-        pause();
-        float* target = distance.data() + line + to * stride;
-        const float* source = distance.data() + line + from * stride;
-        for (Index k = 0; k < stride; ++k) target[k] = std::min(target[k], source[k] + step);
-      };
-      for (Index i = 1; i < size; ++i) relax(i, i - 1);
-      for (Index i = size - 2; i >= 0; --i) relax(i, i + 1);
-    }
-    stride *= size;
-  }
-  return distance;
-}
-
-// The axes of more than one voxel.
-std::vector<int> long_axes(const Grid& grid) {
-  std::vector<int> axes;
-  for (int a = 0; a < 3; ++a)
-    if (grid.size[a] > 1) axes.push_back(a);
-  return axes;
-}
-
-double mean_spacing(const Grid& grid) {
-  const std::vector<int> axes = long_axes(grid);
-  double product = 1;
-  for (const int a : axes) product *= grid.spacing[a];
-  return axes.empty() ? 1 : std::pow(product, 1 / static_cast<double>(axes.size()));
-}
-
-// The known voxels that become samples, in ascending order.
-std::vector<Index> sample_voxels(const Mask& missing, const Grid& grid, Index known) {
-  const std::vector<float> to_known = distance_to(false, missing, grid);
-  const double depth = *std::max_element(to_known.begin(), to_known.end());
-  const auto rim = static_cast<float>(std::max(rim_voxels * mean_spacing(grid), rim_depths * depth));
-  const std::vector<float> to_missing = distance_to(true, missing, grid);
-  std::vector<Index> near, all;
-  all.reserve(known);
-  for (std::size_t i = 0; i < missing.size(); ++i) {
-    if (missing[i] != 0) continue;
-    all.push_back(static_cast<Index>(i));
-    if (to_missing[i] <= rim) near.push_back(static_cast<Index>(i));
-  }
-  return static_cast<double>(near.size()) < useful_share * static_cast<double>(known) ? near : all;
-}
+constexpr Index most_in_plane = 50000, most_in_space = 8000;  // unknown voxels of a spline on the grid
+constexpr double smooth = 0.1;  // error of a spline over the spread of the values below which an image is smooth
 
 // Physical coordinates along the (long) axes of the image: distances are what they are in space.
 template <int Dim>
@@ -124,99 +65,205 @@ Samples<Dim> samples_at(const std::vector<Index>& voxels, const Part<Scalar>& pa
           {}};
 }
 
-std::vector<Index> marked(const Mask& mask) {
-  std::vector<Index> voxels;
-  for (std::size_t i = 0; i < mask.size(); ++i)
-    if (mask[i] != 0) voxels.push_back(static_cast<Index>(i));
-  return voxels;
+// What fills a part: a fit or a spline on the grid, and the blocks that refine it.
+struct Plan {
+  FitOptions fit;
+  std::optional<double> tension = {};  // of the spline
+  Index width = 0;                     // of the blocks; 0: none
+  std::vector<double> errors = {};     // before the blocks, root mean squares of the components; of a trial
+};
+
+// The values of a component with those of the unknown voxels refined; `error`: theirs.
+void refine(Eigen::Ref<Eigen::VectorXd> values, const Mask& unknown, const Grid& grid, Index width, double error) {
+  std::array<Index, 3> size{1, 1, 1};
+  std::size_t axis = 0;
+  for (const int a : long_axes(grid)) size[axis++] = grid.size[a];
+  double mean = 0;  // of the unknown ones: what is far away does not matter
+  for (Index i = 0; i < values.size(); ++i) mean += unknown[i] != 0 ? values[i] : 0;
+  mean /= static_cast<double>(unknown.size() - std::count(unknown.begin(), unknown.end(), 0));
+  std::vector<float> scaled(unknown.size());
+  for (Index i = 0; i < values.size(); ++i) scaled[i] = static_cast<float>((values[i] - mean) / error);
+  refine_by_sparse_blocks(scaled, unknown, size,
+                          {.width = width,
+                           .step = axis == 3 ? width / 2 : width / 4,
+                           .first_threshold = first_threshold,
+                           .last_threshold = last_threshold});
+  for (Index i = 0; i < values.size(); ++i)
+    if (unknown[i] != 0) values[i] = mean + error * static_cast<double>(scaled[i]);
 }
 
-// The missing voxels shifted along an axis, where they land on known ones.
-Mask shifted(const Mask& missing, const Grid& grid, int axis, Index by) {
-  Mask result(missing.size(), 0);
-  Index stride = 1;
-  for (int a = 0; a < axis; ++a) stride *= grid.size[a];
-  const Index size = grid.size[axis];
-  for (std::size_t i = 0; i < missing.size(); ++i) {
-    const Index to = static_cast<Index>(i) / stride % size + by;
-    const std::size_t target = i + static_cast<std::size_t>(by * stride);
-    if (missing[i] != 0 && to >= 0 && to < size && missing[target] == 0) result[target] = 1;
-  }
-  return result;
-}
-
-// Holes of the same shape among the known voxels, to test kernels on; empty when the missing voxels are scattered.
-Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
-  const std::vector<float> depth = distance_to(false, missing, grid);
-  const double sum = std::accumulate(depth.begin(), depth.end(), 0.0);
-  const auto voxels = static_cast<double>(missing.size());
-  const std::vector<int> axes = long_axes(grid);
-  const double spacing = mean_spacing(grid) * std::pow(voxels / static_cast<double>(known),
-                                                       1 / static_cast<double>(std::max<std::size_t>(1, axes.size())));
-  Mask best;
-  if (!(sum > deep * spacing * (voxels - static_cast<double>(known)))) return best;
-  const double distance = shift_depths * *std::max_element(depth.begin(), depth.end());
-  std::ptrdiff_t most = 0;
-  for (const int axis : axes)
-    for (const double sign : {1.0, -1.0}) {
-      Mask trial = shifted(missing, grid, axis, static_cast<Index>(std::lround(sign * distance / grid.spacing[axis])));
-      const auto count = std::count(trial.begin(), trial.end(), 1);
-      if (count <= most) continue;
-      most = count;
-      best = std::move(trial);
-    }
-  return best;
-}
-
-// Leaving out single voxels favours smooth kernels and high degrees, which overshoot in holes of textured images. So
-// holes of the same shape among the known voxels decide between those and rough kernels about a mean.
+// The components of a part, one column each, whose `unknown` voxels the plan fills by all others.
 template <int Dim, class Scalar>
-FitOptions for_holes(const Part<Scalar>& part, const FitOptions& options) {
-  const std::vector<Index> hidden =
-      marked(trial_holes(part.missing, part.grid, part.frame.cols() - part.missing_voxels()));
-  Mask missing = part.missing;
-  for (const Index i : hidden) missing[i] = 1;
-  const Index known = std::count(missing.begin(), missing.end(), 0);
-  if (hidden.empty() || known <= few) return options;
-  const Samples<Dim> truth = samples_at<Dim>(hidden, part);
-  const Samples<Dim> samples = samples_at<Dim>(sample_voxels(missing, part.grid, known), part);
-  FitOptions best = options;
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const char* kernel : {"auto", "wendland-c2", "wendland-c0"}) {
-    FitOptions trial = options;
-    trial.kernel = kernel;
-    if (trial.kernel != "auto") trial.degree = options.degree.value_or(0);
-    const Fit<Dim> fitted = fit(samples, trial);
-    double sum = 0;
-    for (Index c = 0; c < part.count; ++c)
-      sum += (fitted.components[c]->evaluate(truth.points).value - truth.values.col(c)).squaredNorm();
-    if (!(sum < smallest)) continue;
-    smallest = sum;
-    best = trial;
+Eigen::MatrixXd filled(const Part<Scalar>& part, const Mask& unknown, const Plan& plan, FitReport& report) {
+  const Index known = std::count(unknown.begin(), unknown.end(), 0);
+  const std::vector<Index> samples = sample_voxels(unknown, part.grid, known), wanted = marked(unknown);
+  Eigen::MatrixXd values = part.frame.middleRows(part.first, part.count).transpose().template cast<double>();
+  if (plan.tension) {
+    fill_by_grid_spline(part.grid, unknown, *plan.tension, values);
+    report = {};
+    report.method = "grid-spline";
+    report.samples = report.samples_fitted = std::ssize(samples);
+    report.centers = std::ssize(wanted);
+    return values;
   }
-  return best;
-}
-
-template <int Dim, class Scalar>
-FitReport fill(Part<Scalar>& part, const FitOptions& options) {
-  const std::vector<Index> known = sample_voxels(part.missing, part.grid, part.frame.cols() - part.missing_voxels());
-  Samples<Dim> samples = samples_at<Dim>(known, part);
-  FitOptions used = with_method(options, samples.size());
-  if (used.method == "partition-of-unity" && used.kernel == "auto") used = for_holes<Dim>(part, used);
-  const Fit<Dim> fitted = fit(samples, used);
-  samples = {};
-
-  const std::vector<Index> wanted = marked(part.missing);
+  const Fit<Dim> fitted = fit(samples_at<Dim>(samples, part), plan.fit);
   const Points<Dim> points = positions<Dim>(wanted, part.grid);
-  for (Index c = 0; c < part.count; ++c) {
-    const Eigen::VectorXd values = fitted.components[c]->evaluate(points).value;
-    for (Index k = 0; k < values.size(); ++k) part.frame(part.first + c, wanted[k]) = static_cast<Scalar>(values[k]);
+  for (Index c = 0; c < part.count; ++c) values(wanted, c) = fitted.components[c]->evaluate(points).value;
+  report = fitted.report;
+  return values;
+}
+
+// Fills hidden voxels and compares them with what they are: to choose kernel or spline, and the blocks.
+template <int Dim, class Scalar>
+class Trial {
+ public:
+  Trial(const Part<Scalar>& part, const FitOptions& options) : part_(part), best_{options} {
+    const Index known = part.frame.cols() - part.missing_voxels();
+    hidden_mask_ = trial_holes(part.missing, part.grid, known);
+    hidden_ = marked(hidden_mask_);
+    has_holes_ = !hidden_.empty();
+    if (!has_holes_) {
+      hidden_mask_ = trial_voxels(sample_voxels(part.missing, part.grid, known), part.missing.size());
+      hidden_ = marked(hidden_mask_);
+    }
+    unknown_ = part.missing;
+    for (const Index i : hidden_) unknown_[i] = 1;
+    truth_ = part.frame(Eigen::seqN(part.first, part.count), hidden_).transpose().template cast<double>();
   }
-  return fitted.report;
+
+  // Whether there is enough to choose by.
+  [[nodiscard]] bool is_possible() const {
+    return !hidden_.empty() && std::count(unknown_.begin(), unknown_.end(), 0) > few;
+  }
+  [[nodiscard]] bool has_holes() const { return has_holes_; }
+  [[nodiscard]] const Plan& best() const { return best_; }
+
+  // Splines on the grid from thin plates, which follow slopes, to membranes, which overshoot nowhere.
+  void try_splines() {
+    const auto unknowns = std::ssize(unknown_) - std::count(unknown_.begin(), unknown_.end(), 0);
+    if (unknowns > (Dim == 2 ? most_in_plane : most_in_space)) return;
+    const double depth = depth_in_voxels();
+    for (const double c : {0.0, 4.0, 100.0}) {
+      Plan plan = best_;
+      plan.tension = c / (depth * depth);
+      consider(plan);
+    }
+  }
+
+  // A smooth image: then fits of high degree may be far better than splines.
+  [[nodiscard]] bool is_smooth() const {
+    const Eigen::MatrixXd off = truth_.rowwise() - truth_.colwise().mean();
+    return least_ < smooth * smooth * off.squaredNorm();
+  }
+
+  // Leaving out single voxels favours smooth kernels and high degrees, which overshoot in holes of textured images. So
+  // holes of the same shape among the known voxels decide between those and rough kernels about a mean.
+  void try_kernels(const std::vector<std::string>& kernels) {
+    const FitOptions given = best_.fit;
+    for (const std::string& kernel : kernels) {
+      Plan plan{given};
+      plan.fit.kernel = kernel;
+      if (kernels.size() > 1 && kernel != "auto") plan.fit.degree = given.degree.value_or(0);
+      consider(plan);
+    }
+  }
+
+  // The blocks with the smallest error; none where it is smaller without.
+  void choose_blocks(const std::optional<int>& wanted) {
+    const bool exact = best_.errors.empty() || std::any_of(best_.errors.begin(), best_.errors.end(),
+                                                           [](double e) { return !(e > 0) || !std::isfinite(e); });
+    if (exact) return;
+    if (wanted) {
+      best_.width = *wanted;
+      return;
+    }
+    const bool is_deep = depth_in_voxels() > 8;
+    double least = static_cast<double>(part_.count);
+    for (Index width = 8; width <= (!has_holes_ ? 8 : is_deep ? 32 : 16); width *= 2) {
+      double sum = 0;
+      for (Index c = 0; c < part_.count; ++c) sum += error_with(width, c);
+      if (sum >= least) continue;
+      least = sum;
+      best_.width = width;
+    }
+  }
+
+ private:
+  [[nodiscard]] double depth_in_voxels() const {
+    const std::vector<float> depth = distance_to(false, unknown_, part_.grid);
+    return static_cast<double>(*std::max_element(depth.begin(), depth.end())) / mean_spacing(part_.grid);
+  }
+
+  void consider(const Plan& plan) {
+    FitReport report;
+    Eigen::MatrixXd values = filled<Dim>(part_, unknown_, plan, report);
+    const Eigen::RowVectorXd squares = (values(hidden_, Eigen::all) - truth_).colwise().squaredNorm();
+    if (!(squares.sum() < least_)) return;
+    least_ = squares.sum();
+    best_ = plan;
+    best_.errors.clear();
+    for (const double sum : squares) best_.errors.push_back(std::sqrt(sum / static_cast<double>(hidden_.size())));
+    values_ = std::move(values);
+  }
+
+  // Mean square at the hidden voxels after blocks of that width, over that before.
+  [[nodiscard]] double error_with(Index width, Index c) const {
+    Mask unknown = grown(hidden_mask_, part_.grid, width);
+    for (std::size_t i = 0; i < unknown.size(); ++i) unknown[i] &= unknown_[i];
+    Eigen::VectorXd values = values_.col(c);
+    refine(values, unknown, part_.grid, width, best_.errors[c]);
+    const double sum = (values(hidden_) - truth_.col(c)).squaredNorm();
+    return sum / static_cast<double>(hidden_.size()) / std::pow(best_.errors[c], 2);
+  }
+
+  const Part<Scalar>& part_;
+  bool has_holes_ = false;
+  std::vector<Index> hidden_;
+  Mask hidden_mask_, unknown_;  // the hidden voxels; with the missing ones
+  Eigen::MatrixXd truth_;       // of the hidden voxels
+  Plan best_;
+  Eigen::MatrixXd values_;  // by the best plan without blocks
+  double least_ = std::numeric_limits<double>::infinity();
+};
+
+template <int Dim, class Scalar>
+Plan choose_plan(const Part<Scalar>& part, const InpaintOptions& options) {
+  const Index known = part.frame.cols() - part.missing_voxels();
+  const FitOptions fit = with_method(options, std::ssize(sample_voxels(part.missing, part.grid, known)));
+  const bool is_open = fit.method == "partition-of-unity" && fit.kernel == "auto";
+  // Who asks for a method, smoothing or a degree gets the function itself.
+  const bool is_free = Dim > 1 && is_open && options.method == "auto" && !fit.smoothing && !fit.degree;
+  const bool may_refine = Dim > 1 && (options.blocks ? *options.blocks > 0 : is_free);
+  if (!is_open && !may_refine) return {fit};
+  Trial<Dim, Scalar> trial(part, fit);
+  if (!trial.is_possible()) return {fit};
+  if (trial.has_holes() && is_free) trial.try_splines();
+  if (!trial.best().tension || trial.is_smooth()) {
+    if (trial.has_holes() && is_open)
+      trial.try_kernels({"auto", "wendland-c2", "wendland-c0"});
+    else if (may_refine)
+      trial.try_kernels({fit.kernel});
+  }
+  if (may_refine) trial.choose_blocks(options.blocks);
+  return trial.best();
+}
+
+template <int Dim, class Scalar>
+InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
+  const Plan plan = choose_plan<Dim>(part, options);
+  InpaintReport report;
+  Eigen::MatrixXd values = filled<Dim>(part, part.missing, plan, report.fit);
+  report.blocks = plan.width;
+  if (plan.tension) report.fit.cross_validation_rmse = plan.errors[0];
+  for (Index c = 0; c < part.count; ++c) {
+    if (plan.width > 0) refine(values.col(c), part.missing, part.grid, plan.width, plan.errors[c]);
+    for (const Index i : marked(part.missing)) part.frame(part.first + c, i) = static_cast<Scalar>(values(i, c));
+  }
+  return report;
 }
 
 template <class Scalar>
-FitReport fill(Part<Scalar>& part, const FitOptions& options) {
+InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
   const std::size_t axes = long_axes(part.grid).size();
   if (axes <= 1) return fill<1>(part, options);
   return axes == 2 ? fill<2>(part, options) : fill<3>(part, options);
@@ -262,12 +309,15 @@ Progress of_frame(const Progress& progress, Index t, Index frames) {
 }  // namespace
 
 template <class Scalar>
-InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const FitOptions& options) {
+InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const InpaintOptions& options) {
+  if (options.blocks)
+    require(*options.blocks == 0 || (*options.blocks >= 4 && *options.blocks <= 64), function, "blocks",
+            *options.blocks, "must be 0 (none) or a width of 4 to 64 voxels");
   check(image, static_cast<Index>(image.values.size()), static_cast<Index>(missing.size()));
   InpaintReport report;
   const bool same_mask = static_cast<Index>(missing.size()) == image.grid.voxels();
   for (Index t = 0; t < image.frames; ++t) {
-    FitOptions frame_options = options;
+    InpaintOptions frame_options = options;
     frame_options.scale_axes = false;
     frame_options.progress = of_frame(options.progress, t, image.frames);
     for (Part<Scalar>& part : parts_of(image, t, missing.data() + (same_mask ? 0 : t * image.grid.voxels()))) {
@@ -275,8 +325,11 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
       const Index known = part.frame.cols() - unknown;
       require(known > 0, function, "known voxels", 0, "frame " + std::to_string(t + 1) + " has no known value");
       if (unknown > 0) {
-        FitReport fitted = fill(part, frame_options);
-        if (report.missing == 0) report.fit = std::move(fitted);
+        InpaintReport filled = fill(part, frame_options);
+        if (report.missing == 0) {
+          report.fit = std::move(filled.fit);
+          report.blocks = filled.blocks;
+        }
       }
       report.missing += unknown * part.count;
       report.known += known * part.count;
@@ -285,7 +338,7 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
   return report;
 }
 
-template InpaintReport inpaint(Volume<float>&, const std::vector<unsigned char>&, const FitOptions&);
-template InpaintReport inpaint(Volume<double>&, const std::vector<unsigned char>&, const FitOptions&);
+template InpaintReport inpaint(Volume<float>&, const std::vector<unsigned char>&, const InpaintOptions&);
+template InpaintReport inpaint(Volume<double>&, const std::vector<unsigned char>&, const InpaintOptions&);
 
 }  // namespace csrbf

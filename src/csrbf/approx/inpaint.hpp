@@ -3,15 +3,24 @@
 #include "csrbf/approx/fit.hpp"
 #include "csrbf/core/grid.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace csrbf {
+
+struct InpaintOptions : FitOptions {
+  /// Width in voxels of the blocks whose cosine transforms refine what the fit says (refine_by_sparse_blocks()): 4 to
+  /// 64, 0: none. Unset: 8, in holes up to 32, or none where voxels hidden for a trial ask for that; none where a
+  /// method, kernel, degree, smoothing, tolerance or budget is given. Images of one axis have none.
+  std::optional<int> blocks = {};
+};
 
 /// What inpaint() did. Counts are of values: voxels times components times frames.
 struct InpaintReport {
   Index missing = 0;  ///< replaced
   Index known = 0;
-  FitReport fit;  ///< of the first component and frame with missing values; its `samples` are the known voxels used
+  Index blocks = 0;  ///< width of the blocks that refined the first component and frame with missing values; 0: none
+  FitReport fit;     ///< of the first component and frame with missing values; its `samples` are the known voxels used
 };
 
 /// Fills missing or unreliable voxels of an image of up to 3 axes, every frame and component separately, by a function
@@ -30,8 +39,22 @@ struct InpaintReport {
 /// (that of cross-validation, wendland-c2, wendland-c0) with the smallest error in holes of the same shape among known
 /// voxels: smooth images need smooth kernels, which overshoot in texture.
 ///
-/// Throws InvalidInput when `missing` has another size or a frame has no known value, and what fit() throws.
+/// In holes of images that are not smooth a spline on the grid takes the place of the fit (fill_by_grid_spline()), with
+/// the tension that is best in those trials, unless a method, kernel, degree, smoothing, tolerance or budget is given:
+/// there the fit is no better and takes seconds. The report then says grid-spline.
+///
+/// What the fit says is then refined by blocks, which continue edges and textures (see InpaintOptions::blocks).
+///
+/// Throws InvalidInput when `missing` has another size, a frame has no known value or the width of the blocks is out of
+/// its range, and what fit() throws.
 template <class Scalar>
-InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const FitOptions& options = {});
+InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const InpaintOptions& options);
+
+/// The same with what is common to all fits: `inpaint(image, missing, {.method = "interpolate"})`.
+template <class Scalar>
+InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing,
+                      const FitOptions& options = {}) {
+  return inpaint(image, missing, InpaintOptions{options});
+}
 
 }  // namespace csrbf

@@ -1,0 +1,144 @@
+#include "csrbf/approx/images/missing_voxels.hpp"
+
+#include "csrbf/core/interruption.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+// All chosen by hand. The rim of a hole, whose voxels are samples: large enough for the patches around missing voxels.
+constexpr double rim_voxels = 8;     // width
+constexpr double rim_depths = 2;     // the same in depths of the deepest hole; the larger one counts
+constexpr double useful_share = .5;  // of the known voxels: with more of them in rims all known ones are samples
+
+constexpr double deep = 1.5;  // mean depth of missing voxels, in spacings of known ones, above which they form holes
+constexpr double shift_depths = 4;  // how far holes are shifted to test kernels on them, in depths of the deepest one
+constexpr Index least_trial_step = 16, most_trial_voxels = 1000;  // of known voxels, to test the fit on
+
+// The missing voxels shifted along an axis, where they land on known ones.
+Mask shifted(const Mask& missing, const Grid& grid, int axis, Index by) {
+  Mask result(missing.size(), 0);
+  Index stride = 1;
+  for (int a = 0; a < axis; ++a) stride *= grid.size[a];
+  const Index size = grid.size[axis];
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    const Index to = static_cast<Index>(i) / stride % size + by;
+    const std::size_t target = i + static_cast<std::size_t>(by * stride);
+    if (missing[i] != 0 && to >= 0 && to < size && missing[target] == 0) result[target] = 1;
+  }
+  return result;
+}
+
+}  // namespace
+
+// The distance is separable: the minimum along one axis after the other, there and back.
+std::vector<float> distance_to(bool wanted, const Mask& mask, const Grid& grid) {
+  std::vector<float> distance(mask.size());
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    distance[i] = (mask[i] != 0) == wanted ? 0 : std::numeric_limits<float>::infinity();
+  InterruptionPoint pause(1U << 10);
+  Index stride = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Index size = grid.size[axis];
+    const auto step = static_cast<float>(grid.spacing[static_cast<Index>(axis)]);
+    for (Index line = 0; line < grid.voxels(); line += size * stride) {
+      const auto relax = [&](Index to, Index from) {
+        pause();
+        float* target = distance.data() + line + to * stride;
+        const float* source = distance.data() + line + from * stride;
+        for (Index k = 0; k < stride; ++k) target[k] = std::min(target[k], source[k] + step);
+      };
+      for (Index i = 1; i < size; ++i) relax(i, i - 1);
+      for (Index i = size - 2; i >= 0; --i) relax(i, i + 1);
+    }
+    stride *= size;
+  }
+  return distance;
+}
+
+std::vector<int> long_axes(const Grid& grid) {
+  std::vector<int> axes;
+  for (int a = 0; a < 3; ++a)
+    if (grid.size[a] > 1) axes.push_back(a);
+  return axes;
+}
+
+double mean_spacing(const Grid& grid) {
+  const std::vector<int> axes = long_axes(grid);
+  double product = 1;
+  for (const int a : axes) product *= grid.spacing[a];
+  return axes.empty() ? 1 : std::pow(product, 1 / static_cast<double>(axes.size()));
+}
+
+std::vector<Index> sample_voxels(const Mask& missing, const Grid& grid, Index known) {
+  const std::vector<float> to_known = distance_to(false, missing, grid);
+  const double depth = *std::max_element(to_known.begin(), to_known.end());
+  const auto rim = static_cast<float>(std::max(rim_voxels * mean_spacing(grid), rim_depths * depth));
+  const std::vector<float> to_missing = distance_to(true, missing, grid);
+  std::vector<Index> near, all;
+  all.reserve(known);
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    if (missing[i] != 0) continue;
+    all.push_back(static_cast<Index>(i));
+    if (to_missing[i] <= rim) near.push_back(static_cast<Index>(i));
+  }
+  return static_cast<double>(near.size()) < useful_share * static_cast<double>(known) ? near : all;
+}
+
+std::vector<Index> marked(const Mask& mask) {
+  std::vector<Index> voxels;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask[i] != 0) voxels.push_back(static_cast<Index>(i));
+  return voxels;
+}
+
+Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
+  const std::vector<float> depth = distance_to(false, missing, grid);
+  const double sum = std::accumulate(depth.begin(), depth.end(), 0.0);
+  const auto voxels = static_cast<double>(missing.size());
+  const std::vector<int> axes = long_axes(grid);
+  const double spacing = mean_spacing(grid) * std::pow(voxels / static_cast<double>(known),
+                                                       1 / static_cast<double>(std::max<std::size_t>(1, axes.size())));
+  Mask best;
+  if (!(sum > deep * spacing * (voxels - static_cast<double>(known)))) return best;
+  const double distance = shift_depths * *std::max_element(depth.begin(), depth.end());
+  std::ptrdiff_t most = 0;
+  for (const int axis : axes)
+    for (const double sign : {1.0, -1.0}) {
+      Mask trial = shifted(missing, grid, axis, static_cast<Index>(std::lround(sign * distance / grid.spacing[axis])));
+      const auto count = std::count(trial.begin(), trial.end(), 1);
+      if (count <= most) continue;
+      most = count;
+      best = std::move(trial);
+    }
+  return best;
+}
+
+Mask trial_voxels(const std::vector<Index>& known, std::size_t voxels) {
+  Mask hidden(voxels, 0);
+  const Index n = std::ssize(known), step = std::max(least_trial_step, n / most_trial_voxels);
+  for (Index run = 0; run + step <= n; run += step) hidden[known[run + run / step * 7919 % step]] = 1;
+  return hidden;
+}
+
+Mask grown(Mask mask, const Grid& grid, Index reach) {
+  Index stride = 1;
+  for (const int a : {0, 1, 2}) {
+    const Index size = grid.size[a];
+    const Mask before = mask;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (before[i] == 0) continue;
+      const Index at = static_cast<Index>(i) / stride % size;
+      for (Index to = std::max<Index>(0, at - reach); to <= std::min(size - 1, at + reach); ++to)
+        mask[i + static_cast<std::size_t>((to - at) * stride)] = 1;
+    }
+    stride *= size;
+  }
+  return mask;
+}
+
+}  // namespace csrbf
