@@ -1,6 +1,7 @@
 #include "csrbf/approx/rbf_interpolator.hpp"
 
 #include "csrbf/approx/global/local_interpolants.hpp"
+#include "csrbf/approx/global/many_rbfs.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <utility>
@@ -12,6 +13,7 @@ using Matrix = Eigen::MatrixXd;
 using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 
 constexpr const char* function = "RBFInterpolator";
+constexpr Index most_dense = 10000;  // points of a system too ill conditioned for iterations: 800 MB; chosen by hand
 
 Kernel make_kernel(std::string name, Index dimension) {
   std::replace(name.begin(), name.end(), '_', '-');
@@ -61,6 +63,7 @@ struct RbfInterpolator::Data {
   RbfBasis basis;
   RbfCoefficients solution = {};
   std::unique_ptr<const NearestSamples> search = {};
+  std::unique_ptr<const ManyRbfs> many = {};  // without neighbours, of many points
 
   Data(const MatrixRef& given, const RbfInterpolatorOptions& options)
       : points(given),
@@ -87,7 +90,7 @@ struct RbfInterpolator::Data {
             "every value must be finite; leave out the points without value");
     report(progress, "solve", 0);
     if (neighbors == 0) {
-      solution = basis.solve(points, given, smoothing);
+      solve_all(given, progress);
       return;
     }
     const std::vector<Index> order = nearby_order(points);
@@ -95,6 +98,21 @@ struct RbfInterpolator::Data {
     smoothing = smoothing(order).eval();
     values = given(Eigen::all, order);
     search = nearest_samples(points);
+  }
+
+  void solve_all(const MatrixRef& given, const Progress& progress) {
+    if (has_many()) try {
+        solution = ManyRbfs::solve(basis, points, given, smoothing, progress);
+        many = ManyRbfs::make(basis, points, solution);
+        return;
+      } catch (const SolverFailure&) {
+        if (points.cols() > most_dense) throw;
+      }
+    solution = basis.solve(points, given, smoothing);
+  }
+
+  [[nodiscard]] bool has_many() const {
+    return neighbors == 0 && smoothing.minCoeff() >= 0 && ManyRbfs::suits(basis, points.rows(), points.cols());
   }
 };
 
@@ -144,6 +162,7 @@ RbfInterpolator RbfInterpolator::restore(const MatrixRef& points, const MatrixRe
   data->solution = RbfBasis::frame(data->points);
   data->solution.alpha = coefficients.leftCols(points.cols()).transpose();
   data->solution.pi = coefficients.rightCols(Q).transpose();
+  if (data->has_many()) data->many = ManyRbfs::make(data->basis, data->points, data->solution);
   return RbfInterpolator(std::move(data));
 }
 
@@ -158,7 +177,8 @@ Matrix RbfInterpolator::coefficients() const {
 Matrix RbfInterpolator::evaluate(const MatrixRef& x, const Progress& progress) const {
   require(x.rows() == dimension(), function, "x", x.rows(),
           "the points must have " + std::to_string(dimension()) + " coordinates");
-  const auto& [points, values, smoothing, neighbors, epsilon, degree, basis, solution, search] = *data_;
+  const auto& [points, values, smoothing, neighbors, epsilon, degree, basis, solution, search, many] = *data_;
+  if (many != nullptr) return many->evaluate(x);
   const Index m = x.cols();
   const Index n = neighbors > 0 ? neighbors : points.cols();
   if (neighbors == 0) {

@@ -36,7 +36,10 @@ struct RbfInterpolatorOptions {
 /// with the polynomials G in coordinates that map the bounding box of the points to [-1, 1]^d. Any dimension.
 class RbfInterpolator {
  public:
-  /// `points`: d x n; `values`: k x n. O(n^3) without neighbours, else O(n log n).
+  /// `points`: d x n; `values`: k x n. With neighbours O(n log n). Without, O(n^3) up to 4000 points; more in one to
+  /// three dimensions O(n), by conjugate gradients with fast sums, to residuals of 1e-8 of the largest value (see
+  /// solve_iteratively()), unless the degree is below the smallest one, or, up to 10,000 points, the system too ill
+  /// conditioned.
   /// Throws InvalidInput for sizes that do not match, numbers that are not finite, unknown kernels, a scale that is
   /// missing and fewer points than the polynomial has coefficients; SolverFailure when the system is singular.
   RbfInterpolator(const Eigen::Ref<const Eigen::MatrixXd>& points, const Eigen::Ref<const Eigen::MatrixXd>& values,
@@ -51,7 +54,8 @@ class RbfInterpolator {
                                  const Eigen::Ref<const Eigen::MatrixXd>& coefficients,
                                  const RbfInterpolatorOptions& options);
 
-  /// Values (k x m) at the points x (d x m), on all threads. O(m n), or O(m (log n + neighbors^3)) with systems that
+  /// Values (k x m) at the points x (d x m), on all threads. O(m n), for more than 8000
+  /// points in up to three dimensions O(m + n), or O(m (log n + neighbors^3)) with systems that
   /// several queries share solved once. Queries that are not finite give NaN without neighbours.
   /// Throws InvalidInput for another dimension and, with neighbours, for queries that are not finite; SolverFailure
   /// when a local system is singular.

@@ -28,6 +28,7 @@ const std::vector<SurfaceMethod>& surface_methods() {
       {"adamson-alexa", "moving tangent planes (Adamson and Alexa 2003)", false, c::adamson_alexa},
       {"projection-mls", "distance to moving polynomials (Levin 1998)", false, c::projection_mls},
       {"morse", "CSRBFs of one support (Morse 2001)", true, c::morse},
+      {"carr", "biharmonic spline with points off the surface (Carr 2001)", true, c::carr},
       {"turk-obrien", "triharmonic spline with inner points (Turk and O'Brien 2002)", true, c::turk_obrien},
       {"savchenko", "triharmonic spline with a carrier (Savchenko 1995)", true, c::savchenko},
       {"dinh", "radial functions stretched along the surface (Dinh 2001)", true, c::dinh},

@@ -15,10 +15,11 @@ namespace csrbf {
 ///     B = sum_i c_i c_i^T / d_i,   d_i = c_i^T K c_i.
 ///
 /// The points are taken from coarse to fine (farthest_points()). c_i is sample i minus its best linear unbiased
-/// prediction from the nearest of the samples before it, and from the very first ones; so it vanishes on polynomials,
-/// also where K is only conditionally positive definite. With all samples before it B is the inverse; with the nearest
-/// ones it is the closest to it that is as sparse (Vecchia 1988; Schaefer, Katzfuss and Owhadi 2021). Predictions from
-/// near samples hide those behind, hence few do.
+/// prediction from the nearest of the samples before it; so it vanishes on polynomials, also where K is only
+/// conditionally positive definite. With all samples before it B is the inverse; with the nearest ones it is the
+/// closest to it that is as sparse (Vecchia 1988; Schaefer, Katzfuss and Owhadi 2021). Predictions from near samples
+/// hide those behind, hence few do. The first thousand or so, a coarse level, are predicted from all before them; where
+/// the nearest samples do not determine the polynomials, as on tracks, some of the first help.
 ///
 /// O(n k^3) operations and O(n k) memory for k neighbours; each product O(n k). The same for any number of threads.
 class InverseFactor {
@@ -31,14 +32,15 @@ class InverseFactor {
   /// B r.
   [[nodiscard]] Eigen::VectorXd apply(const Eigen::VectorXd& r) const;
 
-  /// The smallest d_i in units of the largest |phi| between the points: errors of K should be smaller than that.
-  [[nodiscard]] double smallest_variance() const { return smallest_variance_; }
+  /// d_i of most samples (the 5 % quantile) in units of the largest |phi| between the points: errors of K should not be
+  /// larger than that.
+  [[nodiscard]] double common_variance() const { return common_variance_; }
 
   /// B_ii.
   [[nodiscard]] Eigen::VectorXd diagonal() const;
 
  private:
-  double smallest_variance_ = 1;
+  double common_variance_ = 1;
   std::vector<Index> begin_;          // of the entries of each c_i
   std::vector<std::int32_t> sample_;  // of each entry
   std::vector<double> entry_;         // of c_i / sqrt(d_i)

@@ -14,18 +14,26 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr double first_inner_accuracy = 1e-6;            // of the sums inside of an iteration, at most ...
-constexpr double variance_share = .02;                   // ... and in units of the smallest variance
-constexpr double first_outer_accuracy = 1e-9;            // of those that residuals are computed with
-constexpr double accuracy_step = 1e-2;                   // to the next of the former
-constexpr double highest_accuracy = 1e-14;               // about what rounding allows
-constexpr double inner_goal = 1e-4;                      // reduction of the residual before it is computed anew
-constexpr double trusted = .2;                           // share of the residual's goal that sums may be off by
-constexpr double costly_accuracy = 1e-8;                 // below which operators in space take seconds
-constexpr Index many_direct = 40000, few_direct = 2000;  // points summed directly with such operators and others
-constexpr int most_smoothness = 6;                       // that needs more neighbours in the preconditioner
+constexpr double lowest_accuracy = 1e-6;    // of the sums inside of iterations ...
+constexpr double variance_share = .2;       // ... and in units of the common variance
+constexpr double accuracy_step = 1e-2;      // to a better one, where iterations with it gain too little
+constexpr double highest_accuracy = 1e-14;  // about what rounding allows
+constexpr double trusted = .2;              // share of the residual's goal that sums may be off by
+constexpr double close = .2;                // of the accuracy of the sums inside: not worth others for residuals
+constexpr double costly_accuracy = 1e-8;    // below which operators in space take some tenths of a second
+constexpr Index many_direct = 20000, few_direct = 2000;  // points summed directly with such operators and others
 constexpr double unseen = 2;                             // the largest error at all samples, in units of that at some
 constexpr Index checked = 64;                            // samples at which sums are compared with direct ones
+constexpr int check_interval = 4;                        // iterations between comparisons
+constexpr double floor_margin = 2;  // iterations end when the residual is this many times what sums are off by
+constexpr double least_gain = .1;   // of the residual by a pass, above which sums need a better accuracy
+
+// Neighbours of the preconditioner: iterations cost more than these as long as about ten are needed.
+Index default_neighbors(int dimension, int smoothness) {
+  if (dimension == 1) return 12 + 4 * std::min(smoothness, 6);
+  if (dimension == 2) return 24 + 6 * std::min(smoothness, 6);
+  return 40 + 20 * std::min(smoothness, 4);
+}
 
 // K alpha at some samples, directly.
 template <int Dim>
@@ -99,26 +107,132 @@ double largest(const Eigen::VectorXd& v) {
   return v.cwiseAbs().maxCoeff();
 }
 
-// Conjugate gradients for K e = r on the range of `project`, until |r| <= goal; r becomes the residual. False when K is
-// not positive definite as it is computed.
-template <class Multiply, class Precondition, class Count>
-bool conjugate_gradients(const Multiply& multiply, const Precondition& precondition, double goal, Eigen::VectorXd& e,
-                         Eigen::VectorXd& r, const Count& count) {
-  Eigen::VectorXd direction;
-  double before = 0;
-  while (largest(r) > goal && count()) {
-    const Eigen::VectorXd z = precondition(r);
-    const double product = r.dot(z);
-    direction = direction.size() == 0 ? z : (z + product / before * direction).eval();
-    before = product;
-    const Eigen::VectorXd K_direction = multiply(direction);
-    const double bend = direction.dot(K_direction);
-    if (!(bend > 0) || !(product > 0)) return false;
-    e += product / bend * direction;
-    r -= product / bend * K_direction;
-  }
-  return true;
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& G) {
+  if (G.cols() == 0) return G;
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(G).householderQ() * Eigen::MatrixXd::Identity(G.rows(), G.cols());
 }
+
+// Solves for one column of values at a time.
+template <int Dim>
+class Solver {
+ public:
+  Solver(const PointsRef<Dim>& points, const Kernel& kernel, double support, const Eigen::VectorXd& noise,
+         const Eigen::MatrixXd& G, const InverseFactor& inverse, const IterativeSystemOptions& options)
+      : Q_(orthonormal(G)),
+        inverse_(inverse),
+        options_(options),
+        inner_(points, kernel, support, noise,
+               std::clamp(variance_share * inverse.common_variance(), highest_accuracy, lowest_accuracy)),
+        outer_(points, kernel, support, noise, inner_.accuracy()) {}
+
+  struct Column {
+    Eigen::VectorXd alpha, rest;  // values - K alpha, a polynomial up to the residual
+    int iterations = 0;
+    double residual = 0;
+  };
+
+  [[nodiscard]] Column solve(const Eigen::VectorXd& values) {
+    Column column{Eigen::VectorXd::Zero(values.size()), values};
+    const double goal = options_.tolerance * largest(values);
+    if (goal == 0) return column;
+    Eigen::VectorXd r = project(values);
+    double off = 0;
+    while (largest(r) + off > goal) {
+      const double before = largest(r);
+      const Pass pass = conjugate_gradients(r, .5 * (1 - trusted) * goal, column.iterations);
+      column.alpha = project(column.alpha + pass.correction);
+      const double enough = accuracy_for(goal, pass.off, inner_.accuracy());
+      if (enough < close * sums().accuracy()) outer_.set_accuracy(enough);
+      off = update(values, column, r);
+      while (off > trusted * goal && sums().accuracy() > highest_accuracy) {
+        const double better = std::min(accuracy_for(goal, off, sums().accuracy()), close * sums().accuracy());
+        outer_.set_accuracy(std::max(better, highest_accuracy));
+        off = update(values, column, r);
+      }
+      if (largest(r) + off <= goal) break;
+      const bool gained = pass.definite && largest(r) <= least_gain * before;
+      const bool exhausted = column.iterations >= options_.most_iterations;
+      if (!gained && !exhausted && inner_.accuracy() > highest_accuracy)
+        inner_.set_accuracy(std::max(accuracy_step * inner_.accuracy(), highest_accuracy));
+      else if (exhausted || !gained)
+        fail((largest(r) + off) / largest(values), column.iterations);
+    }
+    column.residual = largest(r) + off;
+    return column;
+  }
+
+ private:
+  struct Pass {
+    Eigen::VectorXd correction;
+    double off = 0;  // of the product with it, at most
+    bool definite = true;
+  };
+
+  // For K e = r on the complement of the polynomials, by the sums inside: until the residual is below `goal`, or about
+  // what the product with e, which the steps add up to, is found to be off by.
+  Pass conjugate_gradients(Eigen::VectorXd r, double goal, int& iterations) {
+    Pass pass{Eigen::VectorXd::Zero(r.size())};
+    Eigen::VectorXd direction, product = Eigen::VectorXd::Zero(r.size());
+    double before = 0;
+    for (int step = 0; iterations < options_.most_iterations; ++step, ++iterations) {
+      const bool done = largest(r) <= goal;
+      if (step > 0 && (done || step % check_interval == 0)) {
+        pass.off = unseen * inner_.error(pass.correction, product);
+        if (done || largest(r) <= floor_margin * pass.off) return pass;
+      }
+      report(options_.progress, "solve", std::min(1., iterations / 30.));
+      const Eigen::VectorXd z = project(inverse_.apply(r));
+      const double length = r.dot(z);
+      direction = step == 0 ? z : (z + length / before * direction).eval();
+      before = length;
+      const Eigen::VectorXd of_direction = inner_(direction);
+      const double bend = direction.dot(of_direction);
+      if (!(bend > 0) || !(length > 0)) {
+        pass.definite = false;
+        break;
+      }
+      pass.correction += length / bend * direction;
+      product += length / bend * of_direction;
+      r -= length / bend * project(of_direction);
+    }
+    pass.off = unseen * inner_.error(pass.correction, product);
+    return pass;
+  }
+
+  // That of sums which are off by less than their share of the goal, if those of an accuracy are by `off`.
+  static double accuracy_for(double goal, double off, double accuracy) {
+    const double wanted = .5 * trusted * goal / std::max(off, std::numeric_limits<double>::min()) * accuracy;
+    return std::clamp(wanted, highest_accuracy, std::max(highest_accuracy, accuracy));
+  }
+
+  [[nodiscard]] Product<Dim>& sums() { return outer_.accuracy() < inner_.accuracy() ? outer_ : inner_; }
+
+  // The residual with the accurate sums. Returns what they are off by, at most.
+  double update(const Eigen::VectorXd& values, Column& column, Eigen::VectorXd& r) {
+    const Eigen::VectorXd product = sums()(column.alpha);
+    column.rest = values - product;
+    r = project(column.rest);
+    return unseen * sums().error(column.alpha, product);
+  }
+
+  [[nodiscard]] Eigen::VectorXd project(Eigen::VectorXd v) const {
+    for (int twice = 0; twice < 2; ++twice) v -= Q_ * (Q_.transpose() * v).eval();
+    return v;
+  }
+
+  [[noreturn]] static void fail(double residual, int iterations) {
+    std::ostringstream text;
+    text << "interpolate: residuals of " << std::setprecision(2) << residual << " of the largest value remain after "
+         << iterations
+         << " iterations: the system is too ill conditioned; give smoothing > 0, or take a rougher kernel";
+    throw SolverFailure(text.str());
+  }
+
+  Eigen::MatrixXd Q_;
+  const InverseFactor& inverse_;
+  const IterativeSystemOptions& options_;
+  Product<Dim> inner_, outer_;
+};
 
 }  // namespace
 
@@ -128,69 +242,19 @@ template <int Dim>
 IterativeSolution solve_iteratively(const PointsRef<Dim>& points, const Kernel& kernel, double support,
                                     const Eigen::VectorXd& noise, const Eigen::MatrixXd& G, const Eigen::MatrixXd& s,
                                     const IterativeSystemOptions& options) {
-  const Index n = points.cols(), q = G.cols();
-  const Index neighbors =
-      options.neighbors > 0 ? options.neighbors : 12 * Dim + 4 * std::min(kernel.smoothness(), most_smoothness);
+  const Index neighbors = options.neighbors > 0 ? options.neighbors : default_neighbors(Dim, kernel.smoothness());
   const InverseFactor inverse(points, kernel, support, noise, G, neighbors, options.progress);
-  Eigen::MatrixXd Q(n, q);
-  if (q > 0) Q = Eigen::HouseholderQR<Eigen::MatrixXd>(G).householderQ() * Eigen::MatrixXd::Identity(n, q);
-  const auto project = [&](Eigen::VectorXd v) {
-    for (int twice = 0; twice < 2; ++twice) v -= Q * (Q.transpose() * v).eval();
-    return v;
-  };
-  Product<Dim> inner(points, kernel, support, noise,
-                     std::clamp(variance_share * inverse.smallest_variance(), highest_accuracy, first_inner_accuracy));
-  Product<Dim> outer(points, kernel, support, noise, first_outer_accuracy);
-
+  Solver<Dim> solver(points, kernel, support, noise, G, inverse, options);
   IterativeSolution solution;
-  solution.alpha.setZero(n, s.cols());
-  solution.pi.setZero(q, s.cols());
+  solution.alpha.setZero(points.cols(), s.cols());
+  solution.pi.setZero(G.cols(), s.cols());
   solution.inverse_diagonal = inverse.diagonal();
   for (Index component = 0; component < s.cols(); ++component) {
-    const Eigen::VectorXd values = s.col(component);
-    const double goal = options.tolerance * largest(values);
-    if (goal == 0) continue;
-    Eigen::VectorXd alpha = Eigen::VectorXd::Zero(n), rest = values, r = project(values);
-    int iterations = 0;
-    double off = 0;
-    const auto count = [&] {
-      report(options.progress, "solve", std::min(1., iterations / 30.));
-      return iterations++ < options.most_iterations;
-    };
-    const auto update = [&] {
-      const Eigen::VectorXd product = outer(alpha);
-      rest = values - product;
-      r = project(rest);
-      off = unseen * outer.error(alpha, product);
-    };
-    while (largest(r) + off > goal) {
-      const double before = largest(r);
-      Eigen::VectorXd correction = Eigen::VectorXd::Zero(n), remaining = r;
-      const bool definite =
-          conjugate_gradients([&](const Eigen::VectorXd& v) { return project(inner(v)); },
-                              [&](const Eigen::VectorXd& v) { return project(inverse.apply(v)); },
-                              std::max(.5 * (1 - trusted) * goal, inner_goal * before), correction, remaining, count);
-      alpha = project(alpha + correction);
-      update();
-      while (off > trusted * goal && outer.accuracy() > highest_accuracy) {
-        outer.set_accuracy(std::max(.3 * trusted * goal / off * outer.accuracy(), highest_accuracy));
-        update();
-      }
-      if (largest(r) + off <= goal) break;
-      if ((!definite || largest(r) > .1 * before) && inner.accuracy() > highest_accuracy)
-        inner.set_accuracy(accuracy_step * inner.accuracy());
-      else if (iterations >= options.most_iterations || !definite || largest(r) > .9 * before) {
-        std::ostringstream text;
-        text << "interpolate: residuals of " << std::setprecision(2) << (largest(r) + off) / largest(values)
-             << " of the largest value remain after " << iterations
-             << " iterations: the system is too ill conditioned; give smoothing > 0, or take a rougher kernel";
-        throw SolverFailure(text.str());
-      }
-    }
-    solution.alpha.col(component) = alpha;
-    if (q > 0) solution.pi.col(component) = Eigen::HouseholderQR<Eigen::MatrixXd>(G).solve(rest);
-    solution.iterations = std::max(solution.iterations, iterations);
-    solution.residual = std::max(solution.residual, largest(r) + off);
+    const auto column = solver.solve(s.col(component));
+    solution.alpha.col(component) = column.alpha;
+    if (G.cols() > 0) solution.pi.col(component) = Eigen::HouseholderQR<Eigen::MatrixXd>(G).solve(column.rest);
+    solution.iterations = std::max(solution.iterations, column.iterations);
+    solution.residual = std::max(solution.residual, column.residual);
   }
   return solution;
 }

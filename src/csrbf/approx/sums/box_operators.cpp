@@ -70,6 +70,80 @@ Eigen::MatrixXd interpolation(const Chebyshev& chebyshev, const Points<Dim>& x) 
   return S;
 }
 
+// Splits functions of the nodes of a box into parts that are even or odd in each coordinate, (f(x) +- f(x')) / sqrt 2
+// with x' the mirror image of x: an orthogonal transform.
+template <int Dim>
+class Parities {
+ public:
+  explicit Parities(int order) {
+    std::vector<std::array<int, Dim>> digits;
+    std::vector<Index> row;
+    for_each_node<Dim>(order, [&](Index at, const std::array<int, Dim>& of_node) {
+      row.push_back(at);
+      digits.push_back(of_node);
+    });
+    // Where a node and its mirror image are two, the even part takes the place of the first, the odd that of the other.
+    const auto parity = [&](Index k) {
+      unsigned odd = 0;
+      for (int d = 0; d < Dim; ++d) odd |= (2 * digits[k][d] > order - 1 ? 1U : 0U) << d;
+      return odd;
+    };
+    std::map<std::array<int, Dim>, Index> place;
+    for (unsigned odd = 0; odd < (1U << Dim); ++odd) {
+      begin_[odd] = std::ssize(node_);
+      for (Index k = 0; k < std::ssize(row); ++k) {
+        if (parity(k) != odd) continue;
+        place[digits[k]] = std::ssize(node_);
+        node_.push_back(row[k]);
+      }
+    }
+    begin_.back() = std::ssize(node_);
+    for (const auto& [at, k] : place)
+      for (int d = 0; d < Dim; ++d) {
+        std::array<int, Dim> image = at;
+        image[d] = order - 1 - at[d];
+        if (at[d] < image[d]) mirrored_[d].emplace_back(k, place.at(image));
+      }
+  }
+
+  /// The nodes, as rows of BoxOperators::nodes(): those of the combination `odd` of odd axes from begin(odd) on.
+  [[nodiscard]] const std::vector<Index>& nodes() const { return node_; }
+  [[nodiscard]] Index begin(unsigned odd) const { return begin_[odd]; }
+  [[nodiscard]] Index count(unsigned odd) const { return begin_[odd + 1] - begin_[odd]; }
+
+  /// Transforms the columns of A, functions of nodes().
+  void columns(Eigen::MatrixXd& A) const {
+    const double half = std::sqrt(.5);
+    for (Index j = 0; j < A.cols(); ++j)
+      for (const auto& pairs : mirrored_)
+        for (const auto& [first, second] : pairs) {
+          const double a = A(first, j), b = A(second, j);
+          A(first, j) = half * (a + b);
+          A(second, j) = half * (a - b);
+        }
+  }
+
+  /// Back: each step along an axis is its own inverse, and they commute.
+  void merge(Eigen::MatrixXd& A) const { columns(A); }
+
+  /// The same for its rows.
+  void rows(Eigen::MatrixXd& A) const {
+    const double half = std::sqrt(.5);
+    for (const auto& pairs : mirrored_)
+      for (const auto& [first, second] : pairs)
+        for (Index i = 0; i < A.rows(); ++i) {
+          const double a = A(i, first), b = A(i, second);
+          A(i, first) = half * (a + b);
+          A(i, second) = half * (a - b);
+        }
+  }
+
+ private:
+  std::vector<Index> node_;
+  std::array<Index, (1U << Dim) + 1> begin_{};
+  std::array<std::vector<std::pair<Index, Index>>, Dim> mirrored_{};
+};
+
 // A B with A padded.
 Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(A.rows(), B.cols());
@@ -202,41 +276,23 @@ void BoxOperators<Dim>::find_basis(double limit) {
   Points<Dim> far(Dim, candidates / stride + 1);
   Index at = 0;
   for (Index k = 0; k < candidates; k += stride) far.col(at++) = boxes[k / test_points].col(k % test_points);
-  const Eigen::MatrixXd K = kernel_matrix(at_nodes, far.leftCols(at));
+  const Parities<Dim> parities(p);
+  Eigen::MatrixXd K = kernel_matrix(at_nodes(Eigen::all, parities.nodes()), far.leftCols(at));
+  parities.columns(K);
 
-  // Nodes 0 .. (p - 1) / 2 of an axis with their mirror images.
-  const auto half_count = [p](bool odd) { return odd ? p / 2 : (p + 1) / 2; };
   struct Function {
     double singular_value;
     unsigned odd;
-    Eigen::VectorXd nodal;
+    Eigen::VectorXd values;  // at the nodes of this parity
     Eigen::VectorXd energy;  // mean square of its part in each box, over points and nodes
   };
   std::vector<Function> functions;
   Eigen::VectorXd points_in = Eigen::VectorXd::Zero(std::ssize(boxes));
   for (Index k = 0; k < candidates; k += stride) points_in[k / test_points] += 1;
   for (unsigned odd = 0; odd < (1U << Dim); ++odd) {
-    Index rows = 1;
-    for (int d = 0; d < Dim; ++d) rows *= half_count((odd >> d) % 2 != 0);
-    Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(at_nodes.cols(), rows);
-    for_each_node<Dim>(p, [&](Index row, const std::array<int, Dim>& digits) {
-      Index column = 0;
-      double entry = 1;
-      for (int d = Dim - 1; d >= 0; --d) {
-        const bool is_odd = (odd >> d) % 2 != 0;
-        const int mirrored = p - 1 - digits[d];
-        const int least = std::min(digits[d], mirrored);
-        if (least >= half_count(is_odd)) {
-          entry = 0;
-          continue;
-        }
-        column = column * half_count(is_odd) + least;
-        if (digits[d] != mirrored) entry *= std::sqrt(.5) * (is_odd && digits[d] > mirrored ? -1 : 1);
-      }
-      if (entry != 0) Q(row, column) = entry;
-    });
+    const Index rows = parities.count(odd);
     if (rows == 0) continue;
-    const Eigen::MatrixXd Y = K.transpose() * Q;  // far points x functions
+    const Eigen::MatrixXd Y = K.middleRows(parities.begin(odd), rows).transpose();  // far points x functions
     Eigen::MatrixXd R = Y;
     if (Y.rows() > Y.cols())
       R = Eigen::HouseholderQR<Eigen::MatrixXd>(Y).matrixQR().topRows(rows).template triangularView<Eigen::Upper>();
@@ -246,7 +302,7 @@ void BoxOperators<Dim>::find_basis(double limit) {
       Eigen::VectorXd energy = Eigen::VectorXd::Zero(std::ssize(boxes));
       for (Index k = 0, j = 0; k < candidates; k += stride, ++j) energy[k / test_points] += part(j, f) * part(j, f);
       energy.array() /= points_in.array().max(1) * std::pow(p, Dim);
-      functions.push_back({svd.singularValues()[f], odd, Q * svd.matrixV().col(f), std::move(energy)});
+      functions.push_back({svd.singularValues()[f], odd, svd.matrixV().col(f), std::move(energy)});
     }
   }
   // Leaves out the least ones as long as no box loses more than it may.
@@ -259,25 +315,54 @@ void BoxOperators<Dim>::find_basis(double limit) {
   }
   rank_ = padded_rows(std::ssize(functions));
   odd_axes_.assign(rank_, 0);
-  basis_ = Eigen::MatrixXd::Zero(at_nodes.cols(), rank_);
+  Eigen::MatrixXd split = Eigen::MatrixXd::Zero(std::ssize(parities.nodes()), rank_);
   for (Index f = 0; f < std::ssize(functions); ++f) {
     odd_axes_[f] = functions[f].odd;
-    basis_.col(f) = functions[f].nodal;
+    split.col(f).segment(parities.begin(functions[f].odd), functions[f].values.size()) = functions[f].values;
   }
+  parities.merge(split);
+  basis_ = Eigen::MatrixXd::Zero(at_nodes.cols(), rank_);
+  basis_(parities.nodes(), Eigen::all) = split;
   transposed_ = basis_.transpose();
 }
 
+// C = U^T K U, with K split by the parities of both sides: a function of U has one parity.
 template <int Dim>
 void BoxOperators<Dim>::prepare(std::vector<Index> codes) {
   std::erase_if(codes, [&](Index code) { return translations_.contains(code); });
-  const Points<Dim> at_nodes = nodes();
+  if (codes.empty()) return;
+  const Parities<Dim> parities(chebyshev_.order());
+  const Index count = std::ssize(parities.nodes());
+  const Points<Dim> at_nodes = nodes()(Eigen::all, parities.nodes());
+  Eigen::MatrixXd U = basis_(parities.nodes(), Eigen::all);
+  parities.columns(U);
+  constexpr unsigned combinations = 1U << Dim;
+  std::array<std::vector<Index>, combinations> functions;
+  for (Index f = 0; f < rank_; ++f) functions[odd_axes_[f]].push_back(f);
+  std::array<Eigen::MatrixXd, combinations> part, transposed;
+  for (unsigned odd = 0; odd < combinations; ++odd) {
+    part[odd] = U.middleRows(parities.begin(odd), parities.count(odd))(Eigen::all, functions[odd]);
+    transposed[odd] = Eigen::MatrixXd::Zero(padded_rows(part[odd].cols()), part[odd].rows());
+    transposed[odd].topRows(part[odd].cols()) = part[odd].transpose();
+  }
   std::vector<Eigen::MatrixXd> matrices(codes.size());
   parallel_for(std::ssize(codes), 1, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
       const BoxOffset<Dim> o = offset(codes[k]);
       Points<Dim> source = at_nodes;  // at the origin; targets at the offset
       for (int d = 0; d < Dim; ++d) source.row(d).array() -= 2 * o[d];
-      matrices[k] = product(transposed_, product(kernel_matrix(at_nodes, source), basis_));
+      Eigen::MatrixXd K = Eigen::MatrixXd::Zero(padded_rows(count), count);
+      K.topRows(count) = kernel_matrix(at_nodes, source);
+      parities.columns(K);
+      parities.rows(K);
+      matrices[k].setZero(rank_, rank_);
+      for (unsigned odd = 0; odd < combinations; ++odd) {
+        const Eigen::MatrixXd of_sources = product(K.middleCols(parities.begin(odd), parities.count(odd)), part[odd]);
+        for (unsigned other = 0; other < combinations; ++other) {
+          const Eigen::MatrixXd rows = of_sources.middleRows(parities.begin(other), parities.count(other));
+          matrices[k](functions[other], functions[odd]) = product(transposed[other], rows).topRows(part[other].cols());
+        }
+      }
     }
   });
   for (std::size_t k = 0; k < codes.size(); ++k) translations_[codes[k]] = std::move(matrices[k]);

@@ -12,6 +12,9 @@ MethodFit hoppe(const PreparedCloud& cloud, const MethodOptions& options);
 MethodFit blobby(const PreparedCloud& cloud, const MethodOptions& options);
 /// One CSRBF of a common support at every centre and at two offsets along its normal (Morse et al. 2001).
 MethodFit morse(const PreparedCloud& cloud, const MethodOptions& options);
+/// Biharmonic spline, phi = r, through all points, 0, and two offsets along their normals; many by fast sums
+/// (Carr et al. 2001).
+MethodFit carr(const PreparedCloud& cloud, const MethodOptions& options);
 /// Triharmonic spline through the centres, 0, and offsets along their normals (Turk and O'Brien 2002).
 MethodFit turk_obrien(const PreparedCloud& cloud, const MethodOptions& options);
 /// Carrier function, that of a ball, plus a triharmonic spline that cancels it at the centres (Savchenko et al. 1995).

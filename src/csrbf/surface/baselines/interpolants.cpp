@@ -11,8 +11,10 @@ namespace csrbf::baselines {
 namespace {
 
 // Chosen by hand.
-constexpr Index most_dense = 1000;      // default number of centres for methods with dense systems ...
-constexpr Index most_sparse = 3000;     // ... and with sparse ones: a few seconds
+constexpr Index most_dense = 1000;  // default number of centres for methods with dense systems ...
+constexpr double residual = 1e-3;   // of systems solved by fast sums, in spacings of the points kept
+constexpr double least_residual = 1e-9, largest_residual = 1e-2;  // of these, in units of the largest value
+constexpr Index most_sparse = 3000;                               // ... and with sparse ones: a few seconds
 constexpr double morse_support = 4;     // spacings of the centres: a support has about 50 of them, and their offsets
 constexpr double carrier_radius = 0.5;  // diagonals: the ball around the cloud
 constexpr Index dinh_neighbors = 16;    // from which the shape of the surface at a centre is estimated
@@ -29,8 +31,20 @@ MethodFit interpolant(const Samples<3>& samples, const InterpolateOptions& optio
   return {result.components.front(), samples.size(), result.report.smoothing};
 }
 
-InterpolateOptions triharmonic(const MethodOptions& options) {
-  return {.kernel = "cubic", .smoothing = options.smoothing.value_or(0), .progress = options.progress};
+// All points unless there is a budget.
+Index all_or_budget(const MethodOptions& options, const PreparedCloud& cloud) {
+  return options.centers > 0 ? std::min(options.centers, cloud.cloud.size()) : cloud.cloud.size();
+}
+
+// For values whose errors move the surface by as much: the first `count` samples are points of the cloud.
+InterpolateOptions polyharmonic(const char* kernel, const Samples<3>& samples, Index count,
+                                const MethodOptions& options) {
+  const Points<3> kept = samples.points.leftCols(count);
+  const double error = residual * center_spacing<3>(kept, kept);
+  return {.kernel = kernel,
+          .smoothing = options.smoothing.value_or(0),
+          .tolerance = std::clamp(error / samples.values.cwiseAbs().maxCoeff(), least_residual, largest_residual),
+          .progress = options.progress};
 }
 
 // Transforms space so that the basis function of a centre is a ball where its neighbours fill space, a disc where they
@@ -47,20 +61,28 @@ Eigen::Matrix3d stretch(const Points<3>& around) {
 
 }  // namespace
 
+MethodFit carr(const PreparedCloud& cloud, const MethodOptions& options) {
+  const Index count = all_or_budget(options, cloud);
+  const Samples<3> samples = off_surface_samples(cloud, count, Offsets::both);
+  return interpolant(samples, polyharmonic("linear", samples, count, options));
+}
+
 MethodFit turk_obrien(const PreparedCloud& cloud, const MethodOptions& options) {
-  return interpolant(off_surface_samples(cloud, budget(options, cloud, most_dense), Offsets::inside),
-                     triharmonic(options));
+  const Index count = all_or_budget(options, cloud);
+  const Samples<3> samples = off_surface_samples(cloud, count, Offsets::inside);
+  return interpolant(samples, polyharmonic("cubic", samples, count, options));
 }
 
 MethodFit savchenko(const PreparedCloud& cloud, const MethodOptions& options) {
-  Samples<3> samples = off_surface_samples(cloud, budget(options, cloud, 2 * most_dense), Offsets::none);
+  const Index count = all_or_budget(options, cloud);
+  Samples<3> samples = off_surface_samples(cloud, count, Offsets::none);
   // Carrier: positive inside a ball about the cloud, of slope 1 on it. A polynomial, so that the sum is an expansion.
   const auto carrier = [](const Point<3>& x) {
     return (carrier_radius * carrier_radius - x.squaredNorm()) / (2 * carrier_radius);
   };
   const Point<3> middle = bounding_box<3>(samples.points).center();
   for (Index i = 0; i < samples.size(); ++i) samples.values(i, 0) = -carrier(samples.points.col(i) - middle);
-  const Interpolation<3> spline = interpolate<3>(samples, triharmonic(options));
+  const Interpolation<3> spline = interpolate<3>(samples, polyharmonic("cubic", samples, count, options));
   const Expansion<3>& f = *spline.components.front();
   PolynomialTail<3> tail{2, f.tail().origin, f.tail().scale, Eigen::VectorXd::Zero(10)};
   tail.coefficients.head(f.tail().coefficients.size()) = f.tail().coefficients;
