@@ -35,7 +35,7 @@ class Notebooks(unittest.TestCase):
 
     def convert(self, notebook, output, *options):
         environment = dict(os.environ, JUPYTER_PATH=self.folder.name, JUPYTER_PREFER_ENV_PATH="0",
-                           JUPYTER_DATA_DIR=self.folder.name, JUPYTER_ALLOW_INSECURE_WRITES="1", 
+                           JUPYTER_DATA_DIR=self.folder.name, JUPYTER_ALLOW_INSECURE_WRITES="1",
                            IPYTHONDIR=self.folder.name, PYTHONWARNINGS="ignore")
         environment.pop("MPLBACKEND", None)  # plots appear in the notebook
         command = [sys.executable, "-m", "nbconvert", *options, "--output-dir", self.folder.name, "--output", output]
