@@ -339,7 +339,7 @@ class Function(Shown):
             if report.get(name) is not None and np.isfinite(report[name]):
                 facts[text] = f"{report[name]:.3g}"
         low, high = self.bounds
-        facts |= {name: f"{a:.4g} ... {b:.4g}" for name, a, b in zip(self.coordinate_names, low, high)}
+        facts |= {name: f"{a:.3g} to {b:.3g}" for name, a, b in zip(self.coordinate_names, low, high)}
         picture = plot_picture(lambda ax: self.plot(ax, resolution=150))
         caption = "The first value." if len(self.value_names) > 1 else ""
         if self.dimension > 2:

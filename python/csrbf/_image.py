@@ -214,7 +214,7 @@ class Image(ArrayBacked, Shown):
         finite = present(self.values)
         if finite.size == 0:
             return Page("Image", facts)
-        facts["values"] = f"{finite.min():.4g} ... {finite.max():.4g}"
+        facts["values"] = f"{finite.min():.4g} to {finite.max():.4g}"
         pictures = []
         for axis in ("z", "y", "x") if len(self._plane()) == 3 else ("z",):
             plane, axes = self._slice(axis, None)

@@ -69,7 +69,8 @@ def grid_columns(grid: Any, names: Sequence[str], argument: str) -> list[Any]:
     _require(names, known, argument, "the array has the coordinates")
     xarray = sys.modules["xarray"]
     broadcast: list[Any] = list(xarray.broadcast(*(grid[name] for name in names)))
-    return broadcast
+    dims = [dim for dim in grid.dims if dim in broadcast[0].dims]  # in the order of the grid
+    return [part.transpose(*dims) for part in broadcast]
 
 
 def numbers_of_grid(array: Any, name: str) -> Floats:

@@ -196,7 +196,8 @@ class Mesh(Shown):
             ax.plot_trisurf(*self.vertices.T, triangles=self.faces, **options)
             ax.set_aspect("equal")
         else:
-            ax.imshow(self.render(**options))
+            chosen: dict[str, Any] = {"size": (640, 480), "ground": False, **options}
+            ax.imshow(self.render(**chosen))
             ax.set_axis_off()
         return ax
 
@@ -210,7 +211,10 @@ class Mesh(Shown):
             for name in ("mean_curvature", "gaussian_curvature")
             if name in self.properties
         ]
-        return Page("Mesh", facts, [mesh_panel(self, large, scales)])
+        panel = mesh_panel(self, large, scales)
+        if panel.view is not None and panel.view.scales:
+            panel.view.shown = "0"
+        return Page("Mesh", facts, [panel])
 
     def to_trimesh(self) -> Any:
         """The same mesh as a ``trimesh.Trimesh``.

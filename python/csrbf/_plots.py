@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from csrbf._image import Image
 
 _LINES = ("#d62728", "#ffbf00", "#1f77b4", "#2ca02c", "#e377c2", "#ffffff")  # contours on images
-_MOST_DOTS = 2000
+_MOST_WORK = 1e10  # operations for the deviations in a plot, some seconds
 
 
 def axes_for(ax: Any) -> Any:
@@ -63,6 +63,8 @@ def plot_function(
 
     assert isinstance(f, Function)
     names, low, high = f.coordinate_names, f.bounds[0], f.bounds[1]
+    if deviation:  # one costs as much as the square of the number of samples, where these make one system
+        n = int(np.clip((_MOST_WORK / max(f.report["samples_fitted"], 1) ** 2) ** (1 / len(variables)), 32, n))
     axes = [np.linspace(low[v], high[v], n) for v in variables]
     nodes = np.empty(tuple(len(a) for a in axes) + (f.dimension,))
     nodes[...] = at

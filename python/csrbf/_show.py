@@ -25,14 +25,14 @@ from csrbf._viewer import View
 _FOLDER = pathlib.Path(__file__).parent / "page"
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
 _IN_NOTEBOOK = """
-body { max-width: none; padding: .4rem; }
+body { max-width: none; padding: .4rem; } header { display: none; }
 .facts div { padding: .35rem .7rem; } .facts dd { font-size: 1rem; } .facts dt { font-size: .8rem; }
 .panels { margin-top: .6rem; gap: .8rem; grid-template-columns: minmax(0, 1fr); }
 .surface .stage { height: 19rem; } .surface .hint { display: none; }
 .panel > img { max-height: 24rem; }
 """
 # What these make, in pixels.
-_FACTS_IN_A_ROW, _FACT, _STAGE, _HIGHEST, _LINE, _MARGINS = 5, 58, 390, 384, 48, 40
+_FACTS_IN_A_ROW, _FACT, _STAGE, _HIGHEST, _LINE, _MARGINS = 5, 56, 388, 384, 34, 26
 # The script is packed: it is in every page of a notebook. Without DecompressionStream pages show still pictures.
 _START = """
 (async () => {
@@ -142,8 +142,8 @@ def document(page: Page, style: str = "") -> str:
         f"<div><dd>{html.escape(value)}</dd><dt>{html.escape(name)}</dt></div>" for name, value in page.facts.items()
     )
     notes = "".join(f'<p class="caption">{html.escape(note)}</p>' for note in page.notes)
-    single = len(page.panels) == 1
-    panels = "".join(_panel(panel, wide=single or panel.view is not None) for panel in page.panels)
+    still = sum(panel.view is None for panel in page.panels)
+    panels = "".join(_panel(panel, wide=still < 2 or panel.view is not None) for panel in page.panels)
     script = ""
     if any(panel.view for panel in page.panels) and _packed_viewer():
         script = f'<script type="text/plain" id="packed">{_packed_viewer()}</script><script>{_START}</script>'
@@ -152,7 +152,7 @@ def document(page: Page, style: str = "") -> str:
         '<meta name="color-scheme" content="light dark">'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
         f"<title>{title}</title><style>{_style()}{style}</style></head><body><main>"
-        f'<dl class="facts">{facts}</dl>{notes}<div class="panels">{panels}</div></main>{script}</body></html>\n'
+        f'<header><p class="command">csrbf</p><h1>{title}</h1></header><dl class="facts">{facts}</dl>{notes}<div class="panels">{panels}</div></main>{script}</body></html>\n'
     )
 
 

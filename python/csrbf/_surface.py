@@ -399,14 +399,14 @@ class Surface(Shown):
         return write_picture(path, picture)
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw the surface with matplotlib, ray-traced.
+        """Draw a mesh of the surface with matplotlib, ray-traced; `render` draws the surface itself.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
             Those of a new figure when not given.
         **options
-            Of `render`.
+            Of `Mesh.render`.
 
         Returns
         -------
@@ -419,23 +419,19 @@ class Surface(Shown):
         >>> ball.plot(size=(160, 120))  # doctest: +SKIP
         <Axes: >
         """
-        from csrbf._plots import axes_for
+        return self._mesh_shown(120).plot(ax, **options)
 
-        ax = axes_for(ax)
-        ax.imshow(self.render(**options))
-        ax.set_axis_off()
-        return ax
+    def _mesh_shown(self, resolution: int) -> Mesh:
+        """A mesh for pictures, with its mean curvature."""
+        if resolution not in self._shown:
+            mesh = self.polygonize(resolution, method="marching-cubes")
+            curvature = self.curvature(mesh.vertices).mean
+            self._shown[resolution] = Mesh(mesh.vertices, mesh.faces, mesh.normals, {"mean_curvature": curvature})
+        return self._shown[resolution]
 
     def _page(self, large: bool) -> Page:
         resolution = 120 if large else 64
-        if resolution not in self._shown:
-            try:
-                mesh = self.polygonize(resolution, method="marching-cubes")
-            except _csrbf.SolverFailure as error:
-                return Page("Surface", {"surface": "none"}, notes=[str(error)])
-            curvature = self.curvature(mesh.vertices).mean
-            self._shown[resolution] = Mesh(mesh.vertices, mesh.faces, mesh.normals, {"mean_curvature": curvature})
-        mesh = self._shown[resolution]
+        mesh = self._mesh_shown(resolution)
         scale = Scale("mean curvature", "mean curvature", mesh.properties["mean_curvature"], diverging=True)
         facts = {"sides of the box": " x ".join(f"{side:.3g}" for side in self.bounds[1] - self.bounds[0])}
         if "points" in self.report:

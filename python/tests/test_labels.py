@@ -283,6 +283,7 @@ class Grids(unittest.TestCase):
         track = xarray.Dataset(coords={"lon": ("k", [5.0, 6.0]), "lat": ("k", [51.0, 51.5])})
         np.testing.assert_allclose(f(track), f([[5, 51], [6, 51.5]]), atol=1e-12)
         self.assertEqual(f(track).dims, ("k",))
+        self.assertEqual(f(grid).dims, ("lat", "lon"))
 
     def test_variables_of_a_dataset_are_fitted(self):
         data = self.grid().to_dataset().assign(twice=2 * self.grid())

@@ -195,8 +195,11 @@ class Plots(unittest.TestCase):
             with self.subTest(name):
                 space = {"projection": "3d"} if isinstance(thing, (csrbf.PointCloud, csrbf.Polylines)) else {}
                 given = pyplot.figure().add_subplot(**space)
-                self.assertIs(thing.plot(given), given)
-                self.assertIsNot(thing.plot(), given)
+                traced = isinstance(thing, (csrbf.Surface, csrbf.Mesh))
+                options = {"size": (80, 60)} if traced else {}
+                self.assertIs(thing.plot(given, **options), given)
+                if not traced:
+                    self.assertIsNot(thing.plot(), given)
                 pyplot.close("all")
         solid = pyplot.figure().add_subplot(projection="3d")
         OBJECTS["mesh"].plot(solid)
