@@ -12,8 +12,8 @@ usage: population.py --tools DIR --meshes DIR [--csrbf PROGRAM] [--cases NAME,NA
   --work DIR       keeps clouds, meshes and errors: what is there is not made again; default: build/population
   --output FILE    default: benchmarks/SURFACES.md, of which only the section "Population" is replaced
 
-Where the points have normals, Open3D's Poisson reconstruction of depths 8 and 9 stands beside csrbf, the better of the
-two by the true surface. Without Open3D (Debian: python3-open3d) its rows are left out. Needs numpy and scipy.
+Where the points have normals, Open3D's Poisson reconstruction stands beside csrbf, the better of two depths by the true
+surface. Without Open3D (Debian: python3-open3d) its rows are left out. Needs numpy and scipy.
 """
 
 import argparse
@@ -29,13 +29,14 @@ import surfaces
 
 PROJECT = Path(__file__).resolve().parent.parent
 HEADING = "## Population"
-DEPTHS = [8, 9]
+DEPTHS = {30_000: [7, 8], 10**9: [8, 9]}  # of the octree of Poisson reconstruction, up to numbers of points
 WORST = 5
+SAMPLES = 20_000  # of both surfaces, to compare them
 COLUMNS = [("chamfer", "chamfer"), ("99 % Hausdorff", "haus99"), ("normals", "nrm_mean"), ("farthest", "farthest")]
 
 LEGEND = """Errors as in the legend below, in 1e-4 of the diagonal. **right**: meshes that are watertight and have the true
 number of components and the true Euler number. **normals**: mean angle in degrees between the normals of both surfaces.
-**farthest**: largest distance of 50,000 points of the mesh from the true surface, in spacings of the samples
+**farthest**: largest distance of 20,000 points of the mesh from the true surface, in spacings of the samples
 (the root of the area per sample)."""
 
 
@@ -64,7 +65,7 @@ def evaluate(tools, truth, result, *pairs):
     area = evaluate_mesh.face_normals(reference.V, reference.F)[1].sum()
     numbers = {}
     for mesh, samples in zip(pairs[::2], pairs[1::2]):
-        found = evaluate_mesh.evaluate(mesh, reference, 50_000)
+        found = evaluate_mesh.evaluate(mesh, reference, SAMPLES)
         spacing = 1e4 * numpy.sqrt(area / int(samples)) / reference.diag
         right = found["watertight"] and found["comps"] == components and found["euler"] == euler
         numbers[mesh] = {name: float(found[name]) for name in ("chamfer", "haus99", "nrm_mean")}
@@ -99,7 +100,7 @@ def run_mesh(mesh, options, with_open3d):
     for case, (cloud, has_normals) in json.loads(clouds_file.read_text()).items():
         made = {"csrbf": surfaces.run_csrbf(options.csrbf, cloud, f"{stem}_{case}")}
         if with_open3d and has_normals:
-            for depth in DEPTHS:
+            for depth in next(depths for most, depths in DEPTHS.items() if samples_of(cloud) <= most):
                 made[f"Poisson {depth}"] = surfaces.run_poisson(cloud, f"{stem}_{case}", depth)
         for tool, (reconstruction, cost) in made.items():
             rows.append([case, tool, str(reconstruction), cost])

@@ -69,6 +69,17 @@ TEST(Model, KeepsValuesGradientsAndHessiansBitForBit) {
   EXPECT_EQ(read->feature_size(), field.feature_size());
 }
 
+TEST(Model, KeepsTheWindingLevelOfOpenSurfaces) {
+  const TemporaryFolder folder;
+  CompositeField::Data data = torus_field(1000).data();
+  data.winding_level = -0.75;
+  const CompositeField field(data);
+  write_model(folder.file("open.csrbf"), field);
+  const Points<3> x = probes(field);
+  EXPECT_EQ(read_model(folder.file("open.csrbf"))->evaluate(x).value, field.evaluate(x).value);
+  EXPECT_NE(torus_field(1000).evaluate(x).value, field.evaluate(x).value);
+}
+
 TEST(Model, IsTheSameFileWhenWrittenAgain) {
   const TemporaryFolder folder;
   write_model(folder.file("one.csrbf"), torus_field(1000));
@@ -196,6 +207,9 @@ TEST_F(DamagedModel, WithNumbersThatMakeNoSenseIsRefused) {
     EXPECT_NE(error_after_changing<double>(name, 0, 0, nan).find("bad.csrbf: "), std::string::npos) << name;
   EXPECT_NE(error_after_changing<double>("winding/areas", 0, 0, -1).find("bad.csrbf: "), std::string::npos);
   EXPECT_NE(error_after([&](Archive& archive) { archive.set("detail", nan); }).find("bad.csrbf: "), std::string::npos);
+  EXPECT_NE(
+      error_after([&](Archive& archive) { archive.set("winding_level", 3.0); }).find("the winding level is damaged"),
+      std::string::npos);
 }
 
 }  // namespace

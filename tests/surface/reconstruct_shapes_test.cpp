@@ -181,6 +181,39 @@ TEST(ReconstructShapes, ASquareIsClosedAndOpenedAgainByTrim) {
   EXPECT_LT(open.vertices.row(0).maxCoeff(), 1 + 3 * spacing);
 }
 
+// Hills of a fifth of the width with noise of a tenth of the spacing, as from the air.
+PointCloud hills(Index n) {
+  PointCloud cloud{Points<3>(3, n), Points<3>(3, 0), {}};
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0, 0.1 / std::sqrt(static_cast<double>(n)));
+  for (Index i = 0; i < n; ++i) {
+    const Eigen::Vector2d p = quasi_random(i, 1);
+    cloud.points.col(i) << p, 0.1 * std::sin(9 * p[0]) * std::cos(7 * p[1]) + noise(random);
+  }
+  return cloud;
+}
+
+TEST(ReconstructShapes, ATerrainIsOneSheetWithoutPits) {
+  const PointCloud cloud = hills(6000);
+  const Reconstruction terrain = reconstruct(cloud);
+  EXPECT_GT(terrain.normals.row(2).minCoeff(), 0);
+  const Mesh closed = polygonize(*terrain.field, {});
+  EXPECT_TRUE(topology(closed).watertight());
+  const Points<3> used = cloud.points(Eigen::all, terrain.source);
+  const Mesh open = keep_components_with_data(trim(closed, used, 5, terrain.normals), used).mesh;
+  const Topology t = topology(open);
+  EXPECT_EQ(t.components, 1);
+  EXPECT_EQ(t.euler, 1);
+  const double spacing = 1 / std::sqrt(6000.0);
+  Eigen::ArrayXd height(open.vertices.cols());
+  for (Index v = 0; v < height.size(); ++v) {
+    const Point<3> p = open.vertices.col(v);
+    height[v] = std::abs(p[2] - 0.1 * std::sin(9 * p[0]) * std::cos(7 * p[1]));
+  }
+  EXPECT_LT(rms(height), 0.1 * spacing);
+  EXPECT_LT(height.maxCoeff(), spacing);
+}
+
 TEST(ReconstructShapes, UnevenDensityIsNoReasonForHoles) {
   // Density falls by a factor of nine from pole to pole.
   const PointCloud sphere = sphere_cloud(12000);

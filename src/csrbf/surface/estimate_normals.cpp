@@ -17,6 +17,7 @@ constexpr Index graph_neighbors = 12;        // of orient_normals(), its default
 constexpr Index fewest_consistent = 50;      // points whose winding number shows an inside
 constexpr Index most_consistent = 100'000;   // ... more: no better than by neighbours, and slower
 constexpr double has_inside = 0.15;          // mean winding number on the points; 0.1 on sheets without inside
+constexpr double no_inside = 0.45;           // mean (2 w - 1)^2 there; 0.51 and more on terrains, 0.4 on thin plates
 constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees between the fitted normal and that by the
                                              // winding number: the first counts alone, the second does
 constexpr double line = 1e-14;               // of the largest variance: the cloud lies on a line
@@ -100,7 +101,7 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
 bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, Points<3>& normals) {
   if (points.cols() < fewest_consistent || points.cols() > most_consistent) return false;
   const ConsistentNormals consistent = consistent_normals(points, tree);
-  if (!(consistent.mean_winding > has_inside)) return false;
+  if (!(consistent.mean_winding > has_inside && consistent.energy < no_inside)) return false;
   for (Index i = 0; i < normals.cols(); ++i) {
     const Point<3> global = consistent.normals.col(i);
     const double cosine = normals.col(i).dot(global);

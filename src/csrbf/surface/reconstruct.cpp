@@ -28,6 +28,8 @@ constexpr Index most_centers = 64;     // in a support, for a budget or a tolera
 constexpr int tolerance_attempts = 6;  // each halves the error asked for where the one before missed the tolerance
 constexpr double outlier_share = 0.001;    // of the samples that may miss the tolerance
 constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between samples
+constexpr double open_level = -0.5;        // u = 2w - 1 on the samples below which the surface is open
+constexpr Index level_samples = 2000;      // at which it is measured
 constexpr double far_spacings = 3;         // |f| far from data, in spacings: about where the patches end
 constexpr double disagreement = 3;         // mean distance of samples from the surface over the cross-validation error
 constexpr double too_small_to_see = 1e-5;  // of the diagonal: smaller mean distances are no disagreement
@@ -67,6 +69,15 @@ double feature_size(double spacing, const CompositeOptions& options) {
   return spacing * std::clamp(std::sqrt(samples / coefficients), 1.0, coarsest_detail);
 }
 
+// What 2w - 1 is on the surface, in the median over the samples; 0 if the surface is closed.
+double winding_level(const WindingNumber& winding, const Points<3>& points) {
+  const Index step = std::max<Index>(1, points.cols() / level_samples);
+  const Points<3> some = points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
+  const Eigen::VectorXd u = winding.evaluate(PointsRef<3>(some)).value;
+  const double level = median(std::vector(u.begin(), u.end()));
+  return level < open_level ? level : 0;
+}
+
 CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeOptions& options,
                                  const Progress& progress) {
   CompositeField::Data data;
@@ -93,6 +104,7 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   }
   const Eigen::VectorXd smoothing_length = winding_smoothing * finest.areas.cwiseSqrt();
   data.winding = WindingNumber(cloud.points, cloud.normals, finest.areas, smoothing_length);
+  data.winding_level = winding_level(data.winding, cloud.points);
   return data;
 }
 

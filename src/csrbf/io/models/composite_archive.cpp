@@ -86,6 +86,7 @@ Archive to_archive(const CompositeField& field) {
   archive.set("far_value", data.far_value);
   archive.set("detail", data.feature_size);
   if (data.noisy) archive.set("noisy", 1.0);
+  if (data.winding_level != 0) archive.set("winding_level", data.winding_level);
   archive.set("lower_bounds", data.bounds.lo);
   archive.set("upper_bounds", data.bounds.hi);
   archive.set("levels", data.levels.size());
@@ -102,9 +103,11 @@ std::shared_ptr<const CompositeField> composite_from(const Archive& archive) {
   data.far_value = archive.number("far_value");
   data.feature_size = archive.number("detail");
   data.noisy = archive.has("noisy");
+  if (archive.has("winding_level")) data.winding_level = archive.number("winding_level");
   data.bounds.lo = archive.numbers("lower_bounds", 3, 1);
   data.bounds.hi = archive.numbers("upper_bounds", 3, 1);
   if (!(data.scale > 0 && data.far_value > 0 && data.feature_size > 0)) archive.fail("the scale is damaged");
+  if (!(std::abs(data.winding_level) <= 2)) archive.fail("the winding level is damaged");
   const std::int64_t levels = archive.integer("levels", 1, 64);
   for (std::int64_t i = 0; i < levels; ++i)
     data.levels.push_back(patches_from(archive.part("level" + std::to_string(i))));

@@ -157,17 +157,17 @@ Scalar certainty_of(const Scalar& u) {
 }
 
 template <class Scalar>
-std::array<Winding<Scalar>, lanes> evaluate(const WindingNumber& winding, const Pending& pending) {
+std::array<Winding<Scalar>, lanes> evaluate(const CompositeField::Data& data, const Pending& pending) {
   std::array<Winding<Scalar>, lanes> result;
   std::array<double, lanes> value{};
   std::array<double, 3 * lanes> gradient{};
   std::array<double, 6 * lanes> hessian{};
-  winding.evaluate_block(
+  data.winding.evaluate_block(
       pending.points.leftCols(pending.count),
       {value.data(), has_gradient<Scalar> ? gradient.data() : nullptr, has_hessian<Scalar> ? hessian.data() : nullptr});
   for (Index p = 0; p < pending.count; ++p) {
     Scalar& u = result[p].u;
-    u = Scalar(value[p]);
+    u = Scalar(value[p] - data.winding_level);
     if constexpr (has_gradient<Scalar>)
       for (int c = 0; c < 3; ++c) u.gradient[c] = gradient[3 * p + c];
     if constexpr (has_hessian<Scalar>)
@@ -193,7 +193,7 @@ void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane, const 
 template <Derivatives derivatives>
 void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending, const JetBlock& out) {
   using Scalar = ScalarWith<derivatives>;
-  const std::array<Winding<Scalar>, lanes> winding = evaluate<Scalar>(data.winding, pending);
+  const std::array<Winding<Scalar>, lanes> winding = evaluate<Scalar>(data, pending);
   std::array<Cascade<Scalar>, lanes> cascade;
   for (std::size_t level = 1; level < data.levels.size(); ++level) {
     Pending asking;

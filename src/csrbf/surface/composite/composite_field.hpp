@@ -10,7 +10,9 @@ namespace csrbf {
 /// Fine patches decide near the data. Where they do not reach, contradict each other, or contradict a winding number
 /// that is certain (far from their own samples, where they only extrapolate), coarser patches take over and close holes
 /// smoothly, but only where the winding number of the samples is undecided; elsewhere the winding number itself gives
-/// the sign. All transitions are C2, so value, gradient and Hessian are continuous.
+/// the sign. Of open surfaces, whose winding number w is not 1/2 on the surface, it is the difference from what it is
+/// there that counts (winding_level), as in Poisson reconstruction: so they are continued. All transitions are C2, so
+/// value, gradient and Hessian are continuous.
 class CompositeField final : public Field<3> {
  public:
   /// Works in unit coordinates y = (x - origin) / scale.
@@ -19,10 +21,11 @@ class CompositeField final : public Field<3> {
     double scale = 1;
     std::vector<Patches> levels;  ///< finest first
     WindingNumber winding;
-    double far_value = 0;     ///< |f| far from the data, unit coordinates
-    double feature_size = 0;  ///< size of the smallest features, unit coordinates
-    bool noisy = false;       ///< whether the samples are beside the surface, not on it
-    Box<3> bounds;            ///< of the data, in the user's coordinates
+    double winding_level = 0;  ///< u = 2w - 1 on the surface: 0 where it is closed, -1 on a sheet without inside
+    double far_value = 0;      ///< |f| far from the data, unit coordinates
+    double feature_size = 0;   ///< size of the smallest features, unit coordinates
+    bool noisy = false;        ///< whether the samples are beside the surface, not on it
+    Box<3> bounds;             ///< of the data, in the user's coordinates
   };
 
   explicit CompositeField(Data data) : data_(std::move(data)) {}

@@ -85,7 +85,9 @@ class Level {
       m.col(i) = static_cast<float>(spacing_[point] * spacing_[point]) / length * m_.col(i);
     }
     sums_.set_smoothing(widest * spacing_);
-    result.mean_winding = sums_.winding(m).mean();
+    const Eigen::ArrayXf w = sums_.winding(m);
+    result.mean_winding = w.mean();
+    result.energy = (2 * w - 1).square().mean();
     return result;
   }
 

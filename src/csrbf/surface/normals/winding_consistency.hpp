@@ -8,6 +8,7 @@ namespace csrbf {
 struct ConsistentNormals {
   Points<3> normals;        ///< unit
   double mean_winding = 0;  ///< on the points: 1/2 for a closed surface, about 0.1 if there is no inside
+  double energy = 0;        ///< mean of (2 w - 1)^2 there: 0 for a closed surface, above 0.5 for a sheet without inside
 };
 
 /// Winding number normal consistency (Lin, Shi and Liu 2024): normals whose winding number w is 1/2 at all points and
