@@ -10,7 +10,7 @@ usage: population.py --tools DIR --meshes DIR [--csrbf PROGRAM] [--cases NAME,NA
   --cases NAMES    ways of sampling, see population.py of --tools; default: all of them
   --only NAMES     shapes; default: all of them
   --work DIR       keeps clouds, meshes and errors: what is there is not made again; default: build/population
-  --output FILE    default: benchmarks/SURFACES.md, of which only the section "Population" is replaced
+  --output FILE    default: benchmarks/SURFACES.md, of which only the section "Population" is replaced, after every shape
 
 Where the points have normals, Open3D's Poisson reconstruction stands beside csrbf, the better of two depths by the true
 surface. Without Open3D (Debian: python3-open3d) its rows are left out. Needs numpy and scipy.
@@ -207,8 +207,9 @@ def main(arguments):
         print(mesh.stem, flush=True)
         for case, tool, numbers in run_mesh(mesh, options, open3d is not None):
             results[case]["csrbf" if tool == "csrbf" else "Poisson"].append((mesh.stem, numbers))
-    page = options.output.read_text() if options.output.exists() else ""
-    options.output.write_text(replace_section(page, section(options, open3d, results, len(meshes))))
+        done = meshes.index(mesh) + 1
+        page = options.output.read_text() if options.output.exists() else ""
+        options.output.write_text(replace_section(page, section(options, open3d, results, done)))
     print(f"written: {options.output}")
 
 
