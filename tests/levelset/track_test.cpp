@@ -169,10 +169,10 @@ TEST(Track, DoesNotDampTheBeatOfClearFrames) {
 // What the first frame chooses must hold for all: means of objects or smooth ones are for the energy auto only.
 TEST(Track, GoesOnFromAnyModelOfTheFirstFrame) {
   Volume<float> sequence = disc_sequence(std::vector<Disc>(3, {0, 0, 18}), 5);
-  const Index n = sequence.grid.voxels(), nx = sequence.grid.size[0];
+  const Index voxels = sequence.grid.voxels(), nx = sequence.grid.size[0];
   for (std::size_t i = 0; i < sequence.values.size(); ++i) {
-    const double x = static_cast<double>(static_cast<Index>(i) % n % nx),
-                 y = static_cast<double>(static_cast<Index>(i) % n / nx);
+    const double x = static_cast<double>(static_cast<Index>(i) % voxels % nx),
+                 y = static_cast<double>(static_cast<Index>(i) % voxels / nx);
     sequence.values[i] += static_cast<float>(60 * std::sin(0.11 * x) * std::cos(0.13 * y));
   }
   const Tracking<2> tracking = track<2>(sequence, {});

@@ -16,10 +16,10 @@ constexpr Index most_blocks = 1 << 21;
 constexpr Index small_blocks = 1 << 24;  // for the start: of about 2 x 2 x 2 voxels in a volume of 512^3
 constexpr double most_noise = 0.3;       // deviation over the contrast: the mean of neighbours does not suffice in more
 constexpr float side_weight = 0.36F;     // of neighbours along an axis: a Gaussian of 0.7 voxels
-constexpr int most_rounds = 5;           // of means and contours; by hand: most end after 2 or 3
+constexpr int most_turns = 5;            // of means and contours; by hand: most end after 2 or 3
 constexpr double at_rest = 1e-4;         // change of the means, over their contrast, at the end; by hand
 constexpr int fit_steps = 8;             // of conjugate gradients for the level set; by hand: more change no voxel
-constexpr Index grain = 1 << 16;         // voxels per task
+constexpr Index voxels_per_task = 1 << 16;  // voxels per task
 
 // Count, sum and squares of the values of two regions, about a value near them.
 struct Sums {
@@ -36,7 +36,7 @@ class LargeSearch {
   bool run(std::vector<std::uint8_t>& labels, std::vector<double>& energy, int& rounds, bool& converged) {
     labels.resize(values_.size());
     if (!start(labels)) return false;
-    while (rounds < most_rounds && !converged) {
+    while (rounds < most_turns && !converged) {
       label(labels);
       ++rounds;
       converged = update(labels, &energy);
@@ -76,7 +76,7 @@ class LargeSearch {
     const IntensityClasses classes = optimal_classes(histogram, 2);
     means_ = {classes.means[0], classes.means[1]};
     const auto threshold = static_cast<float>(middle());
-    parallel_for(std::ssize(values_), grain, [&](Index begin, Index end) {
+    parallel_for(std::ssize(values_), voxels_per_task, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) labels[i] = values_[i] > threshold ? 1 : 0;
     });
     update(labels, nullptr);
@@ -123,9 +123,9 @@ class LargeSearch {
   // Means and deviation of the regions; true when they hardly change.
   bool update(const std::vector<std::uint8_t>& labels, std::vector<double>* energy) {
     const double about = middle();
-    std::vector<Sums> parts(static_cast<std::size_t>((std::ssize(labels) + grain - 1) / grain));
-    parallel_for(std::ssize(labels), grain, [&](Index begin, Index end) {
-      Sums& part = parts[static_cast<std::size_t>(begin / grain)];
+    std::vector<Sums> parts(static_cast<std::size_t>((std::ssize(labels) + voxels_per_task - 1) / voxels_per_task));
+    parallel_for(std::ssize(labels), voxels_per_task, [&](Index begin, Index end) {
+      Sums& part = parts[static_cast<std::size_t>(begin / voxels_per_task)];
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
         if (!inside(i)) continue;
         const double off = static_cast<double>(values_[i]) - about;
