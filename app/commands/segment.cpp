@@ -155,7 +155,7 @@ Segmentation<Dim> timed_segment(const Volume<float>& image, SegmentOptions optio
 }
 
 template <int Dim>
-void run_segment(const SegmentCommand& command, SegmentOptions options, const Volume<float>& image, Session& session) {
+void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<float> image, Session& session) {
   const Grid& grid = image.grid;
   if (!command.contour.empty()) check_contour_file(command.contour, Dim);
   session.timed("read", [&] {
@@ -178,11 +178,14 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
     show<Dim>(image, segmentation, session.result["contour"], mesh_at, page);
   });
   session.write([&] {
-    write_volume(command.output, objects ? object_image(image, *objects) : label_image(image, segmentation.labels));
     if (objects && !command.table.empty()) write_object_table(command.table, objects->table, grid);
     if (!command.contour.empty()) session.warn(contours.write(command.contour));
     if (!command.model.empty()) write_model(command.model, to_function(segmentation));
     if (!command.preview.empty()) write_png(command.preview, preview<Dim>(image, inside_fields(segmentation)));
+    // The image is not needed any more: its memory holds the labels.
+    std::vector<float> memory = std::move(image.values);
+    write_volume(command.output,
+                 objects ? object_image(image, *objects) : label_image(image, segmentation.labels, std::move(memory)));
   });
 }
 
@@ -216,18 +219,18 @@ Volume<float> with_channels(const SegmentCommand& command, Volume<float> image) 
 void run(const SegmentCommand& command, Session& session) {
   const SegmentOptions options = make_segment_options(command);
   expect_outputs(command, session);
-  const Volume<float> image = session.timed("read", [&] { return with_channels(command, read_volume(command.input)); });
+  Volume<float> image = session.timed("read", [&] { return with_channels(command, read_volume(command.input)); });
   check_image(command.input, image);
-  const Grid& grid = image.grid;
+  const Grid grid = image.grid;
   session.input = {{"file", command.input},
                    {"size", grid.size},
                    {"type", sample_name(image.type)},
                    {"spacing", {grid.spacing.x(), grid.spacing.y(), grid.spacing.z()}},
                    {"origin", {grid.origin.x(), grid.origin.y(), grid.origin.z()}}};
   if (grid.dimension() == 2)
-    run_segment<2>(command, options, image, session);
+    run_segment<2>(command, options, std::move(image), session);
   else
-    run_segment<3>(command, options, image, session);
+    run_segment<3>(command, options, std::move(image), session);
 }
 
 }  // namespace csrbf::app

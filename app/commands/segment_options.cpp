@@ -173,10 +173,13 @@ std::vector<std::uint8_t> read_voxels(const std::string& flag, const std::string
   return voxels;
 }
 
-Volume<float> label_image(VolumeLayout layout, const std::vector<std::uint8_t>& labels) {
-  layout.type = SampleType::uint8;
-  layout.components = 1;
-  Volume<float> image(layout);
+Volume<float> label_image(const VolumeLayout& layout, const std::vector<std::uint8_t>& labels,
+                          std::vector<float> memory) {
+  Volume<float> image;
+  static_cast<VolumeLayout&>(image) = layout;
+  image.type = SampleType::uint8;
+  image.components = 1;
+  image.values = std::move(memory);
   image.values.assign(labels.begin(), labels.end());
   return image;
 }

@@ -30,8 +30,9 @@ Seed read_seed(const std::string& where, const Grid& grid, const Progress& progr
 template <int Dim>
 std::vector<std::uint8_t> read_seeds(const std::string& path, const Grid& grid);
 
-/// The labels of an image with this layout.
-Volume<float> label_image(VolumeLayout layout, const std::vector<std::uint8_t>& labels);
+/// The labels of an image with this layout; `memory`: to be used for them.
+Volume<float> label_image(const VolumeLayout& layout, const std::vector<std::uint8_t>& labels,
+                          std::vector<float> memory = {});
 
 /// The voxels of --mask FILE, or those in --mask box:X,Y[,Z],X,Y[,Z]. Throws UsageError when it has another size or
 /// covers no voxel, IoError.

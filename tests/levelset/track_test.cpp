@@ -132,13 +132,13 @@ TEST(Track, SmoothsTheCurveOfAreasOfNoisyFrames) {
   EXPECT_GT(remembered_dice, alone_dice);
 }
 
-// Forward only, the contour lags behind a disc that moves steadily, unless its motion is extrapolated.
+// Forward only, a contour with much memory lags behind a disc that moves steadily, unless its motion is extrapolated.
 TEST(Track, ForeseesSteadyMotion) {
   std::vector<Disc> discs;
   for (int t = 0; t < 10; ++t) discs.push_back({-18.0 + 4 * t, 0, 18});
   const Volume<float> sequence = disc_sequence(discs, 60);
   const auto mean_dice = [&](double prediction) {
-    const Tracking<2> tracking = track<2>(sequence, {.prediction = prediction, .sweeps = 1});
+    const Tracking<2> tracking = track<2>(sequence, {.persistence = 2, .prediction = prediction, .sweeps = 1});
     double sum = 0;
     for (std::size_t t = 0; t < discs.size(); ++t)
       sum += dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t]));
@@ -147,6 +147,38 @@ TEST(Track, ForeseesSteadyMotion) {
   EXPECT_GT(mean_dice(1), mean_dice(0) + 0.01);
   EXPECT_EQ(*track<2>(sequence, {.sweeps = 1}).report.options.prediction, 1);
   EXPECT_EQ(*track<2>(sequence, {}).report.options.prediction, 0);
+}
+
+// Two sweeps leave the size of a disc in a clear frame as it is, and what a single frame finds otherwise.
+TEST(Track, DoesNotDampTheBeatOfClearFrames) {
+  const std::vector<Disc> discs = beat(10);
+  const Volume<float> sequence = disc_sequence(discs, 15);
+  const Tracking<2> alone = track<2>(sequence, {.persistence = 0}), remembered = track<2>(sequence, {});
+  const auto amplitude = [](const Tracking<2>& tracking) {
+    double least = 1e300, most = 0;
+    for (const auto& frame : tracking.frames) {
+      least = std::min(least, frame.regions[0].volume);
+      most = std::max(most, frame.regions[0].volume);
+    }
+    return (most - least) / most;
+  };
+  constexpr double tolerance = 0.02;  // of the amplitude
+  EXPECT_NEAR(amplitude(remembered), amplitude(alone), tolerance * amplitude(alone));
+}
+
+// What the first frame chooses must hold for all: means of objects or smooth ones are for the energy auto only.
+TEST(Track, GoesOnFromAnyModelOfTheFirstFrame) {
+  Volume<float> sequence = disc_sequence(std::vector<Disc>(3, {0, 0, 18}), 5);
+  const Index voxels = sequence.grid.voxels(), nx = sequence.grid.size[0];
+  for (std::size_t i = 0; i < sequence.values.size(); ++i) {
+    const double x = static_cast<double>(static_cast<Index>(i) % voxels % nx),
+                 y = static_cast<double>(static_cast<Index>(i) % voxels / nx);
+    sequence.values[i] += static_cast<float>(60 * std::sin(0.11 * x) * std::cos(0.13 * y));
+  }
+  const Tracking<2> tracking = track<2>(sequence, {});
+  EXPECT_EQ(tracking.frames.size(), 3);
+  EXPECT_NE(tracking.report.options.segment.shading, Shading::smooth);
+  EXPECT_NE(tracking.report.options.segment.shading, Shading::objects);
 }
 
 TEST(Track, CarriesTheContourThroughAFrameOfNoise) {

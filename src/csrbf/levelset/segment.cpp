@@ -9,6 +9,7 @@
 #include "csrbf/levelset/contour/speckle_contour.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
 #include "csrbf/levelset/image/channel_contrast.hpp"
+#include "csrbf/levelset/partition/large_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
@@ -69,42 +70,12 @@ int choose_window(const SegmentOptions& options, const ForceNoise& noise, int di
   return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
 }
 
-ForceNoise measure_noise(const ForceSource& source, const std::vector<std::uint8_t>& labels,
-                         const std::vector<std::uint8_t>& mask, const Grid& grid) {
-  ForceNoise noise;
-  std::vector<float> force(labels.size());
-  std::vector<std::uint8_t> is_k(labels.size());
-  for (int k = source.regions() == 2 ? 1 : 0; k < source.regions(); ++k) {
-    source.force(k, 1, force);
-    for (std::size_t i = 0; i < labels.size(); ++i) is_k[i] = labels[i] == k ? 1 : 0;
-    const ForceNoise found = force_noise(force, is_k, mask, grid);
-    noise = {std::max(noise.size, found.size), std::max(noise.grain, found.grain)};
-  }
-  return noise;
-}
-
 std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices) {
   std::vector<EnergyPrice> list;
   for (const ModelPrice& each : prices)
     list.push_back({each.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese,
                     shading_of(each.model.shape), each.nats});
   return list;
-}
-
-template <int Dim>
-std::vector<std::shared_ptr<const Field<Dim>>> make_fields(const Lattice<Dim>& lattice,
-                                                           const std::vector<std::vector<float>>& coefficients,
-                                                           const Grid& grid) {
-  std::vector<std::shared_ptr<const Field<Dim>>> single, fields;
-  // One factor for all, so that the largest stays the largest.
-  double slope = 0;
-  for (const std::vector<float>& values : coefficients)
-    slope += contour_slope(lattice, values) / static_cast<double>(coefficients.size());
-  for (const std::vector<float>& values : coefficients)
-    single.push_back(lattice_field(lattice, values, grid, slope > 0 ? slope : 1));
-  if (single.size() == 1) return single;
-  for (std::size_t k = 0; k < single.size(); ++k) fields.push_back(std::make_shared<LargestField<Dim>>(single, k));
-  return fields;
 }
 
 // segment() in four steps.
@@ -120,6 +91,7 @@ class Segmenter {
     values_ = repaired_.empty() ? std::span<const float>(image_.values) : repaired_;
     check_contrast(values_, options_.mask);
     report(options_.progress, "prepare", 0);
+    if (is_large() && partition_large()) return;
     keep_seed();
     regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
     if (options_.force) caller_.emplace(options_);
@@ -142,8 +114,9 @@ class Segmenter {
   // The noise of the forces, and what is chosen by it. It is that between the two classes of the image: a seed may lie
   // anywhere in them.
   void measure() {
+    if (!fields_.empty()) return;
     source().fit(labels_);
-    noise_ = measure_noise(source(), labels_, options_.mask, grid_);
+    noise_ = force_noise(source(), labels_, options_.mask, grid_);
     constexpr double speckle = 1.5;  // grain above which the laws are wide enough for borders; by hand
     if (noise_.grain > speckle) {
       regions_->set_border(0);
@@ -152,7 +125,7 @@ class Segmenter {
     if (!used_.window) used_.window = choose_window(options_, noise_, Dim);
     if (*used_.window > 0) {
       regions_->set_window(*used_.window);
-      noise_ = measure_noise(source(), labels_, options_.mask, grid_);
+      noise_ = force_noise(source(), labels_, options_.mask, grid_);
     }
     if (!given_.empty()) {
       labels_ = std::move(given_);
@@ -163,6 +136,7 @@ class Segmenter {
 
   // Labels and level sets.
   void solve() {
+    if (!fields_.empty()) return;
     if (!is_variational()) {
       follow_baseline();
       return;
@@ -174,7 +148,7 @@ class Segmenter {
     Lattice<Dim> lattice = make_lattice();
     result_ = descend(lattice);
     place_in_speckle(lattice);
-    fields_ = make_fields(lattice, result_.coefficients, grid_);
+    fields_ = level_set_fields(lattice, result_.coefficients, grid_);
   }
 
   // The labels within the mask, and the report.
@@ -206,6 +180,12 @@ class Segmenter {
 
   [[nodiscard]] bool chooses_model() const { return used_.energy == SegmentEnergy::automatic; }
 
+  // Of the energy `automatic`, but of too many voxels for it.
+  [[nodiscard]] bool is_large() const {
+    return csrbf::chooses_model(options_) && !chooses_model() && used_.regions == 2 && !used_.center_spacing &&
+           (used_.shading == Shading::automatic || used_.shading == Shading::none);
+  }
+
   ForceSource& source() {
     if (caller_) return *caller_;
     return *regions_;
@@ -213,6 +193,27 @@ class Segmenter {
 
   [[nodiscard]] Lattice<Dim> make_lattice() const {
     return Lattice<Dim>(grid_.size, grid_.spacing, {*used_.center_spacing, *used_.support, used_.kernel});
+  }
+
+  // Two means where voxels say clearly to which they belong; false where they do not.
+  bool partition_large() {
+    std::optional<LargePartition<Dim>> found =
+        find_large_partition<Dim>(values_, grid_, options_.mask, contour_weight(grid_, contour_length), *used_.support,
+                                  used_.kernel, options_.progress);
+    if (!found) return false;
+    result_ = {{std::move(found->coefficients)},
+               std::move(found->labels),
+               found->iterations,
+               found->converged,
+               std::move(found->energy)};
+    choose_polarity(grid_, options_, values_, result_);
+    used_.shading = Shading::none;
+    used_.smoothness = found->smoothness;
+    used_.center_spacing = found->spacing;
+    used_.window = 0;
+    noise_.size = found->noise;
+    fields_ = level_set_fields(found->lattice, result_.coefficients, found->blocks);
+    return true;
   }
 
   // The shortest description of the image by regions, then their contours in CSRBFs.
@@ -241,7 +242,7 @@ class Segmenter {
       used_.smoothness = contour_length / mean_magnitude(force);
     }
     prices_ = std::move(found.prices);
-    fields_ = make_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
+    fields_ = level_set_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
   }
 
   // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
@@ -253,7 +254,7 @@ class Segmenter {
       return std::nullopt;
     regions_->set_shading_degree(static_cast<int>(model.shape));
     regions_->fit(result_.labels);
-    const ForceNoise noise = measure_noise(*regions_, result_.labels, options_.mask, grid_);
+    const ForceNoise noise = force_noise(*regions_, result_.labels, options_.mask, grid_);
     const Index longest = *std::max_element(grid_.size.begin(), grid_.size.end());
     const double spacing =
         std::min(choose_center_spacing(noise, Dim), std::max(1.0, 0.5 * static_cast<double>(longest)));

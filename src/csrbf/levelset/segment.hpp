@@ -52,7 +52,9 @@ struct Segmentation {
 ///
 /// With the energy `automatic`, in global mode and up to 8 million voxels, labels and model are those of the shortest
 /// description (find_partition()) among means, means and deviations, and means that vary over the image, and the
-/// centres are as dense as the smallest objects ask for; else it is chan_vese.
+/// centres are as dense as the smallest objects ask for; else it is chan_vese. Two regions of more voxels whose
+/// deviation is at most 0.3 of their contrast have labels of single voxels and a level set on blocks of these
+/// (find_large_partition()), unless a center spacing is given.
 ///
 /// Cost: of `automatic` 1 to 5 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
 /// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image (2.4 GB in all for 512^3).

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* here = "track";
 // Chosen by hand.
 constexpr double barrier = 2;       // cost, in wrong voxels, of what moved farther than it may
-constexpr double full_noise = 0.2;  // noise of a frame over its contrast from which the prior has its full weight
+constexpr double full_noise = 0.8;  // noise of a frame over its contrast from which the prior has its full weight
 constexpr double one_sided = 0.5;   // weight of an expectation from one neighbour, which motion displaces
 
 void check_options(const TrackOptions& options) {
@@ -189,7 +189,11 @@ class Tracker {
   // Keeps what the first frame chose, and the region.
   void settle(Index t, int sweep, const Volume<float>& image, Segmentation<Dim>& found) {
     if (sweep == 0 && t == 0) {
-      report_.options.segment = found.report.options;
+      SegmentSettings& used = report_.options.segment;
+      used = found.report.options;
+      // Further frames start where the one before ended, with means as general as that allows.
+      if (used.shading == Shading::smooth) used.shading = Shading::quadratic;
+      if (used.shading == Shading::objects) used.shading = Shading::none;
     } else if (options_.segment.regions > 2) {
       match_labels(state(t - 1).labels, found);
     } else if (is_empty(found.report)) {
@@ -240,7 +244,8 @@ class Tracker {
     }
     // When more sweeps follow, the first one leaves the frames to themselves: what it would remember are lags.
     double weight = sweep == 0 && sweeps_ > 1 ? 0 : options_.persistence;
-    weight *= std::min(1.0, state(last).noise / full_noise);
+    // As the variance of where a frame says that the contour is.
+    weight *= std::min(1.0, std::pow(state(last).noise / full_noise, 2));
     if (sweep > 0 && (t == 0 || t + 1 == frames_)) weight *= one_sided;
     const double reach = *report_.options.motion * edge;
     for (float& value : d) {

@@ -85,8 +85,26 @@ std::shared_ptr<const Field<Dim>> lattice_field(const Lattice<Dim>& lattice, con
   return std::make_shared<LatticeField<Dim>>(std::move(data));
 }
 
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> level_set_fields(const Lattice<Dim>& lattice,
+                                                                const std::vector<std::vector<float>>& coefficients,
+                                                                const Grid& grid) {
+  std::vector<std::shared_ptr<const Field<Dim>>> single, fields;
+  // One factor for all, so that the largest stays the largest.
+  double slope = 0;
+  for (const std::vector<float>& values : coefficients)
+    slope += contour_slope(lattice, values) / static_cast<double>(coefficients.size());
+  for (const std::vector<float>& values : coefficients)
+    single.push_back(lattice_field(lattice, values, grid, slope > 0 ? slope : 1));
+  if (single.size() == 1) return single;
+  for (std::size_t k = 0; k < single.size(); ++k) fields.push_back(std::make_shared<LargestField<Dim>>(single, k));
+  return fields;
+}
+
 #define CSRBF_INSTANTIATE(Dim)                                                                                  \
   template class LargestField<Dim>;                                                                             \
+  template std::vector<std::shared_ptr<const Field<Dim>>> level_set_fields<Dim>(                                \
+      const Lattice<Dim>&, const std::vector<std::vector<float>>&, const Grid&);                                \
   template double contour_slope<Dim>(const Lattice<Dim>&, const std::vector<float>&);                           \
   template std::shared_ptr<const Field<Dim>> lattice_field<Dim>(const Lattice<Dim>&, const std::vector<float>&, \
                                                                 const Grid&, double);

@@ -39,4 +39,11 @@ class LargestField final : public Field<Dim> {
   std::size_t k_;
 };
 
+/// The level sets of a segmentation, about the signed distances at their contours: that of one set of coefficients, or
+/// of several those that say by how much each is the largest.
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> level_set_fields(const Lattice<Dim>& lattice,
+                                                                const std::vector<std::vector<float>>& coefficients,
+                                                                const Grid& grid);
+
 }  // namespace csrbf

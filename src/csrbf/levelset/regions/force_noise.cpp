@@ -1,8 +1,7 @@
 #include "csrbf/levelset/regions/force_noise.hpp"
 
-#include "csrbf/core/percentile.hpp"
-
 #include "csrbf/core/parallel_sum.hpp"
+#include "csrbf/core/percentile.hpp"
 
 namespace csrbf {
 
@@ -55,6 +54,20 @@ ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_
   if (differences[1].size() < few) return {near / gap, 1};
   const double apart = deviation(differences[1]);
   return {std::max(near, apart) / gap, near > 0 ? std::clamp(std::sqrt(apart / near), 1.0, 3.0) : 1};
+}
+
+ForceNoise force_noise(const ForceSource& source, std::span<const std::uint8_t> labels,
+                       std::span<const std::uint8_t> mask, const Grid& grid) {
+  ForceNoise noise;
+  std::vector<float> force(labels.size());
+  std::vector<std::uint8_t> is_k(labels.size());
+  for (int k = source.regions() == 2 ? 1 : 0; k < source.regions(); ++k) {
+    source.force(k, 1, force);
+    for (std::size_t i = 0; i < labels.size(); ++i) is_k[i] = labels[i] == k ? 1 : 0;
+    const ForceNoise found = force_noise(force, is_k, mask, grid);
+    noise = {std::max(noise.size, found.size), std::max(noise.grain, found.grain)};
+  }
+  return noise;
 }
 
 double choose_center_spacing(const ForceNoise& noise, int dimension) {

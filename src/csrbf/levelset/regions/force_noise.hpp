@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
+#include "csrbf/levelset/regions/force_source.hpp"
 
 namespace csrbf {
 
@@ -13,6 +14,10 @@ struct ForceNoise {
 /// From second differences of neighbours along x, and of voxels further apart inside the regions. With a large
 /// size, single voxels cannot distinguish the regions; it is 1 when the force contradicts the labels.
 ForceNoise force_noise(std::span<const float> force, std::span<const std::uint8_t> labels,
+                       std::span<const std::uint8_t> mask, const Grid& grid);
+
+/// The largest size and grain of the forces of all regions, of two of the one that there is.
+ForceNoise force_noise(const ForceSource& source, std::span<const std::uint8_t> labels,
                        std::span<const std::uint8_t> mask, const Grid& grid);
 
 /// The center spacing for that noise.
