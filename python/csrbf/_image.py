@@ -229,6 +229,10 @@ class Image(ArrayBacked, Shown):
         image.report = report
         return image
 
+    def _aligned(self, given: Any, name: str) -> Any:
+        """Another array about the voxels, its axes in the order of those of this image."""
+        return given
+
     def _frame(self, number: int) -> Image:
         """A frame of a sequence."""
         place = (self.spacing, self.origin, self.direction)
