@@ -11,6 +11,7 @@ import importlib
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -50,7 +51,10 @@ class Notebooks(unittest.TestCase):
         self.assertEqual(len(code), CELLS)
         for cell in code:
             self.assertEqual((cell["outputs"], cell["execution_count"]), ([], None), "clear the outputs")
-        run = self.convert(source, f"{name}.ipynb", "--to", "notebook", "--execute")
+        # A copy: notebooks write their files where they are.
+        copy = pathlib.Path(self.folder.name, source.name)
+        shutil.copy(source, copy)
+        run = self.convert(copy, f"{name}_run.ipynb", "--to", "notebook", "--execute")
         outputs = [output for cell in json.loads(run.read_text())["cells"] for output in cell.get("outputs", [])]
         self.assertFalse([output for output in outputs if output["output_type"] == "error"])
         texts = "".join("".join(output.get("text", output.get("data", {}).get("text/plain", ""))) for output in outputs)
