@@ -1,12 +1,16 @@
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from csrbf._function import Function
 from csrbf._image import Image
+from csrbf._labels import is_data_array
 from csrbf._masks import masked
+from csrbf._surface import Surface
 
 _TIMES = {"time", "t", "frame"}
 _BANDS = {"band", "bands", "channel", "channels", "component", "rgb", "color", "colour", "c"}
@@ -46,6 +50,29 @@ class GridImage(Image):
                 spacing[axis], signs[axis] = abs(step), np.sign(step)
         axes = "t" * len(times) + "zyx"[3 - len(space) :] + "c" * len(bands)
         super().__init__(values, spacing, origin, np.diag(signs), axes=axes)
+
+    def _aligned(self, given: Any, name: str) -> Any:
+        if is_data_array(given):
+            return self._aligned_grid(given, name)
+        if isinstance(given, (str, os.PathLike, Image, Function, Surface)) or np.ndim(given) < len(self._space):
+            return given
+        # A plain array has the axes of the DataArray, without the bands.
+        stored = [str(dim) for dim in self._stored.dims if dim not in _BANDS][-np.ndim(given) :]
+        own = [str(dim) for dim in self._given.dims if dim in stored]
+        return np.transpose(given, [own.index(dim) for dim in stored]) if len(own) == np.ndim(given) else given
+
+    def _aligned_grid(self, given: Any, name: str) -> NDArray[Any]:
+        dims = [dim for dim in self._stored.dims if dim in given.dims]
+        if len(dims) != len(given.dims):
+            known = ", ".join(map(str, self._stored.dims))
+            raise ValueError(f"{name}: has the dimensions {', '.join(map(str, given.dims))}; the image has {known}")
+        for dim in dims:
+            if dim in given.coords and dim in self._stored.coords:
+                ours, theirs = self._stored.coords[dim].values, given.coords[dim].values
+                if not np.array_equal(ours, theirs):
+                    raise ValueError(f'{name}: its coordinate "{dim}" is not that of the image; use .interp_like(image)')
+        values: NDArray[Any] = given.transpose(*dims).values
+        return values
 
     def _frame(self, number: int) -> Image:
         return GridImage(self._stored.isel({self._stored.dims[0]: number}))

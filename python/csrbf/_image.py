@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from csrbf import _csrbf
 from csrbf._arrays import ArrayBacked, Floats, Path, numbers
 from csrbf._labels import is_data_array
-from csrbf._masks import as_nan, data_of, mask_of, masked, present
+from csrbf._masks import as_nan, data_of, mask_of, masked, range_of
 from csrbf._options import Space
 from csrbf._show import Page, Panel, Shown, side_by_side
 
@@ -211,10 +211,10 @@ class Image(ArrayBacked, Shown):
     def _page(self, large: bool) -> Page:
         facts = {f"size [{', '.join(self.axes)}]": " x ".join(map(str, self.shape)), "type": str(self.dtype)}
         facts["spacing"] = ", ".join(f"{step:.4g}" for step in self.spacing[: len(self._plane())])
-        finite = present(self.values)
-        if finite.size == 0:
-            return Page("Image", facts)
-        facts["values"] = f"{finite.min():.4g} to {finite.max():.4g}"
+        low, high = range_of(self.values)
+        if not np.isfinite(high - low):
+            return Page("Image", facts, notes=["No value is finite."])
+        facts["values"] = f"{low:.4g} to {high:.4g}"
         pictures = []
         for axis in ("z", "y", "x") if len(self._plane()) == 3 else ("z",):
             plane, axes = self._slice(axis, None)
@@ -228,6 +228,10 @@ class Image(ArrayBacked, Shown):
         image = Image(values, *place, axes=self.axes, space=self.space, time_step=self.time_step)
         image.report = report
         return image
+
+    def _aligned(self, given: Any, name: str) -> Any:
+        """Another array about the voxels, its axes in the order of those of this image."""
+        return given
 
     def _frame(self, number: int) -> Image:
         """A frame of a sequence."""

@@ -84,7 +84,7 @@ def inpaint(
     if extrapolation == "nan" and not floating:
         raise ValueError('extrapolation: the image holds whole numbers, which cannot be NaN; use "constant"')
     options = fit_options(method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation)
-    holes = _holes(image, mask, missing)
+    holes = _holes(image, image._aligned(mask, "mask"), missing)
     with listening(progress) as listener:
         doubles = np.ascontiguousarray(values, dtype=np.float64).ravel()
         layout = dict(image._layout(), type="float64")

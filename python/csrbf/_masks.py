@@ -41,3 +41,14 @@ def present(array: NDArray[Any]) -> NDArray[Any]:
     if values.dtype.kind == "f":
         values = values[np.isfinite(values)]
     return values
+
+
+def range_of(array: NDArray[Any]) -> tuple[float, float]:
+    """The least and the greatest value, without those that are masked or NaN; NaN when there is none."""
+    mask = mask_of(array)
+    values = data_of(array)
+    if mask is not None:
+        values = values[~mask]
+    if values.size == 0:
+        return np.nan, np.nan
+    return float(np.fmin.reduce(values, axis=None)), float(np.fmax.reduce(values, axis=None))

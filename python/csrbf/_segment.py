@@ -142,10 +142,11 @@ def segment(
         raise ValueError("force: must be a function of the labels")
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
                        balloon, fill_holes, iterations)
-    start, voxels = seed(init, image, volume), _unmasked(image, marked(mask, volume, "mask"))
+    start = seed(image._aligned(init, "init"), image, volume)
+    voxels = _unmasked(image, marked(image._aligned(mask, "mask"), volume, "mask"))
     known = None
     if seeds is not None:
-        known = np.ascontiguousarray(numbers(as_image(seeds).values, "seeds"))
+        known = np.ascontiguousarray(numbers(as_image(image._aligned(seeds, "seeds")).values, "seeds"))
         if known.size == 0 or known.min() < 0 or known.max() > 16 or (known != np.floor(known)).any():
             raise ValueError("seeds: must be whole numbers from 0 to 16")
         known = known.astype(np.uint8)
@@ -227,7 +228,8 @@ def track(
     volumes = [volume_of(image) for image in images]
     options = _options(energy, regions, mode, method, center_spacing, support, kernel, smoothness, window, shading,
                        balloon, fill_holes, iterations)
-    start, voxels = seed(init, images[0], volumes[0]), marked(mask, volumes[0], "mask")
+    start = seed(images[0]._aligned(init, "init"), images[0], volumes[0])
+    voxels = marked(images[0]._aligned(mask, "mask"), volumes[0], "mask")
     for image in images:
         voxels = _unmasked(image, voxels)
     with listening(progress) as listener:

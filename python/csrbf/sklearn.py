@@ -11,6 +11,7 @@ from sklearn.utils.validation import _check_sample_weight, check_array, check_is
 
 from csrbf._fit import fit
 from csrbf._function import Function
+from csrbf._masks import mask_of
 from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing
 from csrbf._spline import fit_spline
 
@@ -102,6 +103,9 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         >>> CSRBFRegressor(smoothing="none").fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 4.0])
         CSRBFRegressor(smoothing='none')
         """
+        for array, name in ((X, "X"), (y, "y")):
+            if mask_of(array) is not None:
+                raise ValueError(f"{name}: entries are masked; leave these samples out")
         self._check_feature_names(X, reset=True)
         features, targets = check_X_y(X, y, dtype=np.float64, multi_output=True, y_numeric=True)
         self._check_n_features(features, reset=True)

@@ -54,7 +54,8 @@ class Docstrings(unittest.TestCase):
                 for parameter in signature.parameters:
                     if parameter == "self" or name == "Mesh.render":  # which refers to Surface.render
                         continue
-                    self.assertRegex(text, rf"(?m)^([\w*]+, )*\*{{0,2}}{parameter}(, [\w*]+)*( : |$)|``{parameter}``", name)
+                    named = rf"(?m)^([\w*]+, )*\*{{0,2}}{parameter}(, [\w*]+)*( : |$)|``{parameter}``"
+                    self.assertRegex(text, named, name)
                 if signature.return_annotation not in ("None", None, inspect.Signature.empty, "Any"):
                     self.assertTrue("Returns\n-------\n" in text, name)
 

@@ -1,6 +1,7 @@
 """Processes that are copies of one that has used csrbf already, as multiprocessing makes them by default on Linux."""
 
 import multiprocessing
+import threading
 import unittest
 
 import numpy as np
@@ -45,6 +46,24 @@ class Fork(unittest.TestCase):
             self.assertEqual(process.exitcode, 0)
         finally:
             process.kill()
+
+    def test_so_do_children_made_while_a_thread_computes(self):
+        expected = fitted(0)
+        stop = threading.Event()
+
+        def work():
+            while not stop.is_set():
+                fitted(1)
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        try:
+            for _ in range(3):
+                with multiprocessing.get_context("fork").Pool(1) as pool:
+                    np.testing.assert_array_equal(pool.apply_async(fitted, (0,)).get(PATIENCE), expected)
+        finally:
+            stop.set()
+            thread.join(PATIENCE)
 
 
 if __name__ == "__main__":

@@ -123,6 +123,7 @@ class Masks(unittest.TestCase):
             "d": lambda: csrbf.RBFInterpolator(np.eye(3), masked[0]),
             "mask": lambda: csrbf.segment(np.eye(3), mask=masked),
             "values": lambda: csrbf.fit(np.eye(3), np.ma.masked_all(3)),
+            "faces": lambda: csrbf.Mesh(np.eye(3), np.ma.masked_less([[0, 1, 2]], 1)),
         }
         for name, call in calls.items():
             with self.subTest(name), self.assertRaisesRegex(ValueError, f"^{name}: .*masked"):
@@ -277,7 +278,8 @@ class Grids(unittest.TestCase):
         found = f(finer)
         self.assertEqual((found.dims, found.name), (("lon", "lat"), "height"))
         np.testing.assert_array_equal(found.lon, finer.lon)
-        np.testing.assert_allclose(found, (np.sin(finer.lon) * np.cos(2 * finer.lat)).transpose("lon", "lat"), atol=0.02)
+        expected = np.sin(finer.lon) * np.cos(2 * finer.lat)
+        np.testing.assert_allclose(found, expected.transpose("lon", "lat"), atol=0.02)
         table = csrbf.evaluate(f, like=finer, gradient=True)
         self.assertEqual(list(table.data_vars), ["height", "height_lon", "height_lat"])
         track = xarray.Dataset(coords={"lon": ("k", [5.0, 6.0]), "lat": ("k", [51.0, 51.5])})
@@ -332,6 +334,27 @@ class Grids(unittest.TestCase):
         self.assertEqual(int(filled.isnull().sum()), 0)
         known = csrbf.segment(image.where(image.x > 120))
         self.assertGreater(float((known.labels == (image > 5)).where(image.x > 120).mean()), 0.98)
+
+    def test_masks_and_seeds_follow_the_dimensions_of_the_image(self):
+        square = self.image().isel(x=slice(0, 48))  # as many columns as rows: only names tell them apart
+        turned = square.transpose("x", "y")
+        seen = ((square.x < 150) & (square.y < 9999)).transpose("y", "x")
+        expected = csrbf.segment(square, mask=seen.values).labels
+        for mask in (seen, seen.transpose("x", "y")):
+            for image in (square, turned):
+                np.testing.assert_array_equal(csrbf.segment(image, mask=mask).labels.transpose("y", "x"), expected)
+        plain = seen.transpose("x", "y").values  # has the axes of the image it is given with
+        np.testing.assert_array_equal(csrbf.segment(turned, mask=plain).labels.transpose("y", "x"), expected)
+        start = (square > 5).astype(int)
+        np.testing.assert_array_equal(csrbf.segment(turned, init=start).labels.transpose("y", "x"),
+                                      csrbf.segment(square, init=start).labels)
+        hole = (square.x > 110) & (square.x < 116) & (square.y < 9999)
+        filled = csrbf.inpaint(turned, mask=hole).transpose("y", "x")
+        np.testing.assert_array_equal(filled, csrbf.inpaint(square, mask=hole))
+        with self.assertRaisesRegex(ValueError, 'mask: its coordinate "x" is not that of the image'):
+            csrbf.segment(square, mask=seen.assign_coords(x=square.x + 1))
+        with self.assertRaisesRegex(ValueError, "mask: has the dimensions x, z; the image has y, x"):
+            csrbf.segment(square, mask=seen.rename(y="z").transpose("x", "z"))
 
     def test_frames_keep_their_time(self):
         image = self.image()

@@ -11,6 +11,7 @@ import importlib
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -49,18 +50,22 @@ class Notebooks(unittest.TestCase):
         code = [cell for cell in stored["cells"] if cell["cell_type"] == "code"]
         self.assertEqual(len(code), CELLS)
         for cell in code:
-            self.assertEqual((cell["outputs"], cell["execution_count"]), ([], None), "clear the outputs of the notebook")
-        run = self.convert(source, f"{name}.ipynb", "--to", "notebook", "--execute")
+            self.assertEqual((cell["outputs"], cell["execution_count"]), ([], None), "clear the outputs")
+        # A copy: notebooks write their files where they are.
+        copy = pathlib.Path(self.folder.name, source.name)
+        shutil.copy(source, copy)
+        run = self.convert(copy, f"{name}_run.ipynb", "--to", "notebook", "--execute")
         outputs = [output for cell in json.loads(run.read_text())["cells"] for output in cell.get("outputs", [])]
         self.assertFalse([output for output in outputs if output["output_type"] == "error"])
         texts = "".join("".join(output.get("text", output.get("data", {}).get("text/plain", ""))) for output in outputs)
         for text in printed:
             self.assertRegex(texts, text)
-        shown = [output["data"] for output in outputs if "<iframe" in "".join(output.get("data", {}).get("text/html", ""))]
+        bundles = [output.get("data", {}) for output in outputs]
+        shown = [data for data in bundles if "<iframe" in "".join(data.get("text/html", ""))]
         self.assertEqual(len(shown), views)
         for data in shown:
             self.assertIn("image/png", data)
-        pictures = [output for output in outputs if "image/png" in output.get("data", {})]
+        pictures = [data for data in bundles if "image/png" in data]
         self.assertEqual(len(pictures), views + plots)
         page = self.convert(run, f"{name}.html", "--to", "html")
         text = page.read_text()

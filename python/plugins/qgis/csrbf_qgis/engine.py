@@ -123,6 +123,6 @@ def find_program():
         if candidate:
             return candidate
     raise Failure(
-        "QGIS finds neither the Python module csrbf nor the program. Install csrbf, and add the folder of the program to "
-        "PATH or set the variable CSRBF_PROGRAM (Settings > Options > System > Environment)."
+        "QGIS finds neither the Python module csrbf nor the program. Install csrbf, and add the folder of the program "
+        "to PATH or set the variable CSRBF_PROGRAM (Settings > Options > System > Environment)."
     )

@@ -16,8 +16,8 @@ class Interpolate(SampleAlgorithm):
 
     def shortHelpString(self):
         return (
-            "A smooth function through points, or near them where they have noise, as a raster. The method, the kernel and "
-            "the amount of smoothing are chosen by cross-validation; the log says which, and the error to expect."
+            "A smooth function through points, or near them where they have noise, as a raster. The method, the kernel "
+            "and the amount of smoothing are chosen by cross-validation; the log says which, and the error to expect."
         )
 
     def initAlgorithm(self, configuration=None):

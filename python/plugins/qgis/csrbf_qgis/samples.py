@@ -40,7 +40,8 @@ class SampleAlgorithm(QgsProcessingAlgorithm):
         self.addParameter(QgsProcessingParameterField(
             "FIELD", "Field of the values (the height z of the points when there is none)", None, "INPUT",
             QgsProcessingParameterField.Numeric, optional=True))
-        self.addParameter(QgsProcessingParameterExtent("EXTENT", "Extent (that of the points when not given)", optional=True))
+        self.addParameter(QgsProcessingParameterExtent(
+            "EXTENT", "Extent (that of the points when not given)", optional=True))
         self.addParameter(QgsProcessingParameterDistance(
             "CELL", "Cell size (a 250th of the longer side when 0)", 0.0, "INPUT", False, 0.0))
         self.addParameter(QgsProcessingParameterEnum(
@@ -102,9 +103,8 @@ class SampleAlgorithm(QgsProcessingAlgorithm):
         if left_out > 0:
             feedback.pushWarning(f"{left_out} points have no value and are left out.")
         if not points:
-            raise QgsProcessingException(
-                "No point has a value: choose the field of the values" + ("" if field else ", the points have no height")
-                + ".")
+            why = "" if field else "; the points have no heights"
+            raise QgsProcessingException(f"No point has a value: choose the field of the values{why}.")
         return np.array(points), np.array(values)
 
     def cells(self, extent, size):
@@ -121,7 +121,8 @@ class SampleAlgorithm(QgsProcessingAlgorithm):
         return x, y
 
     def tell(self, report, feedback):
-        feedback.pushInfo(f"Method {report.get('method')}, kernel {report.get('kernel')}, {report.get('samples')} samples")
+        used = [f"{name} {report[name]}" for name in ("samples", "method", "kernel") if name in report]
+        feedback.pushInfo(", ".join(used))
         error = report.get("cross_validation_rmse")
         if error is not None:
             feedback.pushInfo(f"Error of new samples by cross-validation: {error:.4g}")

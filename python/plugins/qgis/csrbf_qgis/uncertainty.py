@@ -16,8 +16,8 @@ class Uncertainty(SampleAlgorithm):
 
     def shortHelpString(self):
         return (
-            "Standard deviations of the interpolated values: small near the points, larger in gaps. Two of them to either "
-            "side contain the true value at about 95 of 100 places."
+            "Standard deviations of the interpolated values: small near the points, larger in gaps. Two of them to "
+            "either side contain the true value at about 95 of 100 places."
         )
 
     def initAlgorithm(self, configuration=None):
