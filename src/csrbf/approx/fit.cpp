@@ -1,6 +1,10 @@
 #include "csrbf/approx/fit.hpp"
 
 #include "csrbf/approx/fit_by_method.hpp"
+#include "csrbf/approx/fit_on_sphere.hpp"
+#include "csrbf/approx/fit_with_derivatives.hpp"
+#include "csrbf/approx/fit_with_drift.hpp"
+#include "csrbf/approx/fit_with_faults.hpp"
 #include "csrbf/approx/global/axis_covariance.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
@@ -12,6 +16,7 @@
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/kernels/kernel.hpp"
+#include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,6 +50,8 @@ void check(const FitOptions& options) {
           "one per axis, 0 for axes that are not periodic, or none at all");
   for (const double period : options.periods)
     require(period >= 0 && std::isfinite(period), "fit", "periods", period, "must be positive, or 0 for none");
+  check_sphere<Dim>(options);
+  check_drift<Dim>(options);
   if (options.kernel != "auto") (void)Kernel(options.kernel, Dim, options.kernel_parameter);
 }
 
@@ -223,6 +230,7 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
   const auto some = Eigen::seq(0, samples.size() - 1, stride);
   const Points<Dim> points = samples.points(Eigen::all, some);
   Eigen::VectorXd norms(static_cast<Index>(fit.components.size()));
+  fit.report.max_error = 0;
   for (std::size_t c = 0; c < fit.components.size(); ++c) {
     Eigen::VectorXd error = shared_evaluate(*fit.components[c], points).value;
     error -= samples.values.col(static_cast<Index>(c))(some);
@@ -232,6 +240,20 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
   fit.report.rmse = norms.stableNorm() / std::sqrt(static_cast<double>(points.cols() * norms.size()));
 }
 
+// Those that a fit has used.
+template <int Dim>
+Samples<Dim> fitted_samples(const Samples<Dim>& given, const FitOptions& options, const FitReport& report) {
+  std::vector<bool> is_left_out(static_cast<std::size_t>(given.size()), false);
+  if (options.loss == "auto")
+    for (const Index row : report.gross_errors) is_left_out[static_cast<std::size_t>(row)] = true;
+  std::vector<Index> rows;
+  for (Index i = 0; i < given.size(); ++i)
+    if (!is_left_out[static_cast<std::size_t>(i)] &&
+        (!options.missing || (given.values.row(i).array() != *options.missing).all()))
+      rows.push_back(i);
+  return {given.points(Eigen::all, rows), given.values(rows, Eigen::all), {}};
+}
+
 // A power of two by which numbers have a usual size; 1 if they have one.
 double unit_of(double largest) {
   constexpr double usual = 1e100;  // products of several neither overflow nor vanish
@@ -239,8 +261,64 @@ double unit_of(double largest) {
   return std::ldexp(1.0, std::ilogb(largest));
 }
 
+// fit() of points whose dimension is known at run time only.
+AnyFit fit_any(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
+               const FitOptions& options) {
+  const auto fit_them = [&]<int Dim>(std::integral_constant<int, Dim>) {
+    Fit<Dim> fitted = fit<Dim>(Samples<Dim>{points, values, weights}, options);
+    return AnyFit{{fitted.components.begin(), fitted.components.end()},
+                  {fitted.variances.begin(), fitted.variances.end()},
+                  std::move(fitted.report)};
+  };
+  switch (points.rows()) {
+#define CSRBF_CASE(Dim) \
+  case Dim:             \
+    return fit_them(std::integral_constant<int, Dim>());
+    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+#undef CSRBF_CASE
+    default:
+      throw InvalidInput("fit: dimension: unsupported");
+  }
+}
+
+// What sees the samples in other coordinates, and fits them by fit() there.
+template <int Dim>
+Fit<Dim> fit_elsewhere(const Samples<Dim>& samples, const FitOptions& options) {
+  const auto fit_there = []<int D>(const Samples<D>& there, const FitOptions& given) { return fit<D>(there, given); };
+  Fit<Dim> result = !options.drift.empty() ? fit_with_drift<Dim>(samples, options, fit_any)
+                                           : fit_on_sphere<Dim>(samples, options, FitSamples<Dim>(fit_there),
+                                                                FitSamples<SphereField<Dim>::space_dim>(fit_there));
+  // Fields of their own coordinates in the frame that all fits have.
+  const typename FittedField<Dim>::Frame frame{.box = bounding_box<Dim>(samples.points),
+                                               .extrapolation = Extrapolation::trend};
+  for (auto* fields : {&result.components, &result.variances})
+    for (auto& field : *fields) field = std::make_shared<FittedField<Dim>>(std::move(field), frame);
+  measure_errors(fitted_samples(samples, options, result.report), result);
+  FitReport& report = result.report;
+  if (options.tolerance > 0 && !(report.max_error <= (1 + rounding) * options.tolerance) &&
+      std::find(report.warnings.begin(), report.warnings.end(), tolerance_missed) == report.warnings.end())
+    report.warnings.emplace_back(tolerance_missed);
+  return result;
+}
+
 template <int Dim>
 Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options) {
+  if (options.gradients.size() > 0) {
+    Fit<Dim> result = fit_with_derivatives<Dim>(given_samples, options);
+    measure_errors(fitted_samples(given_samples, options, result.report), result);
+    return result;
+  }
+  if (!options.drift.empty()) return fit_elsewhere(given_samples, options);
+  if (!options.faults.empty()) {
+    if constexpr (Dim == 2) {
+      Fit<2> result = fit_with_faults(given_samples, options);
+      measure_errors(fitted_samples(given_samples, options, result.report), result);
+      return result;
+    } else {
+      require(false, "fit", "faults", std::to_string(Dim) + " coordinates", "are for two, besides those of a drift");
+    }
+  }
+  if (!options.sphere.empty()) return fit_elsewhere(given_samples, options);
   Selected<Dim> selected = select(given_samples, options);
   const Samples<Dim>& samples = selected.samples ? *selected.samples : given_samples;
   csrbf::report(options.progress, "choose", 0);
@@ -306,26 +384,50 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
 
 // Of samples divided by both units, with the errors and the tolerance in that of the values.
 template <int Dim>
-Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double coordinates, double values) {
-  samples.points /= coordinates;
+Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double unit, double values) {
+  Point<Dim> coordinates = Point<Dim>::Constant(unit);
+  for (const int a : options.drift) coordinates[a] = 1;
+  samples.points.array().colwise() /= coordinates.array();
   samples.values /= values;
-  for (double& period : options.periods) period /= coordinates;
+  for (double& period : options.periods) period /= unit;
+  options.gradients = options.gradients / values * unit;
+  for (Eigen::Matrix2Xd& line : options.faults) line /= unit;
   options.tolerance /= values;
   if (options.missing) *options.missing /= values;
   Fit<Dim> result = fit_in_usual_units(samples, options);
-  const auto place = [&](std::vector<std::shared_ptr<const Field<Dim>>>& fields, double unit) {
-    for (auto& field : fields) field = dynamic_cast<const FittedField<Dim>&>(*field).in_units(coordinates, unit);
+  const auto place = [&](std::vector<std::shared_ptr<const Field<Dim>>>& fields, double values_unit) {
+    for (auto& field : fields) field = dynamic_cast<const FittedField<Dim>&>(*field).in_units(coordinates, values_unit);
   };
   place(result.components, values);
   place(result.variances, 1);
   result.variance_unit = values;
   FitReport& report = result.report;
-  for (double& scale : report.axis_scales) scale *= coordinates;
+  for (std::size_t a = 0; a < report.axis_scales.size(); ++a)
+    report.axis_scales[a] *= coordinates[static_cast<Index>(a)];
   for (double& noise : report.noise) noise *= values;
+  for (auto* slopes : {&report.drift, &report.drift_deviations})
+    for (double& slope : *slopes) slope *= values;
   report.rmse *= values;
   report.max_error *= values;
   report.cross_validation_rmse *= values;
   return result;
+}
+
+// For masks: all points, or some along a curve and those that span their box where the model is much smaller.
+template <int Dim>
+std::shared_ptr<const Points<Dim>> places_of(const Samples<Dim>& samples, const FitReport& report) {
+  constexpr Index much_smaller = 4;
+  const Index n = samples.size(), size = std::min(report.samples_fitted, report.centers > 0 ? report.centers : n);
+  if (much_smaller * size > n) return std::make_shared<const Points<Dim>>(samples.points);
+  const std::vector<Index> order = morton_order<Dim>(samples.points);
+  std::vector<Index> some(2 * Dim);
+  for (Index a = 0; a < Dim; ++a) {
+    samples.points.row(a).minCoeff(&some[static_cast<std::size_t>(2 * a)]);
+    samples.points.row(a).maxCoeff(&some[static_cast<std::size_t>(2 * a + 1)]);
+  }
+  const Index stride = n / std::max<Index>(1, much_smaller * size);
+  for (Index i = 0; i < n; i += std::max<Index>(1, stride)) some.push_back(order[static_cast<std::size_t>(i)]);
+  return std::make_shared<const Points<Dim>>(samples.points(Eigen::all, some));
 }
 
 }  // namespace
@@ -334,12 +436,20 @@ template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   check<Dim>(options);
   require_valid(samples, "fit");
-  const double coordinates = unit_of(samples.points.cwiseAbs().maxCoeff());
+  double coordinates = 1;
+  if (options.sphere.empty()) {
+    Point<Dim> largest = samples.points.cwiseAbs().rowwise().maxCoeff();
+    for (const int a : options.drift) largest[a] = 0;
+    coordinates = unit_of(largest.maxCoeff());
+  }
   const double values =
       unit_of(samples.values.unaryExpr([&](double v) { return options.missing == v ? 0.0 : std::abs(v); }).maxCoeff());
   Fit<Dim> result = coordinates == 1 && values == 1 ? fit_in_usual_units(samples, options)
                                                     : fit_in_units(samples, options, coordinates, values);
   warn_of_errors(samples, options, result.report);
+  result.report.sphere = options.sphere;
+  result.report.drift_axes = options.drift;
+  result.places = places_of(samples, result.report);
   return result;
 }
 

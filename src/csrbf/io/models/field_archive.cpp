@@ -3,7 +3,9 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/moving/moving_least_squares_field.hpp"
+#include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/models/field_parts.hpp"
@@ -22,6 +24,11 @@ constexpr const char* fitted_kind = "fitted field";
 constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
+constexpr const char* sphere_kind = "field on the sphere";
+constexpr const char* derivatives_kind = "values and derivatives";
+constexpr const char* drift_kind = "field with a drift";
+constexpr const char* alone_kind = "field with its shared parts";
+constexpr std::int64_t most_charts = 64;
 constexpr std::int64_t most_regions = 256;  // limits on damaged files, above what fits make
 constexpr std::int64_t most_levels = 1024;
 
@@ -104,11 +111,82 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
   return frame;
 }
 
+// A field of another dimension, with the parts that it shares with none.
+template <int E>
+Archive alone(const Field<E>& field) {
+  FieldWriter<E> writer;
+  Archive archive;
+  archive.kind = alone_kind;
+  archive.set("field", writer.field(field));
+  writer.store_shared(archive);
+  return archive;
+}
+
+template <int E>
+std::shared_ptr<const Field<E>> alone_from(const Archive& archive) {
+  if (archive.kind != alone_kind) archive.fail("a part is not a field");
+  return FieldReader<E>(archive).field(archive.part("field"));
+}
+
+Archive any_field_to_archive(const AnyField& any) {
+  Archive archive;
+  std::visit(
+      [&](const auto& field) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(field)>, std::monostate>) archive = alone(*field);
+      },
+      any);
+  archive.set("dimension", any.index() + 1);
+  return archive;
+}
+
+AnyField any_field_from(const Archive& archive) {
+  switch (archive.integer("dimension")) {
+#define CSRBF_CASE(E) \
+  case E:             \
+    return alone_from<E>(archive);
+    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+#undef CSRBF_CASE
+    default:
+      archive.fail("fields of this dimension are not supported by this version");
+  }
+}
+
+template <int Dim>
+Archive to_archive(const DriftField<Dim>& field) {
+  const typename DriftField<Dim>::Parts& parts = field.parts();
+  Archive archive;
+  archive.kind = drift_kind;
+  set_box(archive, field.bounds());
+  archive.set("drift", std::vector<std::int32_t>(parts.drift.begin(), parts.drift.end()));
+  archive.set("beta", parts.beta);
+  archive.set("field", any_field_to_archive(parts.field));
+  archive.set("covariates", parts.covariates.size());
+  archive.set("covariance", parts.covariance);
+  for (std::size_t j = 0; j < parts.covariates.size(); ++j)
+    archive.set("covariate" + std::to_string(j), any_field_to_archive(parts.covariates[j]));
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> drift_field_from(const Archive& archive) {
+  typename DriftField<Dim>::Parts parts;
+  const auto& drift = archive.array<std::int32_t>("drift", -1, 1);
+  if (drift.size() == 0 || drift.size() >= Dim) archive.fail("the axes of the drift are damaged");
+  parts.drift.assign(drift.data(), drift.data() + drift.size());
+  parts.beta = archive.numbers("beta", drift.size(), 1);
+  parts.field = any_field_from(archive.part("field"));
+  for (std::int64_t j = 0, count = archive.integer("covariates", 0, drift.size()); j < count; ++j)
+    parts.covariates.push_back(any_field_from(archive.part("covariate" + std::to_string(j))));
+  parts.covariance = archive.numbers("covariance", std::ssize(parts.covariates), std::ssize(parts.covariates));
+  return std::make_shared<const DriftField<Dim>>(std::move(parts), box_of<Dim>(archive));
+}
+
 }  // namespace
 
 bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
-         kind == track_kind || kind == fitted_kind || kind == lattice_kind || kind == largest_kind;
+         kind == track_kind || kind == fitted_kind || kind == lattice_kind || kind == largest_kind ||
+         kind == sphere_kind || kind == drift_kind || kind == derivatives_kind;
 }
 
 template <int Dim>
@@ -150,9 +228,38 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     const RadialBasis<Dim>& basis = *power.basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
     archive.set("power", share(&power, [&] { return to_archive(power); }));
+  } else if (const auto* hermite = dynamic_cast<const HermiteField<Dim>*>(&field)) {
+    archive.kind = derivatives_kind;
+    archive.set("component", hermite->component());
+    archive.set("is_variance", hermite->is_variance() ? 1 : 0);
+    archive.set("data", share(hermite->data().get(), [&] { return hermite_to_archive<Dim>(*hermite->data()); }));
+  } else if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&field)) {
+    archive = this->sphere(*sphere);
+  } else if (const auto* drift = dynamic_cast<const DriftField<Dim>*>(&field)) {
+    archive = to_archive(*drift);
   } else if (!level_set(field, archive)) {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
+  return archive;
+}
+
+template <int Dim>
+Archive FieldWriter<Dim>::sphere(const SphereField<Dim>& field) {
+  const typename SphereField<Dim>::Parts& parts = field.parts();
+  Archive archive;
+  archive.kind = sphere_kind;
+  set_box(archive, field.bounds());
+  archive.set("longitude", parts.longitude);
+  archive.set("latitude", parts.latitude);
+  archive.set("charts", parts.charts.size());
+  for (std::size_t i = 0; i < parts.charts.size(); ++i) {
+    Archive chart = this->field(*parts.charts[i].field);
+    chart.set("chart_axes", parts.charts[i].chart.axes);
+    archive.set("chart" + std::to_string(i), std::move(chart));
+  }
+  archive.set("has_space", parts.space ? 1 : 0);
+  if constexpr (SphereField<Dim>::space_dim > Dim)
+    if (parts.space) archive.set("space", alone(*parts.space));
   return archive;
 }
 
@@ -238,8 +345,37 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
     return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive));
   }
+  if (archive.kind == derivatives_kind) {
+    const auto data = shared<typename HermiteField<Dim>::Data>(archive, "data", hermite_kind, hermite_from<Dim>);
+    const Index component = archive.integer("component", 0, data->patches.front().mean.size() - 1);
+    return std::make_shared<const HermiteField<Dim>>(data, component, archive.integer("is_variance", 0, 1) == 1);
+  }
+  if (archive.kind == sphere_kind) return sphere(archive);
+  if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);
   if (auto level_set = this->level_set(archive)) return level_set;
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> FieldReader<Dim>::sphere(const Archive& archive) {
+  typename SphereField<Dim>::Parts parts;
+  parts.longitude = static_cast<int>(archive.integer("longitude", 0, Dim - 1));
+  parts.latitude = static_cast<int>(archive.integer("latitude", 0, Dim - 1));
+  const std::int64_t charts = archive.integer("charts", 0, most_charts);
+  const bool has_space = archive.integer("has_space", 0, 1) == 1;
+  if (parts.longitude == parts.latitude || (charts == 0 && !has_space)) archive.fail("the sphere is damaged");
+  for (std::int64_t i = 0; i < charts; ++i) {
+    const Archive chart = archive.part("chart" + std::to_string(i));
+    if (chart.kind == sphere_kind) archive.fail("a sphere is inside another one");
+    parts.charts.push_back({{Eigen::Matrix3d(chart.numbers("chart_axes", 3, 3))}, field(chart)});
+  }
+  if (has_space) {
+    if constexpr (SphereField<Dim>::space_dim > Dim)
+      parts.space = alone_from<SphereField<Dim>::space_dim>(archive.part("space"));
+    else
+      archive.fail("the sphere has too many coordinates");
+  }
+  return std::make_shared<const SphereField<Dim>>(std::move(parts), box_of<Dim>(archive));
 }
 
 // The level set of a segmentation, if the archive holds one.
