@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/fit_by_method.hpp"
 #include "csrbf/approx/fit_on_sphere.hpp"
+#include "csrbf/approx/fit_values.hpp"
 #include "csrbf/approx/fit_with_derivatives.hpp"
 #include "csrbf/approx/fit_with_drift.hpp"
 #include "csrbf/approx/fit_with_faults.hpp"
@@ -382,6 +383,14 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   return result;
 }
 
+// One fit of all values, or several where they differ.
+template <int Dim>
+Fit<Dim> fit_all_values(const Samples<Dim>& samples, const FitOptions& options) {
+  Fit<Dim> result = fit_values<Dim>(samples, options, fit_in_usual_units<Dim>);
+  if (!result.report.value_kernels.empty()) measure_errors(fitted_samples(samples, options, result.report), result);
+  return result;
+}
+
 // Of samples divided by both units, with the errors and the tolerance in that of the values.
 template <int Dim>
 Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double unit, double values) {
@@ -394,7 +403,7 @@ Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double unit, dou
   for (Eigen::Matrix2Xd& line : options.faults) line /= unit;
   options.tolerance /= values;
   if (options.missing) *options.missing /= values;
-  Fit<Dim> result = fit_in_usual_units(samples, options);
+  Fit<Dim> result = fit_all_values(samples, options);
   const auto place = [&](std::vector<std::shared_ptr<const Field<Dim>>>& fields, double values_unit) {
     for (auto& field : fields) field = dynamic_cast<const FittedField<Dim>&>(*field).in_units(coordinates, values_unit);
   };
@@ -444,7 +453,7 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   }
   const double values =
       unit_of(samples.values.unaryExpr([&](double v) { return options.missing == v ? 0.0 : std::abs(v); }).maxCoeff());
-  Fit<Dim> result = coordinates == 1 && values == 1 ? fit_in_usual_units(samples, options)
+  Fit<Dim> result = coordinates == 1 && values == 1 ? fit_all_values(samples, options)
                                                     : fit_in_units(samples, options, coordinates, values);
   warn_of_errors(samples, options, result.report);
   result.report.sphere = options.sphere;

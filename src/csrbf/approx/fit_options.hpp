@@ -100,7 +100,9 @@ struct FitReport {
   double rmse = 0, max_error = 0;  ///< at the samples used
   double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();
   std::optional<PartitionReport> partition = {};
-  std::vector<double> axis_scales;      ///< what the coordinates were divided by
+  std::vector<double> axis_scales;  ///< what the coordinates were divided by
+  std::vector<std::string>
+      value_kernels;                    ///< of each value, where they were fitted on their own; `kernel` is the first
   std::vector<int> sphere, drift_axes;  ///< FitOptions::sphere and drift
   /// Of fits with a drift, per unit of its covariates: component by component, and their standard deviations.
   std::vector<double> drift, drift_deviations;

@@ -194,13 +194,14 @@ class DerivativeFit {
       const auto first = order.begin() + (blocks > 1 ? b * (n() - each) / (blocks - 1) : 0);
       rows.emplace_back(first, first + each);
     }
+    const double reach = std::max(bounding_box<Dim>(x_).extent().maxCoeff(), 1e-300);
     const auto fixed = options_.smoothing;
     const auto nugget = [&](double logarithm) {
       return fixed ? std::max(*fixed, least_nugget) : std::max(std::exp(logarithm), least_nugget);
     };
     const auto cost = [&](const HermiteKernel& kernel, const Eigen::VectorXd& p) {
       const double length = std::exp(p[0]);
-      if (length > longest * x_.size() || nugget(p[1]) > largest_nugget || nugget(p[2]) > largest_nugget)
+      if (length > longest * reach || nugget(p[1]) > largest_nugget || nugget(p[2]) > largest_nugget)
         return std::numeric_limits<double>::infinity();
       double sum = 0, degrees = 0;
       Eigen::RowVectorXd squares = Eigen::RowVectorXd::Zero(k());

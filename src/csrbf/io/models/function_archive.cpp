@@ -54,6 +54,7 @@ Archive to_archive(const FitReport& report) {
   archive.set("noise", report.noise);
   archive.set("sphere", std::vector<std::int32_t>(report.sphere.begin(), report.sphere.end()));
   archive.set("drift_axes", std::vector<std::int32_t>(report.drift_axes.begin(), report.drift_axes.end()));
+  set_texts(archive, "value_kernel", report.value_kernels);
   archive.set("drift", report.drift);
   archive.set("drift_deviations", report.drift_deviations);
   set_texts(archive, "warning", report.warnings);
@@ -98,6 +99,7 @@ FitReport report_from(const Archive& archive) {
     report.noise = archive.column("noise");
   }
   if (archive.has("drift")) {
+    report.value_kernels = texts_of(archive, "value_kernel");
     report.sphere = axes_from(archive, "sphere");
     report.drift_axes = axes_from(archive, "drift_axes");
     report.drift = archive.column("drift");
