@@ -10,7 +10,6 @@
 
 #include "csrbf/approx/fit.hpp"
 #include "csrbf/approx/fit_options.hpp"
-#include "csrbf/approx/fit_result.hpp"
 #include "csrbf/approx/function.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/inpaint.hpp"

@@ -8,6 +8,7 @@
 #include "csrbf/approx/fit_with_faults.hpp"
 #include "csrbf/approx/global/axis_covariance.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
@@ -15,9 +16,7 @@
 #include "csrbf/approx/unity/choose_local_options.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/kernels/kernel.hpp"
-#include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,12 +25,11 @@
 namespace csrbf {
 namespace {
 
-constexpr double different_units = 10;      // ratio of the extents of axes that are scaled to equal extent in any case
-constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
-constexpr Index checked_samples = 100'000;  // for the error at the samples
-constexpr double rounding = 1e-12;          // relative
-constexpr double much_better = 2;           // errors of one system over those of patches, which have no covariance
-constexpr Index one_system = 2500;          // samples that one system is tried for; chosen by hand
+constexpr double different_units = 10;  // ratio of the extents of axes that are scaled to equal extent in any case
+constexpr double maybe_different = 2;   // ... or if cross-validation is in favour of it
+constexpr double rounding = 1e-12;      // relative
+constexpr double much_better = 2;       // errors of one system over those of patches, which have no covariance
+constexpr Index one_system = 2500;      // samples that one system is tried for; chosen by hand
 
 template <int Dim>
 void check(const FitOptions& options) {
@@ -54,15 +52,6 @@ void check(const FitOptions& options) {
   check_sphere<Dim>(options);
   check_drift<Dim>(options);
   if (options.kernel != "auto") (void)Kernel(options.kernel, Dim, options.kernel_parameter);
-}
-
-FitMethod choose_method(const FitOptions& options, Index samples, int dimension) {
-  if (const FitMethodInfo* given = find_fit_method(options.method)) return given->method;
-  if (options.tolerance > 0) return FitMethod::error_bounded;
-  if (options.centers > 0) return FitMethod::fixed_budget;
-  const bool needs_polynomials = options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0;
-  return samples <= few_samples(dimension) || needs_polynomials ? FitMethod::interpolate
-                                                                : FitMethod::partition_of_unity;
 }
 
 // Says which options the method leaves unused, and what came of the others.
@@ -167,12 +156,6 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   return selected;
 }
 
-std::string text_of(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
 // Says what may be wrong with the values.
 template <int Dim>
 void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitReport& report) {
@@ -188,7 +171,8 @@ void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitR
   }
   for (Index c = 0; c < samples.components(); ++c)
     if (const std::optional<double> value = value_beyond_all_others(samples.values.col(c), options.missing))
-      report.warnings.push_back(text_of(*value) + " is far from all other values; if it means that there is none, " +
+      report.warnings.push_back((std::ostringstream() << *value).str() +
+                                " is far from all other values; if it means that there is none, " +
                                 "leave it out by missing");
 }
 
@@ -225,36 +209,6 @@ typename FittedField<Dim>::Growth variance_outside(const Samples<Dim>& samples, 
   return {at(1) / std::pow(far * extent, exponent), exponent, 2 * spread};
 }
 
-template <int Dim>
-void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
-  const Index stride = std::max<Index>(1, samples.size() / checked_samples);
-  const auto some = Eigen::seq(0, samples.size() - 1, stride);
-  const Points<Dim> points = samples.points(Eigen::all, some);
-  Eigen::VectorXd norms(static_cast<Index>(fit.components.size()));
-  fit.report.max_error = 0;
-  for (std::size_t c = 0; c < fit.components.size(); ++c) {
-    Eigen::VectorXd error = shared_evaluate(*fit.components[c], points).value;
-    error -= samples.values.col(static_cast<Index>(c))(some);
-    norms[static_cast<Index>(c)] = error.stableNorm();
-    fit.report.max_error = std::max(fit.report.max_error, error.cwiseAbs().maxCoeff());
-  }
-  fit.report.rmse = norms.stableNorm() / std::sqrt(static_cast<double>(points.cols() * norms.size()));
-}
-
-// Those that a fit has used.
-template <int Dim>
-Samples<Dim> fitted_samples(const Samples<Dim>& given, const FitOptions& options, const FitReport& report) {
-  std::vector<bool> is_left_out(static_cast<std::size_t>(given.size()), false);
-  if (options.loss == "auto")
-    for (const Index row : report.gross_errors) is_left_out[static_cast<std::size_t>(row)] = true;
-  std::vector<Index> rows;
-  for (Index i = 0; i < given.size(); ++i)
-    if (!is_left_out[static_cast<std::size_t>(i)] &&
-        (!options.missing || (given.values.row(i).array() != *options.missing).all()))
-      rows.push_back(i);
-  return {given.points(Eigen::all, rows), given.values(rows, Eigen::all), {}};
-}
-
 // A power of two by which numbers have a usual size; 1 if they have one.
 double unit_of(double largest) {
   constexpr double usual = 1e100;  // products of several neither overflow nor vanish
@@ -265,16 +219,10 @@ double unit_of(double largest) {
 // fit() of points whose dimension is known at run time only.
 AnyFit fit_any(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
                const FitOptions& options) {
-  const auto fit_them = [&]<int Dim>(std::integral_constant<int, Dim>) {
-    Fit<Dim> fitted = fit<Dim>(Samples<Dim>{points, values, weights}, options);
-    return AnyFit{{fitted.components.begin(), fitted.components.end()},
-                  {fitted.variances.begin(), fitted.variances.end()},
-                  std::move(fitted.report)};
-  };
   switch (points.rows()) {
 #define CSRBF_CASE(Dim) \
   case Dim:             \
-    return fit_them(std::integral_constant<int, Dim>());
+    return any_fit(fit<Dim>(Samples<Dim>{points, values, weights}, options));
     CSRBF_FOR_EACH_DIM(CSRBF_CASE)
 #undef CSRBF_CASE
     default:
@@ -420,23 +368,6 @@ Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double unit, dou
   report.max_error *= values;
   report.cross_validation_rmse *= values;
   return result;
-}
-
-// For masks: all points, or some along a curve and those that span their box where the model is much smaller.
-template <int Dim>
-std::shared_ptr<const Points<Dim>> places_of(const Samples<Dim>& samples, const FitReport& report) {
-  constexpr Index much_smaller = 4;
-  const Index n = samples.size(), size = std::min(report.samples_fitted, report.centers > 0 ? report.centers : n);
-  if (much_smaller * size > n) return std::make_shared<const Points<Dim>>(samples.points);
-  const std::vector<Index> order = morton_order<Dim>(samples.points);
-  std::vector<Index> some(2 * Dim);
-  for (Index a = 0; a < Dim; ++a) {
-    samples.points.row(a).minCoeff(&some[static_cast<std::size_t>(2 * a)]);
-    samples.points.row(a).maxCoeff(&some[static_cast<std::size_t>(2 * a + 1)]);
-  }
-  const Index stride = n / std::max<Index>(1, much_smaller * size);
-  for (Index i = 0; i < n; i += std::max<Index>(1, stride)) some.push_back(order[static_cast<std::size_t>(i)]);
-  return std::make_shared<const Points<Dim>>(samples.points(Eigen::all, some));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/approx/fit_result.hpp"
+#include "csrbf/approx/fit_options.hpp"
 #include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/approx/fit_result.hpp"
+#include "csrbf/approx/fit_options.hpp"
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/samples.hpp"
 
@@ -13,6 +13,13 @@ struct AnyFit {
   std::vector<AnyField> components, variances;
   FitReport report;
 };
+
+template <int Dim>
+AnyFit any_fit(Fit<Dim> fit) {
+  return {{fit.components.begin(), fit.components.end()},
+          {fit.variances.begin(), fit.variances.end()},
+          std::move(fit.report)};
+}
 
 /// fit() of points (d x n), values (n x k) and weights (n, or empty).
 using FitAny = std::function<AnyFit(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values,

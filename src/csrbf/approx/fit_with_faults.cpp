@@ -22,8 +22,8 @@ namespace {
 // Chosen by hand.
 constexpr Index patch_samples = 48, cell_samples = 16, block_samples = 64, blocks = 24;
 constexpr Index candidates = 4;  // times as many samples are looked at
-constexpr double least_nugget = 1e-11;
-constexpr double longest = 20;  // lengths of a covariance over the extent of the samples
+constexpr double smallest_nugget = 1e-11;
+constexpr double longest_covariance = 20;  // lengths of a covariance over the extent of the samples
 
 // A set of samples that see an anchor.
 struct Neighborhood {
@@ -81,14 +81,14 @@ class FaultFit {
           std::make_shared<FittedField<2>>(std::make_shared<FaultField>(data, c, false), frame));
       result.variances.push_back(
           std::make_shared<FittedField<2>>(std::make_shared<FaultField>(data, c, true), constant));
-      if (covariance_.nugget > 2 * least_nugget)
+      if (covariance_.nugget > 2 * smallest_nugget)
         report_.noise.push_back(std::sqrt(covariance_.nugget * covariance_.sigma2[c]));
     }
     if (report_.noise.empty()) report_.noise.assign(static_cast<std::size_t>(k), 0.0);
     report_.method = "partition-of-unity";
     report_.kernel = covariance_.kernel.name();
     report_.degree = covariance_.degree;
-    report_.smoothing = covariance_.nugget > 2 * least_nugget ? covariance_.nugget : 0;
+    report_.smoothing = covariance_.nugget > 2 * smallest_nugget ? covariance_.nugget : 0;
     report_.centers = count * std::min(patch_samples, samples_.size());
     report_.partition = {count, patch_samples, 0};
     report_.axis_scales = {1, 1};
@@ -214,7 +214,7 @@ class FaultFit {
     }
     const auto fixed = options_.smoothing;
     const auto nugget = [&](double logarithm) {
-      return fixed ? std::max(*fixed, least_nugget) : std::max(std::exp(logarithm), least_nugget);
+      return fixed ? std::max(*fixed, smallest_nugget) : std::max(std::exp(logarithm), smallest_nugget);
     };
     struct Model {
       const char* kernel;
@@ -254,7 +254,7 @@ class FaultFit {
   static double likelihood(const std::vector<Block>& all, const Kernel& kernel, double length, double nugget,
                            Eigen::RowVectorXd& sigma2) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    if (length > longest || nugget > 1e3) return infinity;
+    if (length > longest_covariance || nugget > 1e3) return infinity;
     double sum = 0, degrees = 0;
     const Index k = all.front().values.cols();
     Eigen::RowVectorXd squares = Eigen::RowVectorXd::Zero(k);

@@ -8,6 +8,7 @@
 #include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/models/drift_archive.hpp"
 #include "csrbf/io/models/field_parts.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
@@ -26,8 +27,6 @@ constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
 constexpr const char* sphere_kind = "field on the sphere";
 constexpr const char* derivatives_kind = "values and derivatives";
-constexpr const char* drift_kind = "field with a drift";
-constexpr const char* alone_kind = "field with its shared parts";
 constexpr std::int64_t most_charts = 64;
 constexpr std::int64_t most_regions = 256;  // limits on damaged files, above what fits make
 constexpr std::int64_t most_levels = 1024;
@@ -111,76 +110,6 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
   return frame;
 }
 
-// A field of another dimension, with the parts that it shares with none.
-template <int E>
-Archive alone(const Field<E>& field) {
-  FieldWriter<E> writer;
-  Archive archive;
-  archive.kind = alone_kind;
-  archive.set("field", writer.field(field));
-  writer.store_shared(archive);
-  return archive;
-}
-
-template <int E>
-std::shared_ptr<const Field<E>> alone_from(const Archive& archive) {
-  if (archive.kind != alone_kind) archive.fail("a part is not a field");
-  return FieldReader<E>(archive).field(archive.part("field"));
-}
-
-Archive any_field_to_archive(const AnyField& any) {
-  Archive archive;
-  std::visit(
-      [&](const auto& field) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(field)>, std::monostate>) archive = alone(*field);
-      },
-      any);
-  archive.set("dimension", any.index() + 1);
-  return archive;
-}
-
-AnyField any_field_from(const Archive& archive) {
-  switch (archive.integer("dimension")) {
-#define CSRBF_CASE(E) \
-  case E:             \
-    return alone_from<E>(archive);
-    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
-#undef CSRBF_CASE
-    default:
-      archive.fail("fields of this dimension are not supported by this version");
-  }
-}
-
-template <int Dim>
-Archive to_archive(const DriftField<Dim>& field) {
-  const typename DriftField<Dim>::Parts& parts = field.parts();
-  Archive archive;
-  archive.kind = drift_kind;
-  set_box(archive, field.bounds());
-  archive.set("drift", std::vector<std::int32_t>(parts.drift.begin(), parts.drift.end()));
-  archive.set("beta", parts.beta);
-  archive.set("field", any_field_to_archive(parts.field));
-  archive.set("covariates", parts.covariates.size());
-  archive.set("covariance", parts.covariance);
-  for (std::size_t j = 0; j < parts.covariates.size(); ++j)
-    archive.set("covariate" + std::to_string(j), any_field_to_archive(parts.covariates[j]));
-  return archive;
-}
-
-template <int Dim>
-std::shared_ptr<const Field<Dim>> drift_field_from(const Archive& archive) {
-  typename DriftField<Dim>::Parts parts;
-  const auto& drift = archive.array<std::int32_t>("drift", -1, 1);
-  if (drift.size() == 0 || drift.size() >= Dim) archive.fail("the axes of the drift are damaged");
-  parts.drift.assign(drift.data(), drift.data() + drift.size());
-  parts.beta = archive.numbers("beta", drift.size(), 1);
-  parts.field = any_field_from(archive.part("field"));
-  for (std::int64_t j = 0, count = archive.integer("covariates", 0, drift.size()); j < count; ++j)
-    parts.covariates.push_back(any_field_from(archive.part("covariate" + std::to_string(j))));
-  parts.covariance = archive.numbers("covariance", std::ssize(parts.covariates), std::ssize(parts.covariates));
-  return std::make_shared<const DriftField<Dim>>(std::move(parts), box_of<Dim>(archive));
-}
-
 }  // namespace
 
 bool is_field_kind(const std::string& kind) {
@@ -236,7 +165,7 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
   } else if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&field)) {
     archive = this->sphere(*sphere);
   } else if (const auto* drift = dynamic_cast<const DriftField<Dim>*>(&field)) {
-    archive = to_archive(*drift);
+    archive = drift_to_archive(*drift);
   } else if (!level_set(field, archive)) {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
