@@ -26,6 +26,7 @@ constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
 constexpr const char* sphere_kind = "field on the sphere";
+constexpr const char* divided_kind = "divided by faults";
 constexpr const char* derivatives_kind = "values and derivatives";
 constexpr std::int64_t most_charts = 64;
 constexpr std::int64_t most_regions = 256;  // limits on damaged files, above what fits make
@@ -115,7 +116,7 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
 bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
          kind == track_kind || kind == fitted_kind || kind == lattice_kind || kind == largest_kind ||
-         kind == sphere_kind || kind == drift_kind || kind == derivatives_kind;
+         kind == sphere_kind || kind == drift_kind || kind == derivatives_kind || kind == divided_kind;
 }
 
 template <int Dim>
@@ -192,9 +193,18 @@ Archive FieldWriter<Dim>::sphere(const SphereField<Dim>& field) {
   return archive;
 }
 
-// The archive of a level set of a segmentation, if the field is one.
+// The archive of a field of one dimension or two: a level set of a segmentation, or one divided by faults.
 template <int Dim>
 bool FieldWriter<Dim>::level_set(const Field<Dim>& field, Archive& archive) {
+  if constexpr (Dim == 2) {
+    if (const auto* divided = dynamic_cast<const FaultField*>(&field)) {
+      archive.kind = divided_kind;
+      archive.set("component", divided->component());
+      archive.set("is_variance", divided->is_variance() ? 1 : 0);
+      archive.set("data", share(divided->data().get(), [&] { return faults_to_archive(*divided->data()); }));
+      return true;
+    }
+  }
   if constexpr (Dim == 2 || Dim == 3) {
     if (const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(&field)) {
       archive = to_archive(*lattice);
@@ -307,9 +317,16 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::sphere(const Archive& archiv
   return std::make_shared<const SphereField<Dim>>(std::move(parts), box_of<Dim>(archive));
 }
 
-// The level set of a segmentation, if the archive holds one.
+// The same fields.
 template <int Dim>
 std::shared_ptr<const Field<Dim>> FieldReader<Dim>::level_set(const Archive& archive) {
+  if constexpr (Dim == 2) {
+    if (archive.kind == divided_kind) {
+      const auto data = shared<FaultField::Data>(archive, "data", faults_kind, faults_from);
+      const Index component = archive.integer("component", 0, data->models.components - 1);
+      return std::make_shared<const FaultField>(data, component, archive.integer("is_variance", 0, 1) == 1);
+    }
+  }
   if constexpr (Dim == 2 || Dim == 3) {
     if (archive.kind == lattice_kind) return lattice_field_from<Dim>(archive);
     if (archive.kind == largest_kind) {

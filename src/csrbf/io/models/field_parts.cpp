@@ -288,6 +288,52 @@ std::shared_ptr<const typename HermiteField<Dim>::Data> hermite_from(const Archi
   return data;
 }
 
+// All vertices of the faults one after the other.
+Archive faults_to_archive(const FaultField::Data& data) {
+  Archive archive;
+  archive.kind = faults_kind;
+  std::vector<std::int64_t> sizes;
+  Index total = 0;
+  for (const Eigen::Matrix2Xd& line : data.faults.lines()) {
+    sizes.push_back(line.cols());
+    total += line.cols();
+  }
+  Eigen::Matrix2Xd vertices(2, total);
+  Index first = 0;
+  for (const Eigen::Matrix2Xd& line : data.faults.lines()) {
+    vertices.middleCols(first, line.cols()) = line;
+    first += line.cols();
+  }
+  archive.set("line_sizes", sizes);
+  archive.set("vertices", vertices);
+  archive.set("anchors", data.anchors);
+  archive.set("radii", data.radii);
+  archive.set("disc_variances", data.variances);
+  set_box(archive, data.box);
+  set_models(archive, data.models);
+  return archive;
+}
+
+std::shared_ptr<const FaultField::Data> faults_from(const Archive& archive) {
+  const auto& sizes = archive.array<std::int64_t>("line_sizes", -1, 1);
+  const auto& vertices = archive.numbers("vertices", 2, -1);
+  std::vector<Eigen::Matrix2Xd> lines;
+  Index first = 0;
+  for (Index k = 0; k < sizes.size(); ++k) {
+    const Index n = sizes(k, 0);
+    if (n < 2 || n > vertices.cols() - first) archive.fail("the faults are damaged");
+    lines.emplace_back(vertices.middleCols(first, n));
+    first += n;
+  }
+  const Points<2> anchors = archive.numbers("anchors", 2, -1);
+  if (anchors.cols() == 0) archive.fail("there are no discs");
+  LocalModels<2> models = models_from<2>(archive, anchors.cols());
+  const Eigen::MatrixXd variances = archive.numbers("disc_variances", models.components, anchors.cols());
+  return std::make_shared<const FaultField::Data>(FaultLines(std::move(lines)), anchors,
+                                                  archive.numbers("radii", anchors.cols(), 1), std::move(models),
+                                                  variances, box_of<2>(archive));
+}
+
 #define CSRBF_INSTANTIATE(Dim)                                                                     \
   template Archive to_archive(const RadialBasis<Dim>&);                                            \
   template std::shared_ptr<const RadialBasis<Dim>> basis_from(const Archive&);                     \
