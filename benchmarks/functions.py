@@ -223,7 +223,7 @@ def page(results, tools, sets, folds):
             found = results.get(f"{name}/{tool}", {})
             cells = [f"{found[key]:.{digits}g}" if key in found else "-" for key, digits in
                      (("rmse", 4), ("c95", 3), ("nlpd", 4), ("cpu", 2))]
-            lines.append(f"| {tool} | " + " | ".join(cells) + f" |{' ' + found['why'] if 'why' in found else ''}")
+            lines.append(f"| {tool} | " + " | ".join(cells[:-1] + [found.get("why", cells[-1])]) + " |")
         lines.append("")
     return "\n".join(lines)
 
@@ -248,7 +248,8 @@ def draw(data, path):
     shown = panels[1].imshow(mean, origin="lower", extent=extent, aspect="auto", **shades)
     panels[1].set_title("mean")
     figure.colorbar(shown, ax=panels[:2])
-    shown = panels[2].imshow(deviation, origin="lower", extent=extent, aspect="auto", cmap="magma")
+    shown = panels[2].imshow(deviation, origin="lower", extent=extent, aspect="auto", cmap="magma",
+                             vmax=np.nanpercentile(deviation, 99.5))
     panels[2].set_title("standard deviation of a sample")
     figure.colorbar(shown, ax=panels[2])
     figure.savefig(path, dpi=100)
