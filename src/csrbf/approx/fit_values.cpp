@@ -15,7 +15,12 @@ template <int Dim>
 std::vector<std::vector<Index>> groups_of_values(const Samples<Dim>& samples, const FitOptions& options) {
   std::vector<std::vector<Index>> groups;
   std::vector<LocalOptions> choices;
+  std::vector<Index> constant;  // these are met by any choice
   for (Index c = 0; c < samples.components(); ++c) {
+    if (samples.values.col(c).maxCoeff() == samples.values.col(c).minCoeff()) {
+      constant.push_back(c);
+      continue;
+    }
     const Samples<Dim> one =
         merge_duplicates(Samples<Dim>{samples.points, samples.values.col(c), samples.weights}).samples;
     LocalOptions choice = choose_local_options(normalize_weights(one), partition_options(options)).options;
@@ -28,6 +33,8 @@ std::vector<std::vector<Index>> groups_of_values(const Samples<Dim>& samples, co
       groups[static_cast<std::size_t>(found - choices.begin())].push_back(c);
     }
   }
+  if (groups.empty()) groups.emplace_back();
+  groups.front().insert(groups.front().end(), constant.begin(), constant.end());
   return groups;
 }
 
