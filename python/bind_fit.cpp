@@ -11,8 +11,15 @@ namespace csrbf::python {
 namespace {
 
 std::unique_ptr<NamedFunction> fit_arrays(const Array& points, const Array& values, const std::optional<Array>& weights,
-                                          const py::dict& given, const py::object& listener) {
+                                          const std::optional<Array>& gradients, const py::dict& given,
+                                          const py::object& listener) {
   FitOptions options = fit_options(given);
+  if (given.contains("faults"))
+    for (const py::handle& line : given["faults"]) {
+      const auto vertices = line.cast<Array>();
+      options.faults.emplace_back(columns(vertices, "faults"));
+    }
+  if (gradients) options.gradients = columns(*gradients, "derivatives").transpose();
   const auto x = columns(points, "points");
   const auto by_row = columns(values, "values");
   const auto w = weights ? vector(*weights, "weights") : Eigen::Map<const Eigen::VectorXd>(nullptr, 0);
@@ -95,6 +102,21 @@ py::array_t<double> standard_deviation(const NamedFunction& f, const Array& at, 
   return result;
 }
 
+py::array_t<bool> covered(const NamedFunction& f, const Array& at, const std::string& mask) {
+  const auto x = columns(at, "x");
+  const Mask wanted = mask_of(mask);
+  const std::vector<bool> found = run([&](const Progress& /*progress*/) { return f.function.covered(x, wanted); });
+  py::array_t<bool> result(x.cols());
+  std::copy(found.begin(), found.end(), result.mutable_data());
+  return result;
+}
+
+std::unique_ptr<NamedFunction> extrapolated(const NamedFunction& f, const std::string& extrapolation) {
+  NamedFunction result = f;
+  result.function = f.function.extrapolated(extrapolation_of(extrapolation));
+  return std::make_unique<NamedFunction>(std::move(result));
+}
+
 py::bytes to_bytes(const NamedFunction& f) {
   return py::bytes(run([&](const Progress& /*progress*/) { return format_archive(to_archive(f)); }));
 }
@@ -117,6 +139,8 @@ FitOptions fit_options(const py::dict& given) {
   read_entry(given, "smoothing", options.smoothing);
   read_entry(given, "degree", options.degree);
   read_entry(given, "periods", options.periods);
+  read_entry(given, "sphere", options.sphere);
+  read_entry(given, "drift", options.drift);
   read_entry(given, "scale_axes", options.scale_axes);
   read_entry(given, "loss", options.loss);
   read_entry(given, "missing", options.missing);
@@ -135,6 +159,7 @@ py::dict to_dict(const FitReport& r) {
       "support"_a = r.support, "anisotropy"_a = partition.anisotropy, "smoothing"_a = r.smoothing, "rmse"_a = r.rmse,
       "max_error"_a = r.max_error, "cross_validation_rmse"_a = r.cross_validation_rmse, "axis_scales"_a = r.axis_scales,
       "missing"_a = r.missing, "gross_errors"_a = r.gross_errors, "noise"_a = r.noise,
+      "value_kernels"_a = r.value_kernels, "drift"_a = r.drift, "drift_deviations"_a = r.drift_deviations,
       "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
 }
 
@@ -151,6 +176,8 @@ void bind_fit(py::module_& m) {
       .def("evaluate_grid", &evaluate_grid<double>)
       .def("evaluate_grid_float32", &evaluate_grid<float>)
       .def("standard_deviation", &standard_deviation)
+      .def("covered", &covered)
+      .def("extrapolated", &extrapolated)
       .def("save", [](const NamedFunction& f,
                       const std::string& path) { run([&](const Progress& /*progress*/) { write_model(path, f); }); })
       .def("to_bytes", &to_bytes)

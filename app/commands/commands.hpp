@@ -85,6 +85,7 @@ struct FitCommand {
   FitFlags fit;
   std::string coordinates, values, weights;
   std::string periods;
+  std::string sphere, drift, derivatives, faults;
   std::optional<double> missing;
   bool resume = false;
 };
@@ -100,6 +101,8 @@ struct EvaluateCommand {
   std::string deviation_of = "sample";
   bool labels = false;
   bool float32 = false;
+  std::string mask;
+  std::string extrapolation;
 };
 
 struct InpaintCommand {

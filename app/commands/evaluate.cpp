@@ -90,6 +90,19 @@ Volume<Scalar> evaluate_all(const NamedFunction& model, const Places& places, co
   return answers;
 }
 
+// NaN where the mask wants no values.
+template <class Scalar>
+void mask_answers(const NamedFunction& model, const Places& places, const Mask& mask, Volume<Scalar>& answers) {
+  constexpr Index slice = Index{1} << 20;
+  for (Index begin = 0; begin < places.count; begin += slice) {
+    const Index n = std::min(slice, places.count - begin);
+    const std::vector<bool> covered = model.function.covered(places.points(begin, n), mask);
+    for (Index i = 0; i < n; ++i)
+      if (!covered[static_cast<std::size_t>(i)])
+        answers.frame().col(begin + i).setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+  }
+}
+
 // The columns as VTK arrays. Gradients are vectors, with three components even in 2D, as VTK programs expect.
 template <class Scalar>
 std::vector<VtkArray> vtk_arrays(const NamedFunction& model, const Wanted& wanted,
@@ -150,7 +163,8 @@ void report_values(const std::string& output, const Volume<Scalar>& answers, Ind
                     {"min", or_null(any, lo)},
                     {"max", or_null(any, hi)}};
   if (undefined > 0)
-    session.warn(counted(undefined, "point") + " without a value: coordinates are missing or outside the samples");
+    session.warn(counted(undefined, "point") +
+                 " without a value: coordinates are missing, masked or outside the samples");
   session.say(output + ": " + counted(values.cols(), "point") +
               (any ? ", values from " + rounded(lo) + " to " + rounded(hi) : ""));
 }
@@ -179,6 +193,7 @@ void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, con
     make_labels(answers);
     columns = {"label"};
   }
+  if (!command.mask.empty()) mask_answers(model, places, mask_of(command.mask), answers);
   report_values(command.output, answers, command.labels ? 1 : model.function.components(), columns, session);
   if (command.float32) warn_of_rounding(model, session);
   session.write([&] { write_answers(command.output, model, places, wanted, columns, answers); });
@@ -191,7 +206,12 @@ void run(const EvaluateCommand& command, Session& session) {
   if (command.labels && (command.gradient || command.hessian || command.standard_deviation))
     throw UsageError("--labels: labels have no derivatives or deviations; leave those flags out");
   session.expect_output(command.output);
-  const NamedFunction model = session.timed("read", [&] { return read_function(command.input); });
+  if (!command.mask.empty() && command.labels)
+    throw UsageError("--mask: labels have no number for none; leave one of both out");
+  if (!command.mask.empty()) (void)mask_of(command.mask);
+  NamedFunction model = session.timed("read", [&] { return read_function(command.input); });
+  if (!command.extrapolation.empty())
+    model.function = model.function.extrapolated(extrapolation_of(command.extrapolation));
   const Places places = session.timed("read", [&] { return make_places(command, model); });
   session.input = {
       {"file", command.input}, {"dimension", model.function.dimension()}, {"components", model.function.components()}};
@@ -203,6 +223,8 @@ void run(const EvaluateCommand& command, Session& session) {
                      {"standard_deviation", command.standard_deviation},
                      {"deviation_of", command.deviation_of},
                      {"labels", command.labels},
+                     {"mask", or_null(command.mask)},
+                     {"extrapolation", or_null(command.extrapolation)},
                      {"float32", command.float32}};
   session.options.update(places.options);
   if (places.is_image && places.layout.type == SampleType::float32)

@@ -26,6 +26,25 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
     session.warn(counted(samples.dropped, "row") + " without a finite number in every column left out");
 }
 
+// The coefficients of the covariates, and that they are needed from now on.
+void say_drift(const NamedFunction& model, const SampleTable& samples, Session& session) {
+  const FitReport& report = model.function.report();
+  const std::size_t q = samples.drift.size();
+  session.result["drift"] = Json::array();
+  std::string text;
+  for (std::size_t k = 0; k < report.drift.size(); ++k) {
+    const std::string& covariate = model.coordinate_names[static_cast<std::size_t>(samples.drift[k % q])];
+    const std::string& value = model.value_names[k / q];
+    session.result["drift"].push_back({{"value", value},
+                                       {"covariate", covariate},
+                                       {"coefficient", report.drift[k]},
+                                       {"standard_deviation", report.drift_deviations[k]}});
+    text += (k > 0 ? ", " : "") + value + " by " + covariate + " " + rounded(report.drift[k], 4) + " +- " +
+            rounded(report.drift_deviations[k], 2);
+  }
+  session.say("drift: " + text + "; evaluate needs these columns too");
+}
+
 }  // namespace
 
 void run(const FitCommand& command, Session& session) {
@@ -33,10 +52,17 @@ void run(const FitCommand& command, Session& session) {
   session.expect_output("--output", command.output, ".csrbf", "models");
   if (command.resume) session.resume(command.input, command.output);
   SampleTable samples = session.timed("read", [&] {
-    return read_samples(command.input, {command.coordinates, command.values, command.weights});
+    return read_samples(command.input, {command.coordinates, command.values, command.weights, command.sphere,
+                                        command.derivatives, command.drift});
   });
   options.periods = parse_periods(command.periods, samples);
   options.missing = command.missing;
+  if (!command.faults.empty()) options.faults = session.timed("read", [&] { return read_faults(command.faults); });
+  options.gradients = samples.gradients;
+  options.sphere = samples.sphere;
+  options.drift = samples.drift;
+  if (!command.sphere.empty() && options.sphere.size() != 2)
+    throw UsageError("--sphere " + command.sphere + ": expected two columns, longitude and latitude");
   report_input(command.input, samples, session);
 
   NamedFunction model{fit_function(samples.coordinates, samples.values, samples.weights, options),
@@ -47,13 +73,18 @@ void run(const FitCommand& command, Session& session) {
                      {"values", model.value_names},
                      {"weights", or_null(command.weights)},
                      {"missing", or_null(command.missing)},
-                     {"periods", or_null(!options.periods.empty(), options.periods)}};
+                     {"periods", or_null(!options.periods.empty(), options.periods)},
+                     {"sphere", or_null(command.sphere)},
+                     {"derivatives", or_null(command.derivatives)},
+                     {"faults", or_null(command.faults)},
+                     {"drift", or_null(command.drift)}};
   session.result = {{"dimension", model.function.dimension()}, {"components", model.function.components()}};
   add_fit_report(command.fit, report, session);
   session.say(command.output + ": function of " + counted(model.function.dimension(), "variable") + " from " +
               counted(report.samples, "sample") +
               (report.merged_duplicates > 0 ? ", " + counted(report.merged_duplicates, "duplicate") + " merged" : ""));
   session.result["missing"] = report.missing;
+  if (!report.drift.empty()) say_drift(model, samples, session);
   say_fit(report, session);
   session.add_to_page([&](Page& page) { show(model, samples, page); });
   session.write([&] { write_model(command.output, model); });

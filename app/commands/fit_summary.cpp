@@ -48,6 +48,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                          {"gross_errors", rows_of(r.gross_errors)},
                          {"method", r.method},
                          {"kernel", or_null(r.kernel)},
+                         {"value_kernels", r.value_kernels},
                          {"centers", r.centers},
                          {"levels", r.levels},
                          {"patches", partition.patches},

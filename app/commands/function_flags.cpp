@@ -42,6 +42,15 @@ void declare(CommandFlags& v, FitCommand& c) {
   v.flag("weights", c.weights, "COLUMN", "none", "column of weights: the inverse variances of the values");
   v.flag("periods", c.periods, "P,P,...", "none",
          "period of each coordinate, 0 for none: 360,0 for longitude and latitude");
+  v.flag("sphere", c.sphere, "LON,LAT", "none",
+         "columns of longitude and latitude, in degrees: distances are those on the sphere");
+  v.flag("derivatives", c.derivatives, "COLUMN,...", "none",
+         "columns of derivatives of the values by each coordinate: gradients as data; empty cells are unknown");
+  v.flag("faults", c.faults, "FILE", "none",
+         "polylines in the plane across which the function may jump: a table with columns x, y and, for several, the "
+         "number of the line");
+  v.flag("drift", c.drift, "COLUMN,...", "none",
+         "columns of covariates, which enter linearly (universal kriging); evaluate needs them as well");
   v.flag("missing", c.missing, "VALUE", "none", "value, such as -9999, of samples that have none: they are left out");
   v.resume(c.resume);
 }
@@ -69,6 +78,12 @@ void declare(CommandFlags& v, EvaluateCommand& c) {
       "--labels", c.labels,
       "write labels instead of values, like csrbf segment: with one component, 1 where it is positive and 0 elsewhere; "
       "with several, the number of the largest, from 0");
+  v.flag("mask", c.mask, "hull|distance:D", "none",
+         "no values (NaN) outside the convex hull of the samples, or farther than D from all of them (on a sphere in "
+         "degrees)");
+  v.flag("extrapolation", c.extrapolation, "constant|linear|trend|nan", "as in the fit",
+         "outside the box of the samples, see csrbf fit")
+      ->check(CLI::IsMember({"constant", "linear", "trend", "nan"}));
   v.toggle("--float32", c.float32, "keep and write the values of a grid or image in single precision: half the memory");
 }
 

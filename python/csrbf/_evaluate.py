@@ -12,7 +12,7 @@ from csrbf._function import Function
 from csrbf._image import as_image
 from csrbf._labels import Labelled, Places, is_data_array, is_dataset
 from csrbf._load import load
-from csrbf._options import DeviationOf
+from csrbf._options import DeviationOf, Extrapolation
 from csrbf._surface import Surface
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ def evaluate(
     standard_deviation: bool = False,
     deviation_of: DeviationOf = "sample",
     labels: bool = False,
+    mask: str | None = None,
+    extrapolation: Extrapolation | None = None,
 ) -> Any:
     """Values of a model at points, at the nodes of a grid or at the voxels of an image, and derivatives, in one table.
 
@@ -52,6 +54,10 @@ def evaluate(
         Whether the standard deviation contains the noise of a sample.
     labels : bool
         Labels instead of values: with one component 1 where it is positive, with several the number of the largest.
+    mask : "hull" or "distance:D", optional
+        NaN outside the convex hull of the samples, or farther than D from all of them (on a sphere in degrees).
+    extrapolation : "constant", "linear", "trend" or "nan", optional
+        Outside the box of the samples, instead of what `fit` was told.
 
     Returns
     -------
@@ -82,6 +88,10 @@ def evaluate(
     if labels and (gradient or hessian or standard_deviation):
         raise ValueError("labels: have no derivatives or deviations; leave those out")
     f = load(model) if isinstance(model, (str, os.PathLike)) else model
+    if labels and mask is not None:
+        raise ValueError("labels: have no number for none; leave mask out")
+    if extrapolation is not None:
+        f = _function(f, "extrapolation").extrapolated(extrapolation)
     d = f.dimension if isinstance(f, Function) else 3
     where: Any = points
     if grid is not None:
@@ -109,6 +119,8 @@ def evaluate(
         columns.append(_function(f, "standard_deviation").standard_deviation(x, deviation_of).reshape(len(x), -1))
         names += [f"{value}_standard_deviation" for value in values]
     table: NDArray[Any] = np.concatenate(columns, axis=1)
+    if mask is not None:
+        table[~_function(f, "mask").covered(x, mask)] = np.nan
     return places.like_given(table[:, 0] if table.shape[1] == 1 else table, names)
 
 

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from csrbf import _csrbf
-from csrbf._arrays import smoothing_or_none
+from csrbf._arrays import Floats, floats, rows, smoothing_or_none
 from csrbf._function import Function
 from csrbf._labels import Labelled
 from csrbf._options import Extrapolation, FitMethod, Kernel, Loss, Smoothing
 from csrbf._progress import Progress, listening
-from csrbf._samples import samples_of
+from csrbf._samples import Samples, samples_of
 
 
 def fit(
@@ -29,6 +29,10 @@ def fit(
     degree: int | None = None,
     weights: ArrayLike | None = None,
     periods: Sequence[float | None] | float | None = None,
+    sphere: bool | Sequence[int | str] = False,
+    drift: Sequence[int | str] = (),
+    derivatives: ArrayLike | None = None,
+    faults: Sequence[ArrayLike] = (),
     extrapolation: Extrapolation = "constant",
     loss: Loss = "auto",
     missing: float | None = None,
@@ -66,6 +70,18 @@ def fit(
         How much each sample counts: the inverse variance of its error, up to a factor.
     periods : sequence of float, optional
         Period of every axis, None or 0 for axes that are not periodic: ``[360, None]`` for longitude and latitude.
+    sphere : bool or (int, int), or names
+        The coordinates that are longitude and latitude, in degrees (True: the first two): distances are those on the
+        sphere, and neither the poles nor the date line matter. Gradients are per degree of longitude and latitude;
+        divide the first by the cosine of the latitude for degrees of arc.
+    drift : sequence of int, or names, optional
+        Coordinates that are covariates, such as elevation: they enter linearly (universal kriging). They remain
+        variables of the function, so they are needed wherever it is evaluated. The report has the coefficients,
+        `drift`, and their standard deviations, `drift_deviations`.
+    derivatives : array_like (n, d) or (n, k, d), optional
+        Gradients at the points, as data (Hermite); NaN where unknown.
+    faults : sequence of array_like (m, 2), optional
+        Polylines in the plane across which the function may jump, for two coordinates.
     extrapolation : "constant", "linear", "trend" or "nan"
         Outside the box of the samples: the value at the nearest point of the box; the same and its slope; the trend of
         the samples, as the method "interpolate" continues (others as "linear"); or NaN.
@@ -120,12 +136,40 @@ def fit(
         given["missing"] = float(missing)
     if periods is not None:
         given["periods"] = [period or 0.0 for period in np.atleast_1d(np.asarray(periods, dtype=object)).tolist()]
+    d, names = samples.points.shape[1], samples.coordinate_names
+    given["sphere"] = [0, 1] if sphere is True else _axes(sphere or (), "sphere", d, names)
+    given["drift"] = _axes(drift, "drift", d, names)
+    if len(faults) > 0:
+        given["faults"] = [rows(line, "faults") for line in faults]
+    slopes = None if derivatives is None else _slopes(derivatives, samples)
     with listening(progress) as listener:
         function = Function(
-            _csrbf.fit(samples.points, samples.values, samples.weights, given, listener), scalar=samples.scalar
+            _csrbf.fit(samples.points, samples.values, samples.weights, slopes, given, listener), scalar=samples.scalar
         )
     function._describe(samples)
     return function
+
+
+def _axes(axes: Sequence[int | str], name: str, d: int, names: list[str]) -> list[int]:
+    """Coordinates by number, negative ones from the end, or by name."""
+    given: list[Any] = [axes] if isinstance(axes, (int, str)) else list(axes)
+    found = [names.index(axis) if axis in names else axis for axis in given]
+    if not all(isinstance(axis, (int, np.integer)) and -d <= axis < d for axis in found):
+        known = f", or of {', '.join(names)}" if names else ""
+        raise ValueError(f"{name}: {axes!r}: must be numbers of coordinates, from 0 to {d - 1}{known}")
+    return [int(axis) % d for axis in found]
+
+
+def _slopes(derivatives: ArrayLike, samples: Samples) -> Floats:
+    """Derivatives in rows of k x d."""
+    slopes = floats(derivatives, "derivatives")
+    n, d = samples.points.shape
+    total = n if samples.kept is None else len(samples.kept)
+    shape = (total, d) if samples.scalar else (total, samples.values.shape[1], d)
+    if slopes.shape != shape:
+        raise ValueError(f"derivatives: has shape {slopes.shape}; must be {shape}")
+    kept = slopes if samples.kept is None else slopes[samples.kept]
+    return np.ascontiguousarray(kept.reshape(n, -1))
 
 
 def fit_options(

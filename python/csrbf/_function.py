@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from csrbf import _csrbf
 from csrbf._arrays import Floats, Path, floats
 from csrbf._labels import Labelled, Places
-from csrbf._options import DeviationOf
+from csrbf._options import DeviationOf, Extrapolation
 from csrbf._samples import Samples
 from csrbf._show import Page, Panel, Shown
 
@@ -255,6 +255,55 @@ class Function(Shown):
         result = self._function.standard_deviation(places.rows, of)
         names = [f"{value}_standard_deviation" for value in self.value_names]
         return places.like_given(result[:, 0] if self._scalar else result, names)
+
+    def covered(self, x: Any, mask: str = "hull") -> Any:
+        """Whether points are in the convex hull of the samples, or within a distance from one of them.
+
+        Parameters
+        ----------
+        x : array_like (..., d)
+        mask : "hull" or "distance:D"
+            On a sphere D is in degrees, and there is no hull.
+
+        Returns
+        -------
+        ndarray of bool (...)
+
+        Raises
+        ------
+        ValueError
+            For the hull in more than three variables, for functions with a drift, and for older models.
+
+        Examples
+        --------
+        >>> f = csrbf.fit([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.3, 0.3]], [0.0, 1.0, 4.0, 2.0])
+        >>> f.covered([[0.2, 0.2], [0.9, 0.9]])
+        array([ True, False])
+        """
+        places = self._places(x)
+        return places.like_given(self._function.covered(places.rows, mask), ["covered"])
+
+    def extrapolated(self, extrapolation: Extrapolation) -> Function:
+        """The same function with other values outside the box of the samples.
+
+        Parameters
+        ----------
+        extrapolation : "constant", "linear", "trend" or "nan"
+            See `fit`.
+
+        Returns
+        -------
+        Function
+
+        Examples
+        --------
+        >>> f = csrbf.fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 2.0])
+        >>> f.extrapolated("linear")([3.0]).round(6)
+        3.0
+        """
+        function = Function(self._function.extrapolated(extrapolation), self._scalar)
+        function.report, function.samples = self.report, self.samples
+        return function
 
     def save(self, path: Path) -> None:
         """Write a .csrbf file, which `load` and the program csrbf read.

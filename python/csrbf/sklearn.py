@@ -26,8 +26,8 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     Parameters
     ----------
-    method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, extrapolation, loss, missing,
-    scale_axes
+    method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, periods, sphere, drift, faults,
+    extrapolation, loss, missing, scale_axes
         See `csrbf.fit`. Only `smoothing` matters for more than six features.
 
     Attributes
@@ -60,6 +60,9 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         kernel_parameter: float | None = None,
         degree: int | None = None,
         periods: Any = None,
+        sphere: Any = False,
+        drift: Any = (),
+        faults: Any = (),
         extrapolation: Extrapolation = "constant",
         loss: Loss = "auto",
         missing: float | None = None,
@@ -73,12 +76,21 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.kernel_parameter = kernel_parameter
         self.degree = degree
         self.periods = periods
+        self.sphere = sphere
+        self.drift = drift
+        self.faults = faults
         self.extrapolation = extrapolation
         self.loss = loss
         self.missing = missing
         self.scale_axes = scale_axes
 
-    def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> CSRBFRegressor:
+    def fit(
+        self,
+        X: ArrayLike,
+        y: ArrayLike,
+        sample_weight: ArrayLike | None = None,
+        derivatives: ArrayLike | None = None,
+    ) -> CSRBFRegressor:
         """Fit the function to samples.
 
         Parameters
@@ -87,6 +99,8 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         y : array_like (n,) or (n, outputs)
         sample_weight : array_like (n,), optional
             The inverse variances of the errors of `y`, up to a factor.
+        derivatives : array_like (n, features) or (n, outputs, features), optional
+            Gradients at `X`, as data; see `csrbf.fit`.
 
         Returns
         -------
@@ -113,14 +127,18 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         if weights is not None:
             counts = weights > 0  # samples of zero weight have no effect
             features, targets, weights = features[counts], targets[counts], weights[counts]
+            if derivatives is not None:
+                derivatives = np.asarray(derivatives)[counts]
             if (weights == weights[:1]).all():
                 weights = None
         targets = np.asarray(targets, dtype=np.float64)
         if features.shape[1] > _MOST_FEATURES:
+            if derivatives is not None:
+                raise ValueError(f"derivatives: are for at most {_MOST_FEATURES} features")
             self.function_: Any = fit_spline(features, targets, self.smoothing, weights)
             self.report_: dict[str, Any] = {}
         else:
-            self.function_ = fit(features, targets, weights=weights, **self.get_params())
+            self.function_ = fit(features, targets, weights=weights, derivatives=derivatives, **self.get_params())
             self.report_ = self.function_.report
         return self
 

@@ -187,6 +187,55 @@ class Options(unittest.TestCase):
         at = np.linspace(0, 360, 50)[:, None]
         np.testing.assert_allclose(f(at + 360), f(at), atol=1e-9)
 
+    def test_longitudes_and_latitudes_are_places_on_a_sphere(self):
+        rng = np.random.default_rng(1)
+        places = np.column_stack([rng.uniform(0, 360, 200), np.degrees(np.arcsin(rng.uniform(-1, 1, 200)))])
+        lon, lat = np.radians(places.T)
+        v = np.sin(2 * np.cos(lon) * np.cos(lat)) + np.sin(lat)
+        f = csrbf.fit(places, v, sphere=True)
+        self.assertAlmostEqual(f([10.0, 90.0]), f([200.0, 90.0]), places=9)
+        self.assertAlmostEqual(f([10.0, 90.0]), 1.0, places=3)
+        turned = csrbf.fit(places[:, ::-1], v, sphere=(1, 0))
+        self.assertAlmostEqual(f([-50.0, 20.0]), turned([20.0, 310.0]), places=5)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(f))(places), f(places))
+        self.assertTrue(f.covered([0.0, 0.0], "distance:20"))
+        with self.assertRaisesRegex(ValueError, "sphere"):
+            csrbf.fit(places, v, sphere=(0, 5))
+
+    def test_covariates_enter_linearly(self):
+        x, v = samples(150)
+        z = np.random.default_rng(2).random(150)
+        f = csrbf.fit(np.column_stack([x, z]), v + 4 * z, drift=[-1])
+        self.assertAlmostEqual(f.report["drift"][0], 4, places=3)
+        self.assertAlmostEqual(f([0.5, 0.5, 10.0]) - f([0.5, 0.5, 0.0]), 10 * f.report["drift"][0], places=9)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(f))(np.ones((1, 3))), f(np.ones((1, 3))))
+        self.assertGreater(f.standard_deviation([0.5, 0.5, 100.0]), f.standard_deviation([0.5, 0.5, 0.5]))
+
+    def test_derivatives_are_data(self):
+        x = np.random.default_rng(1).random((40, 2))
+        v, g = x[:, 0] ** 2 + np.sin(x[:, 1]), np.column_stack([2 * x[:, 0], np.cos(x[:, 1])])
+        f = csrbf.fit(x, v, derivatives=g)
+        np.testing.assert_allclose(f.gradient(x), g, atol=1e-4)
+        self.assertAlmostEqual(f([0.5, 0.5]), 0.25 + np.sin(0.5), places=5)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(f))(x), f(x))
+        with self.assertRaisesRegex(ValueError, "derivatives"):
+            csrbf.fit(x, v, derivatives=g[:, :1])
+
+    def test_faults_are_not_smoothed_across(self):
+        x, v = samples(300)
+        v = v + 5 * (x[:, 0] > 0.5)
+        f = csrbf.fit(x, v, faults=[[[0.5, -1.0], [0.5, 2.0]]])
+        self.assertAlmostEqual(f([0.5001, 0.5]) - f([0.4999, 0.5]), 5, places=1)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(f))(x), f(x))
+
+    def test_values_that_differ_have_kernels_of_their_own(self):
+        x, v = samples(500)
+        f = csrbf.fit(x, np.column_stack([v, np.floor(3 * x[:, 0])]))
+        alone = csrbf.fit(x, v)
+        self.assertEqual(len(f.report["value_kernels"]), 2)
+        at = 0.1 + 0.8 * np.random.default_rng(5).random((200, 2))
+        np.testing.assert_allclose(f(at)[:, 0], alone(at), atol=1e-9)
+
     def test_axes_are_scaled_unless_told_otherwise(self):
         x, v = samples(200)
         x[:, 1] *= 1000

@@ -305,20 +305,20 @@ class Failures(unittest.TestCase):
         nan[3] = np.nan
         cases = [
             (ValueError, "one point per row", (y[0], d), {}),
-            (ValueError, "length of its first axis", (y, d[1:]), {}),
-            (ValueError, "number or \\(20,\\)", (y, d), {"smoothing": [1.0, 2.0]}),
+            (ValueError, "first axis of `d`", (y, d[1:]), {}),
+            (ValueError, "scalar or have shape \\(20,\\)", (y, d), {"smoothing": [1.0, 2.0]}),
             (ValueError, "thin-plate", (y, d), {"kernel": "magic"}),
             (ValueError, "needs a scale", (y, d), {"kernel": "gaussian"}),
             (ValueError, "must be finite", (y, d), {"kernel": "gaussian", "epsilon": np.inf}),
             (ValueError, "must be -1", (y, d), {"degree": -2}),
-            (ValueError, "at least 21 points", (y, d), {"degree": 5}),
-            (ValueError, "at least 6 points", (y, d), {"degree": 2, "neighbors": 5}),
+            (ValueError, "At least 21 data points", (y, d), {"degree": 5}),
+            (ValueError, "At least 6 data points", (y, d), {"degree": 2, "neighbors": 5}),
             (ValueError, "at least 1", (y, d), {"neighbors": 0}),
             (ValueError, "every value must be finite", (y, nan), {}),
             (ValueError, "every coordinate must be finite", (y * [1, np.inf], d), {}),
             (ValueError, "real numbers", (y + 1j, d), {}),
             (csrbf.SolverFailure, "merge coincident points", (np.repeat(y[:10], 2, axis=0), d), {}),
-            (csrbf.SolverFailure, "2 of its 3", (np.column_stack([d, d]), d), {}),
+            (csrbf.SolverFailure, "2/3", (np.column_stack([d, d]), d), {}),
         ]
         for error, message, arguments, keywords in cases:
             with self.subTest(message=message):

@@ -45,6 +45,19 @@ class Estimator(unittest.TestCase):
         both = CSRBFRegressor(kernel="quintic").fit(X, np.column_stack([y, -y]))
         self.assertEqual(both.predict(at).shape, (50, 2))
 
+    def test_has_the_options_of_fit(self):
+        import inspect
+
+        own = set(CSRBFRegressor().get_params())
+        those = set(inspect.signature(csrbf.fit).parameters)
+        self.assertEqual(those - own, {"points", "values", "coordinates", "weights", "derivatives", "progress"})
+        X, y = samples(60, 2)
+        z = np.linspace(0, 1, 60) ** 2
+        model = CSRBFRegressor(drift=[2]).fit(np.column_stack([X, z]), y + 3 * z)
+        self.assertAlmostEqual(model.report_["drift"][0], 3, delta=0.1)
+        slopes = np.column_stack([3 * np.cos(3 * X[:, 0]) + X.sum(axis=1), X.sum(axis=1)])
+        self.assertLess(np.abs(CSRBFRegressor().fit(X, y, derivatives=slopes).predict(X) - y).max(), 1e-4)
+
     def test_tells_standard_deviations(self):
         X, y = samples(2000, 2, noise=0.1)
         model = CSRBFRegressor(method="partition-of-unity").fit(X, y)

@@ -4,6 +4,7 @@ usage: fit_test.py PROGRAM [unittest options]
 """
 
 import ast
+import json
 import math
 import os
 import random
@@ -67,6 +68,11 @@ def read_pgm(path):
     magic, width, height, most, body = data.split(None, 4)
     assert (magic, most) == (b"P5", b"255")
     return int(width), int(height), list(body)
+
+
+def json_of(path):
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
 
 
 class Functions(CommandLine):
@@ -203,6 +209,68 @@ class Fit(Functions):
         self.assertAlmostEqual(values[0], values[1], places=9)
         self.assertAlmostEqual(values[2], values[3], places=9)
 
+    def test_the_sphere_has_neither_poles_nor_a_date_line(self):
+        def truth(lon, lat):
+            lon, lat = math.radians(lon), math.radians(lat)
+            return math.sin(2 * math.cos(lon) * math.cos(lat)) + math.sin(lat)
+
+        source = random.Random(4)
+        places = [(360 * source.random(), math.degrees(math.asin(2 * source.random() - 1))) for _ in range(200)]
+        rows = [(lat, truth(lon, lat), lon) for lon, lat in places]
+        model = self.fitted(rows, "--sphere", "lon,lat", "--coordinates", "lon,lat", "--values", "t", head="lat,t,lon")
+        queries = self.write("queries.csv", "lon,lat\n0,90\n123,90\n180,10\n-180,10\n-30,-75\n330,-75\n")
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries)
+        values = [row[2] for row in self.table("out.csv")[1]]
+        for value, (lon, lat) in zip(values, [(0, 90), (123, 90), (180, 10), (-180, 10), (-30, -75), (330, -75)]):
+            self.assertAlmostEqual(value, truth(lon, lat), places=4)
+        for a, b in ((0, 1), (2, 3), (4, 5)):
+            self.assertAlmostEqual(values[a], values[b], places=6)
+        samples = self.write("s.csv", csv(rows, "lat,t,lon"))
+        self.fail_with(2, "latitude", "fit", samples, "-o", self.path("m.csrbf"), "--sphere", "lat,lon", "--values", "t")
+
+    def test_covariates_enter_linearly_and_are_needed_to_evaluate(self):
+        source = random.Random(4)
+        rows = [(x, y, 10 * source.random(), wave(x, y)) for x, y, _ in rows_of(wave, 150)]
+        rows = [(x, y, z, v - 0.5 * z) for x, y, z, v in rows]
+        samples = self.write("samples.csv", csv(rows, "x,y,height,value"))
+        model = self.path("model.csrbf")
+        report = self.path("report.json")
+        done = self.succeed("fit", samples, "-o", model, "--drift", "height", "--report", report)
+        self.assertIn("evaluate needs these columns too", done.stdout)
+        drift = json_of(report)["result"]["drift"][0]
+        self.assertAlmostEqual(drift["coefficient"], -0.5, places=3)
+        self.assertEqual((drift["value"], drift["covariate"]), ("value", "height"))
+        queries = self.write("queries.csv", csv([(0.5, 0.5, 20)], "x,y,height"))
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries, "--gradient")
+        row = self.table("out.csv")[1][0]
+        self.assertAlmostEqual(row[3], wave(0.5, 0.5) - 10, places=2)
+        self.assertAlmostEqual(row[6], -0.5, places=3)
+        short = self.write("short.csv", csv([(0.5, 0.5)], "x,y"))
+        self.fail_with(2, "height", "evaluate", model, "-o", self.path("out.csv"), "--points", short)
+
+    def test_derivatives_are_data(self):
+        rows = [(x, y, wave(x, y), 3 * math.cos(3 * x) * math.cos(2 * y), -2 * math.sin(3 * x) * math.sin(2 * y))
+                for x, y, _ in rows_of(wave, 40)]
+        model = self.fitted(rows, "--derivatives", "gx,gy", "--values", "v", head="x,y,v,gx,gy")
+        queries = self.write("queries.csv", csv([(0.5, 0.5)]))
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries)
+        self.assertAlmostEqual(self.table("out.csv")[1][0][2], wave(0.5, 0.5), places=4)
+        samples = self.write("s.csv", csv(rows, "x,y,v,gx,gy"))
+        self.fail_with(2, "columns of derivatives", "fit", samples, "-o", model, "--derivatives", "gx", "--values", "v",
+                       "--coordinates", "x,y")
+
+    def test_faults_are_not_smoothed_across(self):
+        rows = [(x, y, wave(x, y) + (5 if x > 0.5 else 0)) for x, y, _ in rows_of(wave, 300)]
+        faults = self.write("faults.csv", csv([(0.5, -1, 1), (0.5, 2, 1)], "x,y,line"))
+        model = self.fitted(rows, "--faults", faults)
+        queries = self.write("queries.csv", csv([(0.4999, 0.5), (0.5001, 0.5)]))
+        self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries)
+        left, right = [row[2] for row in self.table("out.csv")[1]]
+        self.assertAlmostEqual(left, wave(0.5, 0.5), places=2)
+        self.assertAlmostEqual(right, wave(0.5, 0.5) + 5, places=2)
+        one = self.write("one.csv", csv([(0.5, -1, 1), (0.5, 2, 2)], "x,y,line"))
+        self.fail_with(2, "one vertex", "fit", self.write("s.csv", csv(rows)), "-o", model, "--faults", one)
+
     def test_outside_the_samples_the_function_is_constant_or_nan(self):
         queries = self.write("queries.csv", "5,0.5\n0.5,0.5\n")
         for how in ("constant", "nan"):
@@ -312,6 +380,30 @@ class Evaluate(Functions):
         model = self.fitted(rows_of(plane), "--method", "multilevel")
         self.fail_with(2, "method = multilevel: this fit has none", "evaluate", model, "-o", self.path("out.csv"),
                        "--points", queries, "--standard-deviation")
+
+    def test_a_mask_leaves_places_far_from_samples_without_value(self):
+        rows = [(x, y, wave(x, y)) for x, y, _ in rows_of(wave, 200) if x + y < 1]
+        model = self.fitted(rows)
+        for mask, corner, middle in (("hull", True, False), ("distance:0.2", True, False), ("distance:3", False, False)):
+            done = self.succeed("evaluate", model, "-o", self.path("out.npy"), "--grid", "11", "--bounds", "0:1,0:1",
+                                "--mask", mask)
+            values = read_npy(self.path("out.npy"))[2]
+            self.assertEqual(math.isnan(values[-1]), corner)
+            self.assertEqual(math.isnan(values[3 * 11 + 3]), middle)
+            self.assertEqual("without a value" in done.stderr, corner)
+        self.fail_with(2, "hull, or distance:D", "evaluate", model, "-o", self.path("out.npy"), "--grid", "11", "--mask",
+                       "distance:x")
+
+    def test_extrapolation_may_be_chosen_late(self):
+        model = self.fitted([(x, y, 3 * x - y) for x, y, _ in rows_of(wave, 60)])
+        queries = self.write("queries.csv", csv([(2.0, 0.5)]))
+        for how, expected in (("constant", 2.5), ("linear", 5.5), ("nan", math.nan)):
+            self.succeed("evaluate", model, "-o", self.path("out.csv"), "--points", queries, "--extrapolation", how)
+            value = self.table("out.csv")[1][0][2]
+            if math.isnan(expected):
+                self.assertTrue(math.isnan(value))
+            else:
+                self.assertAlmostEqual(value, expected, delta=0.1)
 
     def test_one_value_and_its_gradient_have_the_promised_shapes(self):
         model = self.fitted(rows_of(plane))

@@ -1,8 +1,14 @@
 #include "csrbf/approx/fit.hpp"
 
 #include "csrbf/approx/fit_by_method.hpp"
+#include "csrbf/approx/fit_on_sphere.hpp"
+#include "csrbf/approx/fit_values.hpp"
+#include "csrbf/approx/fit_with_derivatives.hpp"
+#include "csrbf/approx/fit_with_drift.hpp"
+#include "csrbf/approx/fit_with_faults.hpp"
 #include "csrbf/approx/global/axis_covariance.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
@@ -10,7 +16,6 @@
 #include "csrbf/approx/unity/choose_local_options.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/kernels/kernel.hpp"
 
 #include <algorithm>
@@ -20,12 +25,11 @@
 namespace csrbf {
 namespace {
 
-constexpr double different_units = 10;      // ratio of the extents of axes that are scaled to equal extent in any case
-constexpr double maybe_different = 2;       // ... or if cross-validation is in favour of it
-constexpr Index checked_samples = 100'000;  // for the error at the samples
-constexpr double rounding = 1e-12;          // relative
-constexpr double much_better = 2;           // errors of one system over those of patches, which have no covariance
-constexpr Index one_system = 2500;          // samples that one system is tried for; chosen by hand
+constexpr double different_units = 10;  // ratio of the extents of axes that are scaled to equal extent in any case
+constexpr double maybe_different = 2;   // ... or if cross-validation is in favour of it
+constexpr double rounding = 1e-12;      // relative
+constexpr double much_better = 2;       // errors of one system over those of patches, which have no covariance
+constexpr Index one_system = 2500;      // samples that one system is tried for; chosen by hand
 
 template <int Dim>
 void check(const FitOptions& options) {
@@ -45,16 +49,9 @@ void check(const FitOptions& options) {
           "one per axis, 0 for axes that are not periodic, or none at all");
   for (const double period : options.periods)
     require(period >= 0 && std::isfinite(period), "fit", "periods", period, "must be positive, or 0 for none");
+  check_sphere<Dim>(options);
+  check_drift<Dim>(options);
   if (options.kernel != "auto") (void)Kernel(options.kernel, Dim, options.kernel_parameter);
-}
-
-FitMethod choose_method(const FitOptions& options, Index samples, int dimension) {
-  if (const FitMethodInfo* given = find_fit_method(options.method)) return given->method;
-  if (options.tolerance > 0) return FitMethod::error_bounded;
-  if (options.centers > 0) return FitMethod::fixed_budget;
-  const bool needs_polynomials = options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0;
-  return samples <= few_samples(dimension) || needs_polynomials ? FitMethod::interpolate
-                                                                : FitMethod::partition_of_unity;
 }
 
 // Says which options the method leaves unused, and what came of the others.
@@ -159,12 +156,6 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   return selected;
 }
 
-std::string text_of(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
 // Says what may be wrong with the values.
 template <int Dim>
 void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitReport& report) {
@@ -180,7 +171,8 @@ void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitR
   }
   for (Index c = 0; c < samples.components(); ++c)
     if (const std::optional<double> value = value_beyond_all_others(samples.values.col(c), options.missing))
-      report.warnings.push_back(text_of(*value) + " is far from all other values; if it means that there is none, " +
+      report.warnings.push_back((std::ostringstream() << *value).str() +
+                                " is far from all other values; if it means that there is none, " +
                                 "leave it out by missing");
 }
 
@@ -217,21 +209,6 @@ typename FittedField<Dim>::Growth variance_outside(const Samples<Dim>& samples, 
   return {at(1) / std::pow(far * extent, exponent), exponent, 2 * spread};
 }
 
-template <int Dim>
-void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
-  const Index stride = std::max<Index>(1, samples.size() / checked_samples);
-  const auto some = Eigen::seq(0, samples.size() - 1, stride);
-  const Points<Dim> points = samples.points(Eigen::all, some);
-  Eigen::VectorXd norms(static_cast<Index>(fit.components.size()));
-  for (std::size_t c = 0; c < fit.components.size(); ++c) {
-    Eigen::VectorXd error = shared_evaluate(*fit.components[c], points).value;
-    error -= samples.values.col(static_cast<Index>(c))(some);
-    norms[static_cast<Index>(c)] = error.stableNorm();
-    fit.report.max_error = std::max(fit.report.max_error, error.cwiseAbs().maxCoeff());
-  }
-  fit.report.rmse = norms.stableNorm() / std::sqrt(static_cast<double>(points.cols() * norms.size()));
-}
-
 // A power of two by which numbers have a usual size; 1 if they have one.
 double unit_of(double largest) {
   constexpr double usual = 1e100;  // products of several neither overflow nor vanish
@@ -239,8 +216,58 @@ double unit_of(double largest) {
   return std::ldexp(1.0, std::ilogb(largest));
 }
 
+// fit() of points whose dimension is known at run time only.
+AnyFit fit_any(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
+               const FitOptions& options) {
+  switch (points.rows()) {
+#define CSRBF_CASE(Dim) \
+  case Dim:             \
+    return any_fit(fit<Dim>(Samples<Dim>{points, values, weights}, options));
+    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+#undef CSRBF_CASE
+    default:
+      throw InvalidInput("fit: dimension: unsupported");
+  }
+}
+
+// What sees the samples in other coordinates, and fits them by fit() there.
+template <int Dim>
+Fit<Dim> fit_elsewhere(const Samples<Dim>& samples, const FitOptions& options) {
+  const auto fit_there = []<int D>(const Samples<D>& there, const FitOptions& given) { return fit<D>(there, given); };
+  Fit<Dim> result = !options.drift.empty() ? fit_with_drift<Dim>(samples, options, fit_any)
+                                           : fit_on_sphere<Dim>(samples, options, FitSamples<Dim>(fit_there),
+                                                                FitSamples<SphereField<Dim>::space_dim>(fit_there));
+  // Fields of their own coordinates in the frame that all fits have.
+  const typename FittedField<Dim>::Frame frame{.box = bounding_box<Dim>(samples.points),
+                                               .extrapolation = Extrapolation::trend};
+  for (auto* fields : {&result.components, &result.variances})
+    for (auto& field : *fields) field = std::make_shared<FittedField<Dim>>(std::move(field), frame);
+  measure_errors(fitted_samples(samples, options, result.report), result);
+  FitReport& report = result.report;
+  if (options.tolerance > 0 && !(report.max_error <= (1 + rounding) * options.tolerance) &&
+      std::find(report.warnings.begin(), report.warnings.end(), tolerance_missed) == report.warnings.end())
+    report.warnings.emplace_back(tolerance_missed);
+  return result;
+}
+
 template <int Dim>
 Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions& options) {
+  if (options.gradients.size() > 0) {
+    Fit<Dim> result = fit_with_derivatives<Dim>(given_samples, options);
+    measure_errors(fitted_samples(given_samples, options, result.report), result);
+    return result;
+  }
+  if (!options.drift.empty()) return fit_elsewhere(given_samples, options);
+  if (!options.faults.empty()) {
+    if constexpr (Dim == 2) {
+      Fit<2> result = fit_with_faults(given_samples, options);
+      measure_errors(fitted_samples(given_samples, options, result.report), result);
+      return result;
+    } else {
+      require(false, "fit", "faults", std::to_string(Dim) + " coordinates", "are for two, besides those of a drift");
+    }
+  }
+  if (!options.sphere.empty()) return fit_elsewhere(given_samples, options);
   Selected<Dim> selected = select(given_samples, options);
   const Samples<Dim>& samples = selected.samples ? *selected.samples : given_samples;
   csrbf::report(options.progress, "choose", 0);
@@ -304,24 +331,39 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   return result;
 }
 
+// One fit of all values, or several where they differ.
+template <int Dim>
+Fit<Dim> fit_all_values(const Samples<Dim>& samples, const FitOptions& options) {
+  Fit<Dim> result = fit_values<Dim>(samples, options, fit_in_usual_units<Dim>);
+  if (!result.report.value_kernels.empty()) measure_errors(fitted_samples(samples, options, result.report), result);
+  return result;
+}
+
 // Of samples divided by both units, with the errors and the tolerance in that of the values.
 template <int Dim>
-Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double coordinates, double values) {
-  samples.points /= coordinates;
+Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double unit, double values) {
+  Point<Dim> coordinates = Point<Dim>::Constant(unit);
+  for (const int a : options.drift) coordinates[a] = 1;
+  samples.points.array().colwise() /= coordinates.array();
   samples.values /= values;
-  for (double& period : options.periods) period /= coordinates;
+  for (double& period : options.periods) period /= unit;
+  options.gradients = options.gradients / values * unit;
+  for (Eigen::Matrix2Xd& line : options.faults) line /= unit;
   options.tolerance /= values;
   if (options.missing) *options.missing /= values;
-  Fit<Dim> result = fit_in_usual_units(samples, options);
-  const auto place = [&](std::vector<std::shared_ptr<const Field<Dim>>>& fields, double unit) {
-    for (auto& field : fields) field = dynamic_cast<const FittedField<Dim>&>(*field).in_units(coordinates, unit);
+  Fit<Dim> result = fit_all_values(samples, options);
+  const auto place = [&](std::vector<std::shared_ptr<const Field<Dim>>>& fields, double values_unit) {
+    for (auto& field : fields) field = dynamic_cast<const FittedField<Dim>&>(*field).in_units(coordinates, values_unit);
   };
   place(result.components, values);
   place(result.variances, 1);
   result.variance_unit = values;
   FitReport& report = result.report;
-  for (double& scale : report.axis_scales) scale *= coordinates;
+  for (std::size_t a = 0; a < report.axis_scales.size(); ++a)
+    report.axis_scales[a] *= coordinates[static_cast<Index>(a)];
   for (double& noise : report.noise) noise *= values;
+  for (auto* slopes : {&report.drift, &report.drift_deviations})
+    for (double& slope : *slopes) slope *= values;
   report.rmse *= values;
   report.max_error *= values;
   report.cross_validation_rmse *= values;
@@ -334,12 +376,20 @@ template <int Dim>
 Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   check<Dim>(options);
   require_valid(samples, "fit");
-  const double coordinates = unit_of(samples.points.cwiseAbs().maxCoeff());
+  double coordinates = 1;
+  if (options.sphere.empty()) {
+    Point<Dim> largest = samples.points.cwiseAbs().rowwise().maxCoeff();
+    for (const int a : options.drift) largest[a] = 0;
+    coordinates = unit_of(largest.maxCoeff());
+  }
   const double values =
       unit_of(samples.values.unaryExpr([&](double v) { return options.missing == v ? 0.0 : std::abs(v); }).maxCoeff());
-  Fit<Dim> result = coordinates == 1 && values == 1 ? fit_in_usual_units(samples, options)
+  Fit<Dim> result = coordinates == 1 && values == 1 ? fit_all_values(samples, options)
                                                     : fit_in_units(samples, options, coordinates, values);
   warn_of_errors(samples, options, result.report);
+  result.report.sphere = options.sphere;
+  result.report.drift_axes = options.drift;
+  result.places = places_of(samples, result.report);
   return result;
 }
 

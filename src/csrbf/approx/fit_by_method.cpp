@@ -288,6 +288,15 @@ class Fitter {
 
 }  // namespace
 
+FitMethod choose_method(const FitOptions& options, Index samples, int dimension) {
+  if (const FitMethodInfo* given = find_fit_method(options.method)) return given->method;
+  if (options.tolerance > 0) return FitMethod::error_bounded;
+  if (options.centers > 0) return FitMethod::fixed_budget;
+  const bool needs_polynomials = options.kernel != "auto" && Kernel(options.kernel, dimension).order() > 0;
+  return samples <= few_samples(dimension) || needs_polynomials ? FitMethod::interpolate
+                                                                : FitMethod::partition_of_unity;
+}
+
 PartitionOfUnityOptions partition_options(const FitOptions& options) {
   PartitionOfUnityOptions local;
   if (options.kernel != "auto") local.kernel = options.kernel;

@@ -18,6 +18,9 @@ constexpr Index few_samples(int dimension) {
 /// The options of fit() that a partition of unity has as well.
 PartitionOfUnityOptions partition_options(const FitOptions& options);
 
+/// The method that fit() begins with.
+FitMethod choose_method(const FitOptions& options, Index samples, int dimension);
+
 /// What was learned from the samples before they were scaled by its lengths: see AxisCovariance.
 struct LearnedCovariance {
   Kernel kernel;

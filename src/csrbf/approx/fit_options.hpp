@@ -1,9 +1,11 @@
 #pragma once
 
+#include "csrbf/core/field.hpp"
 #include "csrbf/core/progress.hpp"
 #include "csrbf/core/types.hpp"
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +46,20 @@ struct FitOptions {
   std::optional<int> degree = {};
   /// Period of every axis, 0 for none (longitude: 360); empty: no axis is periodic.
   std::vector<double> periods = {};
+  /// The axes of longitude and latitude, in degrees: distances are those on the sphere, so that neither the poles nor
+  /// the meridian where longitudes jump matter. Longitudes may be any numbers, latitudes are from -90 to 90. Up to five
+  /// axes in all. Gradients are per degree of longitude and latitude. Empty: none.
+  std::vector<int> sphere = {};
+  /// Axes that enter linearly (universal kriging, drift): f(x, z) = g(x) + beta z with covariates z, such as elevation
+  /// for temperatures, and a function g of the other axes. beta is that of generalised least squares, for residuals
+  /// whose covariance is estimated. Covariates are needed wherever f is evaluated.
+  std::vector<int> drift = {};
+  /// N x (k Dim), value by value: derivatives of the function at the samples, as data (Hermite); NaN: unknown. Empty:
+  /// none.
+  Eigen::MatrixXd gradients = {};
+  /// Polylines in the plane (2 x vertices each) across which the function may jump: samples behind a fault do not
+  /// count. For two coordinates.
+  std::vector<Eigen::Matrix2Xd> faults = {};
   Extrapolation extrapolation = Extrapolation::constant;
   /// auto: samples far from what those around them say (gross errors) are left out and reported; squares: none is;
   /// huber, student: all samples have less weight the farther they are (Huber 1964; Lange et al. 1989). auto keeps all
@@ -87,9 +103,30 @@ struct FitReport {
   double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();
   std::optional<PartitionReport> partition = {};
   std::vector<double> axis_scales;  ///< what the coordinates were divided by
-  std::vector<double> noise;        ///< standard deviations of the noise of a sample of mean weight; empty: unknown
+  std::vector<std::string>
+      value_kernels;                    ///< of each value, where they were fitted on their own; `kernel` is the first
+  std::vector<int> sphere, drift_axes;  ///< FitOptions::sphere and drift
+  /// Of fits with a drift, per unit of its covariates: component by component, and their standard deviations.
+  std::vector<double> drift, drift_deviations;
+  std::vector<double> noise;  ///< standard deviations of the noise of a sample of mean weight; empty: unknown
   std::vector<std::string> warnings;
   double choose_seconds = 0, fit_seconds = 0;  ///< of this run: models do not keep them
+};
+
+/// A function fitted to samples: one field per component of their values.
+template <int Dim>
+struct Fit {
+  std::vector<std::shared_ptr<const Field<Dim>>> components;
+  /// Variance of the difference between a sample of mean weight and the component: the error of the function and the
+  /// noise of the values together. For interpolate that of kriging (see KrigingVariance), 0 at samples without noise
+  /// and growing between them; for partition-of-unity from local leave-one-out errors (see local_variance), outside the
+  /// box growing with the distance as the values differ. Empty for the other methods, for interpolation of more than
+  /// 4000 samples, and where there are too few samples to estimate it.
+  std::vector<std::shared_ptr<const Field<Dim>>> variances = {};
+  double variance_unit = 1;  ///< variances are in its square, which keeps those of huge and tiny values finite
+  FitReport report = {};
+  /// The samples' points, or some of them where the model is much smaller; null in older models.
+  std::shared_ptr<const Points<Dim>> places = {};
 };
 
 }  // namespace csrbf

@@ -1,9 +1,18 @@
 #include "csrbf/approx/function.hpp"
 
+#include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/function_fit.hpp"
+#include "csrbf/approx/samples/drift_field.hpp"
+#include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/sphere_field.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/spatial/convex_hull.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
 
+#include <charconv>
 #include <cmath>
+#include <numbers>
 #include <type_traits>
 
 namespace csrbf {
@@ -51,6 +60,77 @@ Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::Mat
     result.col(c) = fit.variance_unit * variance.unaryExpr([](double v) { return v < 0 ? 0 : v; }).sqrt();  // keeps NaN
   }
   return result;
+}
+
+// Whether points are within a distance from places.
+template <int D>
+std::vector<char> near_places(const Points<D>& places, const Points<D>& x, double distance) {
+  const KdTree<D> tree(places);
+  std::vector<char> near(static_cast<std::size_t>(x.cols()));
+  parallel_for(x.cols(), 1024, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      near[static_cast<std::size_t>(i)] =
+          x.col(i).allFinite() && tree.any_within(x.col(i), distance * (1 + 1e-12)) ? 1 : 0;
+  });
+  return near;
+}
+
+template <int Dim>
+std::vector<char> covered_by_hull(const Fit<Dim>& fit, const Points<Dim>& x) {
+  require(fit.report.sphere.empty(), "mask", "hull", "of a sphere", "use distance:D, in degrees");
+  if constexpr (Dim > 3) {
+    throw InvalidInput("mask: hull: of " + std::to_string(Dim) + " coordinates: use distance:D");
+  } else {
+    const HalfSpaces hull = convex_hull<Dim>(*fit.places);
+    const double rounding = 1e-9 * bounding_box<Dim>(*fit.places).extent().maxCoeff();
+    std::vector<char> inside(static_cast<std::size_t>(x.cols()));
+    parallel_for(x.cols(), 1024, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i)
+        inside[static_cast<std::size_t>(i)] = hull.contains(x.col(i), rounding) ? 1 : 0;
+    });
+    return inside;
+  }
+}
+
+Points<3> on_sphere(const Eigen::Ref<const Eigen::MatrixXd>& x, const std::vector<int>& axes) {
+  Points<3> u(3, x.cols());
+  for (Index i = 0; i < x.cols(); ++i) u.col(i) = point_on_sphere(x(axes[0], i), x(axes[1], i));
+  return u;
+}
+
+template <int Dim>
+std::vector<char> covered_places(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::MatrixXd>& given,
+                                 const Mask& mask) {
+  const Points<Dim> x = points_of<Dim>(given);
+  require(fit.report.drift_axes.empty(), "mask", "function", "with a drift", "covariates have no hull; leave it out");
+  require(fit.places != nullptr, "mask", "model", "older",
+          "does not know where its samples are; fit it again with this version");
+  if (mask.hull) return covered_by_hull(fit, x);
+  const std::vector<int>& sphere = fit.report.sphere;
+  if (sphere.empty()) return near_places<Dim>(*fit.places, x, mask.distance);
+  require(Dim == 2, "mask", "coordinates", Dim, "on a sphere there must be no others");
+  const double half = std::min(mask.distance, 180.0) * std::numbers::pi / 360;
+  return near_places<3>(on_sphere(*fit.places, sphere), on_sphere(x, sphere), 2 * std::sin(half));
+}
+
+// A field with other values outside its box, if that is where they are decided.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> extrapolated_field(const std::shared_ptr<const Field<Dim>>& field,
+                                                     Extrapolation extrapolation, bool has_trend) {
+  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(field.get());
+  require(fitted != nullptr, "extrapolation", "function", "of a segmentation", "has no samples");
+  if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&fitted->inner())) {
+    typename SphereField<Dim>::Parts parts = sphere->parts();
+    if (parts.charts.size() != 1 || parts.space) return field;  // the whole sphere has no outside
+    parts.charts[0].field = extrapolated_field<Dim>(parts.charts[0].field, extrapolation, has_trend);
+    return std::make_shared<FittedField<Dim>>(std::make_shared<SphereField<Dim>>(std::move(parts), sphere->bounds()),
+                                              fitted->frame());
+  }
+  require(dynamic_cast<const DriftField<Dim>*>(&fitted->inner()) == nullptr, "extrapolation", "function",
+          "with a drift", "give the option to fit");
+  auto frame = fitted->frame();
+  frame.extrapolation = extrapolation == Extrapolation::trend && !has_trend ? Extrapolation::linear : extrapolation;
+  return std::make_shared<FittedField<Dim>>(fitted->inner_pointer(), frame);
 }
 
 template <int Dim>
@@ -154,6 +234,31 @@ void Function::evaluate_grid(const std::vector<Eigen::VectorXd>& axes, Eigen::Re
 
 Eigen::MatrixXd Function::standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x, DeviationOf of) const {
   return visit_fit(*fit_, [&](const auto& fit) { return deviation(fit, x, of); });
+}
+
+std::vector<bool> Function::covered(const Eigen::Ref<const Eigen::MatrixXd>& x, const Mask& mask) const {
+  const std::vector<char> covered = visit_fit(*fit_, [&](const auto& fit) { return covered_places(fit, x, mask); });
+  return {covered.begin(), covered.end()};
+}
+
+Function Function::extrapolated(Extrapolation extrapolation) const {
+  return visit_fit(*fit_, [&]<int Dim>(const Fit<Dim>& fit) {
+    Fit<Dim> result = fit;
+    const bool has_trend = fit.report.method == info_of(FitMethod::interpolate).name;
+    for (auto& field : result.components) field = extrapolated_field<Dim>(field, extrapolation, has_trend);
+    return Function(std::move(result));
+  });
+}
+
+Mask mask_of(const std::string& text) {
+  if (text == "hull") return {.hull = true};
+  const std::string prefix = "distance:";
+  Mask mask;
+  const char *begin = text.data() + std::min(prefix.size(), text.size()), *end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(begin, end, mask.distance);
+  if (!text.starts_with(prefix) || error != std::errc() || last != end || !(mask.distance > 0))
+    throw InvalidInput("mask = " + text + ": must be hull, or distance:D with a positive distance D");
+  return mask;
 }
 
 Eigen::MatrixXd Function::bounds() const {

@@ -14,6 +14,15 @@ struct FunctionFit;
 /// weight, whose noise comes on top.
 enum class DeviationOf { sample, function };
 
+/// Where values are wanted: in the convex hull of the samples, or up to a distance from them.
+struct Mask {
+  bool hull = false;
+  double distance = 0;  ///< largest one, on a sphere in degrees; 0: none
+};
+
+/// "hull" or "distance:D". Throws InvalidInput for other texts.
+Mask mask_of(const std::string& text);
+
 /// A fitted function whose dimension is known only at run time, as held by the program, model files and Python.
 class Function {
  public:
@@ -54,6 +63,15 @@ class Function {
   /// Throws InvalidInput when it has another number of rows and when the fit has none.
   [[nodiscard]] Eigen::MatrixXd standard_deviation(const Eigen::Ref<const Eigen::MatrixXd>& x,
                                                    DeviationOf of = DeviationOf::sample) const;
+
+  /// Whether each of m points is where the mask wants values. `x`: d x m. The hull is for up to three coordinates, and
+  /// neither for a sphere. Throws InvalidInput for other functions, for those with a drift, and for models that do not
+  /// know their samples' places.
+  [[nodiscard]] std::vector<bool> covered(const Eigen::Ref<const Eigen::MatrixXd>& x, const Mask& mask) const;
+
+  /// The same function with other values outside the box of the samples. Throws InvalidInput where these belong to the
+  /// fit: with a drift, or faults.
+  [[nodiscard]] Function extrapolated(Extrapolation extrapolation) const;
 
   /// The box of the samples: d x 2, lower and upper corner.
   [[nodiscard]] Eigen::MatrixXd bounds() const;

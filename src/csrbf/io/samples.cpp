@@ -8,6 +8,7 @@
 #include "csrbf/io/files/table.hpp"
 #include "csrbf/io/files/text.hpp"
 
+#include <map>
 #include <numeric>
 
 namespace csrbf {
@@ -51,6 +52,12 @@ class ColumnPicker {
       list.remove_prefix(std::min(list.size(), comma + 1));
     }
     return columns;
+  }
+
+  // The same, but they do not count as used.
+  [[nodiscard]] std::vector<Index> find(std::string_view list) const {
+    ColumnPicker other(table_, name_);
+    return other.take(list);
   }
 
   // All unused columns, or the last of them.
@@ -157,6 +164,8 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   ColumnPicker picker(table, name);
   const std::vector<Index> weights = picker.take(columns.weights);
   if (weights.size() > 1) throw IoError(name + ": weights must be one column, found " + in_quotes(columns.weights));
+  const std::vector<Index> drift = picker.take(columns.drift);
+  const std::vector<Index> derivatives = picker.take(columns.derivatives);
   std::vector<Index> values = picker.take(columns.values);
   std::vector<Index> coordinates = picker.take(columns.coordinates);
   if (values.empty()) values = picker.take_last();
@@ -164,6 +173,19 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   if (values.empty() || coordinates.empty())
     throw IoError(name + ": samples need one column of coordinates and one of values at least, the file has only " +
                   std::to_string(table.values.rows()));
+  if (!derivatives.empty() && derivatives.size() != coordinates.size() * values.size())
+    throw IoError(name + ": found " + std::to_string(derivatives.size()) + " columns of derivatives, " +
+                  in_quotes(columns.derivatives) + "; there must be one for each of " + std::to_string(values.size()) +
+                  " values by each of " + std::to_string(coordinates.size()) + " coordinates");
+  picker.check_numbers(derivatives);
+  std::vector<int> sphere;
+  for (const Index column : picker.find(columns.sphere)) {
+    const auto found = std::find(coordinates.begin(), coordinates.end(), column);
+    if (found == coordinates.end())
+      throw IoError(name + ": the columns of a sphere, " + in_quotes(columns.sphere) + ", must be coordinates");
+    sphere.push_back(static_cast<int>(found - coordinates.begin()));
+  }
+  coordinates.insert(coordinates.end(), drift.begin(), drift.end());
   std::vector<Index> used = coordinates;
   used.insert(used.end(), values.begin(), values.end());
   used.insert(used.end(), weights.begin(), weights.end());
@@ -172,14 +194,42 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   const std::vector<Index> rows = complete_rows(table, used);
   if (rows.empty()) throw IoError(name + ": no row has a finite number in every column that is used");
   SampleTable samples;
+  samples.sphere = std::move(sphere);
+  for (std::size_t k = coordinates.size() - drift.size(); k < coordinates.size(); ++k)
+    samples.drift.push_back(static_cast<int>(k));
   samples.dropped = table.values.cols() - std::ssize(rows);
   samples.coordinates = table.values(coordinates, rows);
   samples.values = table.values(values, rows).transpose();
   if (!weights.empty()) samples.weights = table.values(weights, rows).transpose();
+  if (!derivatives.empty()) samples.gradients = table.values(derivatives, rows).transpose();
   check_weights(samples.weights, rows, name);
   samples.coordinate_names = names_of(table, coordinates, default_coordinate_names(samples.coordinates.rows()));
   samples.value_names = names_of(table, values, default_value_names(samples.values.cols()));
   return samples;
+}
+
+std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path) {
+  const Table table = read_table(path);
+  const std::string name = display_name(path);
+  const Index columns = table.values.rows();
+  if (columns != 2 && columns != 3)
+    throw IoError(name +
+                  ": faults need two columns of coordinates and, for several, one with the number of the line; "
+                  "found " +
+                  std::to_string(columns));
+  if (!table.text_cells.empty())
+    throw IoError(name + ":" + std::to_string(table.text_cells.front().line) + ": " +
+                  in_quotes(table.text_cells.front().text) + " is not a number");
+  if (!table.values.allFinite()) throw IoError(name + ": a number is missing or not finite");
+  std::vector<Eigen::Matrix2Xd> faults;
+  std::map<double, std::vector<Index>> lines;
+  for (Index row = 0; row < table.values.cols(); ++row) lines[columns == 3 ? table.values(2, row) : 0].push_back(row);
+  for (const auto& [number, rows] : lines) {
+    if (rows.size() < 2)
+      throw IoError(name + ": the line of row " + std::to_string(rows.front() + 1) + " has one vertex; two are needed");
+    faults.emplace_back(table.values(std::vector<Index>{0, 1}, rows));
+  }
+  return faults;
 }
 
 Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::string>& names) {

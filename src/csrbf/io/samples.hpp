@@ -12,15 +12,20 @@ struct SampleColumns {
   std::string coordinates = {};  ///< default: all columns that are neither values nor weights
   std::string values = {};       ///< default: the last column that is neither a coordinate nor the weight
   std::string weights = {};      ///< one column; default: none, all samples weigh 1
+  std::string sphere = {};       ///< those of longitude and latitude, among the coordinates; default: none
+  std::string derivatives = {};  ///< of each value by each coordinate, value by value; default: none
+  std::string drift = {};        ///< covariates: further coordinates, after the others; default: none
 };
 
 /// Scattered samples as read from a file, for any dimension.
 struct SampleTable {
-  Eigen::MatrixXd coordinates;  ///< d x n
-  Eigen::MatrixXd values;       ///< n x k
-  Eigen::VectorXd weights;      ///< n, or empty
+  Eigen::MatrixXd coordinates;     ///< d x n
+  Eigen::MatrixXd values;          ///< n x k
+  Eigen::VectorXd weights;         ///< n, or empty
+  Eigen::MatrixXd gradients = {};  ///< n x (k d), or empty; missing numbers are NaN
   std::vector<std::string> coordinate_names, value_names;
-  Index dropped = 0;  ///< rows left out because one of their numbers is missing or not finite
+  std::vector<int> sphere = {}, drift = {};  ///< these coordinates, numbered from 0
+  Index dropped = 0;                         ///< rows left out because one of their numbers is missing or not finite
 };
 
 /// Names of d coordinates: x y z, or x1 x2 ... from four on.
@@ -34,6 +39,11 @@ std::vector<std::string> default_value_names(Index k);
 /// ones. Throws IoError "file:line: ..." for unreadable text, unknown columns (listing those there are), negative
 /// weights and when no row is left.
 SampleTable read_samples(const std::string& path, const SampleColumns& columns = {});
+
+/// Reads faults: polylines in the plane, see FitOptions::faults, in the formats of samples: coordinates of vertices in
+/// the first two columns and, in a third one, the number of the line, which vertices of one line share; their order is
+/// that along the line. Without it all are of one line. Throws IoError, also for lines of a single vertex.
+std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path);
 
 /// Reads points to evaluate at, in the formats of samples: the columns of these names when the file has all of them,
 /// else the first names.size() columns; a d x m matrix. Missing numbers are NaN, so that every row has a

@@ -35,12 +35,10 @@ FittedField<Dim>::FittedField(std::shared_ptr<const Field<Dim>> inner, const Fra
 }
 
 template <int Dim>
-std::shared_ptr<const FittedField<Dim>> FittedField<Dim>::in_units(double coordinates, double values) const {
+std::shared_ptr<const FittedField<Dim>> FittedField<Dim>::in_units(const Point<Dim>& coordinates, double values) const {
   Frame frame = frame_;
-  frame.scales *= coordinates;
-  frame.periods *= coordinates;
-  frame.box.lo *= coordinates;
-  frame.box.hi *= coordinates;
+  for (auto* lengths : {&frame.scales, &frame.periods, &frame.box.lo, &frame.box.hi})
+    *lengths = lengths->cwiseProduct(coordinates);
   frame.unit *= values;
   return std::make_shared<const FittedField>(inner_, frame);
 }

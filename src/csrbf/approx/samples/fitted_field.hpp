@@ -39,9 +39,10 @@ class FittedField : public Field<Dim> {
   [[nodiscard]] std::optional<Enclosure> enclose(const Box<Dim>& box) const override;
 
   /// The same for coordinates in another unit, and with values in one.
-  [[nodiscard]] std::shared_ptr<const FittedField> in_units(double coordinates, double values) const;
+  [[nodiscard]] std::shared_ptr<const FittedField> in_units(const Point<Dim>& coordinates, double values) const;
 
   [[nodiscard]] const Field<Dim>& inner() const { return *inner_; }
+  [[nodiscard]] const std::shared_ptr<const Field<Dim>>& inner_pointer() const { return inner_; }
   [[nodiscard]] const Frame& frame() const { return frame_; }
 
  private:

@@ -3,9 +3,12 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/moving/moving_least_squares_field.hpp"
+#include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/models/drift_archive.hpp"
 #include "csrbf/io/models/field_parts.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
@@ -22,6 +25,10 @@ constexpr const char* fitted_kind = "fitted field";
 constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
+constexpr const char* sphere_kind = "field on the sphere";
+constexpr const char* divided_kind = "divided by faults";
+constexpr const char* derivatives_kind = "values and derivatives";
+constexpr std::int64_t most_charts = 64;
 constexpr std::int64_t most_regions = 256;  // limits on damaged files, above what fits make
 constexpr std::int64_t most_levels = 1024;
 
@@ -108,7 +115,8 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
 
 bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
-         kind == track_kind || kind == fitted_kind || kind == lattice_kind || kind == largest_kind;
+         kind == track_kind || kind == fitted_kind || kind == lattice_kind || kind == largest_kind ||
+         kind == sphere_kind || kind == drift_kind || kind == derivatives_kind || kind == divided_kind;
 }
 
 template <int Dim>
@@ -150,15 +158,53 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     const RadialBasis<Dim>& basis = *power.basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
     archive.set("power", share(&power, [&] { return to_archive(power); }));
+  } else if (const auto* hermite = dynamic_cast<const HermiteField<Dim>*>(&field)) {
+    archive.kind = derivatives_kind;
+    archive.set("component", hermite->component());
+    archive.set("is_variance", hermite->is_variance() ? 1 : 0);
+    archive.set("data", share(hermite->data().get(), [&] { return hermite_to_archive<Dim>(*hermite->data()); }));
+  } else if (const auto* sphere = dynamic_cast<const SphereField<Dim>*>(&field)) {
+    archive = this->sphere(*sphere);
+  } else if (const auto* drift = dynamic_cast<const DriftField<Dim>*>(&field)) {
+    archive = drift_to_archive(*drift);
   } else if (!level_set(field, archive)) {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
   return archive;
 }
 
-// The archive of a level set of a segmentation, if the field is one.
+template <int Dim>
+Archive FieldWriter<Dim>::sphere(const SphereField<Dim>& field) {
+  const typename SphereField<Dim>::Parts& parts = field.parts();
+  Archive archive;
+  archive.kind = sphere_kind;
+  set_box(archive, field.bounds());
+  archive.set("longitude", parts.longitude);
+  archive.set("latitude", parts.latitude);
+  archive.set("charts", parts.charts.size());
+  for (std::size_t i = 0; i < parts.charts.size(); ++i) {
+    Archive chart = this->field(*parts.charts[i].field);
+    chart.set("chart_axes", parts.charts[i].chart.axes);
+    archive.set("chart" + std::to_string(i), std::move(chart));
+  }
+  archive.set("has_space", parts.space ? 1 : 0);
+  if constexpr (SphereField<Dim>::space_dim > Dim)
+    if (parts.space) archive.set("space", alone(*parts.space));
+  return archive;
+}
+
+// The archive of a field of one dimension or two: a level set of a segmentation, or one divided by faults.
 template <int Dim>
 bool FieldWriter<Dim>::level_set(const Field<Dim>& field, Archive& archive) {
+  if constexpr (Dim == 2) {
+    if (const auto* divided = dynamic_cast<const FaultField*>(&field)) {
+      archive.kind = divided_kind;
+      archive.set("component", divided->component());
+      archive.set("is_variance", divided->is_variance() ? 1 : 0);
+      archive.set("data", share(divided->data().get(), [&] { return faults_to_archive(*divided->data()); }));
+      return true;
+    }
+  }
   if constexpr (Dim == 2 || Dim == 3) {
     if (const auto* lattice = dynamic_cast<const LatticeField<Dim>*>(&field)) {
       archive = to_archive(*lattice);
@@ -238,13 +284,49 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     if (!(sigma2 >= 0) || !std::isfinite(sigma2)) archive.fail("the variance is damaged");
     return std::make_shared<const KrigingVariance<Dim>>(power, sigma2, box_of<Dim>(archive));
   }
+  if (archive.kind == derivatives_kind) {
+    const auto data = shared<typename HermiteField<Dim>::Data>(archive, "data", hermite_kind, hermite_from<Dim>);
+    const Index component = archive.integer("component", 0, data->patches.front().mean.size() - 1);
+    return std::make_shared<const HermiteField<Dim>>(data, component, archive.integer("is_variance", 0, 1) == 1);
+  }
+  if (archive.kind == sphere_kind) return sphere(archive);
+  if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);
   if (auto level_set = this->level_set(archive)) return level_set;
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
 }
 
-// The level set of a segmentation, if the archive holds one.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> FieldReader<Dim>::sphere(const Archive& archive) {
+  typename SphereField<Dim>::Parts parts;
+  parts.longitude = static_cast<int>(archive.integer("longitude", 0, Dim - 1));
+  parts.latitude = static_cast<int>(archive.integer("latitude", 0, Dim - 1));
+  const std::int64_t charts = archive.integer("charts", 0, most_charts);
+  const bool has_space = archive.integer("has_space", 0, 1) == 1;
+  if (parts.longitude == parts.latitude || (charts == 0 && !has_space)) archive.fail("the sphere is damaged");
+  for (std::int64_t i = 0; i < charts; ++i) {
+    const Archive chart = archive.part("chart" + std::to_string(i));
+    if (chart.kind == sphere_kind) archive.fail("a sphere is inside another one");
+    parts.charts.push_back({{Eigen::Matrix3d(chart.numbers("chart_axes", 3, 3))}, field(chart)});
+  }
+  if (has_space) {
+    if constexpr (SphereField<Dim>::space_dim > Dim)
+      parts.space = alone_from<SphereField<Dim>::space_dim>(archive.part("space"));
+    else
+      archive.fail("the sphere has too many coordinates");
+  }
+  return std::make_shared<const SphereField<Dim>>(std::move(parts), box_of<Dim>(archive));
+}
+
+// The same fields.
 template <int Dim>
 std::shared_ptr<const Field<Dim>> FieldReader<Dim>::level_set(const Archive& archive) {
+  if constexpr (Dim == 2) {
+    if (archive.kind == divided_kind) {
+      const auto data = shared<FaultField::Data>(archive, "data", faults_kind, faults_from);
+      const Index component = archive.integer("component", 0, data->models.components - 1);
+      return std::make_shared<const FaultField>(data, component, archive.integer("is_variance", 0, 1) == 1);
+    }
+  }
   if constexpr (Dim == 2 || Dim == 3) {
     if (archive.kind == lattice_kind) return lattice_field_from<Dim>(archive);
     if (archive.kind == largest_kind) {

@@ -8,6 +8,9 @@
 
 namespace csrbf {
 
+template <int Dim>
+class SphereField;
+
 /// Is this the kind of an archive made by FieldWriter?
 bool is_field_kind(const std::string& kind);
 
@@ -22,6 +25,7 @@ class FieldWriter {
   void store_shared(Archive& archive);
 
  private:
+  Archive sphere(const SphereField<Dim>& field);
   bool level_set(const Field<Dim>& field, Archive& archive);
   std::int64_t share(const void* object, const std::function<Archive()>& to_archive);
 
@@ -40,6 +44,7 @@ class FieldReader {
   std::shared_ptr<const Field<Dim>> field(const Archive& archive);
 
  private:
+  std::shared_ptr<const Field<Dim>> sphere(const Archive& archive);
   std::shared_ptr<const Field<Dim>> level_set(const Archive& archive);
   template <class T>
   std::shared_ptr<const T> shared(const Archive& user, const std::string& name, const char* kind,

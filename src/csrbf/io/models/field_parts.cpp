@@ -211,13 +211,138 @@ std::shared_ptr<const typename MovingLeastSquares<Dim>::Data> samples_from(const
   return data;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                   \
-  template Archive to_archive(const RadialBasis<Dim>&);                                          \
-  template std::shared_ptr<const RadialBasis<Dim>> basis_from(const Archive&);                   \
-  template Archive patches_to_archive<Dim>(const PartitionOfUnity<Dim>::Data&);                  \
-  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> patches_from<Dim>(const Archive&); \
-  template Archive samples_to_archive<Dim>(const MovingLeastSquares<Dim>::Data&);                \
-  template std::shared_ptr<const MovingLeastSquares<Dim>::Data> samples_from<Dim>(const Archive&);
+// Patches have any number of centres: all are stored one after the other.
+template <int Dim>
+Archive hermite_to_archive(const typename HermiteField<Dim>::Data& data) {
+  Archive archive;
+  archive.kind = hermite_kind;
+  archive.set("kernel", data.kernel.name());
+  const Index components = data.patches.front().mean.size();
+  std::vector<std::int64_t> sizes;
+  Index total = 0;
+  for (const auto& patch : data.patches) {
+    sizes.push_back(patch.centers.cols());
+    total += patch.centers.cols();
+  }
+  Eigen::MatrixXd centers(Dim, total), coefficients((1 + Dim) * total, components);
+  Eigen::MatrixXd means(components, std::ssize(sizes)), variances(components, std::ssize(sizes));
+  Index first = 0, number = 0;
+  for (const auto& patch : data.patches) {
+    const Index n = patch.centers.cols();
+    centers.middleCols(first, n) = patch.centers;
+    coefficients.middleRows((1 + Dim) * first, (1 + Dim) * n) = patch.coefficients;
+    means.col(number) = patch.mean;
+    variances.col(number++) = patch.variance;
+    first += n;
+  }
+  archive.set("sizes", sizes);
+  archive.set("centers", centers);
+  archive.set("coefficients", coefficients);
+  archive.set("means", means);
+  archive.set("patch_variances", variances);
+  archive.set("has_cover", data.cover ? 1 : 0);
+  if (data.cover)
+    set_tree<Dim>(archive, data.cover->tree());
+  else
+    set_box(archive, data.box);
+  if (!data.system) return archive;
+  archive.set("nuggets", data.system->nuggets);  // infinite where unknown
+  archive.set("sigma2", data.sigma2);
+  archive.set("noise", data.noise);
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const typename HermiteField<Dim>::Data> hermite_from(const Archive& archive) {
+  auto data = std::make_shared<typename HermiteField<Dim>::Data>();
+  data->kernel = HermiteKernel(archive.text("kernel"));
+  data->box = box_of<Dim>(archive);
+  const auto& sizes = archive.array<std::int64_t>("sizes", -1, 1);
+  const auto& centers = archive.numbers("centers", Dim, -1);
+  const auto& means = archive.numbers("means", -1, sizes.size());
+  const Index components = means.rows();
+  const auto& coefficients = archive.numbers("coefficients", (1 + Dim) * centers.cols(), components);
+  const auto& variances = archive.numbers("patch_variances", components, sizes.size());
+  if (sizes.size() == 0 || components == 0) archive.fail("there are no systems");
+  Index first = 0;
+  for (Index k = 0; k < sizes.size(); ++k) {
+    const Index n = sizes(k, 0);
+    if (n < 0 || n > centers.cols() - first) archive.fail("the sizes of the systems are damaged");
+    data->patches.push_back({centers.middleCols(first, n), coefficients.middleRows((1 + Dim) * first, (1 + Dim) * n),
+                             means.col(k), variances.col(k)});
+    first += n;
+  }
+  if (archive.integer("has_cover", 0, 1) == 1) {
+    data->cover.emplace(tree_from<Dim>(archive));
+    if (data->cover->size() != sizes.size()) archive.fail("there is not one system per support");
+    return data;
+  }
+  if (sizes.size() != 1) archive.fail("several systems need a cover");
+  HermiteSystem<Dim> system{Points<Dim>(centers), archive.array<double>("nuggets", centers.cols(), 1 + Dim)};
+  if (!(system.nuggets.array() >= 0).all()) archive.fail("the noise is damaged");
+  data->system = std::move(system);
+  data->sigma2 = archive.numbers("sigma2", components, 1);
+  data->noise = archive.number("noise");
+  if (!(data->sigma2.minCoeff() >= 0) || !(data->noise >= 0) || !std::isfinite(data->noise))
+    archive.fail("the variance is damaged");
+  return data;
+}
+
+// All vertices of the faults one after the other.
+Archive faults_to_archive(const FaultField::Data& data) {
+  Archive archive;
+  archive.kind = faults_kind;
+  std::vector<std::int64_t> sizes;
+  Index total = 0;
+  for (const Eigen::Matrix2Xd& line : data.faults.lines()) {
+    sizes.push_back(line.cols());
+    total += line.cols();
+  }
+  Eigen::Matrix2Xd vertices(2, total);
+  Index first = 0;
+  for (const Eigen::Matrix2Xd& line : data.faults.lines()) {
+    vertices.middleCols(first, line.cols()) = line;
+    first += line.cols();
+  }
+  archive.set("line_sizes", sizes);
+  archive.set("vertices", vertices);
+  archive.set("anchors", data.anchors);
+  archive.set("radii", data.radii);
+  archive.set("disc_variances", data.variances);
+  set_box(archive, data.box);
+  set_models(archive, data.models);
+  return archive;
+}
+
+std::shared_ptr<const FaultField::Data> faults_from(const Archive& archive) {
+  const auto& sizes = archive.array<std::int64_t>("line_sizes", -1, 1);
+  const auto& vertices = archive.numbers("vertices", 2, -1);
+  std::vector<Eigen::Matrix2Xd> lines;
+  Index first = 0;
+  for (Index k = 0; k < sizes.size(); ++k) {
+    const Index n = sizes(k, 0);
+    if (n < 2 || n > vertices.cols() - first) archive.fail("the faults are damaged");
+    lines.emplace_back(vertices.middleCols(first, n));
+    first += n;
+  }
+  const Points<2> anchors = archive.numbers("anchors", 2, -1);
+  if (anchors.cols() == 0) archive.fail("there are no discs");
+  LocalModels<2> models = models_from<2>(archive, anchors.cols());
+  const Eigen::MatrixXd variances = archive.numbers("disc_variances", models.components, anchors.cols());
+  return std::make_shared<const FaultField::Data>(FaultLines(std::move(lines)), anchors,
+                                                  archive.numbers("radii", anchors.cols(), 1), std::move(models),
+                                                  variances, box_of<2>(archive));
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                     \
+  template Archive to_archive(const RadialBasis<Dim>&);                                            \
+  template std::shared_ptr<const RadialBasis<Dim>> basis_from(const Archive&);                     \
+  template Archive patches_to_archive<Dim>(const PartitionOfUnity<Dim>::Data&);                    \
+  template std::shared_ptr<const PartitionOfUnity<Dim>::Data> patches_from<Dim>(const Archive&);   \
+  template Archive samples_to_archive<Dim>(const MovingLeastSquares<Dim>::Data&);                  \
+  template std::shared_ptr<const MovingLeastSquares<Dim>::Data> samples_from<Dim>(const Archive&); \
+  template Archive hermite_to_archive<Dim>(const HermiteField<Dim>::Data&);                        \
+  template std::shared_ptr<const HermiteField<Dim>::Data> hermite_from<Dim>(const Archive&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

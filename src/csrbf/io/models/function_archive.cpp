@@ -52,6 +52,11 @@ Archive to_archive(const FitReport& report) {
   archive.set("missing", report.missing);
   archive.set("gross_errors", std::vector<double>(report.gross_errors.begin(), report.gross_errors.end()));
   archive.set("noise", report.noise);
+  archive.set("sphere", std::vector<std::int32_t>(report.sphere.begin(), report.sphere.end()));
+  archive.set("drift_axes", std::vector<std::int32_t>(report.drift_axes.begin(), report.drift_axes.end()));
+  set_texts(archive, "value_kernel", report.value_kernels);
+  archive.set("drift", report.drift);
+  archive.set("drift_deviations", report.drift_deviations);
   set_texts(archive, "warning", report.warnings);
   return archive;
 }
@@ -67,6 +72,14 @@ struct MemberReader {
     member = static_cast<int>(archive.integer(name, -most, most));
   }
 };
+
+std::vector<int> axes_from(const Archive& archive, const std::string& name) {
+  constexpr std::int32_t most = 16;
+  const auto& axes = archive.array<std::int32_t>(name, -1, 1);
+  for (const std::int32_t a : axes.reshaped())
+    if (a < 0 || a >= most) archive.fail("an axis of " + name + " is damaged");
+  return {axes.data(), axes.data() + axes.size()};
+}
 
 FitReport report_from(const Archive& archive) {
   FitReport report;
@@ -85,6 +98,13 @@ FitReport report_from(const Archive& archive) {
     }
     report.noise = archive.column("noise");
   }
+  if (archive.has("drift")) {
+    report.value_kernels = texts_of(archive, "value_kernel");
+    report.sphere = axes_from(archive, "sphere");
+    report.drift_axes = axes_from(archive, "drift_axes");
+    report.drift = archive.column("drift");
+    report.drift_deviations = archive.column("drift_deviations", std::ssize(report.drift));
+  }
   report.warnings = texts_of(archive, "warning");
   return report;
 }
@@ -94,6 +114,7 @@ void set_components(Archive& archive, const Fit<Dim>& fit) {
   FieldWriter<Dim> writer;
   for (std::size_t i = 0; i < fit.components.size(); ++i)
     archive.set("component" + std::to_string(i), writer.field(*fit.components[i]));
+  if (fit.places) archive.set("places", *fit.places);
   archive.set("variances", fit.variances.size());
   archive.set("variance_unit", fit.variance_unit);
   for (std::size_t i = 0; i < fit.variances.size(); ++i)
@@ -113,6 +134,15 @@ Function make_function(const Archive& archive, std::int64_t components) {
   if (archive.has("variance_unit")) fit.variance_unit = archive.number("variance_unit");  // older models have none
   if (variances != 0 && variances != components) archive.fail("there is not one variance per component");
   fit.report = report_from(archive.part("report"));
+  for (const std::vector<int>* axes : {&fit.report.sphere, &fit.report.drift_axes})
+    for (const int a : *axes)
+      if (a >= Dim) archive.fail("an axis of the report is not one of the function");
+  if (fit.report.sphere.size() != 0 && fit.report.sphere.size() != 2) archive.fail("the sphere is damaged");
+  if (archive.has("places")) {
+    const auto& places = archive.numbers("places", Dim, -1);
+    if (places.cols() == 0) archive.fail("there are no places of samples");
+    fit.places = std::make_shared<const Points<Dim>>(places);
+  }
   if (!fit.report.noise.empty() && std::ssize(fit.report.noise) != components)
     archive.fail("there is not one noise per component");
   return Function(std::move(fit));

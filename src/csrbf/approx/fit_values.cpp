@@ -1,0 +1,116 @@
+#include "csrbf/approx/fit_values.hpp"
+
+#include "csrbf/approx/fit_by_method.hpp"
+#include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/approx/unity/choose_local_options.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+// Columns of the values by what patches choose for each of them: one group where all choose alike.
+template <int Dim>
+std::vector<std::vector<Index>> groups_of_values(const Samples<Dim>& samples, const FitOptions& options) {
+  std::vector<std::vector<Index>> groups;
+  std::vector<LocalOptions> choices;
+  std::vector<Index> constant;  // these are met by any choice
+  for (Index c = 0; c < samples.components(); ++c) {
+    if (samples.values.col(c).maxCoeff() == samples.values.col(c).minCoeff()) {
+      constant.push_back(c);
+      continue;
+    }
+    const Samples<Dim> one =
+        merge_duplicates(Samples<Dim>{samples.points, samples.values.col(c), samples.weights}).samples;
+    LocalOptions choice = choose_local_options(normalize_weights(one), partition_options(options)).options;
+    choice.smoothing = choice.smoothing > 0 ? 1 : 0;
+    const auto found = std::find(choices.begin(), choices.end(), choice);
+    if (found == choices.end()) {
+      choices.push_back(choice);
+      groups.push_back({c});
+    } else {
+      groups[static_cast<std::size_t>(found - choices.begin())].push_back(c);
+    }
+  }
+  if (groups.empty()) groups.emplace_back();
+  groups.front().insert(groups.front().end(), constant.begin(), constant.end());
+  return groups;
+}
+
+bool values_may_differ(const FitOptions& options, Index components, Index samples) {
+  constexpr Index most_components = 32, fewest_samples = 50;
+  const bool is_free = options.kernel == "auto" && !options.smoothing && !options.degree && options.tolerance == 0 &&
+                       options.centers == 0;
+  const bool has_choice =
+      options.method == "auto" || options.method == "partition-of-unity" || options.method == "interpolate";
+  const bool is_plain = options.sphere.empty() && options.drift.empty() && options.faults.empty() &&
+                        options.gradients.size() == 0 && options.periods.empty() && !options.missing;
+  return components > 1 && components <= most_components && samples >= fewest_samples && is_free && has_choice &&
+         is_plain;
+}
+
+// A fit of each group of values on its own, put together.
+template <int Dim>
+Fit<Dim> fit_groups(const Samples<Dim>& samples, const FitOptions& options,
+                    const std::vector<std::vector<Index>>& groups, const FitTogether<Dim>& fit_together) {
+  Fit<Dim> result;
+  const auto k = static_cast<std::size_t>(samples.components());
+  result.components.resize(k);
+  result.variances.resize(k);
+  std::vector<std::string> kernels(k);
+  std::vector<double> noise(k);
+  bool all_variances = true, all_noise = true;
+  double squares = 0;
+  for (const std::vector<Index>& columns : groups) {
+    const Samples<Dim> some{samples.points, samples.values(Eigen::all, columns), samples.weights};
+    Fit<Dim> one = fit_together(some, options);
+    all_variances = all_variances && !one.variances.empty();
+    all_noise = all_noise && std::ssize(one.report.noise) == std::ssize(columns);
+    squares += static_cast<double>(columns.size()) * std::pow(one.report.cross_validation_rmse, 2);
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      const auto c = static_cast<std::size_t>(columns[j]);
+      result.components[c] = one.components[j];
+      if (!one.variances.empty()) result.variances[c] = one.variances[j];
+      kernels[c] = one.report.kernel;
+      if (all_noise) noise[c] = one.report.noise[j];
+    }
+    FitReport& report = result.report;
+    if (&columns == &groups.front()) {
+      report = std::move(one.report);
+      continue;
+    }
+    report.centers += one.report.centers;
+    report.choose_seconds += one.report.choose_seconds;
+    report.fit_seconds += one.report.fit_seconds;
+    for (const Index row : one.report.gross_errors) report.gross_errors.push_back(row);
+    for (const std::string& warning : one.report.warnings)
+      if (std::find(report.warnings.begin(), report.warnings.end(), warning) == report.warnings.end())
+        report.warnings.push_back(warning);
+  }
+  FitReport& report = result.report;
+  std::sort(report.gross_errors.begin(), report.gross_errors.end());
+  report.gross_errors.erase(std::unique(report.gross_errors.begin(), report.gross_errors.end()),
+                            report.gross_errors.end());
+  if (!all_variances) result.variances.clear();
+  report.noise = all_noise ? std::move(noise) : std::vector<double>();
+  report.value_kernels = std::move(kernels);
+  report.cross_validation_rmse = std::sqrt(squares / static_cast<double>(k));
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+Fit<Dim> fit_values(const Samples<Dim>& samples, const FitOptions& options, const FitTogether<Dim>& fit_together) {
+  if (!values_may_differ(options, samples.components(), samples.size())) return fit_together(samples, options);
+  const std::vector<std::vector<Index>> groups = groups_of_values(samples, options);
+  return groups.size() == 1 ? fit_together(samples, options) : fit_groups(samples, options, groups, fit_together);
+}
+
+#define CSRBF_INSTANTIATE(Dim) \
+  template Fit<Dim> fit_values<Dim>(const Samples<Dim>&, const FitOptions&, const FitTogether<Dim>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,128 @@
+#include "csrbf/approx/fit_with_drift.hpp"
+
+#include "csrbf/approx/kriging/estimate_drift.hpp"
+#include "csrbf/approx/samples/sphere_field.hpp"
+#include "csrbf/core/error.hpp"
+
+#include <algorithm>
+
+namespace csrbf {
+namespace {
+
+constexpr Index few_covariates = 500;  // samples up to which the fields of covariates are fitted as any others
+
+// The axes that are not of the drift.
+template <int Dim>
+std::vector<int> axes_without_drift(const FitOptions& options) {
+  std::vector<int> others;
+  for (int a = 0; a < Dim; ++a)
+    if (std::find(options.drift.begin(), options.drift.end(), a) == options.drift.end()) others.push_back(a);
+  return others;
+}
+
+// The options for a fit of the other axes alone.
+FitOptions options_of_others(const FitOptions& options, const std::vector<int>& others) {
+  FitOptions result = options;
+  result.drift.clear();
+  for (int& axis : result.sphere)
+    axis = static_cast<int>(std::find(others.begin(), others.end(), axis) - others.begin());
+  if (options.periods.empty()) return result;
+  result.periods.clear();
+  for (const int a : others) result.periods.push_back(options.periods[static_cast<std::size_t>(a)]);
+  return result;
+}
+
+// Coordinates in which distances are those that matter: on a sphere those in space.
+Eigen::MatrixXd metric_coordinates(const Eigen::MatrixXd& points, const std::vector<int>& sphere) {
+  if (sphere.empty()) return points;
+  Eigen::MatrixXd result(points.rows() + 1, points.cols());
+  for (Index i = 0; i < points.cols(); ++i)
+    result.col(i).head(3) = point_on_sphere(points(sphere[0], i), points(sphere[1], i));
+  Index row = 3;
+  for (int a = 0; a < points.rows(); ++a)
+    if (a != sphere[0] && a != sphere[1]) result.row(row++) = points.row(a);
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+void check_drift(const FitOptions& options) {
+  std::vector<bool> used(Dim, false);
+  for (const int a : options.drift) {
+    require(a >= 0 && a < Dim && !used[static_cast<std::size_t>(a)], "fit", "drift", a,
+            "must be different axes, numbered from 0");
+    used[static_cast<std::size_t>(a)] = true;
+    require(std::find(options.sphere.begin(), options.sphere.end(), a) == options.sphere.end(), "fit", "drift", a,
+            "is an axis of the sphere");
+    if (options.periods.size() == Dim)
+      require(options.periods[static_cast<std::size_t>(a)] == 0, "fit", "periods",
+              options.periods[static_cast<std::size_t>(a)], "an axis of the drift has no period");
+  }
+  require(options.drift.size() < Dim, "fit", "drift", options.drift.size(),
+          "must leave one axis at least that is a coordinate");
+}
+
+template <int Dim>
+Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, const FitAny& fit) {
+  std::vector<Index> rows;
+  for (Index i = 0; i < given.size(); ++i)
+    if (!options.missing || (given.values.row(i).array() != *options.missing).all()) rows.push_back(i);
+  require(!rows.empty(), "fit", "missing", options.missing.value_or(0),
+          "all samples have this value; there is none to fit");
+  const std::vector<int> others = axes_without_drift<Dim>(options);
+  FitOptions rest = options_of_others(options, others);
+  rest.missing.reset();
+  const Eigen::MatrixXd x = given.points(others, rows);
+  const Eigen::MatrixXd Z = given.points(options.drift, rows).transpose();
+  const Eigen::MatrixXd values = given.values(rows, Eigen::all);
+  const Eigen::VectorXd weights = given.weights.size() > 0 ? Eigen::VectorXd(given.weights(rows)) : Eigen::VectorXd();
+
+  const DriftEstimate drift = estimate_drift(metric_coordinates(x, rest.sphere), values, Z, weights, options.loss);
+  AnyFit residual = fit(x, values - Z * drift.beta, weights, rest);
+
+  Fit<Dim> result;
+  result.report = std::move(residual.report);
+  FitReport& report = result.report;
+  report.missing = given.size() - std::ssize(rows);
+  for (Index& row : report.gross_errors) row = rows[static_cast<std::size_t>(row)];
+  std::vector<double> scales(Dim, 1.0);
+  for (std::size_t k = 0; k < others.size(); ++k) scales[static_cast<std::size_t>(others[k])] = report.axis_scales[k];
+  report.axis_scales = std::move(scales);
+  const Box<Dim> box = bounding_box<Dim>(given.points);
+  AnyFit covariates;
+  if (!residual.variances.empty()) {
+    FitOptions plain = rest;
+    plain.loss = "squares";
+    plain.tolerance = 0;
+    plain.centers = 0;
+    plain.kernel = "auto";
+    plain.extrapolation = Extrapolation::constant;
+    plain.method = x.cols() > few_covariates ? "partition-of-unity" : "auto";
+    covariates = fit(x, Z, weights, plain);
+  }
+  for (Index c = 0; c < values.cols(); ++c) {
+    const Eigen::MatrixXd C = drift.covariance(c);
+    for (Index j = 0; j < Z.cols(); ++j) {
+      report.drift.push_back(drift.beta(j, c));
+      report.drift_deviations.push_back(std::sqrt(C(j, j)));
+    }
+    const auto k = static_cast<std::size_t>(c);
+    result.components.push_back(std::make_shared<DriftField<Dim>>(
+        typename DriftField<Dim>::Parts{options.drift, residual.components[k], drift.beta.col(c), {}, {}}, box));
+    if (!residual.variances.empty())
+      result.variances.push_back(std::make_shared<DriftField<Dim>>(
+          typename DriftField<Dim>::Parts{options.drift, residual.variances[k], Eigen::VectorXd::Zero(Z.cols()),
+                                          covariates.components, C},
+          box));
+  }
+  return result;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                       \
+  template void check_drift<Dim>(const FitOptions&); \
+  template Fit<Dim> fit_with_drift<Dim>(const Samples<Dim>&, const FitOptions&, const FitAny&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

@@ -1,0 +1,132 @@
+#include "csrbf/approx/fit_on_sphere.hpp"
+
+#include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
+
+#include <numbers>
+
+namespace csrbf {
+namespace {
+
+constexpr double to_radians = std::numbers::pi / 180;
+
+// A smooth function on the sphere, of size 1, from its longitude and latitude.
+double on_sphere(const Point<2>& x) {
+  const Point<3> u = point_on_sphere(x[0], x[1]);
+  return std::sin(2 * u[0] + u[1]) * std::cos(3 * u[2] - u[1]) + .3 * u[0] * u[2];
+}
+
+// Evenly distributed over the sphere, longitudes from `first` on.
+Points<2> sphere_points(Index n, unsigned seed, double first = -180) {
+  const Points<2> r = random_points<2>(n, seed);
+  Points<2> x(2, n);
+  for (Index i = 0; i < n; ++i) x.col(i) << first + 360 * r(0, i), std::asin(2 * r(1, i) - 1) / to_radians;
+  return x;
+}
+
+Eigen::VectorXd normal_values(Index n, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
+}
+
+double sphere_error(const Field<2>& f) {
+  Points<2> x = sphere_points(2000, 7);
+  x.col(0) << 17, 90;
+  x.col(1) << 17, -90;
+  x.col(2) << 180, 12;
+  x.col(3) << -180, 12;
+  const Samples<2> truth = sample<2>(x, on_sphere);
+  return largest_error<2>(f, truth);
+}
+
+const FitOptions spherical = {.sphere = {0, 1}};
+
+// One system of 300 samples, and charts of more.
+const Fit<2>& few_or_many(bool many) {
+  static const Fit<2> fits[2] = {fit<2>(sample<2>(sphere_points(300, 1), on_sphere), spherical),
+                                 fit<2>(sample<2>(sphere_points(2600, 1), on_sphere), spherical)};
+  return fits[many ? 1 : 0];
+}
+
+TEST(FitOnSphere, MeetsASmoothFunctionEverywhere) {
+  for (const bool many : {false, true}) EXPECT_LE(sphere_error(*few_or_many(many).components[0]), 1e-6);
+}
+
+TEST(FitOnSphere, DoesNotDependOnWhereLongitudesJump) {
+  Samples<2> other = sample<2>(sphere_points(300, 1), on_sphere);
+  for (double& longitude : other.points.row(0))
+    if (longitude < 0) longitude += 360;
+  const Fit<2>& one = few_or_many(false);
+  const Fit<2> two = fit<2>(other, spherical);
+  const Points<2> x = sphere_points(500, 3);
+  constexpr double rounding = 1e-7;  // magnified by the system
+  EXPECT_LE((one.components[0]->evaluate(x).value - two.components[0]->evaluate(x).value).cwiseAbs().maxCoeff(),
+            rounding);
+  Points<2> turned = x;
+  turned.row(0).array() += 720;
+  for (const bool many : {false, true}) {
+    const Field<2>& f = *few_or_many(many).components[0];
+    EXPECT_LE((f.evaluate(x).value - f.evaluate(turned).value).cwiseAbs().maxCoeff(), rounding);
+  }
+}
+
+TEST(FitOnSphere, HasOneValueAtThePolesAndAtTheDateLine) {
+  for (const bool many : {false, true}) {
+    const Field<2>& f = *few_or_many(many).components[0];
+    for (const double latitude : {90., -90.}) {
+      const double value = f(Point<2>(0, latitude));
+      for (const double longitude : {-180., -90., 33., 271.})
+        EXPECT_NEAR(f(Point<2>(longitude, latitude)), value, 1e-13);
+      EXPECT_NEAR(f(Point<2>(50, .999999999 * latitude)), value, 1e-7);
+    }
+    EXPECT_NEAR(f(Point<2>(180, 40)), f(Point<2>(-180, 40)), 1e-13);
+  }
+}
+
+TEST(FitOnSphere, HasExactDerivativesPerDegree) {
+  for (const bool many : {false, true})
+    expect_true_derivatives<2>(*few_or_many(many).components[0], sphere_points(100, 5), 1e-2, 1e-6);
+}
+
+TEST(FitOnSphere, FitsARegionAcrossTheDateLineInOneChart) {
+  Points<2> x = random_points<2>(600, 4);
+  for (Index i = 0; i < x.cols(); ++i) x.col(i) << (i % 2 == 0 ? 160 : -200) + 40 * x(0, i), -60 + 40 * x(1, i);
+  const auto f = fit<2>(sample<2>(x, on_sphere), spherical).components[0];
+  Points<2> at(2, 2);
+  at << 179.9, -179.9, -40, -40;
+  EXPECT_LE(largest_error<2>(*f, sample<2>(at, on_sphere)), 1e-6);
+}
+
+TEST(FitOnSphere, TakesFurtherCoordinates) {
+  const auto function = [](const Point<3>& x) { return on_sphere(Point<2>(x[2], x[1])) + std::sin(3 * x[0]); };
+  Points<3> x(3, 900);
+  const Points<2> places = sphere_points(900, 8);
+  x.row(0) = random_points<1>(900, 9);
+  x.row(1) = places.row(1);
+  x.row(2) = places.row(0);
+  const Fit<3> result = fit<3>(sample<3>(x, function), {.sphere = {2, 1}});
+  EXPECT_EQ(result.report.axis_scales.size(), 3U);
+  EXPECT_LE(largest_error<3>(*result.components[0], sample<3>(x, function)), 1e-4);
+  EXPECT_NEAR((*result.components[0])(Point<3>(.5, 80, 12)), function(Point<3>(.5, 80, 12)), 1e-3);
+}
+
+TEST(FitOnSphere, HasDeviationsThatHoldTheErrors) {
+  Samples<2> data = sample<2>(sphere_points(300, 2), on_sphere);
+  data.values += .05 * normal_values(300, 11);
+  const Fit<2> result = fit<2>(data, spherical);
+  ASSERT_EQ(result.variances.size(), 1U);
+  EXPECT_NEAR(std::sqrt(result.variances[0]->evaluate(sphere_points(300, 3)).value.mean()), .05, .01);
+}
+
+TEST(FitOnSphere, NamesWhatIsWrong) {
+  Samples<2> data = sample<2>(sphere_points(30, 2), on_sphere);
+  EXPECT_THROW(fit<2>(data, {.sphere = {0}}), InvalidInput);
+  EXPECT_THROW(fit<2>(data, {.sphere = {0, 2}}), InvalidInput);
+  EXPECT_THROW(fit<2>(data, {.periods = {360, 0}, .sphere = {0, 1}}), InvalidInput);
+  data.points(1, 3) = 91;
+  EXPECT_THROW(fit<2>(data, spherical), InvalidInput);
+}
+
+}  // namespace
+}  // namespace csrbf
