@@ -340,6 +340,9 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   Fit<Dim> result = coordinates == 1 && values == 1 ? fit_in_usual_units(samples, options)
                                                     : fit_in_units(samples, options, coordinates, values);
   warn_of_errors(samples, options, result.report);
+  // Whatever it was called.
+  if (result.report.kernel == options.kernel && options.kernel != "auto")
+    result.report.kernel = Kernel(options.kernel, Dim).name();
   return result;
 }
 
