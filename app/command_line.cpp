@@ -3,6 +3,8 @@
 #include "commands/command_flags.hpp"
 
 #include "csrbf/core/joined.hpp"
+#include "csrbf/io/gdal/gdal.hpp"
+#include "csrbf/io/optional_formats.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -29,7 +31,8 @@ std::string shell_word(const std::string& argument) {
 class Parser {
  public:
   Parser() : app_("Smooth functions and surfaces from scattered data and images", "csrbf") {
-    app_.set_version_flag("-V,--version", "csrbf " CSRBF_VERSION, "print the version");
+    app_.set_version_flag("-V,--version", "csrbf " CSRBF_VERSION,
+                          "print the version; followed by --verbose, the optional parts too");
     app_.set_help_flag("-h,--help", "print this help; csrbf COMMAND --help describes a command");
     app_.require_subcommand(1);
     app_.formatter(help_formatter());
@@ -117,6 +120,16 @@ void refuse_unknown_flags(const CLI::App& subcommand, const std::vector<std::str
   }
 }
 
+// What this build can do beyond what every build can.
+std::string optional_parts() {
+  const std::string gdal = gdal_version();
+  std::string text;
+  for (const OptionalPart& part : optional_formats())
+    text += std::string(part.is_there ? "with" : "without") + " " + part.name + ": " + part.what + "\n";
+  return text + (gdal.empty() ? "without GDAL" : "with GDAL " + gdal) +
+         ": .asc .nc .hgt .grd, .gpkg .shp .geojson .fgb, all reference systems\n";
+}
+
 // "csrbf help fit" is "csrbf fit --help".
 void rewrite_help(std::vector<std::string>& arguments) {
   if (arguments.front() != "help") return;
@@ -126,6 +139,11 @@ void rewrite_help(std::vector<std::string>& arguments) {
 
 std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
   if (arguments.empty()) throw UsageError("a command is required; csrbf --help lists them");
+  if (arguments.front() == "--version" || arguments.front() == "-V") {
+    std::cout << "csrbf " CSRBF_VERSION "\n";
+    if (arguments.size() > 1 && (arguments[1] == "--verbose" || arguments[1] == "-v")) std::cout << optional_parts();
+    return std::nullopt;
+  }
   rewrite_help(arguments);
   const bool is_subcommand = !arguments.front().empty() && arguments.front().front() != '-';
   const std::string first = is_subcommand ? arguments.front() : "";

@@ -48,6 +48,7 @@ struct CommonOptions {
   std::string progress = "auto";     ///< auto, always, never, slicer
   std::string memory;                ///< a size; empty: no cap
   std::string scratch;               ///< folder for memory beyond the cap; empty: that of the output
+  std::string format;                ///< of files without an extension; empty: by their content
   bool quiet = false;
   bool verbose = false;
 

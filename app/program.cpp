@@ -5,6 +5,11 @@
 #include "process/interrupt.hpp"
 #include "process/processes.hpp"
 
+#include "csrbf/io/files/process_files.hpp"
+#include "csrbf/io/files/read_file.hpp"
+
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <new>
@@ -16,11 +21,43 @@ enum ExitCode { success = 0, no_result = 1, bad_input = 2 };
 
 int fail(const std::string& subcommand, const std::string& message, int code) {
   const std::string name = subcommand.empty() ? "csrbf" : "csrbf " + subcommand;
-  // The library names its function, which often has the name of the command.
-  const std::string function = subcommand + ": ";
-  const bool is_twice = !subcommand.empty() && message.starts_with(function);
-  std::fprintf(stderr, "%s: %s\n", name.c_str(), message.c_str() + (is_twice ? function.size() : 0));
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), message.c_str());
   return code;
+}
+
+bool is_identifier(std::string_view word) {
+  return !word.empty() &&
+         std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+}
+
+// The library says "function: parameter = value: constraint"; who types commands knows neither functions nor
+// parameters, but flags.
+std::string in_terms_of_flags(std::string message, const CommandLine& line) {
+  for (std::size_t colon = message.find(": "); colon != std::string::npos && is_identifier(message.substr(0, colon));
+       colon = message.find(": "))
+    message.erase(0, colon + 2);
+  const std::size_t equals = message.find(" = ");
+  std::string name = message.substr(0, equals);
+  std::replace(name.begin(), name.end(), '_', '-');
+  const auto is_named = [&](const FlagUse& flag) { return flag.name == name && !flag.common; };
+  if (equals == std::string::npos || std::none_of(line.common.flags.begin(), line.common.flags.end(), is_named))
+    return message;
+  return "--" + name + " " + message.substr(equals + 3);
+}
+
+// --format says what files are whose names do not: the inputs, and an output without an extension.
+void assume_formats(const CommandLine& line) {
+  if (line.common.format.empty()) return;
+  const std::string extension = line.common.format.starts_with('.') ? line.common.format : "." + line.common.format;
+  const auto assume = [&](const auto& c) {
+    if constexpr (requires { c.input; }) assume_format(c.input, extension);
+    if constexpr (requires { c.first; })
+      for (const std::string& path : {c.first, c.second})
+        if (file_extension(path).empty()) assume_format(path, extension);
+    if constexpr (requires { c.output; })
+      if (file_extension(c.output).empty()) assume_format(c.output, extension);
+  };
+  std::visit(assume, line.command);
 }
 
 template <class... Types>
@@ -45,6 +82,7 @@ std::string not_enough_memory() {
 
 int run(const CommandLine& line) {
   try {
+    assume_formats(line);
     CommonOptions common = line.common;
     if (common.scratch.empty()) common.scratch = output_folder(line.command);
     processes().conclude([&] {
@@ -58,7 +96,9 @@ int run(const CommandLine& line) {
     if (interrupted()) return fail(line.subcommand, "interrupted", interrupt_exit_code());
     if (is_one_of<std::bad_alloc>(error)) return fail(line.subcommand, not_enough_memory(), no_result);
     const bool is_input = is_one_of<UsageError, InvalidInput, IoError>(error);
-    return fail(line.subcommand, error.what(), is_input ? bad_input : no_result);
+    const bool has_parameters = is_one_of<InvalidInput>(error);
+    return fail(line.subcommand, has_parameters ? in_terms_of_flags(error.what(), line) : error.what(),
+                is_input ? bad_input : no_result);
   }
 }
 

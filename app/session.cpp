@@ -161,6 +161,16 @@ void Session::warn(const std::vector<std::string>& messages) {
   for (const std::string& message : messages) warn(message);
 }
 
+bool Session::has_flag(const std::string& name) const {
+  return std::any_of(common_.flags.begin(), common_.flags.end(),
+                     [&](const FlagUse& flag) { return flag.name == name; });
+}
+
+bool Session::is_given(const std::string& name) const {
+  return std::any_of(common_.flags.begin(), common_.flags.end(),
+                     [&](const FlagUse& flag) { return flag.name == name && flag.given; });
+}
+
 bool Session::wants_page() const {
   return std::any_of(common_.reports.begin(), common_.reports.end(),
                      [](const std::string& path) { return report_form(path) == ReportForm::html; });

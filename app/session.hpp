@@ -65,6 +65,10 @@ class Session {
   void warn(const std::string& message);
   void warn(const std::vector<std::string>& messages);
 
+  /// Does the command have this flag (without its dashes), and was it given?
+  [[nodiscard]] bool has_flag(const std::string& name) const;
+  [[nodiscard]] bool is_given(const std::string& name) const;
+
   /// A line of the summary.
   void say(const std::string& line) { summary_.push_back(line); }
 

@@ -36,6 +36,12 @@ sbom_dependency(TIFF src TIFF_VERSION_STRING libtiff https://libtiff.gitlab.io/l
 sbom_dependency(ZLIB src ZLIB_VERSION_STRING Zlib https://zlib.net DEPENDENCY_OF)
 sbom_dependency(Qhull src Qhull_VERSION Qhull http://www.qhull.org DEPENDENCY_OF)
 sbom_dependency(GDCM src GDCM_VERSION BSD-3-Clause https://gdcm.sourceforge.net OPTIONAL_DEPENDENCY_OF)
+sbom_dependency(JPEG src JPEG_VERSION IJG https://libjpeg-turbo.org OPTIONAL_DEPENDENCY_OF)
+sbom_dependency(LAZPERF src LAZPERF_VERSION Apache-2.0 https://github.com/hobuinc/laz-perf OPTIONAL_DEPENDENCY_OF)
+sbom_dependency(LASzip src LASzip_VERSION Apache-2.0 https://laszip.org OPTIONAL_DEPENDENCY_OF)
+sbom_dependency(E57Format src E57Format_VERSION BSL-1.0 https://github.com/asmaloney/libE57Format OPTIONAL_DEPENDENCY_OF)
+# In csrbf-gdal, which the library loads when it is needed.
+sbom_dependency(GDAL src GDAL_VERSION MIT https://gdal.org OPTIONAL_DEPENDENCY_OF)
 # Threads come from the C library, whose licence depends on the system.
 sbom_dependency(Threads src Threads_VERSION NOASSERTION NONE RUNTIME_DEPENDENCY_OF)
 if(CSRBF_BUILD_APP)

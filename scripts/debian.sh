@@ -10,6 +10,10 @@ viewer_packages=(libjs-three esbuild)
 # What the tests in a browser need in addition.
 browser_packages=(chromium chromium-driver python3-selenium)
 
+# What files of maps and pictures need in addition, and the programs and libraries that their tests compare with.
+format_packages=(libgdal-dev libjpeg-dev)
+format_test_packages=(gdal-bin lib3mf1)
+
 # What the Python module needs in addition.
 python_packages=(python3-dev python3-numpy pybind11-dev)
 

@@ -10,6 +10,7 @@ PYTHONPATH must contain the module csrbf, such as build/release/python. NAMEs ar
 import argparse
 import os
 import pathlib
+import struct
 import subprocess
 import tempfile
 
@@ -315,6 +316,63 @@ def evaluate():
     axes[1].contour(x, y, f.evaluate_grid(x, y).T, levels=12, cmap=SEQUENTIAL, linewidths=0.8)
     axes[1].quiver(gx.ravel(), gy.ravel(), *slope.T, color="black", width=0.003, scale=60)
     axes[1].set_title("gradients")
+    return figure
+
+
+def las_file(points, classes, corner):
+    """Points in metres as LAS 1.2, format 0, in millimetres from a corner."""
+    head = bytearray(227)
+    head[:4], head[24:26] = b"LASF", bytes([1, 2])
+    struct.pack_into("<HII", head, 94, 227, 227, 0)
+    struct.pack_into("<BHI", head, 104, 0, 20, len(points))
+    struct.pack_into("<6d", head, 131, *[0.001] * 3, *corner)
+    records = np.zeros(len(points), dtype=[("place", "<i4", 3), ("intensity", "<u2"), ("returns", "u1"), ("kind", "u1"),
+                                           ("angle", "i1"), ("user", "u1"), ("source", "<u2")])
+    records["place"], records["returns"], records["kind"] = np.rint((points - corner) * 1000), 1 | 1 << 3, classes
+    return bytes(head) + records.tobytes()
+
+
+@picture
+def las_tile():
+    """A made tile of a scanner in the air, in UTM coordinates: ground, trees and a house."""
+    random, corner = generator(6), np.array([500000.0, 4650000.0, 0.0])
+    xy = random.uniform(0, 200, size=(60000, 2))
+
+    def ground(x, y):
+        return 100 + 12 * terrain(x / 200, y / 200) - 2.5 * np.exp(-(((y - 60 - 0.3 * x + 8 * np.sin(x / 25)) / 5) ** 2))
+
+    z, kind = ground(*xy.T), np.full(len(xy), 2)
+    for tree in random.uniform(10, 190, size=(70, 2)):
+        near = np.hypot(*(xy - tree).T)
+        hit = (near < 5) & (random.uniform(size=len(xy)) < 0.7)
+        z[hit] = ground(*tree) + 9 - 0.2 * near[hit] ** 2 + random.normal(scale=0.5, size=hit.sum())
+        kind[hit] = 5
+    house = (abs(xy[:, 0] - 140) < 12) & (abs(xy[:, 1] - 140) < 8)
+    z[house], kind[house] = ground(140, 140) + 8 - 0.4 * abs(xy[house, 1] - 140), 6
+    z += random.normal(scale=0.03, size=len(z))
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder)
+        (path / "tile.las").write_bytes(las_file(np.column_stack([xy, z]) + corner, kind, corner))
+        for command in ("fit tile.las -o ground.csrbf --class 2",
+                        "evaluate ground.csrbf -o dem.tif --cell 0.5 --extent 500000,4650000,500200,4650200 --crs EPSG:32633"):
+            subprocess.run([PROGRAM, *command.split(), "--quiet"], check=True, cwd=folder)
+        dem = np.asarray(csrbf.read_image(path / "dem.tif"))
+    figure, axes = panels(3, height=2.6)
+    colors = np.array([GREY, GREEN, ORANGE])[np.searchsorted([2, 5, 6], kind)]
+    strip = abs(xy[:, 1] - 140) < 6
+    axes[0].scatter(*xy.T, s=0.15, c=colors, linewidths=0, rasterized=True)
+    axes[0].set_title("tile.las: ground, trees, a house")
+    axes[1].scatter(xy[strip, 0], z[strip], s=0.6, c=colors[strip], linewidths=0, rasterized=True)
+    axes[1].plot(np.arange(0.25, 200, 0.5), dem[120], color="black", linewidth=1)
+    axes[1].set_title("a strip, and the ground")
+    light = matplotlib.colors.LightSource(azdeg=315, altdeg=40)
+    axes[2].imshow(light.shade(dem, plt.get_cmap("gist_earth"), blend_mode="soft", vert_exag=2, dx=0.5, dy=0.5, vmin=80, vmax=115),
+                   extent=(0, 200, 0, 200))
+    axes[2].set_title("dem.tif")
+    for ax in axes[[0, 2]]:
+        ax.set_aspect("equal")
+        ax.set_xticks([])
+        ax.set_yticks([])
     return figure
 
 

@@ -36,6 +36,13 @@ class CommandFlags {
                     const std::string& what) {
     return app_.add_option("--" + name, value, what)->type_name(type)->default_str(shown_default)->group(flag_group);
   }
+  /// A flag whose value is one of the names, which shells complete; the command itself says which others there are.
+  CLI::Option* named_flag(const std::string& name, std::string& value, const std::vector<std::string>& names,
+                          const std::string& shown_default, const std::string& what) {
+    CLI::Option* const option = flag(name, value, "NAME", shown_default, what);
+    name_words(*option, names);
+    return option;
+  }
   /// A flag whose value is above 0.
   template <class Value>
   CLI::Option* positive_flag(const std::string& name, Value& value, const std::string& type,
@@ -90,6 +97,12 @@ class CommandFlags {
         ->type_name("DIR")
         ->default_str("that of the output")
         ->group(common_group);
+    if (app_.get_option_no_throw("--format") == nullptr)
+      app_.add_option("--format", common_.format,
+                      "format of the input, and of an output without an extension: las, ply, csv, tif and the like")
+          ->type_name("NAME")
+          ->default_str("by extension, else by content")
+          ->group(common_group);
     app_.add_flag("-q,--quiet", common_.quiet, "print errors only")->group(common_group);
     app_.add_flag("-v,--verbose", common_.verbose, "also print the options used and the times")->group(common_group);
     app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version")->group(common_group);
@@ -102,6 +115,15 @@ class CommandFlags {
   CLI::App& app_;
   CommonOptions& common_;
 };
+
+/// Which points of a scanner are used.
+inline void add_point_flags(CommandFlags& v, PointFlags& f) {
+  v.flag("class", f.classes, "N,N,...", "all",
+         "use only points of these classes, as of .las files: 2 is ground, 5 high vegetation, 6 building");
+  v.flag("returns", f.returns, "all|first|last|only", "all",
+         "use only the first or last returns of the laser, or those that are the only one of their pulse")
+      ->check(CLI::IsMember({"all", "first", "last", "only"}));
+}
 
 // Declares the command line of each command: its flags, bound to the struct.
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "inputs/point_selection.hpp"
 #include "session.hpp"
 
 #include <variant>
@@ -15,6 +16,7 @@ struct ReconstructCommand {
   Index centers = 0;
   double tolerance = 0;
   std::string smoothing = "auto";
+  PointFlags points;
   int resolution = 0;
   std::string sharp = "auto";
   std::string trim = "none";
@@ -24,6 +26,7 @@ struct ReconstructCommand {
 
 struct EstimateNormalsCommand {
   std::string input, output;
+  PointFlags points;
   Index neighbors = 0;
   std::string orient = "consistent";
 };
@@ -87,6 +90,7 @@ struct FitCommand {
   std::string periods;
   std::string sphere, drift, derivatives, faults;
   std::optional<double> missing;
+  PointFlags points;
   bool resume = false;
 };
 
@@ -94,6 +98,8 @@ struct EvaluateCommand {
   std::string input, output;
   std::string points;
   std::string grid, bounds;
+  std::string cell, extent;
+  std::string crs;
   std::string like;
   bool gradient = false;
   bool hessian = false;

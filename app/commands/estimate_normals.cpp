@@ -45,7 +45,8 @@ void run(const EstimateNormalsCommand& command, Session& session) {
   session.expect_output("--output", command.output, is_point_file(command.output),
                         std::string("point files are ") + point_formats);
 
-  PointCloud cloud = session.timed("read", [&] { return read_points(command.input); });
+  const PointSelection selection = make_selection(command.points);
+  PointCloud cloud = session.timed("read", [&] { return select_points(read_points(command.input), selection); });
   session.input = {{"file", command.input}, {"points", cloud.size()}, {"normals", cloud.has_normals()}};
   const Index dropped = drop_non_finite(cloud);
   if (dropped > 0) session.warn(std::to_string(dropped) + " points with NaN or infinite coordinates dropped");

@@ -75,6 +75,15 @@ void evaluate_columns(const NamedFunction& model, const Places& places, const Wa
   }
 }
 
+// The last row becomes the first.
+template <class Scalar>
+void turn_rows(Volume<Scalar>& image) {
+  const Index row = image.components * image.grid.size[0], rows = image.grid.size[1];
+  for (Index y = 0; y < rows / 2; ++y)
+    std::swap_ranges(image.values.begin() + y * row, image.values.begin() + (y + 1) * row,
+                     image.values.begin() + (rows - 1 - y) * row);
+}
+
 // All columns at all places: an image with the columns as components.
 template <class Scalar>
 Volume<Scalar> evaluate_all(const NamedFunction& model, const Places& places, const Wanted& wanted, Index columns,
@@ -83,10 +92,12 @@ Volume<Scalar> evaluate_all(const NamedFunction& model, const Places& places, co
   layout.components = columns;
   Volume<Scalar> answers(layout);
   const bool values_only = wanted.derivatives() == Derivatives::none && !wanted.standard_deviation;
-  if (!places.axes.empty() && values_only)
-    model.function.evaluate_grid(places.axes, answers.frame(), progress);
-  else
+  if (places.axes.empty() || !values_only) {
     evaluate_columns(model, places, wanted, progress, answers);
+    return answers;
+  }
+  model.function.evaluate_grid(places.axes, answers.frame(), progress);
+  if (places.rows_turn) turn_rows(answers);
   return answers;
 }
 
@@ -136,7 +147,8 @@ void write_answers(const std::string& path, const NamedFunction& model, const Pl
   write_table(path, {.coordinate_names = has_coordinates ? model.coordinate_names : std::vector<std::string>{},
                      .value_names = columns,
                      .coordinates = has_coordinates ? places.points(0, places.count) : Eigen::MatrixXd(0, places.count),
-                     .values = answers.frame().transpose().template cast<double>()});
+                     .values = answers.frame().transpose().template cast<double>(),
+                     .crs = places.crs});
 }
 
 // Of the first `rows` columns.
@@ -177,8 +189,10 @@ void warn_of_rounding(const NamedFunction& model, Session& session) {
   const double largest = std::max(std::abs(lo.get<double>()), std::abs(hi.get<double>()));
   const double rounding = 0.5 * std::numeric_limits<float>::epsilon() * largest;
   if (rounding > error)
-    session.warn("--float32 rounds values by up to " + rounded(rounding) +
-                 ", more than the error of the function, about " + rounded(error) + "; leave it out");
+    session.warn((session.is_given("float32") ? "--float32" : "single precision") +
+                 std::string(" rounds values by up to ") + rounded(rounding) +
+                 ", more than the error of the function, about " + rounded(error) +
+                 (session.is_given("float32") ? "; leave it out" : "; .nrrd and .nc hold double precision"));
 }
 
 template <class Scalar>
@@ -195,13 +209,15 @@ void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, con
   }
   if (!command.mask.empty()) mask_answers(model, places, mask_of(command.mask), answers);
   report_values(command.output, answers, command.labels ? 1 : model.function.components(), columns, session);
-  if (command.float32) warn_of_rounding(model, session);
+  if (std::is_same_v<Scalar, float> && command.like.empty() && !command.labels) warn_of_rounding(model, session);
   session.write([&] { write_answers(command.output, model, places, wanted, columns, answers); });
 }
 
 }  // namespace
 
-void run(const EvaluateCommand& command, Session& session) {
+void run(const EvaluateCommand& given, Session& session) {
+  EvaluateCommand command = given;
+  if (command.grid.empty() && session.is_given("grid")) command.grid = grid_without_numbers;
   check_places(command);
   if (command.labels && (command.gradient || command.hessian || command.standard_deviation))
     throw UsageError("--labels: labels have no derivatives or deviations; leave those flags out");

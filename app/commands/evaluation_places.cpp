@@ -1,13 +1,17 @@
 #include "commands/evaluation_places.hpp"
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 namespace csrbf::app {
@@ -17,7 +21,11 @@ constexpr Index most_axes = 3;  // of a grid
 
 bool is_table_file(const std::string& path) {
   const std::string extension = content_extension(path);
-  return path == "-" || extension == ".csv" || extension == ".txt" || extension == ".npy";
+  return path == "-" || extension == ".csv" || extension == ".txt" || extension == ".npy" || is_gdal_table(extension);
+}
+
+bool is_grid(const EvaluateCommand& command) {
+  return !command.grid.empty() || !command.cell.empty() || !command.extent.empty();
 }
 
 Places at_points(const std::string& path, const NamedFunction& model) {
@@ -44,20 +52,36 @@ Places at_nodes(const VolumeLayout& layout, Index dimension) {
   };
   Places places{.count = layout.grid.voxels(), .points = nodes, .layout = layout};
   const Grid& grid = layout.grid;
-  if (grid.direction.isIdentity(0) && grid.dimension() <= dimension)
+  // On maps the rows go from north to south.
+  places.rows_turn = dimension == 2 && grid.direction == Eigen::Vector3d(1, -1, 1).asDiagonal().toDenseMatrix();
+  if ((grid.direction.isIdentity(0) || places.rows_turn) && grid.dimension() <= dimension)
     for (Index a = 0; a < dimension; ++a) {
       const Index n = grid.size[a];
-      places.axes.push_back(grid.origin[a] +
-                            grid.spacing[a] * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)));
+      const double length = grid.spacing[a] * static_cast<double>(n - 1);
+      const double first = places.rows_turn && a == 1 ? grid.origin[a] - length : grid.origin[a];
+      places.axes.push_back(first + grid.spacing[a] * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)));
     }
+  else
+    places.rows_turn = false;
   return places;
 }
 
+constexpr double most_nodes = 1 << 24;  // along an axis; more is a typing error
+
+bool is_without_numbers(const std::string& grid) {
+  return grid.empty() || grid == grid_without_numbers;
+}
+
 std::array<Index, 3> parse_size(const std::string& text, Index dimension) {
-  constexpr double most = 1 << 24;  // nodes along an axis; more is a typing error
+  if (is_without_numbers(text)) {
+    constexpr std::array<Index, 3> usual{1000, 500, 100};  // along each axis, by dimension; chosen by hand
+    std::array<Index, 3> size{1, 1, 1};
+    std::fill_n(size.begin(), dimension, usual[static_cast<std::size_t>(dimension - 1)]);
+    return size;
+  }
   const Eigen::VectorXd numbers = parse_list(text, ',', "--grid");
   const bool whole = (numbers.array() == numbers.array().round()).all() && numbers.minCoeff() >= 1;
-  if (!whole || numbers.maxCoeff() > most || (numbers.size() != 1 && numbers.size() != dimension))
+  if (!whole || numbers.maxCoeff() > most_nodes || (numbers.size() != 1 && numbers.size() != dimension))
     throw UsageError("--grid " + text + ": expected " + std::to_string(dimension) +
                      " whole numbers, the nodes along each axis, or one for all axes");
   std::array<Index, 3> size{1, 1, 1};
@@ -80,6 +104,72 @@ Eigen::MatrixXd parse_bounds(const std::string& text, Index dimension) {
   return bounds;
 }
 
+// LO and HI as one corner after the other: XMIN,YMIN,XMAX,YMAX.
+Eigen::MatrixXd parse_extent(const std::string& text, Index dimension) {
+  const Eigen::VectorXd numbers = parse_list(text, ',', "--extent");
+  if (numbers.size() != 2 * dimension)
+    throw UsageError("--extent " + text + ": expected " + std::to_string(2 * dimension) +
+                     " numbers, the lower corner and the upper one" + (dimension == 2 ? ": XMIN,YMIN,XMAX,YMAX" : ""));
+  Eigen::MatrixXd extent(dimension, 2);
+  extent << numbers.head(dimension), numbers.tail(dimension);
+  if (!(extent.col(0).array() < extent.col(1).array()).all())
+    throw UsageError("--extent " + text + ": the lower corner, with the smaller numbers, comes first");
+  return extent;
+}
+
+Eigen::VectorXd parse_cell(const std::string& text, Index dimension) {
+  const Eigen::VectorXd numbers = parse_list(text, ',', "--cell");
+  if (!(numbers.minCoeff() > 0) || (numbers.size() != 1 && numbers.size() != dimension))
+    throw UsageError("--cell " + text + ": expected a positive size, or one for each of the " +
+                     std::to_string(dimension) + " axes");
+  return numbers.size() == 1 ? Eigen::VectorXd::Constant(dimension, numbers[0]) : numbers;
+}
+
+// Nodes from the first to the last.
+void set_axis(Grid& grid, Index a, double first, double last) {
+  const Index n = grid.size[static_cast<std::size_t>(a)];
+  grid.origin[a] = n > 1 ? first : (first + last) / 2;
+  const double step = n > 1 ? (last - first) / static_cast<double>(n - 1) : last - first;
+  grid.spacing[a] = step > 0 ? step : 1;
+}
+
+// Cells of the given size over the extent, whose upper end gives way where it is not a whole number of them; by default
+// over all whole cells in which samples are. Nodes are the centres.
+void set_cells(Grid& grid, const EvaluateCommand& command, const NamedFunction& model) {
+  const Index d = model.function.dimension();
+  const Eigen::VectorXd cell = parse_cell(command.cell, d);
+  const Eigen::MatrixXd box = model.function.bounds();
+  const bool has_extent = !command.extent.empty();
+  Eigen::MatrixXd extent = has_extent ? parse_extent(command.extent, d) : box;
+  for (Index a = 0; a < d; ++a) {
+    if (!has_extent)
+      extent.row(a) << std::floor(box(a, 0) / cell[a]) * cell[a], std::ceil(box(a, 1) / cell[a]) * cell[a];
+    const double count = std::max(1.0, std::round((extent(a, 1) - extent(a, 0)) / cell[a]));
+    if (!(count <= most_nodes))
+      throw UsageError("--cell " + command.cell + ": that makes " + rounded(count) + " cells along axis " +
+                       std::to_string(a + 1) + "; give a larger size");
+    grid.size[static_cast<std::size_t>(a)] = static_cast<Index>(count);
+    grid.spacing[a] = cell[a];
+    grid.origin[a] = extent(a, 0) + cell[a] / 2;
+  }
+}
+
+// Numbers of nodes over bounds or an extent.
+void set_nodes(Grid& grid, const EvaluateCommand& command, const NamedFunction& model) {
+  const Index d = model.function.dimension();
+  grid.size = parse_size(command.grid, d);
+  const bool has_extent = !command.extent.empty();
+  const Eigen::MatrixXd bounds = has_extent               ? parse_extent(command.extent, d)
+                                 : command.bounds.empty() ? model.function.bounds()
+                                                          : parse_bounds(command.bounds, d);
+  for (Index a = 0; a < d; ++a) {
+    const double cell = (bounds(a, 1) - bounds(a, 0)) / static_cast<double>(grid.size[static_cast<std::size_t>(a)]);
+    const double margin = has_extent ? cell / 2 : 0;
+    set_axis(grid, a, bounds(a, 0) + margin, bounds(a, 1) - margin);
+    if (has_extent) grid.spacing[a] = cell;
+  }
+}
+
 Places on_grid(const EvaluateCommand& command, const NamedFunction& model) {
   const Index d = model.function.dimension();
   if (d > most_axes)
@@ -88,19 +178,22 @@ Places on_grid(const EvaluateCommand& command, const NamedFunction& model) {
   VolumeLayout layout;
   Grid& grid = layout.grid;
   grid.axes = static_cast<int>(d);
-  grid.size = parse_size(command.grid, d);
-  const Eigen::MatrixXd bounds = command.bounds.empty() ? model.function.bounds() : parse_bounds(command.bounds, d);
-  for (Index a = 0; a < d; ++a) {
-    const Index n = grid.size[a];
-    const double extent = bounds(a, 1) - bounds(a, 0);
-    grid.origin[a] = n > 1 ? bounds(a, 0) : bounds.row(a).mean();
-    const double step = n > 1 ? extent / static_cast<double>(n - 1) : extent;
-    grid.spacing[a] = step > 0 ? step : 1;
-  }
-  layout.type = SampleType::float64;
-  Places places = at_nodes(layout, d);
+  if (command.cell.empty())
+    set_nodes(grid, command, model);
+  else
+    set_cells(grid, command, model);
+  const auto last = [&](Index a) {
+    return grid.spacing[a] * static_cast<double>(grid.size[static_cast<std::size_t>(a)] - 1);
+  };
   Json ranges = Json::array();
-  for (Index a = 0; a < d; ++a) ranges.push_back({bounds(a, 0), bounds(a, 1)});
+  for (Index a = 0; a < d; ++a) ranges.push_back({grid.origin[a], grid.origin[a] + last(a)});
+  if (d == 2 && is_map_file(command.output)) {
+    grid.origin[1] += last(1);
+    grid.direction(1, 1) = -1;
+  }
+  const bool is_tiff = file_extension(command.output).starts_with(".tif");
+  layout.type = is_tiff ? SampleType::float32 : SampleType::float64;
+  Places places = at_nodes(layout, d);
   places.options = {{"grid", std::vector<Index>(grid.size.begin(), grid.size.begin() + d)}, {"bounds", ranges}};
   return places;
 }
@@ -120,19 +213,46 @@ Places on_image(const EvaluateCommand& command, const NamedFunction& model) {
   return at_nodes(layout, d);
 }
 
+// That of the samples, or the one given. Coordinates are not transformed, so the two must agree.
+std::string crs_of(const EvaluateCommand& command, const NamedFunction& model) {
+  if (command.crs.empty()) return model.crs;
+  const std::string& output = command.output;
+  if (!is_map_file(output) && !is_gdal_table(content_extension(output)))
+    throw UsageError("--crs " + command.crs + ": " + output +
+                     " cannot hold a reference system; write .tif .asc .nc, or .gpkg .shp .geojson .fgb");
+  std::string crs;
+  try {
+    crs = checked_crs(command.crs);
+  } catch (const IoError& error) {
+    throw UsageError("--crs " + command.crs + ": " + error.what());
+  }
+  if (!model.crs.empty() && model.crs != crs)
+    throw UsageError("--crs " + command.crs + ": the samples are in " + model.crs +
+                     ", and their coordinates are not transformed; leave it out, and transform the result");
+  return crs;
+}
+
 }  // namespace
 
 void check_places(const EvaluateCommand& command) {
-  const int given = (command.points.empty() ? 0 : 1) + (command.grid.empty() ? 0 : 1) + (command.like.empty() ? 0 : 1);
-  if (given != 1) throw UsageError("give one of --points, --grid and --like: where to evaluate");
-  if (!command.bounds.empty() && command.grid.empty()) throw UsageError("--bounds needs --grid");
+  const int given = (command.points.empty() ? 0 : 1) + (is_grid(command) ? 1 : 0) + (command.like.empty() ? 0 : 1);
+  if (given != 1)
+    throw UsageError("give one of --points, --grid and --like: where to evaluate; --cell and --extent make a grid too");
+  if (!command.bounds.empty() && !is_grid(command)) throw UsageError("--bounds needs --grid");
+  if (!command.bounds.empty() && !command.extent.empty())
+    throw UsageError("--bounds, of the nodes, and --extent, of the cells, exclude each other");
+  if (!command.cell.empty() && !is_without_numbers(command.grid))
+    throw UsageError("--cell and numbers of --grid exclude each other: give --grid without numbers");
+  if (!command.cell.empty() && !command.bounds.empty())
+    throw UsageError("--cell goes with --extent, the outer edges of the cells, instead of --bounds");
   const std::string& output = command.output;
   if (!command.points.empty() && !is_table_file(output))
-    throw UsageError("--output " + output + ": values at points go to .csv, .txt or .npy");
+    throw UsageError("--output " + output + ": values at points go to .csv, .txt, .npy, .gpkg, .shp, .geojson or .fgb");
   if (!is_table_file(output) && !is_volume_file(output))
-    throw UsageError("--output " + output + ": unknown extension \"" + file_extension(output) +
-                     "\"; values on a grid go to .npy .nii .nii.gz .nrrd .mha .mhd .vti .tif, or .csv and .txt");
-  if (!command.grid.empty() && is_picture_file(output) && !command.labels)
+    throw UsageError(
+        "--output " + output + ": unknown extension \"" + file_extension(output) +
+        "\"; values on a grid go to .npy .nii .nii.gz .nrrd .mha .mhd .vti .tif .asc .nc, or .csv and .txt");
+  if (is_grid(command) && is_picture_file(output) && !command.labels)
     throw UsageError("--output " + output +
                      ": pictures hold whole numbers; write .tif, .nii.gz, .nrrd or .npy, or give "
                      "--like with a picture to take the type from");
@@ -143,9 +263,20 @@ void check_places(const EvaluateCommand& command) {
 }
 
 Places make_places(const EvaluateCommand& command, const NamedFunction& model) {
-  if (!command.points.empty()) return at_points(command.points, model);
-  Places places = command.grid.empty() ? on_image(command, model) : on_grid(command, model);
-  places.is_image = is_volume_file(command.output);
+  const std::string crs = crs_of(command, model);
+  if (!command.points.empty()) {
+    Places places = at_points(command.points, model);
+    places.crs = crs;
+    return places;
+  }
+  Places places = is_grid(command) ? on_grid(command, model) : on_image(command, model);
+  if (!crs.empty() && !places.layout.crs.empty() && crs != places.layout.crs)
+    throw UsageError("--like " + command.like + ": the image is in " + places.layout.crs + ", the samples are in " +
+                     crs + ", and nothing is transformed");
+  if (!crs.empty()) places.layout.crs = crs;
+  places.crs = places.layout.crs;
+  if (!places.crs.empty()) places.options["crs"] = places.crs;
+  places.is_image = is_volume_file(command.output) && !is_gdal_table(file_extension(command.output));
   if (command.labels) places.layout.type = SampleType::uint8;
   if (command.float32) places.layout.type = SampleType::float32;
   return places;

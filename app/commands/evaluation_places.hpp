@@ -13,10 +13,15 @@ struct Places {
   Index count = 0;
   std::function<Eigen::MatrixXd(Index begin, Index n)> points;  ///< d x n
   std::vector<Eigen::VectorXd> axes = {};  ///< coordinates along each axis where the places are an axis-aligned grid
+  bool rows_turn = false;                  ///< the second of `axes` ascends, the rows of the image descend
   bool is_image = false;                   ///< the result is an image with this layout
   VolumeLayout layout = {};                ///< one voxel per place
+  std::string crs = {};                    ///< reference system of the places
   Json options = Json::object();           ///< of the report
 };
+
+/// The value of --grid without one.
+inline constexpr const char* grid_without_numbers = "auto";
 
 /// Throws UsageError unless the flags say where to evaluate, and the output can hold it.
 void check_places(const EvaluateCommand& command);

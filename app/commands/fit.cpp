@@ -1,7 +1,12 @@
 #include "commands/fit_summary.hpp"
+#include "inputs/describe_table.hpp"
 #include "report/fit_page.hpp"
 
-#include <utility>
+#include "csrbf/core/joined.hpp"
+#include "csrbf/io/files/text.hpp"
+#include "csrbf/io/images/geotiff.hpp"
+
+#include <algorithm>
 
 namespace csrbf::app {
 namespace {
@@ -22,8 +27,39 @@ void report_input(const std::string& path, const SampleTable& samples, Session& 
                    {"values", samples.value_names},
                    {"weights", samples.weights.size() > 0},
                    {"dropped", samples.dropped}};
+  if (!samples.crs.empty()) session.input["crs"] = samples.crs;
   if (samples.dropped > 0)
     session.warn(counted(samples.dropped, "row") + " without a finite number in every column left out");
+  if (!samples.suspicion.empty())
+    session.warn("the column " + samples.suspicion +
+                 " only numbers the rows, it seems; --coordinates and --values choose the columns to use");
+}
+
+bool is_one_of(const std::string& word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), lower_case(word)) != words.end();
+}
+
+// By their names or the reference system, and their range: plain numbers may be anything.
+bool are_longitude_and_latitude(const SampleTable& samples) {
+  const std::vector<std::string>& names = samples.coordinate_names;
+  if (names.size() < 2) return false;
+  const bool are_named = is_one_of(names[0], {"lon", "long", "longitude", "lng", "x_lon"}) &&
+                         is_one_of(names[1], {"lat", "latitude", "y_lat"});
+  if (!are_named && !(names.size() == 2 && is_geographic(samples.crs).value_or(false))) return false;
+  const auto range = [&](Index row, double lo, double hi) {
+    return samples.coordinates.row(row).minCoeff() >= lo && samples.coordinates.row(row).maxCoeff() <= hi;
+  };
+  return range(0, -180, 360) && range(1, -90, 90);
+}
+
+void tell_columns(const SampleTable& samples, const std::string& weights, Session& session) {
+  session.say("coordinates: " + joined(samples.coordinate_names) + "; " +
+              (samples.value_names.size() > 1 ? "values: " : "value: ") + joined(samples.value_names) +
+              (weights.empty() ? "" : "; weights: " + weights) +
+              (samples.crs.empty() ? "" : "; on a map: " + short_crs(samples.crs)));
+  if (!are_longitude_and_latitude(samples) || session.is_given("sphere") || session.is_given("periods")) return;
+  session.warn("the coordinates are degrees of longitude and latitude, which the fit takes as lengths in a plane" +
+               std::string(session.has_flag("sphere") ? "; --sphere fits on the sphere" : ""));
 }
 
 // The coefficients of the covariates, and that they are needed from now on.
@@ -51,9 +87,10 @@ void run(const FitCommand& command, Session& session) {
   FitOptions options = make_fit_options(command.fit, session);
   session.expect_output("--output", command.output, ".csrbf", "models");
   if (command.resume) session.resume(command.input, command.output);
+  const PointSelection selection = make_selection(command.points);
   SampleTable samples = session.timed("read", [&] {
     return read_samples(command.input, {command.coordinates, command.values, command.weights, command.sphere,
-                                        command.derivatives, command.drift});
+                                        command.derivatives, command.drift, selection});
   });
   options.periods = parse_periods(command.periods, samples);
   options.missing = command.missing;
@@ -66,7 +103,7 @@ void run(const FitCommand& command, Session& session) {
   report_input(command.input, samples, session);
 
   NamedFunction model{fit_function(samples.coordinates, samples.values, samples.weights, options),
-                      std::move(samples.coordinate_names), std::move(samples.value_names)};
+                      samples.coordinate_names, samples.value_names, samples.crs};
   const FitReport& report = model.function.report();
   session.options = {{"output", command.output},
                      {"coordinates", model.coordinate_names},
@@ -77,12 +114,15 @@ void run(const FitCommand& command, Session& session) {
                      {"sphere", or_null(command.sphere)},
                      {"derivatives", or_null(command.derivatives)},
                      {"faults", or_null(command.faults)},
-                     {"drift", or_null(command.drift)}};
+                     {"drift", or_null(command.drift)},
+                     {"class", or_null(command.points.classes)},
+                     {"returns", command.points.returns}};
   session.result = {{"dimension", model.function.dimension()}, {"components", model.function.components()}};
   add_fit_report(command.fit, report, session);
   session.say(command.output + ": function of " + counted(model.function.dimension(), "variable") + " from " +
               counted(report.samples, "sample") +
               (report.merged_duplicates > 0 ? ", " + counted(report.merged_duplicates, "duplicate") + " merged" : ""));
+  tell_columns(samples, command.weights, session);
   session.result["missing"] = report.missing;
   if (!report.drift.empty()) say_drift(model, samples, session);
   say_fit(report, session);

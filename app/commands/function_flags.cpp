@@ -1,15 +1,24 @@
 #include "commands/command_flags.hpp"
 #include "commands/formats.hpp"
 
+#include "csrbf/approx/fit_options.hpp"
+#include "csrbf/kernels/kernel.hpp"
+
 namespace csrbf::app {
 namespace {
 
+std::vector<std::string> with_auto(std::vector<std::string> names) {
+  names.insert(names.begin(), "auto");
+  return names;
+}
+
 void add_fit_flags(CommandFlags& v, FitFlags& f) {
-  v.flag("method", f.method, "NAME", "auto",
-         "auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget, "
-         "error-bounded, moving-least-squares or along-tracks; auto chooses from the data");
-  v.flag("kernel", f.kernel, "NAME", "auto",
-         "radial basis function: wendland-c2, gaussian, cubic, ... (an unknown name lists them all)");
+  v.named_flag("method", f.method, fit_methods(), "auto",
+               "auto, interpolate, least-squares, partition-of-unity, multilevel, pca-multiresolution, fixed-budget, "
+               "error-bounded, moving-least-squares or along-tracks; auto chooses from the data");
+  v.named_flag("kernel", f.kernel, with_auto(Kernel::names(1)), "auto",
+               "radial basis function: wendland-c2, gaussian, cubic, thin-plate, ... (an unknown name lists them all; "
+               "names of SciPy are understood)");
   v.flag("kernel-parameter", f.kernel_parameter, "P", "of the kernel",
          "parameter of kernels that have one, such as matern");
   v.positive_flag("centers", f.centers, "N", "from the data", "budget of RBF centres");
@@ -52,18 +61,32 @@ void declare(CommandFlags& v, FitCommand& c) {
   v.flag("drift", c.drift, "COLUMN,...", "none",
          "columns of covariates, which enter linearly (universal kriging); evaluate needs them as well");
   v.flag("missing", c.missing, "VALUE", "none", "value, such as -9999, of samples that have none: they are left out");
+  add_point_flags(v, c.points);
   v.resume(c.resume);
 }
 
 void declare(CommandFlags& v, EvaluateCommand& c) {
-  v.argument("MODEL", c.input, "model to read: .csrbf, from csrbf fit or csrbf segment");
-  v.output(c.output, std::string("values to write: .csv .txt .npy, or - for text on standard output; grids also as "
-                                 "images: ") +
-                         image_formats);
+  v.argument(
+      "MODEL", c.input,
+      "model to read: .csrbf, from csrbf fit or csrbf segment, or a surface, which is a function that is positive "
+      "inside");
+  v.output(c.output, std::string("values to write: .csv .txt .npy, or - for text on standard output; points on maps as "
+                                 ".gpkg .shp .geojson .fgb; grids also as images: ") +
+                         image_formats + "; .tif and .asc are maps with the north on top");
   v.flag("points", c.points, "FILE", "", std::string("points to evaluate at, one per row: ") + sample_formats);
-  v.flag("grid", c.grid, "NX[,NY[,NZ]]", "",
-         "evaluate at the nodes of a grid: their number along each axis, or one number for all axes");
+  v.flag("grid", c.grid, "[NX[,NY[,NZ]]]", "",
+         "evaluate at the nodes of a grid: their number along each axis, or one number for all axes; without numbers "
+         "as many as --cell makes, or 500 along each axis in the plane and 100 in space")
+      ->expected(0, 1);
   v.flag("bounds", c.bounds, "LO:HI,...", "box of the samples", "first and last node of the grid along each axis");
+  v.flag("cell", c.cell, "SIZE[,SIZE]", "from --grid",
+         "size of the cells of the grid, whose centres are the nodes, in the unit of the coordinates");
+  v.flag("extent", c.extent, "LO,HI", "box of the samples, in whole cells",
+         "the corners of the map, as XMIN,YMIN,XMAX,YMAX: outer edges of the cells");
+  v.flag(
+      "crs", c.crs, "NAME", "of the samples",
+      "reference system of the coordinates on a map, such as EPSG:32633, to write into .tif, .asc, .nc, .gpkg and the "
+      "like; nothing is transformed");
   v.flag("like", c.like, "FILE", "",
          "evaluate at the voxels of this image, in its physical coordinates; the result has its grid");
   v.toggle("--gradient", c.gradient, "write the gradient after the values");

@@ -1,17 +1,27 @@
 #include "commands/fit_summary.hpp"
+#include "inputs/describe_table.hpp"
 
 #include "csrbf/core/joined.hpp"
+#include "csrbf/io/files/guessed_format.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
+#include "csrbf/io/files/npy.hpp"
 #include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/io/polylines.hpp"
+#include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace csrbf::app {
 namespace {
+
+constexpr Index most_columns = 32;  // of an array that is a list of samples rather than an image; chosen by hand
 
 Json to_json(const Point<3>& p) {
   return {p.x(), p.y(), p.z()};
@@ -67,6 +77,12 @@ void report_topology(const Mesh& mesh, Session& session) {
                 std::to_string(t.inconsistent_edges) + " between triangles of opposite orientation");
 }
 
+void report_geometry_of(const std::string& path, Session& session) {
+  const Mesh mesh = session.timed("read", [&] { return read_mesh_or_points(path); });
+  report_geometry(mesh, session);
+  if (mesh.triangles.cols() > 0) report_topology(mesh, session);
+}
+
 template <class Value>
 Json described(const Value& value) {
   if constexpr (requires { value.rows(); })
@@ -85,6 +101,7 @@ void report_function(const NamedFunction& named, Session& session) {
        {"components", function.components()},
        {"coordinates", named.coordinate_names},
        {"values", named.value_names},
+       {"crs", or_null(named.crs)},
        {"bounds",
         {{"lo", std::vector<double>(lo.begin(), lo.end())}, {"hi", std::vector<double>(hi.begin(), hi.end())}}},
        {"samples", r.samples},
@@ -156,29 +173,71 @@ void report_image(const std::string& path, Session& session) {
   session.result["max"] = or_null(lo <= hi, hi);
   session.say("image:       " + size_text(image.grid) + " pixels of " + std::to_string(image.components) + " " +
               std::string(sample_name(image.type)) + ", " + counted(image.frames, "frame"));
-  session.say("spacing:     " + to_text(spacing) + ", origin " + to_text(origin));
+  session.result["crs"] = or_null(image.crs);
+  session.say("spacing:     " + to_text(spacing) + ", origin " + to_text(origin) +
+              (image.crs.empty() ? "" : ", on a map: " + short_crs(image.crs)));
   if (lo <= hi)
     session.say("values:      from " + rounded(lo) + " to " + rounded(hi) +
                 (undefined > 0 ? ", " + counted(undefined, "NaN") : ""));
 }
 
+// Contours in the plane or on slices, or the lines of curvature.
+void report_curves(const Polylines& lines, Session& session) {
+  const Box<3> box = bounding_box<3>(lines.vertices);
+  session.result = {{"kind", "curves"},
+                    {"points", lines.vertices.cols()},
+                    {"edges", lines.edges.cols()},
+                    {"bounds", {{"lo", to_json(box.lo)}, {"hi", to_json(box.hi)}, {"diagonal", box.diagonal()}}}};
+  session.say("curves:      " + counted(lines.vertices.cols(), "point") + ", " + counted(lines.edges.cols(), "edge"));
+  session.say("bounds:      " + to_text(box.lo) + " to " + to_text(box.hi));
+}
+
+// Text and arrays hold points, curves, samples or an image: what their columns are named and how many there are
+// decides.
+void report_numbers(const std::string& path, Session& session) {
+  if (content_extension(path) == ".npy") {
+    const std::string bytes = session.timed("read", [&] { return read_content(path); });
+    std::string_view rest = bytes;
+    const std::vector<Index> shape = parse_npy_header(rest, display_name(path)).shape;
+    const bool is_list = shape.size() == 2 && shape[1] <= most_columns && shape[1] < shape[0];
+    if (is_list && (shape[1] == 3 || shape[1] == 6)) return report_geometry_of(path, session);
+    if (is_list) return report_table(read_sample_source(path), session);
+    return report_image(path, session);
+  }
+  const SampleSource source = session.timed("read", [&] { return read_sample_source(path); });
+  const auto has = [&](const char* name) {
+    return std::find(source.names.begin(), source.names.end(), name) != source.names.end();
+  };
+  if (has("contour")) return report_curves(read_polylines(path), session);
+  const Index columns = source.values.rows();
+  const bool are_points = source.names.empty() ? columns == 3 || columns == 6 : has("x") && has("y") && has("z");
+  if (are_points && is_readable_point_file(path)) return report_geometry_of(path, session);
+  report_table(source, session);
+}
+
 }  // namespace
 
 void run(const InfoCommand& command, Session& session) {
-  session.input = {{"file", command.input}};
-  if (file_extension(command.input) == ".csrbf") {
-    const Archive archive = session.timed("read", [&] { return read_archive(command.input); });
-    report_model(archive, session);
-    return;
+  const std::string& path = command.input;
+  session.input = {{"file", path}};
+  const std::string extension = content_extension(path);
+  if (extension == ".csrbf") {
+    const Archive archive = session.timed("read", [&] { return read_archive(path); });
+    return report_model(archive, session);
   }
-  // .npy files hold points more often than images.
-  if (is_readable_volume(command.input) && file_extension(command.input) != ".npy") {
-    report_image(command.input, session);
-    return;
+  if (is_gdal_table(extension))
+    return report_table(session.timed("read", [&] { return read_sample_source(path); }), session);
+  // Pipes can be read once only.
+  std::error_code error;
+  const bool is_plain = std::filesystem::is_regular_file(path, error);
+  if (is_plain && is_listed(extension, ".npy .csv .txt .tsv .dat .xyz")) return report_numbers(path, session);
+  if (is_readable_volume(path)) return report_image(path, session);
+  if (is_plain && extension.empty()) {
+    const std::string guess = guessed_format(read_content(path));
+    if (guess.empty()) return report_numbers(path, session);
+    if (is_readable_volume("file" + guess)) return report_image(path, session);
   }
-  const Mesh mesh = session.timed("read", [&] { return read_mesh_or_points(command.input); });
-  report_geometry(mesh, session);
-  if (mesh.triangles.cols() > 0) report_topology(mesh, session);
+  report_geometry_of(path, session);
 }
 
 }  // namespace csrbf::app

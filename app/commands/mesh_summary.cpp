@@ -19,7 +19,8 @@ void add_mesh_summary(const std::string& path, const Mesh& mesh, Session& sessio
                          {"manifold", t.manifold()},
                          {"euler", t.euler}});
   session.say((path == "-" ? "standard output" : path) + ": " + counted(mesh.vertices.cols(), "vertex") + ", " +
-              counted(mesh.triangles.cols(), "triangle") + ", " + counted(t.components, "component") + ", " +
+              counted(mesh.triangles.cols(), "triangle") + ", " + counted(t.components, "component") +
+              (t.components > 1 ? " (pieces that do not touch), " : ", ") +
               (t.watertight() ? "watertight" : "not watertight"));
 }
 

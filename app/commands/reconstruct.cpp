@@ -33,9 +33,10 @@ ReconstructOptions make_options(const ReconstructCommand& command, Session& sess
 }
 
 std::variant<PointCloud, Polylines> read_input(const ReconstructCommand& command) {
+  const PointSelection selection = make_selection(command.points);
   if (command.method == "contours") return read_polylines(command.input);
-  if (command.method == "auto") return read_points_or_polylines(command.input);
-  return read_points(command.input);
+  if (command.method == "auto" && selection.is_all()) return read_points_or_polylines(command.input);
+  return select_points(read_points(command.input), selection);
 }
 
 // Flags about points do not apply to contours.
@@ -93,6 +94,8 @@ void add_options(const ReconstructCommand& command, const ReconstructReport& r, 
                      {"resolution", resolution},
                      {"sharp", command.sharp},
                      {"trim", command.trim},
+                     {"class", or_null(command.points.classes)},
+                     {"returns", command.points.returns},
                      {"model", or_null(command.model)}};
   if (!r.composite) return;
   const CompositeSettings& used = r.composite->settings;

@@ -73,8 +73,7 @@ Volume<float> object_image(VolumeLayout layout, const Objects& objects) {
 }
 
 void expect_outputs(const SegmentCommand& command, Session& session) {
-  session.expect_output("--output", command.output,
-                        is_volume_file(command.output) && file_extension(command.output) != ".ppm",
+  session.expect_output("--output", command.output, is_label_file(command.output),
                         std::string("label images are ") + label_formats);
   if (!command.contour.empty())
     session.expect_output(

@@ -21,8 +21,8 @@ void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
       ->check(CLI::Range(1.0, 1e6));
   v.flag("support", c.support, "RHO", "2.5, collocation 4", "their support radius, in center spacings")
       ->check(CLI::Range(1.1, 16.0));
-  v.flag("kernel", c.kernel, "NAME", c.kernel,
-         "compactly supported radial basis function; wendland-c4 for smooth curvatures");
+  v.named_flag("kernel", c.kernel, {"wendland-c2", "wendland-c4", "wendland-c6"}, c.kernel,
+               "compactly supported radial basis function; wendland-c4 for smooth curvatures");
   v.flag(
       "smoothness", c.smoothness, "auto|L", "auto",
       "weight of the contour length relative to the contrast, in voxels: details of a smaller radius vanish; auto: 0, "

@@ -21,8 +21,12 @@ void declare(CommandFlags& v, ReconstructCommand& c) {
   std::string methods =
       "auto: contours for files that hold contours, else composite; composite: partition of unity with an RBF "
       "residual; contours: triharmonic spline through closed curves on two or more planes";
-  for (const SurfaceMethod& method : surface_methods()) methods += std::string("; ") + method.name + ": " + method.what;
-  v.flag("method", c.method, "NAME", "auto", methods);
+  std::vector<std::string> names{"auto", "composite", "contours"};
+  for (const SurfaceMethod& method : surface_methods()) {
+    methods += std::string("; ") + method.name + ": " + method.what;
+    names.emplace_back(method.name);
+  }
+  v.named_flag("method", c.method, names, "auto", methods);
   v.flag("normals", c.normals, "auto|file|estimate", "auto",
          "auto: those of the file if it has any, corrected where they have errors, and turned outwards where they "
          "contradict each other or point inward; file: as they are; estimate: always estimated")
@@ -42,6 +46,7 @@ void declare(CommandFlags& v, ReconstructCommand& c) {
   v.flag("trim", c.trim, "T", "none",
          "drop surface further than T local point spacings from the data; none: watertight");
   v.flag("model", c.model, "FILE", "", "save the implicit surface: .csrbf");
+  add_point_flags(v, c.points);
   v.resume(c.resume);
 }
 
@@ -53,6 +58,7 @@ void declare(CommandFlags& v, EstimateNormalsCommand& c) {
   v.flag("orient", c.orient, "HOW", "consistent",
          "consistent: outwards, in agreement with their neighbours; viewpoint X,Y,Z: towards the scanner; none: either "
          "way");
+  add_point_flags(v, c.points);
 }
 
 void declare(CommandFlags& v, PolygonizeCommand& c) {

@@ -142,7 +142,7 @@ std::string label_extension(const TrackCommand& command) {
   if (!command.format.empty()) {
     const std::string extension = (command.format[0] == '.' ? "" : ".") + command.format;
     const std::string name = "labels" + extension;
-    if (!is_volume_file(name) || extension == ".ppm")
+    if (!is_label_file(name))
       throw UsageError("--format " + command.format +
                        ": unknown; label images are png pgm tif nii nii.gz nrrd mha mhd npy");
     return extension;

@@ -83,8 +83,8 @@ std::string option(const FlagUsage& flag, const std::string& name) {
     tag = flag.value == "N" ? "integer" : "double";
     known = element("default", flag.shown_default);
     if (!flag.lowest.empty())
-      known +=
-          "<constraints>\n" + element("minimum", flag.lowest) + element("maximum", flag.highest) + "</constraints>\n";
+      known += "<constraints>\n" + element("minimum", flag.lowest) + element("maximum", flag.highest) +
+               element("step", tag == "integer" ? "1" : "0.1") + "</constraints>\n";
   }
   const std::string what =
       flag.shown_default.empty() ? flag.what : flag.what + " (default: " + flag.shown_default + ")";
@@ -130,8 +130,9 @@ std::string slicer_module(const Usage& subcommand) {
   }
   return "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<executable>\n" + element("category", module.category) +
          element("title", "csrbf " + subcommand.name) + element("description", subcommand.what + ".") +
-         element("version", CSRBF_VERSION) + element("license", "MIT") + element("contributor", "the csrbf authors") +
-         group("Files", files) + group("Options", options) + "</executable>\n";
+         element("version", CSRBF_VERSION) + element("documentation-url", "man:csrbf") + element("license", "MIT") +
+         element("contributor", "the csrbf authors") + group("Files", files) + group("Options", options) +
+         "</executable>\n";
 }
 
 }  // namespace csrbf::app

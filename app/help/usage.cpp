@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cctype>
+#include <map>
 #include <sstream>
 
 namespace csrbf::app {
@@ -24,6 +25,12 @@ std::vector<std::string> allowed_words(const std::string& checks) {
   if (begin == std::string::npos || end == std::string::npos) return words;
   std::istringstream list(checks.substr(begin + 1, end - begin - 1));
   for (std::string word; std::getline(list, word, ',');) words.push_back(word);
+  return words;
+}
+
+// CLI11 has no place for words that are not checked.
+std::map<const CLI::Option*, std::vector<std::string>>& named_words() {
+  static std::map<const CLI::Option*, std::vector<std::string>> words;
   return words;
 }
 
@@ -49,6 +56,7 @@ FlagUsage flag_usage(const CLI::Option& option) {
   const std::vector<std::string> allowed = allowed_words(checks);
   flag.only_words = !allowed.empty();
   if (flag.words.empty()) flag.words = allowed;
+  if (const auto named = named_words().find(&option); named != named_words().end()) flag.words = named->second;
   take_range(checks, flag);
   return flag;
 }
@@ -59,6 +67,10 @@ std::string last_line(const std::string& text) {
 }
 
 }  // namespace
+
+void name_words(const CLI::Option& option, std::vector<std::string> words) {
+  named_words()[&option] = std::move(words);
+}
 
 std::string value_form(const CLI::Option& option) {
   const bool takes_value = option.get_expected_max() > 0 && !option.get_positional();

@@ -47,6 +47,9 @@ struct Usage {
 /// Form of the value of a flag, without the checks that CLI11 appends; empty when it takes none.
 std::string value_form(const CLI::Option& option);
 
+/// Declares that the value of an option may be one of these words, for completion; others may be valid too.
+void name_words(const CLI::Option& option, std::vector<std::string> words);
+
 /// The usage as declared to the parser.
 Usage usage_of(const CLI::App& app);
 

@@ -3,7 +3,8 @@ set(SOURCE_PATH ${CURRENT_PORT_DIR}/../..) # at a release: vcpkg_from_github wit
 
 vcpkg_check_features(OUT_FEATURE_OPTIONS features FEATURES tools CSRBF_BUILD_APP)
 vcpkg_cmake_configure(
-  SOURCE_PATH ${SOURCE_PATH} OPTIONS ${features} -DCSRBF_BUILD_TESTS=OFF -DCSRBF_BUILD_PYTHON=OFF -DCSRBF_USE_GDCM=OFF)
+  SOURCE_PATH ${SOURCE_PATH} OPTIONS ${features} -DCSRBF_BUILD_TESTS=OFF -DCSRBF_BUILD_PYTHON=OFF -DCSRBF_USE_GDCM=OFF
+          -DCSRBF_USE_GDAL=OFF -DCSRBF_USE_JPEG=OFF -DCSRBF_USE_LAZ=OFF -DCSRBF_USE_E57=OFF)
 vcpkg_cmake_install()
 vcpkg_cmake_config_fixup(CONFIG_PATH lib/cmake/csrbf)
 vcpkg_fixup_pkgconfig()

@@ -621,7 +621,7 @@ class Inpaint(Functions):
         self.fail_with(2, "the mask has 3 x 2 pixels, the image 40 x 30", "inpaint", image, "-o", out, "--mask", small)
         everything = self.write_bytes("all.pgm", pgm(self.WIDTH, self.HEIGHT, [1] * (self.WIDTH * self.HEIGHT)))
         self.fail_with(2, "has no known value", "inpaint", image, "-o", out, "--mask", everything)
-        self.fail_with(2, "images are .png", "inpaint", image, "-o", self.path("out.jpg"))
+        self.fail_with(2, "images are .png", "inpaint", image, "-o", self.path("out.gif"))
         self.fail_with(2, "missing.png: cannot read the file", "inpaint", "missing.png", "-o", out)
         floats = self.write_bytes("floats.npy", npy_bytes((2, 2), [1, 2, math.nan, 4], "<f4"))
         self.fail_with(2, "pictures hold whole numbers", "inpaint", floats, "-o", out)

@@ -57,7 +57,10 @@ class Slicer(Segment):
     def check_description(self, module):
         description = describe(module)
         self.assertEqual(description.tag, "executable")
-        for tag in ("category", "title", "description", "version", "license", "contributor"):
+        # The order of Slicer's schema, ModuleDescription.xsd, in which constraints have three parts.
+        head = ["category", "title", "description", "version", "documentation-url", "license", "contributor"]
+        self.assertEqual([element.tag for element in description], [*head, "parameters", "parameters"])
+        for tag in head:
             self.assertTrue(description.find(tag).text, tag)
         names = []
         for tag, known, element in parameters(description):
@@ -74,6 +77,7 @@ class Slicer(Segment):
                 self.assertIn(known["default"], [e.text for e in element.findall("element")])
             limits = element.find("constraints")
             if limits is not None:
+                self.assertEqual([limit.tag for limit in limits], ["minimum", "maximum", "step"])
                 self.assertLessEqual(float(limits.find("minimum").text), float(known["default"]))
                 self.assertGreaterEqual(float(limits.find("maximum").text), float(known["default"]))
             names.append(known["name"])

@@ -76,6 +76,14 @@ void write_geometry(const Corpus& corpus) {
   las.replace(96, 15, std::string("\343\0\0\0\0\0\0\0\1\34\0\2\0\0\0", 15));
   corpus.text("points.las", "format1", las);
 
+  corpus.text("points.ptx", "written",
+              "2\n1\n1 2 3\n0 1 0\n-1 0 0\n0 0 1\n0 1 0 0\n-1 0 0 0\n0 0 1 0\n1 2 3 1\n1 2 3 .5 9 8 7\n0 0 0 .5 0 0 0\n"
+              "0\n0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  las[104] = static_cast<char>(0x81);
+  corpus.text("points.laz", "format1", las);
+  corpus.text("points.e57", "mark", "ASTM-E57");
+  write_mesh(corpus.path("points.stl"), mesh);
+
   Polylines lines{mesh.vertices, {}, mesh.properties};
   lines.edges.resize(2, 3);
   lines.edges << 0, 1, 2, 1, 2, 0;
@@ -129,6 +137,18 @@ Volume<float> ball_image(Index length, int axes, SampleType type) {
 void write_images(const Corpus& corpus) {
   for (const char* target : {"volume.png", "volume.pgm", "volume.tif"})
     write_volume(corpus.path(target), ball_image(4, 2, SampleType::uint16));
+  for (const char* target : {"volume.bmp", "volume.jpg"})
+    write_volume(corpus.path(target), ball_image(4, 2, SampleType::uint8));
+  corpus.text("volume.bmp", "palette",
+              std::string("BM\112\0\0\0\0\0\0\0\102\0\0\0\50\0\0\0\3\0\0\0\2\0\0\0\1\0\4\0", 30) +
+                  std::string(16, '\0') +
+                  std::string("\3\0\0\0\0\0\0\0\0\0\0\0\0\0\377\0\377\377\377\0\1\40\0\0\42\20\0\0", 28));
+  Volume<float> map = ball_image(4, 2, SampleType::float32);
+  map.grid.direction(1, 1) = -1;
+  map.crs = "EPSG:32633";
+  write_volume(corpus.path("volume.tif", "map"), map);
+  for (const char* name : {"written", "map"})
+    fs::remove(fs::path(corpus.path("volume.tif", name)).replace_extension(".tfw"));
   for (const char* target : {"volume.nii", "volume.nii.gz", "volume.nrrd", "volume.mha", "volume.npy", "volume.vti"})
     write_volume(corpus.path(target), ball_image(3, 3, SampleType::uint8));
   corpus.text("volume.pgm", "ascii", "P2 # c\n3 2 9\n1 2 3\n4 5 9\n");

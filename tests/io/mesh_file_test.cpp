@@ -141,7 +141,7 @@ TEST(MeshFiles, RefuseToWriteIndicesWithoutVertices) {
   mesh.triangles(0, 0) = 4;
   EXPECT_THROW(write_mesh(folder.file("a.ply"), mesh), InvalidInput);
   EXPECT_EQ(io_error([&] { write_mesh("a.vtk", mesh); }),
-            "a.vtk: unknown extension \".vtk\"; mesh files are .ply .obj .off .stl .vtp .glb");
+            "a.vtk: unknown extension \".vtk\"; mesh files are .ply .obj .off .stl .vtp .glb .3mf");
   EXPECT_EQ(folder.files(), 0);
 }
 

@@ -231,8 +231,8 @@ TEST(ReadPoints, SaysWhyAFileCannotBeOpened) {
   EXPECT_EQ(io_error([&] { read_points(folder.file("folder.ply")); }),
             folder.file("folder.ply") + ": cannot read the file: Is a directory");
   EXPECT_EQ(io_error([&] { read_points("cloud.shp"); }),
-            "cloud.shp: unknown extension \".shp\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp .las "
-            ".pcd, also as .gz");
+            "cloud.shp: unknown extension \".shp\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp .stl "
+            ".las .laz .e57 .pcd .ptx");
   EXPECT_EQ(io_error([&] { write_points("cloud", {}); }),
             "cloud: unknown extension \"\"; point files are .ply .xyz .pts .txt .csv .obj .off .npy .vtp, also as .gz");
 }

@@ -1,6 +1,7 @@
 #include "csrbf/io/samples.hpp"
 
 #include "csrbf/io/files/npy.hpp"
+#include "csrbf/io/volume.hpp"
 
 #include "io/io_testing.hpp"
 
@@ -35,6 +36,72 @@ TEST(ReadSamples, TakesTheValueFromTheLastColumn) {
     EXPECT_EQ(samples.value_names, Names{"value"}) << name;
     EXPECT_EQ(samples.dropped, 0) << name;
   }
+}
+
+TEST(ReadSamples, AColumnThatNumbersTheRowsIsSuspected) {
+  const TemporaryFolder folder;
+  const auto suspicion = [&](const std::string& head, const std::string& row, const SampleColumns& columns = {}) {
+    std::string text = head;
+    for (const char* i : {"1", "2", "3", "4", "5", "6"}) {
+      std::string line = row;
+      line.replace(line.find('#'), 1, i);
+      text += line + "\n";
+    }
+    return read_samples(folder.with("a.csv", text), columns).suspicion;
+  };
+  EXPECT_EQ(suspicion("ID,x,y,v\n", "#7,.5,.25,1"), "ID") << "by its name";
+  EXPECT_EQ(suspicion("n,x,y,v\n", "#,.5,.25,1"), "n") << "by its numbers";
+  EXPECT_EQ(suspicion("", "#,.5,.25,1"), "number 1");
+  EXPECT_EQ(suspicion("x,y,v,fid\n", ".5,.25,1,#"), "fid") << "as a value";
+  EXPECT_EQ(suspicion("t,v\n", "#,1"), "") << "the only coordinate may count";
+  EXPECT_EQ(suspicion("x,y,v\n", "#.5,.25,1"), "");
+  EXPECT_EQ(suspicion("id,x,y,v\n", "#,.5,.25,1", {.coordinates = "x,y"}), "");
+  EXPECT_EQ(suspicion("id,x,y,v\n", "#,.5,.25,1", {.coordinates = "id,x,y"}), "") << "who names it means it";
+}
+
+TEST(ReadSamples, PointCloudsAreHeightsOverThePlane) {
+  const TemporaryFolder folder;
+  PointCloud cloud;
+  cloud.points.resize(3, 3);
+  cloud.points << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  cloud.properties = {{"classification", "uchar", Eigen::Vector3d(2, 5, 2)},
+                      {"return_number", "uchar", Eigen::Vector3d(1, 1, 2)},
+                      {"number_of_returns", "uchar", Eigen::Vector3d(1, 2, 2)}};
+  write_points(folder.file("a.ply"), cloud);
+  const SampleTable all = read_samples(folder.file("a.ply"));
+  EXPECT_EQ(all.coordinate_names, (Names{"x", "y"}));
+  EXPECT_EQ(all.value_names, Names{"z"});
+  EXPECT_EQ(all.values, Eigen::Vector3d(7, 8, 9));
+  EXPECT_EQ(read_samples(folder.file("a.ply"), {.points = {.classes = {2}}}).values, Eigen::Vector2d(7, 9));
+  EXPECT_EQ(read_samples(folder.file("a.ply"), {.points = {.classes = {2}, .returns = "first"}}).values(0), 7);
+  EXPECT_EQ(read_samples(folder.file("a.ply"), {.points = {.returns = "last"}}).values, Eigen::Vector2d(7, 9));
+  EXPECT_EQ(read_samples(folder.file("a.ply"), {.points = {.returns = "only"}}).values.size(), 1);
+  EXPECT_EQ(read_samples(folder.file("a.ply"), {.values = "classification"}).values, Eigen::Vector3d(2, 5, 2));
+  EXPECT_THROW((void)read_samples(folder.file("a.ply"), {.points = {.classes = {6}}}), InvalidInput);
+  EXPECT_NE(io_error([&] {
+              (void)read_samples(folder.with("a.csv", "1,2,3\n"), {.points = {.classes = {2}}});
+            }).find("only points of a scanner have classes"),
+            std::string::npos);
+}
+
+TEST(ReadSamples, PixelsOnAMapAreSamplesAtTheirCentres) {
+  const TemporaryFolder folder;
+  Volume<float> dem;
+  dem.grid.axes = 2;
+  dem.grid.size = {2, 2, 1};
+  dem.grid.spacing << 10, 20, 1;
+  dem.grid.origin << 105, 190, 0;
+  dem.grid.direction(1, 1) = -1;
+  dem.crs = "EPSG:32633";
+  dem.values = {1, 2, std::numeric_limits<float>::quiet_NaN(), 4};
+  write_volume(folder.file("dem.tif"), dem);
+  const SampleTable samples = read_samples(folder.file("dem.tif"));
+  Eigen::MatrixXd expected(2, 3);
+  expected << 105, 115, 115, 190, 190, 170;
+  EXPECT_EQ(samples.coordinates, expected);
+  EXPECT_EQ(samples.values, Eigen::Vector3d(1, 2, 4));
+  EXPECT_EQ(samples.dropped, 1);
+  EXPECT_EQ(samples.crs, "EPSG:32633");
 }
 
 TEST(ReadSamples, PicksColumnsByNameAndNumber) {
@@ -149,7 +216,8 @@ TEST(ReadSamples, SaysWhatIsWrongAndInWhichLine) {
   EXPECT_EQ(error("e.npy", format_npy({{3}, {1, 2, 3}})),
             "e.npy: the array has 1 axes or no rows, samples need an (n, d+1) array of one row per sample");
   EXPECT_EQ(error("e.json", "{}"),
-            "e.json: unknown extension \".json\"; files of samples are .csv .txt .tsv .dat .xyz .npy");
+            "e.json: unknown extension \".json\"; files of samples are .csv .txt .tsv .dat .xyz .npy .ply .pts "
+            ".obj .off .vtp .stl .las .laz .e57 .pcd .ptx");
   EXPECT_EQ(io_error([&] {
               read_queries(folder.with("q.csv", "1\n2\n"), {"x", "y"});
             }),
@@ -164,7 +232,7 @@ TEST(WriteTable, RefusesWhatDoesNotFit) {
   EXPECT_EQ(io_error([] {
               write_table("a.json", {{"x"}, {"v"}, Eigen::MatrixXd::Zero(1, 2), Eigen::MatrixXd::Zero(2, 1)});
             }),
-            "a.json: unknown extension \".json\"; tables of results are .csv .txt .npy");
+            "a.json: unknown extension \".json\"; tables of results are .csv .txt .npy, and .gpkg .shp .geojson .fgb");
 }
 
 }  // namespace

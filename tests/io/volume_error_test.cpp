@@ -90,10 +90,10 @@ TEST(ReadVolume, RefusesFilesOfAnotherKind) {
   EXPECT_EQ(errors.reading("a.mha", "GIF89a..."), "a.mha:1: expected \"name = value\", found \"GIF89a...\"");
   EXPECT_EQ(errors.reading("a.npy", "GIF89a..."), "a.npy: not a .npy file");
   for (const char* name : names) EXPECT_EQ(errors.reading(name, ""), std::string(name) + ": the file is empty");
-  EXPECT_EQ(io_error([] { read_volume("a.jpg"); }),
-            "a.jpg: unknown extension \".jpg\"; images are .png .pgm .ppm .tif .tiff .nii .nii.gz .nrrd .mha .mhd .npy "
-            ".vti, and "
-            "DICOM files or folders");
+  EXPECT_EQ(
+      io_error([] { read_volume("a.gif"); }),
+      "a.gif: unknown extension \".gif\"; images are .png .pgm .ppm .jpg .jpeg .bmp .tif .tiff .nii .nii.gz .nrrd "
+      ".mha .mhd .npy .vti .asc .nc, and DICOM files or folders");
   EXPECT_EQ(io_error([] { read_volume("missing.png"); }),
             "missing.png: cannot read the file: No such file or directory");
 }

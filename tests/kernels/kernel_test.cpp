@@ -13,6 +13,21 @@ namespace {
 
 constexpr double rounding = 2e-14;  // some tens of roundings of numbers of order 1
 
+TEST(Kernel, NamesOfOtherProgramsAreUnderstood) {
+  const std::pair<const char*, const char*> names[] = {{"thin_plate_spline", "thin-plate"},
+                                                       {"thin-plate-spline", "thin-plate"},
+                                                       {"inverse_multiquadric", "inverse-multiquadric"},
+                                                       {"inverse_quadratic", "inverse-quadratic"},
+                                                       {"squared-exponential", "gaussian"},
+                                                       {"exponential", "matern-c0"},
+                                                       {"matern32", "matern-c2"},
+                                                       {"quintic", "quintic"}};
+  for (const auto& [theirs, ours] : names) {
+    EXPECT_EQ(Kernel(theirs, 2).name(), ours);
+    EXPECT_EQ(Kernel(theirs, 2).value(0.7), Kernel(ours, 2).value(0.7));
+  }
+}
+
 TEST(Kernel, HasTheClosedFormsOfTheLiterature) {
   const auto expect = [](const Kernel& kernel, auto phi) {
     for (const double r : {.01, .25, .5, .75, .9375, 1.0})
@@ -250,15 +265,15 @@ TEST(Kernel, RejectsUnknownNamesListingTheKnown) {
 
 TEST(Kernel, RejectsParametersOutOfRange) {
   EXPECT_EQ(message_of([] { Kernel("gaussian", 2, 3); }),
-            "Kernel: parameter of gaussian = 3: this kernel has none; leave it out");
+            "kernel: parameter of gaussian = 3: this kernel has none; leave it out");
   EXPECT_EQ(message_of([] { Kernel("matern", 2, 0); }),
-            "Kernel: parameter of matern = 0: must be positive and at most 50");
+            "kernel: parameter of matern = 0: must be positive and at most 50");
   EXPECT_EQ(message_of([] { Kernel("powered-exponential", 2, 2.5); }),
-            "Kernel: parameter of powered-exponential = 2.5: must be at most 2: larger ones are not positive definite");
+            "kernel: parameter of powered-exponential = 2.5: must be at most 2: larger ones are not positive definite");
   EXPECT_EQ(message_of([] { Kernel("multiquadric", 2, 2); }),
-            "Kernel: parameter of multiquadric = 2: must not be an integer, or the kernel is a polynomial");
+            "kernel: parameter of multiquadric = 2: must not be an integer, or the kernel is a polynomial");
   EXPECT_EQ(message_of([] { Kernel("cubic", 0); }),
-            "Kernel: dimension = 0: must be at least 1; give the dimension of the points");
+            "kernel: dimension = 0: must be at least 1; give the dimension of the points");
 }
 
 }  // namespace

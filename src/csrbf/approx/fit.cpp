@@ -390,6 +390,9 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
   result.report.sphere = options.sphere;
   result.report.drift_axes = options.drift;
   result.places = places_of(samples, result.report);
+  // Whatever it was called.
+  if (result.report.kernel == options.kernel && options.kernel != "auto")
+    result.report.kernel = Kernel(options.kernel, Dim).name();
   return result;
 }
 

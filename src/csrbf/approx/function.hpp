@@ -86,6 +86,8 @@ struct NamedFunction {
   Function function;
   std::vector<std::string> coordinate_names = {};  ///< empty: x y z, or x1 x2 ... from four on
   std::vector<std::string> value_names = {};       ///< empty: value, or value1 value2 ...
+  std::string crs =
+      {};  ///< reference system of the coordinates on a map, such as "EPSG:32633"; empty: none, or unknown
 };
 
 /// fit() for points (d x n), values (n x k) and weights (n, or empty) in any of the supported dimensions.

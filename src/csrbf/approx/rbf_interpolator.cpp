@@ -15,9 +15,7 @@ using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 constexpr const char* function = "RBFInterpolator";
 constexpr Index most_dense = 10000;  // points of a system too ill conditioned for iterations: 800 MB; chosen by hand
 
-Kernel make_kernel(std::string name, Index dimension) {
-  std::replace(name.begin(), name.end(), '_', '-');
-  if (name == "thin-plate-spline") name = "thin-plate";
+Kernel make_kernel(const std::string& name, Index dimension) {
   return Kernel(name, static_cast<int>(std::max<Index>(dimension, 1)));
 }
 

@@ -65,6 +65,8 @@ struct VolumeLayout {
   double time_step = 1;                   ///< s, between frames
   Index components = 1;                   ///< values per voxel: 3 for RGB
   SampleType type = SampleType::float32;  ///< of the samples in the file it came from or goes to
+  std::string crs =
+      {};  ///< reference system of x and y on a map: "EPSG:32633" or a text in WKT; empty: none, or unknown
 
   [[nodiscard]] Index values_per_frame() const { return components * grid.voxels(); }
 };

@@ -17,6 +17,10 @@ Mesh refuse_glb(std::string_view /*bytes*/, const std::string& name) {
   throw IoError(name + ": .glb is only written; export the mesh as .ply, .obj or .stl");
 }
 
+Mesh refuse_3mf(std::string_view /*bytes*/, const std::string& name) {
+  throw IoError(name + ": .3mf is only written; export the mesh as .ply, .obj or .stl");
+}
+
 struct Format {
   std::string_view extension;
   Mesh (*parse)(std::string_view bytes, const std::string& name);
@@ -25,10 +29,18 @@ struct Format {
 
 constexpr Format formats[] = {{".ply", parse_ply, format_ply}, {".obj", parse_obj, format_obj},
                               {".off", parse_off, format_off}, {".stl", parse_stl, format_stl},
-                              {".vtp", parse_vtp, format_vtp}, {".glb", refuse_glb, format_glb}};
+                              {".vtp", parse_vtp, format_vtp}, {".glb", refuse_glb, format_glb},
+                              {".3mf", refuse_3mf, format_3mf}};
+
+std::string mesh_formats() {
+  std::string known;
+  for (const Format& format : formats) known += (known.empty() ? "" : " ") + std::string(format.extension);
+  return known;
+}
 
 const Format* find_format(const std::string& path) {
-  const std::string extension = path == "-" ? ".off" : content_extension(path);
+  std::string extension = content_extension(path);
+  if (path == "-" && extension.empty()) extension = ".off";
   for (const Format& format : formats)
     if (format.extension == extension) return &format;
   return nullptr;
@@ -36,9 +48,7 @@ const Format* find_format(const std::string& path) {
 
 const Format& checked_format(const std::string& path) {
   if (const Format* format = find_format(path)) return *format;
-  std::string known = "mesh files are";
-  for (const Format& format : formats) known += " " + std::string(format.extension);
-  refuse_extension(path, file_extension(path), known);
+  refuse_extension(path, file_extension(path), "mesh files are " + mesh_formats());
 }
 
 void check(const Mesh& mesh) {
@@ -63,8 +73,9 @@ std::vector<std::string> precision_warnings(const std::string& path, const Point
 }  // namespace
 
 Mesh read_mesh(const std::string& path) {
-  const Format& format = checked_format(path);
-  Mesh mesh = format.parse(read_content(path), display_name(path));
+  const Content content = read_with_format(path, mesh_formats(), ".off", "mesh files");
+  const auto is_that = [&](const Format& format) { return format.extension == content.extension; };
+  Mesh mesh = std::find_if(std::begin(formats), std::end(formats), is_that)->parse(content.bytes, display_name(path));
   if (mesh.triangles.cols() == 0)
     throw IoError(display_name(path) + ": the file holds " + std::to_string(mesh.vertices.cols()) +
                   " points but no faces");
@@ -72,9 +83,12 @@ Mesh read_mesh(const std::string& path) {
 }
 
 Mesh read_mesh_or_points(const std::string& path) {
-  if (const Format* format = find_format(path); format != nullptr && path != "-")
-    return format->parse(read_content(path), display_name(path));
-  PointCloud cloud = read_points(path);
+  const Content content =
+      read_with_format(path, mesh_formats() + " " + readable_point_formats(), ".xyz", "files of meshes and points");
+  const std::string name = display_name(path);
+  for (const Format& format : formats)
+    if (format.extension == content.extension) return format.parse(content.bytes, name);
+  PointCloud cloud = parse_points(content.extension, content.bytes, name);
   Mesh mesh;
   mesh.vertices = std::move(cloud.points);
   mesh.normals = std::move(cloud.normals);

@@ -4,6 +4,7 @@
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/surface_archive.hpp"
+#include "csrbf/io/samples.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/lattice/lattice_field.hpp"
 
@@ -65,7 +66,12 @@ void write_model(const std::string& path, const NamedFunction& function) {
 }
 
 NamedFunction read_function(const std::string& path) {
-  return function_from(read_archive(path));
+  const Archive archive = read_archive(path);
+  if (archive.kind == function_kind) return function_from(archive);
+  Fit<3> fit;
+  fit.components = {surface_from(archive)};
+  fit.report.method = archive.kind;
+  return {Function(std::move(fit)), default_coordinate_names(3), {"field"}, {}};
 }
 
 }  // namespace csrbf

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/gzip_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/geometry/formats.hpp"
@@ -88,18 +89,17 @@ Polylines parse_polylines(const std::string& extension, const std::string& bytes
 }  // namespace
 
 Polylines read_polylines(const std::string& path) {
-  const std::string extension = path == "-" ? ".csv" : file_extension(path), name = display_name(path);
-  if (!is_listed(extension, extensions))
-    refuse_extension(name, extension, std::string("files of curves are ") + extensions);
-  return parse_polylines(extension, read_file(path), name);
+  const Content content = read_with_format(path, extensions, ".csv", "files of curves");
+  return parse_polylines(content.extension, content.bytes, display_name(path));
 }
 
 std::variant<PointCloud, Polylines> read_points_or_polylines(const std::string& path) {
-  const std::string extension = file_extension(path);
-  if (path == "-" || !is_listed(extension, extensions)) return read_points(path);
-  const std::string bytes = read_file(path);
-  if (are_polylines(extension, bytes)) return parse_polylines(extension, bytes, path);
-  return parse_points(bytes, path);
+  if (!is_listed(content_extension(path), extensions) && !(path != "-" && content_extension(path).empty()))
+    return read_points(path);
+  const Content content = read_with_format(path, readable_point_formats(), ".csv", "files of points and curves");
+  if (are_polylines(content.extension, content.bytes))
+    return parse_polylines(content.extension, content.bytes, display_name(path));
+  return parse_points(content.extension, content.bytes, display_name(path));
 }
 
 bool is_polylines_file(const std::string& path) {

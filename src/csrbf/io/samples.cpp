@@ -7,6 +7,8 @@
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/table.hpp"
 #include "csrbf/io/files/text.hpp"
+#include "csrbf/io/gdal/gdal.hpp"
+#include "csrbf/io/volume.hpp"
 
 #include <map>
 #include <numeric>
@@ -29,13 +31,80 @@ Table table_of(const NpyArray& array, const std::string& name) {
   return table;
 }
 
-Table read_table(const std::string& path) {
-  const std::string extension = path == "-" ? ".csv" : content_extension(path);
-  const char* const known = ".csv .txt .tsv .dat .xyz .npy";
-  if (!is_listed(extension, known)) refuse_extension(path, extension, std::string("files of samples are ") + known);
+// A table, and what of it counts as coordinates and values by default: all but the last column, and that one, unless
+// said otherwise.
+struct Source {
+  Table table;
+  std::string crs;
+  std::vector<Index> coordinates, values;
+};
+
+constexpr const char* table_formats = ".csv .txt .tsv .dat .xyz .npy";
+constexpr const char* other_formats = " .ply .pts .obj .off .vtp .stl .las .laz .e57 .pcd .ptx";
+
+// z over x and y.
+Source source_of(const PointCloud& all, const PointSelection& selection) {
+  const PointCloud cloud = select_points(all, selection);
+  Source source{{}, "", {0, 1}, {2}};
+  source.table.names = {"x", "y", "z"};
+  source.table.values.resize(3 + std::ssize(cloud.properties), cloud.size());
+  source.table.values.topRows(3) = cloud.points;
+  for (Index p = 0; p < std::ssize(cloud.properties); ++p) {
+    const Property& property = cloud.properties[static_cast<std::size_t>(p)];
+    source.table.names.push_back(property.name);
+    source.table.values.row(3 + p) = property.values.transpose();
+  }
+  return source;
+}
+
+// The last field over x and y.
+Source source_of_map(const std::string& path) {
+  Source source;
+  source.table = read_gdal_table(path, source.crs);
+  source.coordinates = {0, 1};
+  source.values = {source.table.values.rows() - 1};
+  if (source.table.values.rows() < 3) throw IoError(path + ": the points have neither a numeric field nor a height");
+  return source;
+}
+
+// One row per pixel, with the coordinates of its centre.
+Source source_of_image(const std::string& path) {
+  const Volume<double> image = read_volume<double>(path);
+  const Index d = image.grid.dimension() > 2 ? 3 : 2;
+  if (image.frames > 1) throw IoError(path + ": samples of a sequence of images are not supported");
+  Source source;
+  source.crs = image.crs;
+  source.table.names = default_coordinate_names(d);
+  for (const std::string& name : default_value_names(image.components)) source.table.names.push_back(name);
+  source.table.values.resize(d + image.components, image.grid.voxels());
+  const Points<3> centers = image.grid.centers<3>();
+  source.table.values.topRows(d) = centers.topRows(d);
+  source.table.values.bottomRows(image.components) = image.frame();
+  for (Index c = 0; c < d + image.components; ++c) (c < d ? source.coordinates : source.values).push_back(c);
+  return source;
+}
+
+bool is_image_of_samples(const std::string& path) {
+  const std::string extension = content_extension(path);
+  return extension != ".npy" && is_readable_volume(path) && !is_picture_file(path);
+}
+
+Source read_source(const std::string& path, const PointSelection& selection) {
+  const std::string extension = content_extension(path);
+  if (is_gdal_table(extension)) return source_of_map(path);
+  if (path != "-" && !extension.empty() && !is_listed(extension, table_formats)) {
+    if (is_readable_point_file(path)) return source_of(read_points(path), selection);
+    if (is_image_of_samples(path)) return source_of_image(path);
+  }
   const std::string name = display_name(path);
-  if (extension == ".npy") return table_of(parse_npy(read_content(path), name), name);
-  return parse_table(read_content(path), name, TextCells::note);
+  const Content content =
+      read_with_format(path, std::string(table_formats) + other_formats, ".csv", "files of samples");
+  if (content.extension == ".npy") return {table_of(parse_npy(content.bytes, name), name), "", {}, {}};
+  if (!is_listed(content.extension, table_formats))
+    return source_of(parse_points(content.extension, content.bytes, name), selection);
+  Source source{parse_table(content.bytes, name, TextCells::note), "", {}, {}};
+  if (!selection.is_all()) throw IoError(name + ": only points of a scanner have classes and returns");
+  return source;
 }
 
 class ColumnPicker {
@@ -58,6 +127,17 @@ class ColumnPicker {
   [[nodiscard]] std::vector<Index> find(std::string_view list) const {
     ColumnPicker other(table_, name_);
     return other.take(list);
+  }
+
+  // Those of the columns that are not used yet.
+  std::vector<Index> take_free(const std::vector<Index>& wanted) {
+    std::vector<Index> columns;
+    for (const Index i : wanted)
+      if (!used(i)) {
+        use(i);
+        columns.push_back(i);
+      }
+    return columns;
   }
 
   // All unused columns, or the last of them.
@@ -139,6 +219,26 @@ std::vector<Index> complete_rows(const Table& table, const std::vector<Index>& u
   return rows;
 }
 
+// A column among these whose name or content says that it only numbers the rows; empty when there is none. The only
+// coordinate of equidistant samples may be their number.
+std::string row_number_among(const Table& table, const std::vector<Index>& columns) {
+  constexpr std::string_view names = "id fid oid objectid index idx nr no row number point_id pointid station_id gid";
+  constexpr Index enough = 5;  // rows
+  for (const Index column : columns) {
+    const bool has_name = !table.names.empty();
+    const std::string name = has_name ? table.names[static_cast<std::size_t>(column)] : "";
+    if (has_name && is_listed(lower_case(name), names)) return name;
+    const Index rows = table.values.cols();
+    if (columns.size() < 2 || rows < enough) continue;
+    const double first = table.values(column, 0);
+    bool counts = (first == 0 || first == 1) && !(has_name && is_listed(lower_case(name), "x y z t time lon lat"));
+    for (Index row = 0; counts && row < rows; ++row)
+      counts = table.values(column, row) == first + static_cast<double>(row);
+    if (counts) return has_name ? name : "number " + std::to_string(column + 1);
+  }
+  return "";
+}
+
 void check_weights(const Eigen::VectorXd& weights, const std::vector<Index>& rows, const std::string& name) {
   for (Index i = 0; i < weights.size(); ++i)
     if (!(weights(i) >= 0))
@@ -159,7 +259,8 @@ std::vector<std::string> default_value_names(Index k) {
 }
 
 SampleTable read_samples(const std::string& path, const SampleColumns& columns) {
-  const Table table = read_table(path);
+  const Source source = read_source(path, columns.points);
+  const Table& table = source.table;
   const std::string name = display_name(path);
   ColumnPicker picker(table, name);
   const std::vector<Index> weights = picker.take(columns.weights);
@@ -168,6 +269,8 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   const std::vector<Index> derivatives = picker.take(columns.derivatives);
   std::vector<Index> values = picker.take(columns.values);
   std::vector<Index> coordinates = picker.take(columns.coordinates);
+  if (values.empty()) values = picker.take_free(source.values);
+  if (coordinates.empty()) coordinates = picker.take_free(source.coordinates);
   if (values.empty()) values = picker.take_last();
   if (coordinates.empty()) coordinates = picker.take_rest();
   if (values.empty() || coordinates.empty())
@@ -205,6 +308,9 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   check_weights(samples.weights, rows, name);
   samples.coordinate_names = names_of(table, coordinates, default_coordinate_names(samples.coordinates.rows()));
   samples.value_names = names_of(table, values, default_value_names(samples.values.cols()));
+  samples.crs = source.crs;
+  if (columns.coordinates.empty()) samples.suspicion = row_number_among(table, coordinates);
+  if (columns.values.empty() && samples.suspicion.empty()) samples.suspicion = row_number_among(table, values);
   return samples;
 }
 
@@ -232,8 +338,18 @@ std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path) {
   return faults;
 }
 
+SampleSource read_sample_source(const std::string& path) {
+  const Source source = read_source(path, {});
+  const Index last = source.table.values.rows() - 1;
+  SampleSource all{source.table.names, source.table.values, source.crs, source.coordinates, source.values};
+  if (all.columns.empty()) all.columns = {last};
+  if (all.coordinates.empty())
+    for (Index c = 0; c < last; ++c) all.coordinates.push_back(c);
+  return all;
+}
+
 Eigen::MatrixXd read_queries(const std::string& path, const std::vector<std::string>& names) {
-  const Table table = read_table(path);
+  const Table table = read_source(path, {}).table;
   const std::string name = display_name(path);
   if (table.values.rows() < std::ssize(names))
     throw IoError(name + ": expected " + std::to_string(names.size()) + " coordinates (" + listed(names) + "), found " +
@@ -259,7 +375,8 @@ void write_table(const std::string& path, const ResultTable& table) {
               std::ssize(table.value_names) == table.values.cols(),
           "write_table", "names", table.coordinate_names.size() + table.value_names.size(),
           "one per coordinate and value is needed");
-  const std::string extension = path == "-" ? ".csv" : content_extension(path);
+  std::string extension = content_extension(path);
+  if (path == "-" && extension.empty()) extension = ".csv";
   if (extension == ".npy") {
     NpyArray array{{rows}, {}};
     if (table.values.cols() != 1) array.shape.push_back(table.values.cols());
@@ -267,12 +384,19 @@ void write_table(const std::string& path, const ResultTable& table) {
     Eigen::Map<Eigen::MatrixXd>(array.values.data(), table.values.cols(), rows) = table.values.transpose();
     return write_content(path, format_npy(array));
   }
-  if (extension != ".csv" && extension != ".txt")
-    refuse_extension(path, extension, "tables of results are .csv .txt .npy");
+  const bool is_map = is_gdal_table(extension);
+  if (!is_map && extension != ".csv" && extension != ".txt")
+    refuse_extension(path, extension, "tables of results are .csv .txt .npy, and .gpkg .shp .geojson .fgb");
   Eigen::MatrixXd columns(table.coordinates.rows() + table.values.cols(), rows);
   columns << table.coordinates, table.values.transpose();
   std::vector<std::string> names = table.coordinate_names;
   names.insert(names.end(), table.value_names.begin(), table.value_names.end());
+  if (is_map) {
+    require(table.coordinates.rows() == 2 || table.coordinates.rows() == 3, "write_table", "coordinates",
+            table.coordinates.rows(), "points on maps have two or three");
+    if (table.coordinates.rows() == 3) names[2] = "z";
+    return write_gdal_table(path, names, columns, table.crs);
+  }
   write_content(path,
                 extension == ".csv" ? format_table(names, columns, ',') : format_table(names, columns, ' ', "# "));
 }

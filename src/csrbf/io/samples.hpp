@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/core/types.hpp"
+#include "csrbf/io/points.hpp"
 
 #include <string>
 #include <vector>
@@ -15,6 +15,7 @@ struct SampleColumns {
   std::string sphere = {};       ///< those of longitude and latitude, among the coordinates; default: none
   std::string derivatives = {};  ///< of each value by each coordinate, value by value; default: none
   std::string drift = {};        ///< covariates: further coordinates, after the others; default: none
+  PointSelection points = {};    ///< of points of a scanner
 };
 
 /// Scattered samples as read from a file, for any dimension.
@@ -26,6 +27,8 @@ struct SampleTable {
   std::vector<std::string> coordinate_names, value_names;
   std::vector<int> sphere = {}, drift = {};  ///< these coordinates, numbered from 0
   Index dropped = 0;                         ///< rows left out because one of their numbers is missing or not finite
+  std::string crs = {};                      ///< reference system of the coordinates, where the file names one
+  std::string suspicion = {};  ///< a column that is used and looks like a mere number of the rows; else empty
 };
 
 /// Names of d coordinates: x y z, or x1 x2 ... from four on.
@@ -36,14 +39,29 @@ std::vector<std::string> default_value_names(Index k);
 /// Reads samples: .csv .txt .tsv .dat .xyz and "-" for standard input (numbers separated by commas, semicolons, tabs or
 /// blanks, with a line of column names or without, see io/files/table.hpp) or .npy (an (n, d+1) array). Columns that
 /// are not used may hold text; empty cells, NA and null are missing numbers. Columns without names get the default
-/// ones. Throws IoError "file:line: ..." for unreadable text, unknown columns (listing those there are), negative
-/// weights and when no row is left.
+/// ones. Point clouds (.las, .ply and the others that read_points() reads) have the columns x, y, z and their
+/// properties: z as a function of x and y by default. Points on maps (.gpkg .shp .geojson .fgb, by GDAL) have x, y, z
+/// and their numeric fields: the last field by default, or z, as a function of x and y. Images on maps (.tif, .asc,
+/// .nc) have x, y, which are the centres of the pixels, and value. Throws IoError "file:line: ..." for unreadable text,
+/// unknown columns (listing those there are), negative weights and when no row is left.
 SampleTable read_samples(const std::string& path, const SampleColumns& columns = {});
 
 /// Reads faults: polylines in the plane, see FitOptions::faults, in the formats of samples: coordinates of vertices in
 /// the first two columns and, in a third one, the number of the line, which vertices of one line share; their order is
 /// that along the line. Without it all are of one line. Throws IoError, also for lines of a single vertex.
 std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path);
+
+/// All numbers of a file of samples.
+struct SampleSource {
+  std::vector<std::string> names = {};  ///< of the columns; empty: they have none
+  Eigen::MatrixXd values = {};          ///< columns x rows, NaN where there is none
+  std::string crs = {};                 ///< reference system of the coordinates, where the file names one
+  std::vector<Index> coordinates = {};  ///< the columns that read_samples() takes by default
+  std::vector<Index> columns = {};      ///< and those for values
+};
+
+/// The files that read_samples() reads, whole, to describe them. Throws IoError.
+SampleSource read_sample_source(const std::string& path);
 
 /// Reads points to evaluate at, in the formats of samples: the columns of these names when the file has all of them,
 /// else the first names.size() columns; a d x m matrix. Missing numbers are NaN, so that every row has a
@@ -55,11 +73,13 @@ struct ResultTable {
   std::vector<std::string> coordinate_names, value_names;
   Eigen::MatrixXd coordinates;  ///< d x m
   Eigen::MatrixXd values;       ///< m x k
+  std::string crs = {};         ///< reference system of the coordinates, for files of maps
 };
 
 /// Writes one row per query, complete or not at all (AtomicFile): .csv and "-" for standard output hold names,
 /// coordinates and values, .txt the same with blanks and the names in a comment; .npy holds the values alone, as (m,)
-/// or (m, k). Throws IoError, InvalidInput when numbers of names, rows or columns do not match.
+/// or (m, k); .gpkg .shp .geojson .fgb, by GDAL, points with the values as fields. Throws IoError, InvalidInput when
+/// numbers of names, rows or columns do not match.
 void write_table(const std::string& path, const ResultTable& table);
 
 }  // namespace csrbf

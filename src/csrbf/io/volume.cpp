@@ -3,9 +3,11 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/deflate.hpp"
+#include "csrbf/io/files/guessed_format.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/images/dicom.hpp"
 #include "csrbf/io/images/formats.hpp"
+#include "csrbf/io/images/geotiff.hpp"
 #include "csrbf/io/vtk/formats.hpp"
 
 #include <filesystem>
@@ -13,24 +15,56 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* extensions = ".png .pgm .ppm .tif .tiff .nii .nii.gz .nrrd .mha .mhd .npy .vti";
+constexpr const char* extensions =
+    ".png .pgm .ppm .jpg .jpeg .bmp .tif .tiff .nii .nii.gz .nrrd .mha .mhd .npy .vti .asc .nc";
+constexpr const char* read_by_gdal = ".hgt .grd";  // besides .asc and .nc, which it writes too
 
 std::string volume_extension(const std::string& path) {
   const std::string last = file_extension(path);
   return last == ".gz" ? file_extension(std::filesystem::path(path).stem().string()) + last : last;
 }
 
-// `others` are kinds of images without an extension here.
-std::string checked_extension(const std::string& path, const std::string& others = {}) {
+std::string checked_extension(const std::string& path) {
   const std::string extension = volume_extension(path);
-  if (!is_listed(extension, extensions)) refuse_extension(path, extension, "images are " + (extensions + others));
+  if (!is_listed(extension, extensions)) refuse_extension(path, extension, std::string("images are ") + extensions);
   return extension;
 }
 
+// Pictures of maps may have a file beside them that says where they are: dem.tfw for dem.tif.
+bool has_world_file(const std::string& extension) {
+  return is_listed(extension, ".tif .tiff .png .jpg .jpeg .bmp");
+}
+
+std::string world_file_of(const std::string& path) {
+  const std::string extension = file_extension(path);
+  const std::string world{'.', extension[1], extension.back(), 'w'};
+  return std::filesystem::path(path).replace_extension(world).string();
+}
+
+void read_world_file(const std::string& path, Grid& grid) {
+  if (path == "-" || file_extension(path) != volume_extension(path)) return;
+  const std::string world = world_file_of(path);
+  std::error_code error;
+  if (std::filesystem::is_regular_file(world, error)) parse_world_file(read_file(world), grid, world);
+}
+
+// Enough of compressed bytes to see what they are.
+std::string read_head(const std::string& bytes, const std::string& name) {
+  constexpr std::size_t head = 512;
+  return inflate_head(bytes, head, display_name(name));
+}
+
+bool is_by_gdal(const std::string& extension) {
+  return extension == ".asc" || extension == ".nc" || is_listed(extension, read_by_gdal);
+}
+
 RawVolume parse_volume(const std::string& extension, std::string bytes, const std::string& path) {
+  if (is_by_gdal(extension)) return read_gdal_image(path);
   if (bytes.empty()) throw IoError(path + ": the file is empty");
   if (extension == ".png") return parse_png(bytes, path);
   if (extension == ".pgm" || extension == ".ppm") return parse_pnm(std::move(bytes), path);
+  if (extension.starts_with(".jp")) return parse_jpeg(bytes, path);
+  if (extension == ".bmp") return parse_bmp(bytes, path);
   if (extension.starts_with(".tif")) return parse_tiff(std::move(bytes), path);
   if (extension.starts_with(".nii")) return parse_nifti(std::move(bytes), path);
   if (extension == ".nrrd") return parse_nrrd(std::move(bytes), path);
@@ -40,7 +74,7 @@ RawVolume parse_volume(const std::string& extension, std::string bytes, const st
 }
 
 bool is_picture(const std::string& extension) {
-  return is_listed(extension, ".png .pgm .ppm");
+  return is_listed(extension, ".png .pgm .ppm .jpg .jpeg .bmp");
 }
 
 // Refuses axes and components that the format cannot hold.
@@ -49,10 +83,12 @@ void check_shape(const std::string& extension, const VolumeLayout& layout, const
     if (!holds) throw IoError(path + ": " + extension + " files hold no " + what + "; write .nii.gz, .nrrd or .npy");
   };
   if (is_picture(extension)) {
-    const Index most = extension == ".png" ? 4 : extension == ".ppm" ? 3 : 1;
+    const Index most = extension == ".png" ? 4 : extension == ".pgm" ? 1 : 3;
     check(layout.grid.size[2] == 1, "third axis");
     check(layout.frames == 1, "time axis");
-    check(layout.components <= most && (extension != ".ppm" || layout.components == most),
+    const bool is_jpeg_or_bmp = extension.starts_with(".jp") || extension == ".bmp";
+    check(layout.components <= most && (extension != ".ppm" || layout.components == most) &&
+              (!is_jpeg_or_bmp || layout.components != 2),
           "pixels of " + std::to_string(layout.components) + " components");
   }
   if (extension.starts_with(".tif")) {
@@ -60,28 +96,33 @@ void check_shape(const std::string& extension, const VolumeLayout& layout, const
     check(layout.grid.size[2] == 1 || layout.frames == 1, "sequences of three axes");
     check(layout.components <= most_components, "pixels of " + std::to_string(layout.components) + " components");
   }
-  if (extension == ".vti") check(layout.frames == 1, "time axis");
+  if (extension == ".vti" || is_by_gdal(extension)) check(layout.frames == 1, "time axis");
+  if (is_by_gdal(extension)) check(layout.grid.size[2] == 1, "third axis");
 }
 
 // The type in which a picture holds the values: 8 or 16 bits.
 template <class Scalar>
 SampleType picture_type(const std::string& extension, const Volume<Scalar>& volume, const std::string& path) {
-  if (volume.type == SampleType::uint8 || volume.type == SampleType::uint16) return volume.type;
+  const bool only_bytes = extension.starts_with(".jp") || extension == ".bmp";
+  if (volume.type == SampleType::uint8 || (volume.type == SampleType::uint16 && !only_bytes)) return volume.type;
   if (is_floating(volume.type))
     throw IoError(path + ": " + extension + " files hold whole numbers, the image holds " +
                   std::string(sample_name(volume.type)) + "; write .tif, .nii.gz, .nrrd or .npy");
   const auto [lo, hi] = std::minmax_element(volume.values.begin(), volume.values.end());
   constexpr int largest_8 = 255;
-  constexpr int largest_16 = 65535;
-  if (lo == volume.values.end() || !(*lo >= 0 && *hi <= largest_16))
-    throw IoError(path + ": " + extension + " files hold whole numbers from 0 to 65535, the image reaches from " +
-                  std::to_string(*lo) + " to " + std::to_string(*hi) + "; write .tif, .nii.gz, .nrrd or .npy");
+  const int largest = only_bytes ? largest_8 : 65535;
+  if (lo == volume.values.end() || !(*lo >= 0 && *hi <= static_cast<Scalar>(largest)))
+    throw IoError(path + ": " + extension + " files hold whole numbers from 0 to " + std::to_string(largest) +
+                  ", the image reaches from " + std::to_string(*lo) + " to " + std::to_string(*hi) +
+                  "; write .tif, .nii.gz, .nrrd or .npy");
   return *hi <= largest_8 ? SampleType::uint8 : SampleType::uint16;
 }
 
 FileParts format_volume(const std::string& extension, const VolumeLayout& layout, std::string samples,
                         const std::string& path) {
   if (extension == ".png") return format_png(layout, samples, path);
+  if (extension.starts_with(".jp")) return format_jpeg(layout, samples, path);
+  if (extension == ".bmp") return format_bmp(layout, samples);
   if (is_picture(extension)) return format_pnm(layout, std::move(samples));
   if (extension.starts_with(".tif")) return format_tiff(layout, samples, path);
   if (extension == ".nrrd") return format_nrrd(layout, samples);
@@ -98,8 +139,19 @@ FileParts format_volume(const std::string& extension, const VolumeLayout& layout
 template <class Scalar>
 Volume<Scalar> read_volume(const std::string& path) {
   if (!is_volume_file(path) && is_dicom(path)) return decode_samples<Scalar>(read_dicom(path));
-  const std::string extension = checked_extension(path, ", and DICOM files or folders");
-  return decode_samples<Scalar>(parse_volume(extension, read_file(path), path));
+  std::string extension = volume_extension(path), bytes;
+  if (extension.empty()) {
+    bytes = read_file(path);
+    extension = guessed_format(bytes.starts_with("\x1F\x8B") ? read_head(bytes, path) : bytes);
+    if (extension == ".nii" && bytes.starts_with("\x1F\x8B")) extension = ".nii.gz";
+  }
+  if (!is_listed(extension, extensions) && !is_listed(extension, read_by_gdal))
+    refuse_extension(display_name(path), extension,
+                     std::string("images are ") + extensions + ", and DICOM files or folders");
+  if (bytes.empty() && !is_by_gdal(extension)) bytes = read_file(path);
+  RawVolume raw = parse_volume(extension, std::move(bytes), display_name(path));
+  if (has_world_file(extension) && !is_placed(raw.layout)) read_world_file(path, raw.layout.grid);
+  return decode_samples<Scalar>(raw);
 }
 
 template <class Scalar>
@@ -114,8 +166,14 @@ void write_volume(const std::string& path, const Volume<Scalar>& volume) {
   VolumeLayout layout = volume;
   if (is_picture(extension)) layout.type = picture_type(extension, volume, path);
   std::string samples = encode_samples(volume, layout.type);
+  const bool is_tiff = extension.starts_with(".tif");
+  if (is_by_gdal(extension) || (is_tiff && !layout.crs.empty() && !epsg_code(layout.crs)))
+    return write_gdal_image(path, layout, samples);
   if (extension != ".mhd") {
-    return write_parts(path, format_volume(extension, layout, std::move(samples), path));
+    write_parts(path, format_volume(extension, layout, std::move(samples), path));
+    if (is_tiff && is_placed(layout) && layout.grid.size[2] == 1)
+      write_file(world_file_of(path), format_world_file(layout.grid));
+    return;
   }
   const std::filesystem::path data = std::filesystem::path(path).replace_extension(".raw");
   const FileParts parts = format_metaimage(layout, std::move(samples), data.filename().string());
@@ -133,7 +191,15 @@ bool is_volume_file(const std::string& path) {
 }
 
 bool is_readable_volume(const std::string& path) {
-  return is_volume_file(path) || is_dicom(path);
+  return is_volume_file(path) || is_listed(volume_extension(path), read_by_gdal) || is_dicom(path);
+}
+
+bool is_label_file(const std::string& path) {
+  return is_volume_file(path) && !is_listed(volume_extension(path), ".ppm .jpg .jpeg");
+}
+
+bool is_map_file(const std::string& path) {
+  return is_listed(volume_extension(path), ".tif .tiff .asc .nc");
 }
 
 bool is_picture_file(const std::string& path) {

@@ -67,8 +67,35 @@ constexpr Entry entries[] = {
     {"thin-plate-r4", Family::power, 3, any_dimension, 4},
 };
 
-const Entry& find(std::string_view name, int dimension) {
-  require(dimension >= 1, "Kernel", "dimension", dimension, "must be at least 1; give the dimension of the points");
+// What other programs call our kernels.
+constexpr std::pair<std::string_view, std::string_view> other_names[] = {
+    {"thin-plate-spline", "thin-plate"},
+    {"tps", "thin-plate"},
+    {"thinplate", "thin-plate"},
+    {"inverse", "inverse-multiquadric"},
+    {"squared-exponential", "gaussian"},
+    {"rbf", "gaussian"},
+    {"exponential", "matern-c0"},
+    {"matern12", "matern-c0"},
+    {"matern32", "matern-c2"},
+    {"matern52", "matern-c4"},
+    {"biharmonic", "linear"},
+    {"triharmonic", "cubic"},
+    {"wendland", "wendland-c2"},
+};
+
+// Our name for a kernel, with hyphens.
+std::string our_name(std::string_view name) {
+  std::string ours(name);
+  std::replace(ours.begin(), ours.end(), '_', '-');
+  for (const auto& [other, known] : other_names)
+    if (other == ours) return std::string(known);
+  return ours;
+}
+
+const Entry& find(std::string_view given, int dimension) {
+  require(dimension >= 1, "kernel", "dimension", dimension, "must be at least 1; give the dimension of the points");
+  const std::string name = our_name(given);
   for (const Entry& entry : entries) {
     if (entry.name != name) continue;
     if (dimension > entry.largest_dimension)
@@ -89,13 +116,13 @@ bool is_integer(double x) {
 double resolve(const Entry& entry, double parameter) {
   if (std::isnan(parameter)) return entry.parameter;
   const std::string kernel = " of " + std::string(entry.name);
-  require(entry.adjustable, "Kernel", "parameter" + kernel, parameter, "this kernel has none; leave it out");
+  require(entry.adjustable, "kernel", "parameter" + kernel, parameter, "this kernel has none; leave it out");
   constexpr double largest = 50;  // chosen by hand: beyond any use, and r^50 is far from overflow
-  require(parameter > 0 && parameter <= largest, "Kernel", "parameter" + kernel, parameter,
+  require(parameter > 0 && parameter <= largest, "kernel", "parameter" + kernel, parameter,
           "must be positive and at most 50");
-  require(entry.family != Family::powered_exponential || parameter <= 2, "Kernel", "parameter" + kernel, parameter,
+  require(entry.family != Family::powered_exponential || parameter <= 2, "kernel", "parameter" + kernel, parameter,
           "must be at most 2: larger ones are not positive definite");
-  require(entry.family != Family::multiquadric || !is_integer(parameter), "Kernel", "parameter" + kernel, parameter,
+  require(entry.family != Family::multiquadric || !is_integer(parameter), "kernel", "parameter" + kernel, parameter,
           "must not be an integer, or the kernel is a polynomial");
   return parameter;
 }
@@ -142,8 +169,9 @@ int smoothness_of(const Entry& entry, double parameter) {
 
 }  // namespace
 
-Kernel::Kernel(std::string_view name, int dimension, double parameter) : name_(name), dimension_(dimension) {
+Kernel::Kernel(std::string_view name, int dimension, double parameter) : dimension_(dimension) {
   const Entry& entry = find(name, dimension);
+  name_ = entry.name;
   parameter = resolve(entry, parameter);
   parameter_ = entry.adjustable ? parameter : none;
   compact_ = entry.family <= Family::buhmann;

@@ -64,7 +64,7 @@ TEST(GzipFile, OfPointsSamplesAndMeshesIsWrittenAndRead) {
   mesh.triangles = Eigen::Vector3i(0, 1, 2);
   write_mesh(folder.file("a.ply.gz"), mesh);
   EXPECT_EQ(read_mesh(folder.file("a.ply.gz")).vertices, mesh.vertices);
-  EXPECT_NE(io_error([&] { read_points(folder.with("a.laz", "LASF")); }).find("convert it to .las"), std::string::npos);
+  EXPECT_NE(io_error([&] { read_points(folder.with("a.laz", "LASF")); }).find("truncated"), std::string::npos);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "csrbf/io/files/gzip_file.hpp"
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/deflate.hpp"
+#include "csrbf/io/files/guessed_format.hpp"
 #include "csrbf/io/files/read_file.hpp"
 
 #include <filesystem>
@@ -11,6 +13,24 @@ namespace csrbf {
 std::string content_extension(const std::string& path) {
   const std::string extension = file_extension(path);
   return extension == ".gz" ? file_extension(std::filesystem::path(path).stem().string()) : extension;
+}
+
+Content read_with_format(const std::string& path, const std::string& known, const std::string& text,
+                         const std::string& kinds) {
+  const auto check = [&](const std::string& extension) {
+    if (!is_listed(extension, known)) refuse_extension(display_name(path), extension, kinds + " are " + known);
+  };
+  Content content{content_extension(path), {}};
+  if (!content.extension.empty()) check(content.extension);
+  content.bytes = read_content(path);
+  if (content.extension.empty()) {
+    content.extension = guessed_format(content.bytes);
+    if (content.extension.empty()) content.extension = text;
+    if (!is_listed(content.extension, known))
+      throw IoError(display_name(path) + ": its content looks like that of " + content.extension + " files; " + kinds +
+                    " are " + known);
+  }
+  return content;
 }
 
 std::string read_content(const std::string& path) {

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <system_error>
 
@@ -26,6 +27,12 @@ struct Close {
 };
 
 std::function<std::string(const std::string&)> reader_in_use;
+
+// By path.
+std::map<std::string, std::string>& assumed_formats() {
+  static std::map<std::string, std::string> formats;
+  return formats;
+}
 
 }  // namespace
 
@@ -68,8 +75,14 @@ std::string display_name(const std::string& path) {
   return path == "-" ? "standard input" : path;
 }
 
+void assume_format(const std::string& path, const std::string& extension) {
+  assumed_formats()[path] = extension;
+}
+
 std::string file_extension(const std::string& path) {
-  return lower_case(std::filesystem::path(path).extension().string());
+  const auto assumed = assumed_formats().find(path);
+  if (assumed != assumed_formats().end()) return assumed->second;
+  return path == "-" ? "" : lower_case(std::filesystem::path(path).extension().string());
 }
 
 bool is_listed(std::string_view extension, std::string_view list) {

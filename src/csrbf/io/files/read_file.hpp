@@ -11,7 +11,8 @@ std::string read_file(const std::string& path);
 /// The name of an input in messages: the path, or "standard input" for "-".
 std::string display_name(const std::string& path);
 
-/// The file name from its last dot on, in lower case: ".ply"; empty when there is none.
+/// The file name from its last dot on, in lower case: ".ply"; empty when there is none, unless assume_format() said
+/// what the file counts as.
 std::string file_extension(const std::string& path);
 
 /// Is the extension one of the blank-separated list?

@@ -62,6 +62,23 @@ std::string format_point_table(const PointCloud& cloud, TableStyle style);
 /// format has them. Points marked as withheld are left out. Throws IoError, for compressed files (LAZ) too.
 PointCloud parse_las(std::string_view bytes, const std::string& name);
 
+/// Reads a LAZ file, COPC among them, by laz-perf or LASzip, with the result of parse_las(). Throws IoError, in builds
+/// without either always, with what to do.
+PointCloud parse_laz(std::string_view bytes, const std::string& name);
+/// Is there one of the libraries?
+bool reads_laz();
+
+/// Reads all scans of an E57 file, in their common coordinates, by libE57Format: valid points, the property intensity
+/// and red green blue. Throws IoError, in builds without it always, with what to do.
+PointCloud parse_e57(std::string_view bytes, const std::string& name);
+/// Is the library there?
+bool reads_e57();
+
+/// Reads a PTX text: one scan or more, each in the place that its matrix says; the properties intensity and, when all
+/// points have them, red green blue. Points at 0 0 0 of the scanner, which had no return, are left out. Throws IoError
+/// "name:line: ...".
+PointCloud parse_ptx(std::string_view text, const std::string& name);
+
 /// Reads a PCD file of PCL: text, binary or compressed; normals (normal_x ...), colours (rgb or rgba) and every other
 /// field of one number. The viewpoint is not applied. Throws IoError.
 PointCloud parse_pcd(std::string_view bytes, const std::string& name);
@@ -69,6 +86,11 @@ PointCloud parse_pcd(std::string_view bytes, const std::string& name);
 /// The bytes of a binary glTF 2.0 file: vertices, normals, colours and triangles, or points when there are none. Where
 /// float32 would lose digits of the coordinates, they are relative to the middle, to which the node moves them.
 std::string format_glb(const Mesh& mesh);
+
+/// The bytes of a 3MF package for printers, in mm: vertices, triangles and the colours of vertices; the format has no
+/// normals. Where float32 would lose digits of the coordinates, they are relative to the middle, to which the item
+/// moves them. Throws InvalidInput without triangles.
+std::string format_3mf(const Mesh& mesh);
 
 /// Reads a binary or text STL file. Corners with identical coordinates are merged into one vertex; vertices are
 /// numbered in the order of their first use. Throws IoError.

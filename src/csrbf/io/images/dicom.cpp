@@ -19,6 +19,7 @@ namespace csrbf {
 bool is_dicom(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error) || file_extension(path) == ".dcm") return true;
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // reading from a pipe would take its bytes
   std::array<char, 132> start{};
   std::ifstream file(path, std::ios::binary);
   file.read(start.data(), start.size());

@@ -49,13 +49,35 @@ RawVolume parse_pnm(std::string bytes, const std::string& name);
 /// A binary .pgm (1 component) or .ppm (3) file from little-endian uint8 or uint16 samples of one 2D frame.
 FileParts format_pnm(const VolumeLayout& layout, std::string samples);
 
+/// Reads a .jpg picture of 1 (grey) or 3 (RGB) components, by libjpeg; in builds without it IoError with what to do.
+RawVolume parse_jpeg(std::string_view bytes, const std::string& name);
+/// Is libjpeg there?
+bool reads_jpeg();
+
+/// A .jpg file of little quality loss from uint8 samples of 1 or 3 components. Throws IoError.
+FileParts format_jpeg(const VolumeLayout& layout, std::string_view samples, const std::string& name);
+
+/// Reads a .bmp picture: uncompressed, 1 to 8 bits with a palette (grey palettes become one component), 24 or 32 bits.
+/// Throws IoError.
+RawVolume parse_bmp(std::string_view bytes, const std::string& name);
+
+/// An uncompressed .bmp file from uint8 samples of 1 or 3 components.
+FileParts format_bmp(const VolumeLayout& layout, std::string_view samples);
+
+/// An image on a map, by GDAL. Throws IoError, also where there is no GDAL.
+RawVolume read_gdal_image(const std::string& path);
+
+/// Writes an image of two axes by GDAL, complete or not at all. `samples`: little-endian.
+void write_gdal_image(const std::string& path, const VolumeLayout& layout, const std::string& samples);
+
 /// Reads a TIFF file: all pages of the first page's size and type become slices along z. Grey, RGB and more samples per
-/// pixel of 8 to 64 bits, integers or floats, in strips or tiles of any compression that libtiff knows. Pixels have
-/// size 1: the resolutions that cameras and scanners write are not physical lengths. Throws IoError.
+/// pixel of 8 to 64 bits, integers or floats, in strips or tiles of any compression that libtiff knows. The tags of
+/// GeoTIFF give the place; without them pixels have size 1: the resolutions that cameras and scanners write are not
+/// physical lengths. Throws IoError.
 RawVolume parse_tiff(std::string bytes, const std::string& name);
 
-/// An uncompressed TIFF file (BigTIFF from 4 GB on) with one page per slice, or per frame of 2D pictures. Throws
-/// IoError.
+/// An uncompressed TIFF file (BigTIFF from 4 GB on) with one page per slice, or per frame of 2D pictures, and with the
+/// tags of GeoTIFF where the grid or its reference system says more than the numbers of the pixels. Throws IoError.
 FileParts format_tiff(const VolumeLayout& layout, std::string_view samples, const std::string& name);
 
 }  // namespace csrbf

@@ -12,6 +12,12 @@ namespace {
 // About 100 us of work per block.
 constexpr Index grain = Index{1} << 16;
 
+template <class T>
+bool is_missing(T sample, const std::optional<double>& no_data) {
+  if constexpr (std::is_floating_point_v<T>) return no_data && sample == narrow_scalar<T>(*no_data);
+  return std::is_signed_v<T> && no_data && static_cast<double>(sample) == *no_data;
+}
+
 template <class T, class Scalar>
 void decode_as(const RawVolume& raw, Volume<Scalar>& volume) {
   const char* bytes = raw.bytes.data() + raw.offset;
@@ -24,6 +30,7 @@ void decode_as(const RawVolume& raw, Volume<Scalar>& volume) {
       const T sample = load_scalar<T>(bytes + source * sizeof(T), raw.order);
       volume.values[i] = scaled ? static_cast<Scalar>(raw.slope * static_cast<double>(sample) + raw.intercept)
                                 : static_cast<Scalar>(sample);
+      if (is_missing(sample, raw.no_data)) volume.values[i] = std::numeric_limits<Scalar>::quiet_NaN();
     }
   });
 }
@@ -34,8 +41,9 @@ template <class Scalar>
 Volume<Scalar> decode_samples(const RawVolume& raw) {
   Volume<Scalar> volume(raw.layout);
   with_sample_type(raw.layout.type, [&](auto sample) { decode_as<decltype(sample)>(raw, volume); });
-  // Scaled samples are no longer integers of their type.
-  if ((raw.slope != 1 || raw.intercept != 0) && !is_floating(volume.type))
+  // Scaled samples, and those among which are NaN, are no longer integers of their type.
+  const bool has_gaps = raw.no_data.has_value() && sample_name(volume.type).starts_with("int");
+  if ((raw.slope != 1 || raw.intercept != 0 || has_gaps) && !is_floating(volume.type))
     volume.type = sample_size(volume.type) < 4 ? SampleType::float32 : SampleType::float64;
   return volume;
 }

@@ -13,6 +13,7 @@ struct RawVolume {
   bool planar = false;  ///< the component index varies slowest
   double slope = 1;     ///< value = slope * sample + intercept
   double intercept = 0;
+  std::optional<double> no_data = {};  ///< the sample that means that there is none; becomes NaN unless it is unsigned
 
   [[nodiscard]] std::size_t samples() const {
     return static_cast<std::size_t>(layout.values_per_frame() * layout.frames);

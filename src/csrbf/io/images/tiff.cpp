@@ -2,8 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
-
-#include <tiffio.h>
+#include "csrbf/io/images/geotiff.hpp"
 
 #include <cstdarg>
 #include <cstdio>
@@ -245,6 +244,7 @@ RawVolume parse_tiff(std::string bytes, const std::string& name) {
   layout.grid.axes = pages > 1 ? 3 : 2;
   layout.grid.size = {Index{page.width}, Index{page.height}, Index{pages}};
   layout.components = page.components;
+  read_geo_tags(stream.tiff(), raw, name);
   // LZW packs at most 4 kB into two bytes, deflate a little less.
   constexpr std::size_t largest_ratio = 2048;
   const std::size_t limit = stream.size() * largest_ratio;
@@ -287,6 +287,7 @@ FileParts format_tiff(const VolumeLayout& layout, std::string_view samples, cons
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, static_cast<std::uint32_t>(strip_rows));
     const std::vector<std::uint16_t> extra(layout.components - (rgb ? 3 : 1), EXTRASAMPLE_UNSPECIFIED);
     if (!extra.empty()) TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, static_cast<int>(extra.size()), extra.data());
+    write_geo_tags(tiff, layout, name);
     const std::string_view of_page = samples.substr(page * (samples.size() / pages), samples.size() / pages);
     std::uint32_t strip = 0;
     for (std::size_t at = 0; at < of_page.size(); at += strip_rows * row_bytes, ++strip) {

@@ -178,6 +178,7 @@ Archive to_archive(const NamedFunction& named) {
   set_texts(archive, "coordinate_name",
             names_or(named.coordinate_names, default_coordinate_names(function.dimension())));
   set_texts(archive, "value_name", names_or(named.value_names, default_value_names(function.components())));
+  if (!named.crs.empty()) archive.set("crs", named.crs);
   archive.set("report", to_archive(function.report()));
   std::visit(
       [&](const auto& fit) {
@@ -192,7 +193,10 @@ NamedFunction function_from(const Archive& archive) {
   try {
     const std::int64_t components = archive.integer("components", 1, most_names);
     NamedFunction named{make_function(archive, archive.integer("dimension", 1, most_names), components),
-                        texts_of(archive, "coordinate_name"), texts_of(archive, "value_name")};
+                        texts_of(archive, "coordinate_name"),
+                        texts_of(archive, "value_name"),
+                        {}};
+    if (archive.has("crs")) named.crs = archive.text("crs");  // models without a map, and older ones, have none
     if (std::ssize(named.coordinate_names) != named.function.dimension() || std::ssize(named.value_names) != components)
       archive.fail("the names do not fit the function");
     return named;

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "csrbf/io/files/table.hpp"
+#include "csrbf/io/gdal/gdal_interface.hpp"
+
+#include <optional>
+
+namespace csrbf {
+
+// Files of maps, read and written by GDAL where csrbf-gdal is installed; without it, all but the first two functions
+// throw IoError that says what to do.
+
+/// The version of GDAL; empty when csrbf-gdal is not there.
+std::string gdal_version();
+
+/// Is a reference system in degrees of longitude and latitude? nullopt without GDAL, and when it does not know it.
+std::optional<bool> gdal_is_geographic(const std::string& crs);
+
+/// The name of a reference system that GDAL understands, as "EPSG:32633" where it has such a name, else as it is.
+/// Throws IoError when GDAL does not know it; without GDAL the text comes back as it is.
+std::string checked_crs(const std::string& crs);
+
+/// An image of one or more bands, with its place on the map.
+GdalRaster read_gdal_raster(const std::string& path);
+
+/// Writes one in the format of the extension, complete or not at all.
+void write_gdal_raster(const std::string& path, const GdalRaster& raster);
+
+/// True for the extensions of points on maps.
+bool is_gdal_table(const std::string& extension);
+
+/// Points with their numeric fields, as columns x, y and z where they have one.
+Table read_gdal_table(const std::string& path, std::string& crs);
+
+/// Writes points (columns x, y) with the other columns as fields, complete or not at all.
+void write_gdal_table(const std::string& path, const std::vector<std::string>& names,
+                      const Eigen::Ref<const Eigen::MatrixXd>& columns, const std::string& crs);
+
+}  // namespace csrbf

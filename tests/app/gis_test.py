@@ -1,0 +1,186 @@
+"""From samples on a map to a raster that a GIS puts in its place, through the real program; GDAL's own programs say where
+that is, where they are installed.
+
+usage: gis_test.py PROGRAM [unittest options]
+"""
+
+import json
+import math
+import os
+import random
+import shutil
+import struct
+import subprocess
+import sys
+import unittest
+
+sys.dont_write_bytecode = True  # leave no files in the folder of the sources
+import command_line_test
+from command_line_test import CommandLine
+
+
+def height(x, y):
+    return 100 + 0.01 * (x - 500000) - 0.02 * (y - 4650000) + math.sin((x - 500000) / 300)
+
+
+def samples(n=400, seed=5):
+    source = random.Random(seed)
+    rows = []
+    for _ in range(n):
+        x, y = 500010 + 980 * source.random(), 4650010 + 580 * source.random()
+        rows.append((x, y, height(x, y)))
+    return rows
+
+
+def csv(rows, head="x,y,height"):
+    return head + "\n" + "".join("%.6f,%.6f,%.9f\n" % row for row in rows)
+
+
+def read_tiff(path):
+    """Tags and float32 samples of an uncompressed little-endian file of one page."""
+    with open(path, "rb") as file:
+        data = file.read()
+    assert data[:4] == b"II*\0"
+    (at,) = struct.unpack_from("<I", data, 4)
+    (count,) = struct.unpack_from("<H", data, at)
+    tags = {}
+    for i in range(count):
+        tag, kind, number = struct.unpack_from("<HHI", data, at + 2 + 12 * i)
+        code = {1: "B", 2: "c", 3: "H", 4: "I", 12: "d"}[kind]
+        place = at + 2 + 12 * i + 8
+        if number * struct.calcsize(code) > 4:
+            (place,) = struct.unpack_from("<I", data, place)
+        tags[tag] = struct.unpack_from("<%d%s" % (number, code), data, place)
+    pixels = b"".join(data[o:o + n] for o, n in zip(tags[273], tags[279]))
+    return tags, struct.unpack("<%df" % (len(pixels) // 4), pixels)
+
+
+class Gis(CommandLine):
+    def setUp(self):
+        super().setUp()
+        self.model = self.path("height.csrbf")
+        self.succeed("fit", self.write("samples.csv", csv(samples())), "-o", self.model)
+
+    def has_gdal(self):
+        return "\nwith GDAL" in self.succeed("--version", "--verbose").stdout
+
+    def gdal(self, program, *arguments):
+        if shutil.which(program) is None:
+            self.skipTest(program + " is not installed")
+        return subprocess.run([program, *arguments], capture_output=True, text=True, timeout=60, check=True).stdout
+
+    def check_heights(self, path, columns, rows, west, north, cell):
+        tags, values = read_tiff(path)
+        self.assertEqual((tags[256][0], tags[257][0]), (columns, rows))
+        for row in range(0, rows, 3):
+            for column in range(0, columns, 3):
+                x, y = west + (column + 0.5) * cell, north - (row + 0.5) * cell
+                self.assertAlmostEqual(values[row * columns + column], height(x, y), delta=0.02)
+
+    def test_a_raster_has_cells_of_the_size_asked_for_and_the_north_on_top(self):
+        dem = self.path("dem.tif")
+        self.succeed("evaluate", self.model, "--grid", "--cell", "30", "--extent", "500010,4650010,500970,4650580",
+                     "--crs", "EPSG:32633", "-o", dem)
+        tags, _ = read_tiff(dem)
+        self.assertEqual(tags[33550], (30, 30, 0))
+        self.assertEqual(tags[33922], (0, 0, 0, 500010, 4650580, 0))
+        self.assertEqual(tags[34735][-4:], (3072, 0, 1, 32633))
+        self.assertEqual((tags[258], tags[339]), ((32,), (3,)), "float32")
+        self.check_heights(dem, 32, 19, 500010, 4650580, 30)
+        with open(self.path("dem.tfw")) as file:
+            self.assertEqual([float(line) for line in file], [30, 0, 0, -30, 500025, 4650565])
+
+    def test_without_an_extent_the_cells_are_whole_multiples(self):
+        dem = self.path("dem.tif")
+        self.succeed("evaluate", self.model, "--cell", "50", "-o", dem)
+        tags, _ = read_tiff(dem)
+        west, north = tags[33922][3:5]
+        self.assertEqual((west % 50, north % 50), (0, 0))
+        self.check_heights(dem, 20, 12, west, north, 50)
+
+    def test_nodes_on_bounds_have_the_north_on_top_too(self):
+        dem = self.path("dem.tif")
+        self.succeed("evaluate", self.model, "--grid", "9,5", "--bounds", "500100:500900,4650100:4650500", "-o", dem)
+        tags, _ = read_tiff(dem)
+        self.assertEqual(tags[33922][3:5], (500050, 4650550))
+        self.check_heights(dem, 9, 5, 500050, 4650550, 100)
+
+    def test_like_our_own_raster_gives_the_same(self):
+        first, second = self.path("a.tif"), self.path("b.tif")
+        self.succeed("evaluate", self.model, "--cell", "40", "--crs", "EPSG:32633", "-o", first)
+        self.succeed("evaluate", self.model, "--like", first, "-o", second)
+        self.assertEqual(read_tiff(first), read_tiff(second))
+        run = self.succeed("info", second)
+        self.assertIn("on a map: EPSG:32633", run.stdout)
+
+    def test_gdal_finds_the_raster_in_its_place(self):
+        dem = self.path("dem.tif")
+        self.succeed("evaluate", self.model, "--cell", "30", "--extent", "500010,4650010,500970,4650580", "--crs", "EPSG:32633", "-o", dem)
+        os.remove(self.path("dem.tfw"))
+        told = json.loads(self.gdal("gdalinfo", "-json", "-stats", dem))
+        self.assertEqual(told["geoTransform"], [500010, 30, 0, 4650580, 0, -30])
+        self.assertIn("UTM zone 33N", told["coordinateSystem"]["wkt"])
+        self.assertEqual(told["bands"][0]["type"], "Float32")
+        x, y = 500010 + 30 * 10.5, 4650580 - 30 * 4.5
+        value = float(self.gdal("gdallocationinfo", "-geoloc", "-valonly", dem, str(x), str(y)))
+        self.assertAlmostEqual(value, height(x, y), delta=0.02)
+
+    def test_maps_in_other_formats(self):
+        if not self.has_gdal():
+            self.skipTest("built without GDAL")
+        for name in ("dem.asc", "dem.nc"):
+            self.succeed("evaluate", self.model, "--cell", "30", "--extent", "500010,4650010,500970,4650580", "--crs", "EPSG:32633",
+                         "-o", self.path(name))
+            told = json.loads(self.gdal("gdalinfo", "-json", self.path(name)))
+            self.assertEqual(told["geoTransform"], [500010, 30, 0, 4650580, 0, -30], name)
+            run = self.succeed("fit", self.path(name), "-o", self.path("again.csrbf"), "--report", self.path("report.json"))
+            self.assertIn("on a map: EPSG:32633", run.stdout)
+            self.assertEqual(self.report()["input"]["samples"], 32 * 19)
+
+    def test_points_on_maps_are_samples_and_results(self):
+        if not self.has_gdal():
+            self.skipTest("built without GDAL")
+        places = self.write("places.csv", csv(samples(30, seed=9), "x,y,nothing"))
+        model = self.path("again.csrbf")
+        for name in ("p.gpkg", "p.shp", "p.fgb"):
+            self.succeed("evaluate", self.model, "--points", places, "-o", self.path(name), "--crs", "EPSG:32633")
+            run = self.succeed("fit", self.path(name), "-o", model)
+            self.assertIn("coordinates: x, y; value: height; on a map: EPSG:32633", run.stdout)
+            self.assertIn("EPSG:32633", self.succeed("info", self.path(name)).stdout)
+        # The model knows where it is.
+        self.succeed("evaluate", model, "--cell", "100", "-o", self.path("dem.tif"))
+        self.assertEqual(read_tiff(self.path("dem.tif"))[0][34735][-1], 32633)
+        self.fail_with(2, "--crs EPSG:32634: the samples are in EPSG:32633", "evaluate", model, "--cell", "100", "-o",
+                       self.path("dem.tif"), "--crs", "EPSG:32634")
+
+    def test_wrong_flags_are_named(self):
+        out = self.path("dem.tif")
+        for message, *flags in (("--cell 0: expected a positive size", "--cell", "0"),
+                                ("--cell and numbers of --grid exclude", "--cell", "30", "--grid", "5,5"),
+                                ("--bounds, of the nodes, and --extent", "--grid", "5", "--bounds", "0:1,0:1", "--extent", "0,0,1,1"),
+                                ("expected 4 numbers", "--cell", "30", "--extent", "0,1"),
+                                ("the lower corner, with the smaller numbers", "--cell", "30", "--extent", "0,5,10,1"),
+                                ("give a larger size", "--cell", "1e-9")):
+            self.fail_with(2, message, "evaluate", self.model, "-o", out, *flags)
+        self.fail_with(2, "cannot hold a reference system", "evaluate", self.model, "--cell", "30", "--crs", "EPSG:32633", "-o", self.path("a.npy"))
+        self.fail_with(2, "UTM33", "evaluate", self.model, "--cell", "30", "--crs", "UTM33", "-o", out)
+
+    def test_grid_alone_works_and_so_do_surfaces(self):
+        self.succeed("evaluate", self.model, "--grid", "-o", self.path("a.npy"))
+        cloud = self.write("cloud.xyz", command_line_test.xyz(command_line_test.sphere(300)))
+        surface = self.path("ball.csrbf")
+        self.succeed("reconstruct", cloud, "-o", self.path("ball.ply"), "--model", surface, "--resolution", "16")
+        places = self.write("places.csv", "x,y,z\n0,0,0\n2,0,0\n")
+        self.succeed("evaluate", surface, "-o", self.path("values.csv"), "--points", places)
+        with open(self.path("values.csv")) as file:
+            lines = file.read().split("\n")
+        self.assertEqual(lines[0], "x,y,z,field")
+        self.assertGreater(float(lines[1].split(",")[3]), 0, "inside")
+        self.assertLess(float(lines[2].split(",")[3]), 0, "outside")
+        self.succeed("evaluate", surface, "-o", self.path("field.nii.gz"), "--grid", "20")
+        self.assertIn("20 x 20 x 20", self.succeed("info", self.path("field.nii.gz")).stdout)
+
+
+if __name__ == "__main__":
+    command_line_test.PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)
