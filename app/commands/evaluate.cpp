@@ -1,4 +1,5 @@
 #include "commands/evaluation_places.hpp"
+#include "report/image_page.hpp"
 
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/samples.hpp"
@@ -181,6 +182,10 @@ void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, con
   }
   report_values(command.output, answers, command.labels ? 1 : model.function.components(), columns, session);
   if (command.float32) warn_of_rounding(model, session);
+  session.add_to_page([&](Page& page) {
+    show_values(answers.frame().row(0).template cast<double>(), places.axes, model.coordinate_names, columns.front(),
+                page);
+  });
   session.write([&] { write_answers(command.output, model, places, wanted, columns, answers); });
 }
 

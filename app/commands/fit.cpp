@@ -55,7 +55,7 @@ void run(const FitCommand& command, Session& session) {
               (report.merged_duplicates > 0 ? ", " + counted(report.merged_duplicates, "duplicate") + " merged" : ""));
   session.result["missing"] = report.missing;
   say_fit(report, session);
-  session.add_to_page([&](Page& page) { show(model, samples, page); });
+  session.add_to_page([&](Page& page) { show(model, samples, options, page); });
   session.write([&] { write_model(command.output, model); });
 }
 

@@ -174,8 +174,8 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, const Vo
   const std::optional<Objects> objects = find_objects(command, image, segmentation.labels, session);
   const SegmentContours<Dim> contours(segmentation, grid, session);
   session.add_to_page([&](Page& page) {
-    const auto mesh_at = [&](int resolution) { return contours.mesh(resolution); };
-    show<Dim>(image, segmentation, session.result["contour"], mesh_at, page);
+    show<Dim>(
+        image, segmentation, session.result["contour"], [&] { return contours.mesh(); }, page);
   });
   session.write([&] {
     write_volume(command.output, objects ? object_image(image, *objects) : label_image(image, segmentation.labels));
