@@ -334,6 +334,36 @@ class Looks(Studio):
         self.assertEqual(nameless, [])
 
 
+@unittest.skipUnless(os.environ.get("CSRBF_SCREENSHOTS"), "takes the pictures of docs/studio.md")
+class Pictures(Studio):
+    """Work as the page on the studio shows it."""
+
+    def test_a_scan(self):
+        points = []
+        for x, y, z in ball(4000, 1):
+            x, y, z = x / 3, y / 3, z / 3
+            radius = 1 - 0.45 * math.exp(-4 * ((x - 0.8) ** 2 + y * y + (z - 0.5) ** 2)) + 0.2 * x
+            radius += 0.05 * math.sin(7 * x + 2) * math.sin(6 * y) * math.cos(5 * z)
+            points.append("%.6g %.6g %.6g\n" % (40 * radius * x, 40 * radius * y, 40 * radius * z))
+        self.drop("scan.xyz", "".join(points).encode())
+        self.run_command()
+        self.choose("color", "1")
+        self.screenshot("studio")
+        self.choose("color", "plain")
+        self.choose("cut", "view")
+        self.slide("depth", 62)
+        self.screenshot("studio_cut")
+
+    def test_a_table_and_an_image(self):
+        subprocess.run([sys.executable, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts",
+                                                     "quickstart_data.py"), self.folder.name], check=True)
+        for name, shot in (("seabed.csv", "studio_fit"), ("cells.png", "studio_slices")):
+            with open(os.path.join(self.folder.name, name), "rb") as file:
+                self.drop(name, file.read())
+            self.run_command()
+            self.screenshot(shot)
+
+
 def missing():
     """What is not here that the tests need."""
     if ActionChains is None:
