@@ -1,7 +1,7 @@
 // What a plane cuts out of a mesh, and values of a grid on a plane.
 
 /**
- * Segments in which the plane normal . x = offset meets triangles.
+ * Segments in which the plane normal . x = offset meets triangles, all with the inside on the same hand.
  * @returns {Float32Array} x, y, z of both ends of each
  */
 export function section(positions, triangles, normal, offset) {
@@ -14,11 +14,13 @@ export function section(positions, triangles, normal, offset) {
     const a = triangles[t], b = triangles[t + 1], c = triangles[t + 2];
     const above = (height[a] > 0) + (height[b] > 0) + (height[c] > 0);
     if (above === 0 || above === 3) continue;
-    for (const [p, q] of [[a, b], [b, c], [c, a]]) {
-      if (height[p] > 0 === height[q] > 0) continue;
-      const s = height[p] / (height[p] - height[q]);
-      for (let k = 0; k < 3; ++k) ends.push(positions[3 * p + k] + s * (positions[3 * q + k] - positions[3 * p + k]));
-    }
+    // From the edge that rises through the plane to the one that falls.
+    for (const rising of [true, false])
+      for (const [p, q] of [[a, b], [b, c], [c, a]]) {
+        if (height[p] > 0 === height[q] > 0 || height[q] > 0 !== rising) continue;
+        const s = height[p] / (height[p] - height[q]);
+        for (let k = 0; k < 3; ++k) ends.push(positions[3 * p + k] + s * (positions[3 * q + k] - positions[3 * p + k]));
+      }
   }
   return new Float32Array(ends);
 }

@@ -192,6 +192,8 @@ test("a plane cuts a square out of a cube", () => {
   for (let i = 2; i < ends.length; i += 3) assert.ok(Math.abs(ends[i] - 0.25) < 1e-6);
   assert.ok(Math.abs(areaOf(ends, [0, 0, 1]) - 4) < 1e-5);
   assert.equal(section(CUBE.positions, CUBE.triangles, [0, 0, 1], 2).length, 0);
+  const turn = (i) => [ends[i] * ends[i + 4] - ends[i + 1] * ends[i + 3] > 0]; // about the middle, always the same way
+  for (let i = 6; i < ends.length; i += 6) assert.deepEqual(turn(i), turn(0));
   const slanted = Math.SQRT1_2;
   assert.ok(Math.abs(areaOf(section(CUBE.positions, CUBE.triangles, [slanted, slanted, 0], 0), [slanted, slanted, 0]) - 2 * 2 * Math.SQRT2) < 1e-4);
 });

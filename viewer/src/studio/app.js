@@ -46,6 +46,7 @@ export class Studio {
     this.looks = new Map();
     this.history = [];
     this.at = -1; // place in the history
+    this.kindOfTask = null;
     this.operation = "union";
     this.build(body);
   }
@@ -206,7 +207,8 @@ export class Studio {
       const look = await this.look(name);
       if (look.kind !== this.item.kind) this.item.kind = look.kind;
       const kind = this.item.kind;
-      if (!TASKS[kind].includes(this.task_) || !this.taskSuits(kind)) this.task_ = TASKS[kind][0];
+      if (kind !== this.kindOfTask) this.task_ = TASKS[kind][0];
+      this.kindOfTask = kind;
       this.title.textContent = `${name} · ${this.describe(look)}`;
       await this.showItem(this.item, look);
     } catch (error) {
@@ -214,10 +216,6 @@ export class Studio {
     }
     this.showTask();
     this.showFiles();
-  }
-
-  taskSuits(kind) {
-    return this.task_ && TASKS[kind].includes(this.task_);
   }
 
   describe(look) {
