@@ -62,6 +62,8 @@ class Parser {
     add<CompareCommand>("compare", "Measure how meshes, points or label images differ",
                         "csrbf compare mesh.ply reference.ply --report comparison.json");
     add<InfoCommand>("info", "Describe a file of points, an image, a mesh or a model", "csrbf info scan.ply");
+    add<StudioCommand>("studio", "Work in the browser: open files, run commands, look at the results",
+                       "csrbf studio scan.ply");
     for (CLI::Option* option : app_.get_options()) option->group("Flags");
     add_installed_texts();
   }
@@ -94,6 +96,7 @@ void Parser::add_installed_texts() {
   for (CLI::App* subcommand : app_.get_subcommands([](const CLI::App* v) { return is_slicer_module(v->get_name()); }))
     subcommand->add_flag_callback("--xml", [=] { print(slicer_module(usage_of(*subcommand))); })->group("");
   app_.add_flag_callback("--print-man", [=, this] { print(man_page(usage_of(app_))); })->group("");
+  app_.add_flag_callback("--print-usage", [=, this] { print(usage_json(usage_of(app_))); })->group("");
   app_.add_option_function<std::string>(
           "--print-completion", [=, this](const std::string& shell) { print(completion(usage_of(app_), shell)); })
       ->check(CLI::IsMember({"bash", "zsh", "fish"}))
@@ -130,6 +133,18 @@ std::string optional_parts() {
          ": .asc .nc .hgt .grd, .gpkg .shp .geojson .fgb, all reference systems\n";
 }
 
+// The command line without the flag by which the studio starts commands.
+std::string as_typed(const std::vector<std::string>& arguments) {
+  std::string text = "csrbf";
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i] == job_flag)
+      ++i;
+    else
+      text += " " + shell_word(arguments[i]);
+  }
+  return text;
+}
+
 // "csrbf help fit" is "csrbf fit --help".
 void rewrite_help(std::vector<std::string>& arguments) {
   if (arguments.front() != "help") return;
@@ -152,8 +167,7 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
     throw UsageError("unknown command " + in_quotes(first) + "; " + did_you_mean(first, command_names()) +
                      "csrbf --help lists them");
   if (is_subcommand) refuse_unknown_flags(*app_.get_subcommand(first), arguments);
-  common_.command = "csrbf";
-  for (const std::string& argument : arguments) common_.command += " " + shell_word(argument);
+  common_.command = as_typed(arguments);
   try {
     std::reverse(arguments.begin(), arguments.end());
     app_.parse(std::move(arguments));
@@ -166,7 +180,7 @@ std::optional<CommandLine> Parser::parse(std::vector<std::string> arguments) {
   }
   const CLI::App* subcommand = app_.get_subcommand(first);
   for (const CLI::Option* option : subcommand->get_options())
-    if (!option->get_lnames().empty())
+    if (!option->get_lnames().empty() && !option->get_group().empty())
       common_.flags.push_back({option->get_lnames().front(), option->get_description(), option->count() > 0,
                                option->count() > 0 ? CLI::detail::join(option->results(), " ") : "",
                                option->get_group() == common_group});

@@ -41,6 +41,9 @@ struct FlagUse {
   bool common = false;     ///< shared by all commands
 };
 
+/// The hidden flag by which the studio starts commands.
+inline constexpr const char* job_flag = "--job";
+
 /// Flags of every command.
 struct CommonOptions {
   int threads = 0;                   ///< 0 = all cores
@@ -49,6 +52,7 @@ struct CommonOptions {
   std::string memory;                ///< a size; empty: no cap
   std::string scratch;               ///< folder for memory beyond the cap; empty: that of the output
   std::string format;                ///< of files without an extension; empty: by their content
+  std::string job;                   ///< file of the report for the studio, which then reads progress as Slicer does
   bool quiet = false;
   bool verbose = false;
 

@@ -75,7 +75,11 @@ ReportForm report_form(const std::string& path) {
 }  // namespace
 
 Session::Session(std::string subcommand, const CommonOptions& common)
-    : command_(std::move(subcommand)), common_(common), display_(common.quiet ? "never" : common.progress) {
+    : command_(std::move(subcommand)),
+      common_(common),
+      display_(!common.job.empty() ? "slicer"
+               : common.quiet      ? "never"
+                                   : common.progress) {
   set_thread_count(common.threads > 0 ? common.threads : processes().threads());
   if (!common.memory.empty()) memory_cap_.emplace(parse_bytes(common.memory, "--memory"), common.scratch);
   for (const std::string& path : common.reports) {
@@ -182,7 +186,8 @@ void Session::note_memory() {
 }
 
 Json Session::report() const {
-  Json time = {{"total", round_to_ms(std::chrono::duration<double>(Clock::now() - start_).count())}};
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count() - page_seconds_;
+  Json time = {{"total", round_to_ms(seconds)}};
   time.update(time_);
   Json report = {{"csrbf", CSRBF_VERSION},
                  {"command", command_},
@@ -216,6 +221,7 @@ void Session::finish() {
                                  : report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     write([&] { write_file(path, text); });
   }
+  if (!common_.job.empty()) write_file(common_.job, report.dump(-1, ' ', false, Json::error_handler_t::replace));
   if (resume_log_) {
     resume_log_->remove();
     const double seconds = resume_log_->use().seconds_saved;

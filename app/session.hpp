@@ -29,7 +29,7 @@ class Session {
   Json result = Json::object();
 
   /// Stage "report": lets `action(page)` add the part of the command to the HTML report; does nothing when none was
-  /// asked for.
+  /// asked for. Its time is not part of the total.
   template <class Action>
   void add_to_page(Action&& action);
 
@@ -95,7 +95,8 @@ class Session {
   std::vector<std::string> summary_;
   bool stdout_is_result_ = false;
   Page page_;
-  double memory_mb_ = 0;  // before work on a page began; 0: it did not
+  double memory_mb_ = 0;     // before work on a page began; 0: it did not
+  double page_seconds_ = 0;  // not counted in the total
 };
 
 template <class Action>
@@ -116,7 +117,9 @@ template <class Action>
 void Session::add_to_page(Action&& action) {
   if (!wants_page()) return;
   note_memory();
+  const auto start = Clock::now();
   timed("report", [&] { action(page_); });
+  page_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 template <class Action>

@@ -1,5 +1,6 @@
 # Bundles the interactive view of reports (viewer/) with three.js into one script. CSRBF_VIEWER_SCRIPT is its path and
-# the target csrbf-viewer makes it; or it is empty: then reports and notebooks show still pictures. three.js and esbuild come from Debian (libjs-three, esbuild) or, after
+# the target csrbf-viewer makes it; or it is empty: then reports and notebooks show still pictures. CSRBF_STUDIO_PAGE is
+# the page of the studio, likewise. three.js and esbuild come from Debian (libjs-three, esbuild) or, after
 # `npm install` in viewer/, from there.
 find_file(CSRBF_THREE_MODULE three.module.js
           PATHS ${PROJECT_SOURCE_DIR}/viewer/node_modules/three/build /usr/share/javascript/three
@@ -9,19 +10,53 @@ mark_as_advanced(CSRBF_THREE_MODULE CSRBF_ESBUILD)
 
 option(CSRBF_BUILD_VIEWER "Make surfaces in reports interactive, when three.js and esbuild are found" ON)
 
+# csrbf_bundle(<entry> <output>): one script of viewer/src/<entry> with what it imports.
+function(csrbf_bundle entry output)
+  file(GLOB_RECURSE viewer_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/viewer/src/*.js)
+  add_custom_command(
+    OUTPUT ${output}
+    COMMAND ${CSRBF_ESBUILD} ${PROJECT_SOURCE_DIR}/viewer/src/${entry} --bundle --minify --format=iife --target=es2020
+            --charset=ascii --legal-comments=inline --log-level=warning --alias:three=${CSRBF_THREE_MODULE}
+            --outfile=${output}
+    DEPENDS ${viewer_sources} ${CSRBF_THREE_MODULE}
+    COMMENT "Bundling viewer/src/${entry}"
+    VERBATIM)
+endfunction()
+
 set(CSRBF_VIEWER_SCRIPT "")
+set(CSRBF_STUDIO_PAGE "")
 if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE AND CSRBF_ESBUILD)
   set(CSRBF_VIEWER_SCRIPT ${PROJECT_BINARY_DIR}/viewer/report_viewer.js)
-  file(GLOB viewer_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/viewer/src/*.js)
+  csrbf_bundle(main.js ${CSRBF_VIEWER_SCRIPT})
+  set(studio_script ${PROJECT_BINARY_DIR}/viewer/studio.js)
+  csrbf_bundle(studio.js ${studio_script})
+  set(CSRBF_STUDIO_PAGE ${PROJECT_BINARY_DIR}/viewer/studio.html)
+  set(composer ${PROJECT_SOURCE_DIR}/cmake/studio_page.cmake)
   add_custom_command(
-    OUTPUT ${CSRBF_VIEWER_SCRIPT}
-    COMMAND ${CSRBF_ESBUILD} ${PROJECT_SOURCE_DIR}/viewer/src/main.js --bundle --minify --format=iife --target=es2020
-            --charset=ascii --legal-comments=inline --log-level=warning --alias:three=${CSRBF_THREE_MODULE}
-            --outfile=${CSRBF_VIEWER_SCRIPT}
-    DEPENDS ${viewer_sources} ${CSRBF_THREE_MODULE}
-    COMMENT "Bundling the viewer of reports"
+    OUTPUT ${CSRBF_STUDIO_PAGE}
+    COMMAND ${CMAKE_COMMAND} -D SOURCE_DIR=${PROJECT_SOURCE_DIR} -D SCRIPT=${studio_script}
+            -D OUTPUT=${CSRBF_STUDIO_PAGE} -P ${composer}
+    DEPENDS ${composer} ${studio_script} ${PROJECT_SOURCE_DIR}/viewer/studio.html
+            ${PROJECT_SOURCE_DIR}/viewer/studio.css ${PROJECT_SOURCE_DIR}/viewer/viewer.css
     VERBATIM)
-  add_custom_target(csrbf-viewer DEPENDS ${CSRBF_VIEWER_SCRIPT})
+  add_custom_target(csrbf-viewer DEPENDS ${CSRBF_VIEWER_SCRIPT} ${CSRBF_STUDIO_PAGE})
 else()
-  message(STATUS "HTML reports show still pictures: three.js (libjs-three) and esbuild make them interactive")
+  message(STATUS "HTML reports show still pictures, and there is no studio: three.js (libjs-three) and esbuild make them")
+endif()
+
+# The server of the studio. Debian's library is compiled with these definitions, which change its types.
+find_path(CSRBF_HTTPLIB_INCLUDE httplib.h)
+find_library(CSRBF_HTTPLIB_LIBRARY cpp-httplib)
+mark_as_advanced(CSRBF_HTTPLIB_INCLUDE CSRBF_HTTPLIB_LIBRARY)
+if(CSRBF_HTTPLIB_INCLUDE AND NOT TARGET csrbf-httplib)
+  add_library(csrbf-httplib INTERFACE)
+  target_include_directories(csrbf-httplib SYSTEM INTERFACE ${CSRBF_HTTPLIB_INCLUDE})
+  target_compile_definitions(csrbf-httplib INTERFACE CSRBF_HAS_HTTPLIB)
+  if(CSRBF_HTTPLIB_LIBRARY)
+    target_link_libraries(csrbf-httplib INTERFACE ${CSRBF_HTTPLIB_LIBRARY})
+    target_compile_definitions(csrbf-httplib INTERFACE CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT
+                                                       CPPHTTPLIB_BROTLI_SUPPORT)
+  endif()
+elseif(NOT CSRBF_HTTPLIB_INCLUDE)
+  message(STATUS "No studio: cpp-httplib (libcpp-httplib-dev) is its server")
 endif()

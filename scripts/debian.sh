@@ -4,8 +4,8 @@
 build_packages=(g++ cmake ninja-build libeigen3-dev libnanoflann-dev libpng-dev libtiff-dev zlib1g-dev libqhull-dev
   libcli11-dev nlohmann-json3-dev)
 
-# What makes the surfaces in reports interactive.
-viewer_packages=(libjs-three esbuild)
+# What makes the surfaces in reports interactive, and the server of the studio.
+viewer_packages=(libjs-three esbuild libcpp-httplib-dev)
 
 # What the tests in a browser need in addition.
 browser_packages=(chromium chromium-driver python3-selenium)

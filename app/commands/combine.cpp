@@ -1,9 +1,12 @@
 #include "csrbf/implicit/combine.hpp"
 
 #include "commands/commands.hpp"
+#include "report/surface_page.hpp"
 
+#include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/model.hpp"
+#include "csrbf/surface/reconstruct.hpp"
 
 namespace csrbf::app {
 namespace {
@@ -57,6 +60,10 @@ void run(const CombineCommand& command, Session& session) {
                       {"diagonal", box.diagonal()}}}};
   session.say(command.output + ": " + command.operation + " of " + counted(std::ssize(solids), "model") + ", " +
               std::string(name_of(options.blending)));
+  session.add_to_page([&](Page& page) {
+    constexpr int cells = 80;  // a mesh to look at, in a tenth of a second
+    show(*combined, polygonize(*combined, {.resolution = cells, .method = mesh_method(*combined)}), page);
+  });
   session.write([&] { write_model(command.output, *combined); });
 }
 

@@ -105,6 +105,7 @@ class CommandFlags {
           ->group(common_group);
     app_.add_flag("-q,--quiet", common_.quiet, "print errors only")->group(common_group);
     app_.add_flag("-v,--verbose", common_.verbose, "also print the options used and the times")->group(common_group);
+    app_.add_option(job_flag, common_.job)->type_name("FILE")->group("");
     app_.set_version_flag("--version", "csrbf " CSRBF_VERSION, "print the version")->group(common_group);
     app_.set_help_flag("-h,--help", "print this help")->group(common_group);
   }
@@ -140,5 +141,6 @@ void declare(CommandFlags& v, EvaluateCommand& c);
 void declare(CommandFlags& v, InpaintCommand& c);
 void declare(CommandFlags& v, SegmentCommand& c);
 void declare(CommandFlags& v, TrackCommand& c);
+void declare(CommandFlags& v, StudioCommand& c);
 
 }  // namespace csrbf::app

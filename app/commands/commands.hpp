@@ -159,9 +159,17 @@ struct TrackCommand : SegmentFlags {
   bool slices_are_frames = false;
 };
 
+struct StudioCommand {
+  std::vector<std::string> inputs;
+  int port = 0;
+  bool no_browser = false;
+  std::string folder;
+  std::string largest = "4GB";
+};
+
 using Command = std::variant<ReconstructCommand, EstimateNormalsCommand, PolygonizeCommand, RenderCommand,
                              CurvatureCommand, CombineCommand, FitCommand, EvaluateCommand, InpaintCommand,
-                             CompareCommand, InfoCommand, SegmentCommand, TrackCommand>;
+                             CompareCommand, InfoCommand, SegmentCommand, TrackCommand, StudioCommand>;
 
 // What each command does: read, compute, write, and fill the session's report and summary. Throw on failure.
 
@@ -176,6 +184,7 @@ void run(const EvaluateCommand& command, Session& session);
 void run(const InpaintCommand& command, Session& session);
 void run(const SegmentCommand& command, Session& session);
 void run(const TrackCommand& command, Session& session);
+void run(const StudioCommand& command, Session& session);
 void run(const CompareCommand& command, Session& session);
 void run(const InfoCommand& command, Session& session);
 

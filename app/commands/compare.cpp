@@ -1,4 +1,6 @@
 #include "commands/commands.hpp"
+#include "report/image_page.hpp"
+#include "report/surface_page.hpp"
 
 #include "csrbf/implicit/compare.hpp"
 #include "csrbf/io/mesh.hpp"
@@ -51,6 +53,7 @@ void compare_meshes(const Mesh& mesh, const Mesh& reference, Session& session) {
   session.say("B to A:              mean " + rounded(c.completeness.mean) + ", largest " + rounded(c.completeness.max));
   session.say("normals:             " + rounded(c.normal_error_deg) + " degrees");
   session.say(describe(c.topology));
+  session.add_to_page([&](Page& page) { show_distances(mesh, reference, page); });
 }
 
 void compare_points(const Mesh& mesh, const PointCloud& points, Session& session) {
@@ -70,6 +73,7 @@ void compare_points(const Mesh& mesh, const PointCloud& points, Session& session
   session.say("largest:             " + rounded(c.distance.max));
   if (points.has_normals()) session.say("normals:             " + rounded(c.normal_error_deg) + " degrees");
   session.say(describe(c.topology));
+  session.add_to_page([&](Page& page) { show_distances(mesh, points, page); });
 }
 
 Json described(const std::string& path, const Volume<float>& image) {
@@ -132,6 +136,7 @@ void compare_images(const CompareCommand& command, Session& session) {
   session.say("dice:                " + rounded(c.dice));
   session.say("jaccard:             " + rounded(c.jaccard));
   session.say("hausdorff 95 %:      " + rounded(c.hausdorff95) + " (units of the voxel size)");
+  session.add_to_page([&](Page& page) { show_agreement(a, b, page); });
   constexpr std::size_t most_lines = 6;  // of the summary; the report has every label
   if (c.labels.size() < 2) return;
   for (std::size_t i = 0; i < std::min(c.labels.size(), most_lines); ++i)

@@ -1,6 +1,7 @@
 #include "csrbf/implicit/curvature.hpp"
 
 #include "commands/mesh_summary.hpp"
+#include "report/surface_page.hpp"
 
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/implicit/ridges.hpp"
@@ -59,6 +60,7 @@ void run(const CurvatureCommand& command, Session& session) {
     lines = session.timed("ridges", [&] { return ridges(*field, mesh, {.progress = session.progress()}); });
     add_ridge_summary(command.ridges, lines, session);
   }
+  session.add_to_page([&](Page& page) { show(*field, mesh, at, lines, page); });
   add_properties(at, mesh);
   session.write([&] {
     write_mesh(command.output, mesh);

@@ -1,4 +1,5 @@
 #include "commands/evaluation_places.hpp"
+#include "report/image_page.hpp"
 
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/samples.hpp"
@@ -210,6 +211,10 @@ void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, con
   if (!command.mask.empty()) mask_answers(model, places, mask_of(command.mask), answers);
   report_values(command.output, answers, command.labels ? 1 : model.function.components(), columns, session);
   if (std::is_same_v<Scalar, float> && command.like.empty() && !command.labels) warn_of_rounding(model, session);
+  session.add_to_page([&](Page& page) {
+    show_values(answers.frame().row(0).template cast<double>(), places.axes, model.coordinate_names, columns.front(),
+                page);
+  });
   session.write([&] { write_answers(command.output, model, places, wanted, columns, answers); });
 }
 

@@ -126,7 +126,7 @@ void run(const FitCommand& command, Session& session) {
   session.result["missing"] = report.missing;
   if (!report.drift.empty()) say_drift(model, samples, session);
   say_fit(report, session);
-  session.add_to_page([&](Page& page) { show(model, samples, page); });
+  session.add_to_page([&](Page& page) { show(model, samples, options, page); });
   session.write([&] { write_model(command.output, model); });
 }
 

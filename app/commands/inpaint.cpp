@@ -2,6 +2,7 @@
 
 #include "commands/fit_summary.hpp"
 #include "commands/formats.hpp"
+#include "report/image_page.hpp"
 
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/volume.hpp"
@@ -84,6 +85,7 @@ void run(const InpaintCommand& command, Session& session) {
                    {"components", image.components},
                    {"spacing", {image.grid.spacing.x(), image.grid.spacing.y(), image.grid.spacing.z()}}};
 
+  const Image before = session.wants_page() ? image : Image();
   const InpaintReport report = session.timed("inpaint", [&] { return inpaint(image, missing, options); });
   session.options = {{"output", command.output},
                      {"mask", or_null(command.mask)},
@@ -98,6 +100,7 @@ void run(const InpaintCommand& command, Session& session) {
   } else {
     session.warn("nothing is missing: give --mask FILE or --missing VALUE");
   }
+  session.add_to_page([&](Page& page) { show_filled(before, image, missing, page); });
   session.write([&] { write_volume(command.output, image); });
 }
 

@@ -1,6 +1,7 @@
 #include "csrbf/implicit/polygonize.hpp"
 
 #include "commands/mesh_summary.hpp"
+#include "report/surface_page.hpp"
 
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
@@ -29,6 +30,7 @@ void run(const PolygonizeCommand& command, Session& session) {
                      {"refine", options.refine}};
   const Mesh mesh = session.timed("polygonize", [&] { return polygonize(*field, options); });
   add_mesh_summary(command.output, mesh, session);
+  session.add_to_page([&](Page& page) { show(*field, mesh, page); });
   session.write([&] { session.warn(write_mesh(command.output, mesh)); });
 }
 

@@ -200,13 +200,7 @@ void run(const ReconstructCommand& command, Session& session) {
   const PolygonizeOptions options{
       .resolution = resolution, .method = method_of(command, *surface.field), .progress = session.progress()};
   const Mesh mesh = make_mesh(*surface.field, used, options, trim_distance, session);
-  session.add_to_page([&](Page& page) {
-    const auto mesh_at = [&](int cells) {
-      return with_data(polygonize(*surface.field, {.resolution = cells, .method = options.method}), used, trim_distance)
-          .mesh;
-    };
-    show({surface, used, mesh, resolution, mesh_at}, page);
-  });
+  session.add_to_page([&](Page& page) { show({surface, used, mesh}, page); });
   if (command.model.empty()) surface.field.reset();  // frees memory
   add_mesh_summary(command.output, mesh, session);
   say_quality(surface.report, session);

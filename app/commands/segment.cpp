@@ -173,8 +173,8 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   const std::optional<Objects> objects = find_objects(command, image, segmentation.labels, session);
   const SegmentContours<Dim> contours(segmentation, grid, session);
   session.add_to_page([&](Page& page) {
-    const auto mesh_at = [&](int resolution) { return contours.mesh(resolution); };
-    show<Dim>(image, segmentation, session.result["contour"], mesh_at, page);
+    show<Dim>(
+        image, segmentation, session.result["contour"], [&] { return contours.mesh(); }, page);
   });
   session.write([&] {
     if (objects && !command.table.empty()) write_object_table(command.table, objects->table, grid);

@@ -96,8 +96,7 @@ Mesh joined(const std::vector<ImageSurface>& surfaces) {
 }  // namespace
 
 template <int Dim>
-SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session)
-    : segmentation_(segmentation), grid_(grid) {
+SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, const Grid& grid, Session& session) {
   const ImageContourOptions options{.progress = session.progress()};
   session.timed("polygonize", [&] {
     for (const Field<Dim>* field : inside_fields(segmentation))
@@ -129,17 +128,13 @@ std::vector<std::string> SegmentContours<3>::write(const std::string& path) cons
 }
 
 template <>
-Mesh SegmentContours<2>::mesh(int /*resolution*/) const {
+Mesh SegmentContours<2>::mesh() const {
   return {};
 }
 
 template <>
-Mesh SegmentContours<3>::mesh(int resolution) const {
-  if (resolution == 0) return joined(contours_);
-  std::vector<ImageSurface> surfaces;
-  for (const Field<3>* field : inside_fields(segmentation_))
-    surfaces.push_back(image_contour(*field, grid_, {.resolution = resolution}));
-  return joined(surfaces);
+Mesh SegmentContours<3>::mesh() const {
+  return joined(contours_);
 }
 
 template SegmentContours<2>::SegmentContours(const Segmentation<2>&, const Grid&, Session&);

@@ -8,7 +8,7 @@
 namespace csrbf::app {
 
 /// The contours of all regions except the outside: extracts them, measures them for the report and the summary, and
-/// writes them. Refers to the segmentation and the grid.
+/// writes them.
 template <int Dim>
 class SegmentContours {
  public:
@@ -17,13 +17,11 @@ class SegmentContours {
   /// Writes them to one file; returns warnings. Throws IoError.
   std::vector<std::string> write(const std::string& path) const;
 
-  /// The surfaces of all of them as one mesh; empty in the plane. `resolution` 0: as they were extracted.
-  [[nodiscard]] Mesh mesh(int resolution) const;
+  /// The surfaces of all of them as one mesh; empty in the plane.
+  [[nodiscard]] Mesh mesh() const;
 
  private:
   using Contour = std::conditional_t<Dim == 2, ImageContour, ImageSurface>;
-  const Segmentation<Dim>& segmentation_;
-  const Grid& grid_;
   std::vector<Contour> contours_;
 };
 

@@ -1,7 +1,10 @@
 #include "csrbf/levelset/track.hpp"
 
 #include "commands/segment_options.hpp"
+#include "report/image_page.hpp"
+#include "report/segment_page.hpp"
 
+#include "csrbf/implicit/preview.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/model.hpp"
@@ -12,6 +15,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -211,6 +215,26 @@ void add_result(const TrackCommand& command, const std::vector<Row>& rows, Index
   }
 }
 
+std::vector<TrackedMeasure> sizes_of(const std::vector<Row>& rows) {
+  constexpr int most = 4;  // regions: plots of as many fit on a screen
+  std::vector<TrackedMeasure> measures;
+  for (int label = 1; label <= most; ++label) {
+    TrackedMeasure measure{label, {}};
+    for (const Row& row : rows)
+      if (row.region.label == label) measure.sizes.push_back(row.region.volume);
+    if (!measure.sizes.empty()) measures.push_back(measure);
+  }
+  return measures;
+}
+
+// Every few frames are shown with their contours.
+bool is_shown(Index frame, Index frames) {
+  constexpr Index most = 6;
+  for (Index k = 0; k < most; ++k)
+    if (frame == k * (frames - 1) / (most - 1)) return true;
+  return false;
+}
+
 template <int Dim>
 void run_track(const TrackCommand& command, TrackOptions options, const Frames& frames, const Volume<float>& first,
                Session& session) {
@@ -223,8 +247,11 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
   const std::string extension = label_extension(command);
   ResultFolder folder(command.output);
   std::vector<Row> rows;
+  std::map<Index, RgbImage> pictures;  // of a page
   const auto take = [&](Index t, TrackedFrame<Dim>&& frame) {
     for (const RegionMeasure& region : frame.regions) rows.push_back({t, region, frame.segmentation.report.iterations});
+    if (session.wants_page() && is_shown(t, frames.count()))
+      pictures[t] = preview<Dim>(frames(t), inside_fields(frame.segmentation), {.size = 300});
     session.write([&] {
       write_volume(folder.draft(numbered("labels_", t, extension)), label_image(first, frame.segmentation.labels));
       write_model(folder.draft(numbered("models/frame_", t, ".csrbf")), to_function(frame.segmentation));
@@ -247,6 +274,11 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
     return a.frame != b.frame ? a.frame < b.frame : a.region.label < b.region.label;
   });
   add_result(command, rows, frames.count(), grid, report, session);
+  session.add_to_page([&](Page& page) {
+    std::vector<RgbImage> shown;
+    for (const auto& [t, picture] : pictures) shown.push_back(picture);
+    show_track(sizes_of(rows), grid.dimension() == 3 ? "volume" : "area", shown, page);
+  });
   session.write([&] {
     write_measures(folder.draft("measures.csv"), rows);
     folder.publish();

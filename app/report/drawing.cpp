@@ -141,7 +141,11 @@ void Drawing::add_dots(const PointsRef<2>& points, double radius, std::string_vi
 }
 
 std::string Drawing::svg() const {
-  return "<svg viewBox=\"0 0 " + coordinate(left + width_ + right) + " " + coordinate(top + height_ + bottom_) +
+  Json plot = values_;
+  plot["x"] = {x_.lo, x_.hi, left, width_, x_.label};
+  plot["y"] = {y_.lo, y_.hi, top, height_, y_.label};
+  return "<svg data-plot=\"" + escaped(plot.dump(-1, ' ', false, Json::error_handler_t::replace)) +
+         "\" viewBox=\"0 0 " + coordinate(left + width_ + right) + " " + coordinate(top + height_ + bottom_) +
          "\" role=\"img\" aria-label=\"" + escaped(description_) + "\" xmlns=\"http://www.w3.org/2000/svg\">\n" +
          body_ + "</svg>";
 }

@@ -52,6 +52,8 @@ class Drawing {
   /// A polyline.
   void add_line(const PointsRef<2>& points, std::string_view style, bool closed = false);
   void add_dots(const PointsRef<2>& points, double radius, std::string_view style);
+  /// What the page tells under the cursor besides curves and dots (viewer/src/hover.js): "bars" or "map".
+  void add_values(const std::string& name, const Json& values) { values_[name] = values; }
 
   [[nodiscard]] std::string svg() const;
 
@@ -62,6 +64,7 @@ class Drawing {
 
   Axis x_, y_;
   std::string description_, body_;
+  Json values_ = Json::object();
   double width_, height_, bottom_ = below;
 };
 

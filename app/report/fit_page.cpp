@@ -1,10 +1,13 @@
 #include "report/fit_page.hpp"
 
+#include "report/left_out.hpp"
 #include "report/plots.hpp"
 #include "report/surface_view.hpp"
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/core/percentile.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace csrbf::app {
@@ -197,6 +200,23 @@ class Landscape {
     return mesh;
   }
 
+  // Values on a grid of nodes x nodes over the same box (x fastest), bilinear at the vertices.
+  [[nodiscard]] Eigen::VectorXd at_nodes(const Eigen::VectorXd& grid, Index nodes) const {
+    Eigen::VectorXd result(values_.size());
+    const double last = static_cast<double>(nodes - 1);
+    for (Index j = 0, k = 0; j < values_.rows(); ++j)
+      for (Index i = 0; i < values_.cols(); ++i, ++k) {
+        const double x = last * static_cast<double>(i) / static_cast<double>(values_.cols() - 1);
+        const double y = last * static_cast<double>(j) / static_cast<double>(values_.rows() - 1);
+        const Index c = std::min(static_cast<Index>(x), nodes - 2), r = std::min(static_cast<Index>(y), nodes - 2);
+        const double s = x - static_cast<double>(c), t = y - static_cast<double>(r);
+        const double* corner = grid.data() + r * nodes + c;
+        result[k] =
+            (1 - t) * ((1 - s) * corner[0] + s * corner[1]) + t * ((1 - s) * corner[nodes] + s * corner[nodes + 1]);
+      }
+    return result;
+  }
+
   // In the order of the vertices.
   [[nodiscard]] Eigen::VectorXd values() const { return values_.transpose().reshaped(); }
 
@@ -217,11 +237,34 @@ class Landscape {
   double lo_ = 0, hi_ = 1;
 };
 
+// Deviations at the nodes of the landscape, linear between those of a coarser grid; empty where the function has none.
+Eigen::VectorXd deviations(const Landscape& landscape, const Domain& domain) {
+  constexpr Index nodes = 30;  // along each axis: 900 deviations take some hundredths of a second
+  Eigen::MatrixXd places(2, nodes * nodes);
+  const auto at = [&](Index axis, Index i) {
+    return domain.lo(axis) + domain.extent(axis) * static_cast<double>(i) / static_cast<double>(nodes - 1);
+  };
+  for (Index j = 0; j < nodes; ++j)
+    for (Index i = 0; i < nodes; ++i) places.col(j * nodes + i) << at(0, i), at(1, j);
+  Eigen::VectorXd coarse;
+  try {
+    coarse = domain.model.function.standard_deviation(places, DeviationOf::function).col(0);
+  } catch (const InvalidInput&) {
+    return {};
+  }
+  if (!coarse.allFinite()) return {};
+  return landscape.at_nodes(coarse, nodes);
+}
+
 Figure landscape_view(const Landscape& landscape, const Domain& domain, const SampleTable& samples,
                       const std::vector<Index>& chosen, const Eigen::VectorXd& error) {
   SurfaceView view;
+  view.title = "The function as a landscape";
   view.shown = "0";
+  view.up = "z";
   view.mesh = landscape.mesh();
+  view.axes = {domain.name(0), domain.name(1), domain.value()};
+  view.ranges = Box<3>{{domain.lo(0), domain.lo(1), landscape.lo()}, {domain.hi(0), domain.hi(1), landscape.hi()}};
   Points<3> places(3, std::ssize(chosen));
   for (Index i = 0; i < places.cols(); ++i) {
     const auto x = samples.coordinates.col(chosen[i]);
@@ -236,15 +279,55 @@ Figure landscape_view(const Landscape& landscape, const Domain& domain, const Sa
   constexpr double most = 0.99;  // percentile at the end of the scale: outliers do not set it
   view.colors.push_back({"error at the samples", "Error at the samples (grey: no samples nearby)", 0,
                          percentile(sizes, most), false, values_near(places, size, view.mesh.vertices), size(points)});
+  if (const Eigen::VectorXd deviation = deviations(landscape, domain); deviation.size() > 0)
+    view.colors.push_back(
+        {"standard deviation", "Standard deviation of the function", 0, deviation.maxCoeff(), false, deviation});
   view.caption = "Heights are values of " + domain.value() + ", scaled to be visible.";
-  Figure figure = surface_figure(view);
-  figure.title = "The function as a landscape";
-  return figure;
+  return surface_figure(view);
+}
+
+// Where the errors are, on the plane: blue where the function is too high.
+Figure residual_map(const Domain& domain, const SampleTable& samples, const std::vector<Index>& chosen,
+                    const Eigen::VectorXd& error) {
+  constexpr Index cells = 60;  // along the longer axis
+  const bool to_scale = domain.to_scale(0, 1);
+  const double longer = std::max(domain.extent(0), domain.extent(1));
+  const auto count = [&](Index axis) {
+    return to_scale ? std::max<Index>(2, std::lround(cells * domain.extent(axis) / longer)) : cells;
+  };
+  const Index columns = count(0), rows = count(1);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rows, columns), weight = sum;
+  const auto cell = [&](Index axis, double value, Index n) {
+    const double part = (value - domain.lo(axis)) / domain.extent(axis);
+    return std::clamp<Index>(static_cast<Index>(part * static_cast<double>(n)), 0, n - 1);
+  };
+  for (Index i = 0; i < error.size(); ++i) {
+    if (!std::isfinite(error[i])) continue;
+    const auto x = samples.coordinates.col(chosen[i]);
+    const Index r = cell(1, x[1], rows), c = cell(0, x[0], columns);
+    sum(r, c) += error[i];
+    weight(r, c) += 1;
+  }
+  std::vector<double> sizes;
+  for (const double value : error)
+    if (std::isfinite(value)) sizes.push_back(std::abs(value));
+  constexpr double most = 0.98;  // percentile at the ends of the scale
+  const double limit = sizes.empty() ? 1 : percentile(sizes, most);
+  PlaneMap map{
+      .values = (weight.array() > 0).select(sum.array() / weight.array(), std::numeric_limits<double>::quiet_NaN()),
+      .x_label = domain.name(0),
+      .y_label = domain.name(1),
+      .scale = {-(limit > 0 ? limit : 1), limit > 0 ? limit : 1, true, "sample − function"},
+      .to_scale = to_scale,
+      .description = "Errors at the samples by " + domain.name(0) + " and " + domain.name(1)};
+  map.box.lo << domain.lo(0), domain.lo(1);
+  map.box.hi << domain.hi(0), domain.hi(1);
+  return {"Where the errors are", draw(map), "Mean errors at the samples in each cell; grey: no samples."};
 }
 
 }  // namespace
 
-void show(const NamedFunction& model, const SampleTable& samples, Page& page) {
+void show(const NamedFunction& model, const SampleTable& samples, const FitOptions& options, Page& page) {
   const Domain domain{model.function.bounds(), model};
   const FitReport& r = model.function.report();
   add_facts(r, domain, samples, page);
@@ -263,6 +346,9 @@ void show(const NamedFunction& model, const SampleTable& samples, Page& page) {
                            : dimension == 2 ? map_of_plane(domain, samples, chosen)
                                             : maps_of_space(domain));
   page.figures.push_back(error_histogram(error, r, domain));
+  if (dimension == 2 && has_extent && !passes_through(r, samples.values))
+    page.figures.push_back(residual_map(domain, samples, chosen, error));
+  add_left_out(model, samples, options, page);
 }
 
 }  // namespace csrbf::app

@@ -7,7 +7,8 @@
 
 namespace csrbf::app {
 
-/// The function, and its errors at the samples.
-void show(const NamedFunction& model, const SampleTable& samples, Page& page);
+/// The function, its errors at the samples and, where one more fit is quick, at samples left out of it. `options`:
+/// those that it was fitted with.
+void show(const NamedFunction& model, const SampleTable& samples, const FitOptions& options, Page& page);
 
 }  // namespace csrbf::app

@@ -80,7 +80,8 @@ std::string figures(const Page& page) {
 }
 
 std::string details(const std::string& title, const std::string& text) {
-  return "<details>\n<summary>" + escaped(title) + "</summary>\n<pre>" + escaped(text) + "</pre>\n</details>\n";
+  return "<details class=\"more\">\n<summary>" + escaped(title) + "</summary>\n<pre>" + escaped(text) +
+         "</pre>\n</details>\n";
 }
 
 }  // namespace

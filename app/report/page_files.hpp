@@ -9,5 +9,6 @@ namespace csrbf::app {
 extern const std::string_view page_style;    ///< viewer/report.css
 extern const std::string_view page_script;   ///< viewer/src with three.js; empty when that was not found
 extern const std::string_view page_licence;  ///< of both
+extern const std::string_view studio_page;   ///< viewer/studio.html with its style and script; empty without script
 
 }  // namespace csrbf::app

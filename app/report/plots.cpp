@@ -9,7 +9,8 @@
 namespace csrbf::app {
 namespace {
 
-constexpr int series_colors = 6;  // of the style sheet
+constexpr int series_colors = 6;        // of the style sheet
+constexpr double scatter_height = 300;  // pixels, of plots whose axes have the same scale
 
 // The colours as a picture, `width` of them from low to high.
 std::string bar_address(const ColorScale& scale) {
@@ -37,7 +38,51 @@ std::string picture_address(const Eigen::MatrixXd& values, const ColorScale& sca
   return png_address(picture);
 }
 
+// Each value as a short line under the axis, when they are few enough to be told apart.
+void add_rug(const std::vector<double>& values, const Axis& x, Drawing& drawing) {
+  constexpr std::size_t most = 500;
+  if (values.size() > most) return;
+  std::string path;
+  for (const double value : values)
+    if (value >= x.lo && value <= x.hi)
+      path += "M" + coordinate(drawing.x(value)) + " " + coordinate(drawing.y(0)) + "v5";
+  if (!path.empty()) drawing.add("<path class=\"rug\" d=\"" + path + "\"/>");
+}
+
+// Values of a map in bytes for the page to tell: 0 to 254 along the scale, 255 where there is none; rows from below.
+Json map_values(const PlaneMap& map) {
+  constexpr double most = 254;
+  std::string bytes;
+  for (Index row = 0; row < map.values.rows(); ++row)
+    for (const double value : map.values.row(row)) {
+      const double t = std::clamp((value - map.scale.lo) / (map.scale.hi - map.scale.lo), 0.0, 1.0);
+      bytes += std::isfinite(value) ? static_cast<char>(static_cast<unsigned char>(std::lround(most * t))) : '\xff';
+    }
+  return {{"columns", map.values.cols()}, {"rows", map.values.rows()}, {"lo", map.scale.lo},
+          {"hi", map.scale.hi},           {"label", map.scale.label},  {"values", base64(bytes)}};
+}
+
 }  // namespace
+
+std::string draw(const Scatter& scatter) {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  extend(scatter.dots.row(0), lo, hi);
+  if (scatter.same_axes) extend(scatter.dots.row(1), lo, hi);
+  double bottom = lo, top = hi;
+  if (!scatter.same_axes) {
+    bottom = std::numeric_limits<double>::infinity(), top = -bottom;
+    extend(scatter.dots.row(1), bottom, top);
+  }
+  Drawing drawing(axis(lo, hi, scatter.x_label), axis(bottom, top, scatter.y_label, 4),
+                  scatter.y_label + " by " + scatter.x_label, Drawing::default_width,
+                  scatter.same_axes ? scatter_height : Drawing::default_height);
+  drawing.add_grid();
+  if (scatter.same_axes) drawing.add_line(Points<2>{{lo, hi}, {lo, hi}}, "diagonal");
+  constexpr Index many = 800;  // dots, from which they are smaller
+  drawing.add_dots(scatter.dots, scatter.dots.cols() > many ? 1.1 : 1.8, "accent dim");
+  if (scatter.line.cols() > 0) drawing.add_line(scatter.line, "curve");
+  return drawing.svg();
+}
 
 std::string draw(const Histogram& histogram) {
   constexpr int bins = 40;  // ten pixels each
@@ -61,6 +106,8 @@ std::string draw(const Histogram& histogram) {
               coordinate(-height) + "h" + coordinate(width - 1) + "v" + coordinate(height) + "z";
   }
   drawing.add("<path class=\"bars\" d=\"" + path + "\"/>");
+  drawing.add_values("bars", count);
+  add_rug(histogram.values, x, drawing);
   for (const Mark& mark : histogram.marks)
     if (mark.value >= x.lo && mark.value <= x.hi) drawing.add_mark(mark.value, mark.text);
   return drawing.svg();
@@ -160,6 +207,7 @@ std::string draw(const PlaneMap& map) {
     drawing.add_line(map.lines.points.middleCols(line.begin, line.size), "contour", line.closed);
   constexpr Index many = 1500;  // dots, from which they are smaller
   drawing.add_dots(map.dots, map.dots.cols() > many ? 0.7 : 1.4, "samples");
+  drawing.add_values("map", map_values(map));
   drawing.add_frame();
   drawing.add_color_bar(axis(map.scale.lo, map.scale.hi, map.scale.label, width > narrow ? 5 : 3),
                         bar_address(map.scale));

@@ -25,6 +25,14 @@ struct Histogram {
 };
 std::string draw(const Histogram& histogram);
 
+/// Pairs of values as dots, with a line through means or the line of equal values.
+struct Scatter {
+  Points<2> dots{2, 0}, line{2, 0};
+  std::string x_label = {}, y_label = {};
+  bool same_axes = false;  ///< both have the same range, and the line of equal values is drawn
+};
+std::string draw(const Scatter& scatter);
+
 /// Several distributions over one axis, each in its own colour.
 struct Distribution {
   std::string name;

@@ -76,14 +76,13 @@ SurfaceColors distance_colors(const ReconstructionShown& shown, const Eigen::Vec
 
 Figure view(const ReconstructionShown& shown, const Eigen::VectorXd& distance, double diagonal) {
   SurfaceView view;
-  view.mesh = mesh_to_show(shown.mesh, shown.resolution, shown.mesh_at);
+  view.mesh = mesh_to_show(shown.mesh);
   const std::vector<Index> points = spread_indices(shown.used.size(), SurfaceView::most_points);
   view.points = shown.used.points(Eigen::all, points);
   view.colors.push_back(distance_colors(shown, distance, view.mesh, points));
   view.colors.push_back(curvature_colors(*shown.surface.field, view.mesh, diagonal));
-  if (view.mesh.triangles.cols() < shown.mesh.triangles.cols())
-    view.caption = "Shown with " + counted(view.mesh.triangles.cols(), "triangle") + "; the file has " +
-                   counted(shown.mesh.triangles.cols(), "triangle") + ". ";
+  view.inside = inside_values(*shown.surface.field, view.mesh, "f, zero on the surface");
+  view.caption = reduction_note(view.mesh, shown.mesh);
   if (view.points.cols() < shown.used.size())
     view.caption += "Of the points, " + counted(view.points.cols(), "point") + " can be shown.";
   return surface_figure(view);

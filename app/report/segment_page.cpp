@@ -90,17 +90,15 @@ Figure pictures(const Volume<float>& image, const Segmentation<Dim>& segmentatio
           "Slices across z, y and x, each where the area inside is largest.", true};
 }
 
-Figure surface(const std::function<Mesh(int)>& mesh_at, int resolution) {
-  const Mesh mesh = mesh_at(0);
+Figure surface(const Mesh& mesh, const std::string& unit) {
   SurfaceView view;
-  view.mesh = mesh_to_show(mesh, resolution, mesh_at);
+  view.mesh = mesh_to_show(mesh);
+  view.unit = unit;
   if (!view.mesh.properties.empty()) {
     const Eigen::VectorXd& labels = view.mesh.properties.front().values;
     view.colors.push_back({"label", "Label of the region", 0, labels.maxCoeff(), false, labels});
   }
-  if (view.mesh.triangles.cols() < mesh.triangles.cols())
-    view.caption = "Shown with " + counted(view.mesh.triangles.cols(), "triangle") + " instead of " +
-                   counted(mesh.triangles.cols(), "triangle") + ".";
+  view.caption = reduction_note(view.mesh, mesh);
   return surface_figure(view);
 }
 
@@ -108,18 +106,18 @@ Figure surface(const std::function<Mesh(int)>& mesh_at, int resolution) {
 
 template <int Dim>
 void show(const Volume<float>& image, const Segmentation<Dim>& segmentation, const Json& measures,
-          const std::function<Mesh(int)>& mesh_at, Page& page) {
+          const std::function<Mesh()>& mesh, Page& page) {
   const SegmentReport& r = segmentation.report;
   add_facts(r, measures, Dim == 3, page);
   page.figures.push_back(pictures<Dim>(image, segmentation));
   if constexpr (Dim == 3)
     if (measures["triangles"].template get<Index>() > 0)
-      page.figures.push_back(surface(mesh_at, automatic_resolution(*segmentation.fields.back())));
+      page.figures.push_back(surface(mesh(), image.grid.space == Space::unknown ? "" : "mm"));
   page.figures.push_back(intensities(image, segmentation.labels, r));
   if (r.energy.size() > 1) page.figures.push_back(descent(r));
 }
 
-template void show(const Volume<float>&, const Segmentation<2>&, const Json&, const std::function<Mesh(int)>&, Page&);
-template void show(const Volume<float>&, const Segmentation<3>&, const Json&, const std::function<Mesh(int)>&, Page&);
+template void show(const Volume<float>&, const Segmentation<2>&, const Json&, const std::function<Mesh()>&, Page&);
+template void show(const Volume<float>&, const Segmentation<3>&, const Json&, const std::function<Mesh()>&, Page&);
 
 }  // namespace csrbf::app

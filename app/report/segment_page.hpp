@@ -20,9 +20,9 @@ std::vector<const Field<Dim>*> inside_fields(const Segmentation<Dim>& segmentati
 
 /// The regions on the image, their intensities, the descent of the energy and, in a volume, an interactive view of the
 /// surface.
-/// `measures`: the contour as in the report; `mesh_at`: the surface of a given resolution, 0 for the automatic one.
+/// `measures`: the contour as in the report; `mesh`: the surface, of a volume.
 template <int Dim>
 void show(const Volume<float>& image, const Segmentation<Dim>& segmentation, const Json& measures,
-          const std::function<Mesh(int)>& mesh_at, Page& page);
+          const std::function<Mesh()>& mesh, Page& page);
 
 }  // namespace csrbf::app

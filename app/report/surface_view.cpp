@@ -5,12 +5,16 @@
 #include "report/plots.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/implicit/render.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
-#include <array>
+#include <Eigen/Geometry>
+
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace csrbf::app {
 namespace {
@@ -60,22 +64,28 @@ std::string bytes(const Eigen::VectorXd& values, double lo, double hi) {
 }
 
 Json scale_data(const SurfaceColors& colors) {
-  Json scale = {{"name", colors.name},
-                {"title", colors.title},
-                {"map", colors.diverging ? "diverging" : "sequential"},
-                {"values", bytes(colors.values, colors.lo, colors.hi)}};
-  for (const double value : {colors.lo, 0.5 * (colors.lo + colors.hi), colors.hi})
-    scale["ticks"].push_back(readable(value, 2));
+  Json scale = {{"name", colors.name}, {"title", colors.title}, {"map", colors.diverging ? "diverging" : "sequential"},
+                {"lo", colors.lo},     {"hi", colors.hi},       {"values", bytes(colors.values, colors.lo, colors.hi)}};
   if (colors.point_values.size() > 0) scale["point_values"] = bytes(colors.point_values, colors.lo, colors.hi);
   return scale;
 }
 
+Json inside_data(const InsideValues& inside) {
+  return {{"size", inside.size},
+          {"lo", inside.lo},
+          {"hi", inside.hi},
+          {"title", inside.title},
+          {"values", bytes(inside.values, inside.lo, inside.hi)}};
+}
+
 Json view_data(const SurfaceView& view) {
-  Box<3> box = bounding_box<3>(view.mesh.vertices);
+  const Box<3> box = bounding_box<3>(view.mesh.vertices);
   const auto coordinates = [](const Point<3>& p) { return Json{p.x(), p.y(), p.z()}; };
   Json data = {{"low", coordinates(box.lo)},
                {"high", coordinates(box.hi)},
-               {"up", "z"},
+               {"up", view.up},
+               {"unit", view.unit},
+               {"axes", view.axes},
                {"shown", view.shown},
                {"positions", positions(view.mesh.vertices, box)},
                {"normals", normals(view.mesh.normals)},
@@ -83,8 +93,79 @@ Json view_data(const SurfaceView& view) {
                {"scales", Json::array()},
                {"colors", {{"sequential", color_stops(false)}, {"diverging", color_stops(true)}}}};
   for (const SurfaceColors& colors : view.colors) data["scales"].push_back(scale_data(colors));
+  if (view.ranges)
+    for (Index a = 0; a < 3; ++a) data["axis_ranges"].push_back({view.ranges->lo[a], view.ranges->hi[a]});
   if (view.points.cols() > 0) data["points"] = {{"positions", positions(view.points, box)}};
+  if (view.lines.edges.cols() > 0 && view.lines.vertices.cols() <= SurfaceView::most_vertices) {
+    const auto& edges = view.lines.edges;
+    data["lines"] = {{"positions", positions(view.lines.vertices, box)},
+                     {"edges", as_base64(std::vector<std::uint16_t>(edges.data(), edges.data() + edges.size()))}};
+  }
+  if (view.inside) data["inside"] = inside_data(*view.inside);
   return data;
+}
+
+// Which cube of a grid each point is in.
+struct Clusters {
+  std::vector<std::int32_t> of;  // for each point, from 0
+  Index count = 0;
+};
+
+Clusters cluster(const Points<3>& points, double side) {
+  constexpr std::int64_t most = (std::int64_t{1} << 21) - 1;  // of three numbers in 63 bits
+  const Point<3> lo = bounding_box<3>(points).lo;
+  std::vector<std::pair<std::int64_t, std::int32_t>> keys;
+  keys.reserve(static_cast<std::size_t>(points.cols()));
+  for (Index i = 0; i < points.cols(); ++i) {
+    std::int64_t key = 0;
+    for (Index a = 0; a < 3; ++a)
+      key = (key << 21) | std::clamp<std::int64_t>(static_cast<std::int64_t>((points(a, i) - lo[a]) / side), 0, most);
+    keys.emplace_back(key, static_cast<std::int32_t>(i));
+  }
+  std::sort(keys.begin(), keys.end());
+  Clusters clusters{std::vector<std::int32_t>(keys.size())};
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (i > 0 && keys[i].first != keys[i - 1].first) ++clusters.count;
+    clusters.of[keys[i].second] = static_cast<std::int32_t>(clusters.count);
+  }
+  ++clusters.count;
+  return clusters;
+}
+
+double area_of(const Mesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles.colwise()) {
+    const Point<3> a = mesh.vertices.col(t[0]);
+    sum += (mesh.vertices.col(t[1]) - a).cross(mesh.vertices.col(t[2]) - a).norm() / 2;
+  }
+  return sum;
+}
+
+// Means of positions, normals and values; the first value of labels.
+Mesh clustered(const Mesh& mesh, const Clusters& clusters) {
+  Mesh few;
+  few.vertices = Points<3>::Zero(3, clusters.count);
+  few.normals = Points<3>::Zero(3, mesh.normals.cols() > 0 ? clusters.count : 0);
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(clusters.count);
+  for (const Property& p : mesh.properties) few.properties.push_back({p.name, p.type, Eigen::VectorXd(clusters.count)});
+  for (Index i = 0; i < mesh.vertices.cols(); ++i) {
+    const Index to = clusters.of[i];
+    few.vertices.col(to) += mesh.vertices.col(i);
+    if (few.normals.cols() > 0) few.normals.col(to) += mesh.normals.col(i);
+    if (size[to]++ == 0)
+      for (std::size_t p = 0; p < few.properties.size(); ++p)
+        few.properties[p].values[to] = mesh.properties[p].values[i];
+  }
+  for (Index i = 0; i < clusters.count; ++i) few.vertices.col(i) /= size[i];
+  few.normals.colwise().normalize();
+  few.triangles.resize(3, mesh.triangles.cols());
+  Index kept = 0;
+  for (const auto& t : mesh.triangles.colwise()) {
+    const std::int32_t a = clusters.of[t[0]], b = clusters.of[t[1]], c = clusters.of[t[2]];
+    if (a != b && b != c && c != a) few.triangles.col(kept++) << a, b, c;
+  }
+  few.triangles.conservativeResize(3, kept);
+  return few;
 }
 
 // Chosen by hand: more neighbours smooth more; a larger reach closes gaps in the data, a smaller one opens holes in it.
@@ -97,17 +178,41 @@ bool has_interactive_view() {
   return !page_script.empty();
 }
 
-Mesh mesh_to_show(const Mesh& mesh, int resolution, const std::function<Mesh(int)>& coarser) {
-  Mesh shown = mesh;
-  while (shown.vertices.cols() > SurfaceView::most_vertices) {
-    // The number of vertices grows with the square of the resolution; 0.97 makes one step almost always enough.
-    constexpr double safety = 0.97;
-    const double vertices = static_cast<double>(shown.vertices.cols());
-    resolution = std::max(1, static_cast<int>(safety * resolution *
-                                              std::sqrt(static_cast<double>(SurfaceView::most_vertices) / vertices)));
-    shown = coarser(resolution);
+Mesh mesh_to_show(const Mesh& mesh) {
+  const Index count = mesh.vertices.cols();
+  if (count <= SurfaceView::most_vertices) return mesh;
+  // A surface of area A meets about 1.5 A / s^2 cubes of side s; where it meets more, larger cubes follow.
+  constexpr double cubes = 1.6, larger = 1.12;
+  double side = std::sqrt(cubes * area_of(mesh) / static_cast<double>(SurfaceView::most_vertices));
+  for (;; side *= larger) {
+    const Clusters clusters = cluster(mesh.vertices, side);
+    if (clusters.count <= SurfaceView::most_vertices) return clustered(mesh, clusters);
   }
-  return shown;
+}
+
+std::string reduction_note(const Mesh& shown, const Mesh& mesh) {
+  if (shown.triangles.cols() == mesh.triangles.cols()) return "";
+  return "Shown with " + counted(shown.triangles.cols(), "triangle") + "; the file has " +
+         counted(mesh.triangles.cols(), "triangle") + ". ";
+}
+
+InsideValues inside_values(const Field<3>& field, const Mesh& mesh, const std::string& title) {
+  constexpr double nodes = 44;  // along the longest side: 85,000 bytes for a cube, and a tenth of a second
+  const Box<3> box = bounding_box<3>(mesh.vertices);
+  InsideValues inside{.title = title};
+  const double step = box.extent().maxCoeff() / (nodes - 1);
+  GridAxes<3> axes;
+  for (Index a = 0; a < 3; ++a) {
+    inside.size[a] = std::max<Index>(2, 1 + std::lround(box.extent()[a] / step));
+    axes[a] = Eigen::VectorXd::LinSpaced(inside.size[a], box.lo[a], box.hi[a]);
+  }
+  inside.values = field.evaluate_grid(axes);
+  std::vector<double> positive;
+  for (const double value : inside.values)
+    if (value > 0) positive.push_back(value);
+  constexpr double most = 0.99;  // percentile at the end of the scale
+  inside.hi = positive.empty() ? 1 : percentile(positive, most);
+  return inside;
 }
 
 std::vector<Index> spread_indices(Index n, Index most) {
@@ -146,27 +251,22 @@ Eigen::VectorXd values_near(const PointsRef<3>& points, const Eigen::VectorXd& v
 }
 
 Figure surface_figure(const SurfaceView& view) {
-  RenderOptions options{.width = 800, .height = 500};
-  options.view = {-65, 15};
-  options.ground = Ground::none;
-  constexpr int few_rays = 2;  // the picture is only seen until the viewer starts
-  if (has_interactive_view()) options.occlusion_rays = few_rays;
-  const std::string still = picture_element(render(view.mesh, options), "The surface, from above its front");
-  std::string body = "<div class=\"stage\">" + still;
-  if (has_interactive_view())
-    body +=
-        "<canvas tabindex=\"0\" role=\"img\" aria-label=\"The surface. Arrow keys turn it, with Shift they move it; "
-        "plus and minus zoom, 0 resets the view.\"></canvas></div><div class=\"controls\"></div>"
-        "<p class=\"hint\">Drag to turn, drag with Shift or the right button to move, click and scroll to zoom. Keys: "
-        "arrows, Shift, + and −, 0.</p>"
-        "<p class=\"why-still\"></p><noscript><p>Scripts are off, so this is a still picture.</p></noscript>"
-        "<script type=\"application/json\" class=\"surface-data\">" +
+  std::string body;
+  if (has_interactive_view()) {
+    body =
+        "<p class=\"hint\">Drag to turn, drag with Shift or the right button to move, click and scroll to zoom. Two "
+        "fingers turn it, too.</p><p class=\"why-still\"></p><noscript><p>Scripts are off: the surface is not "
+        "shown.</p></noscript><script type=\"application/json\" class=\"surface-data\">" +
         script_text(view_data(view)) + "</script>";
-  else
-    body +=
-        "</div><p class=\"why-still\">A still picture: this csrbf was built without three.js, which the interactive "
-        "view needs.</p>";
-  return {"The surface", "<figure class=\"surface\">" + body + "</figure>", view.caption, true};
+  } else {
+    RenderOptions options{.width = 800, .height = 500};
+    options.view = {-65, 15};
+    options.ground = Ground::none;
+    body = "<div class=\"stage\">" + picture_element(render(view.mesh, options), "The surface, from above its front") +
+           "</div><p class=\"why-still\">A still picture: this csrbf was built without three.js, which the interactive "
+           "view needs.</p>";
+  }
+  return {view.title, "<figure class=\"surface\">" + body + "</figure>", view.caption, true};
 }
 
 }  // namespace csrbf::app

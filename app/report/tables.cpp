@@ -173,7 +173,7 @@ std::string time_table(const Json& report) {
   const double total = std::max(time["total"].get<double>(), 1e-3);
   std::string rows;
   for (const auto& [stage, seconds] : time.items()) {
-    if (stage == "total") continue;
+    if (stage == "total" || stage == "report") continue;
     const double share = std::min(100 * seconds.get<double>() / total, 100.0);
     rows += "<tr><th scope=\"row\">" + escaped(stage) + "</th><td>" + escaped(seconds_text(seconds)) +
             "</td><td class=\"share\"><svg viewBox=\"0 0 100 6\" preserveAspectRatio=\"none\" aria-hidden=\"true\">"
@@ -182,9 +182,10 @@ std::string time_table(const Json& report) {
   }
   rows += "<tr class=\"total\"><th scope=\"row\">total</th><td>" + escaped(seconds_text(time["total"])) +
           "</td><td></td></tr>\n";
+  const std::string page = time.contains("report") ? " This page took " + seconds_text(time["report"]) + " more." : "";
   return "<table class=\"times\">\n<tbody>\n" + rows + "</tbody></table>\n<p class=\"note\">On " +
          counted(report["threads"].get<Index>(), "thread") + ". Peak memory: " + rounded(report["peak_memory_mb"], 6) +
-         " MB.</p>\n";
+         " MB." + page + "</p>\n";
 }
 
 std::string option_table(const Json& report, const std::vector<FlagUse>& flags) {

@@ -203,10 +203,8 @@ def _view(picture: str, view: View) -> str:
         why = "A still picture: csrbf was built without three.js, which the interactive view needs."
         return f'<figure class="surface"><div class="stage">{picture}</div><p class="why-still">{why}</p></figure>'
     return (
-        f'<figure class="surface"><div class="stage">{picture}<canvas tabindex="0" role="img" aria-label="The surface. '
-        'Arrow keys turn it, with Shift they move it; plus and minus zoom, 0 resets the view."></canvas></div>'
-        '<div class="controls"></div><p class="hint">Drag to turn, drag with Shift or the right button to move, click '
-        'and scroll to zoom.</p><p class="why-still"></p>'
+        f'<figure class="surface"><div class="stage">{picture}</div><p class="hint">Drag to turn, drag with Shift or the '
+        'right button to move, click and scroll to zoom.</p><p class="why-still"></p>'
         f'<script type="application/json" class="surface-data">{view.script()}</script></figure>'
     )
 

@@ -108,7 +108,8 @@ def _scale_data(scale: Scale, near: NDArray[np.bool_]) -> dict[str, Any]:
         "title": scale.title,
         "map": "diverging" if scale.diverging else "sequential",
         "values": _bytes(scale.values, low, high),
-        "ticks": [f"{tick:.3g}" for tick in (low, 0.5 * (low + high), high)],
+        "lo": low,
+        "hi": high,
     }
     if scale.point_values is not None:
         data["point_values"] = _bytes(scale.point_values[near], low, high)

@@ -21,7 +21,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 PROGRAM = ""
 COMMANDS = ["reconstruct", "estimate-normals", "polygonize", "render", "curvature", "combine", "fit", "evaluate"]
-COMMANDS += ["inpaint", "segment", "track", "compare", "info"]
+COMMANDS += ["inpaint", "segment", "track", "compare", "info", "studio"]
 REPORT_KEYS = ["csrbf", "command", "input", "options", "result", "time", "peak_memory_mb", "threads", "warnings"]
 
 

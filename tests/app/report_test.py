@@ -183,7 +183,8 @@ class Commands(Reports):
         self.assertIn("expect this error between the samples", document.words())
         data = self.surface(document)
         if data:
-            self.assertEqual([scale["name"] for scale in data["scales"]], ["depth", "error at the samples"])
+            self.assertEqual([scale["name"] for scale in data["scales"]],
+                             ["depth", "error at the samples", "standard deviation"])
             self.assertEqual(len(numbers(data["points"]["positions"], "H")), 3 * 300)
 
     def test_fit_in_space_shows_planes(self):

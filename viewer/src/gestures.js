@@ -4,11 +4,24 @@ const KEY_STEP = 0.1; // drag per key press, in units of half the height of the 
 const ZOOM_STEP = 1.15; // factor per key press; chosen by hand
 const LONGEST_SCROLL = 100; // pixels of one wheel event that count: mice and touchpads differ
 const ZOOM_PER_PIXEL = 0.002; // logarithm of the factor: a notch of a wheel zooms by 1.22 at most
+const CLICK_REACH = 5; // pixels that a click may move
 
-export function listen(canvas, orbit, changed) {
+/**
+ * @param {HTMLElement} canvas
+ * @param {import("./orbit.js").Orbit} orbit
+ * @param {{changed: () => void, clicked: (x: number, y: number) => void, hovered: (x: number, y: number) => void,
+ *   left: () => void, pressed: (key: string) => boolean, free: boolean}} on what to call; `free`: the page does not
+ *   scroll, so wheel and one finger are for the picture at once
+ */
+export function listen(canvas, orbit, on) {
   const pointers = new Map();
+  let start = null, moved = 0, active = on.free;
 
   const half = () => canvas.clientHeight / 2 || 1;
+  const place = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
   const middle = () => {
     const all = [...pointers.values()];
     return [0, 1].map((a) => all.reduce((sum, p) => sum + p[a], 0) / all.length);
@@ -17,36 +30,58 @@ export function listen(canvas, orbit, changed) {
     const [a, b] = [...pointers.values()];
     return Math.hypot(a[0] - b[0], a[1] - b[1]);
   };
+  // One finger scrolls the page until the picture was tapped; two always turn it.
+  const activate = (now) => {
+    active = now || on.free;
+    canvas.style.touchAction = active ? "none" : "pan-y";
+  };
+  activate(false);
+  document.addEventListener("pointerdown", (event) => {
+    if (event.target !== canvas) activate(false);
+  });
 
   canvas.addEventListener("pointerdown", (event) => {
     canvas.focus({preventScroll: true});
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    start = place(event);
+    moved = 0;
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (!pointers.has(event.pointerId)) return;
+    if (!pointers.has(event.pointerId)) {
+      if (event.pointerType !== "touch") on.hovered(...place(event));
+      return;
+    }
     const before = middle();
     const spreadBefore = pointers.size === 2 ? spread() : 0;
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
     const after = middle();
+    moved += Math.hypot(after[0] - before[0], after[1] - before[1]);
     const [right, down] = [0, 1].map((a) => (after[a] - before[a]) / half());
     if (pointers.size > 1 || event.shiftKey || event.buttons & 6) orbit.pan(right, down);
     else orbit.turn(right, down);
     if (pointers.size === 2 && spread() > 0) orbit.zoom(spreadBefore / spread());
-    changed();
+    on.changed();
   });
-  for (const name of ["pointerup", "pointercancel"])
-    canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener("pointerup", (event) => {
+    const alone = pointers.size === 1;
+    pointers.delete(event.pointerId);
+    if (!alone || moved > CLICK_REACH || !start) return;
+    if (event.pointerType === "touch") activate(true);
+    on.clicked(...start);
+  });
+  canvas.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener("pointerleave", () => on.left());
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
 
   // The wheel scrolls the page until the picture was clicked; pinching on a touchpad sets ctrlKey.
   canvas.addEventListener(
     "wheel",
     (event) => {
-      if (document.activeElement !== canvas && !event.ctrlKey) return;
+      if (!on.free && document.activeElement !== canvas && !event.ctrlKey) return;
       event.preventDefault();
       orbit.zoom(Math.exp(Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), LONGEST_SCROLL) * ZOOM_PER_PIXEL));
-      changed();
+      on.changed();
     },
     {passive: false},
   );
@@ -66,8 +101,12 @@ export function listen(canvas, orbit, changed) {
     } else if (event.key === "+" || event.key === "=") orbit.zoom(1 / ZOOM_STEP);
     else if (event.key === "-") orbit.zoom(ZOOM_STEP);
     else if (event.key === "0" || event.key === "Home") orbit.reset();
-    else return;
+    else if (event.key === "Escape" && !on.free) {
+      activate(false);
+      canvas.blur();
+      on.pressed("Escape");
+    } else if (!on.pressed(event.key)) return;
     event.preventDefault();
-    changed();
+    on.changed();
   });
 }

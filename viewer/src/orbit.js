@@ -1,12 +1,12 @@
 // Position and orientation of the camera: a rotation (THREE.Quaternion), a distance and the point it looks at
 // (THREE.Vector3).
 
-import {Quaternion, Vector3} from "three";
+import {Matrix4, Quaternion, Vector3} from "three";
 
 const TURN_PER_RADIUS = 2.2; // radians for a drag over half the height of the picture; chosen by hand
 const FILLED = 0.86; // part of the picture that the surface fills in the first view; the rest is a margin
 const LEAST_OF_BALL = 0.7; // of the distance that shows the unit ball: a rotated surface may need more room
-const NEAREST = 0.15; // zoom, relative to the first view: close to the surface
+const NEAREST = 0.03; // zoom, relative to the first view: close to the surface
 const FARTHEST = 40; // zoom, relative to the first view: the surface is a few pixels large
 const LARGEST_SHIFT = 2; // of the target along each axis, in half diagonals: the surface stays within reach
 
@@ -37,6 +37,7 @@ export class Orbit {
   constructor(up = "z") {
     this.aspect = 1;
     this.fieldOfView = 30;
+    this.orthographic = false;
     this.seen = null;
     this.reset(up);
   }
@@ -77,6 +78,33 @@ export class Orbit {
 
   get position() {
     return new Vector3(0, 0, this.distance).applyQuaternion(this.rotation).add(this.target);
+  }
+
+  /** Looks against an axis ("x", "-x", ...) of the data: from its positive end for "x". */
+  lookFrom(axis) {
+    const name = axis.slice(-1);
+    const from = {x: X, y: Y, z: Z}[name].clone().multiplyScalar(axis.startsWith("-") ? -1 : 1);
+    const up = {x: X, y: Y, z: Z}[this.up];
+    const upwards = Math.abs(from.dot(up)) > 0.9 ? (this.up === "z" ? Y : Z) : up;
+    const right = upwards.clone().cross(from).normalize();
+    this.rotation.setFromRotationMatrix(new Matrix4().makeBasis(right, from.clone().cross(right), from));
+  }
+
+  /** The view as numbers, and back. */
+  get state() {
+    const {x, y, z, w} = this.rotation;
+    return [x, y, z, w, ...this.target.toArray(), this.zoomed];
+  }
+  set state([x, y, z, w, tx, ty, tz, zoomed]) {
+    if (![x, y, z, w, tx, ty, tz, zoomed].every(Number.isFinite)) return;
+    this.rotation.set(x, y, z, w).normalize();
+    this.target.set(tx, ty, tz).clampScalar(-LARGEST_SHIFT, LARGEST_SHIFT);
+    this.zoomed = Math.min(Math.max(zoomed, NEAREST), FARTHEST);
+  }
+
+  /** Half the height of what an orthographic picture shows: as much as the other one at the target. */
+  get halfHeight() {
+    return this.distance * this.slope;
   }
 
   /** Rotates the surface by a drag, in units of half the height of the picture. */

@@ -1,0 +1,96 @@
+#include "report/left_out.hpp"
+
+#include "report/plots.hpp"
+
+#include "csrbf/core/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace csrbf::app {
+namespace {
+
+constexpr Index fifth = 5;  // of the samples is left out
+
+// Samples that are left out in turn, and what a function fitted to the others says of them.
+struct LeftOut {
+  std::vector<Index> samples;
+  Eigen::VectorXd predicted;  // the first value
+};
+
+// Every fifth sample is left out once: one more fit, and only where that is quick.
+LeftOut leave_out(const NamedFunction& model, const SampleTable& samples, const FitOptions& options) {
+  constexpr Index least = 20;                              // samples
+  constexpr Index most_dense = 500, most_patches = 20000;  // samples that are fitted in about a tenth of a second
+  const FitReport& r = model.function.report();
+  const Index n = samples.coordinates.cols();
+  LeftOut left;
+  if (n < least || n > (r.partition ? most_patches : most_dense)) return left;
+  std::vector<Index> kept;
+  for (Index i = 0; i < n; ++i) (i % fifth == 0 ? left.samples : kept).push_back(i);
+  FitOptions quiet = options;
+  quiet.progress = {};
+  try {
+    const Function function =
+        fit_function(samples.coordinates(Eigen::all, kept), samples.values(kept, Eigen::all),
+                     samples.weights.size() > 0 ? Eigen::VectorXd(samples.weights(kept)) : Eigen::VectorXd(), quiet);
+    left.predicted = function.evaluate(samples.coordinates(Eigen::all, left.samples)).value.col(0);
+  } catch (const std::runtime_error&) {
+    left.samples.clear();  // too few are left for the method
+  } catch (const InvalidInput&) {
+    left.samples.clear();
+  }
+  return left;
+}
+
+Figure prediction_plot(const LeftOut& left, const SampleTable& samples, const std::string& value) {
+  Scatter plot{.x_label = "left-out " + value, .y_label = "predicted", .same_axes = true};
+  plot.dots.resize(2, std::ssize(left.samples));
+  plot.dots << samples.values(left.samples, 0).transpose(), left.predicted.transpose();
+  return {"Predicted against left-out values", draw(plot),
+          "Every fifth sample was left out, and predicted from the others. On the dashed line both are equal."};
+}
+
+// Means of the errors over equal numbers of left-out samples, by their distance from the nearest sample kept.
+Figure error_by_distance(const LeftOut& left, const SampleTable& samples, const Eigen::VectorXd& extent,
+                         const std::string& value) {
+  std::vector<std::pair<double, double>> pairs;
+  const Eigen::VectorXd scale = extent.cwiseInverse();
+  for (std::size_t k = 0; k < left.samples.size(); ++k) {
+    double nearest = std::numeric_limits<double>::infinity();
+    const auto place = samples.coordinates.col(left.samples[k]);
+    for (Index i = 0; i < samples.coordinates.cols(); ++i)
+      if (i % fifth != 0) nearest = std::min(nearest, (samples.coordinates.col(i) - place).cwiseProduct(scale).norm());
+    const double error = std::abs(left.predicted[static_cast<Index>(k)] - samples.values(left.samples[k], 0));
+    if (std::isfinite(nearest) && std::isfinite(error)) pairs.emplace_back(nearest, error);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  Scatter plot{.x_label = "distance from the nearest other sample, sides of the box",
+               .y_label = "error, in the unit of " + value};
+  const Index n = std::ssize(pairs), groups = std::min<Index>(8, n / 5);
+  plot.dots.resize(2, n);
+  for (Index i = 0; i < n; ++i) plot.dots.col(i) << pairs[i].first, pairs[i].second;
+  plot.line.resize(2, groups);
+  for (Index g = 0; g < groups; ++g) {
+    const Index begin = g * n / groups, end = (g + 1) * n / groups;
+    plot.line.col(g) = plot.dots.middleCols(begin, end - begin).rowwise().mean();
+  }
+  return {"Errors of left-out samples by distance", draw(plot), "The line goes through means of equally many samples."};
+}
+
+}  // namespace
+
+void add_left_out(const NamedFunction& model, const SampleTable& samples, const FitOptions& options, Page& page) {
+  const LeftOut left = leave_out(model, samples, options);
+  if (left.samples.empty()) return;
+  const std::string& value = model.value_names.front();
+  page.figures.push_back(prediction_plot(left, samples, value));
+  const Eigen::MatrixXd bounds = model.function.bounds();
+  const Eigen::VectorXd extent = bounds.col(1) - bounds.col(0);
+  constexpr std::size_t most = 2000;  // left-out samples whose neighbours are searched one by one
+  if (extent.minCoeff() > 0 && left.samples.size() <= most)
+    page.figures.push_back(error_by_distance(left, samples, extent, value));
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,114 @@
+#include "studio/coarse.hpp"
+
+#include "csrbf/core/grid.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/files/text.hpp"
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/points.hpp"
+#include "csrbf/io/volume.hpp"
+#include "report/surface_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace csrbf::app {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr Index few_points = 3000;    // a surface in about .1 s
+constexpr Index few_rows = 2000;      // one system up to 2500
+constexpr double few_pixels = 20000;  // of an image
+constexpr double few_voxels = 30000;  // of a volume
+
+// Every stride-th voxel along the axes longer than one.
+Volume<float> thinned(const Volume<float>& image) {
+  const int dimension = image.grid.dimension();
+  const double wanted = dimension == 3 ? few_voxels : few_pixels;
+  const double ratio = static_cast<double>(image.grid.voxels()) / wanted;
+  const auto stride = static_cast<Index>(std::ceil(std::pow(std::max(1.0, ratio), 1.0 / dimension)));
+  VolumeLayout layout = image;
+  layout.frames = 1;
+  for (int a = 0; a < 3; ++a) {
+    layout.grid.size[a] = (image.grid.size[a] + stride - 1) / stride;
+    if (image.grid.size[a] > 1) layout.grid.spacing[a] *= static_cast<double>(stride);
+  }
+  Volume<float> result(layout);
+  float* out = result.values.data();
+  const auto& size = layout.grid.size;
+  for (Index z = 0; z < size[2]; ++z)
+    for (Index y = 0; y < size[1]; ++y)
+      for (Index x = 0; x < size[0]; ++x) {
+        const Index at = image.grid.index(x * stride, y * stride, z * stride);
+        out = std::copy_n(image.values.data() + image.components * at, image.components, out);
+      }
+  return result;
+}
+
+// Lines of numbers, evenly chosen; the lines before the first one that begins with a number are kept.
+std::string thinned_lines(const std::string& text) {
+  std::vector<std::string_view> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(std::string_view(text).substr(begin, end - begin));
+    begin = end + 1;
+  }
+  std::string result;
+  std::size_t head = 0;
+  const auto begins_with_number = [](std::string_view line) {
+    return parse_number(trimmed(line.substr(0, line.find_first_of(",;\t ")))).has_value();
+  };
+  while (head < lines.size() && head < 20 && !begins_with_number(lines[head])) ++head;
+  for (std::size_t i = 0; i < head; ++i) result += std::string(lines[i]) + "\n";
+  for (const Index i : spread_indices(std::ssize(lines) - static_cast<Index>(head), few_rows))
+    result += std::string(lines[head + static_cast<std::size_t>(i)]) + "\n";
+  return result;
+}
+
+PointCloud thinned(const PointCloud& cloud) {
+  const std::vector<Index> chosen = spread_indices(cloud.size(), few_points);
+  PointCloud few;
+  few.points = cloud.points(Eigen::all, chosen);
+  if (cloud.has_normals()) few.normals = cloud.normals(Eigen::all, chosen);
+  for (const Property& p : cloud.properties) few.properties.push_back({p.name, p.type, p.values(chosen)});
+  return few;
+}
+
+// The name of the copy: formats that are read but not written become another one.
+std::string copy_name(const std::string& name) {
+  const std::string extension = file_extension(name);
+  if (is_listed(extension, ".csv .txt .tsv .dat .csrbf")) return name;
+  if (extension != ".npy" && is_readable_volume(name)) return name + ".mha";  // keeps the wider spacing
+  return extension == ".npy" || extension == ".xyz" ? name : name + ".ply";
+}
+
+void write_copy(const fs::path& file, const std::string& copy) {
+  const std::string source = file.string(), extension = file_extension(copy);
+  if (extension == ".mha") {
+    write_volume(copy, thinned(read_volume(source)));
+  } else if (extension == ".ply" || extension == ".xyz") {
+    const Mesh mesh = read_mesh_or_points(source);
+    if (mesh.triangles.cols() > 0)
+      write_mesh(copy, mesh);
+    else
+      write_points(copy, thinned(read_points(source)));
+  } else if (extension == ".csrbf" || extension == ".npy") {
+    fs::remove(copy);
+    fs::create_symlink(file, copy);
+  } else {
+    write_file(copy, thinned_lines(read_file(source)));
+  }
+}
+
+}  // namespace
+
+std::string coarse_copy(const fs::path& file, const fs::path& folder) {
+  const std::string name = copy_name(file.filename().string());
+  const fs::path copy = folder / name;
+  std::error_code error;
+  if (fs::exists(copy) && fs::last_write_time(copy, error) > fs::last_write_time(file)) return name;
+  write_copy(fs::canonical(file), copy.string());
+  return name;
+}
+
+}  // namespace csrbf::app

@@ -1,0 +1,386 @@
+"""Works in the studio in headless Chromium: a scan dropped, reconstructed, cut, measured and exported; a table with columns
+chosen; a volume with painted seeds; a command cancelled; the page loaded again; dark, narrow, touch. No request leaves
+the machine.
+
+usage: studio_browser_test.py PROGRAM [unittest options]
+
+With the variable CSRBF_SCREENSHOTS set to a folder, pictures of the page go there. Ends with 77 (skipped) when
+Chromium, its driver, selenium or the studio is missing.
+"""
+
+import base64
+import json
+import math
+import os
+import random
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+# Background jobs ignore Ctrl-C, and so do the programs they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+SKIPPED = 77
+PROGRAM = ""
+PATIENCE = 180  # seconds, on a busy machine
+
+sys.dont_write_bytecode = True  # leave no files in the folder of the sources
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
+from page_picture import open_browser, set_window
+
+try:
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import Select, WebDriverWait
+except ImportError:
+    ActionChains = None
+
+
+def ball(n, z_scale=0.8):
+    golden = math.pi * (3 - math.sqrt(5))
+    for i in range(n):
+        z = 1 - (2 * i + 1) / n
+        r = math.sqrt(1 - z * z)
+        yield 3 * r * math.cos(golden * i), 3 * r * math.sin(golden * i), 3 * z_scale * z
+
+
+def volume(n=20):
+    """A bright ball in a dark volume, as .mha."""
+    values = [100 if math.dist((x, y, z), (9, 10, 10)) < 6 else 20 for z in range(n) for y in range(n) for x in range(n)]
+    head = f"ObjectType = Image\nNDims = 3\nDimSize = {n} {n} {n}\nElementSpacing = 0.5 0.5 0.5\n"
+    head += "ElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+    return head.encode() + struct.pack("<%dh" % len(values), *values)
+
+
+def start(*arguments):
+    studio = subprocess.Popen([PROGRAM, "studio", "--no-browser", "--threads", "2", *arguments], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True)
+    found = re.search(r"http://\S+", studio.stdout.readline())
+    return studio, found and found.group(0)
+
+
+class Studio(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="csrbf_studio_browser_")
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.browser = open_browser(os.path.join(cls.folder.name, "profile"))
+        cls.addClassCleanup(cls.browser.quit)
+        cls.browser.set_page_load_timeout(PATIENCE)
+        cls.browser.set_script_timeout(PATIENCE)
+        cls.studio, cls.address = start()
+        cls.addClassCleanup(cls.end)
+
+    @classmethod
+    def end(cls):
+        cls.studio.send_signal(signal.SIGINT)
+        cls.studio.communicate(timeout=60)
+
+    def setUp(self):
+        self.open()
+
+    def open(self, width=1280, height=860, dark=False, fragment=""):
+        set_window(self.browser, width, height, dark)
+        self.browser.get("about:blank")
+        self.browser.get_log("browser")
+        self.browser.get(self.address + fragment)
+        self.until("window.studio && studio.commands instanceof Map")
+
+    def tearDown(self):
+        messages = [entry["message"] for entry in self.browser.get_log("browser")]
+        self.assertEqual([m for m in messages if "Download" not in m], [])
+        loaded = self.browser.execute_script("return performance.getEntriesByType('resource').map((e) => e.name)")
+        self.assertEqual([n for n in loaded if not n.startswith((self.address, "data:", "blob:"))], [])
+
+    def js(self, script, *arguments):
+        return self.browser.execute_script("return " + script, *arguments)
+
+    def until(self, condition):
+        WebDriverWait(self.browser, PATIENCE, 0.1).until(
+            lambda browser: browser.execute_script("return Boolean(%s)" % condition), condition)
+
+    def drop(self, name, data):
+        """Drops a file on the page, as a mouse does."""
+        self.browser.execute_script("""
+            const bytes = Uint8Array.from(atob(arguments[1]), (c) => c.charCodeAt(0));
+            const transfer = new DataTransfer();
+            transfer.items.add(new File([bytes], arguments[0]));
+            document.body.dispatchEvent(new DragEvent("dragenter", {bubbles: true, cancelable: true, dataTransfer: transfer}));
+            document.body.dispatchEvent(new DragEvent("drop", {bubbles: true, cancelable: true, dataTransfer: transfer}));
+            """, name, base64.b64encode(data).decode())
+        self.until("studio.item && studio.runButton && studio.item.name.startsWith('%s')" % name.split(".")[0])
+
+    def find(self, selector):
+        return self.browser.find_element(By.CSS_SELECTOR, selector)
+
+    def click(self, name):
+        self.find(f"[name='{name}']").click()
+
+    def choose(self, name, value):
+        Select(self.find(f"[name='{name}']")).select_by_value(value)
+
+    def slide(self, name, value, event="input"):
+        self.browser.execute_script(
+            "arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event(arguments[2], {bubbles: true}))",
+            self.find(f"[name='{name}']"), value, event)
+
+    def run_command(self):
+        before = self.js("studio.history.length")
+        self.click("run")
+        self.until(f"!studio.running && (studio.history.length > {before} || studio.message.classList.contains('error'))")
+        self.assertEqual(self.js("studio.message.classList.contains('error') && studio.message.textContent"), False)
+
+    def fetched(self, name):
+        """A file of the studio, as the page saves it."""
+        text = self.browser.execute_async_script("""
+            const done = arguments[arguments.length - 1];
+            studio.engine.download(arguments[0]).then((blob) => blob.arrayBuffer()).then((data) => {
+              let text = "";
+              for (const byte of new Uint8Array(data)) text += String.fromCharCode(byte);
+              done(btoa(text));
+            }, (error) => done("!" + error.message));""", name)
+        self.assertFalse(text.startswith("!"), text)
+        return base64.b64decode(text)
+
+    def screenshot(self, name):
+        folder = os.environ.get("CSRBF_SCREENSHOTS")
+        if folder:
+            os.makedirs(folder, exist_ok=True)
+            time.sleep(0.4)
+            self.browser.save_screenshot(os.path.join(folder, name + ".png"))
+
+
+class Scan(Studio):
+    def test_a_scan_is_dropped_reconstructed_cut_measured_and_exported(self):
+        self.drop("scan.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(1500)).encode())
+        self.assertIn("1,500 points", self.find(".title").text)
+        self.assertEqual(Select(self.find("[name='command']")).first_selected_option.text, "reconstruct")
+        self.screenshot("points")
+
+        # A slider shows a preview before anything was run.
+        self.choose("--resolution", "=value")
+        self.slide("--resolution-slider", 400)
+        self.until("studio.view().picture.mesh")
+        self.assertIn("--resolution", self.find(".command-line").text)
+        self.until("!studio.previewing")
+
+        self.run_command()
+        self.screenshot("surface")
+        line = self.find(".command-line").text
+        self.assertTrue(line.startswith("csrbf reconstruct scan.xyz -o scan-surface-2.ply"), line)
+        ran = self.js("studio.history[0].line")
+        facts = self.find(".result .facts").text
+        self.assertIn("closed", facts)
+        view = "studio.view()"
+        triangles = self.js(f"{view}.picture.mesh.triangles.length / 3")
+        self.assertGreater(triangles, 500)
+        self.assertEqual(self.js(f"{view}.picture.scales.map((s) => s.name)"), ["distance of the points", "mean curvature"])
+
+        # Cut through the middle: an ellipse with half axes 3 and 2.4, or a disc.
+        self.choose("cut", "z")
+        self.slide("depth", 50)
+        self.assertAlmostEqual(self.js(f"{view}.cutArea()"), math.pi * 9, delta=0.4)
+        self.screenshot("cut")
+        self.choose("cut", "none")
+
+        # The distance between the ends of the ball along x.
+        self.choose("measure", "distance")
+        for axis in ("x", "-x"):
+            self.browser.execute_script(f"""
+                {view}.lookFrom("{axis}"); {view}.draw();
+                const p = {view}.scene.project([0, 0, 0]); {view}.clicked(p.x, p.y);""")
+        self.assertAlmostEqual(float(self.js(f"{view}.measure.text")), 6, delta=0.1)
+        self.screenshot("measured")
+        self.choose("measure", "none")
+
+        names = [b.get_attribute("data-name") for b in self.browser.find_elements(By.NAME, "download")]
+        self.assertEqual(sorted(names), ["scan-reconstruct.html", "scan-surface.ply", "scan.csrbf"])
+        mesh = self.fetched("scan-surface.ply")
+        self.assertIn(b"element face %d" % triangles, mesh[:600])
+        size = self.browser.execute_async_script(f"""
+            const done = arguments[0];
+            {view}.takePicture(900).then((blob) => createImageBitmap(blob)).then((image) => done(image.width));""")
+        self.assertEqual(size, 900)
+
+        # What the page showed gives the same file.
+        with open(os.path.join(self.folder.name, "scan.xyz"), "w") as file:
+            file.writelines("%.6g %.6g %.6g\n" % p for p in ball(1500))
+        subprocess.run([PROGRAM, *ran.split()[1:], "-q"], cwd=self.folder.name, check=True, timeout=PATIENCE)
+        with open(os.path.join(self.folder.name, "scan-surface.ply"), "rb") as file:
+            self.assertEqual(file.read(), mesh)
+
+        # Before and after, undo and redo.
+        self.click("before")
+        self.until(f"!{view}.picture.mesh")
+        self.click("before")
+        self.until(f"{view}.picture.mesh")
+        self.click("undo")
+        self.until(f"!{view}.picture.mesh")
+        self.click("redo")
+        self.until(f"{view}.picture.mesh")
+
+        # The model is drawn, and cut at another level.
+        self.browser.execute_script("studio.select('scan.csrbf')")
+        self.until("studio.item.name === 'scan.csrbf' && studio.view().picture.mesh && studio.task_ === 'polygonize'")
+
+    def test_the_page_survives_a_reload(self):
+        self.drop("again.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
+        self.open(fragment="#show=again.xyz")
+        self.until("studio.item && studio.item.name === 'again.xyz' && studio.view_ && studio.view_.picture.points")
+
+
+class Table(Studio):
+    def test_columns_are_chosen_and_a_function_is_fitted(self):
+        source = random.Random(3)
+        rows = ["id,east,north,depth,sigma"]
+        for i in range(250):
+            x, y = source.uniform(0, 4), source.uniform(0, 3)
+            rows.append("%d,%.5g,%.5g,%.5g,1" % (i, x, y, math.sin(x) * math.cos(y) + source.gauss(0, 0.02)))
+        self.drop("soundings.csv", "\n".join(rows).encode())
+        self.until("studio.roles")
+        for column, role in enumerate(("", "coordinate", "coordinate", "value", "")):
+            self.choose(f"role-{column}", role)
+        line = self.find(".command-line").text
+        self.assertIn("--coordinates east,north --values depth", line)
+        self.screenshot("table")
+        self.run_command()
+        self.assertEqual(self.js("studio.view().picture.axes"), ["east", "north", "depth"])
+        self.assertIn("standard deviation", self.js("studio.view().picture.scales.map((s) => s.name)"))
+        self.screenshot("function")
+        self.click("tab-report")
+        titles = [h.text for h in self.browser.find_elements(By.CSS_SELECTOR, ".pane.report .panel h2")]
+        self.assertIn("Predicted against left-out values", titles)
+        self.assertIn("Errors at the samples", titles)
+        self.screenshot("report")
+        python = self.js("studio.python.textContent")
+        self.assertIn('table = np.genfromtxt("soundings.csv", delimiter=",", skip_header=1)', python)
+        self.assertIn("csrbf.fit(table[:, [1, 2]], table[:, 3]", python)
+
+
+class Volume(Studio):
+    def test_seeds_are_painted_on_slices_and_the_volume_is_divided(self):
+        self.drop("body.mha", volume())
+        self.until("studio.slices_ && studio.slices_.image")
+        for label, place in (("1", (2, 2)), ("2", (9, 10))):
+            self.choose("brush", label)
+            x, y = self.js("(() => { const at = studio.slices().placement(); return [at.toX(%d), at.toY(%d)]; })()" % place)
+            canvas = self.find("canvas.slice")
+            box = canvas.rect
+            ActionChains(self.browser).move_to_element_with_offset(
+                canvas, round(x - box["width"] / 2), round(y - box["height"] / 2)).click_and_hold().move_by_offset(4, 3).release().perform()
+        self.assertGreater(self.js("studio.slices().seeds.size"), 10)
+        self.until("studio.items.some((i) => i.name === 'body-seeds.csv')")
+        self.assertIn(b"x,y,z,label", self.fetched("body-seeds.csv"))
+        self.assertIn("--seeds body-seeds.csv", self.find(".command-line").text)
+        self.until("studio.slices().labels")  # the preview
+        self.run_command()
+        self.until("studio.slices().labels")
+        self.assertEqual(self.js("[studio.slices().labels.values[10 * 20 + 9], studio.slices().labels.values[2 * 20 + 2]]"),
+                         [1, 0])
+        self.assertGreater(self.js("studio.slices().lines.length"), 20)
+        self.slide("slice", 6)
+        self.until("studio.slices().state.index === 6 && studio.slices().image")
+        self.screenshot("volume")
+        self.click("tab-space")
+        self.until("studio.view().picture.mesh.triangles.length > 300")
+        self.assertEqual(self.fetched("body-labels.mha")[:10], b"ObjectType")
+
+
+class Stop(Studio):
+    def test_a_command_is_cancelled(self):
+        rows = ["x,y,v"] + ["%g,%g,%g" % (math.sin(i), math.cos(2.3 * i), math.sin(0.7 * i)) for i in range(3000)]
+        self.drop("long.csv", "\n".join(rows).encode())
+        self.browser.execute_script("""studio.values.fit.set("--method", "interpolate").set("--kernel", "thin-plate")
+            .set("--loss", "student"); studio.updateCommand();""")
+        self.click("run")
+        self.until("studio.running && document.querySelector('[name=cancel]').offsetParent")
+        time.sleep(0.5)
+        self.click("cancel")
+        self.until("!studio.running")
+        self.assertIn("Cancelled", self.find(".message").text)
+        self.assertTrue(self.find("[name='run']").is_displayed())
+        self.until("studio.items.every((i) => i.name !== 'long.csrbf')")
+
+    def test_what_the_program_says_is_shown(self):
+        self.drop("few.xyz", b"0 0 0\n1 0 0\n")
+        self.click("run")
+        self.until("studio.message.classList.contains('error')")
+        self.assertIn("point", self.find(".message").text)
+
+
+class Looks(Studio):
+    def test_dark_narrow_and_touch(self):
+        self.drop("small.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(400)).encode())
+        for width, dark in ((1280, True), (390, False), (390, True)):
+            with self.subTest(width=width, dark=dark):
+                self.open(width=width, dark=dark, fragment="#show=small.xyz")
+                self.until("studio.view_ && studio.view_.picture")
+                self.assertLessEqual(self.js("document.documentElement.scrollWidth"), width)
+                red = int(self.js("getComputedStyle(document.body).backgroundColor").split("(")[1].split(",")[0])
+                self.assertEqual(red < 128, dark)
+                self.screenshot(f"narrow-{width}-{'dark' if dark else 'light'}")
+        self.assertEqual(self.js("studio.view().canvas.style.touchAction"), "none")
+
+    def test_controls_have_names_for_screen_readers(self):
+        self.drop("named.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
+        nameless = self.js("""[...document.querySelectorAll("button, select, input")].filter((e) => e.type !== "file" &&
+            !(e.labels && e.labels.length) && !e.getAttribute("aria-label") && !e.textContent.trim()).map((e) => e.name)""")
+        self.assertEqual(nameless, [])
+
+
+@unittest.skipUnless(os.environ.get("CSRBF_SCREENSHOTS"), "takes the pictures of docs/studio.md")
+class Pictures(Studio):
+    """Work as the page on the studio shows it."""
+
+    def test_a_scan(self):
+        points = []
+        for x, y, z in ball(4000, 1):
+            x, y, z = x / 3, y / 3, z / 3
+            radius = 1 - 0.45 * math.exp(-4 * ((x - 0.8) ** 2 + y * y + (z - 0.5) ** 2)) + 0.2 * x
+            radius += 0.05 * math.sin(7 * x + 2) * math.sin(6 * y) * math.cos(5 * z)
+            points.append("%.6g %.6g %.6g\n" % (40 * radius * x, 40 * radius * y, 40 * radius * z))
+        self.drop("scan.xyz", "".join(points).encode())
+        self.run_command()
+        self.choose("color", "1")
+        self.screenshot("studio")
+        self.choose("color", "plain")
+        self.choose("cut", "view")
+        self.slide("depth", 62)
+        self.screenshot("studio_cut")
+
+    def test_a_table_and_an_image(self):
+        subprocess.run([sys.executable, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts",
+                                                     "quickstart_data.py"), self.folder.name], check=True)
+        for name, shot in (("seabed.csv", "studio_fit"), ("cells.png", "studio_slices")):
+            with open(os.path.join(self.folder.name, name), "rb") as file:
+                self.drop(name, file.read())
+            self.run_command()
+            self.screenshot(shot)
+
+
+def missing():
+    """What is not here that the tests need."""
+    if ActionChains is None:
+        return "selenium (python3-selenium)"
+    for program, package in (("chromium", "chromium"), ("chromedriver", "chromium-driver")):
+        if shutil.which(program) is None:
+            return f"{program} ({package})"
+    studio, address = start()
+    studio.send_signal(signal.SIGINT)
+    said = studio.communicate(timeout=60)[1]
+    return None if address else said
+
+
+if __name__ == "__main__":
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    lacking = missing()
+    if lacking:
+        print("skipped: no " + lacking)
+        sys.exit(SKIPPED)
+    unittest.main(verbosity=2)

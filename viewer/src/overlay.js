@@ -1,0 +1,221 @@
+// What is written on a picture in space: the scales of its box, the axes, a scale bar, the colour scale, measurements.
+// Everything goes through a CanvasRenderingContext2D, so that a saved picture has it as well.
+
+import {readable, roundStep, ticks} from "./ticks.js";
+
+const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "DejaVu Sans", sans-serif';
+const TICK = 5; // pixels
+const TICK_GAP = 70; // pixels between ticks, about
+const MARGIN = 16; // pixels from the border of the picture
+const GIZMO = 26; // length of the axes in the corner, pixels
+const AXIS_COLORS = {light: ["#b3261e", "#1e7d32", "#1f5fbf"], dark: ["#ff8a80", "#7ddc86", "#82b1ff"]};
+
+/** Where axis a of the data is at a place of the scene, and back. */
+export function axisMap(picture, frame, a) {
+  const half = frame.halfSides[a];
+  const [lo, hi] = picture.axisRanges ? picture.axisRanges[a] : [picture.low[a], picture.high[a]];
+  return {
+    lo,
+    hi,
+    toData: (s) => (half > 0 ? lo + ((s / half + 1) / 2) * (hi - lo) : lo),
+    toScene: (value) => (hi > lo ? half * ((2 * (value - lo)) / (hi - lo) - 1) : 0),
+  };
+}
+
+function text(context, words, x, y, {align = "center", color, size = 12, weight = "", halo = null}) {
+  context.font = `${weight} ${size}px ${FONT}`;
+  context.textAlign = align;
+  context.textBaseline = "middle";
+  if (halo) {
+    context.lineWidth = 3;
+    context.lineJoin = "round";
+    context.strokeStyle = halo;
+    context.strokeText(words, x, y);
+  }
+  context.fillStyle = color;
+  context.fillText(words, x, y);
+}
+
+function line(context, from, to, color, width = 1) {
+  context.beginPath();
+  context.moveTo(...from);
+  context.lineTo(...to);
+  context.strokeStyle = color;
+  context.lineWidth = width;
+  context.stroke();
+}
+
+// The four edges along axis a, as pairs of corners of the box (+-1 each).
+function edgesAlong(a) {
+  const [b, c] = [0, 1, 2].filter((axis) => axis !== a);
+  const signs = [-1, 1];
+  return signs.flatMap((sb) =>
+    signs.map((sc) => {
+      const corner = (s) => {
+        const place = [0, 0, 0];
+        place[a] = s;
+        place[b] = sb;
+        place[c] = sc;
+        return place;
+      };
+      return [corner(-1), corner(1)];
+    }),
+  );
+}
+
+// The edge of the outline that is lowest in the picture, or leftmost for the upright axis.
+function edgeToLabel(a, halfSides, project, upright) {
+  const points = (edge) => edge.map((corner) => project(corner.map((s, k) => s * halfSides[k])));
+  const center = project([0, 0, 0]);
+  let best = null, bestScore = -Infinity;
+  for (const edge of edgesAlong(a)) {
+    const [from, to] = points(edge);
+    if (!from.visible || !to.visible) return null;
+    const middle = {x: (from.x + to.x) / 2, y: (from.y + to.y) / 2};
+    const away = Math.hypot(middle.x - center.x, middle.y - center.y);
+    const score = (upright ? -(middle.x - center.x) : middle.y - center.y) + 0.25 * away;
+    if (score > bestScore) [best, bestScore] = [{edge, from, to, middle, center}, score];
+  }
+  return best;
+}
+
+function drawAxis(context, a, {picture, frame, project, palette, up}) {
+  const found = edgeToLabel(a, frame.halfSides, project, "xyz"[a] === up);
+  if (!found || frame.halfSides[a] === 0) return;
+  const {edge, from, to, middle, center} = found;
+  const length = Math.hypot(to.x - from.x, to.y - from.y);
+  if (length < 24) return;
+  const along = [(to.x - from.x) / length, (to.y - from.y) / length];
+  let out = [-along[1], along[0]];
+  if (out[0] * (middle.x - center.x) + out[1] * (middle.y - center.y) < 0) out = out.map((value) => -value);
+  line(context, [from.x, from.y], [to.x, to.y], palette.axis);
+  const map = axisMap(picture, frame, a);
+  const align = out[0] > 0.4 ? "left" : out[0] < -0.4 ? "right" : "center";
+  let widest = 0;
+  for (const tick of ticks(map.lo, map.hi, Math.max(1, Math.min(8, length / TICK_GAP)))) {
+    const place = edge[0].map((s, k) => (k === a ? map.toScene(tick.value) : s * frame.halfSides[k]));
+    const {x, y} = project(place);
+    line(context, [x, y], [x + TICK * out[0], y + TICK * out[1]], palette.axis);
+    text(context, tick.text, x + 2.4 * TICK * out[0], y + 2.4 * TICK * out[1], {align, color: palette.text, size: 11, halo: palette.halo});
+    widest = Math.max(widest, align === "center" ? 12 : context.measureText(tick.text).width);
+  }
+  const name = picture.axes[a] + (picture.unit && !picture.axisRanges ? ` (${picture.unit})` : "");
+  const distance = 2.4 * TICK + widest + 12;
+  const shift = align === "center" ? [0, 0] : [0, 0];
+  text(context, name, middle.x + distance * out[0] + shift[0], middle.y + distance * out[1] + shift[1], {
+    align, color: palette.strong, size: 12, weight: "600", halo: palette.halo,
+  });
+}
+
+/** The gizmo's axes: where their ends are on the picture, nearest last. */
+export function gizmoEnds(view, height) {
+  const center = [MARGIN + GIZMO + 6, height - MARGIN - GIZMO - 6];
+  const ends = [0, 1, 2].flatMap((a) =>
+    [1, -1].map((sign) => {
+      const [x, y, depth] = view.directionOnScreen(a);
+      return {name: (sign < 0 ? "-" : "") + "xyz"[a], axis: a, sign, depth: sign * depth, x: center[0] + sign * GIZMO * x, y: center[1] - sign * GIZMO * y};
+    }),
+  );
+  ends.sort((p, q) => p.depth - q.depth);
+  return {center, ends};
+}
+
+function drawGizmo(context, view, height, palette) {
+  const {center, ends} = gizmoEnds(view, height);
+  const colors = AXIS_COLORS[palette.dark ? "dark" : "light"];
+  for (const end of ends) {
+    const color = colors[end.axis];
+    context.globalAlpha = end.sign > 0 ? 1 : 0.45;
+    if (end.sign > 0) line(context, center, [end.x, end.y], color, 2);
+    context.beginPath();
+    context.arc(end.x, end.y, end.sign > 0 ? 7.5 : 3.5, 0, 2 * Math.PI);
+    context.fillStyle = color;
+    context.fill();
+    context.globalAlpha = 1;
+    if (end.sign > 0) text(context, "xyz"[end.axis], end.x, end.y + 0.5, {color: palette.ground, size: 10, weight: "700"});
+  }
+}
+
+function drawScaleBar(context, {picture, frame, pixelsPerUnit, width, height, palette, orthographic}) {
+  if (picture.axisRanges || !(pixelsPerUnit > 0)) return;
+  const unit = pixelsPerUnit * frame.scale; // pixels per length of the data
+  const length = roundStep(110 / unit, 1);
+  const pixels = length * unit;
+  if (!(pixels > 10 && pixels < 400)) return;
+  const [x, y] = [width - MARGIN - pixels, height - MARGIN];
+  line(context, [x, y], [x + pixels, y], palette.strong, 2);
+  for (const end of [x, x + pixels]) line(context, [end, y - 4], [end, y + 1], palette.strong, 2);
+  const words = readable(length, 3) + (picture.unit ? ` ${picture.unit}` : "") + (orthographic ? "" : " at the centre");
+  text(context, words, x + pixels, y - 11, {align: "right", color: palette.text, size: 11, halo: palette.halo});
+}
+
+/** The colour scale at the right: title, bar, ticks. */
+function drawLegend(context, {legend, width, palette}) {
+  if (!legend) return;
+  const barWidth = Math.min(200, Math.max(120, width * 0.3));
+  const right = width - MARGIN, left = right - barWidth;
+  let y = MARGIN + 6;
+  context.font = `12px ${FONT}`;
+  const words = legend.title.split(" ");
+  const rows = [""];
+  for (const word of words) {
+    const longer = rows[rows.length - 1] ? rows[rows.length - 1] + " " + word : word;
+    if (context.measureText(longer).width > Math.min(barWidth * 1.5, width - 2 * MARGIN) && rows[rows.length - 1]) rows.push(word);
+    else rows[rows.length - 1] = longer;
+  }
+  for (const row of rows) {
+    text(context, row, right, y, {align: "right", color: palette.strong, size: 12, halo: palette.halo});
+    y += 16;
+  }
+  const gradient = context.createLinearGradient(left, 0, right, 0);
+  legend.stops.forEach((color, i) => gradient.addColorStop(i / (legend.stops.length - 1), color));
+  context.fillStyle = gradient;
+  context.fillRect(left, y - 4, barWidth, 9);
+  context.strokeStyle = palette.axis;
+  context.lineWidth = 0.5;
+  context.strokeRect(left, y - 4, barWidth, 9);
+  const count = barWidth > 160 ? 4 : 2;
+  for (const tick of ticks(legend.lo, legend.hi, count)) {
+    const x = left + (barWidth * (tick.value - legend.lo)) / (legend.hi - legend.lo);
+    line(context, [x, y + 5], [x, y + 8], palette.axis);
+    const half = context.measureText(tick.text).width / 2;
+    text(context, tick.text, Math.min(Math.max(x, left), right - half + 2), y + 16, {color: palette.text, size: 11, halo: palette.halo});
+  }
+}
+
+/** Measured places: a path with its length, or an angle. */
+function drawMeasure(context, {measure, project, palette}) {
+  const places = measure.places.map(project);
+  places.forEach((place, i) => {
+    if (i > 0) line(context, [places[i - 1].x, places[i - 1].y], [place.x, place.y], palette.measure, 2);
+  });
+  for (const place of places) {
+    context.beginPath();
+    context.arc(place.x, place.y, 4, 0, 2 * Math.PI);
+    context.fillStyle = palette.ground;
+    context.fill();
+    context.strokeStyle = palette.measure;
+    context.lineWidth = 2;
+    context.stroke();
+  }
+  if (!measure.text || places.length < 2) return;
+  const at = measure.kind === "angle" ? places[1] : {x: (places[0].x + places[1].x) / 2, y: (places[0].y + places[1].y) / 2};
+  context.font = `600 13px ${FONT}`;
+  const width = context.measureText(measure.text).width + 16;
+  context.fillStyle = palette.measure;
+  context.beginPath();
+  if (context.roundRect) context.roundRect(at.x - width / 2, at.y - 32, width, 22, 5);
+  else context.rect(at.x - width / 2, at.y - 32, width, 22);
+  context.fill();
+  text(context, measure.text, at.x, at.y - 20.5, {color: palette.ground, size: 13, weight: "600"});
+}
+
+export function drawOverlay(context, given) {
+  const {view, height, axesShown, measure} = given;
+  if (axesShown) for (let a = 0; a < 3; ++a) drawAxis(context, a, given);
+  drawGizmo(context, view, height, given.palette);
+  drawScaleBar(context, given);
+  drawLegend(context, given);
+  if (measure && measure.places.length > 0) drawMeasure(context, given);
+  if (given.note) text(context, given.note, MARGIN, MARGIN + 6, {align: "left", color: given.palette.text, size: 12, halo: given.palette.halo});
+}

@@ -1,0 +1,173 @@
+// What the page knows about commands beyond their own definitions: which ones suit which files, which flags matter most
+// and which range a slider has, how results are named. Names, values and meanings of flags come from the program.
+
+/** Commands for each kind of item, the usual one first. */
+export const TASKS = {
+  points: ["reconstruct", "fit", "estimate-normals", "info"],
+  mesh: ["render", "compare", "reconstruct", "info"],
+  table: ["fit", "reconstruct", "info"],
+  image: ["segment", "inpaint", "compare", "info"],
+  volume: ["segment", "inpaint", "compare", "info"],
+  function: ["evaluate", "polygonize", "info"],
+  surface: ["polygonize", "curvature", "combine", "render", "info"],
+  other: [],
+};
+
+/** Flags shown at once; the others are folded. */
+export const MAIN = {
+  reconstruct: ["--smoothing", "--resolution", "--tolerance", "--sharp", "--trim", "--normals", "--method"],
+  "estimate-normals": ["--neighbors", "--orient"],
+  polygonize: ["--resolution", "--level", "--method"],
+  render: ["--view", "--up", "--size", "--color"],
+  curvature: ["--resolution"],
+  combine: ["--radius", "--sharpness", "--blending"],
+  fit: ["--coordinates", "--values", "--smoothing", "--method", "--kernel", "--tolerance", "--loss"],
+  evaluate: ["--grid", "--bounds", "--gradient", "--standard-deviation"],
+  inpaint: ["--mask", "--missing", "--smoothing", "--method"],
+  segment: ["--regions", "--smoothness", "--energy", "--center-spacing", "--mode", "--init", "--mask", "--objects", "--min-size"],
+};
+
+/** Sliders: from, to, and whether they step by factors. */
+export const SLIDERS = {
+  "--smoothing": {lo: 1e-6, hi: 1e2, log: true, start: 1e-2},
+  "--resolution": {lo: 16, hi: 512, log: true, whole: true, start: 96},
+  "--tolerance": {lo: 1e-5, hi: 1e-1, log: true, start: 1e-3},
+  "--trim": {lo: 1, hi: 20, step: 0.5, start: 4},
+  "--level": {lo: -1, hi: 1, step: 0.01, start: 0},
+  "--radius": {lo: 1e-3, hi: 1, log: true, start: 0.05},
+  "--sharpness": {lo: 1, hi: 10, step: 0.5, start: 3},
+  "--regions": {lo: 2, hi: 8, step: 1, whole: true, start: 3},
+  "--smoothness": {lo: 0, hi: 20, step: 0.5, start: 2},
+  "--center-spacing": {lo: 1, hi: 16, step: 0.5, start: 4},
+  "--min-size": {lo: 1, hi: 500, log: true, whole: true, start: 10},
+  "--neighbors": {lo: 6, hi: 60, step: 1, whole: true, start: 12},
+  "--degree": {lo: 0, hi: 8, step: 1, whole: true, start: 1},
+};
+
+/** Flags that the page sets itself. */
+export const HIDDEN = new Set(["--output", "--report", "--model", "--contour", "--preview", "--resume", "--seeds", "--table", "--refine", "--help", "--version"]);
+
+/** Flags whose value is a file of the studio; which kinds may be chosen. */
+export const FILES = {"--mask": ["image", "volume"], "--like": ["image", "volume"], "--points": ["table", "points"]};
+
+/** Commands that are quick on coarse inputs, and are run on these while a slider moves. */
+export const PREVIEWED = new Set(["reconstruct", "fit", "segment", "inpaint", "polygonize"]);
+
+const stem = (name) => name.replace(/^preview:/, "").replace(/\.(nii|csv|ply|xyz)\.gz$/, "").replace(/\.[^.]+$/, "");
+const WRITTEN_IMAGES = [".png", ".pgm", ".tif", ".tiff", ".nii", ".nii.gz", ".nrrd", ".mha", ".npy", ".vti"];
+const imageExtension = (name) => WRITTEN_IMAGES.find((extension) => name.toLowerCase().endsWith(extension)) || ".nii.gz";
+
+/**
+ * Files that a command writes, as flags.
+ * @param {string} command @param {{name: string, kind: string}} item what it works on
+ * @param {(name: string) => string} free makes a name unused
+ */
+export function outputsOf(command, item, free) {
+  const base = stem(item.name);
+  const surface = {points: "-surface", table: "-surface"}[item.kind] || "";
+  const outputs = {
+    reconstruct: [["-o", `${base}${surface || "-surface"}.ply`], ["--model", `${base}.csrbf`]],
+    "estimate-normals": [["-o", `${base}-normals.ply`]],
+    polygonize: [["-o", `${base}-mesh.ply`]],
+    render: [["-o", `${base}.png`]],
+    curvature: [["-o", `${base}-curvature.ply`], ["--ridges", `${base}-ridges.ply`]],
+    combine: [["-o", `${base}-combined.csrbf`]],
+    fit: [["-o", `${base}.csrbf`]],
+    evaluate: [["-o", `${base}-values.npy`]],
+    inpaint: [["-o", `${base}-filled${imageExtension(item.name)}`]],
+    segment: [
+      ["-o", `${base}-labels${imageExtension(item.name)}`],
+      ["--contour", item.kind === "volume" ? `${base}-contour.ply` : `${base}-contour.svg`],
+    ],
+    compare: [],
+    info: [],
+  }[command];
+  const all = [...(outputs || []), ["--report", `${base}-${command}.html`]];
+  return all.map(([flag, name]) => [flag, free(name)]);
+}
+
+/** A name that is not taken: with a number where it is. */
+export function unused(name, taken) {
+  const dot = name.indexOf(".");
+  const [first, rest] = [name.slice(0, dot), name.slice(dot)];
+  let result = name;
+  for (let i = 2; taken.has(result); ++i) result = `${first}-${i}${rest}`;
+  return result;
+}
+
+const PLAIN = /^[\w./:,=+@%-]+$/;
+
+/** A word of a command line, quoted where a shell needs it. */
+export const shellWord = (word) => (PLAIN.test(word) ? word : `'${word.replace(/'/g, "'\\''")}'`);
+
+export const commandLine = (command, args) => ["csrbf", command, ...args].map(shellWord).join(" ");
+
+const python = (text) => JSON.stringify(text);
+const LISTS = new Set(["--periods", "--channels"]);
+
+// A flag as keyword of the function of that name.
+function keyword([flag, value]) {
+  const name = flag.replace(/^--/, "").replace(/-/g, "_");
+  if (value === true) return `${name}=True`;
+  if (LISTS.has(flag)) return `${name}=[${value}]`;
+  if (value !== "" && Number.isFinite(Number(value))) return `${name}=${value}`;
+  return `${name}=${python(value)}`;
+}
+
+/**
+ * The same in Python.
+ * @param {{command: string, inputs: string[], flags: [string, string|true][], outputs: [string, string][],
+ *   columns?: {coordinates: number[], values: number[], weights: number[], named: boolean}}} run
+ */
+export function pythonLines({command, inputs, flags, outputs, columns}) {
+  const output = (flag) => (outputs.find(([name]) => name === flag) || [])[1];
+  const options = flags.filter(([flag]) => !HIDDEN.has(flag));
+  const of = (names) => options.filter(([flag]) => names.includes(flag)).map(keyword);
+  const except = (names) => options.filter(([flag]) => !names.includes(flag)).map(keyword);
+  const call = (name, args) => `csrbf.${name}(${args.filter(Boolean).join(", ")})`;
+  const [input] = inputs;
+  const saves = (variable) => (output("--model") ? [`${variable}.save(${python(output("--model"))})`] : []);
+  const meshed = ["--resolution", "--sharp", "--trim"];
+  switch (command) {
+    case "reconstruct":
+      return ["import csrbf", "", `cloud = csrbf.read_points(${python(input)})`,
+        `surface = ${call("reconstruct", ["cloud", "cloud.normals", ...except([...meshed, "--normals"])])}`,
+        `surface.polygonize(${of(["--resolution"]).join(", ")}).save(${python(output("-o"))})`, ...saves("surface")];
+    case "estimate-normals":
+      return ["import csrbf", "", `cloud = csrbf.read_points(${python(input)})`,
+        `normals = ${call("estimate_normals", ["cloud", ...except([])])}`,
+        `csrbf.PointCloud(cloud.points, normals).save(${python(output("-o"))})`];
+    case "polygonize":
+      return ["import csrbf", "", `surface = csrbf.load(${python(input)})`,
+        `surface.polygonize(${except([]).join(", ")}).save(${python(output("-o"))})`];
+    case "combine":
+      return ["import csrbf", "", `parts = [csrbf.load(name) for name in ${JSON.stringify(inputs.slice(1))}]`,
+        `${call("combine", [python(inputs[0]), "*parts", ...except([])])}.save(${python(output("-o"))})`];
+    case "fit": {
+      const delimiter = /\.csv$/i.test(input) ? ', delimiter=","' : /\.tsv$/i.test(input) ? ', delimiter="\\t"' : "";
+      const reading = /\.npy$/i.test(input) ? `table = np.load(${python(input)})`
+        : `table = np.genfromtxt(${python(input)}${delimiter}${columns && columns.named ? ", skip_header=1" : ""})`;
+      const pick = (list, otherwise) => (list && list.length ? `table[:, ${list.length === 1 && otherwise !== ":-1" ? list[0] : `[${list.join(", ")}]`}]` : `table[:, ${otherwise}]`);
+      return ["import csrbf", "import numpy as np", "", reading,
+        `f = ${call("fit", [pick(columns && columns.coordinates, ":-1"), pick(columns && columns.values, "-1"),
+          columns && columns.weights.length ? `weights=table[:, ${columns.weights[0]}]` : "",
+          ...except(["--coordinates", "--values", "--weights"])])}`, `f.save(${python(output("-o"))})`];
+    }
+    case "segment": {
+      const seeds = flags.find(([flag]) => flag === "--seeds");
+      return ["import csrbf", "", `g = ${call("segment", [python(input), ...(seeds ? [`seeds=${python(seeds[1])}`] : []), ...except([])])}`,
+        `g.save(${python(output("-o"))})`];
+    }
+    case "inpaint":
+      return ["import csrbf", "", `filled = ${call("inpaint", [python(input), ...except([])])}`, `filled.save(${python(output("-o"))})`];
+    case "curvature":
+      return ["import csrbf", "", `surface = csrbf.load(${python(input)})`, `mesh = surface.polygonize(${of(["--resolution"]).join(", ")})`,
+        "c = surface.curvature(mesh.vertices)"];
+    case "evaluate":
+      return ["import csrbf", "", `f = csrbf.load(${python(input)})`, "# f(x), f.gradient(x), f.standard_deviation(x): x is an array (n, d)"];
+    case "compare":
+      return ["import csrbf", "", `print(csrbf.compare(${inputs.map((name) => `csrbf.read_mesh(${python(name)})`).join(", ")}))`];
+    default:
+      return [];
+  }
+}
