@@ -2,11 +2,11 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
+#include "csrbf/linalg/dense_cholesky.hpp"
 #include "csrbf/linalg/golden_section.hpp"
 
 #include <Eigen/LU>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
@@ -127,26 +127,6 @@ Matrix errors(const Matrix& alpha, const Eigen::VectorXd& inverse_diagonal, cons
   return e;
 }
 
-// The lower triangle of A is replaced by its Cholesky factor as by Eigen::LLT, block by block, so that the work may be
-// interrupted in between; false when A is not positive definite.
-bool cholesky_in_place(Matrix& A) {
-  using Block = Eigen::internal::llt_inplace<double, Eigen::Lower>;
-  const Index n = A.rows();
-  constexpr Index small = 32, smallest_block = 8, largest_block = 128, step = 16;  // as in Eigen::LLT
-  const Index block = n < small ? n : std::clamp(n / 8 / step * step, smallest_block, largest_block);
-  for (Index k = 0; k < n; k += block) {
-    stop_if_interrupted();
-    const Index size = std::min(block, n - k), rest = n - k - size;
-    auto corner = A.block(k, k, size, size);
-    auto below = A.block(k + size, k, rest, size);
-    if (Block::unblocked(corner) >= 0) return false;
-    if (rest == 0) break;
-    corner.adjoint().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(below);
-    A.block(k + size, k + size, rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
-  }
-  return true;
-}
-
 // The Cholesky factor L of Z^T A Z + lambda; raises lambda where that is not positive definite.
 Matrix factorize(const Reduced& system, double largest_jitter, double& lambda) {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -169,28 +149,6 @@ Matrix factorize(const Reduced& system, double largest_jitter, double& lambda) {
           << "), merge coincident points, or use a smaller support or a kernel that is positive definite in this "
              "dimension";
   throw SolverFailure(message.str());
-}
-
-// Replaces L by its inverse, recursively by halves. O(n^3 / 3).
-void invert_triangle(Eigen::Ref<Matrix> L) {
-  const Index n = L.rows();
-  constexpr Index small = 32;  // size solved directly, chosen by hand: products of smaller blocks do not pay
-  if (n <= small) {
-    Matrix inverse = Matrix::Identity(n, n);
-    L.triangularView<Eigen::Lower>().solveInPlace(inverse);
-    L.triangularView<Eigen::Lower>() = inverse;
-    return;
-  }
-  const Index half = n / 2;
-  auto top = L.topLeftCorner(half, half);
-  auto bottom = L.bottomRightCorner(n - half, n - half);
-  auto corner = L.bottomLeftCorner(n - half, half);
-  invert_triangle(top);
-  invert_triangle(bottom);
-  stop_if_interrupted();
-  const Matrix product = bottom.triangularView<Eigen::Lower>() * corner;
-  stop_if_interrupted();
-  corner.noalias() = -(product * top.triangularView<Eigen::Lower>());
 }
 
 // The scores of all lambdas from the eigenvectors V and eigenvalues mu of A on the null space: C = V (mu + lambda)^-1
@@ -264,7 +222,7 @@ SaddleSolution solve_saddle(const MatrixRef& A, const MatrixRef& G, const Matrix
     lower.adjoint().solveInPlace(y);
     alpha = system.expand(y);
     if (options.leave_one_out) {
-      invert_triangle(L);
+      invert_lower_in_place(L);
       L.triangularView<Eigen::StrictlyUpper>().setZero();
       solution.leave_one_out = errors(alpha, system.expand(L.transpose()).rowwise().squaredNorm(), system.root());
     }

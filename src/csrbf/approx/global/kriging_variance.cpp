@@ -1,10 +1,10 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
+#include "csrbf/linalg/dense_cholesky.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
 
@@ -28,49 +28,48 @@ template <int Dim>
 struct PowerFunction<Dim>::System {
   PolynomialBlock<Dim> block;
   Polynomials<Dim> polynomials;
+  Index size, constraints;
   Eigen::HouseholderQR<Eigen::MatrixXd> qr;
-  Eigen::MatrixXd K;
-  Eigen::LLT<Eigen::MatrixXd> cholesky;
+  Eigen::MatrixXd Y, KY, YKY;
+  Eigen::MatrixXd L;  // empty without any u
 
   explicit System(const PowerFunction& power);
 
-  [[nodiscard]] Index constraints() const { return block.G.cols(); }
   [[nodiscard]] Eigen::MatrixXd unbiased(const PointsRef<Dim>& x) const;
 };
 
 template <int Dim>
 PowerFunction<Dim>::System::System(const PowerFunction& power)
     : block(polynomial_block<Dim>(power.basis_->centers(), power.degree_, RankDeficiency::reduce)),
-      polynomials(power.degree_) {
-  K = power.basis_->dense_matrix(power.basis_->centers());
-  const Index n = K.rows(), r = constraints();
+      polynomials(power.degree_),
+      size(power.basis_->size()),
+      constraints(block.G.cols()) {
+  L = power.basis_->dense_matrix(power.basis_->centers());
+  const Index n = size, r = constraints;
   if (power.weights_.size() > 0)
-    K.diagonal() += power.smoothing_ * power.weights_.cwiseInverse();
+    L.diagonal() += power.smoothing_ * power.weights_.cwiseInverse();
   else
-    K.diagonal().array() += power.smoothing_;
-  if (r == 0) {
-    cholesky.compute(K);
-    return;
+    L.diagonal().array() += power.smoothing_;
+  if (r > 0) {
+    qr.compute(block.G);
+    Y = qr.householderQ() * Eigen::MatrixXd::Identity(n, r);
+    KY = L * Y;
+    YKY = Y.transpose() * KY;
+    L.applyOnTheLeft(qr.householderQ().transpose());
+    L.applyOnTheRight(qr.householderQ());
+    L = L.bottomRightCorner(n - r, n - r).eval();
   }
-  qr.compute(block.G);
-  if (r == n) return;
-  Eigen::MatrixXd rotated = K;
-  rotated.applyOnTheLeft(qr.householderQ().transpose());
-  rotated.applyOnTheRight(qr.householderQ());
-  cholesky.compute(rotated.bottomRightCorner(n - r, n - r));
+  (void)cholesky_in_place(L);  // has been solved before
 }
 
-// w0 of each point, n x m.
+// R^-T g(x) of each point, so that w0 = Y of it.
 template <int Dim>
 Eigen::MatrixXd PowerFunction<Dim>::System::unbiased(const PointsRef<Dim>& x) const {
-  const Index n = K.rows(), r = constraints(), m = x.cols();
   const Points<Dim> local = (x.colwise() - block.frame.origin) / block.frame.scale;
-  Eigen::MatrixXd rows(m, polynomials.size());
+  Eigen::MatrixXd rows(x.cols(), polynomials.size());
   polynomials.rows(local, rows.data());
-  Eigen::MatrixXd w = Eigen::MatrixXd::Zero(n, m);
-  w.topRows(r) = (rows * block.monomials).transpose();
-  qr.matrixQR().topLeftCorner(r, r).template triangularView<Eigen::Upper>().adjoint().solveInPlace(w.topRows(r));
-  w.applyOnTheLeft(qr.householderQ());
+  Eigen::MatrixXd w = (rows * block.monomials).transpose();
+  qr.matrixQR().topRows(constraints).template triangularView<Eigen::Upper>().adjoint().solveInPlace(w);
   return w;
 }
 
@@ -164,20 +163,18 @@ template <int Dim>
 Eigen::VectorXd PowerFunction<Dim>::evaluate_all(const PointsRef<Dim>& x) const {
   std::call_once(once_, [this] { system_ = std::make_unique<const System>(*this); });
   const System& s = *system_;
-  const Index n = s.K.rows(), r = s.constraints();
+  const Index n = s.size, r = s.constraints;
   Eigen::MatrixXd k = basis_->dense_matrix(x).transpose();
   Eigen::VectorXd value = Eigen::VectorXd::Constant(x.cols(), basis_->kernel().value(0) + smoothing_);
   if (r > 0) {
     const Eigen::MatrixXd w = s.unbiased(x);
-    const Eigen::MatrixXd Kw = s.K * w;
-    value += (w.cwiseProduct(Kw - 2 * k)).colwise().sum().transpose();
-    k -= Kw;
+    value += w.cwiseProduct(s.YKY * w - 2 * s.Y.transpose() * k).colwise().sum().transpose();
+    k -= s.KY * w;
     k.applyOnTheLeft(s.qr.householderQ().transpose());
   }
   if (r < n) {
-    Eigen::MatrixXd gain = k.bottomRows(n - r);
-    s.cholesky.matrixL().solveInPlace(gain);
-    value -= gain.colwise().squaredNorm().transpose();
+    solve_lower_in_place(s.L, k.bottomRows(n - r));
+    value -= k.bottomRows(n - r).colwise().squaredNorm().transpose();
   }
   return value.unaryExpr([](double v) { return v < 0 ? 0 : v; });  // keeps NaN
 }

@@ -1,6 +1,7 @@
 #include "csrbf/approx/kriging/covariance.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/linalg/golden_section.hpp"
 #include "csrbf/linalg/simplex_search.hpp"
 
 #include <Eigen/Cholesky>
@@ -34,7 +35,7 @@ struct Block {
 
 template <int Dim>
 std::vector<Block> make_blocks(const Samples<Dim>& samples, const ThinnedLevels<Dim>& levels,
-                               const Eigen::RowVectorXd& units, double extent) {
+                               const Eigen::RowVectorXd& units, double extent, std::size_t count) {
   std::vector<Block> blocks;
   const auto add = [&](const std::vector<Index>& chosen) {
     Block block;
@@ -52,6 +53,7 @@ std::vector<Block> make_blocks(const Samples<Dim>& samples, const ThinnedLevels<
     blocks.push_back(std::move(block));
   };
   for (const auto& level : levels.levels()) {
+    if (count-- == 0) break;
     const auto n = static_cast<Index>(level.indices.size());
     if (n <= 2 * block_size) {
       add(level.indices);
@@ -68,6 +70,19 @@ std::vector<Block> make_blocks(const Samples<Dim>& samples, const ThinnedLevels<
   }
   return blocks;
 }
+
+template <int Dim>
+struct Values {
+  double extent;             // of the samples
+  Eigen::RowVectorXd units;  // deviations of the values, or 1
+
+  explicit Values(const Samples<Dim>& samples)
+      : extent(std::max(bounding_box<Dim>(samples.points).extent().maxCoeff(), 1e-300)) {
+    const Eigen::RowVectorXd mean = samples.values.colwise().mean();
+    units = (samples.values.rowwise() - mean).colwise().stableNorm();
+    for (double& unit : units) unit = unit > 0 ? unit / std::sqrt(static_cast<double>(samples.size())) : 1;
+  }
+};
 
 // What a block says about a covariance.
 struct Evidence {
@@ -134,27 +149,49 @@ class Likelihood {
   std::vector<Block> blocks_;
 };
 
+struct Model {
+  const char* kernel;
+  double parameter = std::numeric_limits<double>::quiet_NaN();
+};
+// From rough to smooth.
+constexpr std::array<Model, 6> models = {
+    {{"powered-exponential", 0.7}, {"matern-c0"}, {"matern-c2"}, {"matern-c4"}, {"matern-c6"}, {"gaussian"}}};
+constexpr std::size_t middle_model = 2;
+
+template <int Dim>
+Kernel kernel_of(std::size_t model) {
+  return Kernel(models[model].kernel, Dim, models[model].parameter);
+}
+
 }  // namespace
+
+double prediction_variance(const Covariance& covariance, Index component, double share, double scale, double degrees) {
+  const double sigma2 =
+      (degrees * scale + covariance.common * covariance.sigma2[component]) / (degrees + covariance.common);
+  const double inflation = covariance.inflation.size() > 0 ? covariance.inflation[component] : 1;
+  return inflation * std::pow(share, covariance.growth) * sigma2;
+}
+
+template <int Dim>
+Covariance with_nearby_nugget(const Samples<Dim>& samples, const ThinnedLevels<Dim>& levels, Covariance covariance) {
+  constexpr int steps = 12;
+  const Values<Dim> values(samples);
+  const Likelihood likelihood(make_blocks(samples, levels, values.units, values.extent, 1));
+  const auto minus_log = [&](double log_nugget) {
+    return likelihood(covariance.kernel, covariance.length / values.extent, std::exp(log_nugget));
+  };
+  const double exact = std::log(least_nugget);
+  const double best = golden_section(minus_log, exact, std::log(largest_nugget), steps);
+  covariance.nugget = std::exp(minus_log(best) < minus_log(exact) ? best : exact);
+  return covariance;
+}
 
 template <int Dim>
 Covariance estimate_covariance(const Samples<Dim>& samples, const ThinnedLevels<Dim>& levels) {
-  const double extent = std::max(bounding_box<Dim>(samples.points).extent().maxCoeff(), 1e-300);
-  const Eigen::RowVectorXd mean = samples.values.colwise().mean();
-  Eigen::RowVectorXd units = (samples.values.rowwise() - mean).colwise().stableNorm();
-  for (double& unit : units) unit = unit > 0 ? unit / std::sqrt(static_cast<double>(samples.size())) : 1;
-  const Likelihood likelihood(make_blocks(samples, levels, units, extent));
-
-  struct Model {
-    const char* kernel;
-    double parameter;
-  };
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  constexpr std::array<Model, 6> models = {{{"powered-exponential", 0.7},
-                                            {"matern-c0", none},
-                                            {"matern-c2", none},
-                                            {"matern-c4", none},
-                                            {"matern-c6", none},
-                                            {"gaussian", none}}};
+  const Values<Dim> values(samples);
+  const double extent = values.extent;
+  const Eigen::RowVectorXd& units = values.units;
+  const Likelihood likelihood(make_blocks(samples, levels, units, extent, levels.levels().size()));
   struct Found {
     SimplexMinimum minimum;
     bool tried = false;
@@ -162,7 +199,7 @@ Covariance estimate_covariance(const Samples<Dim>& samples, const ThinnedLevels<
   std::array<Found, models.size()> found;
   const auto attempt = [&](std::size_t m, const Eigen::VectorXd& start, const Eigen::VectorXd& steps) {
     if (found[m].tried) return found[m].minimum.value;
-    const Kernel kernel(models[m].kernel, Dim, models[m].parameter);
+    const Kernel kernel = kernel_of<Dim>(m);
     found[m] = {simplex_search(
                     [&](const Eigen::VectorXd& x) {
                       const double length = std::exp(x[0]), nugget = std::exp(x[1]);
@@ -174,7 +211,7 @@ Covariance estimate_covariance(const Samples<Dim>& samples, const ThinnedLevels<
     return found[m].minimum.value;
   };
   // From a kernel of middle smoothness to rougher or smoother ones as long as they are better.
-  std::size_t best = 2;
+  std::size_t best = middle_model;
   attempt(best, Eigen::Vector2d(std::log(first_length), std::log(first_nugget)), Eigen::Vector2d(-1.5, -4));
   for (const int step : {1, -1}) {
     for (;;) {
@@ -183,9 +220,9 @@ Covariance estimate_covariance(const Samples<Dim>& samples, const ThinnedLevels<
       if (!(attempt(next, found[best].minimum.x, Eigen::Vector2d(-0.7, 1.5)) < found[best].minimum.value)) break;
       best = next;
     }
-    if (best != 2) break;
+    if (best != middle_model) break;
   }
-  Covariance result{.kernel = Kernel(models[best].kernel, Dim, models[best].parameter), .sigma2 = {}};
+  Covariance result{.kernel = kernel_of<Dim>(best), .sigma2 = {}};
   const double length = std::exp(found[best].minimum.x[0]);
   result.nugget = std::max(std::exp(found[best].minimum.x[1]), least_nugget);
   likelihood(result.kernel, length, result.nugget, &result.sigma2);
@@ -195,7 +232,8 @@ Covariance estimate_covariance(const Samples<Dim>& samples, const ThinnedLevels<
   return result;
 }
 
-#define CSRBF_INSTANTIATE(Dim) \
+#define CSRBF_INSTANTIATE(Dim)                                                                             \
+  template Covariance with_nearby_nugget<Dim>(const Samples<Dim>&, const ThinnedLevels<Dim>&, Covariance); \
   template Covariance estimate_covariance<Dim>(const Samples<Dim>&, const ThinnedLevels<Dim>&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

@@ -14,12 +14,25 @@ struct Covariance {
   double nugget = 0;
   int degree = 0;          ///< of the trend
   Eigen::VectorXd sigma2;  ///< one per component of the values
+  // What errors of predictions are beside those expected by the covariance:
+  double common = 30;              ///< samples that this sigma^2 counts for, beside those of a neighbourhood
+  double growth = 1;               ///< power of the share of sigma^2 that is expected
+  Eigen::VectorXd inflation = {};  ///< factor, one per component; empty: 1
 };
+
+/// Expected square of the error of a prediction: `share` by the covariance, over sigma^2; `scale`: sigma^2 of the
+/// samples around, of so many degrees of freedom.
+double prediction_variance(const Covariance& covariance, Index component, double share, double scale, double degrees);
+
+/// The same with the nugget of largest restricted likelihood for blocks of nearest samples, which alone can tell noise
+/// from roughness.
+template <int Dim>
+Covariance with_nearby_nugget(const Samples<Dim>& samples, const ThinnedLevels<Dim>& levels, Covariance covariance);
 
 /// The covariance of largest restricted likelihood (Patterson and Thompson 1971), for blocks of neighbouring samples at
 /// all scales: a composite likelihood, whose cost hardly grows with the number of samples. Kernels from rough to
 /// smooth: powered-exponential (0.7), matern-c0, -c2, -c4, -c6 and gaussian; all components have the same. A linear
-/// trend where it predicts samples of the blocks better from the others. `levels`: of the points.
+/// trend where the kernel is rough. `levels`: of the points.
 template <int Dim>
 Covariance estimate_covariance(const Samples<Dim>& samples, const ThinnedLevels<Dim>& levels);
 

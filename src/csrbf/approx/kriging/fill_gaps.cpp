@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/kriging/local_kriging.hpp"
 #include "csrbf/approx/kriging/patch_errors.hpp"
+#include "csrbf/approx/kriging/spread_point.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
@@ -32,6 +33,14 @@ Points<Dim> probes(const Box<Dim>& box) {
     for (Index a = 0, rest = k; a < Dim; ++a, rest /= 3)
       x(a, k) = box.lo[a] + 0.5 * static_cast<double>(rest % 3) * (box.hi[a] - box.lo[a]);
   return x;
+}
+
+// Of the k-th of them, for a mean over the box: 1/6, 4/6, 1/6 along each axis.
+template <int Dim>
+double simpson_weight(Index k) {
+  double weight = 1;
+  for (Index a = 0, rest = k; a < Dim; ++a, rest /= 3) weight *= rest % 3 == 1 ? 4.0 / 6 : 1.0 / 6;
+  return weight;
 }
 
 // A part of a cell of the partition of unity, in preorder.
@@ -88,7 +97,7 @@ class GapFiller {
       errors.row(c) = shared_evaluate(*variances_[c], centers).value.transpose();
     cells = doubtful(cells, errors);
     if (cells.empty()) return std::nullopt;
-    const LocalKriging<Dim> kriging(samples_);
+    const LocalKriging<Dim> kriging(samples_, points_in_gaps(cells, errors));
     std::vector<std::vector<Node<Dim>>> parts(static_cast<std::size_t>(cover_.size()));
     parallel_for(std::ssize(cells), 4, [&](Index first, Index last) {
       typename PatchErrors<Dim>::Patch work;
@@ -101,6 +110,29 @@ class GapFiller {
     for (Index i = 0; i < cover_.size(); ++i)
       if (parts[i].empty()) parts[i].emplace_back().variance = errors.col(i);
     return assemble(kriging, parts);
+  }
+
+  // Points spread evenly over some cells, farther from the nearest samples than these from each other.
+  Points<Dim> points_in_gaps(const std::vector<Index>& cells, const Eigen::MatrixXd& errors) const {
+    constexpr Index count = 1000;  // in all, about; chosen by hand
+    double volume = 0, reached = 0.5;
+    for (const Index cell : cells) volume += cover_.cell(cell).extent().prod();
+    std::vector<Point<Dim>> found;
+    typename PatchErrors<Dim>::Patch work;
+    Index taken = 0;
+    for (const Index cell : cells) {
+      const Box<Dim>& box = cover_.cell(cell);
+      reached += volume > 0 ? count * box.extent().prod() / volume : 0;
+      if (static_cast<double>(taken + 1) > reached) continue;
+      patches_.enter(cell, errors.col(cell), work);
+      for (; static_cast<double>(taken + 1) <= reached; ++taken) {
+        const Point<Dim> x = box.lo + spread_point<Dim>(taken).cwiseProduct(box.extent());
+        if (patches_.nearest(x, work.radius, work.search) > patches_.spacing_at(x, work)) found.push_back(x);
+      }
+    }
+    Points<Dim> result(Dim, std::ssize(found));
+    for (Index k = 0; k < result.cols(); ++k) result.col(k) = found[static_cast<std::size_t>(k)];
+    return result;
   }
 
   // Those of the cells where the local function may have a noticeable error.
@@ -194,7 +226,8 @@ class GapFiller {
     LocalModels<Dim> model = kriging.models(1);
     patch.store(model, 0);
     Index wide = 0, wide_inside = 0;
-    double sum = 0;  // of the differences of expected errors in the cell
+    double sum = 0;                                              // of the differences of expected errors in the cell
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(scale.size());  // variance of kriging in the cell, by Simpson's rule
     for (Index k = 0; k < x.cols(); ++k) {
       const Eigen::VectorXd other = k == middle ? scale : patch.variance(x.col(k));
       Eigen::VectorXd own = k == middle ? fine : patches_.error(x.col(k), distance[k], spacing, work);
@@ -203,7 +236,10 @@ class GapFiller {
         own = own.cwiseMax(difference.cwiseAbs2() - other);
       }
       const double gain = (own - other).cwiseQuotient(scale).sum();
-      if (k < probes_each<Dim>) sum += gain;
+      if (k < probes_each<Dim>) {
+        sum += gain;
+        mean += simpson_weight<Dim>(k) * other;
+      }
       if (!(gain > 0)) continue;
       ++wide;
       if (k < probes_each<Dim>) ++wide_inside;
@@ -214,7 +250,7 @@ class GapFiller {
         half <= std::max(finest * spacing, finest_of_patch * patches_.spacing() * work.radius) || depth >= deepest;
     if (is_fine_enough || (wide_inside == probes_each<Dim> && half <= shrink * distance[middle])) {
       if (!(sum > 0)) return;
-      nodes[at].variance = scale;
+      nodes[at].variance = mean;
       nodes[at].wide = std::make_unique<const LocalModels<Dim>>(std::move(model));
       return;
     }

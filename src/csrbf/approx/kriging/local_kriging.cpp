@@ -1,17 +1,24 @@
 #include "csrbf/approx/kriging/local_kriging.hpp"
 
+#include "csrbf/approx/kriging/held_out_gaps.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace csrbf {
 namespace {
 
-// Samples of every level around the middle of a patch, by dimension. Chosen by hand.
+// Samples around the middle of a patch, by dimension: the nearest ones, and of every level in every direction. Chosen
+// by hand.
 template <int Dim>
-constexpr Index each = Dim == 1   ? 12
-                       : Dim == 2 ? 24
-                                  : 36;
-constexpr double prior_samples = 30;  // that the common variance counts for beside that of a patch; chosen by hand
+constexpr Index nearest = Dim == 1   ? 12
+                          : Dim == 2 ? 48
+                                     : 60;
+template <int Dim>
+constexpr Index each = Dim == 1   ? 6
+                       : Dim == 2 ? 4
+                                  : 2;
 
 }  // namespace
 
@@ -29,11 +36,11 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
   for (Index j = 0, at = 0; j < n; at += n - j, ++j) K.col(j).tail(n - j) = phi.segment(at, n - j);
   Eigen::VectorXd inverse_weights(n);
   for (Index i = 0; i < n; ++i) inverse_weights[i] = 1 / samples.weight(chosen[static_cast<std::size_t>(i)]);
-  for (double nugget = covariance.nugget;; nugget *= 10) {  // until rounding no longer matters
+  for (nugget_ = covariance.nugget;; nugget_ *= 10) {  // until rounding no longer matters
     Eigen::MatrixXd shifted = K;
-    shifted.diagonal() += nugget * inverse_weights;
+    shifted.diagonal() += nugget_ * inverse_weights;
     llt_.compute(shifted);
-    if (llt_.info() == Eigen::Success || !(nugget < 1)) break;
+    if (llt_.info() == Eigen::Success || !(nugget_ < 1)) break;
   }
   const Eigen::MatrixXd values = samples.values(chosen, Eigen::all);
   const int degree = Polynomials<Dim>::size(covariance.degree) < n ? covariance.degree : 0;
@@ -46,10 +53,40 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
   information_.compute(white_trend_.transpose() * white_trend_);
   beta_ = information_.solve(white_trend_.transpose() * white);
   white -= white_trend_ * beta_;
-  sigma2_ = (white.colwise().squaredNorm().transpose() + prior_samples * covariance.sigma2) /
-            (static_cast<double>(std::max<Index>(0, n - white_trend_.cols())) + prior_samples);
+  degrees_ = static_cast<double>(std::max<Index>(0, n - white_trend_.cols()));
+  scale_ = (white.colwise().squaredNorm().transpose() / std::max(1.0, degrees_))
+               .cwiseProduct(near_scale(values, inverse_weights))
+               .cwiseSqrt();
   llt_.matrixU().solveInPlace(white);
   alpha_ = std::move(white);
+}
+
+// sigma^2 by the samples nearest to the middle alone, whatever their mean: the scale of the random function varies.
+template <int Dim>
+Eigen::VectorXd KrigingPatch<Dim>::near_scale(const Eigen::MatrixXd& values,
+                                              const Eigen::VectorXd& inverse_weights) const {
+  const Index n = q_.cols(), count = std::min(nearest<Dim>, n);
+  std::vector<Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), Index{0});
+  const Eigen::VectorXd distance2 = q_.colwise().squaredNorm().transpose();
+  std::nth_element(order.begin(), order.begin() + (count - 1), order.end(),
+                   [&](Index a, Index b) { return distance2[a] < distance2[b]; });
+  order.resize(static_cast<std::size_t>(count));
+  const Points<Dim> q = q_(Eigen::all, order);
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(count, count);
+  Eigen::VectorXd r2(count);
+  for (Index j = 0; j < count; ++j) {
+    r2.head(count - j) = (q.rightCols(count - j).colwise() - q.col(j)).colwise().squaredNorm().transpose();
+    covariance_.kernel.values(r2.data(), count - j, &K(j, j));
+  }
+  K.diagonal() += (nugget_ * inverse_weights)(order);
+  Eigen::MatrixXd white(count, 1 + values.cols());
+  white << Eigen::VectorXd::Ones(count), values(order, Eigen::all);
+  K.llt().matrixL().solveInPlace(white);
+  const Eigen::VectorXd mean = white.col(0) / white.col(0).norm();
+  white -= mean * (mean.transpose() * white).eval();
+  return white.rightCols(values.cols()).colwise().squaredNorm().transpose() /
+         std::max(1.0, static_cast<double>(count - 1));
 }
 
 template <int Dim>
@@ -61,16 +98,32 @@ Eigen::RowVectorXd KrigingPatch<Dim>::trend(const Point<Dim>& q) const {
 }
 
 template <int Dim>
+Eigen::VectorXd KrigingPatch<Dim>::value(const Point<Dim>& x) const {
+  const Point<Dim> q = (x - center_) / covariance_.length;
+  const Eigen::VectorXd r2 = (q_.colwise() - q).colwise().squaredNorm().transpose();
+  Eigen::VectorXd k(r2.size());
+  covariance_.kernel.values(r2.data(), r2.size(), k.data());
+  return alpha_.transpose() * k + beta_.transpose() * trend(q).transpose();
+}
+
+template <int Dim>
 Eigen::VectorXd KrigingPatch<Dim>::variance(const Point<Dim>& x) const {
+  const double expected = share(x);
+  Eigen::VectorXd result(scale_.size());
+  for (Index c = 0; c < result.size(); ++c)
+    result[c] = prediction_variance(covariance_, c, expected, scale_[c], degrees_);
+  return result;
+}
+
+template <int Dim>
+double KrigingPatch<Dim>::share(const Point<Dim>& x) const {
   const Point<Dim> q = (x - center_) / covariance_.length;
   const Eigen::VectorXd r2 = (q_.colwise() - q).colwise().squaredNorm().transpose();
   Eigen::VectorXd k(r2.size());
   covariance_.kernel.values(r2.data(), r2.size(), k.data());
   llt_.matrixL().solveInPlace(k);
   const Eigen::VectorXd missing = trend(q).transpose() - white_trend_.transpose() * k;
-  const double share =
-      std::max(0.0, 1 - k.squaredNorm()) + covariance_.nugget + missing.dot(information_.solve(missing));
-  return share * sigma2_;
+  return std::max(0.0, 1 - k.squaredNorm()) + covariance_.nugget + missing.dot(information_.solve(missing));
 }
 
 template <int Dim>
@@ -92,12 +145,20 @@ void KrigingPatch<Dim>::store(LocalModels<Dim>& models, Index i) const {
 }
 
 template <int Dim>
-LocalKriging<Dim>::LocalKriging(const Samples<Dim>& samples)
-    : samples_(samples), levels_(samples.points), covariance_(estimate_covariance(samples, levels_)) {}
+std::vector<Index> samples_around(const ThinnedLevels<Dim>& levels, const Point<Dim>& x) {
+  return levels.around(x, nearest<Dim>, each<Dim>);
+}
+
+template <int Dim>
+LocalKriging<Dim>::LocalKriging(const Samples<Dim>& samples, const Points<Dim>& gaps)
+    : samples_(samples), levels_(samples.points), covariance_(estimate_covariance(samples, levels_)) {
+  const HeldOutGaps<Dim> held_out(samples, levels_, gaps);
+  if (!held_out.empty()) covariance_ = held_out.choose(covariance_);
+}
 
 template <int Dim>
 KrigingPatch<Dim> LocalKriging<Dim>::patch(const Point<Dim>& center) const {
-  return {samples_, covariance_, center, levels_.around(center, each<Dim>)};
+  return {samples_, covariance_, center, samples_around(levels_, center)};
 }
 
 template <int Dim>
@@ -106,7 +167,8 @@ LocalModels<Dim> LocalKriging<Dim>::models(Index count) const {
   models.degree = covariance_.degree;
   models.kernel = covariance_.kernel;
   models.support = 1;
-  models.centers_each = std::min(samples_.size(), each<Dim> * std::ssize(levels_.levels()));
+  models.centers_each =
+      std::min(samples_.size(), nearest<Dim> + ThinnedLevels<Dim>::cones * each<Dim> * std::ssize(levels_.levels()));
   models.components = samples_.components();
   models.resize(count);
   return models;
@@ -114,7 +176,8 @@ LocalModels<Dim> LocalKriging<Dim>::models(Index count) const {
 
 #define CSRBF_INSTANTIATE(Dim)      \
   template class KrigingPatch<Dim>; \
-  template class LocalKriging<Dim>;
+  template class LocalKriging<Dim>; \
+  template std::vector<Index> samples_around<Dim>(const ThinnedLevels<Dim>&, const Point<Dim>&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -16,15 +16,26 @@ class KrigingPatch {
   KrigingPatch(const Samples<Dim>& samples, const Covariance& covariance, const Point<Dim>& center,
                const std::vector<Index>& chosen);
 
+  /// Prediction at x, one value per component.
+  [[nodiscard]] Eigen::VectorXd value(const Point<Dim>& x) const;
+
   /// Variance of the difference between a sample of mean weight at x and its prediction, one per component; its size
   /// follows the residuals of the samples of the patch. O(n^2).
   [[nodiscard]] Eigen::VectorXd variance(const Point<Dim>& x) const;
+  /// The same over sigma^2.
+  [[nodiscard]] double share(const Point<Dim>& x) const;
+
+  /// sigma^2 by the residuals of the samples of the patch alone, of so many degrees of freedom: the geometric mean of
+  /// that of all and that of the nearest ones.
+  [[nodiscard]] const Eigen::VectorXd& scale() const { return scale_; }
+  [[nodiscard]] double degrees() const { return degrees_; }
 
   /// Writes the predictor to model `i`; `models` has room for all samples.
   void store(LocalModels<Dim>& models, Index i) const;
 
  private:
   [[nodiscard]] Eigen::RowVectorXd trend(const Point<Dim>& q) const;
+  [[nodiscard]] Eigen::VectorXd near_scale(const Eigen::MatrixXd& values, const Eigen::VectorXd& inverse_weights) const;
 
   Covariance covariance_;
   Point<Dim> center_;
@@ -33,15 +44,21 @@ class KrigingPatch {
   Eigen::MatrixXd white_trend_;
   Eigen::LDLT<Eigen::MatrixXd> information_;
   Eigen::MatrixXd alpha_, beta_;
-  Eigen::VectorXd sigma2_;
+  Eigen::VectorXd scale_;
+  double nugget_ = 0, degrees_ = 0;
 };
+
+/// The samples that a patch around x is made of.
+template <int Dim>
+std::vector<Index> samples_around(const ThinnedLevels<Dim>& levels, const Point<Dim>& x);
 
 /// Patches around any point.
 template <int Dim>
 class LocalKriging {
  public:
-  /// `samples`: with weights of mean 1, or none; must outlive it.
-  explicit LocalKriging(const Samples<Dim>& samples);
+  /// `samples`: with weights of mean 1, or none; must outlive it. `gaps`: points in the gaps to be filled, in
+  /// which the covariance is to predict well (see HeldOutGaps).
+  LocalKriging(const Samples<Dim>& samples, const Points<Dim>& gaps);
 
   [[nodiscard]] const Covariance& covariance() const { return covariance_; }
   [[nodiscard]] KrigingPatch<Dim> patch(const Point<Dim>& center) const;

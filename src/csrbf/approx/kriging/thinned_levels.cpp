@@ -3,8 +3,28 @@
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace csrbf {
+namespace {
+
+template <int Dim>
+std::size_t cone_of(const Point<Dim>& direction) {
+  Index largest = 0;
+  direction.cwiseAbs().maxCoeff(&largest);
+  std::size_t cone = 2 * static_cast<std::size_t>(largest) + (direction[largest] > 0 ? 1 : 0);
+  if constexpr (Dim > 1) {
+    Index second = largest == 0 ? 1 : 0;
+    for (Index a = 0; a < Dim; ++a)
+      if (a != largest && std::abs(direction[a]) > std::abs(direction[second])) second = a;
+    const Index among_others = second < largest ? second : second - 1;
+    cone = cone * 2 * (Dim - 1) + 2 * static_cast<std::size_t>(among_others) + (direction[second] > 0 ? 1 : 0);
+  }
+  return cone;
+}
+
+}  // namespace
 
 template <int Dim>
 ThinnedLevels<Dim>::ThinnedLevels(const Points<Dim>& points) {
@@ -23,16 +43,24 @@ ThinnedLevels<Dim>::ThinnedLevels(const Points<Dim>& points) {
 }
 
 template <int Dim>
-std::vector<Index> ThinnedLevels<Dim>::around(const Point<Dim>& x, Index each) const {
-  std::vector<Index> found, nearest(static_cast<std::size_t>(each));
-  std::vector<double> r2(nearest.size());
+std::vector<Index> ThinnedLevels<Dim>::around(const Point<Dim>& x, Index nearest, Index each) const {
+  constexpr Index share = 16;  // of the points that are looked at in those of a level; chosen by hand
+  std::vector<Index> chosen, found(static_cast<std::size_t>(std::max(nearest, share * cones * each)));
+  std::vector<double> r2(found.size());
   for (const Level& level : levels_) {
-    const Index count = level.tree->nearest(x, each, nearest.data(), r2.data());
-    for (Index k = 0; k < count; ++k) found.push_back(level.indices[static_cast<std::size_t>(nearest[k])]);
+    const bool is_first = &level == levels_.data();
+    const Index count =
+        level.tree->nearest(x, is_first ? std::ssize(found) : share * cones * each, found.data(), r2.data());
+    std::array<Index, cones> taken{};
+    for (Index k = 0; k < count; ++k) {
+      const Index i = found[static_cast<std::size_t>(k)];
+      Index& in_cone = taken[cone_of<Dim>(level.points.col(i) - x)];
+      if (in_cone++ < each || (is_first && k < nearest)) chosen.push_back(level.indices[static_cast<std::size_t>(i)]);
+    }
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class ThinnedLevels<Dim>;

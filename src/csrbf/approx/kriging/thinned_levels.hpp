@@ -22,8 +22,11 @@ class ThinnedLevels {
   };
   [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
 
-  /// The `each` points of every level that are nearest to x, in ascending order: dense near x, sparse far from it.
-  [[nodiscard]] std::vector<Index> around(const Point<Dim>& x, Index each) const;
+  /// Points on all sides of x, in ascending order, dense near x and sparse far from it: the `nearest` ones, and of
+  /// every level the `each` nearest in each of `cones` directions, among many nearest ones.
+  [[nodiscard]] std::vector<Index> around(const Point<Dim>& x, Index nearest, Index each) const;
+  /// Directions by their largest and second largest coordinates, and their signs: of equal size, by symmetry.
+  static constexpr Index cones = Dim == 1 ? 2 : 4 * Dim * (Dim - 1);
 
  private:
   std::vector<Level> levels_;
