@@ -1,5 +1,6 @@
 #include "session.hpp"
 
+#include "process/peak_memory.hpp"
 #include "process/processes.hpp"
 
 #include "csrbf/core/parallel.hpp"
@@ -10,7 +11,6 @@
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
-#include <sys/resource.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -22,14 +22,7 @@ namespace {
 constexpr double bytes_per_mb = 1024 * 1024;
 
 double peak_memory_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-#ifdef __APPLE__
-  constexpr double bytes_per_unit = 1;
-#else
-  constexpr double bytes_per_unit = 1024;
-#endif
-  return static_cast<double>(usage.ru_maxrss) * bytes_per_unit / bytes_per_mb;
+  return static_cast<double>(peak_memory_bytes()) / bytes_per_mb;
 }
 
 double in_mb(std::size_t bytes) {

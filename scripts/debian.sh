@@ -27,6 +27,12 @@ distributed_packages=(libopenmpi-dev openmpi-bin libmumps-dev)
 # What the preset libcxx needs in addition; its GoogleTest is compiled from source.
 libcxx_packages=(clang libc++-dev libc++abi-dev googletest libgtest-dev)
 
+# What the preset arm64 needs besides libraries for that processor.
+arm64_packages=(crossbuild-essential-arm64 qemu-user googletest libgtest-dev)
+
+# What scripts/windows_libraries and the preset windows need.
+windows_packages=(g++-mingw-w64-x86-64-posix wine64 dpkg-dev googletest libgtest-dev)
+
 # What the documentation site needs.
 docs_packages=(python3-sphinx python3-myst-parser furo doxygen)
 

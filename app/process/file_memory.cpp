@@ -1,8 +1,13 @@
 #include "process/file_memory.hpp"
 
+#include <fcntl.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <system_error>
 
@@ -59,6 +64,23 @@ void* map_file(const std::string& folder, std::size_t bytes) {
 }
 
 }  // namespace
+
+ResidentSet::ResidentSet()
+    : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)), page_(static_cast<std::size_t>(sysconf(_SC_PAGESIZE))) {}
+
+ResidentSet::~ResidentSet() {
+  close(file_);
+}
+
+std::size_t ResidentSet::bytes() const {
+  std::array<char, 128> text{};
+  const ssize_t length = pread(file_, text.data(), text.size(), 0);
+  const char* end = text.data() + std::max<ssize_t>(0, length);
+  const char* second = std::find<const char*>(text.data(), end, ' ');
+  std::size_t pages = 0;
+  if (second != end) std::from_chars(second + 1, end, pages);
+  return pages * page_;
+}
 
 FileMemory::FileMemory(std::string folder, std::size_t cap)
     : folder_(std::move(folder)), cap_(cap), headroom_(cap / headroom_share) {}

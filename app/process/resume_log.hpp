@@ -2,8 +2,6 @@
 
 #include "csrbf/core/shared_work.hpp"
 
-#include <sys/types.h>
-
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -60,7 +58,7 @@ class ResumeLog : public WorkSharing {
 
   std::string path_;
   int file_;
-  off_t end_ = 0;                 // of what was read or written so far
+  std::int64_t end_ = 0;          // of what was read or written so far
   std::optional<Record> record_;  // the next one of the log
   std::uint64_t works_ = 0;       // so far
   Use use_;

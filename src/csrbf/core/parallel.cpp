@@ -4,7 +4,9 @@
 #include "csrbf/core/inside_parallel_loop.hpp"
 #include "csrbf/core/interruption.hpp"
 
+#ifndef _WIN32
 #include <pthread.h>
+#endif
 
 #include <atomic>
 #include <condition_variable>
@@ -62,8 +64,10 @@ struct Loop {
 class Pool {
  public:
   Pool() {
+#ifndef _WIN32  // which has no fork
     pthread_atfork([] { Pool::pool().mutex_.lock(); }, [] { Pool::pool().mutex_.unlock(); },
                    [] { Pool::pool().begin_again(); });
+#endif
     resize(0);
   }
   Pool(const Pool&) = delete;
