@@ -315,7 +315,7 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
 }
 
 std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path) {
-  const Table table = read_table(path);
+  const Table table = read_source(path, {}).table;
   const std::string name = display_name(path);
   const Index columns = table.values.rows();
   if (columns != 2 && columns != 3)
