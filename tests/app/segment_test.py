@@ -288,7 +288,7 @@ class Errors(Segment):
                      nan)
 
     def test_center_spacings_beyond_the_image(self):
-        self.refused("center_spacing = 1000: must be at most 32 voxels for this image", self.disc(), "--center-spacing",
+        self.refused("--center-spacing 1000: must be at most 32 voxels for this image", self.disc(), "--center-spacing",
                      "1000")
 
     def test_starts_outside_the_image_or_of_another_form(self):
@@ -315,7 +315,7 @@ class Errors(Segment):
         image = self.disc()
         empty = self.write_bytes("empty.npy", npy_bytes((48, 64), [0] * 48 * 64, "|u1"))
         small = self.write_bytes("small.npy", npy_bytes((24, 64), [1] * 24 * 64, "|u1"))
-        self.refused("mask = empty: must be set in some voxels", image, "--mask", empty)
+        self.refused("--mask empty: must be set in some voxels", image, "--mask", empty)
         self.refused("it has 64 x 24 voxels, the image 64 x 48", image, "--mask", small)
         self.refused("covers no voxel of the image", image, "--init", "mask:" + empty)
         self.refused("it has 64 x 24 voxels, the image 64 x 48", image, "--init", "mask:" + small)
