@@ -14,7 +14,7 @@ SOURCES = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else ".")
 
 # Licences that allow csrbf to be under the MIT licence and its binaries to be passed on.
 COMPATIBLE = {"MIT", "BSD-2-Clause", "BSD-3-Clause", "MPL-2.0", "Zlib", "libpng-2.0", "libtiff", "Qhull", "Apache-2.0",
-              "Python-2.0.1"}
+              "Python-2.0.1", "IJG"}
 
 
 def text(name):
@@ -38,7 +38,7 @@ class Recipes(unittest.TestCase):
         for path in [SOURCES / "CMakeLists.txt", *SOURCES.glob("*/CMakeLists.txt"), *SOURCES.glob("cmake/*.cmake")]:
             defined |= set(re.findall(r"(?:option|set)\((CSRBF_\w+)", path.read_text(encoding="utf-8")))
         for name in ("packaging/conda-forge/recipe.yaml", "packaging/vcpkg/portfile.cmake"):
-            used = set(re.findall(r"CSRBF_[A-Z_]+", text(name)))
+            used = set(re.findall(r"CSRBF_[A-Z0-9_]+", text(name)))
             self.assertTrue(used)
             self.assertLessEqual(used, defined, name)
 

@@ -361,12 +361,9 @@ Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double unit, dou
   FitReport& report = result.report;
   for (std::size_t a = 0; a < report.axis_scales.size(); ++a)
     report.axis_scales[a] *= coordinates[static_cast<Index>(a)];
-  for (double& noise : report.noise) noise *= values;
-  for (auto* slopes : {&report.drift, &report.drift_deviations})
-    for (double& slope : *slopes) slope *= values;
-  report.rmse *= values;
-  report.max_error *= values;
-  report.cross_validation_rmse *= values;
+  for (auto* list : {&report.noise, &report.drift, &report.drift_deviations})
+    for (double& value : *list) value *= values;
+  for (double* error : {&report.rmse, &report.max_error, &report.cross_validation_rmse}) *error *= values;
   return result;
 }
 

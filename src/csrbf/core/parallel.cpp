@@ -72,9 +72,13 @@ class Pool {
   }
   Pool(const Pool&) = delete;
   Pool& operator=(const Pool&) = delete;
-  ~Pool() { stop(); }
+  ~Pool() {
+    stop();
+  }
 
-  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] int size() const {
+    return size_;
+  }
 
   void resize(int threads) {
     const Turn turn(*this);

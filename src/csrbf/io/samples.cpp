@@ -10,7 +10,6 @@
 #include "csrbf/io/gdal/gdal.hpp"
 #include "csrbf/io/volume.hpp"
 
-#include <map>
 #include <numeric>
 
 namespace csrbf {
@@ -312,30 +311,6 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   if (columns.coordinates.empty()) samples.suspicion = row_number_among(table, coordinates);
   if (columns.values.empty() && samples.suspicion.empty()) samples.suspicion = row_number_among(table, values);
   return samples;
-}
-
-std::vector<Eigen::Matrix2Xd> read_faults(const std::string& path) {
-  const Table table = read_source(path, {}).table;
-  const std::string name = display_name(path);
-  const Index columns = table.values.rows();
-  if (columns != 2 && columns != 3)
-    throw IoError(name +
-                  ": faults need two columns of coordinates and, for several, one with the number of the line; "
-                  "found " +
-                  std::to_string(columns));
-  if (!table.text_cells.empty())
-    throw IoError(name + ":" + std::to_string(table.text_cells.front().line) + ": " +
-                  in_quotes(table.text_cells.front().text) + " is not a number");
-  if (!table.values.allFinite()) throw IoError(name + ": a number is missing or not finite");
-  std::vector<Eigen::Matrix2Xd> faults;
-  std::map<double, std::vector<Index>> lines;
-  for (Index row = 0; row < table.values.cols(); ++row) lines[columns == 3 ? table.values(2, row) : 0].push_back(row);
-  for (const auto& [number, rows] : lines) {
-    if (rows.size() < 2)
-      throw IoError(name + ": the line of row " + std::to_string(rows.front() + 1) + " has one vertex; two are needed");
-    faults.emplace_back(table.values(std::vector<Index>{0, 1}, rows));
-  }
-  return faults;
 }
 
 SampleSource read_sample_source(const std::string& path) {
