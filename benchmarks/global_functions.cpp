@@ -1,9 +1,15 @@
-// Sums of N radial functions at N points by FastSum, and systems solved with them: CPU seconds, errors against direct
-// sums, iterations. Prints tables in Markdown.
-// usage: global_functions [LARGEST]     LARGEST: number of points, default 100000
+// Sums of N radial functions at N points by FastSum, systems solved with them, and a surface of one: CPU seconds,
+// errors against direct sums and dense systems, iterations. Prints sections of benchmarks/GLOBAL.md. usage:
+// global_functions sums LARGEST | systems LARGEST | dense N | surface CLOUD.ply MESH.ply
 
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/sums/fast_sum.hpp"
+#include "csrbf/implicit/compare.hpp"
+#include "csrbf/implicit/polygonize.hpp"
+#include "csrbf/io/mesh.hpp"
+#include "csrbf/io/points.hpp"
+#include "csrbf/surface/reconstruct.hpp"
 
 #include <sys/resource.h>
 
@@ -92,15 +98,10 @@ void system(const char* name, Index n, Shape shape, const char* what) {
   std::fflush(stdout);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const Index largest = argc > 1 ? std::atol(argv[1]) : 100000;
-  std::printf("# Global radial functions\n\nWritten by `global_functions %ld`; CPU seconds.\n\n",
-              static_cast<long>(largest));
+void all_sums(Index largest) {
   std::printf(
-      "Sums of N terms at their N centres, tolerance 1e-7; the error is relative, root mean square, against "
-      "direct sums.\n\n| kernel | N | prepare | sum | error |\n|---|---|---|---|---|\n");
+      "## Sums\n\nN terms at their N centres, tolerance 1e-7; the error is relative, root mean square, against direct "
+      "sums.\n\n| kernel | N | prepare | sum | error |\n|---|---|---|---|---|\n");
   for (Index n = 10000; n <= largest; n *= 10) {
     sums<2>("thin-plate", n, Shape::uniform, 1e-7);
     sums<3>("linear", n, Shape::uniform, 1e-7);
@@ -108,18 +109,92 @@ int main(int argc, char** argv) {
     sums<3>("linear", n, Shape::sphere, 1e-7);
     sums<3>("linear", n, Shape::clusters, 1e-7);
   }
+}
+
+void all_systems(Index largest) {
   std::printf(
-      "\nInterpolation, residuals at most 1e-8 of the largest value in the plane, 1e-7 in space. On the sphere "
-      "every other point is off the surface by 1 %%.\n\n| kernel and points | N | seconds | iterations | "
-      "residual | MB |\n|---|---|---|---|---|---|\n");
+      "## Systems\n\nResiduals at most 1e-8 of the largest value in the plane, 1e-7 in space. Clusters are twenty, "
+      "their "
+      "sizes differ 300 times; on the sphere every other point is off the surface by 1 %%.\n\n"
+      "| kernel and points | N | seconds | iterations | residual | MB |\n|---|---|---|---|---|---|\n");
   for (const Index n : {Index{4000}, Index{20000}, Index{100000}, Index{1000000}}) {
     if (n > largest) break;
     system<2>("thin-plate", n, Shape::uniform, "uniform");
     if (n == 1000000) continue;
     system<2>("thin-plate", n, Shape::clusters, "clusters");
     system<2>("thin-plate", n, Shape::tracks, "tracks");
+    system<2>("cubic", n, Shape::uniform, "uniform");
     system<3>("linear", n, Shape::uniform, "uniform");
     system<3>("linear", n, Shape::layer, "layer 1000:1");
     system<3>("linear", n, Shape::sphere, "sphere");
+    system<3>("linear", n, Shape::clusters, "clusters");
+    if (n > 20000) continue;
+    system<3>("cubic", n, Shape::uniform, "uniform");
+    system<3>("cubic", n, Shape::layer, "layer 1000:1");
   }
+}
+
+void against_dense(Index n) {
+  std::printf(
+      "## Against dense systems\n\nThe largest difference at 1000 points, in units of the range of the values, of %ld "
+      "samples in the plane; kernels with a scale: four spacings.\n\n"
+      "| kernel | difference | iterations | seconds | dense |\n|---|---|---|---|---|\n",
+      static_cast<long>(n));
+  Samples<2> samples{cloud<2>(n, Shape::uniform), Eigen::MatrixXd(n, 1), {}};
+  const auto x = samples.points.array();
+  samples.values.col(0) = ((5 * x.row(0)).sin() * (4 * x.row(1)).cos()).transpose();
+  const double range = samples.values.maxCoeff() - samples.values.minCoeff();
+  const Points<2> at = .95 * cloud<2>(n + 1000, Shape::uniform).rightCols(1000);
+  for (const std::string& name : Kernel::names(2)) {
+    if (Kernel(name, 2).compact()) continue;
+    InterpolateOptions options{.kernel = name, .dense_limit = 1};
+    if (Kernel(name, 2).has_scale()) options.support = 8 / std::sqrt(static_cast<double>(n));
+    std::printf("| %s | ", name.c_str());
+    try {
+      const double start = cpu_seconds();
+      const Interpolation<2> fast = interpolate(samples, options);
+      const double middle = cpu_seconds();
+      options.dense_limit = n;
+      const Interpolation<2> dense = interpolate(samples, options);
+      const double end = cpu_seconds();
+      const double difference =
+          (fast.components[0]->evaluate(at).value - dense.components[0]->evaluate(at).value).cwiseAbs().maxCoeff();
+      std::printf("%.1e | %d | %.2f | %.2f |\n", difference / range, fast.report.iterations, middle - start,
+                  end - middle);
+    } catch (const std::exception& error) {
+      std::printf("%s | | | |\n", error.what());
+    }
+    std::fflush(stdout);
+  }
+}
+
+void surface(const char* cloud, const char* reference) {
+  const PointCloud points = read_points(cloud);
+  const double start = cpu_seconds();
+  const Reconstruction result = reconstruct(points, {.method = "carr", .normals = Normals::file});
+  const double fitted = cpu_seconds();
+  const Mesh mesh = polygonize(*result.field, {.seeds = points.points});
+  const double meshed = cpu_seconds();
+  const MeshComparison c = compare(mesh, read_mesh(reference));
+  std::printf(
+      "## A surface\n\nBiharmonic, `--method carr`: %ld points with normals, %ld centres with those off the surface. "
+      "The "
+      "chamfer distance is in units of 1e-4 of the diagonal.\n\n"
+      "| fit and distances | mesh | chamfer | closed | components |\n|---|---|---|---|---|\n"
+      "| %.1f s | %.1f s | %.2f | %s | %ld |\n",
+      static_cast<long>(points.size()), static_cast<long>(result.report.centers), fitted - start, meshed - fitted,
+      1e4 * c.chamfer_mean, c.topology.watertight() ? "yes" : "no", static_cast<long>(c.topology.components));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string part = argc > 2 ? argv[1] : "";
+  if (part == "sums") return all_sums(std::atol(argv[2])), 0;
+  if (part == "systems") return all_systems(std::atol(argv[2])), 0;
+  if (part == "dense") return against_dense(std::atol(argv[2])), 0;
+  if (part == "surface" && argc > 3) return surface(argv[2], argv[3]), 0;
+  std::fprintf(stderr,
+               "usage: global_functions sums LARGEST | systems LARGEST | dense N | surface CLOUD.ply MESH.ply\n");
+  return 2;
 }

@@ -22,6 +22,9 @@ Costs compact_costs(Index samples);
 /// The linear kernel -r: a dense matrix and its LU decomposition.
 Costs global_costs(Index samples);
 
+/// The same by fast sums and conjugate gradients (thesis 2.4); `assembly` is that of the sums.
+Costs fast_costs(Index samples);
+
 /// Table 2.4, measured.
 Figure table_2_4();
 

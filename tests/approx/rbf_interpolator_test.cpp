@@ -1,5 +1,6 @@
 #include "csrbf/approx/rbf_interpolator.hpp"
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 
 #include <gtest/gtest.h>
@@ -70,6 +71,41 @@ TEST(RbfInterpolator, WithNeighborsIsTheInterpolantOfTheNearestPoints) {
       EXPECT_LT((found.col(i) - local.evaluate(x.col(i))).norm(), rounding) << neighbors << " " << i;
     }
   }
+}
+
+TEST(RbfInterpolator, OfManyPointsMeetsThemAndIsRestored) {
+  const Matrix y = random_points(2, 5000, 11);
+  const Matrix s = smooth_values(y);
+  for (const char* kernel : {"linear", "thin_plate_spline", "cubic"}) {
+    const RbfInterpolatorOptions options{.kernel = kernel};
+    const RbfInterpolator f(y, s, options);
+    EXPECT_LT((f.evaluate(y) - s).cwiseAbs().maxCoeff(), 1e-7) << kernel;
+    const Matrix x = random_points(2, 50, 12);
+    EXPECT_LT((f.evaluate(x) - smooth_values(x)).cwiseAbs().maxCoeff(), 1e-2) << kernel;
+    const RbfInterpolator again = RbfInterpolator::restore(y, f.coefficients(), options);
+    EXPECT_EQ(again.evaluate(x), f.evaluate(x));
+    Matrix nowhere = x;
+    nowhere(0, 3) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_TRUE(f.evaluate(nowhere).col(3).array().isNaN().all());
+  }
+}
+
+// A sum of smoothings, and values in common, as the dense system has them.
+TEST(RbfInterpolator, OfManyPointsSolvesTheSameSystemWithPointsThatCoincide) {
+  Matrix y = random_points(2, 4200, 13);
+  y.rightCols(200) = y.leftCols(200);
+  Matrix s = smooth_values(y);
+  s.rightCols(200).array() += .1;
+  Eigen::VectorXd smoothing = Eigen::VectorXd::Constant(4200, .01);
+  smoothing.head(100).setZero();
+  const RbfInterpolator f(y, s, {.smoothing = smoothing});
+  const Matrix c = f.coefficients();
+  const Eigen::VectorXd residual =
+      (f.evaluate(y) - s).row(0).transpose() + smoothing.cwiseProduct(c.row(0).head(4200).transpose());
+  EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT(std::abs(c.row(0).head(4200).sum()), 1e-6);
+  smoothing.setZero();
+  EXPECT_THROW(RbfInterpolator(y, s, {.smoothing = smoothing}), SolverFailure);
 }
 
 TEST(RbfInterpolator, SmoothingTendsToTheLeastSquaresPolynomial) {

@@ -29,5 +29,12 @@ TEST(Table_2_4, EvaluationAtOnePointBarelyDependsOnTheNumberOfSamples) {
   EXPECT_LT(compact_costs(16000).evaluation, 4 * compact_costs(1000).evaluation);
 }
 
+// By fast sums as well; ten times the samples.
+TEST(Table_2_4, FastSumsMakeTheCostOfGlobalSupportsGrowAboutAsTheNumberOfSamples) {
+  const Costs few = fast_costs(3000), many = fast_costs(30000);
+  EXPECT_LT(many.solve, 40 * few.solve);
+  EXPECT_LT(many.evaluation, 4 * few.evaluation);
+}
+
 }  // namespace
 }  // namespace csrbf::thesis

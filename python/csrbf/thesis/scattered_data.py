@@ -186,7 +186,8 @@ def table_2_4(figure):
         (axes[1], "solve [s]", "solve [s]"),
         (axes[2], "evaluation [us / point]", "evaluate at one point [µs]"),
     ]:
-        for i, (name, text) in enumerate([("compact", "compact support"), ("global", "global support")]):
+        kinds = [("compact", "compact support"), ("global", "global support"), ("fast", "global, fast sums")]
+        for i, (name, text) in enumerate(kinds):
             t = figure.tables[name]
             text += f", $N^{{{order(t['samples'], t[column]):.1f}}}$"
             axis.plot(t["samples"], t[column], ls=DASHES[i], marker=MARKERS[i], color=COLORS[i], ms=4.5, label=text)

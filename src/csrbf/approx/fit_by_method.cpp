@@ -244,6 +244,7 @@ class Fitter {
     if (options_.degree) options.degree = *options_.degree;
     options.keep_weights = true;
     options.progress = options_.progress;
+    options.largest_error = options_.tolerance;
     if (learned_ != nullptr) {
       options.kernel = learned_->kernel.name();
       options.parameter = learned_->kernel.parameter();
@@ -251,8 +252,9 @@ class Fitter {
       options.smoothing = learned_->nugget;
       if (!options_.degree) options.degree = learned_->degree;
     }
+    if (options_.tolerance > 0) options.smoothing = options_.smoothing.value_or(0);
     Interpolation<Dim> best = learned_ != nullptr ? shortened(options) : interpolate(samples_, options);
-    if (learned_ == nullptr && !options_.smoothing && samples_.size() > 2 * Dim) {
+    if (learned_ == nullptr && !options_.smoothing && options_.tolerance == 0 && samples_.size() > 2 * Dim) {
       options.smoothing.reset();
       Interpolation<Dim> smoothed = interpolate(samples_, options);
       const double deviation = weighted_deviation(samples_.values, samples_.all_weights());

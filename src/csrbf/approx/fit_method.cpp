@@ -13,7 +13,7 @@ const std::vector<FitMethodInfo>& fit_method_table() {
   // clang-format off
   static const std::vector<FitMethodInfo> table = {
       // method, name, what                                                                         centers tolerance degree smoothing parameter duplicates
-      {interpolate, "interpolate", "one system for all samples (thesis 2.1)",                           no,  no,  yes, yes, yes, no},
+      {interpolate, "interpolate", "one system for all samples (thesis 2.1)",                           no,  yes, yes, yes, yes, no},
       {least_squares, "least-squares", "fewer centres than samples (thesis 2.5)",                       yes, no,  no,  yes, no,  no},
       {partition_of_unity, "partition-of-unity", "blended local fits (Babuska and Melenk 1997)",        no,  no,  yes, yes, no,  no},
       {multilevel, "multilevel", "levels of nested centres (Floater and Iske 1996)",                    yes, yes, no,  yes, no,  no},

@@ -103,7 +103,7 @@ struct RbfInterpolator::Data {
         solution = ManyRbfs::solve(basis, points, given, smoothing, progress);
         many = ManyRbfs::make(basis, points, solution);
         return;
-      } catch (const SolverFailure&) {
+      } catch (const ManyRbfs::IllConditioned&) {
         if (points.cols() > most_dense) throw;
       }
     solution = basis.solve(points, given, smoothing);

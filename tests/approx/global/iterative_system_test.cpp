@@ -56,7 +56,7 @@ TEST(IterativeSystem, SolvesKernelsOfAllOrders) {
   check<2>(Kernel("thin-plate", 2), 1, cloud<2>(3000), 0, 25);
   check<2>(Kernel("linear", 2), 1, cloud<2>(3000), 0, 25);
   check<3>(Kernel("linear", 3), 1, cloud<3>(3000), 0, 30);
-  check<3>(Kernel("cubic", 3), 1, cloud<3>(2000), 0, 60, 1e-8);
+  check<3>(Kernel("cubic", 3), 1, cloud<3>(2000), 0, 30, 1e-8);
   check<2>(Kernel("matern-c0", 2), .5, cloud<2>(3000), 0, 25);
   check<2>(Kernel("matern-c2", 2), .3, cloud<2>(3000), 0, 40);
   check<2>(Kernel("multiquadric", 2), .02, cloud<2>(3000), 0, 40);
@@ -76,6 +76,13 @@ TEST(IterativeSystem, SolvesOnTracksAndInLayers) {
   check<3>(Kernel("linear", 3), 1, layer, 0, 30);
 }
 
+TEST(IterativeSystem, SolvesWhereClustersFillUpAtOnce) {
+  Points<2> x = cloud<2>(3000);
+  x.rightCols(1500) = .3 + 1e-3 * x.rightCols(1500).array();
+  check<2>(Kernel("thin-plate", 2), 1, x, 0, 20);
+  check<2>(Kernel("linear", 2), 1, x, 0, 20);
+}
+
 TEST(IterativeSystem, NeedsAboutAsManyIterationsForMorePoints) {
   const auto iterations = [](Index n) {
     const Points<2> x = cloud<2>(n);
@@ -83,7 +90,7 @@ TEST(IterativeSystem, NeedsAboutAsManyIterationsForMorePoints) {
                                 wave<2>(x))
         .iterations;
   };
-  EXPECT_LT(iterations(20000), 30);
+  EXPECT_LT(iterations(20000), 20);
 }
 
 TEST(IterativeSystem, EstimatesLeaveOneOutErrors) {

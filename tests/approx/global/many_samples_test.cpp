@@ -1,6 +1,7 @@
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/core/error.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
@@ -90,6 +91,63 @@ TEST(InterpolateManySamples, InSpace) {
   EXPECT_EQ(fit.report.solver, InterpolationSolver::fast_sums);
   EXPECT_LE(fit.report.residual, 1e-7);
   EXPECT_LE(fit.report.iterations, 40);
+}
+
+TEST(InterpolateManySamples, TakesFewCentresForABound) {
+  const Samples<2> samples = wave<2>(5000);
+  Index before = samples.size();
+  for (const double bound : {1e-3, 1e-2}) {
+    const Interpolation<2> fit = interpolate(samples, {.kernel = "thin-plate", .largest_error = bound});
+    const Expansion<2>& f = *fit.components[0];
+    EXPECT_LE((f.evaluate(samples.points).value - samples.values.col(0)).cwiseAbs().maxCoeff(), bound);
+    EXPECT_LT(f.basis().size(), before / 2) << bound;
+    before = f.basis().size();
+  }
+}
+
+// Whatever the input: residuals that are measured, or one sentence.
+template <int Dim>
+void expect_answer_or_sentence(const Samples<Dim>& samples, const char* kernel) {
+  try {
+    const Interpolation<Dim> fit = interpolate(samples, {.kernel = kernel, .dense_limit = 100});
+    const Eigen::VectorXd error = fit.components[0]->evaluate(samples.points).value - samples.values.col(0);
+    EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-6 * samples.values.cwiseAbs().maxCoeff()) << kernel;
+  } catch (const SolverFailure& failure) {
+    EXPECT_NE(std::string(failure.what()).find("ill conditioned"), std::string::npos) << failure.what();
+  }
+}
+
+TEST(InterpolateManySamples, AnswersOrSaysWhyNotForBadInput) {
+  for (const char* kernel : {"linear", "thin-plate", "cubic"}) {
+    Samples<2> twins = wave<2>(2000);
+    twins.points.rightCols(1000) = twins.points.leftCols(1000).array() + 1e-12;
+    twins.values.bottomRows(1000) = twins.values.topRows(1000);
+    expect_answer_or_sentence(twins, kernel);
+    twins.values.bottomRows(1000).array() += 1;  // a jump over 1e-12
+    expect_answer_or_sentence(twins, kernel);
+    Samples<2> line = wave<2>(1500);
+    line.points.row(1) = 3 * line.points.row(0);
+    expect_answer_or_sentence(line, kernel);
+    Samples<2> tiny = wave<2>(1500);
+    tiny.points *= 1e-12;
+    expect_answer_or_sentence(tiny, kernel);
+    Samples<2> same = wave<2>(1500);
+    same.points.leftCols(1400).setConstant(.5);
+    same.values.topRows(1400).setConstant(.5);
+    expect_answer_or_sentence(same, kernel);
+  }
+}
+
+TEST(InterpolateManySamples, InClustersOfVeryDifferentSize) {
+  Samples<2> samples = wave<2>(5000);
+  for (Index i = 0; i < 5000; ++i)
+    samples.points.col(i) = .5 * samples.points.col(i - i % 500) +
+                            std::pow(10., -1 - .3 * static_cast<double>(i / 500)) * samples.points.col(i);
+  samples.values.col(0) = (5 * samples.points.row(0).array()).sin().transpose();
+  for (const char* kernel : {"linear", "thin-plate"}) {
+    const Interpolation<2> fit = interpolate(samples, {.kernel = kernel});
+    EXPECT_LE(fit.report.iterations, 30) << kernel;
+  }
 }
 
 }  // namespace

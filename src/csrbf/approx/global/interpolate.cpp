@@ -9,6 +9,7 @@
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/linalg/sparse_cholesky.hpp"
+#include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 #include <Eigen/Cholesky>
@@ -25,6 +26,9 @@ constexpr Index always_dense = 1500;     // samples up to which dense systems ar
 constexpr Index spectrum_limit = 1500;   // samples up to which lambda is chosen on all of them: O(9 n^3)
 constexpr Index sparse_neighbors = 100;  // per support, where that of a sparse system is chosen: accuracy against cost
 constexpr int highest_fast_dimension = 3;  // of fast sums
+constexpr Index first_centers = 100;       // of a search for few ...
+constexpr Index repeated_dense = 1000;     // ... largest dense system in it ...
+constexpr double worth_a_center = .2;      // ... that goes on where errors are this share of the largest one
 constexpr double sparse_enough = .1;       // share of entries that are not zero, below which sparse solvers are faster
 
 // The coefficients of the kernel and of the functions of the polynomial block, and the scale of the variance.
@@ -67,6 +71,8 @@ void check(const Samples<Dim>& samples, const InterpolateOptions& options, const
           "must be positive and finite, or 0 to have it chosen");
   require(options.tolerance >= 0 && options.tolerance < 1, "interpolate", "tolerance", options.tolerance,
           "must be positive and below 1, or 0 for the default");
+  require(options.largest_error >= 0 && std::isfinite(options.largest_error), "interpolate", "largest_error",
+          options.largest_error, "must be positive and finite, or 0 for radial functions at all samples");
   require(options.degree >= -2, "interpolate", "degree", options.degree,
           "must be -2 (by the kernel), -1 (none), 0, 1, ...");
   require(metric.transforms.size() <= 1, "interpolate", "metric.transforms", metric.transforms.size(),
@@ -109,6 +115,7 @@ KernelChoice choose(const Samples<Dim>& samples, const InterpolateOptions& optio
     choice.names = {options.kernel};
   } else if (sparse && Dim <= highest_fast_dimension && !periodic(metric)) {
     choice.names = {"linear", "thin-plate"};
+    if (Dim <= 2) choice.names.emplace_back("cubic");
     choice.parameter = nan;
   } else if (sparse || periodic(metric)) {
     choice.names = {"wendland-c2", "wendland-c4", "wendland-c6"};
@@ -266,6 +273,52 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
   return result;
 }
 
+template <int Dim>
+Samples<Dim> subset(const Samples<Dim>& samples, const std::vector<Index>& which) {
+  Samples<Dim> result{samples.points(Eigen::all, which), samples.values(which, Eigen::all), {}};
+  if (samples.weights.size() > 0) result.weights = samples.weights(which);
+  return result;
+}
+
+// Radial functions at some of the samples: at first a few that cover them, then one more in each cell, the samples
+// nearest to one of these, whose largest error is among the largest of all.
+template <int Dim>
+Interpolation<Dim> fit_few(const Samples<Dim>& samples, const KernelChoice& choice, const InterpolateOptions& options,
+                           const RadialMetric<Dim>& metric, const InterpolationReport& start) {
+  InterpolateOptions often = options;  // well conditioned systems are solved faster by fast sums
+  if (!choice.kernel.has_scale() && Dim <= highest_fast_dimension)
+    often.dense_limit = std::min(options.dense_limit, repeated_dense);
+  std::vector<Index> centers = farthest_points<Dim>(samples.points, std::min(samples.size(), first_centers)).indices;
+  for (;;) {
+    Interpolation<Dim> result = fit(subset(samples, centers), choice, often, metric, start);
+    if (std::ssize(centers) == samples.size()) return result;
+    Eigen::VectorXd error = Eigen::VectorXd::Zero(samples.size());
+    for (Index c = 0; c < samples.components(); ++c)
+      error = error.cwiseMax((result.components[c]->evaluate(samples.points).value - samples.values.col(c)).cwiseAbs());
+    const double largest = error.maxCoeff();
+    if (largest <= options.largest_error) return result;
+    const double worth = std::max(options.largest_error, worth_a_center * largest);
+    const Points<Dim> at = samples.points(Eigen::all, centers);
+    const KdTree<Dim> tree(at);
+    std::vector<Index> worst(centers.size(), -1);
+    for (Index i = 0; i < samples.size(); ++i) {
+      if (!(error[i] > worth)) continue;
+      Index cell = 0;
+      double squared = 0;
+      tree.nearest(samples.points.col(i), 1, &cell, &squared);
+      if (squared > 0 && (worst[cell] < 0 || error[i] > error[worst[cell]])) worst[cell] = i;
+    }
+    const std::size_t before = centers.size();
+    for (const Index i : worst)
+      if (i >= 0) centers.push_back(i);
+    if (centers.size() == before)
+      throw SolverFailure("interpolate: errors of " + std::to_string(largest) +
+                          " remain at the centres themselves: the system is too ill conditioned for this "
+                          "largest_error, or smoothing > 0 forbids it");
+    report(options.progress, "solve", 1 - options.largest_error / largest);
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -279,6 +332,7 @@ Interpolation<Dim> interpolate(const Samples<Dim>& samples, const InterpolateOpt
   // The estimate in units of the standard deviations, for sparse systems; dense ones replace it.
   start.leave_one_out = choice.leave_one_out * weighted_deviation(used.values, used.all_weights());
   report(options.progress, "solve", 0);
+  if (options.largest_error > 0) return fit_few(used, choice, options, metric, start);
   Interpolation<Dim> result = fit(used, choice, options, metric, start);
 
   // A support chosen on neighbourhoods may be too wide for all samples together, when the system is close to singular.

@@ -21,8 +21,8 @@ struct RadialMetric;
 
 struct InterpolateOptions {
   /// A name of Kernel, or "auto": the kernel with the smallest leave-one-out error (see choose_kernel()); beyond
-  /// `dense_limit` samples linear or thin-plate, on periodic axes and there in more than three dimensions a Wendland
-  /// function.
+  /// `dense_limit` samples linear, thin-plate or, up to the plane, cubic, on periodic axes and there in more than three
+  /// dimensions a Wendland function.
   std::string kernel = "auto";
   double parameter = std::numeric_limits<double>::quiet_NaN();  ///< of the kernel; NaN: its default
 
@@ -45,6 +45,9 @@ struct InterpolateOptions {
   /// Largest residual at a sample, in units of the largest |value|, of systems solved by fast sums; 0: 1e-8, in space
   /// 1e-7.
   double tolerance = 0;
+  /// > 0: radial functions only at as few of the samples as it takes for all samples to be within this of the function,
+  /// in the unit of the values: greedily where errors are largest (Carr et al. 2001). 0: at all.
+  double largest_error = 0;
   Progress progress = {};  ///< stages "choose", "solve"
 };
 

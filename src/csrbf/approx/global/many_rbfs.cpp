@@ -10,14 +10,14 @@
 namespace csrbf {
 namespace {
 
-constexpr Index fewest = 4000;       // points, up to which dense systems take seconds
-constexpr double tolerance = 1e-8;   // of the residuals, in units of the largest value
-constexpr double dependent = 1e-11;  // as in solve_saddle()
+constexpr Index fewest = 4000;            // points, up to which dense systems take seconds
+constexpr double tolerance = 1e-8;        // of the residuals, in units of the largest value
+constexpr double rank_threshold = 1e-11;  // as in solve_saddle()
 
 using Matrix = Eigen::MatrixXd;
-using MatrixRef = Eigen::Ref<const Matrix>;
+using ValuesRef = Eigen::Ref<const Matrix>;
 
-Matrix in_frame(const RbfCoefficients& f, const MatrixRef& x) {
+Matrix in_frame(const RbfCoefficients& f, const ValuesRef& x) {
   return ((x.colwise() - f.shift).array().colwise() / f.scale.array()).matrix();
 }
 
@@ -30,7 +30,7 @@ struct Merged {
 };
 
 template <int Dim>
-Merged merge(const Points<Dim>& y, const MatrixRef& s, const Eigen::Ref<const Eigen::VectorXd>& smoothing) {
+Merged merge(const Points<Dim>& y, const ValuesRef& s, const Eigen::Ref<const Eigen::VectorXd>& smoothing) {
   const std::vector<Index> twin = first_coincident<Dim>(y);
   Merged merged;
   merged.place.resize(y.cols());
@@ -60,7 +60,7 @@ Merged merge(const Points<Dim>& y, const MatrixRef& s, const Eigen::Ref<const Ei
 }
 
 // Each sample's own coefficients: those of a place, in parts that differ as its values do.
-Matrix split(const Merged& merged, const Matrix& alpha, const MatrixRef& s,
+Matrix split(const Merged& merged, const Matrix& alpha, const ValuesRef& s,
              const Eigen::Ref<const Eigen::VectorXd>& smoothing) {
   Matrix own(s.cols(), alpha.cols());
   std::vector<Index> exact(merged.first.size(), -1);
@@ -81,7 +81,7 @@ Matrix split(const Merged& merged, const Matrix& alpha, const MatrixRef& s,
 }
 
 template <int Dim>
-RbfCoefficients solve_in(const RbfBasis& basis, const Matrix& y, const MatrixRef& s,
+RbfCoefficients solve_in(const RbfBasis& basis, const Matrix& y, const ValuesRef& s,
                          const Eigen::Ref<const Eigen::VectorXd>& smoothing, const Progress& progress) {
   RbfCoefficients f = RbfBasis::frame(y);
   const Points<Dim> points = y;
@@ -93,7 +93,7 @@ RbfCoefficients solve_in(const RbfBasis& basis, const Matrix& y, const MatrixRef
     if (norms[q] > 0) G.col(q) /= norms[q];
   if (G.cols() > 0) {
     Eigen::ColPivHouseholderQR<Matrix> qr(G);
-    qr.setThreshold(dependent);
+    qr.setThreshold(rank_threshold);
     if (qr.rank() < G.cols())
       throw SolverFailure(
           "RBFInterpolator: the system of equations is singular: the points do not determine the "
@@ -101,9 +101,13 @@ RbfCoefficients solve_in(const RbfBasis& basis, const Matrix& y, const MatrixRef
           std::to_string(qr.rank()) + " of its " + std::to_string(G.cols()) +
           " coefficients); lower the degree or add points that are not on one line or plane");
   }
-  const IterativeSolution solution =
-      solve_iteratively<Dim>(places, basis.kernel, 1 / std::sqrt(basis.epsilon2), merged.smoothing, G,
-                             merged.values.transpose(), {.tolerance = tolerance, .progress = progress});
+  IterativeSolution solution;
+  try {
+    solution = solve_iteratively<Dim>(places, basis.kernel, 1 / std::sqrt(basis.epsilon2), merged.smoothing, G,
+                                      merged.values.transpose(), {.tolerance = tolerance, .progress = progress});
+  } catch (const SolverFailure& failure) {
+    throw ManyRbfs::IllConditioned(failure.what());
+  }
   f.alpha = split(merged, solution.alpha, s, smoothing);
   f.pi = solution.pi;
   for (Index q = 0; q < G.cols(); ++q) f.pi.row(q) /= norms[q];
@@ -120,7 +124,7 @@ class ManyRbfsIn : public ManyRbfs {
     for (Index c = 0; c < f.alpha.cols(); ++c) sums_.emplace_back(radial, f.alpha.col(c));
   }
 
-  [[nodiscard]] Matrix evaluate(const MatrixRef& x) const override {
+  [[nodiscard]] Matrix evaluate(const ValuesRef& x) const override {
     Matrix values(std::ssize(sums_), x.cols());
     const Points<Dim> at = x;
     for (Index c = 0; c < values.rows(); ++c) values.row(c) = sums_[c].evaluate(at).value.transpose();
@@ -128,6 +132,8 @@ class ManyRbfsIn : public ManyRbfs {
       const Matrix local = ((x.colwise() - shift_).array().colwise() / scale_.array()).matrix();
       values += (basis_.monomials.values(local) * pi_).transpose();
     }
+    for (Index i = 0; i < x.cols(); ++i)
+      if (!x.col(i).allFinite()) values.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
     return values;
   }
 
@@ -145,7 +151,7 @@ bool ManyRbfs::suits(const RbfBasis& basis, Index dimension, Index n) {
          basis.monomials.size() >= MonomialSteps(static_cast<int>(dimension), basis.kernel.order() - 1).size();
 }
 
-RbfCoefficients ManyRbfs::solve(const RbfBasis& basis, const Matrix& y, const MatrixRef& s,
+RbfCoefficients ManyRbfs::solve(const RbfBasis& basis, const Matrix& y, const ValuesRef& s,
                                 const Eigen::Ref<const Eigen::VectorXd>& smoothing, const Progress& progress) {
   if (y.rows() == 1) return solve_in<1>(basis, y, s, smoothing, progress);
   if (y.rows() == 2) return solve_in<2>(basis, y, s, smoothing, progress);

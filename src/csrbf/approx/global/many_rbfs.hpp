@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/approx/global/rbf_system.hpp"
+#include "csrbf/core/error.hpp"
 #include "csrbf/core/progress.hpp"
 
 #include <memory>
@@ -11,12 +12,18 @@ namespace csrbf {
 /// their values by FastSum, O(n).
 class ManyRbfs {
  public:
+  /// Of a system that is not singular.
+  class IllConditioned : public SolverFailure {
+   public:
+    using SolverFailure::SolverFailure;
+  };
+
   /// Whether there is one for points of `dimension` coordinates: from 4000 on, for polynomials with which the kernel is
   /// definite.
   [[nodiscard]] static bool suits(const RbfBasis& basis, Index dimension, Index n);
 
   /// As RbfBasis::solve(), with `smoothing` >= 0: coincident points need positive ones. Throws SolverFailure when the
-  /// system is singular or too ill conditioned.
+  /// system is singular, IllConditioned when it is too ill conditioned for iterations.
   [[nodiscard]] static RbfCoefficients solve(const RbfBasis& basis, const Eigen::MatrixXd& y,
                                              const Eigen::Ref<const Eigen::MatrixXd>& s,
                                              const Eigen::Ref<const Eigen::VectorXd>& smoothing,
