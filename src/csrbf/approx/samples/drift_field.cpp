@@ -98,7 +98,8 @@ void DriftField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& ou
   for (Index j = 0; j < z.rows(); ++j)
     difference.row(j) -= values_of(parts_.covariates[static_cast<std::size_t>(j)], y).transpose();
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  for (Index i = 0; i < n; ++i) out.value[i] += difference.col(i).dot(parts_.covariance * difference.col(i));
+  const Eigen::MatrixXd spread = parts_.covariance * difference;
+  for (Index i = 0; i < n; ++i) out.value[i] += difference.col(i).dot(spread.col(i));
   if (out.gradient != nullptr) std::fill_n(out.gradient, Dim * n, nan);
   if (out.hessian != nullptr) std::fill_n(out.hessian, symmetric_size<Dim> * n, nan);
 }
