@@ -298,13 +298,14 @@ FileParts format_nrrd(const VolumeLayout& layout, const std::string& samples) {
   const int axes = grid.axes + (layout.components > 1 ? 1 : 0) + (layout.frames > 1 ? 1 : 0);
   std::string head = "NRRD0005\ntype: " + std::string(name_of(layout.type, type_names)) +
                      "\ndimension: " + std::to_string(axes) + "\n";
-  if (grid.space == Space::unknown)
-    head += "space dimension: " + std::to_string(space_axes) + "\n";
-  else
-    head += std::string("space: ") +
-            (grid.space == Space::left_posterior_superior ? "left-posterior-superior" : "right-anterior-superior") +
-            "\n";
-  head += "sizes:" + sizes + "\nspace directions:" + directions + "\nkinds:" + kinds + "\n";
+  if (grid.space == Space::unknown) {
+    head += "space dimension: ";
+    head += std::to_string(space_axes);
+  } else {
+    head += "space: ";
+    head += grid.space == Space::left_posterior_superior ? "left-posterior-superior" : "right-anterior-superior";
+  }
+  head += "\nsizes:" + sizes + "\nspace directions:" + directions + "\nkinds:" + kinds + "\n";
   if (layout.frames > 1 && layout.time_step != 1) head += "spacings:" + spacings + "\n";
   head += "endian: little\nencoding: gzip\nspace origin: " + vector(grid.origin) + "\n\n";
   return {std::move(head), deflate_bytes({samples}, DeflateFormat::gzip)};
