@@ -42,8 +42,9 @@ Index drop_non_finite(PointCloud& cloud) {
 void run(const EstimateNormalsCommand& command, Session& session) {
   NormalOptions options = make_options(command);
   options.progress = session.progress();
-  session.expect_output("--output", command.output, is_point_file(command.output),
-                        std::string("point files are ") + point_formats);
+  std::string formats = "point files are ";
+  formats += point_formats;
+  session.expect_output("--output", command.output, is_point_file(command.output), formats);
 
   const PointSelection selection = make_selection(command.points);
   PointCloud cloud = session.timed("read", [&] { return select_points(read_points(command.input), selection); });
