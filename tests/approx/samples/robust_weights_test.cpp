@@ -50,7 +50,7 @@ TEST(RobustWeights, LooksAtAllOfManySamplesWhereSomeAreErrors) {
   Samples<2> data = noisy<2>(20'000, franke, .02);
   EXPECT_EQ(robust_weights(data, "auto").factors.size(), 0);
   for (Index i = 0; i < 20'000; i += 50) data.values(i) += 3;
-  EXPECT_NEAR(static_cast<double>(robust_weights(data, "auto").gross_errors.size()), 400, 4);  // neighbours: a peak
+  EXPECT_EQ(robust_weights(data, "auto").gross_errors.size(), 400U);
 }
 
 TEST(RobustWeights, AreThoseOfTheLoss) {

@@ -101,7 +101,7 @@ Eigen::VectorXd local_deviations(const Samples<Dim>& samples, const std::vector<
       if (samples.weight(i) == 0 || !(unit > 0)) continue;
       double deviation = std::abs(difference(t, c)) / unit;
       if (has_support[static_cast<std::size_t>(t * C + c)] != 0) deviation = std::min(deviation, cutoff);
-      if (deviation > std::abs(result[t])) result[t] = std::copysign(deviation, difference(t, c));
+      result[t] = std::max(result[t], deviation);
     }
   }
   return result;

@@ -5,8 +5,7 @@
 namespace csrbf {
 
 /// How far each of the samples `targets` is from what the samples around it say: the difference to a robust local
-/// linear fit to them, without it, in units of the differences of those; the largest over the components,
-/// with its sign. At most about
+/// linear fit to them, without it, in units of the differences of those; the largest over the components. At most about
 /// 5 for nearly all samples of a function with noise of one distribution, whatever its size; 0 where the samples around
 /// it say nothing. Samples that others nearby agree with, as along a step, count as those do. `samples` must be
 /// distinct points; those of weight 0 are ignored, and have 0. O(log n) each.

@@ -1,12 +1,9 @@
 #include "csrbf/approx/samples/robust_weights.hpp"
 
 #include "csrbf/approx/samples/local_deviations.hpp"
-#include "csrbf/approx/samples/separate_tail.hpp"
-#include "csrbf/spatial/kd_tree.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -15,11 +12,10 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr double gross = 8;               // deviations of a gross error, at least
-constexpr std::size_t near = 4;           // neighbours that tell peaks from errors
-constexpr double most_of_one = 3;         // deviations that one of them counts for, at most
-constexpr double peak = 0.05;             // height of a peak at the neighbours, on average
-constexpr double same_side = 2.5;         // deviations of their sum, over what it has by chance
+constexpr double gross = 8;               // deviations of a gross error
+constexpr double few_errors = 0.01;       // share below which they may be the tail of the distribution
+constexpr double gross_alone = 100;       // deviations of one of so few
+constexpr double most_errors = 0.2;       // share of the samples
 constexpr Index all_at_once = 2000;       // samples that are all looked at
 constexpr Index blocks = 8, block = 256;  // of neighbours, beyond
 constexpr double huber = 1.345;           // deviation up to which samples have their weight (Huber 1981)
@@ -41,33 +37,9 @@ bool any_in_blocks(const Samples<Dim>& samples) {
     if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
     std::vector<Index> all(chosen.size());
     std::iota(all.begin(), all.end(), Index{0});
-    if (local_deviations(some, all).cwiseAbs().maxCoeff() > gross) return true;
+    if (local_deviations(some, all).maxCoeff() > gross) return true;
   }
   return false;
-}
-
-// Far samples whose neighbours are off to the same side, though less, are on a peak, and no errors.
-template <int Dim>
-void keep_peaks(const Samples<Dim>& samples, const Eigen::VectorXd& differences, Eigen::VectorXd& factors) {
-  const KdTree<Dim> tree(samples.points);
-  const Eigen::VectorXd found = factors;
-  std::array<Index, near + 1> nearest{};
-  std::array<double, near + 1> r2{};
-  for (Index i = 0; i < factors.size(); ++i) {
-    if (found[i] > 0) continue;
-    const Index count = tree.nearest(samples.points.col(i), near + 1, nearest.data(), r2.data());
-    const double side = std::copysign(1.0, differences[i]);
-    double sum = 0, height = 0, used = 0;
-    for (Index k = 0; k < count; ++k) {
-      const Index j = nearest[static_cast<std::size_t>(k)];
-      if (j == i) continue;
-      sum += std::clamp(side * differences[j], -most_of_one, most_of_one);
-      height += side * differences[j];
-      used += 1;
-    }
-    const bool is_wide = height > peak * used * std::abs(differences[i]);
-    if (used > 0 && sum > same_side * std::sqrt(used) && is_wide) factors[i] = 1;
-  }
 }
 
 }  // namespace
@@ -79,15 +51,13 @@ RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& los
   if (loss == "auto" && n > all_at_once && !any_in_blocks(samples)) return {};
   std::vector<Index> all(static_cast<std::size_t>(n));
   std::iota(all.begin(), all.end(), Index{0});
-  const Eigen::VectorXd differences = local_deviations(samples, all);
-  const Eigen::ArrayXd deviation = differences.array().abs();
+  const Eigen::ArrayXd deviation = local_deviations(samples, all);
   RobustWeights result;
   if (loss == "auto") {
-    const std::optional<double> limit = separate_tail(deviation);
-    if (!limit) return {};
-    result.factors = (deviation <= std::max(*limit, gross)).template cast<double>();
-    keep_peaks(samples, differences, result.factors);
-    if (result.factors.minCoeff() > 0) return {};
+    const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
+    const double limit = share(gross) < few_errors ? gross_alone : gross;
+    if (share(limit) == 0 || share(limit) > most_errors) return {};
+    result.factors = (deviation <= limit).template cast<double>();
   } else if (loss == "huber") {
     result.factors = huber / deviation.max(huber);
   } else {

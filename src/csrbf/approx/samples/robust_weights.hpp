@@ -15,8 +15,9 @@ struct RobustWeights {
 
 /// What samples count for, by how far they are from what the samples around them say (see local_deviations()): "auto" 0
 /// for gross errors and 1 for all others, "huber" and "student" less and less, "squares" 1. auto looks at some
-/// thousands of the samples, and at all where these have far ones; these are errors only where they are no tail of how
-/// the deviations are distributed (see separate_tail()). Samples may be at the same points.
+/// thousands of the samples, and at all where these have gross errors; a fifth of all samples that deviate are no
+/// errors but how the values are distributed, and so are a few that are not very far off. Samples may be at the same
+/// points.
 template <int Dim>
 RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& loss);
 
