@@ -298,7 +298,7 @@ class Function(Shown):
         Examples
         --------
         >>> f = csrbf.fit([[0.0], [1.0], [2.0]], [0.0, 1.0, 2.0])
-        >>> f.extrapolated("linear")([3.0]).round(6)
+        >>> f.extrapolated("linear")([3.0]).round(1)
         3.0
         """
         function = Function(self._function.extrapolated(extrapolation), self._scalar)
