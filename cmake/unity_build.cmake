@@ -38,7 +38,7 @@ function(csrbf_compile_together target)
     # A local name may be that of something in another file's anonymous namespace, whose types GCC takes for those of a
     # header.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-Wno-shadow>
-                                             $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+                                             $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage;-Wno-array-bounds>)
   endif()
 endfunction()
 file(WRITE ${PROJECT_BINARY_DIR}/compiled_together.txt "")

@@ -69,6 +69,7 @@ SurfaceMethod = Literal[
     "adamson-alexa",
     "projection-mls",
     "morse",
+    "carr",
     "turk-obrien",
     "savchenko",
     "dinh",

@@ -50,10 +50,8 @@ def _of_arrays(points: Any, values: Any, weights: Any) -> Samples:
         raise ValueError(f"values: has shape {values.shape}; must be ({len(points)},) or ({len(points)}, k)")
     if weights is not None:
         weights = floats(data_of(weights), "weights")
-    missing = np.zeros(len(points), dtype=bool)
-    for mask in masks:
-        if mask is not None and len(mask) == len(points):
-            missing |= mask
+    hidden = [mask for mask in masks if mask is not None and len(mask) == len(points)]
+    missing: NDArray[np.bool_] = np.any(hidden, axis=0) if hidden else np.zeros(0, dtype=bool)
     return _present(points, values, weights, missing, [], [])
 
 
