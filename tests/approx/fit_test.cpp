@@ -330,7 +330,7 @@ TEST(Fit, RefusesInvalidOptions) {
     expect_refusal([&] { fit<2>(data, options); }, part);
   };
   refused({.method = "kriging"}, "fit: method = kriging: unknown; use one of auto, interpolate, ");
-  refused({.kernel = "wendland"}, "wendland-c2");
+  refused({.kernel = "wenland"}, "wendland-c2");
   refused({.method = "partition-of-unity", .kernel = "thin-plate"}, "kernel = thin-plate: is only conditionally");
   refused({.kernel = "gaussian", .kernel_parameter = 2}, "gaussian");
   refused({.method = "partition-of-unity", .kernel = "matern", .kernel_parameter = 2},
