@@ -12,9 +12,10 @@ namespace csrbf {
 namespace {
 
 constexpr const char* function = "RadialBasis";
-constexpr Index many_centers = 8000;  // beyond which fast sums are faster than direct ones; chosen by hand
-constexpr double accuracy = 1e-9;     // of fast sums
-constexpr double most_shifts = 1000;  // periodic images per query, each a search; chosen by hand
+constexpr Index many_centers = 8000;        // beyond which fast sums are faster than direct ones; chosen by hand
+constexpr double accuracy = 1e-9;           // of fast sums ...
+constexpr double accuracy_in_space = 1e-8;  // ... below which boxes two apart are near, and memory is tenfold
+constexpr double most_shifts = 1000;        // periodic images per query, each a search; chosen by hand
 
 }  // namespace
 
@@ -51,8 +52,9 @@ const FastSum<Dim>* RadialBasis<Dim>::fast_sum() const {
   } else {
     if (fast_sum_ == nullptr) return nullptr;
     std::call_once(fast_sum_->once, [this] {
-      fast_sum_->sum = std::make_unique<const FastSum<Dim>>(Points<Dim>(transform_ * centers_), kernel_, support(0),
-                                                            TreeOptions{.tolerance = accuracy, .everywhere = true});
+      fast_sum_->sum = std::make_unique<const FastSum<Dim>>(
+          Points<Dim>(transform_ * centers_), kernel_, support(0),
+          TreeOptions{.tolerance = Dim == 3 ? accuracy_in_space : accuracy, .everywhere = true});
     });
     return fast_sum_->sum.get();
   }
