@@ -1,8 +1,7 @@
 #include "process/interrupt.hpp"
 
-#include <unistd.h>
-
 #include <csignal>
+#include <cstdlib>
 #include <initializer_list>
 
 namespace csrbf::app {
@@ -13,11 +12,22 @@ volatile std::sig_atomic_t received = 0;
 constexpr int signal_base = 128;  // exit codes of shells: this + the number of the signal
 
 void handle(int signal) {
-  if (received != 0) _exit(signal_base + signal);
+  if (received != 0) std::_Exit(signal_base + signal);
   received = signal;
+#ifdef _WIN32
+  std::signal(signal, handle);  // Windows forgets the handler when it calls it
+#endif
 }
 
 }  // namespace
+
+#ifdef _WIN32
+
+void catch_interrupts() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, handle);
+}
+
+#else
 
 void catch_interrupts() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a write error
@@ -31,6 +41,8 @@ void catch_interrupts() {
     sigaction(signal, &action, nullptr);
   }
 }
+
+#endif
 
 bool interrupted() {
   return received != 0;

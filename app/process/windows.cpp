@@ -1,7 +1,6 @@
-// What the files of this folder do on POSIX systems, as far as Windows has it; CMake compiles this one in their place.
+// What the files of this folder that need POSIX do, as far as Windows has it; CMake compiles this one in their place.
 #include "common.hpp"
 #include "process/file_memory.hpp"
-#include "process/interrupt.hpp"
 #include "process/memory_cap.hpp"
 #include "process/peak_memory.hpp"
 #include "process/resume_log.hpp"
@@ -11,46 +10,10 @@
 // after windows.h
 #include <psapi.h>
 
-#include <csignal>
 #include <cstdlib>
 #include <new>
 
 namespace csrbf::app {
-namespace {
-
-volatile std::sig_atomic_t received = 0;
-
-constexpr int signal_base = 128;  // exit codes of shells: this + the number of the signal
-
-// Windows forgets the handler when it calls it.
-void handle(int signal) {
-  if (received != 0) std::_Exit(signal_base + signal);
-  received = signal;
-  std::signal(signal, handle);
-}
-
-}  // namespace
-
-void catch_interrupts() {
-  std::signal(SIGINT, handle);
-  std::signal(SIGTERM, handle);
-}
-
-bool interrupted() {
-  return received != 0;
-}
-
-int interrupt_signal() {
-  return received;
-}
-
-void interrupt_by(int signal) {
-  received = signal;
-}
-
-int interrupt_exit_code() {
-  return signal_base + (received != 0 ? received : SIGINT);
-}
 
 std::size_t peak_memory_bytes() {
   PROCESS_MEMORY_COUNTERS counters{};
