@@ -187,8 +187,8 @@ class Files(Studio):
         self.assertEqual(sorted(os.listdir(self.folder.name)), ["ball.xyz", "secret.xyz"])
 
     def test_too_large_files_are_refused(self):
-        status, _ = self.ask("PUT", "api/files/large.xyz", b"1" * (LARGEST + 1))
-        self.assertEqual(status, 413)
+        # The size is announced only: the server answers before all of it is sent, and a client may not see that answer.
+        self.refused(413, "is larger than", "PUT", "api/files/large.xyz", headers={"Content-Length": str(LARGEST + 1)})
         self.refused(404, "large.xyz", "GET", "api/files/large.xyz")
 
     def test_a_file_that_breaks_off_leaves_nothing(self):
