@@ -132,13 +132,13 @@ TEST(Track, SmoothsTheCurveOfAreasOfNoisyFrames) {
   EXPECT_GT(remembered_dice, alone_dice);
 }
 
-// Forward only, a contour with much memory lags behind a disc that moves steadily, unless its motion is extrapolated.
+// Forward only, the contour lags behind a disc that moves steadily, unless its motion is extrapolated.
 TEST(Track, ForeseesSteadyMotion) {
   std::vector<Disc> discs;
   for (int t = 0; t < 10; ++t) discs.push_back({-18.0 + 4 * t, 0, 18});
   const Volume<float> sequence = disc_sequence(discs, 60);
   const auto mean_dice = [&](double prediction) {
-    const Tracking<2> tracking = track<2>(sequence, {.persistence = 2, .prediction = prediction, .sweeps = 1});
+    const Tracking<2> tracking = track<2>(sequence, {.prediction = prediction, .sweeps = 1});
     double sum = 0;
     for (std::size_t t = 0; t < discs.size(); ++t)
       sum += dice(tracking.frames[t].segmentation.labels, disc_labels(discs[t]));

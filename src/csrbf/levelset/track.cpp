@@ -13,9 +13,9 @@ namespace {
 
 constexpr const char* here = "track";
 // Chosen by hand.
-constexpr double barrier = 2;       // cost, in wrong voxels, of what moved farther than it may
-constexpr double full_noise = 0.8;  // noise of a frame over its contrast from which the prior has its full weight
-constexpr double one_sided = 0.5;   // weight of an expectation from one neighbour, which motion displaces
+constexpr double barrier = 2;        // cost, in wrong voxels, of what moved farther than it may
+constexpr double full_noise = 0.25;  // noise of a frame over its contrast from which the prior has its full weight
+constexpr double one_sided = 0.5;    // weight of an expectation from one neighbour, which motion displaces
 
 void check_options(const TrackOptions& options) {
   require(options.persistence >= 0 && options.persistence <= 100, here, "persistence", options.persistence,

@@ -10,9 +10,9 @@ struct TrackOptions {
 
   /// Weight of the contour expected from other frames: the cost, in units of a wrong voxel, of voxels on the other side
   /// of it. Rises linearly with their distance from the expected contour, to full weight at one center spacing; and
-  /// with the square of the noise of the frame, to full weight at 0.8 of the contrast: clear frames are followed as
-  /// they are, noisy ones smoothed over time. 0: every frame by itself, except for its start. Two regions, any energy
-  /// but edge.
+  /// with the square of the noise of the frame, to full weight at a quarter of the contrast: clear frames are followed
+  /// as they are, noisy ones smoothed over time. 0: every frame by itself, except for its start. Two regions, any
+  /// energy but edge.
   double persistence = 1;
 
   /// How far the contour may move from one frame to the next beyond what is expected, in voxels of the shortest edge:
