@@ -5,11 +5,8 @@ usage: notebook_browser_test.py [unittest options]
 Ends with 77 (skipped) when Chromium, its driver, selenium or three.js (when csrbf was built) is missing.
 """
 
-import os
 import pathlib
-import shutil
 import sys
-import tempfile
 import time
 import unittest
 
@@ -17,30 +14,10 @@ import numpy as np
 
 import csrbf
 
-SKIPPED = 77
 PATIENCE = 60  # seconds for views to start on a busy machine
 
 sys.dont_write_bytecode = True  # leave no files in the folder of the sources
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
-from page_picture import open_browser, set_window
-
-# The share of the canvas that is covered, and the mean colour there.
-LOOK = """
-const view = document.querySelector("figure.surface").view;
-view.draw();
-const copy = document.createElement("canvas");
-[copy.width, copy.height] = [view.canvas.width, view.canvas.height];
-const context = copy.getContext("2d");
-context.drawImage(view.canvas, 0, 0);
-const data = context.getImageData(0, 0, copy.width, copy.height).data;
-let covered = 0, sum = [0, 0, 0];
-for (let i = 0; i < data.length; i += 4) {
-  if (data[i + 3] < 128) continue;
-  ++covered;
-  for (let c = 0; c < 3; ++c) sum[c] += data[i + c];
-}
-return [4 * covered / data.length, ...sum.map((s) => s / Math.max(covered, 1))];
-"""
+from chromium import LOOK, SKIPPED, missing_browser, set_window, start_browser
 
 
 def outputs():
@@ -56,12 +33,9 @@ def outputs():
 class Notebook(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="csrbf_browser_")
-        cls.addClassCleanup(folder.cleanup)
-        cls.page = pathlib.Path(folder.name, "notebook.html")
+        start_browser(cls, PATIENCE)
+        cls.page = pathlib.Path(cls.folder.name, "notebook.html")
         cls.page.write_text("".join(f"<h3>{i}</h3>{thing._repr_html_()}" for i, thing in enumerate(outputs())))
-        cls.browser = open_browser(os.path.join(folder.name, "profile"))
-        cls.addClassCleanup(cls.browser.quit)
         set_window(cls.browser, 900, 2000)
         cls.browser.get(cls.page.as_uri())
         cls.frames = cls.browser.find_elements("css selector", "iframe")
@@ -84,11 +58,12 @@ class Notebook(unittest.TestCase):
             self.in_frame(number)
             self.assertEqual(self.browser.execute_script('return document.querySelectorAll("figure").length'), 1)
             looks.append(self.browser.execute_script(LOOK))
-        for share, *_ in looks:
-            self.assertGreater(share, 0.02)
-        _, red, green, blue = looks[1]
+        for look in looks:
+            self.assertGreater(look["share"], 0.02)
+        red, green, blue = looks[1]["color"]
         self.assertTrue(red > 120 and green < 60 and blue < 60, looks)
-        self.assertGreater(looks[2][3], looks[2][1])  # points are blue
+        red, _, blue = looks[2]["color"]
+        self.assertGreater(blue, red)  # points are blue
         self.assertEqual([entry for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"], [])
 
     def test_a_view_whose_place_is_taken_becomes_a_still_picture(self):
@@ -103,13 +78,9 @@ class Notebook(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    try:
-        import selenium  # noqa: F401
-    except ImportError:
-        print("skipped: selenium is not installed (Debian: python3-selenium)")
-        sys.exit(SKIPPED)
-    if not (shutil.which("chromium") and shutil.which("chromedriver")):
-        print("skipped: Chromium or its driver is not installed (Debian: chromium, chromium-driver)")
+    lacking = missing_browser()
+    if lacking:
+        print("skipped: no " + lacking)
         sys.exit(SKIPPED)
     if not (pathlib.Path(csrbf.__file__).parent / "page" / "viewer.js").exists():
         print("skipped: csrbf was built without three.js (Debian: libjs-three, esbuild)")

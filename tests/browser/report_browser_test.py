@@ -9,20 +9,17 @@ Chromium, its driver, selenium or three.js (when the program was built) is missi
 import math
 import os
 import random
-import shutil
 import struct
 import subprocess
 import sys
 import tempfile
 import unittest
 
-SKIPPED = 77
 PROGRAM = ""
 WIDTH, HEIGHT = 1280, 900
 
 sys.dont_write_bytecode = True  # leave no files in the folder of the sources
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
-from page_picture import open_browser, set_window
+from chromium import LOOK, SKIPPED, missing_browser, set_window, start_browser
 
 try:
     from selenium.webdriver.common.action_chains import ActionChains
@@ -31,26 +28,6 @@ try:
     from selenium.webdriver.support.ui import Select, WebDriverWait
 except ImportError:
     ActionChains = None
-
-# What the canvas shows: the share of its pixels that are covered, their mean colour, and a number for all of it.
-LOOK = """
-const view = document.querySelector("figure.surface").view;
-view.draw();
-const copy = document.createElement("canvas");
-[copy.width, copy.height] = [view.canvas.width, view.canvas.height];
-const context = copy.getContext("2d");
-context.drawImage(view.canvas, 0, 0);
-const data = context.getImageData(0, 0, copy.width, copy.height).data;
-let covered = 0, red = 0, green = 0, blue = 0, hash = 0;
-for (let i = 0; i < data.length; i += 4) {
-  hash = (Math.imul(hash, 31) + data[i] + 256 * data[i + 1] + 65536 * data[i + 2]) | 0;
-  if (data[i + 3] < 128) continue;
-  ++covered;
-  red += data[i]; green += data[i + 1]; blue += data[i + 2];
-}
-return {share: 4 * covered / data.length, color: [red, green, blue].map((sum) => sum / Math.max(covered, 1)), hash};
-"""
-
 
 def dented_ball(n):
     """Points on a ball with a dent, whose views all differ."""
@@ -70,11 +47,7 @@ def run_program(*arguments):
 class Browser(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory(prefix="csrbf_browser_")
-        cls.addClassCleanup(cls.folder.cleanup)
-        cls.browser = open_browser(os.path.join(cls.folder.name, "profile"))
-        cls.addClassCleanup(cls.browser.quit)
-        cls.browser.set_page_load_timeout(120)
+        start_browser(cls, 120)
         cls.write_pages()
 
     @classmethod
@@ -127,7 +100,11 @@ class Browser(unittest.TestCase):
         return self.browser.find_element(By.NAME, name)
 
     def choose(self, name, value):
-        Select(self.control(name)).select_by_value(value)
+        """In its menu, which is opened for it."""
+        control = self.control(name)
+        for menu in control.find_elements(By.XPATH, "ancestor::details[not(@open)]/summary"):
+            menu.click()
+        Select(control).select_by_value(value)
 
     def slide(self, value):
         self.browser.execute_script(
@@ -324,11 +301,8 @@ class View(Browser):
 
 def missing():
     """What is not here that the tests need."""
-    if ActionChains is None:
-        return "selenium (python3-selenium)"
-    for program, package in (("chromium", "chromium"), ("chromedriver", "chromium-driver")):
-        if shutil.which(program) is None:
-            return f"{program} ({package})"
+    if missing_browser():
+        return missing_browser()
     with tempfile.TemporaryDirectory() as folder:
         cloud, page = os.path.join(folder, "ball.xyz"), os.path.join(folder, "ball.html")
         with open(cloud, "w") as file:

@@ -9,30 +9,25 @@ Chromium, its driver, selenium or the studio is missing.
 """
 
 import base64
-import json
 import math
 import os
 import random
 import re
-import shutil
 import signal
 import struct
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
 # Background jobs ignore Ctrl-C, and so do the programs they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-SKIPPED = 77
 PROGRAM = ""
 PATIENCE = 180  # seconds, on a busy machine
 
 sys.dont_write_bytecode = True  # leave no files in the folder of the sources
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
-from page_picture import open_browser, set_window
+from chromium import SKIPPED, missing_browser, set_window, start_browser
 
 try:
     from selenium.webdriver.common.action_chains import ActionChains
@@ -68,12 +63,7 @@ def start(*arguments):
 class Studio(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory(prefix="csrbf_studio_browser_")
-        cls.addClassCleanup(cls.folder.cleanup)
-        cls.browser = open_browser(os.path.join(cls.folder.name, "profile"))
-        cls.addClassCleanup(cls.browser.quit)
-        cls.browser.set_page_load_timeout(PATIENCE)
-        cls.browser.set_script_timeout(PATIENCE)
+        start_browser(cls, PATIENCE)
         cls.studio, cls.address = start()
         cls.addClassCleanup(cls.end)
 
@@ -366,11 +356,8 @@ class Pictures(Studio):
 
 def missing():
     """What is not here that the tests need."""
-    if ActionChains is None:
-        return "selenium (python3-selenium)"
-    for program, package in (("chromium", "chromium"), ("chromedriver", "chromium-driver")):
-        if shutil.which(program) is None:
-            return f"{program} ({package})"
+    if missing_browser():
+        return missing_browser()
     studio, address = start()
     studio.send_signal(signal.SIGINT)
     said = studio.communicate(timeout=60)[1]
