@@ -84,6 +84,7 @@ TEST(Pcd, ThatIsDamagedIsRefused) {
   EXPECT_NE(error("FIELDS x\nSIZE 3\nTYPE F\nDATA ascii\n").find("not known"), std::string::npos);
   EXPECT_NE(error("FIELDS x\nDATA ascii\n").find("TYPE"), std::string::npos);
   EXPECT_NE(error("FIELDS x\n").find("DATA"), std::string::npos);
+  EXPECT_NE(error("POINTS 2\nDATA ascii\n1\n2\n").find("FIELDS"), std::string::npos);
 }
 
 }  // namespace

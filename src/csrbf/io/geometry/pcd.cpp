@@ -91,6 +91,7 @@ PcdHeader read_header(LineReader& reader) {
       reader.fail(in_quotes(keyword) + " does not belong to the header of a PCD file");
     }
   }
+  if (header.fields.empty()) reader.fail("the header has no line FIELDS");
   if (types.size() != header.fields.size()) reader.fail("the header has no line TYPE after FIELDS");
   for (std::size_t i = 0; i < types.size(); ++i) {
     Field& field = header.fields[i];
