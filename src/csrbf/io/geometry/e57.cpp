@@ -134,6 +134,10 @@ class E57Points {
 
 #endif
 
+void require_e57(std::string_view bytes, const std::string& name) {
+  if (!bytes.starts_with("ASTM-E57")) throw IoError(name + ": not an E57 file: it does not begin with ASTM-E57");
+}
+
 }  // namespace
 
 #ifdef CSRBF_HAS_E57
@@ -143,6 +147,11 @@ bool reads_e57() {
 }
 
 PointCloud parse_e57(std::string_view bytes, const std::string& name) {
+  require_e57(bytes, name);
+  constexpr std::size_t page = 1024;  // bytes; libE57Format reads whole ones
+  if (bytes.size() % page != 0)
+    throw IoError(name + ": the file is truncated: it has " + std::to_string(bytes.size()) +
+                  " bytes, and E57 files have pages of 1024");
   std::vector<std::string> wanted = {
       "cartesianX",     "cartesianY",       "cartesianZ",         "cartesianInvalidState",
       "sphericalRange", "sphericalAzimuth", "sphericalElevation", "sphericalInvalidState"};
@@ -170,7 +179,7 @@ bool reads_e57() {
 }
 
 PointCloud parse_e57(std::string_view bytes, const std::string& name) {
-  if (!bytes.starts_with("ASTM-E57")) throw IoError(name + ": not an E57 file: it does not begin with ASTM-E57");
+  require_e57(bytes, name);
   throw IoError(name +
                 ": this build cannot read E57; convert the file to .las or .ply, as with CloudCompare or `pdal "
                 "translate a.e57 a.las`, or build csrbf where libE57Format is installed");
