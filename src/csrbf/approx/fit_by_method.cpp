@@ -10,9 +10,11 @@
 #include "csrbf/approx/levels/multilevel.hpp"
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 #include "csrbf/approx/moving/along_tracks.hpp"
+#include "csrbf/approx/samples/blended_field.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
+#include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -63,8 +65,9 @@ class Fitter {
         return level_sum(fixed_budget(samples_, level_options<FixedBudgetOptions>()));
       case FitMethod::error_bounded:
         return within_tolerance();
-      case FitMethod::moving_least_squares:
       case FitMethod::along_tracks:
+        return along_tracks_alone();
+      case FitMethod::moving_least_squares:
         return moving();
     }
     return {};
@@ -197,28 +200,58 @@ class Fitter {
   }
 
   bool tracks_may_matter() const {
-    const bool rough = Kernel(report_.kernel, Dim).is_rough();
+    const LocalOptions& local = last_fit_.report.local;
+    const bool rough = local.centers == local.samples && local.degree <= 1;
     const bool free = options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
     const bool exact = report_.cross_validation_rmse <= rounding * samples_.values.cwiseAbs().maxCoeff();
     return Dim > 1 && free && rough && !exact && samples_.size() >= fewest_for_tracks;
   }
 
   Fields patches_or_tracks() {
-    const FitReport before = report_;
-    Fields fields = partition(samples_, partition_options(options_));
-    const auto error = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
-    if (!error) return filled(samples_);
-    report_ = before;
+    partition(samples_, partition_options(options_));
+    const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
+    const Fields patches = filled(samples_);
+    if (!tracks) return patches;
     method_ = FitMethod::along_tracks;
-    report_.cross_validation_rmse = error->rmse;
-    variances_.clear();
-    return moving();
+    return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
   }
 
-  Fields moving() {
+  Fields along_tracks_alone() {
+    const FitReport before = report_;
+    partition(samples_, {.progress = options_.progress});
+    const Fields patches = filled(samples_);
+    report_ = before;
+    return improved(moving(), patches, only_along_tracks(samples_, last_fit_.report.local, moving_options()));
+  }
+
+  // Fields where samples are around, and `patches`, which variances_ are of, in the gaps.
+  Fields improved(const Fields& fields, const Fields& patches, const TrackShare<Dim>& tracks) {
+    report_.cross_validation_rmse = tracks.held_out_rmse;
+    const auto& partition = dynamic_cast<const PartitionOfUnity<Dim>&>(*patches.front());
+    const std::shared_ptr<const Field<Dim>> share = outside_gaps(partition.data());
+    Fields variances = tracks.ratios.empty() ? Fields() : blend(variances_, Fields(variances_.size()), tracks.ratios);
+    if (share && !variances.empty()) variances = blend(variances, variances_, {share});
+    variances_ = std::move(variances);
+    return share ? blend(fields, patches, {share}) : fields;
+  }
+
+  // `shares`: of the first fields; one for all, or one for each.
+  static Fields blend(const Fields& one, const Fields& other, const Fields& shares) {
+    Fields blended;
+    for (std::size_t c = 0; c < one.size(); ++c)
+      blended.push_back(std::make_shared<const BlendedField<Dim>>(one[c], other[c], shares[shares.size() > 1 ? c : 0]));
+    return blended;
+  }
+
+  MovingLeastSquaresOptions moving_options() const {
     auto options = method_ == FitMethod::along_tracks ? along_tracks : MovingLeastSquaresOptions{};
     if (options_.kernel != "auto") options.kernel = options_.kernel;
     if (options_.degree) options.degree = *options_.degree;
+    return options;
+  }
+
+  Fields moving() {
+    const MovingLeastSquaresOptions options = moving_options();
     report_.kernel = options.kernel;
     report_.degree = options.degree;
     report_.centers = samples_.size();

@@ -49,6 +49,19 @@ TEST(FillGaps, NothingExplodesInGaps) {
   expect_sane_in_gap(outside_hole, .05);  // a thin plate: .04
 }
 
+// Of points on the faces of the box, too.
+TEST(FillGaps, GivesTheSameBitsAgain) {
+  const Samples<2> data = franke_where(1500, 1, outside_hole);
+  const Points<2> x = random_points<2>(500, 3);
+  const Eigen::VectorXd expected = csrbf::fit(data).components[0]->evaluate(x).value;
+  for (const int threads : {1, 2, 3}) {
+    set_thread_count(threads);
+    std::vector<double> waste(1 << threads, threads);  // other memory
+    EXPECT_EQ(csrbf::fit(data).components[0]->evaluate(x).value, expected) << threads << " " << waste.size();
+  }
+  set_thread_count(0);
+}
+
 TEST(FillGaps, TheDeviationGrowsWithTheDistanceToTheSamples) {
   const Fit<2> fit = csrbf::fit(franke_where(6000, 1, in_triangle));
   Points<2> x(2, 4);

@@ -81,13 +81,11 @@ TEST(MovingLeastSquaresAlongTracks, ReproducesConstantsAndRefusesOtherDegrees) {
 
 TEST(FitAlongTracks, IsChosenWhereTracksDisagree) {
   EXPECT_EQ(fit<2>(soundings(12000, 0.4)).report.method, "along-tracks");
-  EXPECT_EQ(fit<2>(soundings(12000, 0)).report.method, "partition-of-unity");
   Samples<2> even = soundings(12000, 0.4);
   even.points = random_points<2>(12000, 7);
   EXPECT_EQ(fit<2>(even).report.method, "partition-of-unity");
 }
 
-// Every fifth sounding predicted by the others.
 TEST(FitAlongTracks, IsNotChosenForRoundingErrors) {
   Samples<2> constant = soundings(3000, 0.4);
   constant.values.setConstant(3.5);
@@ -96,8 +94,9 @@ TEST(FitAlongTracks, IsNotChosenForRoundingErrors) {
   EXPECT_LT(result.report.cross_validation_rmse, 1e-12);
 }
 
-TEST(FitAlongTracks, PredictsSoundingsBetterThanPatches) {
-  const Samples<2> all = soundings(15000, 0.4);
+// Every fifth sounding predicted by the others.
+double mean_error_over_that_of_patches(double offset) {
+  const Samples<2> all = soundings(15000, offset);
   const auto kept = Eigen::seqN(0, 12000), rest = Eigen::seqN(12000, 3000);
   const Samples<2> data{all.points(Eigen::all, kept), all.values(kept, Eigen::all), {}};
   const Points<2> x = all.points(Eigen::all, rest);
@@ -105,7 +104,34 @@ TEST(FitAlongTracks, PredictsSoundingsBetterThanPatches) {
     const Eigen::VectorXd value = fit<2>(data, options).components[0]->evaluate(x).value;
     return (value - all.values(rest, 0)).cwiseAbs().mean();
   };
-  EXPECT_LT(mean_error({}), 0.9 * mean_error({.method = "partition-of-unity"}));
+  return mean_error({}) / mean_error({.method = "partition-of-unity"});
+}
+
+TEST(FitAlongTracks, PredictsSoundingsBetterThanPatches) {
+  EXPECT_LT(mean_error_over_that_of_patches(0.4), 0.9);
+  EXPECT_LT(mean_error_over_that_of_patches(0), 1.01);  // the tracks agree
+}
+
+// Deviations of left-out soundings, and of the ground in a gap that was left out.
+TEST(FitAlongTracks, KnowsHowWrongItMayBe) {
+  const Samples<2> all = soundings(15000, 0.4);
+  const Point<2> middle(.5, .5);
+  std::vector<Index> kept, near, gap;
+  for (Index i = 0; i < all.size(); ++i)
+    ((all.points.col(i) - middle).norm() < .12 ? gap : i % 5 == 0 ? near : kept).push_back(i);
+  const auto result = fit<2>({all.points(Eigen::all, kept), all.values(kept, Eigen::all), {}});
+  ASSERT_EQ(result.report.method, "along-tracks");
+  ASSERT_EQ(result.variances.size(), 1U);
+  const auto compare = [&](const std::vector<Index>& ids) {
+    const Points<2> x = all.points(Eigen::all, ids);
+    const Eigen::ArrayXd error = result.components[0]->evaluate(x).value - all.values(ids, 0);
+    const Eigen::ArrayXd deviation = result.variances[0]->evaluate(x).value.array().sqrt();
+    const double within = (error.abs() < 1.96 * deviation).cast<double>().mean();
+    EXPECT_GT(within, .75);
+    EXPECT_LT(error.abs().maxCoeff(), 4);  // the values are from -4 to 4
+    return deviation.mean();
+  };
+  EXPECT_GT(compare(gap), 1.5 * compare(near));
 }
 
 }  // namespace

@@ -165,7 +165,7 @@ class GapFiller {
   double inside_factor(const Point<Dim>& x) const {
     constexpr double at_face = 1e-6;  // of the extent of the box, far above its margin
     const Box<Dim>& box = cover_.box();
-    const auto distance = (x - box.lo).cwiseMin(box.hi - x).cwiseQuotient(box.extent());
+    const Point<Dim> distance = (x - box.lo).cwiseMin(box.hi - x).cwiseQuotient(box.extent());
     return std::pow(2.0, static_cast<double>((distance.array() < at_face).count()) / Dim);
   }
 
@@ -373,8 +373,26 @@ FilledGaps<Dim> fill_gaps(const Samples<Dim>& samples, PartitionOfUnityFit<Dim> 
   return {std::move(fit), std::move(variances), 0};
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                           \
-  template FilledGaps<Dim> fill_gaps<Dim>(const Samples<Dim>&, PartitionOfUnityFit<Dim>, \
+template <int Dim>
+std::shared_ptr<const Field<Dim>> outside_gaps(const PartitionOfUnityData<Dim>& filled) {
+  using Data = PartitionOfUnityData<Dim>;
+  if (filled.wide_of.empty()) return nullptr;
+  auto data = std::make_shared<Data>(Data{Cover<Dim>(filled.cover.tree()), {}});
+  LocalModels<Dim>& models = data->models;  // a constant per cell
+  models.components = 1;
+  models.resize(data->cover.size());
+  for (Index i = 0; i < models.size(); ++i) {
+    const Box<Dim>& box = data->cover.cell(i);
+    models.center.col(i) = box.center();
+    models.radius[i] = 0.5 * box.diagonal();
+    models.polynomial[static_cast<std::size_t>(i)] = filled.is_wide(i) ? 0 : 1;
+  }
+  return std::make_shared<const PartitionOfUnity<Dim>>(data);
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                    \
+  template std::shared_ptr<const Field<Dim>> outside_gaps<Dim>(const PartitionOfUnityData<Dim>&); \
+  template FilledGaps<Dim> fill_gaps<Dim>(const Samples<Dim>&, PartitionOfUnityFit<Dim>,          \
                                           std::vector<std::shared_ptr<const Field<Dim>>>);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

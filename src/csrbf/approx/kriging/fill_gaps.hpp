@@ -29,4 +29,9 @@ template <int Dim>
 FilledGaps<Dim> fill_gaps(const Samples<Dim>& samples, PartitionOfUnityFit<Dim> fit,
                           std::vector<std::shared_ptr<const Field<Dim>>> variances);
 
+/// A field that is 1 where samples are all around and 0 in the gaps that fill_gaps() has filled; null if there are
+/// none.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> outside_gaps(const PartitionOfUnityData<Dim>& filled);
+
 }  // namespace csrbf

@@ -10,9 +10,25 @@ namespace csrbf {
 /// Moving least squares whose weights follow the tracks of the samples.
 inline const MovingLeastSquaresOptions along_tracks{.tracks = true};
 
-/// Its held-out error, if that is clearly less than the one of a partition of unity with the local fits `patches`:
-/// rough values along tracks often differ from one track to the next by more than the function does.
+/// A partition of unity improved by moving least squares along tracks, or replaced by them. One field per component.
 template <int Dim>
-std::optional<HeldOutError> better_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches);
+struct TrackShare {
+  std::vector<std::shared_ptr<const Field<Dim>>> shares;  ///< of the latter, 0 to 1
+  /// Variance of both together over that of the partition of unity; none where too few samples can be held out.
+  std::vector<std::shared_ptr<const Field<Dim>>> ratios;
+  double held_out_rmse = 0;  ///< of both together
+};
+
+/// Rough values along tracks often differ from one track to the next by more than the function does. The share of
+/// fits along tracks is v^2 / (v^2 + w^2), with the local mean squares of the errors at held-out samples, w along
+/// tracks and v of a partition of unity with the local fits `patches`. None if the errors of both together are not
+/// clearly less than those of the partition of unity.
+template <int Dim>
+std::optional<TrackShare<Dim>> better_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches);
+
+/// The same for tracks alone, with these options, which are of `tracks`: without `shares`.
+template <int Dim>
+TrackShare<Dim> only_along_tracks(const Samples<Dim>& samples, const LocalOptions& patches,
+                                  const MovingLeastSquaresOptions& options = along_tracks);
 
 }  // namespace csrbf

@@ -24,17 +24,17 @@ HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
 }
 
 template <int Dim>
-HeldOutError HeldOutSamples<Dim>::error(const LocalOptions& options) const {
+Eigen::MatrixXd HeldOutSamples<Dim>::errors(const LocalOptions& options) const {
   const PartitionOfUnityFit<Dim> fit{fit_patches<Dim>(kept_, options, {}, &held_out_.points), {}};
-  return error(fit.fields());
+  return errors(fit.fields());
 }
 
 template <int Dim>
-HeldOutError HeldOutSamples<Dim>::error(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const {
+Eigen::MatrixXd HeldOutSamples<Dim>::errors(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const {
   Eigen::MatrixXd error = held_out_.values;
   Index component = 0;
   for (const auto& field : fields) error.col(component++) -= shared_evaluate(*field, held_out_.points).value;
-  return {error.cwiseAbs().mean(), error.stableNorm() / std::sqrt(static_cast<double>(error.size()))};
+  return error;
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class HeldOutSamples<Dim>;

@@ -9,6 +9,10 @@ namespace csrbf {
 struct HeldOutError {
   double mean = 0;  ///< absolute, of all components
   double rmse = 0;
+
+  HeldOutError() = default;
+  explicit HeldOutError(const Eigen::MatrixXd& errors)
+      : mean(errors.cwiseAbs().mean()), rmse(errors.stableNorm() / std::sqrt(static_cast<double>(errors.size()))) {}
 };
 
 /// Holds out some thousand samples spread over all, at most a tenth of them. Unlike leaving samples out of single
@@ -19,11 +23,13 @@ class HeldOutSamples {
  public:
   explicit HeldOutSamples(const Samples<Dim>& samples);
 
-  [[nodiscard]] HeldOutError error(const LocalOptions& options) const;
+  /// What a partition of unity of the other samples misses them by: samples x components.
+  [[nodiscard]] Eigen::MatrixXd errors(const LocalOptions& options) const;
 
-  /// Of any fit to the other samples, with one field per component.
-  [[nodiscard]] HeldOutError error(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const;
+  /// The same for any fit to the other samples, with one field per component.
+  [[nodiscard]] Eigen::MatrixXd errors(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const;
   [[nodiscard]] const Samples<Dim>& others() const { return kept_; }
+  [[nodiscard]] const Points<Dim>& points() const { return held_out_.points; }  ///< of the held-out samples
 
  private:
   Samples<Dim> kept_, held_out_;

@@ -82,11 +82,15 @@ std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>
     return left_out_errors<Dim>(fit.data->cover, used, fit.report.local);
   };
   const Errors<Dim> errors = samples.weights.size() == 0 ? errors_of(samples) : errors_of(normalize_weights(samples));
+  return local_means<Dim>(errors.points, errors.squares);
+}
 
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares) {
   auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
-      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(errors.points, pooled, cover_growth<Dim>), {}});
+      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(points, pooled, cover_growth<Dim>), {}});
   LocalModels<Dim>& models = data->models;  // a constant per cell
-  models.components = samples.components();
+  models.components = squares.rows();
   models.resize(data->cover.size());
   typename Cover<Dim>::Search search;
   for (Index i = 0; i < models.size(); ++i) {
@@ -95,16 +99,17 @@ std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>
     models.radius[i] = .5 * cell.diagonal();
     data->cover.nearest(cell.center(), pooled, cell.diagonal(), search);
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(models.components);
-    for (const auto& [distance2, id] : search.found) mean += errors.squares.col(data->cover.order()[id]);
+    for (const auto& [distance2, id] : search.found) mean += squares.col(data->cover.order()[id]);
     mean /= static_cast<double>(search.found.size());
     std::copy(mean.begin(), mean.end(), models.polynomial.begin() + i * mean.size());
   }
   return PartitionOfUnityFit<Dim>{data, {}}.fields();
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                     \
-  template std::vector<std::shared_ptr<const Field<Dim>>> local_variance<Dim>(const Samples<Dim>&, \
-                                                                              const PartitionOfUnityFit<Dim>&);
+#define CSRBF_INSTANTIATE(Dim)                                                                                  \
+  template std::vector<std::shared_ptr<const Field<Dim>>> local_variance<Dim>(const Samples<Dim>&,              \
+                                                                              const PartitionOfUnityFit<Dim>&); \
+  template std::vector<std::shared_ptr<const Field<Dim>>> local_means<Dim>(const Points<Dim>&, const Eigen::MatrixXd&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

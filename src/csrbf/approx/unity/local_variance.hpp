@@ -19,4 +19,9 @@ template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>& samples,
                                                               const PartitionOfUnityFit<Dim>& fit);
 
+/// Squares of prediction errors at points as fields, one per component: the means of the nearest 48, blended.
+/// `squares`: components x points.
+template <int Dim>
+std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares);
+
 }  // namespace csrbf

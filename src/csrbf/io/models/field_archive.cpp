@@ -3,6 +3,7 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/moving/moving_least_squares_field.hpp"
+#include "csrbf/approx/samples/blended_field.hpp"
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
@@ -21,6 +22,7 @@ constexpr const char* level_sum_kind = "level sum";
 constexpr const char* partition_kind = "partition of unity";
 constexpr const char* moving_kind = "moving least squares";
 constexpr const char* track_kind = "moving least squares along tracks";
+constexpr const char* blended_kind = "blended fields";
 constexpr const char* fitted_kind = "fitted field";
 constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
@@ -115,8 +117,9 @@ typename FittedField<Dim>::Frame frame_from(const Archive& archive) {
 
 bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
-         kind == track_kind || kind == fitted_kind || kind == lattice_kind || kind == largest_kind ||
-         kind == sphere_kind || kind == drift_kind || kind == derivatives_kind || kind == divided_kind;
+         kind == track_kind || kind == blended_kind || kind == fitted_kind || kind == lattice_kind ||
+         kind == largest_kind || kind == sphere_kind || kind == drift_kind || kind == derivatives_kind ||
+         kind == divided_kind;
 }
 
 template <int Dim>
@@ -150,6 +153,12 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     archive.kind = moving->data().directions.cols() > 0 ? track_kind : moving_kind;
     archive.set("component", moving->component());
     archive.set("data", share(&moving->data(), [&] { return samples_to_archive<Dim>(moving->data()); }));
+  } else if (const auto* blended = dynamic_cast<const BlendedField<Dim>*>(&field)) {
+    archive.kind = blended_kind;
+    archive.set("one", this->field(blended->one()));
+    archive.set("has_other", blended->other() != nullptr ? 1 : 0);
+    if (blended->other() != nullptr) archive.set("other", this->field(*blended->other()));
+    archive.set("share", this->field(blended->share()));
   } else if (const auto* variance = dynamic_cast<const KrigingVariance<Dim>*>(&field)) {
     archive.kind = variance_kind;
     archive.set("sigma2", variance->sigma2());
@@ -275,6 +284,10 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
       archive.fail("directions of tracks belong to the kind \"" + std::string(track_kind) + "\" and to no other");
     const Index component = archive.integer("component", 0, data->samples.components() - 1);
     return std::make_shared<const MovingLeastSquares<Dim>>(data, component);
+  }
+  if (archive.kind == blended_kind) {
+    const auto other = archive.integer("has_other", 0, 1) == 1 ? field(archive.part("other")) : nullptr;
+    return std::make_shared<const BlendedField<Dim>>(field(archive.part("one")), other, field(archive.part("share")));
   }
   if (archive.kind == variance_kind) {
     const auto basis = shared<RadialBasis<Dim>>(archive, "basis", basis_kind, basis_from<Dim>);
