@@ -1,9 +1,10 @@
 // Sums of N radial functions at N points by FastSum, systems solved with them, and a surface of one: CPU seconds,
 // errors against direct sums and dense systems, iterations. Prints sections of benchmarks/GLOBAL.md. usage:
-// global_functions sums LARGEST | systems LARGEST | dense N | surface CLOUD.ply MESH.ply
+// global_functions sums LARGEST | systems LARGEST | dense N | smoothing N | deviations | surface CLOUD.ply MESH.ply
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/sums/fast_sum.hpp"
 #include "csrbf/implicit/compare.hpp"
 #include "csrbf/implicit/polygonize.hpp"
@@ -168,6 +169,104 @@ void against_dense(Index n) {
   }
 }
 
+template <int Dim>
+Eigen::VectorXd smooth_function(const Points<Dim>& x) {
+  return ((5 * x.row(0).array()).sin() * (4 * x.row(Dim - 1).array()).cos() + x.row(Dim - 2).array()).transpose();
+}
+
+// The root mean square error of the smoothing that is chosen, beside that of the best one, which the truth tells.
+template <int Dim>
+void chosen_smoothing(const char* name, Index n, Shape shape, const char* what, double noise) {
+  Samples<Dim> samples{cloud<Dim>(n, shape), Eigen::MatrixXd(n, 1), {}};
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  samples.values.col(0) = smooth_function<Dim>(samples.points);
+  const Points<Dim> at = .5 * (samples.points.leftCols(n - 1) + samples.points.rightCols(n - 1));
+  const Eigen::VectorXd truth = smooth_function<Dim>(at);
+  for (double& value : samples.values.reshaped()) value += noise * normal(random);
+  const auto error = [&](const Interpolation<Dim>& fit) {
+    return std::sqrt((fit.components[0]->evaluate(at).value - truth).squaredNorm() / static_cast<double>(n - 1));
+  };
+  const double start = cpu_seconds();
+  const Interpolation<Dim> fit = interpolate(samples, {.kernel = name, .smoothing = std::nullopt, .dense_limit = 1000});
+  const double seconds = cpu_seconds() - start;
+  const double chosen = error(fit);
+  double best = chosen, at_best = fit.report.smoothing;
+  for (const double factor : {.5, 2.}) {  // downhill
+    for (;;) {
+      const double lambda = factor * at_best;
+      const double e =
+          error(interpolate(samples, {.kernel = name, .smoothing = lambda, .dense_limit = 1000, .tolerance = 1e-4}));
+      if (e >= best) break;
+      best = e;
+      at_best = lambda;
+    }
+  }
+  std::printf("| %s, %dD, %s, noise %g | %ld | %.2e | %.2e | %.4g | %.4g | %.3f | %.4g | %d | %.2f |\n", name, Dim,
+              what, noise, static_cast<long>(n), fit.report.smoothing, at_best, chosen, best, chosen / best,
+              fit.report.leave_one_out, fit.report.iterations, seconds);
+  std::fflush(stdout);
+}
+
+void all_smoothing(Index n) {
+  std::printf(
+      "## Smoothing\n\nThe smoothing that is chosen and the best one, by factors of 2: their root mean square errors "
+      "halfway between consecutive samples, against the truth, whose values have a deviation of about .8.\n\n"
+      "| samples | N | chosen | best | its error | best error | ratio | left-out errors | iterations | seconds |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const double noise : {.01, .1, .5}) {
+    chosen_smoothing<2>("thin-plate", n, Shape::uniform, "uniform", noise);
+    chosen_smoothing<2>("thin-plate", n, Shape::clusters, "clusters", noise);
+    chosen_smoothing<2>("thin-plate", n, Shape::tracks, "tracks", noise);
+    chosen_smoothing<3>("linear", n, Shape::uniform, "uniform", noise);
+    chosen_smoothing<3>("cubic", n, Shape::uniform, "uniform", noise);
+  }
+}
+
+// Deviations from near and spread samples, which more than 4000 have, against those from all: of 4000 samples, and the
+// same with one more far away.
+template <int Dim>
+void deviations(const char* name, Shape shape, const char* what, double lambda) {
+  constexpr Index n = 4000;
+  Points<Dim> x = cloud<Dim>(n, shape);
+  const Kernel kernel(name, Dim);
+  const auto power = [&](const Points<Dim>& points) {
+    const auto basis = std::make_shared<const RadialBasis<Dim>>(
+        kernel, points, Eigen::VectorXd::Constant(1, kernel.has_scale() ? .3 : 1));
+    return std::make_unique<const PowerFunction<Dim>>(basis, std::max(0, kernel.order() - 1), lambda,
+                                                      Eigen::VectorXd());
+  };
+  const Points<Dim> at = .9 * cloud<Dim>(n + 2000, shape).rightCols(2000);
+  double start = cpu_seconds();
+  const Eigen::ArrayXd all = power(x)->evaluate(at).array().sqrt();
+  const double dense = cpu_seconds() - start;
+  x.conservativeResize(Dim, n + 1);
+  x.col(n) = Point<Dim>::Constant(1.2);
+  start = cpu_seconds();
+  const Eigen::ArrayXd near = power(x)->evaluate(at).array().sqrt();
+  const double fast = cpu_seconds() - start;
+  Eigen::ArrayXd ratio = near / all;
+  std::sort(ratio.begin(), ratio.end());
+  std::printf("| %s, %dD, %s | %g | %.3f | %.3f | %.3f | %.3f | %.2f | %.2f |\n", name, Dim, what, lambda, ratio[0],
+              ratio[1000], ratio[1980], ratio[1999], fast, dense);
+  std::fflush(stdout);
+}
+
+void all_deviations() {
+  std::printf(
+      "## Deviations\n\nThose of more than 4000 samples, from near and spread ones, over those from all of 4000, at "
+      "2000 points.\n\n"
+      "| kernel and points | smoothing | least | median | 99 %% | largest | seconds | dense |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  for (const double lambda : {0., 1e-3, .1}) {
+    deviations<2>("thin-plate", Shape::uniform, "uniform", lambda);
+    deviations<2>("thin-plate", Shape::tracks, "tracks", lambda);
+    deviations<2>("matern-c2", Shape::uniform, "uniform", lambda);
+    deviations<3>("linear", Shape::uniform, "uniform", lambda);
+    deviations<3>("linear", Shape::clusters, "clusters", lambda);
+  }
+}
+
 void surface(const char* cloud, const char* reference) {
   const PointCloud points = read_points(cloud);
   const double start = cpu_seconds();
@@ -193,8 +292,11 @@ int main(int argc, char** argv) {
   if (part == "sums") return all_sums(std::atol(argv[2])), 0;
   if (part == "systems") return all_systems(std::atol(argv[2])), 0;
   if (part == "dense") return against_dense(std::atol(argv[2])), 0;
+  if (part == "smoothing") return all_smoothing(std::atol(argv[2])), 0;
+  if (argc == 2 && std::string(argv[1]) == "deviations") return all_deviations(), 0;
   if (part == "surface" && argc > 3) return surface(argv[2], argv[3]), 0;
   std::fprintf(stderr,
-               "usage: global_functions sums LARGEST | systems LARGEST | dense N | surface CLOUD.ply MESH.ply\n");
+               "usage: global_functions sums LARGEST | systems LARGEST | dense N | smoothing N | deviations | surface "
+               "CLOUD.ply MESH.ply\n");
   return 2;
 }

@@ -71,6 +71,41 @@ TEST(InterpolateManySamples, ChoosesAKernelAndSmoothing) {
   EXPECT_NEAR(fit.report.leave_one_out, .1, .02);
 }
 
+// Between samples, the error against the truth is near that of the best smoothing.
+template <int Dim>
+void expect_best_smoothing(const char* kernel, double noise) {
+  Samples<Dim> samples = wave<Dim>(2000);
+  const Samples<Dim> between = wave<Dim>(4000);
+  const Points<Dim> at = between.points.rightCols(2000);
+  const Eigen::VectorXd truth = between.values.bottomRows(2000);
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal(0, noise);
+  for (double& value : samples.values.reshaped()) value += normal(random);
+  InterpolateOptions options{.kernel = kernel, .smoothing = std::nullopt, .dense_limit = 1000};
+  const auto error = [&](const Interpolation<Dim>& fit) {
+    return (fit.components[0]->evaluate(at).value - truth).norm();
+  };
+  const Interpolation<Dim> fit = interpolate(samples, options);
+  EXPECT_EQ(fit.report.solver, InterpolationSolver::fast_sums);
+  for (const double factor : {.2, 5.}) {
+    options.smoothing = factor * fit.report.smoothing;
+    EXPECT_LT(error(fit), 1.04 * error(interpolate(samples, options))) << kernel << ' ' << noise << ' ' << factor;
+  }
+}
+
+TEST(InterpolateManySamples, ChoosesAboutTheBestSmoothing) {
+  expect_best_smoothing<2>("thin-plate", .1);
+  expect_best_smoothing<3>("linear", .1);
+}
+
+TEST(InterpolateManySamples, DoesNotSmoothWithoutNoise) {
+  const Samples<2> samples = wave<2>(2000);
+  const InterpolateOptions options{.kernel = "thin-plate", .smoothing = std::nullopt, .dense_limit = 1000};
+  const Interpolation<2> fit = interpolate(samples, options);
+  const Eigen::VectorXd error = fit.components[0]->evaluate(samples.points).value - samples.values.col(0);
+  EXPECT_LT(error.norm(), .1 * std::sqrt(2000.) * fit.report.leave_one_out);
+}
+
 TEST(InterpolateManySamples, WithAMetricIsTheSameInMappedCoordinates) {
   Samples<2> samples = wave<2>(9000);
   const Eigen::Matrix2d T{{2, .5}, {0, 30}};

@@ -4,6 +4,7 @@
 #include "csrbf/approx/global/choose_kernel.hpp"
 #include "csrbf/approx/global/iterative_system.hpp"
 #include "csrbf/approx/global/kriging_variance.hpp"
+#include "csrbf/approx/global/smoothing_of_many.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/core/percentile.hpp"
@@ -216,6 +217,10 @@ Coefficients solve_by_fast_sums(const Samples<Dim>& samples, const RadialBasis<D
     if (!basis.metric().transforms.empty()) points = basis.metric().transforms.front() * points;
     const Eigen::VectorXd weights = samples.all_weights();
     const double tolerance = options.tolerance > 0 ? options.tolerance : Dim == 3 ? 1e-7 : 1e-8;
+    if (!options.smoothing && report.smoothing > 0)
+      report.smoothing = smoothing_of_many<Dim>(
+          {points, samples.values, samples.weights}, basis.kernel(), basis.support(0), G,
+          {.start = report.smoothing, .left_out = report.leave_one_out, .progress = options.progress});
     IterativeSolution solution =
         solve_iteratively<Dim>(points, basis.kernel(), basis.support(0), report.smoothing * weights.cwiseInverse(), G,
                                samples.values, {.tolerance = tolerance, .progress = options.progress});

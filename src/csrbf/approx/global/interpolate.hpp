@@ -31,7 +31,7 @@ struct InterpolateOptions {
   double support = 0;
 
   /// lambda >= 0 of A + lambda W^-1 with weights of mean 1 (for kernels of value 1 at 0 the noise variance over that of
-  /// the data, roughly); 0 interpolates; empty: chosen from the data.
+  /// the data, roughly); 0 interpolates; empty: chosen from the data, all of them (smoothing_of_many() for fast sums).
   std::optional<double> smoothing = 0;
   LambdaCriterion criterion = LambdaCriterion::leave_one_out;  ///< by which lambda is chosen
   /// Whether weights are used as they are: lambda, and the variances, are for samples of weight 1, also where the
