@@ -1,4 +1,4 @@
-# Not built yet: vcpkg was not at hand. Checked: the syntax, the version and the options of CMake.
+# Not built yet: vcpkg was not at hand. Checked: the syntax, the version, the libraries and the options of CMake.
 set(SOURCE_PATH ${CURRENT_PORT_DIR}/../..) # at a release: vcpkg_from_github with the checksum of its archive
 
 vcpkg_check_features(OUT_FEATURE_OPTIONS features FEATURES tools CSRBF_BUILD_APP)

@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#ifndef _WIN32
 #include <dlfcn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#endif
 
 #include <atomic>
 #include <chrono>
@@ -148,6 +150,7 @@ TEST_F(Parallel, WorksAgainAfterAnException) {
   EXPECT_EQ(ranges(10, 4), (Ranges{{0, 4}, {4, 8}, {8, 10}}));
 }
 
+#ifndef _WIN32  // has no fork()
 // The exit code of a child that runs `work`; 124 after a while, -1 when a signal ended it.
 template <class Work>
 int status_of_child(Work work) {
@@ -259,6 +262,8 @@ TEST_F(ParallelFork, DoesNotWaitForALoopOfAnotherThread) {
   stop = true;
   caller.join();
 }
+
+#endif
 
 TEST_F(Parallel, RefusesANegativeNumberOfThreads) {
   try {

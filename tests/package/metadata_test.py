@@ -6,7 +6,9 @@ usage: metadata_test.py SOURCES BUILD [unittest options]
 import json
 import pathlib
 import re
+import subprocess
 import sys
+import tempfile
 import unittest
 
 BUILD = pathlib.Path(sys.argv.pop(2) if len(sys.argv) > 2 else ".")
@@ -41,6 +43,50 @@ class Recipes(unittest.TestCase):
             used = set(re.findall(r"CSRBF_[A-Z0-9_]+", text(name)))
             self.assertTrue(used)
             self.assertLessEqual(used, defined, name)
+
+    def test_vcpkg_finds_the_files_that_the_port_moves(self):
+        """The port, with functions of vcpkg that only note their arguments, on what this build installs."""
+        functions = ["vcpkg_check_features", "vcpkg_cmake_configure", "vcpkg_cmake_install", "vcpkg_cmake_config_fixup",
+                     "vcpkg_fixup_pkgconfig", "vcpkg_copy_tools", "vcpkg_install_copyright"]
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder, "port.cmake")
+            script.write_text("cmake_minimum_required(VERSION 3.25)\n" + "".join(
+                f'function({name})\n  list(JOIN ARGN " " text)\n  message("{name} ${{text}}")\nendfunction()\n'
+                for name in functions) + f"""
+set(CURRENT_PORT_DIR "{SOURCES.resolve()}/packaging/vcpkg")
+set(CURRENT_PACKAGES_DIR "{folder}/packages")
+set(FEATURES core tools)
+include("${{CURRENT_PORT_DIR}}/portfile.cmake")
+message("copyright ${{SOURCE_PATH}}/LICENSE")
+""", encoding="utf-8")
+            done = subprocess.run(["cmake", "-P", script], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            calls = dict(line.split(" ", 1) for line in done.stderr.splitlines() if " " in line)
+            self.assertIn("tools CSRBF_BUILD_APP", calls["vcpkg_check_features"])
+            self.assertTrue(pathlib.Path(calls["copyright"]).exists())
+            install = text("cmake/install.cmake")
+            place = re.search(r"CONFIG_PATH (\S+)", calls["vcpkg_cmake_config_fixup"])[1]
+            self.assertEqual(place, "lib/cmake/csrbf")
+            self.assertIn("${CMAKE_INSTALL_LIBDIR}/cmake/csrbf", install)
+            self.assertIn("${CMAKE_INSTALL_LIBDIR}/pkgconfig", install)
+
+    def test_they_name_every_library_that_the_build_needs(self):
+        needed = {"eigen", "nanoflann", "libpng", "tiff", "zlib", "qhull"}
+        required = set(re.findall(r"find_package\((\w+)[^)]*REQUIRED", text("src/CMakeLists.txt"))) - {"Threads"}
+        self.assertEqual(len(required), len(needed))
+        port = json.loads(text("packaging/vcpkg/vcpkg.json"))
+        named = {d if isinstance(d, str) else d["name"] for d in port["dependencies"]}
+        tools = {d if isinstance(d, str) else d["name"] for d in port["features"]["tools"]["dependencies"]}
+        self.assertLessEqual({n.replace("eigen", "eigen3") for n in needed}, named)
+        self.assertLessEqual({"cli11", "nlohmann-json"}, tools)
+        conda = text("packaging/conda-forge/recipe.yaml")
+        for name in needed - {"tiff"} | {"libtiff", "cli11", "nlohmann_json", "cpp-httplib", "pybind11", "numpy", "python"}:
+            self.assertRegex(conda, rf"(?m)^    - {name}( |$)", name)
+
+    def test_what_was_not_run_says_so_in_its_first_line(self):
+        for path in [*SOURCES.glob(".github/workflows/*.yml"), SOURCES / "packaging/conda-forge/recipe.yaml",
+                     SOURCES / "packaging/vcpkg/portfile.cmake"]:
+            self.assertRegex(path.read_text(encoding="utf-8").splitlines()[0], r"^# Not (run|built) yet: ", path)
 
     def test_yaml_is_valid(self):
         try:

@@ -15,11 +15,11 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr double one_chart = 45;              // degrees: reach of samples that one chart holds
-constexpr Index in_one_system = 2500;         // samples on the whole sphere, fitted in space
-constexpr Index fewest_in_chart = 40;         // samples within its reach
-constexpr Index fallback_samples = 500;       // of the whole sphere, where a chart is missing
-constexpr double grid_per_degree = 1L << 36;  // to which longitudes are rounded: 360 may have been added
+constexpr double one_chart = 45;            // degrees: reach of samples that one chart holds
+constexpr Index in_one_system = 2500;       // samples on the whole sphere, fitted in space
+constexpr Index fewest_in_chart = 40;       // samples within its reach
+constexpr Index fallback_samples = 500;     // of the whole sphere, where a chart is missing
+constexpr double grid_per_degree = 0x1p36;  // to which longitudes are rounded: 360 may have been added
 
 // Longitudes from -180 to 180.
 template <int Dim>

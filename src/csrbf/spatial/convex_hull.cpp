@@ -11,10 +11,16 @@ extern "C" {
 namespace csrbf {
 namespace {
 
+#ifdef _WIN32
+constexpr const char* nowhere = "NUL";
+#else
+constexpr const char* nowhere = "/dev/null";
+#endif
+
 // A hull in memory owned by qhull.
 class QuickHull {
  public:
-  QuickHull(int dimension, Eigen::MatrixXd& points) : nowhere_(std::fopen("/dev/null", "w")) {
+  QuickHull(int dimension, Eigen::MatrixXd& points) : nowhere_(std::fopen(nowhere, "w")) {
     qh_zero(&hull_, nowhere_);
     char command[] = "qhull Pp";
     status_ =

@@ -18,10 +18,14 @@ namespace {
 // ones give poles of open cells that are farther away, but lose digits.
 constexpr double far_sites = 3;
 
-// Captures the messages of qhull, which writes to files only.
+// Captures the messages of qhull, which writes to files only. Windows has none in memory.
 class Messages {
  public:
+#ifdef _WIN32
+  Messages() : file_(std::fopen("NUL", "w")) {}
+#else
   Messages() : file_(open_memstream(&text_, &size_)) {}
+#endif
   Messages(const Messages&) = delete;
   Messages& operator=(const Messages&) = delete;
   ~Messages() {
@@ -29,9 +33,12 @@ class Messages {
     std::free(text_);
   }
 
-  [[nodiscard]] std::FILE* file() const { return file_; }
+  [[nodiscard]] std::FILE* file() const {
+    return file_;
+  }
   [[nodiscard]] std::string first_line() const {
-    std::fflush(file_);
+    if (file_ != nullptr) std::fflush(file_);
+    if (text_ == nullptr) return "qhull cannot triangulate these points";
     const std::string all(text_, size_);
     return all.substr(0, all.find('\n'));
   }

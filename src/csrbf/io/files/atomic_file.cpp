@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
+#include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/files/process_files.hpp"
 
 #include <atomic>
@@ -12,9 +13,6 @@
 #ifdef _WIN32
 #include <io.h>
 #include <process.h>
-#define getpid _getpid
-#define access _access
-#define W_OK 2
 #else
 #include <unistd.h>
 #endif
@@ -26,6 +24,29 @@ namespace fs = std::filesystem;
 
 bool discarding = false;
 
+#ifdef _WIN32
+constexpr const char* nowhere = "NUL";
+
+int process_number() {
+  return _getpid();
+}
+
+bool is_writable(const std::string& path) {
+  constexpr int to_write = 2;
+  return _waccess(utf8_path(path).c_str(), to_write) == 0;
+}
+#else
+constexpr const char* nowhere = "/dev/null";
+
+int process_number() {
+  return getpid();
+}
+
+bool is_writable(const std::string& path) {
+  return access(path.c_str(), W_OK) == 0;
+}
+#endif
+
 std::string reason(int error) {
   return std::generic_category().message(error);
 }
@@ -34,13 +55,13 @@ std::string reason(int error) {
 // have left a file of this name.
 std::string temporary_name(const fs::path& target) {
   static std::atomic<unsigned> counter{0};
-  const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter++);
-  return (target.parent_path() / ("." + target.filename().string() + "." + unique + ".tmp")).string();
+  const std::string unique = std::to_string(process_number()) + "-" + std::to_string(counter++);
+  return utf8_name(target.parent_path() / utf8_path("." + utf8_name(target.filename()) + "." + unique + ".tmp"));
 }
 
 // Replacing a file needs no write permission for it, but whoever removed that permission wants to keep the file.
 bool is_protected(const std::string& path) {
-  return access(path.c_str(), W_OK) != 0;
+  return !is_writable(path);
 }
 
 }  // namespace
@@ -49,22 +70,22 @@ void discard_files() {
   discarding = true;
 }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(discarding ? "/dev/null" : path) {
+AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(discarding ? nowhere : path) {
   std::error_code error;
-  const fs::file_status status = fs::status(target_, error);
+  const fs::file_status status = fs::status(utf8_path(target_), error);
   if (status.type() == fs::file_type::directory) {
     errno = EISDIR;
     fail("write");
   }
   const bool in_place = fs::exists(status) && status.type() != fs::file_type::regular;
   if (!in_place) {
-    if (fs::exists(status)) target_ = fs::canonical(path, error).string();
+    if (fs::exists(status)) target_ = utf8_name(fs::canonical(utf8_path(path), error));
     if (target_.empty()) target_ = path;
     if (fs::exists(status) && is_protected(target_)) fail("write");
   }
   do {
-    if (!in_place) temporary_ = temporary_name(target_);
-    file_ = std::fopen((in_place ? target_ : temporary_).c_str(), in_place ? "wb" : "wbx");
+    if (!in_place) temporary_ = temporary_name(utf8_path(target_));
+    file_ = open_file(in_place ? target_ : temporary_, in_place ? "wb" : "wbx");
   } while (file_ == nullptr && !in_place && errno == EEXIST);
   if (file_ == nullptr) {
     temporary_.clear();
@@ -74,7 +95,8 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(discardin
 
 AtomicFile::~AtomicFile() {
   if (file_ != nullptr) std::fclose(file_);
-  if (!temporary_.empty()) std::remove(temporary_.c_str());
+  std::error_code error;
+  if (!temporary_.empty()) fs::remove(utf8_path(temporary_), error);
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -97,7 +119,7 @@ void AtomicFile::commit() {
   if (!flushed || !closed) fail("write");
   if (temporary_.empty()) return;
   std::error_code error;
-  fs::rename(temporary_, target_, error);
+  fs::rename(utf8_path(temporary_), utf8_path(target_), error);
   if (error) {
     errno = error.value();
     fail("replace");

@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/inside_parallel_loop.hpp"
 #include "csrbf/core/interruption.hpp"
+#include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/files/process_files.hpp"
 #include "csrbf/io/files/text.hpp"
 
@@ -47,14 +48,15 @@ std::string read_file(const std::string& path) {
 std::string read_file_here(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (path != "-" && fs::is_directory(path, error)) fail(path, EISDIR);
-  const std::unique_ptr<std::FILE, Close> file(path == "-" ? stdin : std::fopen(path.c_str(), "rb"));
+  if (path != "-" && fs::is_directory(utf8_path(path), error)) fail(path, EISDIR);
+  const std::unique_ptr<std::FILE, Close> file(path == "-" ? stdin : open_file(path, "rb"));
   if (!file) fail(path, errno);
 
   // A single read when the size is known, in parts between which it may be interrupted; for pipes the buffer grows.
   constexpr std::size_t first_guess = std::size_t{1} << 16, largest_read = std::size_t{1} << 24;  // bytes
   std::size_t capacity = first_guess;
-  if (path != "-" && fs::is_regular_file(path, error)) capacity = static_cast<std::size_t>(fs::file_size(path)) + 1;
+  if (path != "-" && fs::is_regular_file(utf8_path(path), error))
+    capacity = static_cast<std::size_t>(fs::file_size(utf8_path(path))) + 1;
   std::string content;
   std::size_t size = 0;
   while (true) {

@@ -21,7 +21,7 @@ bool is_dicom(const std::string& path) {
   if (std::filesystem::is_directory(path, error) || file_extension(path) == ".dcm") return true;
   if (!std::filesystem::is_regular_file(path, error)) return false;  // reading from a pipe would take its bytes
   std::array<char, 132> start{};
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(std::filesystem::path(path), std::ios::binary);
   file.read(start.data(), start.size());
   return file && dicom::has_preamble({start.data(), start.size()});
 }
