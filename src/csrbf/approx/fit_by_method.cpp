@@ -15,6 +15,7 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -26,7 +27,7 @@
 namespace csrbf {
 namespace {
 
-constexpr double rounding = 1e-12;  // relative
+constexpr double value_rounding = 1e-12;  // relative
 
 // One fit in scaled coordinates; fills the report.
 template <int Dim>
@@ -161,7 +162,7 @@ class Fitter {
     for (Index i = std::min(first, samples_.size() - 1); i < samples_.size(); i += stride) chosen.push_back(order[i]);
     std::sort(chosen.begin(), chosen.end());
     chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-    Samples<Dim> share{samples_.points(Eigen::all, chosen), samples_.values(chosen, Eigen::all), {}};
+    Samples<Dim> share{chosen_points<Dim>(samples_.points, chosen), samples_.values(chosen, Eigen::all), {}};
     if (samples_.weights.size() > 0) share.weights = samples_.weights(chosen);
     return share;
   }
@@ -203,7 +204,7 @@ class Fitter {
     const LocalOptions& local = last_fit_.report.local;
     const bool rough = local.centers == local.samples && local.degree <= 1;
     const bool free = options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
-    const bool exact = report_.cross_validation_rmse <= rounding * samples_.values.cwiseAbs().maxCoeff();
+    const bool exact = report_.cross_validation_rmse <= value_rounding * samples_.values.cwiseAbs().maxCoeff();
     return Dim > 1 && free && rough && !exact && samples_.size() >= fewest_for_tracks;
   }
 

@@ -9,8 +9,8 @@
 namespace csrbf::winding {
 namespace {
 
-constexpr float opening = 1.6F;  // radii from its centre beyond which a group acts as one; by hand: larger is slower,
-                                 // smaller turns more normals
+constexpr float group_opening = 1.6F;  // radii from its centre beyond which a group acts as one; by hand: larger is
+                                       // slower, smaller turns more normals
 constexpr int lanes = 16;
 constexpr auto inverse_four_pi = static_cast<float>(1 / (4 * std::numbers::pi));
 
@@ -68,16 +68,16 @@ CSRBF_ALWAYS_INLINE void add_all(const Sources& from, std::int32_t begin, std::i
   }
 }
 
-CSRBF_SIMD_CLONES void add(WindingTerm, const Sources& from, std::int32_t begin, std::int32_t end, const Targets& at,
-                           float (*__restrict sum)[lanes]) {
+CSRBF_SIMD_CLONES void add_sources(WindingTerm, const Sources& from, std::int32_t begin, std::int32_t end,
+                                   const Targets& at, float (*__restrict sum)[lanes]) {
   add_all<WindingTerm>(from, begin, end, at, sum);
 }
-CSRBF_SIMD_CLONES void add(AdjointTerm, const Sources& from, std::int32_t begin, std::int32_t end, const Targets& at,
-                           float (*__restrict sum)[lanes]) {
+CSRBF_SIMD_CLONES void add_sources(AdjointTerm, const Sources& from, std::int32_t begin, std::int32_t end,
+                                   const Targets& at, float (*__restrict sum)[lanes]) {
   add_all<AdjointTerm>(from, begin, end, at, sum);
 }
-CSRBF_SIMD_CLONES void add(OutwardTerm, const Sources& from, std::int32_t begin, std::int32_t end, const Targets& at,
-                           float (*__restrict sum)[lanes]) {
+CSRBF_SIMD_CLONES void add_sources(OutwardTerm, const Sources& from, std::int32_t begin, std::int32_t end,
+                                   const Targets& at, float (*__restrict sum)[lanes]) {
   add_all<OutwardTerm>(from, begin, end, at, sum);
 }
 
@@ -139,7 +139,7 @@ void DipoleSums::find_sources() {
       float distance2 = 0;
       for (int k = 0; k < 3; ++k) distance2 += std::pow(node.center[k] - target.center[k], 2.0F);
       Range range{id, id + 1};
-      if (std::sqrt(distance2) < target.radius + opening * node.radius) {
+      if (std::sqrt(distance2) < target.radius + group_opening * node.radius) {
         if (node.right != 0) {
           stack.push_back(node.right);
           stack.push_back(id + 1);
@@ -198,7 +198,7 @@ auto DipoleSums::sum(const Strengths& strengths) const {
       }
       alignas(64) float total[Term::outputs][lanes] = {};
       for (std::int32_t s = first_source_[b]; s < first_source_[b + 1]; ++s)
-        add(Term{}, from, sources_[s].begin, sources_[s].end, at, total);
+        add_sources(Term{}, from, sources_[s].begin, sources_[s].end, at, total);
       for (Index l = 0; l < size; ++l)
         for (int k = 0; k < Term::outputs; ++k) result(k, first + l) = inverse_four_pi * total[k][l];
     }
