@@ -21,7 +21,7 @@ constexpr double shows = .05;     // share of the leave-one-out errors that is l
 constexpr double accuracy = .02;  // of the errors, that residuals of the systems may be
 constexpr double most_accurate = 1e-8, least_accurate = 1e-3;  // in units of the largest value
 constexpr int most_steps = 12;                                 // in one direction
-constexpr double rank_threshold = 1e-8;
+constexpr double full_rank_pivot = 1e-8;
 
 // GCV of one set of samples.
 template <int Dim>
@@ -132,7 +132,7 @@ double smoothing_of_many(const Samples<Dim>& samples, const Kernel& kernel, doub
     some.resize(subset_size);
     const Eigen::MatrixXd of_some = G(some, Eigen::all);
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(of_some);
-    qr.setThreshold(rank_threshold);
+    qr.setThreshold(full_rank_pivot);
     searched = qr.rank() == G.cols();
     if (searched) {
       Samples<Dim> subset{samples.points(Eigen::all, some), samples.values(some, Eigen::all), {}};
