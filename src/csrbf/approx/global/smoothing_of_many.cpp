@@ -75,15 +75,12 @@ class Score {
   Eigen::MatrixXd columns_;  // signs, then the values
 };
 
-struct Minimum {
-  double at, value;
-};
-
-// Downhill in steps, then the minimum of the parabola through the lowest three.
+// Downhill in steps from `start`, where the score is `middle`, then the minimum of the parabola through the lowest
+// three.
 template <class F>
-Minimum minimize(const F& score, double start) {
+double minimize(const F& score, double start, double middle) {
   const double h = std::log(step);
-  double middle = score(start), below = score(start - h), above = score(start + h);
+  double below = score(start - h), above = score(start + h);
   for (int k = 0; k < most_steps && above < middle; ++k) {
     below = middle;
     middle = above;
@@ -98,17 +95,20 @@ Minimum minimize(const F& score, double start) {
   }
   const double bend = below - 2 * middle + above;
   if (std::isfinite(bend) && bend > 0) start += std::clamp(.5 * (below - above) / bend, -.5, .5) * h;
-  return {start, middle};
+  return start;
 }
 
-// The search begins where smoothing shows.
+// From where smoothing shows; none if it does not help there.
 template <int Dim>
 std::optional<double> search(const Score<Dim>& score, double start) {
   const auto before = score.at(start);
-  const double first = before.trace > 0 ? std::max(start, shows / before.trace) : start;
-  const Minimum found = minimize(score, std::log(first));
-  if (first > start && !(found.value < (1 - flat) * before.gcv)) return {};
-  return std::exp(found.at);
+  double first = std::log(start), value = before.gcv;
+  if (before.trace > 0 && start * before.trace < shows) {
+    first = std::log(shows / before.trace);
+    value = score(first);
+    if (!(value < (1 - flat) * before.gcv)) return {};
+  }
+  return std::exp(minimize(score, first, value));
 }
 
 }  // namespace
@@ -145,7 +145,7 @@ double smoothing_of_many(const Samples<Dim>& samples, const Kernel& kernel, doub
   if (!searched)
     found = search<Dim>(score, options.start);
   else if (found)
-    found = std::exp(minimize(score, std::log(*found)).at);
+    found = std::exp(minimize(score, std::log(*found), score.at(*found).gcv));
   report(options.progress, "choose", 1);
   return found.value_or(options.start);
 }

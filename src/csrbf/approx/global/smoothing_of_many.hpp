@@ -21,7 +21,7 @@ struct SmoothingOfManyOptions {
 /// same ones for all lambda, so that GCV is smooth. Components count in units of their standard deviations.
 ///
 /// The range is searched on a random subset of 5000 samples, then by three or more systems of all of them, whose
-/// residuals are a fiftieth of the errors: about three times the cost of the fit. Where lambda does not matter, as for
+/// residuals are a fiftieth of the errors: about five times the cost of the fit. Where lambda does not matter, as for
 /// values without noise, it is `start`.
 ///
 /// `samples`: distinct points, in the coordinates in which distances are those of the kernel; weights of mean 1. `G`: n
