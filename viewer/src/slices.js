@@ -313,12 +313,22 @@ export class Slices {
   drawScaleBar(context, at) {
     const length = roundStep(100 / at.fit, 1);
     const pixels = length * at.fit;
-    const [x, y] = [this.stage.clientWidth - 16 - pixels, this.stage.clientHeight - 16];
-    context.fillStyle = getComputedStyle(this.stage).color;
-    context.fillRect(x, y, pixels, 2);
+    const text = `${readable(length, 3)} ${this.look.unit || "(voxel units)"}`;
+    const [x, y] = [this.stage.clientWidth - 20 - pixels, this.stage.clientHeight - 18];
     context.font = '11px system-ui, "Segoe UI", sans-serif';
     context.textAlign = "right";
-    context.fillText(`${readable(length, 3)} ${this.look.unit || "(voxel units)"}`, x + pixels, y - 6);
+    // The picture may lie behind it.
+    const style = getComputedStyle(this.stage);
+    const width = Math.max(pixels, context.measureText(text).width);
+    context.fillStyle = style.backgroundColor;
+    context.globalAlpha = 0.85;
+    context.beginPath();
+    context.roundRect(x + pixels - width - 8, y - 21, width + 16, 31, 6);
+    context.fill();
+    context.globalAlpha = 1;
+    context.fillStyle = style.color;
+    context.fillRect(x, y, pixels, 2);
+    context.fillText(text, x + pixels, y - 6);
   }
 
   voxelAt(px, py) {
