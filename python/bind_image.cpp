@@ -72,7 +72,7 @@ py::tuple inpaint_image(const Array& values, const py::dict& layout, const Bytes
                         result);
 }
 
-py::dict to_dict(const LabelAgreement& agreement) {
+py::dict agreement_to_dict(const LabelAgreement& agreement) {
   using namespace py::literals;
   return py::dict("dice"_a = agreement.dice, "jaccard"_a = agreement.jaccard, "hausdorff95"_a = agreement.hausdorff95);
 }
@@ -86,13 +86,13 @@ py::dict compare_images(const Floats& values, const py::dict& layout, const Floa
   });
   py::list labels;
   for (const LabelComparison& label : found.labels) {
-    py::dict one = to_dict(label);
+    py::dict one = agreement_to_dict(label);
     one["label"] = label.label;
     one["voxels"] = label.voxels;
     one["reference_voxels"] = label.reference_voxels;
     labels.append(one);
   }
-  py::dict result = to_dict(static_cast<const LabelAgreement&>(found));
+  py::dict result = agreement_to_dict(static_cast<const LabelAgreement&>(found));
   result["labels"] = labels;
   return result;
 }

@@ -12,7 +12,7 @@
 namespace csrbf::python {
 namespace {
 
-py::dict to_dict(const Topology& t) {
+py::dict mesh_to_dict(const Topology& t) {
   using namespace py::literals;
   return py::dict("components"_a = t.components, "watertight"_a = t.watertight(), "manifold"_a = t.manifold(),
                   "euler"_a = t.euler, "boundary_edges"_a = t.boundary_edges,
@@ -20,13 +20,13 @@ py::dict to_dict(const Topology& t) {
                   "inconsistent_edges"_a = t.inconsistent_edges);
 }
 
-py::dict to_dict(const DistanceStatistics& d) {
+py::dict mesh_to_dict(const DistanceStatistics& d) {
   using namespace py::literals;
   return py::dict("mean"_a = d.mean, "rms"_a = d.rms, "p99"_a = d.p99, "max"_a = d.max);
 }
 
 py::dict with_topology(py::dict result, const Topology& topology) {
-  for (const auto& [name, value] : to_dict(topology)) result[name] = value;
+  for (const auto& [name, value] : mesh_to_dict(topology)) result[name] = value;
   return result;
 }
 
@@ -37,10 +37,11 @@ py::dict compare_meshes(const py::tuple& first, const py::tuple& second, Index s
   const MeshComparison found = run(listener, [&](const Progress& progress) {
     return compare(mesh, reference, {.samples = samples, .seed = seed, .progress = progress});
   });
-  return with_topology(py::dict("chamfer_mean"_a = found.chamfer_mean, "hausdorff99"_a = found.hausdorff99,
-                                "normal_error_deg"_a = found.normal_error_deg, "accuracy"_a = to_dict(found.accuracy),
-                                "completeness"_a = to_dict(found.completeness), "diagonal"_a = found.diagonal),
-                       found.topology);
+  return with_topology(
+      py::dict("chamfer_mean"_a = found.chamfer_mean, "hausdorff99"_a = found.hausdorff99,
+               "normal_error_deg"_a = found.normal_error_deg, "accuracy"_a = mesh_to_dict(found.accuracy),
+               "completeness"_a = mesh_to_dict(found.completeness), "diagonal"_a = found.diagonal),
+      found.topology);
 }
 
 py::dict compare_points(const py::tuple& first, const py::tuple& second, const py::object& listener) {
@@ -50,8 +51,8 @@ py::dict compare_points(const py::tuple& first, const py::tuple& second, const p
   const PointComparison found =
       run(listener, [&](const Progress& progress) { return compare(mesh, points, {.progress = progress}); });
   return with_topology(py::dict("chamfer_mean"_a = found.distance.mean, "hausdorff99"_a = found.distance.p99,
-                                "normal_error_deg"_a = found.normal_error_deg, "distance"_a = to_dict(found.distance),
-                                "diagonal"_a = found.diagonal),
+                                "normal_error_deg"_a = found.normal_error_deg,
+                                "distance"_a = mesh_to_dict(found.distance), "diagonal"_a = found.diagonal),
                        found.topology);
 }
 
@@ -86,7 +87,7 @@ void bind_mesh(py::module_& m) {
   });
   m.def("topology", [](const py::tuple& given) {
     const Mesh mesh = mesh_from(given);
-    return to_dict(run([&](const Progress& /*progress*/) { return topology(mesh); }));
+    return mesh_to_dict(run([&](const Progress& /*progress*/) { return topology(mesh); }));
   });
   m.def("compare_meshes", &compare_meshes);
   m.def("compare_points", &compare_points);

@@ -7,8 +7,8 @@
 namespace csrbf::python {
 namespace {
 
-RbfInterpolatorOptions make_options(Index neighbors, const Array& smoothing, const std::string& kernel, double epsilon,
-                                    int degree) {
+RbfInterpolatorOptions make_interpolator_options(Index neighbors, const Array& smoothing, const std::string& kernel,
+                                                 double epsilon, int degree) {
   return {.neighbors = neighbors,
           .smoothing = vector(smoothing, "smoothing"),
           .kernel = kernel,
@@ -37,7 +37,7 @@ void bind_rbf_interpolator(py::module_& m) {
                      double epsilon, int degree) {
                     return std::make_unique<RbfInterpolator>(
                         RbfInterpolator::restore(columns(points, "y"), columns(coefficients, "coefficients"),
-                                                 make_options(0, smoothing, kernel, epsilon, degree)));
+                                                 make_interpolator_options(0, smoothing, kernel, epsilon, degree)));
                   })
       .def("evaluate",
            [](const RbfInterpolator& f, const Array& x) {

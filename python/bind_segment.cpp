@@ -178,7 +178,7 @@ std::unique_ptr<Image> frame_of(const Image& image, Index t) {
   return frame;
 }
 
-py::dict to_dict(const SegmentReport& r) {
+py::dict segmentation_to_dict(const SegmentReport& r) {
   using namespace py::literals;
   const SegmentSettings& o = r.options;
   py::list regions;
@@ -343,7 +343,7 @@ void bind_segment(py::module_& m) {
       });
   py::class_<Segments>(m, "Segments")
       .def_property_readonly("labels", &labels_of)
-      .def_property_readonly("report", [](const Segments& s) { return to_dict(report_of(s)); })
+      .def_property_readonly("report", [](const Segments& s) { return segmentation_to_dict(report_of(s)); })
       .def("function", &function_of)
       .def("contour", &contour_of)
       .def("preview", &preview_of)

@@ -24,7 +24,7 @@ struct Surface {
   Points<3> normals{3, 0};
 };
 
-py::dict to_dict(const ReconstructReport& r) {
+py::dict reconstruction_to_dict(const ReconstructReport& r) {
   using namespace py::literals;
   const CompositeReport composite = r.composite.value_or(CompositeReport{});
   const ContoursReport contours = r.contours.value_or(ContoursReport{});
@@ -56,7 +56,7 @@ py::tuple reconstruct_arrays(const Array& given, const std::optional<Array>& nor
     return std::make_unique<Surface>(
         Surface{found.field, cloud.points(Eigen::all, found.source), std::move(found.normals)});
   });
-  return py::make_tuple(std::move(surface), to_dict(report));
+  return py::make_tuple(std::move(surface), reconstruction_to_dict(report));
 }
 
 // `sizes`: the numbers of points of the closed curves.
@@ -80,11 +80,11 @@ py::tuple reconstruct_contours_arrays(const Array& given, const std::vector<Inde
     return std::make_unique<Surface>(
         Surface{found.field, contours.vertices(Eigen::all, found.source), std::move(found.normals)});
   });
-  return py::make_tuple(std::move(surface), to_dict(report));
+  return py::make_tuple(std::move(surface), reconstruction_to_dict(report));
 }
 
 // Value, and gradient when asked for.
-py::tuple evaluate(const Surface& surface, const Array& at, bool with_gradient) {
+py::tuple evaluate_surface(const Surface& surface, const Array& at, bool with_gradient) {
   const auto x = points<3>(at, "x");
   const Index m = x.cols();
   py::array_t<double> value(m);
@@ -159,11 +159,11 @@ std::unique_ptr<Surface> combine_surfaces(const std::string& operation, const st
   });
 }
 
-py::bytes to_bytes(const Surface& s) {
+py::bytes surface_to_bytes(const Surface& s) {
   return py::bytes(run([&](const Progress& /*progress*/) { return format_archive(surface_to_archive(*s.field)); }));
 }
 
-std::unique_ptr<Surface> from_bytes(const std::string& bytes, const Array& given, const Array& normals) {
+std::unique_ptr<Surface> surface_from_bytes(const std::string& bytes, const Array& given, const Array& normals) {
   const auto x = points<3>(given, "points"), n = points<3>(normals, "normals");
   return run([&](const Progress& /*progress*/) {
     return std::make_unique<Surface>(Surface{surface_from(parse_archive(bytes, "pickle")), x, n});
@@ -183,7 +183,7 @@ void bind_surface(py::module_& m) {
                              })
       .def_property_readonly("points", [](const Surface& s) { return to_array(Points<3>(s.points)); })
       .def_property_readonly("normals", [](const Surface& s) { return to_array(Points<3>(s.normals)); })
-      .def("evaluate", &evaluate)
+      .def("evaluate", &evaluate_surface)
       .def("curvature", &curvature_arrays)
       .def("polygonize", &polygonize_arrays)
       .def("raycast", &raycast_arrays)
@@ -206,8 +206,8 @@ void bind_surface(py::module_& m) {
            [](const Surface& s, const std::string& path) {
              run([&](const Progress& /*progress*/) { write_model(path, *s.field); });
            })
-      .def("to_bytes", &to_bytes)
-      .def_static("from_bytes", &from_bytes);
+      .def("to_bytes", &surface_to_bytes)
+      .def_static("from_bytes", &surface_from_bytes);
   m.def("reconstruct", &reconstruct_arrays);
   m.def("reconstruct_contours", &reconstruct_contours_arrays);
   m.def("combine", &combine_surfaces);

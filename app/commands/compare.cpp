@@ -10,11 +10,11 @@
 namespace csrbf::app {
 namespace {
 
-Json described(const std::string& path, const Mesh& mesh) {
+Json described_difference(const std::string& path, const Mesh& mesh) {
   return {{"file", path}, {"points", mesh.vertices.cols()}, {"triangles", mesh.triangles.cols()}};
 }
 
-Json described(const DistanceStatistics& d) {
+Json described_difference(const DistanceStatistics& d) {
   return {{"mean", d.mean}, {"rms", d.rms}, {"p99", d.p99}, {"max", d.max}};
 }
 
@@ -42,8 +42,8 @@ void compare_meshes(const Mesh& mesh, const Mesh& reference, Session& session) {
   session.result = {{"chamfer_mean", c.chamfer_mean},
                     {"hausdorff99", c.hausdorff99},
                     {"normal_error_deg", c.normal_error_deg},
-                    {"accuracy", described(c.accuracy)},
-                    {"completeness", described(c.completeness)},
+                    {"accuracy", described_difference(c.accuracy)},
+                    {"completeness", described_difference(c.completeness)},
                     {"diagonal", c.diagonal}};
   add_topology(c.topology, session.result);
   session.say("distances are fractions of the diagonal of the reference (" + rounded(c.diagonal) + ")");
@@ -62,7 +62,7 @@ void compare_points(const Mesh& mesh, const PointCloud& points, Session& session
   session.result = {{"chamfer_mean", c.distance.mean},
                     {"hausdorff99", c.distance.p99},
                     {"normal_error_deg", c.normal_error_deg},
-                    {"distance", described(c.distance)},
+                    {"distance", described_difference(c.distance)},
                     {"diagonal", c.diagonal}};
   add_topology(c.topology, session.result);
   session.say("distances from the points to the mesh, fractions of the diagonal of the points (" + rounded(c.diagonal) +
@@ -76,13 +76,13 @@ void compare_points(const Mesh& mesh, const PointCloud& points, Session& session
   session.add_to_page([&](Page& page) { show_distances(mesh, points, page); });
 }
 
-Json described(const std::string& path, const Volume<float>& image) {
+Json described_difference(const std::string& path, const Volume<float>& image) {
   Json size = Json::array();
   for (int a = 0; a < image.grid.axes; ++a) size.push_back(image.grid.size[a]);
   return {{"file", path}, {"size", size}};
 }
 
-Json described(const LabelAgreement& agreement) {
+Json described_difference(const LabelAgreement& agreement) {
   return {{"dice", agreement.dice}, {"jaccard", agreement.jaccard}, {"hausdorff95", agreement.hausdorff95}};
 }
 
@@ -119,18 +119,18 @@ bool has_one_label_each(const Volume<float>& a, const Volume<float>& b) {
 void compare_images(const CompareCommand& command, Session& session) {
   Volume<float> a = session.timed("read", [&] { return read_volume(command.first); });
   Volume<float> b = session.timed("read", [&] { return read_volume(command.second); });
-  session.input = {{"a", described(command.first, a)}, {"b", described(command.second, b)}};
+  session.input = {{"a", described_difference(command.first, a)}, {"b", described_difference(command.second, b)}};
   share_position(command, a.grid, b.grid, session);
   const CompareLabelsOptions options{.inside_only = has_one_label_each(a, b), .progress = session.progress()};
   if (options.inside_only)
     session.warn("each image has a single label, with different values: compared as the same region");
   session.options = {{"inside_only", options.inside_only}};
   const LabelsComparison c = session.timed("evaluate", [&] { return compare_labels(a, b, options); });
-  session.result = described(c);
+  session.result = described_difference(c);
   Json& labels = session.result["labels"] = Json::array();
   for (const LabelComparison& one : c.labels) {
     Json entry = {{"label", one.label}, {"voxels", one.voxels}, {"reference_voxels", one.reference_voxels}};
-    entry.update(described(static_cast<const LabelAgreement&>(one)));
+    entry.update(described_difference(static_cast<const LabelAgreement&>(one)));
     labels.push_back(entry);
   }
   session.say("dice:                " + rounded(c.dice));
@@ -152,7 +152,7 @@ void run(const CompareCommand& command, Session& session) {
   if (is_readable_volume(command.first) && is_readable_volume(command.second)) return compare_images(command, session);
   Mesh a = session.timed("read", [&] { return read_mesh_or_points(command.first); });
   Mesh b = session.timed("read", [&] { return read_mesh_or_points(command.second); });
-  session.input = {{"a", described(command.first, a)}, {"b", described(command.second, b)}};
+  session.input = {{"a", described_difference(command.first, a)}, {"b", described_difference(command.second, b)}};
   if (a.triangles.cols() == 0) std::swap(a, b);
   if (a.triangles.cols() == 0)
     throw IoError(command.first + " and " + command.second + " are both points; one must be a mesh");

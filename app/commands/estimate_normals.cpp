@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view viewpoint_word = "viewpoint";
 
-NormalOptions make_options(const EstimateNormalsCommand& command) {
+NormalOptions make_normal_options(const EstimateNormalsCommand& command) {
   NormalOptions options;
   options.neighbors = command.neighbors;
   if (command.orient == "none") {
@@ -40,7 +40,7 @@ Index drop_non_finite(PointCloud& cloud) {
 }  // namespace
 
 void run(const EstimateNormalsCommand& command, Session& session) {
-  NormalOptions options = make_options(command);
+  NormalOptions options = make_normal_options(command);
   options.progress = session.progress();
   std::string formats = "point files are ";
   formats += point_formats;

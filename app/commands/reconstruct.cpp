@@ -23,7 +23,7 @@ Normals parse_normals(const std::string& text) {
   return text == "estimate" ? Normals::estimate : Normals::automatic;
 }
 
-ReconstructOptions make_options(const ReconstructCommand& command, Session& session) {
+ReconstructOptions make_reconstruct_options(const ReconstructCommand& command, Session& session) {
   return {.method = command.method,
           .normals = parse_normals(command.normals),
           .centers = command.centers,
@@ -49,7 +49,7 @@ void expect_no_point_flags(const ReconstructCommand& command) {
   if (command.trim != "none") refuse("--trim");
 }
 
-void expect_outputs(const ReconstructCommand& command, Session& session) {
+void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
   expect_mesh_output(command.output, session);
   if (command.model.empty()) return;
   if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
@@ -84,7 +84,8 @@ void add_report(const ReconstructReport& r, Session& session) {
 }
 
 // The options as given, automatic ones replaced by what was chosen.
-void add_options(const ReconstructCommand& command, const ReconstructReport& r, int resolution, Session& session) {
+void add_reconstruct_options(const ReconstructCommand& command, const ReconstructReport& r, int resolution,
+                             Session& session) {
   session.options = {{"output", command.output},
                      {"method", r.method},
                      {"normals", name_of(r.normals)},
@@ -154,7 +155,7 @@ Made from_contours(const Polylines& contours, const ReconstructOptions& given, c
 }
 
 Made make_surface(const ReconstructCommand& command, Session& session) {
-  const ReconstructOptions options = make_options(command, session);
+  const ReconstructOptions options = make_reconstruct_options(command, session);
   const std::variant<PointCloud, Polylines> input = session.timed("read", [&] { return read_input(command); });
   if (const Polylines* contours = std::get_if<Polylines>(&input))
     return from_contours(*contours, options, command, session);
@@ -189,14 +190,14 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOp
 void run(const ReconstructCommand& command, Session& session) {
   const std::optional<double> trim_distance = parse_word_or_number(command.trim, "none", "--trim");
   if (trim_distance && !(*trim_distance > 0)) throw UsageError("--trim " + command.trim + ": must be positive");
-  expect_outputs(command, session);
+  expect_mesh_outputs(command, session);
   if (command.resume) session.resume(command.input, command.output);
   Made made = make_surface(command, session);
   const PointCloud& used = made.used;
   Reconstruction& surface = made.surface;
   add_report(surface.report, session);
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*surface.field);
-  add_options(command, surface.report, resolution, session);
+  add_reconstruct_options(command, surface.report, resolution, session);
   const PolygonizeOptions options{
       .resolution = resolution, .method = method_of(command, *surface.field), .progress = session.progress()};
   const Mesh mesh = make_mesh(*surface.field, used, options, trim_distance, session);

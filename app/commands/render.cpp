@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view error_prefix = "error:";
 
-std::pair<int, int> parse_size(const std::string& text) {
+std::pair<int, int> parse_picture_size(const std::string& text) {
   const Eigen::VectorXd numbers = parse_numbers(text, 'x', 2, "--size");
   constexpr double largest = 32768;  // pixels; keeps an image below 4 GB
   if ((numbers.array() != numbers.array().round()).any() || numbers.minCoeff() < 1 || numbers.maxCoeff() > largest)
@@ -38,9 +38,9 @@ UpAxis parse_up(const std::string& text) {
   return text == "y" ? UpAxis::y : UpAxis::z;
 }
 
-RenderOptions make_options(const RenderCommand& command) {
+RenderOptions make_render_options(const RenderCommand& command) {
   RenderOptions options;
-  std::tie(options.width, options.height) = parse_size(command.size);
+  std::tie(options.width, options.height) = parse_picture_size(command.size);
   const Eigen::VectorXd view = parse_numbers(command.view, ',', 2, "--view");
   options.view = {view[0], view[1]};
   options.up = parse_up(command.up);
@@ -51,7 +51,7 @@ RenderOptions make_options(const RenderCommand& command) {
 }  // namespace
 
 void run(const RenderCommand& command, Session& session) {
-  RenderOptions options = make_options(command);
+  RenderOptions options = make_render_options(command);
   options.progress = session.progress();
   session.expect_output("--output", command.output, ".png", "pictures");
   session.input = {{"file", command.input}};

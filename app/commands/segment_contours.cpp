@@ -10,7 +10,7 @@
 namespace csrbf::app {
 namespace {
 
-Json described(const ImageContour& contour) {
+Json described_contours(const ImageContour& contour) {
   const ContourLines& c = contour.lines;
   return {{"lines", c.lines.size()},
           {"length", c.length},
@@ -19,7 +19,7 @@ Json described(const ImageContour& contour) {
           {"area_error", c.area_error}};
 }
 
-Json described(const ImageSurface& surface) {
+Json described_contours(const ImageSurface& surface) {
   return {{"vertices", surface.mesh.vertices.cols()},
           {"triangles", surface.mesh.triangles.cols()},
           {"area", surface.area},
@@ -104,7 +104,7 @@ SegmentContours<Dim>::SegmentContours(const Segmentation<Dim>& segmentation, con
   });
   Json total = Json::object(), regions = Json::array();
   for (std::size_t i = 0; i < contours_.size(); ++i) {
-    const Json one = described(contours_[i]);
+    const Json one = described_contours(contours_[i]);
     Json region = {{"label", i + 1}};
     region.update(one);
     regions.push_back(region);

@@ -176,8 +176,8 @@ void write_measures(const std::string& path, const std::vector<Row>& rows) {
   write_file(path, table.str());
 }
 
-void add_result(const TrackCommand& command, const std::vector<Row>& rows, Index frames, const Grid& grid,
-                const TrackReport& report, Session& session) {
+void add_track_result(const TrackCommand& command, const std::vector<Row>& rows, Index frames, const Grid& grid,
+                      const TrackReport& report, Session& session) {
   session.options = {{"output", command.output}};
   add_segment_options(command, report.options.segment, session);
   const TrackSettings& used = report.options;
@@ -273,7 +273,7 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
     return a.frame != b.frame ? a.frame < b.frame : a.region.label < b.region.label;
   });
-  add_result(command, rows, frames.count(), grid, report, session);
+  add_track_result(command, rows, frames.count(), grid, report, session);
   session.add_to_page([&](Page& page) {
     std::vector<RgbImage> shown;
     for (const auto& [t, picture] : pictures) shown.push_back(picture);

@@ -14,10 +14,10 @@
 namespace csrbf::app {
 namespace {
 
-constexpr double percent = 100;
+constexpr double as_percent = 100;
 
 std::string percent_text(double fraction) {
-  return readable(percent * fraction, 2) + " %";
+  return readable(as_percent * fraction, 2) + " %";
 }
 
 double share_below(const Eigen::VectorXd& values, double share) {
@@ -27,7 +27,7 @@ double share_below(const Eigen::VectorXd& values, double share) {
   return finite.empty() ? 0 : percentile(finite, share);
 }
 
-void add_facts(const ReconstructionShown& shown, Page& page) {
+void add_reconstruct_facts(const ReconstructionShown& shown, Page& page) {
   const ReconstructReport& r = shown.surface.report;
   const Topology t = topology(shown.mesh);
   page.facts = {{grouped(r.points_used), "points used"},
@@ -91,16 +91,16 @@ Figure view(const ReconstructionShown& shown, const Eigen::VectorXd& distance, d
 Figure distance_histogram(const ReconstructReport& r, const Eigen::VectorXd& distance) {
   constexpr double most = 1.25;  // end of the axis, relative to the 99th percentile: outliers do not set it
   Histogram histogram{.values = {distance.begin(), distance.end()},
-                      .hi = most * percent * r.p99_distance,
+                      .hi = most * as_percent * r.p99_distance,
                       .label = "distance to the surface, % of the diagonal",
                       .counted = "points"};
-  histogram.marks = {{percent * r.rms_distance, "root mean square"}, {percent * r.p99_distance, "99 %"}};
+  histogram.marks = {{as_percent * r.rms_distance, "root mean square"}, {as_percent * r.p99_distance, "99 %"}};
   return {"Distance of the points to the surface", draw(histogram),
           "The last bar includes all points that are further away."};
 }
 
 // The function on the plane through the centre of the box, normal to an axis.
-PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across) {
+PlaneMap reconstruct_section(const ReconstructionShown& shown, const Box<3>& box, int across) {
   const std::array<int, 2> axes{across == 0 ? 1 : 0, across == 2 ? 1 : 2};
   Box<2> plane;
   PlaneSection<3>::Across columns = PlaneSection<3>::Across::Zero();
@@ -138,7 +138,8 @@ PlaneMap section(const ReconstructionShown& shown, const Box<3>& box, int across
 Figure sections(const ReconstructionShown& shown, const Box<3>& box) {
   constexpr double margin = 0.04;  // of the diagonal
   std::vector<PlaneMap> maps;
-  for (const int across : {2, 1, 0}) maps.push_back(section(shown, box.inflated(margin * box.diagonal()), across));
+  for (const int across : {2, 1, 0})
+    maps.push_back(reconstruct_section(shown, box.inflated(margin * box.diagonal()), across));
   double limit = 0;
   constexpr double most = 0.98;  // percentile at the ends of the scale
   for (const PlaneMap& map : maps) limit = std::max(limit, share_below(map.values.reshaped(), most));
@@ -160,8 +161,9 @@ void show(const ReconstructionShown& shown, Page& page) {
   const Box<3> box = bounding_box<3>(shown.used.points);
   const double diagonal = box.diagonal();
   const std::vector<double> fractions = surface_distances(*shown.surface.field, shown.used.points, diagonal);
-  const Eigen::VectorXd distance = percent * Eigen::Map<const Eigen::VectorXd>(fractions.data(), std::ssize(fractions));
-  add_facts(shown, page);
+  const Eigen::VectorXd distance =
+      as_percent * Eigen::Map<const Eigen::VectorXd>(fractions.data(), std::ssize(fractions));
+  add_reconstruct_facts(shown, page);
   add_findings(shown, diagonal, page);
   if (shown.mesh.triangles.cols() > 0) page.figures.push_back(view(shown, distance, diagonal));
   page.figures.push_back(distance_histogram(shown.surface.report, distance));

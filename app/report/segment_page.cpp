@@ -27,7 +27,7 @@ std::string capitalized(std::string text) {
   return text;
 }
 
-void add_facts(const SegmentReport& r, const Json& measures, bool is_volume, Page& page) {
+void add_segment_facts(const SegmentReport& r, const Json& measures, bool is_volume, Page& page) {
   page.facts = {{std::to_string(r.options.regions), "regions"},
                 {with_error(measures, is_volume ? "volume" : "area"), is_volume ? "volume inside" : "area inside"},
                 {with_error(measures, is_volume ? "area" : "length"),
@@ -108,7 +108,7 @@ template <int Dim>
 void show(const Volume<float>& image, const Segmentation<Dim>& segmentation, const Json& measures,
           const std::function<Mesh()>& mesh, Page& page) {
   const SegmentReport& r = segmentation.report;
-  add_facts(r, measures, Dim == 3, page);
+  add_segment_facts(r, measures, Dim == 3, page);
   page.figures.push_back(pictures<Dim>(image, segmentation));
   if constexpr (Dim == 3)
     if (measures["triangles"].template get<Index>() > 0)

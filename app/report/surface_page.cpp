@@ -21,7 +21,7 @@ double size_below(const Eigen::VectorXd& values, double share) {
   return finite.empty() ? 1 : percentile(finite, share);
 }
 
-void add_facts(const Mesh& mesh, Page& page) {
+void add_surface_facts(const Mesh& mesh, Page& page) {
   const Topology t = topology(mesh);
   page.facts = {{grouped(t.vertices), "vertices"},
                 {grouped(t.triangles), "triangles"},
@@ -77,7 +77,7 @@ void add_distances(SurfaceView view, const Eigen::VectorXd& on_mesh, const Eigen
 }  // namespace
 
 void show(const Field<3>& field, const Mesh& mesh, Page& page) {
-  add_facts(mesh, page);
+  add_surface_facts(mesh, page);
   if (mesh.triangles.cols() == 0) return;
   SurfaceView view = view_of(mesh);
   view.inside = inside_values(field, view.mesh, "f, zero on the surface");
@@ -85,7 +85,7 @@ void show(const Field<3>& field, const Mesh& mesh, Page& page) {
 }
 
 void show(const Field<3>& field, const Mesh& mesh, const Curvatures& at, const Polylines& lines, Page& page) {
-  add_facts(mesh, page);
+  add_surface_facts(mesh, page);
   if (mesh.triangles.cols() == 0) return;
   SurfaceView view = view_of(mesh);
   const bool is_whole = view.mesh.vertices.cols() == mesh.vertices.cols();

@@ -13,6 +13,7 @@
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -24,7 +25,7 @@
 namespace csrbf {
 namespace {
 
-constexpr double rounding = 1e-12;  // relative
+constexpr double value_rounding = 1e-12;  // relative
 
 // One fit in scaled coordinates; fills the report.
 template <int Dim>
@@ -158,7 +159,7 @@ class Fitter {
     for (Index i = std::min(first, samples_.size() - 1); i < samples_.size(); i += stride) chosen.push_back(order[i]);
     std::sort(chosen.begin(), chosen.end());
     chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-    Samples<Dim> share{samples_.points(Eigen::all, chosen), samples_.values(chosen, Eigen::all), {}};
+    Samples<Dim> share{chosen_points<Dim>(samples_.points, chosen), samples_.values(chosen, Eigen::all), {}};
     if (samples_.weights.size() > 0) share.weights = samples_.weights(chosen);
     return share;
   }
@@ -199,7 +200,7 @@ class Fitter {
   bool tracks_may_matter() const {
     const bool rough = Kernel(report_.kernel, Dim).is_rough();
     const bool free = options_.method == "auto" && options_.kernel == "auto" && !options_.degree && !options_.smoothing;
-    const bool exact = report_.cross_validation_rmse <= rounding * samples_.values.cwiseAbs().maxCoeff();
+    const bool exact = report_.cross_validation_rmse <= value_rounding * samples_.values.cwiseAbs().maxCoeff();
     return Dim > 1 && free && rough && !exact && samples_.size() >= fewest_for_tracks;
   }
 

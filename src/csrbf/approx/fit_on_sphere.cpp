@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/kernels/kernel.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -66,7 +67,7 @@ Cap cap_of(const Points<3>& u) {
 
 template <int Dim>
 Samples<Dim> some_of(const Samples<Dim>& samples, const std::vector<Index>& rows) {
-  Samples<Dim> some{samples.points(Eigen::all, rows), samples.values(rows, Eigen::all), {}};
+  Samples<Dim> some{chosen_points<Dim>(samples.points, rows), samples.values(rows, Eigen::all), {}};
   if (samples.weights.size() > 0) some.weights = samples.weights(rows);
   return some;
 }

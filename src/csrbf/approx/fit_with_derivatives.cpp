@@ -4,6 +4,7 @@
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/linalg/simplex_search.hpp"
@@ -76,7 +77,7 @@ class DerivativeFit {
         rows.push_back(i);
     report_.missing = options_.missing ? given.size() - std::ssize(rows) : 0;
     require(!rows.empty(), "fit", "samples", 0, "none has a value and a weight");
-    Samples<Dim> some{given.points(Eigen::all, rows), given.values(rows, Eigen::all), {}};
+    Samples<Dim> some{chosen_points<Dim>(given.points, rows), given.values(rows, Eigen::all), {}};
     if (given.weights.size() > 0) some.weights = given.weights(rows);
     const bool interpolates = options_.smoothing && *options_.smoothing == 0;
     RobustWeights robust;
@@ -85,7 +86,7 @@ class DerivativeFit {
     for (Index i = 0; i < some.size(); ++i)
       if (robust.factors.size() == 0 || robust.factors[i] > 0) kept.push_back(i);
     for (const Index row : robust.gross_errors) report_.gross_errors.push_back(rows[static_cast<std::size_t>(row)]);
-    x_ = some.points(Eigen::all, kept);
+    x_ = chosen_points<Dim>(some.points, kept);
     y_ = some.values(kept, Eigen::all);
     weights_ = some.all_weights()(kept);
     if (robust.factors.size() > 0) weights_.array() *= robust.factors(kept).array();
@@ -134,7 +135,7 @@ class DerivativeFit {
   [[nodiscard]] HermiteSystem<Dim> system(const std::vector<Index>& rows, double length, double value_nugget,
                                           double slope_nugget) const {
     HermiteSystem<Dim> result;
-    result.centers = x_(Eigen::all, rows) / length;
+    result.centers = chosen_points<Dim>(x_, rows) / length;
     result.nuggets.resize(std::ssize(rows), rows_each);
     for (Index i = 0; i < result.size(); ++i) {
       const Index row = rows[static_cast<std::size_t>(i)];
@@ -169,7 +170,7 @@ class DerivativeFit {
   [[nodiscard]] Solved solve(const HermiteFactor<Dim>& factor, const Eigen::MatrixXd& right) const {
     Solved solved;
     Eigen::MatrixXd white = right(factor.known, Eigen::all);
-    factor.llt.matrixL().solveInPlace(white);
+    solve_lower(factor.llt, white);
     solved.mean = Eigen::RowVectorXd::Zero(k());
     solved.degrees = static_cast<double>(white.rows());
     solved.log_determinant = 2 * factor.llt.matrixLLT().diagonal().array().log().sum();
@@ -180,7 +181,7 @@ class DerivativeFit {
       solved.degrees -= 1;
     }
     solved.squares = white.colwise().squaredNorm();
-    factor.llt.matrixU().solveInPlace(white);
+    solve_upper(factor.llt, white);
     solved.alpha = std::move(white);
     return solved;
   }

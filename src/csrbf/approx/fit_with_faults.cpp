@@ -8,10 +8,9 @@
 #include "csrbf/approx/unity/cover.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/seconds_since.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/simplex_search.hpp"
 #include "csrbf/spatial/morton_order.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -269,7 +268,7 @@ class FaultFit {
       if (llt.info() != Eigen::Success) return infinity;
       Eigen::MatrixXd white(n, 1 + k);
       white << Eigen::VectorXd::Ones(n), block.values;
-      llt.matrixL().solveInPlace(white);
+      solve_lower(llt, white);
       const double information = white.col(0).squaredNorm();
       const Eigen::RowVectorXd mean = white.col(0).transpose() * white.rightCols(k) / information;
       squares += (white.rightCols(k) - white.col(0) * mean).colwise().squaredNorm();

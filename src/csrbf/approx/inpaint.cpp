@@ -13,7 +13,7 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* function = "inpaint";
+constexpr const char* inpaint_function = "inpaint";
 
 constexpr Index few = 100;                                        // samples up to which fit() chooses the method
 constexpr double first_threshold = 4, last_threshold = 4.0 / 30;  // of blocks, in errors of the fit; see inpaint.md
@@ -289,13 +289,13 @@ std::vector<Part<Scalar>> parts_of(Volume<Scalar>& image, Index t, const unsigne
   return parts;
 }
 
-void check(const VolumeLayout& image, Index values, Index missing) {
-  require(values == image.values_per_frame() * image.frames, function, "values of the image", values,
+void check_image(const VolumeLayout& image, Index values, Index missing) {
+  require(values == image.values_per_frame() * image.frames, inpaint_function, "values of the image", values,
           "one per component, voxel and frame is needed");
-  require(missing == image.grid.voxels() || missing == image.grid.voxels() * image.frames, function,
+  require(missing == image.grid.voxels() || missing == image.grid.voxels() * image.frames, inpaint_function,
           "entries of the mask", missing,
           "there must be one per voxel (" + std::to_string(image.grid.voxels()) + ") or per voxel of every frame");
-  require(image.grid.spacing.allFinite() && image.grid.spacing.minCoeff() > 0, function, "spacing",
+  require(image.grid.spacing.allFinite() && image.grid.spacing.minCoeff() > 0, inpaint_function, "spacing",
           image.grid.spacing.transpose(), "must be positive");
 }
 
@@ -311,9 +311,9 @@ Progress of_frame(const Progress& progress, Index t, Index frames) {
 template <class Scalar>
 InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& missing, const InpaintOptions& options) {
   if (options.blocks)
-    require(*options.blocks == 0 || (*options.blocks >= 4 && *options.blocks <= 64), function, "blocks",
+    require(*options.blocks == 0 || (*options.blocks >= 4 && *options.blocks <= 64), inpaint_function, "blocks",
             *options.blocks, "must be 0 (none) or a width of 4 to 64 voxels");
-  check(image, static_cast<Index>(image.values.size()), static_cast<Index>(missing.size()));
+  check_image(image, static_cast<Index>(image.values.size()), static_cast<Index>(missing.size()));
   InpaintReport report;
   const bool same_mask = static_cast<Index>(missing.size()) == image.grid.voxels();
   for (Index t = 0; t < image.frames; ++t) {
@@ -323,7 +323,7 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
     for (Part<Scalar>& part : parts_of(image, t, missing.data() + (same_mask ? 0 : t * image.grid.voxels()))) {
       const Index unknown = part.missing_voxels();
       const Index known = part.frame.cols() - unknown;
-      require(known > 0, function, "known voxels", 0, "frame " + std::to_string(t + 1) + " has no known value");
+      require(known > 0, inpaint_function, "known voxels", 0, "frame " + std::to_string(t + 1) + " has no known value");
       if (unknown > 0) {
         InpaintReport filled = fill(part, frame_options);
         if (report.missing == 0) {

@@ -1,5 +1,6 @@
 #include "csrbf/approx/measure_errors.hpp"
 
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -35,7 +36,7 @@ Samples<Dim> fitted_samples(const Samples<Dim>& given, const FitOptions& options
     if (!is_left_out[static_cast<std::size_t>(i)] &&
         (!options.missing || (given.values.row(i).array() != *options.missing).all()))
       rows.push_back(i);
-  return {given.points(Eigen::all, rows), given.values(rows, Eigen::all), {}};
+  return {chosen_points<Dim>(given.points, rows), given.values(rows, Eigen::all), {}};
 }
 
 template <int Dim>
@@ -51,7 +52,7 @@ std::shared_ptr<const Points<Dim>> places_of(const Samples<Dim>& samples, const 
   }
   const Index stride = n / std::max<Index>(1, much_smaller * size);
   for (Index i = 0; i < n; i += std::max<Index>(1, stride)) some.push_back(order[static_cast<std::size_t>(i)]);
-  return std::make_shared<const Points<Dim>>(samples.points(Eigen::all, some));
+  return std::make_shared<const Points<Dim>>(chosen_points<Dim>(samples.points, some));
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                         \

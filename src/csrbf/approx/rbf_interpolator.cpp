@@ -175,32 +175,32 @@ Matrix RbfInterpolator::coefficients() const {
 Matrix RbfInterpolator::evaluate(const MatrixRef& x, const Progress& progress) const {
   require(x.rows() == dimension(), function, "x", x.rows(),
           "the points must have " + std::to_string(dimension()) + " coordinates");
-  const auto& data = *data_;
-  if (data.many != nullptr) return data.many->evaluate(x);
+  const auto& [points, values, smoothing, neighbors, epsilon, degree, basis, solution, search, many] = *data_;
+  if (many != nullptr) return many->evaluate(x);
   const Index m = x.cols();
-  const Index n = data.neighbors > 0 ? data.neighbors : data.points.cols();
-  if (data.neighbors == 0) {
-    Matrix out(data.solution.alpha.cols(), m);
+  const Index n = neighbors > 0 ? neighbors : points.cols();
+  if (neighbors == 0) {
+    Matrix out(solution.alpha.cols(), m);
     const Index part = part_size(static_cast<double>(n));
     for (Index begin = 0; begin < m; begin += part) {
       report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(m));
       parallel_for(std::min(part, m - begin), 64, [&](Index first, Index last) {
-        data.basis.evaluate(data.points, data.solution, x.middleCols(begin + first, last - first),
-                            out.middleCols(begin + first, last - first));
+        basis.evaluate(points, solution, x.middleCols(begin + first, last - first),
+                       out.middleCols(begin + first, last - first));
       });
     }
     return out;
   }
   require(x.allFinite(), function, "x", "NaN or infinity", "every coordinate must be finite to find its neighbors");
-  const LocalInterpolants local{data.basis, *data.search, data.points, data.values, data.smoothing, data.neighbors};
+  const LocalInterpolants local{basis, *search, points, values, smoothing, neighbors};
   const std::vector<Index> order = nearby_order(x);
-  Matrix out(data.values.rows(), m);
+  Matrix out(values.rows(), m);
   const Index part = part_size(static_cast<double>(n * n * n));
   for (Index begin = 0; begin < m; begin += part) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(m));
     parallel_for(std::min(part, m - begin), 256, [&](Index first, Index last) {
       const std::vector<Index> queries(order.begin() + begin + first, order.begin() + begin + last);
-      Matrix found(data.values.rows(), last - first);
+      Matrix found(values.rows(), last - first);
       local.evaluate(x(Eigen::all, queries), found);
       for (Index i = 0; i < last - first; ++i) out.col(queries[i]) = found.col(i);
     });

@@ -50,29 +50,53 @@ struct Box {
   Point<Dim> lo = Point<Dim>::Constant(std::numeric_limits<double>::infinity());
   Point<Dim> hi = Point<Dim>::Constant(-std::numeric_limits<double>::infinity());
 
+  // Loops, not expressions: these are in every file, and the compiler takes long for each expression of each dimension.
   void add(const Point<Dim>& p) {
-    lo = lo.cwiseMin(p);
-    hi = hi.cwiseMax(p);
+    for (int a = 0; a < Dim; ++a) {
+      lo[a] = p[a] < lo[a] ? p[a] : lo[a];
+      hi[a] = hi[a] < p[a] ? p[a] : hi[a];
+    }
   }
   void add(const Box& other) {
-    lo = lo.cwiseMin(other.lo);
-    hi = hi.cwiseMax(other.hi);
+    for (int a = 0; a < Dim; ++a) {
+      lo[a] = other.lo[a] < lo[a] ? other.lo[a] : lo[a];
+      hi[a] = hi[a] < other.hi[a] ? other.hi[a] : hi[a];
+    }
   }
-  [[nodiscard]] bool empty() const { return !(lo.array() <= hi.array()).all(); }
-  [[nodiscard]] Point<Dim> extent() const { return empty() ? Point<Dim>::Zero() : Point<Dim>(hi - lo); }
-  [[nodiscard]] Point<Dim> center() const { return 0.5 * (lo + hi); }
+  [[nodiscard]] bool empty() const {
+    for (int a = 0; a < Dim; ++a)
+      if (!(lo[a] <= hi[a])) return true;
+    return false;
+  }
+  [[nodiscard]] Point<Dim> extent() const {
+    Point<Dim> result = Point<Dim>::Zero();
+    if (empty()) return result;
+    for (int a = 0; a < Dim; ++a) result[a] = hi[a] - lo[a];
+    return result;
+  }
+  [[nodiscard]] Point<Dim> center() const {
+    Point<Dim> result;
+    for (int a = 0; a < Dim; ++a) result[a] = 0.5 * (lo[a] + hi[a]);
+    return result;
+  }
   [[nodiscard]] double diagonal() const { return extent().norm(); }
   [[nodiscard]] bool contains(const Point<Dim>& p) const {
-    return (p.array() >= lo.array()).all() && (p.array() <= hi.array()).all();
+    for (int a = 0; a < Dim; ++a)
+      if (!(p[a] >= lo[a] && p[a] <= hi[a])) return false;
+    return true;
   }
   [[nodiscard]] bool intersects(const Box& other) const {
-    return (lo.array() <= other.hi.array()).all() && (hi.array() >= other.lo.array()).all();
+    for (int a = 0; a < Dim; ++a)
+      if (!(lo[a] <= other.hi[a] && hi[a] >= other.lo[a])) return false;
+    return true;
   }
   /// The box grown by `margin` on every side.
   [[nodiscard]] Box inflated(double margin) const {
     Box grown = *this;
-    grown.lo.array() -= margin;
-    grown.hi.array() += margin;
+    for (int a = 0; a < Dim; ++a) {
+      grown.lo[a] -= margin;
+      grown.hi[a] += margin;
+    }
     return grown;
   }
 };

@@ -36,7 +36,7 @@ Box<3> common_part(const Box<3>& a, const Box<3>& b) {
   return {a.lo.cwiseMax(b.lo), a.hi.cwiseMin(b.hi)};
 }
 
-void check(Operation operation, const std::vector<Solid>& solids, const CombineOptions& options) {
+void check_solids(Operation operation, const std::vector<Solid>& solids, const CombineOptions& options) {
   constexpr const char* f = "combine";
   const bool one = operation == Operation::complement;
   require(one ? solids.size() == 1 : solids.size() >= 2, f, "number of solids", solids.size(),
@@ -74,7 +74,7 @@ std::optional<Blending> blending_named(std::string_view name) {
 }
 
 Solid combine(Operation operation, const std::vector<Solid>& solids, const CombineOptions& options) {
-  check(operation, solids, options);
+  check_solids(operation, solids, options);
   CombinedField::Data data;
   data.complemented = operation != Operation::unite;
   data.blending = options.blending;

@@ -44,7 +44,7 @@ const Scalar& largest(std::span<const Scalar> f) {
 
 // Where both are zero the root has no derivatives; 0 is used.
 template <class Scalar>
-Scalar r_union(const Scalar& f, const Scalar& g) {
+Scalar evaluate_union(const Scalar& f, const Scalar& g) {
   const Scalar squares = f * f + g * g;
   return value_of(squares) > 0 ? f + g + power(squares, 0.5) : f + g;
 }
@@ -52,7 +52,7 @@ Scalar r_union(const Scalar& f, const Scalar& g) {
 // In units of the largest term, so that no power overflows. Where all functions are below -R the sum is empty and the
 // largest function is used.
 template <class Scalar>
-Scalar super_elliptic(std::span<const Scalar> f, double R, double b) {
+Scalar evaluate_super_elliptic(std::span<const Scalar> f, double R, double b) {
   const Scalar& most = largest(f);
   const double unit = 1 + value_of(most) / R;
   if (!(unit > 0)) return most;
@@ -73,15 +73,15 @@ Scalar log_sum_exp(std::span<const Scalar> f, double R, double b) {
 }
 
 template <class Scalar>
-Scalar united(std::span<const Scalar> f, const CombinedField::Data& data) {
+Scalar evaluate_united(std::span<const Scalar> f, const CombinedField::Data& data) {
   switch (data.blending) {
     case Blending::super_elliptic:
-      return f.size() == 1 ? f[0] : super_elliptic(f, data.range, data.sharpness);
+      return f.size() == 1 ? f[0] : evaluate_super_elliptic(f, data.range, data.sharpness);
     case Blending::log_sum_exp:
       return f.size() == 1 ? f[0] : log_sum_exp(f, data.range, data.sharpness);
     case Blending::r_function: {
       Scalar result = f[0];
-      for (std::size_t i = 1; i < f.size(); ++i) result = r_union(result, f[i]);
+      for (std::size_t i = 1; i < f.size(); ++i) result = evaluate_union(result, f[i]);
       return result;
     }
     case Blending::sharp:
@@ -131,7 +131,7 @@ void CombinedField::evaluate_as(const PointsRef<3>& x, const JetBlock& out) cons
   for (Index i = 0; i < x.cols(); ++i) {
     for (std::size_t k = 0; k < jets.size(); ++k)
       f[k] = (data_.terms[k].complemented ? -1.0 : 1.0) * load<Scalar>(jets[k], i);
-    store(Scalar(sign * united(std::span<const Scalar>(f), data_)), i, out);
+    store(Scalar(sign * evaluate_united(std::span<const Scalar>(f), data_)), i, out);
   }
 }
 

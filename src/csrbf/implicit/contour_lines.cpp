@@ -9,7 +9,7 @@ namespace {
 
 using namespace contouring;
 
-constexpr int largest_resolution = 16384;  // cells along the longest side: 4 GB of memory in a square
+constexpr int largest_grid = 16384;  // cells along the longest side: 4 GB of memory in a square
 // Chosen by hand.
 constexpr double coincident = 1e-9;  // of a cell: closer points are merged
 constexpr double steepest_arc = 1;   // largest slope against the chord: arcs that start steeper are kinks
@@ -142,7 +142,7 @@ ContourLines collect(const Lattice& lattice, const Network& network, ContourEnds
 }
 
 Box<2> checked_bounds(const Field<2>& field, const ContourLinesOptions& options) {
-  require(options.resolution >= 0 && options.resolution <= largest_resolution, "contour_lines", "resolution",
+  require(options.resolution >= 0 && options.resolution <= largest_grid, "contour_lines", "resolution",
           options.resolution, "must be between 1 and 16384 cells along the longest side, or 0 for automatic");
   require(std::isfinite(options.level), "contour_lines", "level", options.level, "must be finite");
   const bool own = options.bounds.lo == Box<2>().lo && options.bounds.hi == Box<2>().hi;

@@ -118,7 +118,7 @@ void to_pixels(const Slice& slice, const std::array<double, 2>& scale, ContourLi
 }
 
 template <int Dim>
-void validate(const Volume<float>& image, const PreviewOptions& options) {
+void check_preview(const Volume<float>& image, const PreviewOptions& options) {
   const Grid& grid = image.grid;
   require(grid.dimension() <= Dim, "preview", "axes of the image", grid.dimension(),
           "must be at most those of the field");
@@ -140,7 +140,7 @@ void validate(const Volume<float>& image, const PreviewOptions& options) {
 template <int Dim>
 RgbImage preview(const Volume<float>& image, const std::vector<const Field<Dim>*>& fields,
                  const PreviewOptions& options) {
-  validate<Dim>(image, options);
+  check_preview<Dim>(image, options);
   const int axis = image.grid.dimension() == 3 ? options.axis : 2;
   const Index number = image.grid.dimension() < 3 ? 0
                        : options.slice >= 0       ? options.slice

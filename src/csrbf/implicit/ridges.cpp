@@ -74,13 +74,13 @@ double mean_length(const Mesh& mesh, const Edges& edges) {
 }
 
 // Points where lines of one kind may cross the edges of the mesh, and for each edge its point or -1.
-struct Crossings {
+struct RidgeCrossings {
   Points<3> points;
   std::vector<std::int32_t> of_edge;
 };
 
-Crossings find_crossings(const Mesh& mesh, const Edges& edges, const Extremality& at) {
-  Crossings found;
+RidgeCrossings find_crossings(const Mesh& mesh, const Edges& edges, const Extremality& at) {
+  RidgeCrossings found;
   found.of_edge.assign(edges.ends.size(), -1);
   std::vector<Point<3>> points;
   for (std::size_t e = 0; e < edges.ends.size(); ++e) {
@@ -156,7 +156,7 @@ Eigen::VectorXd settle(const Field<3>& field, double level, double edge, Kind ki
 using Segment = std::array<std::int32_t, 2>;
 
 // Triangles that a line enters through one edge and leaves through another.
-std::vector<Segment> segments_of(const Edges& edges, const Crossings& crossings, const Eigen::VectorXd& k) {
+std::vector<Segment> segments_of(const Edges& edges, const RidgeCrossings& crossings, const Eigen::VectorXd& k) {
   std::vector<Segment> segments;
   for (Index t = 0; t < edges.of_triangle.cols(); ++t) {
     std::array<std::int32_t, 3> cut{};
@@ -221,7 +221,8 @@ Polylines ridges(const Field<3>& field, const Mesh& mesh, const RidgeLineOptions
   lines.properties = {{"kind", "char", Eigen::VectorXd(0)}, {"curvature", "float", Eigen::VectorXd(0)}};
   for (const Kind kind : {Kind::ridge, Kind::valley}) {
     report(options.progress, "ridges", kind == Kind::ridge ? 0 : 0.5);
-    Crossings crossings = find_crossings(mesh, edges, extremality(field, mesh.vertices, difference_step * edge, kind));
+    RidgeCrossings crossings =
+        find_crossings(mesh, edges, extremality(field, mesh.vertices, difference_step * edge, kind));
     const Eigen::VectorXd k = settle(field, options.level, edge, kind, crossings.points);
     const std::vector<Segment> segments = segments_of(edges, crossings, k);
     append(strong(segments, crossings.points, k, options.least_turning), crossings.points, k, kind, lines);

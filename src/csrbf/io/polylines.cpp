@@ -14,7 +14,7 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* extensions = ".csv .txt .xyz .pts .obj .ply";
+constexpr const char* polyline_extensions = ".csv .txt .xyz .pts .obj .ply";
 
 // Is there a column `contour` in the lines before the first number?
 bool names_contours(std::string_view text) {
@@ -89,12 +89,12 @@ Polylines parse_polylines(const std::string& extension, const std::string& bytes
 }  // namespace
 
 Polylines read_polylines(const std::string& path) {
-  const Content content = read_with_format(path, extensions, ".csv", "files of curves");
+  const Content content = read_with_format(path, polyline_extensions, ".csv", "files of curves");
   return parse_polylines(content.extension, content.bytes, display_name(path));
 }
 
 std::variant<PointCloud, Polylines> read_points_or_polylines(const std::string& path) {
-  if (!is_listed(content_extension(path), extensions) && !(path != "-" && content_extension(path).empty()))
+  if (!is_listed(content_extension(path), polyline_extensions) && !(path != "-" && content_extension(path).empty()))
     return read_points(path);
   const Content content = read_with_format(path, readable_point_formats(), ".csv", "files of points and curves");
   if (are_polylines(content.extension, content.bytes))

@@ -15,7 +15,7 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* extensions =
+constexpr const char* volume_extensions =
     ".png .pgm .ppm .jpg .jpeg .bmp .tif .tiff .nii .nii.gz .nrrd .mha .mhd .npy .vti .asc .nc";
 constexpr const char* read_by_gdal = ".hgt .grd";  // besides .asc and .nc, which it writes too
 
@@ -26,7 +26,8 @@ std::string volume_extension(const std::string& path) {
 
 std::string checked_extension(const std::string& path) {
   const std::string extension = volume_extension(path);
-  if (!is_listed(extension, extensions)) refuse_extension(path, extension, std::string("images are ") + extensions);
+  if (!is_listed(extension, volume_extensions))
+    refuse_extension(path, extension, std::string("images are ") + volume_extensions);
   return extension;
 }
 
@@ -145,9 +146,9 @@ Volume<Scalar> read_volume(const std::string& path) {
     extension = guessed_format(bytes.starts_with("\x1F\x8B") ? read_head(bytes, path) : bytes);
     if (extension == ".nii" && bytes.starts_with("\x1F\x8B")) extension = ".nii.gz";
   }
-  if (!is_listed(extension, extensions) && !is_listed(extension, read_by_gdal))
+  if (!is_listed(extension, volume_extensions) && !is_listed(extension, read_by_gdal))
     refuse_extension(display_name(path), extension,
-                     std::string("images are ") + extensions + ", and DICOM files or folders");
+                     std::string("images are ") + volume_extensions + ", and DICOM files or folders");
   if (bytes.empty() && !is_by_gdal(extension)) bytes = read_file(path);
   RawVolume raw = parse_volume(extension, std::move(bytes), display_name(path));
   if (has_world_file(extension) && !is_placed(raw.layout)) read_world_file(path, raw.layout.grid);
@@ -187,7 +188,7 @@ template void write_volume(const std::string&, const Volume<float>&);
 template void write_volume(const std::string&, const Volume<double>&);
 
 bool is_volume_file(const std::string& path) {
-  return is_listed(volume_extension(path), extensions);
+  return is_listed(volume_extension(path), volume_extensions);
 }
 
 bool is_readable_volume(const std::string& path) {

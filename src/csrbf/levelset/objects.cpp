@@ -87,7 +87,7 @@ double area_of_ball(double volume, int dim) {
   return std::cbrt(36 * std::numbers::pi * volume * volume);
 }
 
-std::vector<ObjectMeasure> measure(const Volume<float>& image, std::span<const std::int32_t> labels) {
+std::vector<ObjectMeasure> measure_objects(const Volume<float>& image, std::span<const std::int32_t> labels) {
   const Grid& grid = image.grid;
   const auto [nx, ny, nz] = grid.size;
   const int dim = grid.dimension();
@@ -153,7 +153,7 @@ Objects find_objects(const Volume<float>& image, std::span<const std::uint8_t> l
   }
   report(options.progress, "objects", 0.8);
   number(result.labels, options.min_size);
-  result.table = measure(image, result.labels);
+  result.table = measure_objects(image, result.labels);
   return result;
 }
 

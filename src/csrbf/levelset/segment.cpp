@@ -24,8 +24,6 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* here = "segment";
-
 constexpr double contour_length = 1.5;  // nats per voxel edge of a contour; see segment.md
 
 std::optional<MeanShape> shape_of(Shading shading) {

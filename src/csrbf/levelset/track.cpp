@@ -11,22 +11,23 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* here = "track";
+constexpr const char* track_function = "track";
 // Chosen by hand.
 constexpr double barrier = 2;        // cost, in wrong voxels, of what moved farther than it may
 constexpr double full_noise = 0.25;  // noise of a frame over its contrast from which the prior has its full weight
 constexpr double one_sided = 0.5;    // weight of an expectation from one neighbour, which motion displaces
 
 void check_options(const TrackOptions& options) {
-  require(options.persistence >= 0 && options.persistence <= 100, here, "persistence", options.persistence,
+  require(options.persistence >= 0 && options.persistence <= 100, track_function, "persistence", options.persistence,
           "must be 0 to 100");
   if (options.motion)
-    require(*options.motion > 0, here, "motion", *options.motion, "must be positive, in voxels; infinity: no limit");
+    require(*options.motion > 0, track_function, "motion", *options.motion,
+            "must be positive, in voxels; infinity: no limit");
   if (options.prediction)
-    require(*options.prediction >= 0 && *options.prediction <= 1, here, "prediction", *options.prediction,
+    require(*options.prediction >= 0 && *options.prediction <= 1, track_function, "prediction", *options.prediction,
             "must be 0 to 1");
-  require(options.sweeps >= 1 && options.sweeps <= 100, here, "sweeps", options.sweeps, "must be 1 to 100");
-  require(options.segment.prior.empty(), here, "prior size", options.segment.prior.size(),
+  require(options.sweeps >= 1 && options.sweeps <= 100, track_function, "sweeps", options.sweeps, "must be 1 to 100");
+  require(options.segment.prior.empty(), track_function, "prior size", options.segment.prior.size(),
           "the prior is made from frame to frame; leave it empty");
 }
 
@@ -157,8 +158,8 @@ class Tracker {
     if (is_first)
       grid_ = image.grid;
     else
-      require(image.grid.size == grid_.size, here, "size of frame " + std::to_string(t), size_text(image.grid),
-              "must be that of the first frame, " + size_text(grid_));
+      require(image.grid.size == grid_.size, track_function, "size of frame " + std::to_string(t),
+              size_text(image.grid), "must be that of the first frame, " + size_text(grid_));
     const Index last = sweep == 0 ? t - 1 : t;  // whose labels are known
     SegmentOptions options = segment_options(is_first);
     options.progress = progress();
@@ -280,11 +281,11 @@ class Tracker {
 template <int Dim>
 TrackReport track(Index frames, const FrameSource& read, const TrackOptions& options,
                   const std::function<void(Index, TrackedFrame<Dim>&&)>& take) {
-  require(frames > 0, here, "frames", frames, "there must be a frame");
+  require(frames > 0, track_function, "frames", frames, "there must be a frame");
   check_options(options);
   const FrameSource checked = [&](Index t) {
     Volume<float> image = read(t);
-    require(image.components == 1, here, "components", image.components,
+    require(image.components == 1, track_function, "components", image.components,
             "frames must have one value per voxel: convert colours to grey");
     return image;
   };
@@ -293,8 +294,8 @@ TrackReport track(Index frames, const FrameSource& read, const TrackOptions& opt
 
 template <int Dim>
 Tracking<Dim> track(const Volume<float>& sequence, const TrackOptions& options) {
-  require(std::ssize(sequence.values) == sequence.values_per_frame() * sequence.frames, here, "number of values",
-          sequence.values.size(), "must be that of the voxels of all frames");
+  require(std::ssize(sequence.values) == sequence.values_per_frame() * sequence.frames, track_function,
+          "number of values", sequence.values.size(), "must be that of the voxels of all frames");
   Tracking<Dim> tracking;
   tracking.frames.resize(std::max<Index>(sequence.frames, 0));
   const FrameSource read = [&](Index t) {

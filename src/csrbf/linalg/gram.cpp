@@ -29,7 +29,7 @@ CSRBF_ALWAYS_INLINE void products(const double* rows_of, const double* cols_of, 
     for (int c = 0; c < C; ++c) A[c * n + r] = (S[r][c][0] + S[r][c][1]) + (S[r][c][2] + S[r][c][3]);
 }
 
-struct Gram {
+struct GramTiles {
   template <int Bytes>
   CSRBF_ALWAYS_INLINE static void run(const double* B, Index rows, Index n, double* A) {
     const Index even = n - n % tile;
@@ -52,7 +52,7 @@ struct Gram {
 }  // namespace
 
 void gram(const double* B, Index rows, Index n, double* A) {
-  simd_call<Gram, 32>(B, rows, n, A);
+  simd_call<GramTiles, 32>(B, rows, n, A);
 }
 
 }  // namespace csrbf

@@ -9,7 +9,8 @@ namespace {
 constexpr int tile_columns = 6;
 
 template <int Bytes, int Columns>
-CSRBF_ALWAYS_INLINE void tile(const double* A, Index rows, Index inner, const double* B, Index stride, double* C) {
+CSRBF_ALWAYS_INLINE void multiply_tile(const double* A, Index rows, Index inner, const double* B, Index stride,
+                                       double* C) {
   using V = Lanes<double, panel_rows, Bytes>;
   V sum[Columns];
 #pragma GCC unroll 6
@@ -30,10 +31,10 @@ struct Product {
     Index column = 0;
     for (; column + tile_columns <= columns; column += tile_columns)
       for (Index row = 0; row < rows; row += panel_rows)
-        tile<Bytes, tile_columns>(A + row, rows, inner, B + column * stride, stride, C + column * rows + row);
+        multiply_tile<Bytes, tile_columns>(A + row, rows, inner, B + column * stride, stride, C + column * rows + row);
     for (; column < columns; ++column)
       for (Index row = 0; row < rows; row += panel_rows)
-        tile<Bytes, 1>(A + row, rows, inner, B + column * stride, stride, C + column * rows + row);
+        multiply_tile<Bytes, 1>(A + row, rows, inner, B + column * stride, stride, C + column * rows + row);
   }
 };
 

@@ -1,12 +1,9 @@
 #include "csrbf/linalg/ridge.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/golden_section.hpp"
 
-#include <Eigen/LU>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <Eigen/SVD>
 
 #include <sstream>
@@ -219,7 +216,8 @@ RidgeFit kernel_ridge(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::R
   const Eigen::MatrixXd full = A.selfadjointView<Eigen::Lower>();
 
   // (D A D + lambda) (D^-1 c) = D s with D = W^(1/2).
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(root.asDiagonal() * full * root.asDiagonal());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      Eigen::MatrixXd(root.asDiagonal() * full * root.asDiagonal()));
   Spectrum spectrum(eigen.eigenvectors(), eigen.eigenvalues(), root.asDiagonal() * s);
   const Eigen::VectorXd& mu = spectrum.mu;
   const double rounding = static_cast<double>(A.rows()) * 1e-16 * mu.cwiseAbs().maxCoeff();

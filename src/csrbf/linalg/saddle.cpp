@@ -2,13 +2,9 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/dense_cholesky.hpp"
 #include "csrbf/linalg/golden_section.hpp"
-
-#include <Eigen/LU>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <sstream>
 #include <string>
@@ -20,14 +16,14 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 std::string size_of(const MatrixRef& m) {
   return std::to_string(m.rows()) + " x " + std::to_string(m.cols());
 }
 
-void check(std::string_view function, const MatrixRef& A, const MatrixRef& G, const MatrixRef& s,
-           const Eigen::VectorXd& weights) {
+void check_saddle(std::string_view function, const MatrixRef& A, const MatrixRef& G, const MatrixRef& s,
+                  const Eigen::VectorXd& weights) {
   const Index n = A.rows();
   require(n > 0 && A.cols() == n, function, "A", size_of(A), "must be square and not empty");
   require(G.rows() == n || G.size() == 0, function, "G", size_of(G), "must have as many rows as A");
@@ -121,7 +117,7 @@ Matrix errors(const Matrix& alpha, const Eigen::VectorXd& inverse_diagonal, cons
     if (inverse_diagonal[k] > zero) {
       e.row(k) /= inverse_diagonal[k] * root[k];
     } else {
-      e.row(k).setConstant(infinity);
+      e.row(k).setConstant(unbounded);
     }
   }
   return e;
@@ -153,7 +149,7 @@ Matrix factorize(const Reduced& system, double largest_jitter, double& lambda) {
 
 // The scores of all lambdas from the eigenvectors V and eigenvalues mu of A on the null space: C = V (mu + lambda)^-1
 // V^T and I - S = lambda C.
-struct Spectrum {
+struct SaddleSpectrum {
   Matrix V;
   Eigen::VectorXd mu;
   Matrix z;  // V^T s
@@ -176,9 +172,9 @@ struct Spectrum {
   }
 
   [[nodiscard]] double score(double lambda, LambdaCriterion criterion) const {
-    if (lambda < smallest_lambda) return infinity;
+    if (lambda < smallest_lambda) return unbounded;
     const double value = criterion == LambdaCriterion::leave_one_out ? leave_one_out(lambda) : gcv(lambda);
-    return std::isnan(value) ? infinity : value;
+    return std::isnan(value) ? unbounded : value;
   }
 };
 
@@ -204,8 +200,8 @@ double best_exponent(const Function& f, double first, double last) {
 }  // namespace
 
 SaddleSolution solve_saddle(const MatrixRef& A, const MatrixRef& G, const MatrixRef& s, const SaddleOptions& options) {
-  check("solve_saddle", A, G, s, options.weights);
-  require(options.lambda >= 0 && options.lambda < infinity, "solve_saddle", "lambda", options.lambda,
+  check_saddle("solve_saddle", A, G, s, options.weights);
+  require(options.lambda >= 0 && options.lambda < unbounded, "solve_saddle", "lambda", options.lambda,
           "must be finite and not negative");
   const Reduced system("solve_saddle", A, G, options.weights);
   double lambda = system.scaled(options.lambda);
@@ -227,7 +223,7 @@ SaddleSolution solve_saddle(const MatrixRef& A, const MatrixRef& G, const Matrix
       solution.leave_one_out = errors(alpha, system.expand(L.transpose()).rowwise().squaredNorm(), system.root());
     }
   } else if (options.leave_one_out) {
-    solution.leave_one_out = Matrix::Constant(s.rows(), s.cols(), infinity);
+    solution.leave_one_out = Matrix::Constant(s.rows(), s.cols(), unbounded);
   }
   solution.lambda = system.unscaled(lambda);
   solution.pi = system.polynomial(t, alpha, lambda);
@@ -237,9 +233,9 @@ SaddleSolution solve_saddle(const MatrixRef& A, const MatrixRef& G, const Matrix
 
 SmoothingChoice choose_smoothing(const MatrixRef& A, const MatrixRef& G, const MatrixRef& s,
                                  const SmoothingOptions& options) {
-  check("choose_smoothing", A, G, s, options.weights);
+  check_saddle("choose_smoothing", A, G, s, options.weights);
   require(options.smallest > 0, "choose_smoothing", "smallest", options.smallest, "must be positive");
-  require(options.largest > options.smallest && options.largest < infinity, "choose_smoothing", "largest",
+  require(options.largest > options.smallest && options.largest < unbounded, "choose_smoothing", "largest",
           options.largest, "must be finite and larger than smallest");
   const Reduced system("choose_smoothing", A, G, options.weights);
   SmoothingChoice choice;
@@ -247,12 +243,12 @@ SmoothingChoice choose_smoothing(const MatrixRef& A, const MatrixRef& G, const M
   choice.free_parameters = n;
   if (system.unknowns() == 0) return choice;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(system.matrix());
-  Spectrum spectrum{system.expand(eigen.eigenvectors()), eigen.eigenvalues(), {}, 0};
+  SaddleSpectrum spectrum{system.expand(eigen.eigenvectors()), eigen.eigenvalues(), {}, 0};
   spectrum.z = spectrum.V.transpose() * (system.root().asDiagonal() * s);
   const Eigen::VectorXd& mu = spectrum.mu;
   spectrum.smallest_lambda = n * 1e-16 * mu.cwiseAbs().maxCoeff() - mu.minCoeff();
   const double unit = mu.mean();
-  if (!(unit > 0) || spectrum.score(options.largest * unit, options.criterion) == infinity)
+  if (!(unit > 0) || spectrum.score(options.largest * unit, options.criterion) == unbounded)
     throw SolverFailure("choose_smoothing: A is not positive definite; use a kernel made for this dimension");
   const auto f = [&](double exponent) { return spectrum.score(unit * std::pow(10.0, exponent), options.criterion); };
   const double strongest = std::log10(options.largest);

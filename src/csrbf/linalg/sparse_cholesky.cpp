@@ -12,17 +12,17 @@
 namespace csrbf {
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double>;
+using SparseMatrix = Eigen::SparseMatrix<double>;
 
 // Exposes the cost of the factor, known once the pattern is analysed.
-class Factor : public Eigen::SimplicialLLT<Matrix, Eigen::Lower, Eigen::AMDOrdering<int>> {
+class Factor : public Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::AMDOrdering<int>> {
  public:
   [[nodiscard]] double flops() const { return m_nonZerosPerCol.cast<double>().squaredNorm(); }
 };
 
 using Preconditioner = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::AMDOrdering<int>>;
 
-bool same_pattern(const Matrix& a, const Matrix& b) {
+bool same_pattern(const SparseMatrix& a, const SparseMatrix& b) {
   return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
          std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.cols() + 1, b.outerIndexPtr()) &&
          std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
@@ -38,7 +38,7 @@ void set_sparse_factor(SparseFactorMaker maker) {
 
 struct SparseCholesky::Impl {
   SparseCholeskyOptions options;
-  Matrix N;  // for the iteration, and to recognise the same pattern
+  SparseMatrix N;  // for the iteration, and to recognise the same pattern
   Factor factor;
   std::unique_ptr<SparseFactor> other_factor;  // used instead if there is one
   Preconditioner preconditioner;
@@ -63,7 +63,7 @@ Index SparseCholesky::iterations() const {
   return impl_->iterations;
 }
 
-bool SparseCholesky::factorize(const Matrix& N) {
+bool SparseCholesky::factorize(const SparseMatrix& N) {
   Impl& s = *impl_;
   const bool known = s.analyzed && same_pattern(s.N, N);
   s.N = N;

@@ -15,7 +15,8 @@ constexpr const char* function = "sparse_least_squares";
 using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using Columns = Eigen::SparseMatrix<double>;
 
-void check(const Rows& B, const Eigen::Ref<const Eigen::MatrixXd>& s, const SparseLeastSquaresOptions& options) {
+void check_least_squares(const Rows& B, const Eigen::Ref<const Eigen::MatrixXd>& s,
+                         const SparseLeastSquaresOptions& options) {
   require(B.rows() > 0 && B.cols() > 0, function, "B", "empty", "needs at least one datum and one coefficient");
   require(s.rows() == B.rows(), function, "s", s.rows(), "there must be one row of data per row of B");
   require(Eigen::Map<const Eigen::VectorXd>(B.valuePtr(), B.nonZeros()).allFinite(), function, "B", "NaN or infinity",
@@ -139,7 +140,8 @@ double gcv_score(const Problem& p, double lambda0, SparseCholesky& solver) {
 }
 
 // Minimises the score over whole decades, then by bisection between the best and its neighbours.
-double choose_lambda0(const Problem& p, const SparseLeastSquaresOptions& options, SparseCholesky& solver, double& gcv) {
+double choose_sparse_lambda0(const Problem& p, const SparseLeastSquaresOptions& options, SparseCholesky& solver,
+                             double& gcv) {
   double best = std::log10(options.smallest);
   gcv = std::numeric_limits<double>::infinity();
   const auto attempt = [&](double exponent) {
@@ -170,7 +172,7 @@ double choose_lambda0(const Problem& p, const SparseLeastSquaresOptions& options
 
 SparseLeastSquaresFit sparse_least_squares(const Rows& B, const Eigen::Ref<const Eigen::MatrixXd>& s,
                                            const SparseLeastSquaresOptions& options) {
-  check(B, s, options);
+  check_least_squares(B, s, options);
   std::vector<int> columns;
   const Problem p = prepare(B, s, options, columns);
   SparseLeastSquaresFit fit;
@@ -181,7 +183,7 @@ SparseLeastSquaresFit sparse_least_squares(const Rows& B, const Eigen::Ref<const
   if (columns.empty()) return fit;
 
   SparseCholesky solver(options.solver);
-  if (!options.lambda0) fit.lambda0 = choose_lambda0(p, options, solver, fit.gcv);
+  if (!options.lambda0) fit.lambda0 = choose_sparse_lambda0(p, options, solver, fit.gcv);
   fit.lambda = p.lambda(fit.lambda0);
   const Eigen::MatrixXd c = solve(p, fit.lambda, solver);
   if (c.size() == 0 || !c.allFinite())

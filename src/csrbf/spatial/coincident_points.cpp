@@ -9,7 +9,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 1 << 14;  // points per task, chosen by hand
+constexpr Index points_per_task = 1 << 14;  // points per task, chosen by hand
 
 // The bits of all coordinates, hashed by multiplication with 2^64 over the golden ratio; adding 0 turns -0 into 0.
 template <int Dim>
@@ -28,7 +28,7 @@ std::vector<Keyed> sort_by_hash(const PointsRef<Dim>& points) {
   const int bits = std::min(32, static_cast<int>(std::bit_width(n)) + spare_bits);
   const auto limit = static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1);
   std::vector<Keyed> items(n);
-  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
+  parallel_for(points.cols(), points_per_task, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Point<Dim> p = points.col(i);
       items[i] = {static_cast<std::uint32_t>(hash<Dim>(p.data())) & limit, static_cast<std::uint32_t>(i)};
@@ -46,7 +46,7 @@ std::vector<Index> first_coincident(const PointsRef<Dim>& points) {
   require(n <= std::numeric_limits<std::uint32_t>::max(), "first_coincident", "points", n, "must be fewer than 2^32");
   const std::vector<Keyed> items = sort_by_hash<Dim>(points);
   std::vector<Index> first(n);
-  parallel_for(points.cols(), grain, [&](Index range_begin, Index range_end) {
+  parallel_for(points.cols(), points_per_task, [&](Index range_begin, Index range_end) {
     std::vector<std::uint32_t> distinct;  // points of a key
     for (Index begin = range_begin; begin < range_end; ++begin) {
       const std::uint32_t key = items[begin].key;

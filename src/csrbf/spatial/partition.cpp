@@ -17,7 +17,7 @@ constexpr Index axes_sample = 512;        // points that the principal axes of a
 constexpr Index enough_parts = 256;       // to share among processes: more balance better, fewer need fewer messages
 constexpr Index fewest_shared = 1 << 14;  // points; with fewer it takes longer to exchange a partition than to make it
 
-using Keyed = std::pair<double, Index>;
+using Projected = std::pair<double, Index>;
 
 template <int Dim>
 Point<Dim> mean_of(const PointsRef<Dim>& columns, const Index* ids, Index n) {
@@ -46,24 +46,24 @@ bool principal_axes(const PointsRef<Dim>& columns, const Index* ids, Index n, Ei
 }
 
 template <int Dim>
-std::vector<Keyed> project(const PointsRef<Dim>& columns, const Index* ids, Index n, const Point<Dim>& axis) {
-  std::vector<Keyed> keyed(n);
+std::vector<Projected> project(const PointsRef<Dim>& columns, const Index* ids, Index n, const Point<Dim>& axis) {
+  std::vector<Projected> keyed(n);
   for (Index i = 0; i < n; ++i) keyed[i] = {axis.dot(columns.col(ids[i])), ids[i]};
   return keyed;
 }
 
-void store(const std::vector<Keyed>& keyed, Index* ids) {
+void store(const std::vector<Projected>& keyed, Index* ids) {
   for (std::size_t i = 0; i < keyed.size(); ++i) ids[i] = keyed[i].second;
 }
 
 // The sign of an eigenvector is arbitrary: orients the axis by the skewness of the points, so that cuts rotate with the
 // cloud.
-void orient(std::vector<Keyed>& keyed) {
+void orient(std::vector<Projected>& keyed) {
   double mean = 0, third_moment = 0;
-  for (const Keyed& k : keyed) mean += k.first / static_cast<double>(keyed.size());
-  for (const Keyed& k : keyed) third_moment += (k.first - mean) * (k.first - mean) * (k.first - mean);
+  for (const Projected& k : keyed) mean += k.first / static_cast<double>(keyed.size());
+  for (const Projected& k : keyed) third_moment += (k.first - mean) * (k.first - mean) * (k.first - mean);
   if (third_moment < 0)
-    for (Keyed& k : keyed) k.first = -k.first;
+    for (Projected& k : keyed) k.first = -k.first;
 }
 
 // Moves the `cut` points lowest along the principal axis to the front. For a nearly flat sheet the axis lies in the
@@ -80,7 +80,7 @@ void split_at(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index
   if (!principal_axes<Dim>(points, sample.data(), count, axes, normal) &&
       !principal_axes<Dim>(points, ids, n, axes, normal))
     return;
-  std::vector<Keyed> keyed = project<Dim>(points, ids, n, axes.col(Dim - 1));
+  std::vector<Projected> keyed = project<Dim>(points, ids, n, axes.col(Dim - 1));
   orient(keyed);
   std::nth_element(keyed.begin(), keyed.begin() + cut, keyed.end());
   store(keyed, ids);
@@ -144,7 +144,7 @@ class Splitter {
   }
 
   // Cuts at the widest gap between consecutive keys if it is wider than `least`.
-  static Index cut_widest(std::vector<Keyed> keyed, Index* ids, double least) {
+  static Index cut_widest(std::vector<Projected> keyed, Index* ids, double least) {
     std::sort(keyed.begin(), keyed.end());
     const Index n = std::ssize(keyed);
     Index cut = n;

@@ -41,7 +41,7 @@ bool composite(const ReconstructOptions& options) {
   return options.method == "auto" || options.method == "composite";
 }
 
-void check(const ReconstructOptions& options) {
+void check_options(const ReconstructOptions& options) {
   if (!composite(options)) {
     std::string names = "unknown; use auto, composite";
     for (const SurfaceMethod& method : surface_methods()) names += std::string(", ") + method.name;
@@ -273,7 +273,7 @@ void ReconstructReport::set_distances(const std::vector<double>& distance) {
 }
 
 Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& options) {
-  check(options);
+  check_options(options);
   Reconstruction result;
   ReconstructReport& out = result.report;
   const auto start = std::chrono::steady_clock::now();

@@ -12,12 +12,12 @@ namespace {
 
 // Chosen by hand.
 constexpr double margin = 0.05;               // of the diagonal, around the contours: surfaces bulge between slices
-constexpr double feature_size = 0.5;          // size of the smallest features, in spacings of the contour points used
+constexpr double smallest_feature = 0.5;      // size of the smallest features, in spacings of the contour points used
 constexpr double rim = 1;                     // range of the blend at a cap, in heights of the cap above the last slice
 constexpr double sharpness = 3;               // exponent of the super-elliptic blend at a cap; larger: sharper rims
 constexpr double smoothing_of_pixels = 1e-3;  // lambda for jagged contours: within the range in the header
 
-void check(const ContourOptions& options) {
+void check_contour_options(const ContourOptions& options) {
   require(options.centers >= 16, "reconstruct_contours", "centers", options.centers, "must be at least 16");
   const double smoothing = options.smoothing.value_or(0);
   require(smoothing >= 0 && std::isfinite(smoothing), "reconstruct_contours", "smoothing", smoothing,
@@ -72,8 +72,9 @@ std::shared_ptr<const Field<3>> closed(const ContourFit& fit, const PreparedCont
     Box<3> box;
     box.add(scale * bounds.lo + origin);
     box.add(scale * bounds.hi + origin);
-    return std::make_shared<const TransformedField>(TransformedField::Data{
-        std::move(field), origin, scale, scale * feature_size * fit.spacing, box, (scale * seeds).colwise() + origin});
+    return std::make_shared<const TransformedField>(TransformedField::Data{std::move(field), origin, scale,
+                                                                           scale * smallest_feature * fit.spacing, box,
+                                                                           (scale * seeds).colwise() + origin});
   };
   const auto surface = place(fit.field, fit.seeds);
   if (fit.caps.empty()) return surface;
@@ -95,7 +96,7 @@ Points<3> outward_normals(const Field<3>& field, const PointsRef<3>& at) {
 }  // namespace
 
 Reconstruction reconstruct_contours(const Polylines& contours, const ContourOptions& options) {
-  check(options);
+  check_contour_options(options);
   Reconstruction result;
   ReconstructReport& out = result.report;
   auto start = std::chrono::steady_clock::now();

@@ -3,6 +3,7 @@
 #include "csrbf/approx/basis/evaluation_order.hpp"
 #include "csrbf/approx/basis/polynomial.hpp"
 #include "csrbf/approx/sums/fast_sum.hpp"
+#include "csrbf/core/chosen_points.hpp"
 
 #include <mutex>
 
@@ -129,7 +130,7 @@ void Expansion<Dim>::add_tail(const PointsRef<Dim>& x, const JetBlock& out) cons
   }
   const Polynomials<Dim> polynomials(tail_.degree);
   const Derivatives wanted = out.derivatives();
-  const Points<Dim> local = (x.colwise() - tail_.origin) / tail_.scale;
+  const Points<Dim> local = in_units<Dim>(x, tail_.origin, tail_.scale);
   const Index Q = polynomials.size();
   Eigen::MatrixXd value(n, Q);
   Eigen::MatrixXd gradient(wanted >= Derivatives::gradient ? n * Dim : 0, Q);

@@ -1,7 +1,7 @@
 #include "csrbf/approx/basis/polynomial_block.hpp"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
+#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 
 namespace csrbf {
 
@@ -21,7 +21,7 @@ PolynomialBlock<Dim> polynomial_block(const PointsRef<Dim>& points, int degree, 
     block.monomials.resize(0, 0);
     return block;
   }
-  const Points<Dim> local = (points.colwise() - block.frame.origin) / block.frame.scale;
+  const Points<Dim> local = in_units<Dim>(points, block.frame.origin, block.frame.scale);
   polynomials.rows(local, block.G.data());
   Eigen::VectorXd norms = block.G.colwise().norm();
   for (double& norm : norms)

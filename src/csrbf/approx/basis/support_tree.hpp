@@ -53,7 +53,11 @@ class SupportTree {
     runs.clear();
     for (std::size_t i = 0; i < nodes_.size();) {
       const Node& node = nodes_[i];
-      const double squared_distance = (node.box.lo - box.hi).cwiseMax(box.lo - node.box.hi).cwiseMax(0).squaredNorm();
+      double squared_distance = 0;
+      for (int a = 0; a < Dim; ++a) {
+        const double gap = std::max(std::max(node.box.lo[a] - box.hi[a], box.lo[a] - node.box.hi[a]), 0.0);
+        squared_distance += gap * gap;
+      }
       if (!(squared_distance < node.squared_radius)) {
         i = node.skip;
         continue;

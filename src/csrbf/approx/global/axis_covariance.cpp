@@ -2,8 +2,10 @@
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/approx/global/restricted_likelihood.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/squared_distances.hpp"
 #include "csrbf/linalg/quasi_newton_search.hpp"
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/spatial/morton_order.hpp"
@@ -16,10 +18,10 @@
 namespace csrbf {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double no_likelihood = std::numeric_limits<double>::infinity();
 // Chosen by hand; lengths in extents of the samples.
 constexpr double shortest = 1e-4, longest = 1e3;
-constexpr double largest_jitter = 1e-9;                 // see InterpolateOptions
+constexpr double largest_axis_jitter = 1e-9;            // see InterpolateOptions
 constexpr double least_nugget = 1e-12;                  // some thousand roundings
 constexpr double largest_nugget = 1e3;                  // noise alone
 constexpr double different_units = 10;                  // ratio of the extents of axes that are units of their own
@@ -91,7 +93,7 @@ class Search {
   [[nodiscard]] std::optional<AxisCovariance<Dim>> find() {
     if (std::ssize(axes_) == 0 || likelihoods_.back().size() < fewest * (parameters() + 1)) return std::nullopt;
     Found best = climb();
-    if (!(best.value < infinity)) return std::nullopt;
+    if (!(best.value < no_likelihood)) return std::nullopt;
     const auto& likelihood = likelihoods_.back();
     const std::size_t last = likelihoods_.size() - 1;
     Eigen::VectorXd exact = best.x;
@@ -114,14 +116,14 @@ class Search {
   struct Found {
     std::size_t model = 0;
     Eigen::VectorXd x;  // logarithms of lengths and of the nugget
-    double value = infinity, score = infinity;
+    double value = no_likelihood, score = no_likelihood;
   };
 
   RestrictedLikelihood<Dim> part(const Samples<Dim>& samples, const Replicates& replicates,
                                  const std::vector<Index>& chosen) const {
-    Samples<Dim> some{units_.cwiseInverse().asDiagonal() * (samples.points(Eigen::all, chosen).colwise() - center_),
-                      samples.values(chosen, Eigen::all),
-                      {}};
+    Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, Eigen::all), {}};
+    for (Index i = 0; i < some.size(); ++i)
+      for (int a = 0; a < Dim; ++a) some.points(a, i) = 1 / units_[a] * (some.points(a, i) - center_[a]);
     if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
     Replicates scaled = replicates;
     for (Index c = 0; c < some.components(); ++c) {
@@ -268,7 +270,7 @@ class Search {
     for (Found& found : tried) found = search(found.model, found.x, 2);
     const Found& winner = *std::min_element(tried.begin(), tried.end(), by_score);
     const Found last = likelihoods_.size() > 3 ? search(winner.model, winner.x, 3) : winner;
-    return last.value < infinity ? last : winner;
+    return last.value < no_likelihood ? last : winner;
   }
 
   bool one_length_;
@@ -304,23 +306,23 @@ double left_out_error(const Samples<Dim>& samples, const AxisCovariance<Dim>& co
     std::partial_sort(near.begin(), near.begin() + size, near.end(),
                       [&](Index a, Index b) { return distance(a) < distance(b); });
     near.resize(static_cast<std::size_t>(size));
-    const Points<Dim> x = scaled.points(Eigen::all, near);
+    const Points<Dim> x = chosen_points<Dim>(scaled.points, near);
     Eigen::VectorXd w(size), r2(size);
     for (Index i = 0; i < size; ++i) w[i] = samples.weight(near[static_cast<std::size_t>(i)]);
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
     for (Index j = 0; j < size; ++j) {
-      r2.head(size - j) = (x.rightCols(size - j).colwise() - x.col(j)).colwise().squaredNorm().transpose();
+      squared_distances<Dim>(x.data() + Dim * j, size - j, x.col(j), r2.data());
       covariance.kernel.values(r2.data(), size - j, &A(j, j));
     }
     const Eigen::MatrixXd G = polynomial_block<Dim>(x, covariance.degree, RankDeficiency::reduce).G;
     try {
-      const SaddleOptions options{.lambda = covariance.nugget, .weights = w, .largest_rescue = largest_jitter};
+      const SaddleOptions options{.lambda = covariance.nugget, .weights = w, .largest_rescue = largest_axis_jitter};
       const Eigen::MatrixXd errors =
           solve_saddle(A, G, samples.values(near, Eigen::all), options).leave_one_out.topRows(core);
       sum += errors.cwiseAbs().sum();
       count += errors.size();
     } catch (const SolverFailure&) {
-      return infinity;
+      return no_likelihood;
     }
   }
   return sum / static_cast<double>(count);

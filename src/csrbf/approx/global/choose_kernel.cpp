@@ -1,6 +1,7 @@
 #include "csrbf/approx/global/choose_kernel.hpp"
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/linalg/saddle.hpp"
@@ -12,9 +13,9 @@
 namespace csrbf {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unreachable_score = std::numeric_limits<double>::infinity();
 // Chosen by hand, relative to the mean diagonal entry: more would smooth noticeably, with less many flat kernels fail.
-constexpr double largest_jitter = 1e-9;
+constexpr double largest_trial_jitter = 1e-9;
 constexpr double grid_step = 1.8;  // ratio of consecutive supports of the grid, refined afterwards; chosen by hand
 
 struct Candidate {
@@ -26,7 +27,7 @@ struct Candidate {
 struct Trial {
   double support = 1;
   double smoothing = 0;
-  double score = infinity;
+  double score = unreachable_score;
 };
 
 // A neighbourhood: samples nearest first, so that the first `core` of them have neighbours on all sides.
@@ -56,7 +57,7 @@ template <int Dim>
 Patch make_patch(const Samples<Dim>& samples, const std::vector<Index>& indices, Index core,
                  const Eigen::RowVectorXd& units, int largest_degree) {
   const auto n = static_cast<Index>(indices.size());
-  const Points<Dim> x = samples.points(Eigen::all, indices);
+  const Points<Dim> x = chosen_points<Dim>(samples.points, indices);
   Patch patch;
   patch.r2 = Eigen::MatrixXd::Zero(n, n);
   for (Index j = 0; j < n; ++j)
@@ -107,7 +108,7 @@ class CrossValidation {
       : patches_(std::move(patches)), options_(options) {}
 
   [[nodiscard]] Trial attempt(const Candidate& candidate, double support) const {
-    Trial trial{support, options_.smoothing.value_or(0), infinity};
+    Trial trial{support, options_.smoothing.value_or(0), unreachable_score};
     double squares = 0;
     double weights = 0;
     double log_smoothing = 0;
@@ -116,7 +117,8 @@ class CrossValidation {
       for (const Patch& patch : patches_) {
         const Eigen::MatrixXd& G = patch.G[columns];
         const Eigen::MatrixXd A = matrix(candidate.kernel, patch, support);
-        SaddleOptions saddle{.lambda = trial.smoothing, .weights = patch.weights, .largest_rescue = largest_jitter};
+        SaddleOptions saddle{
+            .lambda = trial.smoothing, .weights = patch.weights, .largest_rescue = largest_trial_jitter};
         if (!options_.smoothing) {
           saddle.lambda =
               choose_smoothing(A, G, patch.values, {.criterion = options_.criterion, .weights = patch.weights}).lambda;
@@ -242,8 +244,8 @@ int default_degree(const Kernel& kernel) {
 template <int Dim>
 KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOptions& options) {
   require_valid(samples, "choose_kernel");
-  require(options.support >= 0 && options.support < infinity, "choose_kernel", "support", options.support,
-          "must be positive and finite, or 0 to have it chosen");
+  require(options.support >= 0 && options.support < std::numeric_limits<double>::infinity(), "choose_kernel", "support",
+          options.support, "must be positive and finite, or 0 to have it chosen");
   const KdTree<Dim> tree(samples.points);
   const std::vector<Candidate> candidates = make_candidates(samples, options, tree);
   int largest_degree = 0;
@@ -266,7 +268,7 @@ KernelChoice choose_kernel(const Samples<Dim>& samples, const ChooseKernelOption
   parallel_for(std::min(finalists, count), 1, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
       const std::size_t i = order[k];
-      if (candidates[i].supports.size() > 1 && best[i].score > 0 && best[i].score < infinity)
+      if (candidates[i].supports.size() > 1 && best[i].score > 0 && best[i].score < unreachable_score)
         best[i] = refine(validation, candidates[i], best[i]);
     }
   });

@@ -6,13 +6,13 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/percentile.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/linalg/sparse_cholesky.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 
@@ -48,7 +48,7 @@ Samples<Dim> prepare(const Samples<Dim>& samples, bool keep_weights, Interpolati
   const auto count = static_cast<Index>(used.size());
   Samples<Dim> positive = samples;
   if (count < samples.size())
-    positive = {samples.points(Eigen::all, used), samples.values(used, Eigen::all), samples.weights(used)};
+    positive = {chosen_points<Dim>(samples.points, used), samples.values(used, Eigen::all), samples.weights(used)};
   MergedSamples<Dim> merged = merge_duplicates(std::move(positive));
   report.merged = merged.merged();
   Samples<Dim>& result = merged.samples;
@@ -196,7 +196,9 @@ Coefficients solve_sparse(const Samples<Dim>& samples, Eigen::SparseMatrix<doubl
   const auto K_s = solved.leftCols(k);
   const auto K_G = solved.rightCols(G.cols());
   Coefficients c;
-  c.pi = G.cols() == 0 ? Eigen::MatrixXd(0, k) : (G.transpose() * K_G).ldlt().solve(G.transpose() * K_s).eval();
+  c.pi = G.cols() == 0 ? Eigen::MatrixXd(0, k)
+                       : solve(Eigen::LDLT<Eigen::MatrixXd>(Eigen::MatrixXd(G.transpose() * K_G)),
+                               Eigen::MatrixXd(G.transpose() * K_s));
   c.alpha = K_s - K_G * c.pi;
   c.sigma2 = c.alpha.cwiseProduct(samples.values).colwise().sum() / static_cast<double>(samples.size() - G.cols());
   report.smoothing = added;
@@ -275,7 +277,7 @@ Interpolation<Dim> fit(const Samples<Dim>& samples, const KernelChoice& choice, 
 
 template <int Dim>
 Samples<Dim> subset(const Samples<Dim>& samples, const std::vector<Index>& which) {
-  Samples<Dim> result{samples.points(Eigen::all, which), samples.values(which, Eigen::all), {}};
+  Samples<Dim> result{chosen_points<Dim>(samples.points, which), samples.values(which, Eigen::all), {}};
   if (samples.weights.size() > 0) result.weights = samples.weights(which);
   return result;
 }
@@ -298,7 +300,7 @@ Interpolation<Dim> fit_few(const Samples<Dim>& samples, const KernelChoice& choi
     const double largest = error.maxCoeff();
     if (largest <= options.largest_error) return result;
     const double worth = std::max(options.largest_error, worth_a_center * largest);
-    const Points<Dim> at = samples.points(Eigen::all, centers);
+    const Points<Dim> at = chosen_points<Dim>(samples.points, centers);
     const KdTree<Dim> tree(at);
     std::vector<Index> worst(centers.size(), -1);
     for (Index i = 0; i < samples.size(); ++i) {

@@ -1,13 +1,12 @@
 #include "csrbf/approx/global/inverse_factor.hpp"
 
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/squared_distances.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <numeric>
@@ -34,7 +33,7 @@ Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic> nearest_before(const
   for (Index lo = 1; lo < n; lo = std::min(n, 2 * lo)) {
     const Index hi = std::min(n, 2 * lo);
     const std::vector<Index> order = morton_order<Dim>(points.leftCols(hi));
-    const Points<Dim> sorted = points(Eigen::all, order);
+    const Points<Dim> sorted = chosen_points<Dim>(points, order);
     const KdTree<Dim> tree(sorted);
     parallel_for(hi, grain, [&](Index first, Index last) {
       std::vector<Index> found;
@@ -62,8 +61,8 @@ template <int Dim>
 Eigen::MatrixXd kernel_matrix(const Kernel& kernel, double support, const Points<Dim>& x) {
   const Index n = x.cols();
   Eigen::MatrixXd r2(n, n), K(n, n);
-  for (Index j = 0; j < n; ++j)
-    r2.col(j) = (x.colwise() - x.col(j)).colwise().squaredNorm().transpose() / (support * support);
+  for (Index j = 0; j < n; ++j) squared_distances<Dim>(x.data(), n, x.col(j), r2.col(j).data());
+  r2 /= support * support;
   kernel.values(r2.data(), n * n, K.data());
   return K;
 }
@@ -84,13 +83,13 @@ struct Predictions {
     std::iota(others.begin(), others.end(), Index{0});
     lambda.resize(m + 1 - q, q);
     if (q == 0) return;
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(G.topRows(m).transpose());
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Eigen::MatrixXd(G.topRows(m).transpose()));
     const auto& order = qr.colsPermutation().indices();
     fixed.assign(order.data(), order.data() + q);
     std::ranges::sort(fixed);
     std::erase_if(others, [&](Index k) { return std::ranges::binary_search(fixed, k); });
     const Eigen::MatrixXd at_fixed = G(fixed, Eigen::all).transpose();
-    lambda = at_fixed.partialPivLu().solve(G(others, Eigen::all).transpose()).transpose();
+    lambda = solve_by_lu(at_fixed, Eigen::MatrixXd(G(others, Eigen::all).transpose())).transpose();
   }
 
   void factorize(const Eigen::MatrixXd& K) {
@@ -121,13 +120,13 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
   const Index n = points.cols(), q = G.cols();
   std::vector<Index> order = farthest_points<Dim>(points, n).indices;
   if (q > 0) {  // first those that determine the polynomials best
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(G(order, Eigen::all).transpose());
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Eigen::MatrixXd(G(order, Eigen::all).transpose()));
     std::vector<Index> first(qr.colsPermutation().indices().data(), qr.colsPermutation().indices().data() + q);
     std::ranges::sort(first);
     for (Index k = 0; k < q; ++k)
       std::rotate(order.begin() + k, order.begin() + first[k], order.begin() + first[k] + 1);
   }
-  const Points<Dim> x = points(Eigen::all, order);
+  const Points<Dim> x = chosen_points<Dim>(points, order);
   const Eigen::MatrixXd polynomials = std::sqrt(static_cast<double>(n)) * G(order, Eigen::all);
   const auto nearest = nearest_before<Dim>(x, neighbors);
   const Index coarse =
@@ -180,10 +179,8 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
     predictions.fixed.assign(set.begin(), set.begin() + q);
     predictions.lambda = Eigen::MatrixXd(coarse - q, q);
     if (q > 0)
-      predictions.lambda = polynomials.topRows(q)
-                               .transpose()
-                               .partialPivLu()
-                               .solve(polynomials.middleRows(q, coarse - q).transpose())
+      predictions.lambda = solve_by_lu(polynomials.topRows(q).transpose(),
+                                       Eigen::MatrixXd(polynomials.middleRows(q, coarse - q).transpose()))
                                .transpose();
     predictions.factorize(K);
     Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(coarse - q, coarse - q);
@@ -196,7 +193,7 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
     for (Index i = coarse + first; i < coarse + last; ++i) {
       samples_of(i, set);
       predictions.choose_fixed(polynomials(set, Eigen::all));
-      Eigen::MatrixXd K = kernel_matrix<Dim>(kernel, support, x(Eigen::all, set));
+      Eigen::MatrixXd K = kernel_matrix<Dim>(kernel, support, chosen_points<Dim>(x, set));
       add_noise(set, K);
       predictions.factorize(K);
       Eigen::VectorXd row = Eigen::VectorXd::Unit(predictions.L.rows(), predictions.L.rows() - 1);

@@ -3,8 +3,7 @@
 #include "csrbf/approx/global/inverse_factor.hpp"
 #include "csrbf/approx/sums/fast_sum.hpp"
 #include "csrbf/core/error.hpp"
-
-#include <Eigen/QR>
+#include "csrbf/linalg/decompositions.hpp"
 
 #include <iomanip>
 #include <memory>
@@ -109,7 +108,7 @@ double largest(const Eigen::VectorXd& v) {
 
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& G) {
   if (G.cols() == 0) return G;
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(G).householderQ() * Eigen::MatrixXd::Identity(G.rows(), G.cols());
+  return thin_q(Eigen::HouseholderQR<Eigen::MatrixXd>(G), G.cols());
 }
 
 // Solves for one column of values at a time.
@@ -252,7 +251,7 @@ IterativeSolution solve_iteratively(const PointsRef<Dim>& points, const Kernel& 
   for (Index component = 0; component < s.cols(); ++component) {
     const auto column = solver.solve(s.col(component));
     solution.alpha.col(component) = column.alpha;
-    if (G.cols() > 0) solution.pi.col(component) = Eigen::HouseholderQR<Eigen::MatrixXd>(G).solve(column.rest);
+    if (G.cols() > 0) solution.pi.col(component) = solve(Eigen::HouseholderQR<Eigen::MatrixXd>(G), column.rest);
     solution.iterations = std::max(solution.iterations, column.iterations);
     solution.residual = std::max(solution.residual, column.residual);
   }

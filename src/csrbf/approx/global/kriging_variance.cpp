@@ -1,12 +1,12 @@
 #include "csrbf/approx/global/kriging_variance.hpp"
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
+#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/core/squared_distances.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/dense_cholesky.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
-
-#include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <limits>
@@ -52,11 +52,11 @@ PowerFunction<Dim>::System::System(const PowerFunction& power)
     L.diagonal().array() += power.smoothing_;
   if (r > 0) {
     qr.compute(block.G);
-    Y = qr.householderQ() * Eigen::MatrixXd::Identity(n, r);
+    Y = thin_q(qr, r);
     KY = L * Y;
     YKY = Y.transpose() * KY;
-    L.applyOnTheLeft(qr.householderQ().transpose());
-    L.applyOnTheRight(qr.householderQ());
+    apply_q_transposed(qr, L);
+    apply_q_on_the_right(qr, L);
     L = L.bottomRightCorner(n - r, n - r).eval();
   }
   (void)cholesky_in_place(L);  // has been solved before
@@ -65,7 +65,7 @@ PowerFunction<Dim>::System::System(const PowerFunction& power)
 // R^-T g(x) of each point, so that w0 = Y of it.
 template <int Dim>
 Eigen::MatrixXd PowerFunction<Dim>::System::unbiased(const PointsRef<Dim>& x) const {
-  const Points<Dim> local = (x.colwise() - block.frame.origin) / block.frame.scale;
+  const Points<Dim> local = in_units<Dim>(x, block.frame.origin, block.frame.scale);
   Eigen::MatrixXd rows(x.cols(), polynomials.size());
   polynomials.rows(local, rows.data());
   Eigen::MatrixXd w = (rows * block.monomials).transpose();
@@ -115,7 +115,7 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate_nearest(const PointsRef<Dim>& x) co
   const Kernel& kernel = basis_->kernel();
   const Index r = all.block.G.cols();
   const double column = std::sqrt(static_cast<double>(basis_->size()));  // G has columns of unit norm
-  const Points<Dim> local = (x.colwise() - all.block.frame.origin) / all.block.frame.scale;
+  const Points<Dim> local = in_units<Dim>(x, all.block.frame.origin, all.block.frame.scale);
   Eigen::MatrixXd rows(x.cols(), all.polynomials.size());
   all.polynomials.rows(local, rows.data());
   rows = (column * rows * all.block.monomials).eval();
@@ -138,9 +138,8 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate_nearest(const PointsRef<Dim>& x) co
     for (Index i = 0; i < m; ++i) points.col(i) = all.mapped.col(ids[i]);
     points.col(m) = p;
     Eigen::MatrixXd distances(m + 1, m + 1), K(m + 1, m + 1);
-    for (Index j = 0; j <= m; ++j)
-      distances.col(j) = (points.colwise() - points.col(j)).colwise().squaredNorm().transpose() /
-                         (basis_->support(0) * basis_->support(0));
+    for (Index j = 0; j <= m; ++j) squared_distances<Dim>(points.data(), m + 1, points.col(j), distances.col(j).data());
+    distances /= basis_->support(0) * basis_->support(0);
     kernel.values(distances.data(), distances.size(), K.data());
     const double scale = K.cwiseAbs().maxCoeff();
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(m + r, m + r);
@@ -153,7 +152,7 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate_nearest(const PointsRef<Dim>& x) co
     }
     system.bottomLeftCorner(r, m) = system.topRightCorner(m, r).transpose();
     right.tail(r) = rows.row(at).transpose();
-    const Eigen::VectorXd solution = system.partialPivLu().solve(right);
+    const Eigen::VectorXd solution = solve_by_lu(system, right);
     result[at] = std::max(0., kernel.value(0) + smoothing_ - scale * solution.dot(right));
   }
   return result;
@@ -170,7 +169,7 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate_all(const PointsRef<Dim>& x) const 
     const Eigen::MatrixXd w = s.unbiased(x);
     value += w.cwiseProduct(s.YKY * w - 2 * s.Y.transpose() * k).colwise().sum().transpose();
     k -= s.KY * w;
-    k.applyOnTheLeft(s.qr.householderQ().transpose());
+    apply_q_transposed(s.qr, k);
   }
   if (r < n) {
     solve_lower_in_place(s.L, k.bottomRows(n - r));

@@ -10,13 +10,11 @@ namespace {
 
 using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 
-constexpr int lanes = batch_lanes;
-
 // Unknowns; batches of larger systems exceed the caches, so that solving one at a time is faster.
 constexpr Index largest_batched = 192;
 
 std::size_t doubles(Index blocks) {
-  return static_cast<std::size_t>(lanes * blocks);
+  return static_cast<std::size_t>(batch_lanes * blocks);
 }
 
 // The queries of a call by their neighbours: `order` sorts them so that those with the same neighbours are consecutive.
@@ -69,19 +67,20 @@ Neighborhoods find_neighborhoods(const LocalInterpolants& samples, const MatrixR
 CSRBF_SIMD_CLONES void to_frame(const double* y, Index d, Index n, const double* shift, const double* scale,
                                 double* u) {
   for (Index i = 0; i < n; ++i)
-    for (Index a = 0; a < lanes * d; ++a) u[lanes * d * i + a] = (y[lanes * d * i + a] - shift[a]) / scale[a];
+    for (Index a = 0; a < batch_lanes * d; ++a)
+      u[batch_lanes * d * i + a] = (y[batch_lanes * d * i + a] - shift[a]) / scale[a];
 }
 
 CSRBF_SIMD_CLONES void find_frame(const double* y, Index d, Index n, double* shift, double* scale) {
-  std::copy_n(y, lanes * d, shift);
-  std::copy_n(y, lanes * d, scale);
+  std::copy_n(y, batch_lanes * d, shift);
+  std::copy_n(y, batch_lanes * d, scale);
   for (Index i = 1; i < n; ++i)
-    for (Index a = 0; a < lanes * d; ++a) {
-      const double at = y[lanes * d * i + a];
+    for (Index a = 0; a < batch_lanes * d; ++a) {
+      const double at = y[batch_lanes * d * i + a];
       shift[a] = at < shift[a] ? at : shift[a];
       scale[a] = at > scale[a] ? at : scale[a];
     }
-  for (Index a = 0; a < lanes * d; ++a) {
+  for (Index a = 0; a < batch_lanes * d; ++a) {
     const double half = .5 * scale[a] - .5 * shift[a];
     shift[a] = .5 * shift[a] + .5 * scale[a];
     scale[a] = half > 0 ? half : 1;
@@ -91,29 +90,29 @@ CSRBF_SIMD_CLONES void find_frame(const double* y, Index d, Index n, double* shi
 // Monomials at n points, entry (i, q) at G[8 (q n + i) + l].
 CSRBF_SIMD_CLONES void monomials(const double* u, Index d, Index n, const std::int16_t* parent,
                                  const std::int16_t* axis, Index Q, double* G) {
-  if (Q > 0) std::fill_n(G, lanes * n, 1.0);
+  if (Q > 0) std::fill_n(G, batch_lanes * n, 1.0);
   for (Index q = 1; q < Q; ++q) {
-    const double* from = G + lanes * n * parent[q];
-    double* to = G + lanes * n * q;
+    const double* from = G + batch_lanes * n * parent[q];
+    double* to = G + batch_lanes * n * q;
     for (Index i = 0; i < n; ++i)
-      (Doubles(from + lanes * i) * Doubles(u + lanes * (d * i + axis[q]))).store(to + lanes * i);
+      (Doubles(from + batch_lanes * i) * Doubles(u + batch_lanes * (d * i + axis[q]))).store(to + batch_lanes * i);
   }
 }
 
 CSRBF_SIMD_CLONES void pair_distances(const double* y, Index d, Index n, double epsilon2, double* r2) {
   for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j <= i; ++j, r2 += lanes)
-      store_squared_distance(y + lanes * d * i, y + lanes * d * j, d, epsilon2, r2);
+    for (Index j = 0; j <= i; ++j, r2 += batch_lanes)
+      store_squared_distance(y + batch_lanes * d * i, y + batch_lanes * d * j, d, epsilon2, r2);
 }
 
 CSRBF_SIMD_CLONES void query_distances(const double* x, const double* y, Index d, Index n, double epsilon2,
                                        double* r2) {
-  for (Index i = 0; i < n; ++i) store_squared_distance(x, y + lanes * d * i, d, epsilon2, r2 + lanes * i);
+  for (Index i = 0; i < n; ++i) store_squared_distance(x, y + batch_lanes * d * i, d, epsilon2, r2 + batch_lanes * i);
 }
 
 CSRBF_SIMD_CLONES void add_products(const double* a, const double* b, Index n, double* sum) {
   Doubles part(sum);
-  for (Index i = 0; i < lanes * n; i += lanes) part += Doubles(a + i) * Doubles(b + i);
+  for (Index i = 0; i < batch_lanes * n; i += batch_lanes) part += Doubles(a + i) * Doubles(b + i);
   part.store(sum);
 }
 
@@ -147,7 +146,7 @@ class Batch {
     monomials(u_.data(), d_, n_, basis_.monomials.parent.data(), basis_.monomials.axis.data(), Q_, G_.data());
     pair_distances(y_.data(), d_, n_, basis_.epsilon2, r2_.data());
     basis_.kernel.values(r2_.data(), batch_matrix_size(n_), A_.data());
-    for (int l = 0; l < lanes; ++l) {
+    for (int l = 0; l < batch_lanes; ++l) {
       const Index* list = found_.neighbors(group(first, l));
       for (Index i = 0; i < n_; ++i) A_[batch_entry(i, i) + l] += samples_.smoothing[list[i]];
     }
@@ -156,17 +155,17 @@ class Batch {
 
   // Query number i of each group.
   void evaluate(std::size_t first, Index i, const MatrixRef& x, Eigen::Ref<Eigen::MatrixXd> out) {
-    for (int l = 0; l < lanes; ++l)
-      for (Index a = 0; a < d_; ++a) y_query_[lanes * a + l] = x(a, found_.query(group(first, l), i));
+    for (int l = 0; l < batch_lanes; ++l)
+      for (Index a = 0; a < d_; ++a) y_query_[batch_lanes * a + l] = x(a, found_.query(group(first, l), i));
     query_distances(y_query_.data(), y_.data(), d_, n_, basis_.epsilon2, r2_.data());
-    basis_.kernel.values(r2_.data(), lanes * n_, A_.data());
+    basis_.kernel.values(r2_.data(), batch_lanes * n_, A_.data());
     to_frame(y_query_.data(), d_, 1, shift_.data(), scale_.data(), u_.data());
     monomials(u_.data(), d_, 1, basis_.monomials.parent.data(), basis_.monomials.axis.data(), Q_, G_.data());
     for (Index c = 0; c < k_; ++c) {
-      double sum[lanes] = {};
-      add_products(A_.data(), s_.data() + lanes * c * n_, n_, sum);
-      add_products(G_.data(), pi_.data() + lanes * c * Q_, Q_, sum);
-      for (int l = 0; l < lanes; ++l) out(c, found_.query(group(first, l), i)) = sum[l];
+      double sum[batch_lanes] = {};
+      add_products(A_.data(), s_.data() + batch_lanes * c * n_, n_, sum);
+      add_products(G_.data(), pi_.data() + batch_lanes * c * Q_, Q_, sum);
+      for (int l = 0; l < batch_lanes; ++l) out(c, found_.query(group(first, l), i)) = sum[l];
     }
   }
 
@@ -176,11 +175,11 @@ class Batch {
   }
 
   void gather(std::size_t first) {
-    for (int l = 0; l < lanes; ++l) {
+    for (int l = 0; l < batch_lanes; ++l) {
       const Index* list = found_.neighbors(group(first, l));
       for (Index i = 0; i < n_; ++i) {
-        for (Index a = 0; a < d_; ++a) y_[lanes * (d_ * i + a) + l] = samples_.points(a, list[i]);
-        for (Index c = 0; c < k_; ++c) s_[lanes * (c * n_ + i) + l] = samples_.values(c, list[i]);
+        for (Index a = 0; a < d_; ++a) y_[batch_lanes * (d_ * i + a) + l] = samples_.points(a, list[i]);
+        for (Index c = 0; c < k_; ++c) s_[batch_lanes * (c * n_ + i) + l] = samples_.values(c, list[i]);
       }
     }
   }
@@ -215,11 +214,11 @@ void LocalInterpolants::evaluate(const MatrixRef& x, Eigen::Ref<Eigen::MatrixXd>
     return;
   }
   Batch batch(*this, found);
-  for (std::size_t first = 0; first < found.groups.size(); first += lanes) {
+  for (std::size_t first = 0; first < found.groups.size(); first += batch_lanes) {
     const BatchMask failed = batch.solve(first);
     const Index rounds = found.groups[first].end - found.groups[first].begin;
     for (Index i = 0; i < rounds; ++i) batch.evaluate(first, i, x, out);
-    for (int l = 0; l < lanes; ++l) {
+    for (int l = 0; l < batch_lanes; ++l) {
       const std::size_t of_lane = first + static_cast<std::size_t>(l);
       if ((failed >> l & 1U) != 0 && of_lane < found.groups.size())
         solve_alone(*this, found, found.groups[of_lane], x, out);

@@ -2,10 +2,10 @@
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/iterative_system.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/spatial/coincident_points.hpp"
-
-#include <Eigen/QR>
 
 namespace csrbf {
 namespace {
@@ -86,7 +86,7 @@ RbfCoefficients solve_in(const RbfBasis& basis, const Matrix& y, const ValuesRef
   RbfCoefficients f = RbfBasis::frame(y);
   const Points<Dim> points = y;
   const Merged merged = merge<Dim>(points, s, smoothing);
-  const Points<Dim> places = points(Eigen::all, merged.first);
+  const Points<Dim> places = chosen_points<Dim>(points, merged.first);
   Matrix G = basis.monomials.values(in_frame(f, places));
   const Eigen::RowVectorXd norms = G.colwise().norm();
   for (Index q = 0; q < G.cols(); ++q)

@@ -3,10 +3,8 @@
 #include "csrbf/approx/unity/lane_sums.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/saddle.hpp"
-
-#include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <array>
 #include <string>

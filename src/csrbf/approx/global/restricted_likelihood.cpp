@@ -1,7 +1,7 @@
 #include "csrbf/approx/global/restricted_likelihood.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include "csrbf/core/squared_distances.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 
 #include <cmath>
 #include <limits>
@@ -49,14 +49,18 @@ bool RestrictedLikelihood<Dim>::solve(const Kernel& kernel, int degree, const Pa
                                       Solved& solved) const {
   const Index n = size(), C = samples_.components();
   const double nugget = std::exp(at.log_nugget);
-  solved.scaled = (-at.log_lengths).array().exp().matrix().asDiagonal() * samples_.points;
+  Point<Dim> scale;
+  for (int a = 0; a < Dim; ++a) scale[a] = std::exp(-at.log_lengths[a]);
+  solved.scaled.resize(Dim, n);
+  for (Index i = 0; i < n; ++i)
+    for (int a = 0; a < Dim; ++a) solved.scaled(a, i) = scale[a] * samples_.points(a, i);
   const Points<Dim>& z = solved.scaled;
   solved.K.resize(n, n);
   if (derivatives) solved.slopes.resize(n, n);
   Eigen::VectorXd r2(n);
   for (Index j = 0; j < n; ++j) {
     const Index rest = n - j;
-    r2.head(rest) = (z.rightCols(rest).colwise() - z.col(j)).colwise().squaredNorm().transpose();
+    squared_distances<Dim>(z.data() + Dim * j, rest, z.col(j), r2.data());
     if (derivatives)
       kernel.gradients(r2.data(), rest, &solved.K(j, j), &solved.slopes(j, j));
     else
@@ -68,10 +72,10 @@ bool RestrictedLikelihood<Dim>::solve(const Kernel& kernel, int degree, const Pa
   const Index q = degree == 1 ? trend_.cols() : 1;
   Eigen::MatrixXd G = trend_.leftCols(q);
   solved.white = samples_.values;
-  llt.matrixL().solveInPlace(G);
-  llt.matrixL().solveInPlace(solved.white);
+  solve_lower(llt, G);
+  solve_lower(llt, solved.white);
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(G);
-  solved.Q = qr.householderQ() * Eigen::MatrixXd::Identity(n, q);
+  solved.Q = thin_q(qr, q);
   solved.white -= solved.Q * (solved.Q.transpose() * solved.white);
   const auto extra = static_cast<double>(replicates_.count);
   const double degrees = static_cast<double>(n - q) + extra;
@@ -121,8 +125,11 @@ typename RestrictedLikelihood<Dim>::Value RestrictedLikelihood<Dim>::with_deriva
   for (Index j = 0; j + 1 < n; ++j) {
     const Index rest = n - j - 1;
     const Eigen::VectorXd pairs = P.col(j).tail(rest).cwiseProduct(solved.slopes.col(j).tail(rest));
-    for (Index a = 0; a < Dim; ++a)
-      slopes[a] -= ((solved.scaled.row(a).tail(rest).array() - solved.scaled(a, j)).square().matrix() * pairs)(0);
+    for (Index i = 0; i < rest; ++i)
+      for (int a = 0; a < Dim; ++a) {
+        const double difference = solved.scaled(a, j + 1 + i) - solved.scaled(a, j);
+        slopes[a] -= difference * difference * pairs[i];
+      }
   }
   result.d_log_lengths = slopes;
   const double nugget = std::exp(at.log_nugget);

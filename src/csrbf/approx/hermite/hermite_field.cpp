@@ -74,7 +74,7 @@ HermiteFactor<Dim>::HermiteFactor(const HermiteKernel& kernel, const HermiteSyst
   trend.resize(std::ssize(known));
   for (std::size_t k = 0; k < known.size(); ++k)
     trend[static_cast<Index>(k)] = known[k] % HermiteSystem<Dim>::rows_each == 0 ? 1 : 0;
-  llt.matrixL().solveInPlace(trend);
+  solve_lower(llt, trend);
   information = trend.squaredNorm();
 }
 
@@ -82,7 +82,7 @@ template <int Dim>
 double HermiteFactor<Dim>::variance(const HermiteKernel& kernel, const HermiteSystem<Dim>& system,
                                     const Point<Dim>& x) const {
   Eigen::VectorXd k = system.covariances(kernel, x)(known);
-  llt.matrixL().solveInPlace(k);
+  solve_lower(llt, k);
   double result = 1 - k.squaredNorm();
   if (information > 0) result += std::pow(1 - trend.dot(k), 2) / information;
   return std::max(result, 0.0);

@@ -3,8 +3,7 @@
 #include "csrbf/approx/hermite/hermite_kernel.hpp"
 #include "csrbf/approx/unity/cover.hpp"
 #include "csrbf/core/field.hpp"
-
-#include <Eigen/Cholesky>
+#include "csrbf/linalg/decompositions.hpp"
 
 #include <memory>
 #include <mutex>

@@ -1,10 +1,10 @@
 #include "csrbf/approx/kriging/covariance.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/squared_distances.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/golden_section.hpp"
 #include "csrbf/linalg/simplex_search.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <array>
 #include <cmath>
@@ -40,13 +40,20 @@ std::vector<Block> make_blocks(const Samples<Dim>& samples, const ThinnedLevels<
   const auto add = [&](const std::vector<Index>& chosen) {
     Block block;
     block.n = static_cast<Index>(chosen.size());
-    const Points<Dim> x = samples.points(Eigen::all, chosen) / extent;
+    Points<Dim> x(Dim, block.n);
+    for (Index i = 0; i < block.n; ++i)
+      for (int a = 0; a < Dim; ++a) x(a, i) = samples.points(a, chosen[static_cast<std::size_t>(i)]) / extent;
     block.r2.resize(block.n * (block.n + 1) / 2);
-    for (Index j = 0, at = 0; j < block.n; ++j)
-      for (Index i = j; i < block.n; ++i) block.r2[at++] = (x.col(i) - x.col(j)).squaredNorm();
-    const Point<Dim> mean = x.rowwise().mean();
+    for (Index j = 0, at = 0; j < block.n; at += block.n - j, ++j)
+      squared_distances<Dim>(x.data() + Dim * j, block.n - j, x.col(j), block.r2.data() + at);
     block.trend.resize(block.n, 1 + Dim);
-    block.trend << Eigen::VectorXd::Ones(block.n), (x.colwise() - mean).transpose();
+    block.trend.col(0).setOnes();
+    for (int a = 0; a < Dim; ++a) {
+      double mean = 0;
+      for (Index i = 0; i < block.n; ++i) mean += x(a, i);
+      mean /= static_cast<double>(block.n);
+      for (Index i = 0; i < block.n; ++i) block.trend(i, 1 + a) = x(a, i) - mean;
+    }
     block.values = samples.values(chosen, Eigen::all) * units.cwiseInverse().asDiagonal();
     block.inverse_weights.resize(block.n);
     for (Index i = 0; i < block.n; ++i) block.inverse_weights[i] = 1 / samples.weight(chosen[i]);
@@ -137,7 +144,7 @@ class Likelihood {
     if (llt.info() != Eigen::Success) return result;
     Eigen::MatrixXd white(block.n, 1 + block.values.cols());
     white << block.trend.col(0), block.values;
-    llt.matrixL().solveInPlace(white);
+    solve_lower(llt, white);
     const double information = white.col(0).squaredNorm();
     const Eigen::RowVectorXd mean = white.col(0).transpose() * white.rightCols(block.values.cols()) / information;
     result.squares = (white.rightCols(block.values.cols()) - white.col(0) * mean).colwise().squaredNorm().transpose();

@@ -4,10 +4,8 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/spatial/morton_order.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +61,8 @@ class DriftSearch {
     const Eigen::VectorXd w = samples_.all_weights() / samples_.all_weights().sum();
     const Eigen::MatrixXd Z = Z_.rowwise() - (w.transpose() * Z_);
     const Eigen::MatrixXd y = values_.rowwise() - (w.transpose() * values_);
-    return (Z.transpose() * w.asDiagonal() * Z).ldlt().solve(Z.transpose() * w.asDiagonal() * y);
+    return solve(Eigen::LDLT<Eigen::MatrixXd>(Eigen::MatrixXd(Z.transpose() * w.asDiagonal() * Z)),
+                 Eigen::MatrixXd(Z.transpose() * w.asDiagonal() * y));
   }
 
   void drop_gross_errors(const Eigen::MatrixXd& beta) {
@@ -100,8 +99,8 @@ class DriftSearch {
     }
     const Eigen::LDLT<Eigen::MatrixXd> ldlt(sums.ZZ);
     DriftEstimate estimate;
-    estimate.beta = ldlt.solve(sums.Zy);
-    estimate.unit_variance = ldlt.solve(Eigen::MatrixXd::Identity(q, q));
+    estimate.beta = solve(ldlt, sums.Zy);
+    estimate.unit_variance = solve(ldlt, Eigen::MatrixXd(Eigen::MatrixXd::Identity(q, q)));
     estimate.sigma2 = (sums.yy - sums.Zy.cwiseProduct(estimate.beta).colwise().sum().transpose()).cwiseMax(0) /
                       std::max(1.0, sums.degrees - static_cast<double>(q));
     return estimate;
@@ -122,7 +121,7 @@ class DriftSearch {
     const Index q = Z_.cols(), k = values_.cols();
     Eigen::MatrixXd white(n, 1 + q + k);
     white << Eigen::VectorXd::Ones(n), Z_(rows, Eigen::all), values_(rows, Eigen::all);
-    llt.matrixL().solveInPlace(white);
+    solve_lower(llt, white);
     const Eigen::VectorXd one = white.col(0).normalized();
     white -= one * (one.transpose() * white).eval();
     sums.ZZ += white.middleCols(1, q).transpose() * white.middleCols(1, q);

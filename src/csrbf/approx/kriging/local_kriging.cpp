@@ -1,6 +1,7 @@
 #include "csrbf/approx/kriging/local_kriging.hpp"
 
 #include "csrbf/approx/kriging/held_out_gaps.hpp"
+#include "csrbf/core/squared_distances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,10 +28,13 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
                                 const std::vector<Index>& chosen)
     : covariance_(covariance), center_(center) {
   const auto n = static_cast<Index>(chosen.size());
-  q_ = (samples.points(Eigen::all, chosen).colwise() - center) / covariance.length;
+  q_.resize(Dim, n);
+  for (Index i = 0; i < n; ++i)
+    for (int a = 0; a < Dim; ++a)
+      q_(a, i) = (samples.points(a, chosen[static_cast<std::size_t>(i)]) - center[a]) / covariance.length;
   Eigen::VectorXd r2(n * (n + 1) / 2), phi(r2.size());
-  for (Index j = 0, at = 0; j < n; ++j)
-    for (Index i = j; i < n; ++i) r2[at++] = (q_.col(i) - q_.col(j)).squaredNorm();
+  for (Index j = 0, at = 0; j < n; at += n - j, ++j)
+    squared_distances<Dim>(q_.data() + Dim * j, n - j, q_.col(j), r2.data() + at);
   covariance.kernel.values(r2.data(), r2.size(), phi.data());
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
   for (Index j = 0, at = 0; j < n; at += n - j, ++j) K.col(j).tail(n - j) = phi.segment(at, n - j);
@@ -48,16 +52,16 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
   white_trend_.resize(n, Polynomials<Dim>::size(degree));
   for (Index i = 0; i < n; ++i) white_trend_.row(i) = trend(q_.col(i));
   Eigen::MatrixXd white = values;
-  llt_.matrixL().solveInPlace(white_trend_);
-  llt_.matrixL().solveInPlace(white);
-  information_.compute(white_trend_.transpose() * white_trend_);
-  beta_ = information_.solve(white_trend_.transpose() * white);
+  solve_lower(llt_, white_trend_);
+  solve_lower(llt_, white);
+  information_.compute(Eigen::MatrixXd(white_trend_.transpose() * white_trend_));
+  beta_ = solve(information_, Eigen::MatrixXd(white_trend_.transpose() * white));
   white -= white_trend_ * beta_;
   degrees_ = static_cast<double>(std::max<Index>(0, n - white_trend_.cols()));
   scale_ = (white.colwise().squaredNorm().transpose() / std::max(1.0, degrees_))
                .cwiseProduct(near_scale(values, inverse_weights))
                .cwiseSqrt();
-  llt_.matrixU().solveInPlace(white);
+  solve_upper(llt_, white);
   alpha_ = std::move(white);
 }
 
@@ -68,21 +72,23 @@ Eigen::VectorXd KrigingPatch<Dim>::near_scale(const Eigen::MatrixXd& values,
   const Index n = q_.cols(), count = std::min(nearest<Dim>, n);
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index{0});
-  const Eigen::VectorXd distance2 = q_.colwise().squaredNorm().transpose();
+  Eigen::VectorXd distance2(n);
+  squared_distances<Dim>(q_.data(), n, Point<Dim>::Zero(), distance2.data());
   std::nth_element(order.begin(), order.begin() + (count - 1), order.end(),
                    [&](Index a, Index b) { return distance2[a] < distance2[b]; });
   order.resize(static_cast<std::size_t>(count));
-  const Points<Dim> q = q_(Eigen::all, order);
+  Points<Dim> q(Dim, count);
+  for (Index i = 0; i < count; ++i) q.col(i) = q_.col(order[static_cast<std::size_t>(i)]);
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd r2(count);
   for (Index j = 0; j < count; ++j) {
-    r2.head(count - j) = (q.rightCols(count - j).colwise() - q.col(j)).colwise().squaredNorm().transpose();
+    squared_distances<Dim>(q.data() + Dim * j, count - j, q.col(j), r2.data());
     covariance_.kernel.values(r2.data(), count - j, &K(j, j));
   }
   K.diagonal() += (nugget_ * inverse_weights)(order);
   Eigen::MatrixXd white(count, 1 + values.cols());
   white << Eigen::VectorXd::Ones(count), values(order, Eigen::all);
-  K.llt().matrixL().solveInPlace(white);
+  solve_lower(Eigen::LLT<Eigen::MatrixXd>(K), white);
   const Eigen::VectorXd mean = white.col(0) / white.col(0).norm();
   white -= mean * (mean.transpose() * white).eval();
   return white.rightCols(values.cols()).colwise().squaredNorm().transpose() /
@@ -100,8 +106,8 @@ Eigen::RowVectorXd KrigingPatch<Dim>::trend(const Point<Dim>& q) const {
 template <int Dim>
 Eigen::VectorXd KrigingPatch<Dim>::value(const Point<Dim>& x) const {
   const Point<Dim> q = (x - center_) / covariance_.length;
-  const Eigen::VectorXd r2 = (q_.colwise() - q).colwise().squaredNorm().transpose();
-  Eigen::VectorXd k(r2.size());
+  Eigen::VectorXd r2(q_.cols()), k(q_.cols());
+  squared_distances<Dim>(q_.data(), q_.cols(), q, r2.data());
   covariance_.kernel.values(r2.data(), r2.size(), k.data());
   return alpha_.transpose() * k + beta_.transpose() * trend(q).transpose();
 }
@@ -118,12 +124,12 @@ Eigen::VectorXd KrigingPatch<Dim>::variance(const Point<Dim>& x) const {
 template <int Dim>
 double KrigingPatch<Dim>::share(const Point<Dim>& x) const {
   const Point<Dim> q = (x - center_) / covariance_.length;
-  const Eigen::VectorXd r2 = (q_.colwise() - q).colwise().squaredNorm().transpose();
-  Eigen::VectorXd k(r2.size());
+  Eigen::VectorXd r2(q_.cols()), k(q_.cols());
+  squared_distances<Dim>(q_.data(), q_.cols(), q, r2.data());
   covariance_.kernel.values(r2.data(), r2.size(), k.data());
-  llt_.matrixL().solveInPlace(k);
+  solve_lower(llt_, k);
   const Eigen::VectorXd missing = trend(q).transpose() - white_trend_.transpose() * k;
-  return std::max(0.0, 1 - k.squaredNorm()) + covariance_.nugget + missing.dot(information_.solve(missing));
+  return std::max(0.0, 1 - k.squaredNorm()) + covariance_.nugget + missing.dot(solve(information_, missing));
 }
 
 template <int Dim>

@@ -2,8 +2,7 @@
 
 #include "csrbf/approx/kriging/covariance.hpp"
 #include "csrbf/approx/unity/local_models.hpp"
-
-#include <Eigen/Cholesky>
+#include "csrbf/linalg/decompositions.hpp"
 
 namespace csrbf {
 

@@ -70,10 +70,10 @@ double PatchErrors<Dim>::magnified(const Point<Dim>& q, const Patch& patch) cons
   if (basis_.size() > 0) basis_.rows(q, row.data());
   Eigen::VectorXd w = Eigen::VectorXd::Zero(patch.q.cols());
   if (interpolates_) {
-    w = patch.radial.solve(radial(q, patch));
+    w = solve(patch.radial, radial(q, patch));
     row -= patch.rows.transpose() * w;
   }
-  if (basis_.size() > 0) w += patch.rows * patch.gram.solve(row);
+  if (basis_.size() > 0) w += patch.rows * solve(patch.gram, row);
   return w.squaredNorm();
 }
 

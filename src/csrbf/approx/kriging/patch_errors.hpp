@@ -2,8 +2,7 @@
 
 #include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
-
-#include <Eigen/Cholesky>
+#include "csrbf/linalg/decompositions.hpp"
 
 namespace csrbf {
 

@@ -1,5 +1,6 @@
 #include "csrbf/approx/kriging/thinned_levels.hpp"
 
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>
@@ -32,7 +33,7 @@ ThinnedLevels<Dim>::ThinnedLevels(const Points<Dim>& points) {
   constexpr std::size_t fewest = 100;  // points of a level, chosen by hand: fewer say little about long distances
   std::vector<Index> indices = morton_order<Dim>(points);
   for (;;) {
-    Level level{indices, points(Eigen::all, indices), nullptr};
+    Level level{indices, chosen_points<Dim>(points, indices), nullptr};
     levels_.push_back(std::move(level));
     if (indices.size() / ratio < fewest) break;
     std::vector<Index> fewer;

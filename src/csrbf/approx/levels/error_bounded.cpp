@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/levels/fixed_budget.hpp"
 #include "csrbf/approx/levels/level_builder.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
 #include <sstream>
@@ -66,7 +67,7 @@ LevelFit<Dim> error_bounded(const Samples<Dim>& samples, const ErrorBoundedOptio
 
   const Index budget = std::min(points.cols(), options.centers > 0 ? options.centers : (points.cols() + 49) / 50);
   const BudgetCenters<Dim> coarse = budget_centers<Dim>(points, budget, options.progress);
-  builder.add(kernel, points(Eigen::all, coarse.ids), options.support * coarse.scales, LevelSolve::ridge,
+  builder.add(kernel, chosen_points<Dim>(points, coarse.ids), options.support * coarse.scales, LevelSolve::ridge,
               options.lambda0);
   if (builder.max_error() > tolerance) {
     const FarthestPoints picks = farthest_points<Dim>(points, points.cols(), {.progress = options.progress});
@@ -79,7 +80,7 @@ LevelFit<Dim> error_bounded(const Samples<Dim>& samples, const ErrorBoundedOptio
           std::min(begin > 1 ? options.reduction * picks.radii[begin - 1] : picks.radii[begin], picks.radii[begin]);
       const std::vector<Index> ids = next_centers(builder, picks, separation, tolerance, begin);
       if (ids.empty()) continue;
-      builder.add(kernel, points(Eigen::all, ids),
+      builder.add(kernel, chosen_points<Dim>(points, ids),
                   Eigen::VectorXd::Constant(1, options.support * picks.radii[begin - 1]), LevelSolve::ridge,
                   options.lambda0);
     }

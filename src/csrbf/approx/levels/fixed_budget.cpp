@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/spatial/bounded_voronoi.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
@@ -11,7 +12,7 @@ template <int Dim>
 BudgetCenters<Dim> budget_centers(const PointsRef<Dim>& points, Index count, const Progress& progress) {
   BudgetCenters<Dim> chosen;
   chosen.ids = farthest_points<Dim>(points, count, {.progress = progress}).indices;
-  const Points<Dim> centers = points(Eigen::all, chosen.ids);
+  const Points<Dim> centers = chosen_points<Dim>(points, chosen.ids);
   constexpr int most_dimensions_of_exact_cells = 4;  // beyond, cells have too many corners: bounded_voronoi_scales()
   if constexpr (Dim <= most_dimensions_of_exact_cells)
     chosen.scales = bounded_voronoi_scales<Dim>(centers, bounding_box<Dim>(points), progress);
@@ -32,7 +33,7 @@ LevelFit<Dim> fixed_budget(const Samples<Dim>& samples, const FixedBudgetOptions
   const Points<Dim>& points = builder.samples().points;
   const Index budget = options.centers > 0 ? options.centers : std::max<Index>(1, points.cols() / 10);
   const BudgetCenters<Dim> chosen = budget_centers<Dim>(points, budget, options.progress);
-  builder.add(Kernel(options.kernel, Dim), points(Eigen::all, chosen.ids), options.support * chosen.scales,
+  builder.add(Kernel(options.kernel, Dim), chosen_points<Dim>(points, chosen.ids), options.support * chosen.scales,
               LevelSolve::ridge, options.lambda0);
   return builder.finish();
 }

@@ -1,5 +1,6 @@
 #include "csrbf/approx/levels/level_builder.hpp"
 
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
@@ -50,7 +51,8 @@ void LevelBuilder<Dim>::append(const std::shared_ptr<const RadialBasis<Dim>>& ba
     const Eigen::VectorXd supports = basis->supports().size() > 1 && !kept.empty()
                                          ? Eigen::VectorXd(basis->supports()(kept))
                                          : basis->supports().head(1);
-    used = std::make_shared<const RadialBasis<Dim>>(basis->kernel(), basis->centers()(Eigen::all, kept), supports);
+    used =
+        std::make_shared<const RadialBasis<Dim>>(basis->kernel(), chosen_points<Dim>(basis->centers(), kept), supports);
   }
   const Box<Dim> bounds = bounding_box<Dim>(samples().points);
   for (Index c = 0; c < samples().components(); ++c) {

@@ -2,20 +2,22 @@
 
 #include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
 namespace csrbf {
 namespace {
 
-constexpr const char* function = "multilevel";
+constexpr const char* multilevel_function = "multilevel";
 
-void check(const MultilevelOptions& options) {
-  require(options.support >= 0 && std::isfinite(options.support), function, "support", options.support,
+void check_multilevel(const MultilevelOptions& options) {
+  require(options.support >= 0 && std::isfinite(options.support), multilevel_function, "support", options.support,
           "must be positive, in separation distances, or 0 for the default");
-  require(options.coarsest >= 0, function, "coarsest", options.coarsest, "must not be negative");
-  require(options.centers >= 0, function, "centers", options.centers, "must not be negative; 0 takes all samples");
-  require(options.max_levels > 0, function, "max_levels", options.max_levels, "must be at least 1");
-  require(options.tolerance >= 0, function, "tolerance", options.tolerance, "must not be negative");
+  require(options.coarsest >= 0, multilevel_function, "coarsest", options.coarsest, "must not be negative");
+  require(options.centers >= 0, multilevel_function, "centers", options.centers,
+          "must not be negative; 0 takes all samples");
+  require(options.max_levels > 0, multilevel_function, "max_levels", options.max_levels, "must be at least 1");
+  require(options.tolerance >= 0, multilevel_function, "tolerance", options.tolerance, "must not be negative");
 }
 
 template <int Dim>
@@ -35,8 +37,8 @@ Index count_down_to(const FarthestPoints& picks, double radius) {
 
 template <int Dim>
 LevelFit<Dim> multilevel(const Samples<Dim>& samples, const MultilevelOptions& options) {
-  check(options);
-  LevelBuilder<Dim> builder(samples, function, options.progress);
+  check_multilevel(options);
+  LevelBuilder<Dim> builder(samples, multilevel_function, options.progress);
   const Kernel kernel(options.kernel, Dim);
   const double support = options.support > 0 ? options.support : default_support<Dim>();
   const Points<Dim>& points = builder.samples().points;
@@ -50,8 +52,8 @@ LevelFit<Dim> multilevel(const Samples<Dim>& samples, const MultilevelOptions& o
     const double separation = count > 1 ? picks.radii[static_cast<std::size_t>(count) - 1]
                                         : center_spacing<Dim>(points, points.col(picks.indices[0]));
     const std::vector<Index> ids(picks.indices.begin(), picks.indices.begin() + count);
-    builder.add(kernel, points(Eigen::all, ids), Eigen::VectorXd::Constant(1, support * separation), options.solve,
-                options.lambda0);
+    builder.add(kernel, chosen_points<Dim>(points, ids), Eigen::VectorXd::Constant(1, support * separation),
+                options.solve, options.lambda0);
     if (count == most || builder.max_error() <= options.tolerance) break;
     // At least one more centre, also where the density jumps.
     count = std::max(count_down_to(picks, 0.5 * separation), count + 1);

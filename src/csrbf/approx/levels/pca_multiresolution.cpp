@@ -11,7 +11,7 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* function = "pca_multiresolution";
+constexpr const char* pca_function = "pca_multiresolution";
 
 // Clusters are ranges of a permutation of the samples.
 template <int Dim>
@@ -99,21 +99,21 @@ class Clusters {
   std::vector<Range> leaves_;
 };
 
-void check(const PcaMultiresolutionOptions& options) {
-  require(options.cluster_size >= 0, function, "cluster_size", options.cluster_size,
+void check_pca(const PcaMultiresolutionOptions& options) {
+  require(options.cluster_size >= 0, pca_function, "cluster_size", options.cluster_size,
           "must not be negative; 0 chooses it");
-  require(options.support > 1 && std::isfinite(options.support), function, "support", options.support,
+  require(options.support > 1 && std::isfinite(options.support), pca_function, "support", options.support,
           "must be above 1, or the supports leave gaps; 2 to 4 is usual");
-  require(options.max_levels >= 1, function, "max_levels", options.max_levels, "must be at least 1");
+  require(options.max_levels >= 1, pca_function, "max_levels", options.max_levels, "must be at least 1");
 }
 
 }  // namespace
 
 template <int Dim>
 LevelFit<Dim> pca_multiresolution(const Samples<Dim>& samples, const PcaMultiresolutionOptions& options) {
-  check(options);
-  LevelBuilder<Dim> builder(samples, function, options.progress, DuplicateValue::midrange);
-  const double tolerance = checked_tolerance(builder, options.tolerance, function);
+  check_pca(options);
+  LevelBuilder<Dim> builder(samples, pca_function, options.progress, DuplicateValue::midrange);
+  const double tolerance = checked_tolerance(builder, options.tolerance, pca_function);
   const Kernel kernel(options.kernel, Dim);
   const Points<Dim>& points = builder.samples().points;
   const Index most = options.cluster_size > 0 ? options.cluster_size : std::max<Index>(1, points.cols() / 30);

@@ -3,9 +3,9 @@
 #include "csrbf/approx/moving/moving_least_squares_field.hpp"
 #include "csrbf/approx/moving/track_directions.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/parallel.hpp"
-
-#include <Eigen/QR>
+#include "csrbf/linalg/decompositions.hpp"
 
 namespace csrbf {
 
@@ -30,30 +30,38 @@ struct Weight {
 template <int Dim>
 Weight<Dim> weight_of(const typename MovingLeastSquares<Dim>::Data& data, Index i, const Point<Dim>& d,
                       bool derivatives) {
-  using Matrix = Eigen::Matrix<double, Dim, Dim>;
   const double radius = data.radii[i], per = 1 / (radius * radius), r = d.norm() / radius;
   const double w = data.samples.weight(i);
   Weight<Dim> weight;
   weight.value = w * data.kernel.value(r);
+  double g = 0, h = 0;
   if (derivatives) {
-    const double g = w * per * data.kernel.g(r), h = w * per * per * data.kernel.h(r);
-    weight.gradient = g * d;
-    weight.hessian = h * d * d.transpose() + g * Matrix::Identity();
+    g = w * per * data.kernel.g(r);
+    h = w * per * per * data.kernel.h(r);
+    for (int a = 0; a < Dim; ++a) weight.gradient[a] = g * d[a];
+    for (int a = 0; a < Dim; ++a)
+      for (int b = 0; b < Dim; ++b) weight.hessian(a, b) = h * d[a] * d[b] + (a == b ? g : 0);
   }
   if (data.directions.cols() == 0) return weight;
-  const auto direction = data.directions.col(i);
+  const double* direction = data.directions.col(i).data();
   const double square = across_track * across_track;
-  const Point<Dim> m = per * (square * d - (square - 1) * direction.dot(d) * direction);  // M d / h^2
+  double along = 0;
+  for (int a = 0; a < Dim; ++a) along += direction[a] * d[a];
+  Point<Dim> m;  // M d / h^2
+  for (int a = 0; a < Dim; ++a) m[a] = per * (square * d[a] - (square - 1) * along * direction[a]);
   const double T = d.dot(m) + track_eps * track_eps, B = std::pow(T, -2.5);
   const Weight<Dim> plain = weight;
   weight.value = plain.value * B;
   if (!derivatives) return weight;
-  const Point<Dim> B1 = -5 * B / T * m;
-  const Matrix metric = per * (square * Matrix::Identity() - (square - 1) * direction * direction.transpose());
-  const Matrix B2 = 35 * B / (T * T) * m * m.transpose() - 5 * B / T * metric;
-  weight.gradient = B * plain.gradient + plain.value * B1;
-  weight.hessian =
-      B * plain.hessian + plain.gradient * B1.transpose() + B1 * plain.gradient.transpose() + plain.value * B2;
+  const auto B1 = [&](int a) { return -5 * B / T * m[a]; };
+  for (int a = 0; a < Dim; ++a) weight.gradient[a] = B * plain.gradient[a] + plain.value * B1(a);
+  for (int a = 0; a < Dim; ++a)
+    for (int b = 0; b < Dim; ++b) {
+      const double metric = per * ((a == b ? square : 0) - (square - 1) * direction[a] * direction[b]);
+      const double B2 = 35 * B / (T * T) * m[a] * m[b] - 5 * B / T * metric;
+      weight.hessian(a, b) =
+          B * plain.hessian(a, b) + plain.gradient[a] * B1(b) + B1(a) * plain.gradient[b] + plain.value * B2;
+    }
   return weight;
 }
 
@@ -111,9 +119,9 @@ class LocalFit {
       rows_.topRows(n) = sample_rows(*basis);
       if (basis->size() > 1) rows_.bottomRightCorner(penalties(), penalties()).setIdentity();
       qr_.setThreshold(1 / most_condition);
-      qr_.compute(roots.asDiagonal() * rows_);
+      qr_.compute(Eigen::MatrixXd(roots.asDiagonal() * rows_));
       if (qr_.rank() < basis->size()) continue;
-      coefficients_ = qr_.solve(roots.cwiseProduct(values_));
+      coefficients_ = csrbf::solve(qr_, roots.cwiseProduct(values_));
       return true;
     }
     return false;
@@ -225,7 +233,7 @@ Samples<Dim> with_weight(const Samples<Dim>& samples) {
   std::vector<Index> ids;
   for (Index i = 0; i < samples.size(); ++i)
     if (samples.weights[i] > 0) ids.push_back(i);
-  return {samples.points(Eigen::all, ids), samples.values(ids, Eigen::all), samples.weights(ids)};
+  return {chosen_points<Dim>(samples.points, ids), samples.values(ids, Eigen::all), samples.weights(ids)};
 }
 
 }  // namespace

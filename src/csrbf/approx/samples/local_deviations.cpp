@@ -2,9 +2,8 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +47,8 @@ LocalFit robust_fit(const Eigen::MatrixXd& B, const Eigen::VectorXd& s, const Ei
     Eigen::MatrixXd normal = B.transpose() * weight.asDiagonal() * B;
     constexpr double ridge = 1e-9;
     normal.diagonal().array() += ridge * normal.trace();
-    const Eigen::VectorXd beta = normal.ldlt().solve(B.transpose() * (weight.asDiagonal() * s));
+    const Eigen::VectorXd beta =
+        solve(Eigen::LDLT<Eigen::MatrixXd>(normal), Eigen::VectorXd(B.transpose() * (weight.asDiagonal() * s)));
     residual = s - B * beta;
     value = beta[0];
     const double degrees = static_cast<double>(s.size() - B.cols()) / static_cast<double>(s.size());

@@ -1,5 +1,7 @@
 #include "csrbf/approx/samples/periodic_field.hpp"
 
+#include "csrbf/core/chosen_points.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -110,7 +112,7 @@ void PeriodicField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock&
     if (y(axis_, i) < lo_ + width) near.push_back(i);
   Jet<Dim> here(static_cast<Index>(near.size()), out.derivatives());
   if (!near.empty()) {
-    inner_->evaluate_block(Points<Dim>(y(Eigen::all, near)),
+    inner_->evaluate_block(chosen_points<Dim>(y, near),
                            {here.value.data(), out.gradient == nullptr ? nullptr : here.gradient.data(),
                             out.hessian == nullptr ? nullptr : here.hessian.data()});
     for (const Index i : near) y(axis_, i) += period_;

@@ -1,6 +1,8 @@
 #include "csrbf/approx/samples/robust_weights.hpp"
 
 #include "csrbf/approx/samples/local_deviations.hpp"
+#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/core/squared_distances.hpp"
 
 #include <algorithm>
 #include <array>
@@ -28,12 +30,12 @@ bool any_in_blocks(const Samples<Dim>& samples) {
   Eigen::VectorXd r2(n);
   std::vector<Index> order(static_cast<std::size_t>(n));
   for (Index k = 0; k < blocks; ++k) {
-    r2 = (samples.points.colwise() - samples.points.col((2 * k + 1) * n / (2 * blocks))).colwise().squaredNorm();
+    squared_distances<Dim>(samples.points.data(), n, samples.points.col((2 * k + 1) * n / (2 * blocks)), r2.data());
     std::iota(order.begin(), order.end(), Index{0});
     std::nth_element(order.begin(), order.begin() + block, order.end(),
                      [&](Index a, Index b) { return r2[a] < r2[b]; });
     const std::vector<Index> chosen(order.begin(), order.begin() + block);
-    Samples<Dim> some{samples.points(Eigen::all, chosen), samples.values(chosen, Eigen::all), {}};
+    Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, Eigen::all), {}};
     if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
     std::vector<Index> all(chosen.size());
     std::iota(all.begin(), all.end(), Index{0});

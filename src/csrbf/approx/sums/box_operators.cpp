@@ -1,10 +1,9 @@
 #include "csrbf/approx/sums/box_operators.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/squared_distances.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/panel_product.hpp"
-
-#include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include <random>
 
@@ -215,7 +214,8 @@ Eigen::MatrixXd BoxOperators<Dim>::kernel_matrix(const Points<Dim>& x, const Poi
   Eigen::MatrixXd K(x.cols(), y.cols());
   Eigen::VectorXd r2(x.cols());
   for (Index j = 0; j < y.cols(); ++j) {
-    r2 = (x.colwise() - y.col(j)).colwise().squaredNorm().transpose() * (half_ * half_);
+    squared_distances<Dim>(x.data(), x.cols(), y.col(j), r2.data());
+    r2 *= half_ * half_;
     kernel_.values(r2.data(), x.cols(), K.col(j).data());
   }
   return K;

@@ -11,8 +11,6 @@
 namespace csrbf {
 namespace {
 
-constexpr Index lanes = batch_lanes;
-
 // Cells hold about .72 of their leaf size, supports growth^Dim times that, and the ball of the samples is a little
 // (1.25) larger than the support. A metric is that of the middle of a cell, so cells with one hold half as many samples
 // to keep it close to all of them.
@@ -25,12 +23,12 @@ Index leaf_size(const LocalOptions& options) {
 // Batches of cells to fit.
 template <int Dim>
 std::vector<Index> wanted_batches(const Cover<Dim>& cover, const Points<Dim>* places) {
-  std::vector<Index> batches((cover.size() + lanes - 1) / lanes);
+  std::vector<Index> batches((cover.size() + batch_lanes - 1) / batch_lanes);
   std::iota(batches.begin(), batches.end(), Index{0});
   if (places == nullptr) return batches;
   std::vector<bool> wanted(batches.size(), false);
   for (const auto& x : places->colwise())
-    for (const std::uint32_t support : cover.supports_over(cover.find(x))) wanted[support / lanes] = true;
+    for (const std::uint32_t support : cover.supports_over(cover.find(x))) wanted[support / batch_lanes] = true;
   std::erase_if(batches, [&](Index b) { return !wanted[b]; });
   return batches;
 }
@@ -66,14 +64,14 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_cover(Cover<Dim>
     report(progress, "fit", static_cast<double>(done) / static_cast<double>(count));
     const auto for_each_batch = [&](Index begin, Index end, const auto& action) {
       for (Index k = done + begin; k < done + end; ++k) {
-        const Index first = lanes * batches[k];
-        action(first, std::min(lanes, cover.size() - first));
+        const Index first = batch_lanes * batches[k];
+        action(first, std::min<Index>(batch_lanes, cover.size() - first));
       }
     };
     const auto compute = [&](Index begin, Index end) {
       LocalFitter<Dim> fitter(cover, values, weights, options);
       for_each_batch(begin, end, [&](Index first, Index cells_at_once) {
-        std::array<Index, lanes> batch;
+        std::array<Index, batch_lanes> batch;
         std::iota(batch.begin(), batch.end(), first);
         fitter.fit(batch.data(), static_cast<int>(cells_at_once), data->models, first);
       });

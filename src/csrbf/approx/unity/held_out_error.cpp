@@ -1,6 +1,7 @@
 #include "csrbf/approx/unity/held_out_error.hpp"
 
 #include "csrbf/approx/unity/fit_patches.hpp"
+#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -15,7 +16,7 @@ HeldOutSamples<Dim>::HeldOutSamples(const Samples<Dim>& samples) {
   std::vector<Index> kept, held_out;
   for (Index i = 0; i < samples.size(); ++i) (i % stride == stride / 2 ? held_out : kept).push_back(order[i]);
   const auto take = [&](const std::vector<Index>& chosen) {
-    Samples<Dim> some{samples.points(Eigen::all, chosen), samples.values(chosen, Eigen::all), {}};
+    Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, Eigen::all), {}};
     if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
     return some;
   };

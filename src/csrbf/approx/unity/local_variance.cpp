@@ -13,7 +13,7 @@ namespace {
 constexpr Index most_patches = 1024;
 constexpr Index fewest_patches = 16;
 constexpr Index most_targets = 64;
-constexpr double most_work = 1e9;  // multiplications: some hundredths of a second
+constexpr double most_products = 1e9;  // multiplications: some hundredths of a second
 // Squared errors averaged to a variance: standard deviations are accurate to 1 / sqrt(2 * 48), a tenth.
 constexpr Index pooled = 48;
 
@@ -28,7 +28,7 @@ Index patch_count(Index cells, const LocalOptions& options, int dimension) {
   const auto n = static_cast<double>(options.samples);
   const double unknowns = options.centers < options.samples ? polynomials + static_cast<double>(options.centers) : n;
   const double work = unknowns * unknowns * (n + static_cast<double>(target_count(options.samples)));
-  return std::min(cells, std::clamp(static_cast<Index>(most_work / work), fewest_patches, most_patches));
+  return std::min(cells, std::clamp(static_cast<Index>(most_products / work), fewest_patches, most_patches));
 }
 
 // Squared errors of samples that were left out.

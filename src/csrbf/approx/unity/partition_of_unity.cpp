@@ -13,8 +13,6 @@
 namespace csrbf {
 namespace {
 
-constexpr int lanes = batch_lanes;
-
 // Values, or values and derivatives, of products and quotients: the terms of a jet are value, gradient, upper triangle
 // of the Hessian.
 template <int Dim>
@@ -23,7 +21,7 @@ constexpr int terms = LocalEvaluator<Dim>::terms;
 // W += w, S += w f for the jets of one point; those of w and f are `lanes` apart.
 template <int Dim>
 void add_product(const double* w, const double* f, Derivatives derivatives, double* W, double* S) {
-  const auto at = [](const double* jet, int term) { return jet[lanes * term]; };
+  const auto at = [](const double* jet, int term) { return jet[batch_lanes * term]; };
   W[0] += at(w, 0);
   S[0] += at(w, 0) * at(f, 0);
   if (derivatives == Derivatives::none) return;
@@ -71,7 +69,7 @@ class Evaluation {
     const auto n = static_cast<std::size_t>(x.cols()), size = static_cast<std::size_t>(wanted_);
     W_.assign(n * size, 0.0);
     S_.assign(n * size, 0.0);
-    inside_.resize(n + lanes);
+    inside_.resize(n + batch_lanes);
     for (std::size_t begin = 0, end = 0; begin < visits_.size(); begin = end) {
       while (end < visits_.size() && visits_[end].key == visits_[begin].key) ++end;
       add_support(begin, end);
@@ -95,12 +93,12 @@ class Evaluation {
       order_[i] = {cell, static_cast<std::uint32_t>(i)};
     }
     radix_sort(order_, static_cast<std::uint32_t>(cover.size()));
-    x_.resize(Dim * (n + lanes));
+    x_.resize(Dim * (n + batch_lanes));
     for (std::size_t a = 0; a < Dim; ++a) {
       const auto axis = static_cast<Index>(a);
       const double lo = cover.box().lo[axis], hi = cover.box().hi[axis];
       for (std::size_t k = 0; k < n; ++k) x_[stride() * a + k] = std::clamp(x(axis, order_[k].index), lo, hi);
-      std::fill_n(x_.data() + stride() * a + n, lanes, lo);
+      std::fill_n(x_.data() + stride() * a + n, batch_lanes, lo);
     }
     runs_.clear();
     visits_.clear();
@@ -124,11 +122,11 @@ class Evaluation {
       count +=
           lane_sums::inside(x_.data(), stride(), Dim, begin, end, center.data(), half.data(), inside_.data() + count);
     }
-    for (std::size_t begin = 0; begin < count; begin += lanes) {
-      const std::size_t used = std::min<std::size_t>(lanes, count - begin);
-      for (std::size_t l = 0; l < lanes; ++l) {
+    for (std::size_t begin = 0; begin < count; begin += batch_lanes) {
+      const std::size_t used = std::min<std::size_t>(batch_lanes, count - begin);
+      for (std::size_t l = 0; l < batch_lanes; ++l) {
         const std::uint32_t k = inside_[begin + std::min(l, used - 1)];
-        for (std::size_t a = 0; a < Dim; ++a) lane_x_[lanes * a + l] = x_[stride() * a + k];
+        for (std::size_t a = 0; a < Dim; ++a) lane_x_[batch_lanes * a + l] = x_[stride() * a + k];
       }
       lane_sums::box_weights(lane_x_, Dim, center.data(), half.data(), wanted_, w_[0]);
       evaluator_.evaluate(support, component_, lane_x_, derivatives_, f_);
@@ -140,7 +138,7 @@ class Evaluation {
   }
 
   // From one coordinate to the next: lanes may read beyond the last point.
-  [[nodiscard]] std::size_t stride() const { return order_.size() + lanes; }
+  [[nodiscard]] std::size_t stride() const { return order_.size() + batch_lanes; }
 
   struct Run {
     std::uint32_t begin, end;
@@ -158,9 +156,9 @@ class Evaluation {
   std::vector<double> x_;              // by coordinate, in order, moved into the box
   std::vector<double> W_, S_;          // sums of the weights and of the weighted functions, point by point
   std::vector<std::uint32_t> inside_;  // points of a support
-  alignas(64) double lane_x_[Dim * lanes];
-  alignas(64) double w_[terms<Dim>][lanes];
-  alignas(64) double f_[terms<Dim>][lanes];
+  alignas(64) double lane_x_[Dim * batch_lanes];
+  alignas(64) double w_[terms<Dim>][batch_lanes];
+  alignas(64) double f_[terms<Dim>][batch_lanes];
 };
 
 template <int Dim>

@@ -11,7 +11,6 @@
 namespace csrbf {
 namespace {
 
-constexpr Index lanes = batch_lanes;
 // Chosen by hand: larger tiles enter fewer supports twice, smaller ones stay in the cache.
 constexpr Index nodes_per_tile = 4096;
 constexpr Index tasks = 64;  // at least, if there are as many tiles, to balance threads and processes
@@ -63,7 +62,7 @@ class GridEvaluation {
   }
 
   void evaluate(const GridTiles<Dim>& tiles, const GridTile<Dim>& tile, double* value) {
-    row_ = tile.size(0) + lanes;  // the lanes of a row may reach beyond its end
+    row_ = tile.size(0) + batch_lanes;  // the lanes of a row may reach beyond its end
     const auto rows = static_cast<std::size_t>(tile.nodes() / tile.size(0));
     W_.assign(rows * static_cast<std::size_t>(row_), 0.0);
     S_.assign(W_.size(), 0.0);
@@ -108,7 +107,7 @@ class GridEvaluation {
       range.stride = stride;
       stride *= a == 0 ? row_ : tile.size(static_cast<int>(a));
       const Index n = range.end - range.begin;
-      const auto padded = static_cast<std::size_t>((n + lanes - 1) / lanes * lanes);
+      const auto padded = static_cast<std::size_t>((n + batch_lanes - 1) / batch_lanes * batch_lanes);
       range.x.assign(padded, x[range.begin]);
       range.q.assign(padded, 0.0);
       range.weight.assign(padded, 0.0);
@@ -158,11 +157,11 @@ class GridEvaluation {
       lane_sums::add_row(range.q.data(), range.weight.data(), padded, c, data_.models.degree, weight, W, S);
       return;
     }
-    for (Index begin = 0; begin < padded; begin += lanes) {
+    for (Index begin = 0; begin < padded; begin += batch_lanes) {
       for (Index a = 0; a < Dim; ++a)
-        for (Index l = 0; l < lanes; ++l) lane_x_[lanes * a + l] = a == 0 ? range.x[begin + l] : node_[a];
+        for (Index l = 0; l < batch_lanes; ++l) lane_x_[batch_lanes * a + l] = a == 0 ? range.x[begin + l] : node_[a];
       evaluator_.evaluate(support_, component_, lane_x_, Derivatives::none, &f_);
-      for (Index l = 0; l < lanes; ++l) {
+      for (Index l = 0; l < batch_lanes; ++l) {
         const double w = weight * range.weight[begin + l];
         W[begin + l] += w;
         S[begin + l] += w * f_[l];
@@ -182,8 +181,8 @@ class GridEvaluation {
   std::vector<std::uint32_t> supports_;
   std::uint32_t support_ = 0;
   Index row_ = 0;  // from one row of W and S to the next
-  alignas(64) double lane_x_[Dim * lanes];
-  alignas(64) double f_[lanes];
+  alignas(64) double lane_x_[Dim * batch_lanes];
+  alignas(64) double f_[batch_lanes];
 };
 
 bool ascends(const Eigen::VectorXd& x) {

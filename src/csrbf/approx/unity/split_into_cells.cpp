@@ -12,12 +12,12 @@ namespace csrbf {
 namespace {
 
 // All chosen by hand.
-constexpr double nearest_end = 0.3;       // least distance of a split from the ends of the side, as a share of it
-constexpr Index median_sample = 63;       // points that the median is estimated from
-constexpr double smallest_cell = 1e-9;    // least side of a cell to split, as a share of the extent
-constexpr Index enough_parts = 256;       // to share among processes: more balance better, fewer need fewer messages
-constexpr Index fewest_shared = 1 << 14;  // points; with fewer it takes longer to exchange cells than to make them
-constexpr Index grain = 1 << 14;          // points per task
+constexpr double nearest_end = 0.3;         // least distance of a split from the ends of the side, as a share of it
+constexpr Index median_sample = 63;         // points that the median is estimated from
+constexpr double smallest_cell = 1e-9;      // least side of a cell to split, as a share of the extent
+constexpr Index enough_parts = 256;         // to share among processes: more balance better, fewer need fewer messages
+constexpr Index fewest_shared = 1 << 14;    // points; with fewer it takes longer to exchange cells than to make them
+constexpr Index points_per_task = 1 << 14;  // points per task
 
 constexpr std::size_t no_node = std::numeric_limits<std::size_t>::max();
 
@@ -248,7 +248,7 @@ template <int Dim>
 CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, Index leaf_size,
                            std::vector<Located<Dim>>& located, const CellNodes& sorted) {
   located.resize(points.cols());
-  parallel_for(points.cols(), grain, [&](Index begin, Index end) {
+  parallel_for(points.cols(), points_per_task, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) located[i] = {points.col(i), static_cast<std::uint32_t>(i)};
   });
   const double coordinate = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());

@@ -6,8 +6,8 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr Index bricks_per_range = 64;  // large enough to hide the cost of a task
-constexpr double tie = 1 + 1e-6;        // ratio within which diagonals differ by rounding only: the first wins
+constexpr Index tetrahedra_bricks = 64;    // large enough to hide the cost of a task
+constexpr double diagonal_tie = 1 + 1e-6;  // ratio within which diagonals differ by rounding only: the first wins
 
 // Corners of a cell, each one step along another axis from the one before.
 struct Tetrahedron {
@@ -100,7 +100,7 @@ void fill_brick(const Brick& brick, Index triangle, Mesh& mesh) {
       return;
     }
     const int a = between(i, k), b = between(i, l), c = between(j, l), d = between(j, k);
-    if (squared_length(a, c) <= squared_length(b, d) * tie) {
+    if (squared_length(a, c) <= squared_length(b, d) * diagonal_tie) {
       add(a, b, c);
       add(a, c, d);
     } else {
@@ -115,13 +115,13 @@ void fill_brick(const Brick& brick, Index triangle, Mesh& mesh) {
 void march_tetrahedra(const std::vector<Brick*>& bricks, Mesh& mesh) {
   const auto n = std::ssize(bricks);
   std::vector<Index> first(bricks.size() + 1);
-  parallel_for(n, bricks_per_range, [&](Index begin, Index end) {
+  parallel_for(n, tetrahedra_bricks, [&](Index begin, Index end) {
     for (Index b = begin; b < end; ++b)
       for_each_cut(*bricks[b], [&](int, const Tetrahedron&, const Cut& cut) { first[b + 1] += cut.lone; });
   });
   for (std::size_t b = 0; b < bricks.size(); ++b) first[b + 1] += first[b];
   mesh.triangles.resize(3, first.back());
-  parallel_for(n, bricks_per_range, [&](Index begin, Index end) {
+  parallel_for(n, tetrahedra_bricks, [&](Index begin, Index end) {
     for (Index b = begin; b < end; ++b) fill_brick(*bricks[b], first[b], mesh);
   });
 }

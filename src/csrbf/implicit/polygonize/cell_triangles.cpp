@@ -7,7 +7,7 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr Index bricks_per_range = 64;  // large enough to hide the cost of a task
+constexpr Index triangle_bricks = 64;  // large enough to hide the cost of a task
 
 // Writes the triangles of one brick and the centres of its loops, starting at given columns.
 class BrickFiller {
@@ -55,7 +55,7 @@ class BrickFiller {
 
 TriangleOffsets count_triangles(const std::vector<Brick*>& bricks) {
   TriangleOffsets offsets{std::vector<Index>(bricks.size() + 1), std::vector<Index>(bricks.size() + 1)};
-  parallel_for(std::ssize(bricks), bricks_per_range, [&](Index begin, Index end) {
+  parallel_for(std::ssize(bricks), triangle_bricks, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i)
       for_each_loop(*bricks[i], [&](int, const CellLoop& loop) {
         offsets.triangles[i + 1] += loop.triangles();
@@ -71,7 +71,7 @@ TriangleOffsets count_triangles(const std::vector<Brick*>& bricks) {
 
 void fill_triangles(const std::vector<Brick*>& bricks, const TriangleOffsets& offsets, Index edge_vertices,
                     Mesh& mesh) {
-  parallel_for(std::ssize(bricks), bricks_per_range, [&](Index begin, Index end) {
+  parallel_for(std::ssize(bricks), triangle_bricks, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i)
       for_each_loop(*bricks[i],
                     BrickFiller(*bricks[i], mesh, offsets.triangles[i], edge_vertices + offsets.centers[i]));

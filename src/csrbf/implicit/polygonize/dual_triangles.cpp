@@ -12,7 +12,7 @@ constexpr Index quads_per_range = 4096;  // large enough to hide the cost of a t
 constexpr double equal_distance = 1e-3;  // of the shorter diagonal: distances from the crossing that count as equal
 constexpr double sliver = 0.05;          // twice the area over the square of the longest side: below, normals are noise
 constexpr int unfolding_rounds = 3;      // the last one moves vertices all the way
-constexpr double tie = 1 + 1e-6;         // ratio within which diagonals differ by rounding only: the first wins
+constexpr double quad_tie = 1 + 1e-6;    // ratio within which diagonals differ by rounding only: the first wins
 
 // How well two triangles fit the crossing that they should pass through.
 struct Fit {
@@ -36,7 +36,7 @@ bool first_diagonal(const std::array<Point<3>, 4>& q, const Point<3>& crossing, 
   const double length_first = (q[0] - q[2]).norm(), length_second = (q[1] - q[3]).norm();
   const double advantage = std::sqrt(second.squared_distance) - std::sqrt(first.squared_distance);
   if (std::abs(advantage) > equal_distance * std::min(length_first, length_second)) return advantage > 0;
-  return length_first <= length_second * tie;
+  return length_first <= length_second * quad_tie;
 }
 
 // The two triangles of a quad.

@@ -9,7 +9,7 @@
 namespace csrbf::polygonization {
 namespace {
 
-constexpr Index bricks_per_range = 32;  // large enough to hide the cost of a task
+constexpr Index dual_bricks = 32;  // large enough to hide the cost of a task
 
 // In cells; chosen by hand. Sharp edges that run almost along a wall between cells affect cells on both sides; confined
 // to their cells, vertices would miss them by up to 0.15 cells.
@@ -75,7 +75,7 @@ class DualBuilder {
     mesh_.vertices.resize(3, first_.back());
     mesh_.normals.resize(3, first_.back());
     if (planes_ != nullptr) planes_->assign(first_.back(), {});
-    parallel_for(std::ssize(bricks_), bricks_per_range, [&](Index begin, Index end) {
+    parallel_for(std::ssize(bricks_), dual_bricks, [&](Index begin, Index end) {
       for (Index b = begin; b < end; ++b) place_vertices(b);
     });
     add_side_vertices();
@@ -86,7 +86,7 @@ class DualBuilder {
   void count_loops() {
     first_.assign(bricks_.size() + 1, 0);
     doubled_.assign(bricks_.size(), 0);
-    parallel_for(std::ssize(bricks_), bricks_per_range, [&](Index begin, Index end) {
+    parallel_for(std::ssize(bricks_), dual_bricks, [&](Index begin, Index end) {
       for (Index b = begin; b < end; ++b)
         for_each_loop(*bricks_[b], [&](int, const CellLoop& loop) {
           ++first_[b + 1];

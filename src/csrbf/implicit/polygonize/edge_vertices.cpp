@@ -11,7 +11,7 @@ namespace {
 constexpr double step_tolerance = 1e-4;     // of an edge; the error after a step of this length is far smaller
 constexpr double longest_last_step = 0.05;  // of an edge: the normal is that of the point before the last step
 constexpr int most_evaluations = 12;        // for each edge; most need one
-constexpr Index bricks_per_range = 32;      // large enough to hide the cost of a task
+constexpr Index edge_bricks = 32;           // large enough to hide the cost of a task
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 
 // The root t of the field along one edge of unit length, with a bracket lo < t < hi.
@@ -32,7 +32,7 @@ double parabola_root(double f, double slope, double end, double f_end) {
 }
 
 // Processes the value and slope at t and moves t to the next estimate. Returns whether it has converged.
-bool advance(EdgeRoot& root, double f, double slope, bool may_bisect) {
+bool advance_root(EdgeRoot& root, double f, double slope, bool may_bisect) {
   const double width = root.hi - root.lo;
   if (!std::isfinite(slope)) {
     const double below = (f - root.f_lo) / (root.t - root.lo);
@@ -111,7 +111,7 @@ class EdgeBlock {
           mesh_.normals.col(root.vertex) = outward_normal(gradient);
           slope = gradient.dot(root.edge);
         }
-        if (!advance(root, value_[i], slope, evaluation > 0)) open_[kept++] = &root;
+        if (!advance_root(root, value_[i], slope, evaluation > 0)) open_[kept++] = &root;
       }
       open_.resize(kept);
     }
@@ -192,7 +192,7 @@ Index number_edge_vertices(const std::vector<Brick*>& bricks) {
 void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& bricks, LevelSampler& sampler,
                          const VertexDemand& demand, Mesh& mesh, const Progress& progress) {
   const auto total = std::ssize(bricks);
-  const Index part = std::max<Index>(bricks_per_range, total / 16 / bricks_per_range * bricks_per_range);
+  const Index part = std::max<Index>(edge_bricks, total / 16 / edge_bricks * edge_bricks);
   for (Index first = 0; first < total; first += part) {
     report(progress, "polygonize", 0.8 + 0.15 * static_cast<double>(first) / static_cast<double>(total));
     const auto compute = [&](Index begin, Index end) {
@@ -218,7 +218,7 @@ void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& 
       in.take(mesh.vertices.data() + 3 * lo, 3 * count);
       if (demand.normals) in.take(mesh.normals.data() + 3 * lo, 3 * count);
     };
-    share_work({"polygonize", std::min(part, total - first), bricks_per_range, compute, pack, unpack});
+    share_work({"polygonize", std::min(part, total - first), edge_bricks, compute, pack, unpack});
   }
 }
 

@@ -4,7 +4,7 @@ namespace csrbf::polygonization {
 namespace {
 
 // Chosen by hand.
-constexpr int newton_steps = 3;                // for each seed: seeds are expected near the surface
+constexpr int seed_steps = 3;                  // for each seed: seeds are expected near the surface
 constexpr double largest_newton_step = 2;      // cells: keeps seeds on their component
 constexpr double converged_newton_step = 0.1;  // cells: the cell of the surface is then found
 constexpr int scan_steps = 266;                // 256 cells and the default margin around them
@@ -149,7 +149,7 @@ bool bisect(const CellLattice& lattice, LevelSampler& sampler, std::vector<Cross
 std::vector<Cell> cells_near_seeds(const CellLattice& lattice, LevelSampler& sampler, const PointsRef<3>& seeds) {
   Points<3> points = one_per_cell(lattice, seeds);
   Index moving = points.cols();
-  for (int step = 0; step < newton_steps && moving > 0; ++step) moving = project_once(lattice, sampler, points, moving);
+  for (int step = 0; step < seed_steps && moving > 0; ++step) moving = project_once(lattice, sampler, points, moving);
   points = one_per_cell(lattice, points);
   std::vector<Cell> cells;
   for (Index i = 0; i < points.cols(); ++i) cells.push_back(lattice.cell_at(points.col(i)));

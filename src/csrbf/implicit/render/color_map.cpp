@@ -20,7 +20,7 @@ LinearRgb from_oklab(float lightness, float chroma, float hue) {
   return (to_rgb * cones).cwiseMax(0.0F).cwiseMin(1.0F);
 }
 
-constexpr float radians(float degrees) {
+constexpr float to_radians(float degrees) {
   return degrees * 0.017453292F;
 }
 
@@ -38,13 +38,13 @@ float srgb_from_linear(float linear) {
 LinearRgb sequential_color(double t) {
   const auto s = static_cast<float>(std::clamp(t, 0.0, 1.0));
   const float chroma = 0.11F + 0.05F * s;  // as much as the gamut allows at the dark end and the green middle
-  return from_oklab(0.30F + 0.62F * s, chroma, radians(275.0F - 170.0F * s));
+  return from_oklab(0.30F + 0.62F * s, chroma, to_radians(275.0F - 170.0F * s));
 }
 
 LinearRgb diverging_color(double t) {
   const auto s = static_cast<float>(std::clamp(t, -1.0, 1.0));
   const float strength = std::abs(s);
-  const float hue = s < 0 ? radians(255) : radians(33);
+  const float hue = s < 0 ? to_radians(255) : to_radians(33);
   return from_oklab(0.95F - 0.43F * strength, 0.15F * std::pow(strength, 0.8F), hue);
 }
 

@@ -69,11 +69,11 @@ void skip_property(Body& body, const PlyProperty& property) {
   for (Index i = 0; i < values; ++i) body.scalar(property.type);
 }
 
-constexpr unsigned pause_after = 1U << 13;  // vertices or faces
+constexpr unsigned elements_between_breaks = 1U << 13;  // vertices or faces
 
 template <class Body>
 void read_vertices(Body& body, const PlyElement& element, const std::vector<Slot>& slots) {
-  InterruptionPoint pause(pause_after);
+  InterruptionPoint pause(elements_between_breaks);
   for (Index i = 0; i < element.count; ++i) {
     pause();
     body.begin(element, i);
@@ -118,7 +118,7 @@ void read_polygon(Body& body, const PlyProperty& property, Index vertices, std::
 template <class Body>
 void read_faces(Body& body, const PlyElement& element, Index vertices, std::vector<std::int32_t>& corners) {
   corners.reserve(3 * element.count);
-  InterruptionPoint pause(pause_after);
+  InterruptionPoint pause(elements_between_breaks);
   for (Index i = 0; i < element.count; ++i) {
     pause();
     body.begin(element, i);
@@ -241,7 +241,7 @@ void append_vertices(std::string& out, const VertexColumns& columns) {
   std::vector<Append> append;
   for (const Property& p : properties) append.push_back(appender(checked_type(p, vertices)));
   out.reserve(out.size() + static_cast<std::size_t>(vertices) * (36 + 8 * append.size()));
-  InterruptionPoint pause(pause_after);
+  InterruptionPoint pause(elements_between_breaks);
   for (Index i = 0; i < vertices; ++i) {
     pause();
     for (int axis = 0; axis < 3; ++axis) append_coordinate(out, positions(axis, i));
@@ -304,7 +304,7 @@ std::string format_ply(const Mesh& mesh) {
   append_vertices(out, columns);
   constexpr std::size_t bytes_per_face = 13;
   out.reserve(out.size() + bytes_per_face * static_cast<std::size_t>(mesh.triangles.cols()));
-  InterruptionPoint pause(pause_after);
+  InterruptionPoint pause(elements_between_breaks);
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     pause();
     append_scalar(out, std::uint8_t{3});

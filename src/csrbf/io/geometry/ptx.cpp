@@ -20,7 +20,7 @@ void need_line(LineReader& reader, const char* what) {
 }
 
 template <std::size_t Count>
-std::array<double, Count> numbers(const LineReader& reader, const char* what) {
+std::array<double, Count> read_row(const LineReader& reader, const char* what) {
   std::array<double, Count> values{};
   std::string_view rest = reader.line();
   if (count_words(rest) != static_cast<Index>(Count))
@@ -38,12 +38,12 @@ Index read_head(LineReader& reader, Eigen::Affine3d& place) {
   const std::int64_t rows = reader.integer(reader.line(), 0, most);
   for (int i = 0; i < 4; ++i) {
     need_line(reader, "the place of the scanner");
-    (void)numbers<3>(reader, "the place and the axes of the scanner");
+    (void)read_row<3>(reader, "the place and the axes of the scanner");
   }
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 4; ++i) {
     need_line(reader, "the matrix of the scan");
-    const std::array<double, 4> row = numbers<4>(reader, "a row of the matrix of the scan");
+    const std::array<double, 4> row = read_row<4>(reader, "a row of the matrix of the scan");
     for (int j = 0; j < 4; ++j) matrix(j, i) = row[static_cast<std::size_t>(j)];
   }
   if (!matrix.allFinite() || !(matrix.row(3) == Eigen::RowVector4d(0, 0, 0, 1)))

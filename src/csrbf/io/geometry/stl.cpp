@@ -10,7 +10,7 @@
 namespace csrbf {
 namespace {
 
-constexpr unsigned pause_after = 1U << 12;  // triangles
+constexpr unsigned triangles_between_breaks = 1U << 12;  // triangles
 constexpr std::size_t head_size = 84;
 constexpr std::size_t triangle_size = 50;
 
@@ -65,7 +65,7 @@ Mesh parse_binary(std::string_view bytes, const std::string& name) {
   mesh.triangles.resize(3, triangles);
   VertexNumbers numbers(3 * triangles);
   constexpr std::size_t normal_size = 12;
-  InterruptionPoint pause(pause_after);
+  InterruptionPoint pause(triangles_between_breaks);
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     pause();
     const char* corner = bytes.data() + head_size + t * triangle_size + normal_size;
@@ -136,7 +136,7 @@ std::string format_stl(const Mesh& mesh) {
   out.resize(head_size - 4, ' ');
   append_scalar(out, static_cast<std::uint32_t>(mesh.triangles.cols()));
   out.reserve(head_size + triangle_size * mesh.triangles.cols());
-  InterruptionPoint pause(pause_after);
+  InterruptionPoint pause(triangles_between_breaks);
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
     pause();
     const Point<3> a = mesh.vertices.col(mesh.triangles(0, t));

@@ -29,7 +29,7 @@ constexpr std::string_view head =
     R"(xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02"><resources>
 )";
 
-constexpr unsigned between_pauses = 1U << 12;
+constexpr unsigned elements_between_pauses = 1U << 12;
 
 // Colours are a list of different ones, to which the corners of triangles refer.
 struct Colors {
@@ -81,7 +81,7 @@ std::string format_3mf(const Mesh& mesh) {
   if (has_colors) xml += "<m:colorgroup id=\"1\">\n" + colors.list + "</m:colorgroup>\n";
   xml += std::string("<object id=\"2\" type=\"model\"") + (has_colors ? " pid=\"1\" pindex=\"0\"" : "") +
          "><mesh><vertices>\n";
-  InterruptionPoint pause(between_pauses);
+  InterruptionPoint pause(elements_between_pauses);
   for (Index i = 0; i < mesh.vertices.cols(); ++i) {
     pause();
     const Point<3> p = mesh.vertices.col(i) - middle;

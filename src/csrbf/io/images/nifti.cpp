@@ -161,7 +161,7 @@ void NiftiHeader::set_position(const Grid& grid) {
 }
 
 // Reads the header at the beginning of `bytes`, of either version and byte order.
-NiftiHeader parse_header(std::string_view bytes, const std::string& name) {
+NiftiHeader parse_nifti_header(std::string_view bytes, const std::string& name) {
   const auto has_size = [&](std::size_t size, std::endian order) {
     return bytes.size() >= 4 && load_scalar<std::uint32_t>(bytes.data(), order) == size;
   };
@@ -197,7 +197,7 @@ constexpr Datatype datatypes[] = {
   throw IoError(name + ": " + message);
 }
 
-void set_shape(const NiftiHeader& header, RawVolume& raw, const std::string& name) {
+void set_nifti_shape(const NiftiHeader& header, RawVolume& raw, const std::string& name) {
   const std::int64_t axes = header.dim[0];
   if (axes < 1 || axes > 7) fail(name, "field dim[0] is " + std::to_string(axes) + ", it must be 1 to 7");
   std::array<Index, 7> size{1, 1, 1, 1, 1, 1, 1};
@@ -241,7 +241,7 @@ RawVolume parse_nifti(std::string bytes, const std::string& name) {
   const bool compressed = bytes.starts_with(gzip_magic);
   const std::string inflated = compressed ? inflate_head(bytes, size_2, name) : std::string();
   const std::string_view head = compressed ? std::string_view(inflated) : std::string_view(bytes);
-  const NiftiHeader header = parse_header(head, name);
+  const NiftiHeader header = parse_nifti_header(head, name);
 
   RawVolume raw;
   raw.order = header.order;
@@ -249,7 +249,7 @@ RawVolume parse_nifti(std::string bytes, const std::string& name) {
                    [&](const Datatype& d) { return d.code == header.datatype; }))
     fail(name, "samples of NIfTI datatype " + std::to_string(header.datatype) +
                    " are not supported; integers, float32, float64 and RGB are");
-  set_shape(header, raw, name);
+  set_nifti_shape(header, raw, name);
   set_position(header, raw.layout, name);
   if (std::isfinite(header.slope) && header.slope != 0 && std::isfinite(header.intercept)) {
     raw.slope = header.slope;

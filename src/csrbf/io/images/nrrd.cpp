@@ -21,7 +21,7 @@ constexpr TypeName type_names[] = {
     {"short int", int16},  {"unsigned int", uint32}, {"signed int", int32},
 };
 
-constexpr std::size_t most_axes = 5;  // components, three in space and time
+constexpr std::size_t most_nrrd_axes = 5;  // components, three in space and time
 
 struct SpaceName {
   std::string_view name, abbreviation;
@@ -58,9 +58,9 @@ struct NrrdHeader {
 };
 
 // Reads the header up to the blank line that ends it.
-class HeaderParser {
+class NrrdHeaderParser {
  public:
-  HeaderParser(std::string_view bytes, const std::string& name) : reader_(bytes, name), bytes_(bytes) {}
+  NrrdHeaderParser(std::string_view bytes, const std::string& name) : reader_(bytes, name), bytes_(bytes) {}
 
   NrrdHeader parse() {
     if (!bytes_.starts_with("NRRD000") || !reader_.next())
@@ -140,7 +140,7 @@ class HeaderParser {
   // Fields with one item per axis; unknown ones are ignored.
   void read_axes(const std::string& key, std::string_view value) {
     if (key == "dimension") {
-      header_.axes.resize(reader_.integer(value, 1, most_axes));
+      header_.axes.resize(reader_.integer(value, 1, most_nrrd_axes));
       return;
     }
     if (key != "sizes" && key != "spacings" && key != "kinds" && key != "space directions") return;
@@ -222,7 +222,8 @@ class HeaderParser {
 };
 
 // Removes the axes of components from the front and of time from the back; the rest lie in space.
-void set_shape(std::vector<NrrdAxis> axes, const NrrdHeader& header, VolumeLayout& layout, const std::string& name) {
+void set_nrrd_shape(std::vector<NrrdAxis> axes, const NrrdHeader& header, VolumeLayout& layout,
+                    const std::string& name) {
   const bool placed = std::any_of(axes.begin(), axes.end(), [](const NrrdAxis& a) { return a.direction.has_value(); });
   const auto in_space = [&](const NrrdAxis& axis) {
     return !axis.is_components() && axis.kind != "time" && (!placed || axis.direction);
@@ -261,11 +262,11 @@ void set_shape(std::vector<NrrdAxis> axes, const NrrdHeader& header, VolumeLayou
 }  // namespace
 
 RawVolume parse_nrrd(std::string bytes, const std::string& path) {
-  const NrrdHeader header = HeaderParser(bytes, display_name(path)).parse();
+  const NrrdHeader header = NrrdHeaderParser(bytes, display_name(path)).parse();
   RawVolume raw;
   raw.layout.type = header.type;
   raw.order = header.order;
-  set_shape(header.axes, header, raw.layout, display_name(path));
+  set_nrrd_shape(header.axes, header, raw.layout, display_name(path));
   load_raw_data(raw, header.data, std::move(bytes), path);
   return raw;
 }

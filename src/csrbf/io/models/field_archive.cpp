@@ -46,7 +46,7 @@ std::shared_ptr<const Expansion<Dim>> expansion_from(const Archive& archive,
 
 // The archive of an expansion without its basis.
 template <int Dim>
-Archive to_archive(const Expansion<Dim>& field) {
+Archive expansion_to_archive(const Expansion<Dim>& field) {
   Archive archive;
   archive.kind = expansion_kind;
   archive.set("coefficients", field.coefficients());
@@ -60,7 +60,7 @@ Archive to_archive(const Expansion<Dim>& field) {
 
 // The archive of a power function without its basis.
 template <int Dim>
-Archive to_archive(const PowerFunction<Dim>& power) {
+Archive power_to_archive(const PowerFunction<Dim>& power) {
   Archive archive;
   archive.kind = power_kind;
   archive.set("degree", power.degree());
@@ -81,7 +81,7 @@ std::shared_ptr<const PowerFunction<Dim>> power_from(const Archive& archive,
 
 // The archive of a fitted field without the inner field.
 template <int Dim>
-Archive to_archive(const typename FittedField<Dim>::Frame& frame) {
+Archive frame_to_archive(const typename FittedField<Dim>::Frame& frame) {
   Archive archive;
   archive.kind = fitted_kind;
   archive.set("scales", frame.scales);
@@ -130,10 +130,10 @@ template <int Dim>
 Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
   Archive archive;
   if (const auto* fitted = dynamic_cast<const FittedField<Dim>*>(&field)) {
-    archive = to_archive<Dim>(fitted->frame());
+    archive = frame_to_archive<Dim>(fitted->frame());
     archive.set("inner", this->field(fitted->inner()));
   } else if (const auto* expansion = dynamic_cast<const Expansion<Dim>*>(&field)) {
-    archive = to_archive(*expansion);
+    archive = expansion_to_archive(*expansion);
     const RadialBasis<Dim>& basis = expansion->basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
   } else if (const auto* sum = dynamic_cast<const LevelSum<Dim>*>(&field)) {
@@ -157,7 +157,7 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     const PowerFunction<Dim>& power = variance->power();
     const RadialBasis<Dim>& basis = *power.basis();
     archive.set("basis", share(&basis, [&] { return to_archive(basis); }));
-    archive.set("power", share(&power, [&] { return to_archive(power); }));
+    archive.set("power", share(&power, [&] { return power_to_archive(power); }));
   } else if (const auto* hermite = dynamic_cast<const HermiteField<Dim>*>(&field)) {
     archive.kind = derivatives_kind;
     archive.set("component", hermite->component());

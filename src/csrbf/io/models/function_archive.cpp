@@ -42,7 +42,7 @@ void for_each_member(Report& report, Partition& partition, const Visit& visit) {
   visit("cross_validation_rmse", report.cross_validation_rmse);
 }
 
-Archive to_archive(const FitReport& report) {
+Archive report_to_archive(const FitReport& report) {
   Archive archive;
   archive.kind = "report";
   const PartitionReport partition = report.partition.value_or(PartitionReport{});
@@ -179,7 +179,7 @@ Archive to_archive(const NamedFunction& named) {
             names_or(named.coordinate_names, default_coordinate_names(function.dimension())));
   set_texts(archive, "value_name", names_or(named.value_names, default_value_names(function.components())));
   if (!named.crs.empty()) archive.set("crs", named.crs);
-  archive.set("report", to_archive(function.report()));
+  archive.set("report", report_to_archive(function.report()));
   std::visit(
       [&](const auto& fit) {
         if constexpr (!std::is_same_v<std::decay_t<decltype(fit)>, std::monostate>) set_components(archive, fit);

@@ -66,9 +66,9 @@ Archive Writer::extended(const ExtendedField& field) {
   return archive;
 }
 
-class Reader {
+class SurfaceReader {
  public:
-  explicit Reader(const Archive& root) : fitted_(root) {}
+  explicit SurfaceReader(const Archive& root) : fitted_(root) {}
 
   std::shared_ptr<const Field<3>> surface(const Archive& archive, int depth = 0);
 
@@ -79,7 +79,7 @@ class Reader {
   FieldReader<3> fitted_;
 };
 
-std::shared_ptr<const Field<3>> Reader::surface(const Archive& archive, int depth) {
+std::shared_ptr<const Field<3>> SurfaceReader::surface(const Archive& archive, int depth) {
   if (depth > deepest) archive.fail("solids are nested more than " + std::to_string(deepest) + " levels deep");
   if (archive.kind == composite_kind) return composite_from(archive);
   if (archive.kind == transformed_kind) return transformed_from(archive);
@@ -89,7 +89,7 @@ std::shared_ptr<const Field<3>> Reader::surface(const Archive& archive, int dept
   return fitted_.field(archive);
 }
 
-std::shared_ptr<const Field<3>> Reader::combined(const Archive& archive, int depth) {
+std::shared_ptr<const Field<3>> SurfaceReader::combined(const Archive& archive, int depth) {
   CombinedField::Data data;
   const std::optional<Blending> blending = blending_named(archive.text("blending"));
   if (!blending) archive.fail("this version knows no blending \"" + archive.text("blending") + "\"");
@@ -108,7 +108,7 @@ std::shared_ptr<const Field<3>> Reader::combined(const Archive& archive, int dep
   return std::make_shared<const CombinedField>(std::move(data));
 }
 
-std::shared_ptr<const Field<3>> Reader::extended(const Archive& archive, int depth) {
+std::shared_ptr<const Field<3>> SurfaceReader::extended(const Archive& archive, int depth) {
   ExtendedField::Data data;
   data.near = positive_number(archive, "near");
   data.origin = archive.numbers("origin", 3, 1);
@@ -133,7 +133,7 @@ Archive surface_to_archive(const Field<3>& field) {
 
 std::shared_ptr<const Field<3>> surface_from(const Archive& archive) {
   try {
-    return Reader(archive).surface(archive);
+    return SurfaceReader(archive).surface(archive);
   } catch (const InvalidInput& error) {
     archive.fail(std::string("the model is damaged: ") + error.what());
   }

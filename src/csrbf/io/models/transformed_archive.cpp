@@ -29,7 +29,7 @@ void read_balls(const Archive& archive, Data& data) {
   if (data.centers.cols() == 0 || !(data.supports.minCoeff() > 0)) archive.fail("a support is damaged");
 }
 
-Archive to_archive(const MedialAxisField& field) {
+Archive medial_to_archive(const MedialAxisField& field) {
   const MedialAxisField::Data& data = field.data();
   Archive archive;
   archive.kind = medial_axis_kind;
@@ -47,7 +47,7 @@ std::shared_ptr<const MedialAxisField> medial_axis_from(const Archive& archive) 
   return std::make_shared<const MedialAxisField>(std::move(data));
 }
 
-Archive to_archive(const QuadricBalls& field) {
+Archive balls_to_archive(const QuadricBalls& field) {
   const QuadricBalls::Data& data = field.data();
   Archive archive;
   archive.kind = balls_kind;
@@ -77,9 +77,9 @@ Archive to_archive(const TransformedField& field) {
   set_box(archive, data.bounds);
   if (data.seeds.cols() > 0) archive.set("seeds", data.seeds);
   if (const auto* medial_axis = dynamic_cast<const MedialAxisField*>(data.inner.get())) {
-    archive.set("inner", to_archive(*medial_axis));
+    archive.set("inner", medial_to_archive(*medial_axis));
   } else if (const auto* balls = dynamic_cast<const QuadricBalls*>(data.inner.get())) {
-    archive.set("inner", to_archive(*balls));
+    archive.set("inner", balls_to_archive(*balls));
   } else {
     FieldWriter<3> writer;
     archive.set("inner", writer.field(*data.inner));

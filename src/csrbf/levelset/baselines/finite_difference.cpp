@@ -12,27 +12,30 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* here = "finite_difference";
+constexpr const char* finite_difference_function = "finite_difference";
 constexpr int window = 20;  // iterations, ten voxels of motion at most, over which labels must rest; by hand
 
-void check(const Grid& grid, const FiniteDifferenceOptions& o, int dim) {
-  require(grid.dimension() == dim, here, "dimension of the image", grid.dimension(),
+void check_finite_difference(const Grid& grid, const FiniteDifferenceOptions& o, int dim) {
+  require(grid.dimension() == dim, finite_difference_function, "dimension of the image", grid.dimension(),
           "must be that of the level set: 2 or more voxels along each axis");
-  require(o.length >= 0 && std::isfinite(o.length), here, "length", o.length, "must not be negative");
-  require(o.band == 0 || o.band >= 3, here, "band", o.band, "must be at least 3, or 0");
-  require(o.reinitialize_every >= 0, here, "reinitialize_every", o.reinitialize_every, "must not be negative");
-  require(o.reinitialize_every > 0 || o.band == 0, here, "reinitialize_every", o.reinitialize_every,
-          "must be positive with a band, which follows the contour only then");
-  require(o.penalty >= 0 && std::isfinite(o.penalty), here, "penalty", o.penalty, "must not be negative");
-  require(o.iterations >= 0, here, "iterations", o.iterations, "must not be negative");
-  require(o.tolerance >= 0, here, "tolerance", o.tolerance, "must not be negative");
+  require(o.length >= 0 && std::isfinite(o.length), finite_difference_function, "length", o.length,
+          "must not be negative");
+  require(o.band == 0 || o.band >= 3, finite_difference_function, "band", o.band, "must be at least 3, or 0");
+  require(o.reinitialize_every >= 0, finite_difference_function, "reinitialize_every", o.reinitialize_every,
+          "must not be negative");
+  require(o.reinitialize_every > 0 || o.band == 0, finite_difference_function, "reinitialize_every",
+          o.reinitialize_every, "must be positive with a band, which follows the contour only then");
+  require(o.penalty >= 0 && std::isfinite(o.penalty), finite_difference_function, "penalty", o.penalty,
+          "must not be negative");
+  require(o.iterations >= 0, finite_difference_function, "iterations", o.iterations, "must not be negative");
+  require(o.tolerance >= 0, finite_difference_function, "tolerance", o.tolerance, "must not be negative");
 }
 
 // -force / max |force| into `speed`; returns the largest speed, 1 or 0.
 double speed_of(const std::vector<float>& force, std::vector<float>& speed) {
   float largest = 0;
   for (const float V : force) {
-    require(std::isfinite(V), here, "force", V, "must be finite on all voxels");
+    require(std::isfinite(V), finite_difference_function, "force", V, "must be finite on all voxels");
     largest = std::max(largest, std::abs(V));
   }
   if (largest == 0) largest = std::numeric_limits<float>::infinity();
@@ -92,14 +95,14 @@ Index relabel(const DenseLevelSet<Dim>& f, std::vector<unsigned char>& labels) {
 template <int Dim>
 FiniteDifferenceResult<Dim> finite_difference(const Grid& grid, const unsigned char* start, const ForceUpdate& force,
                                               const FiniteDifferenceOptions& options) {
-  check(grid, options, Dim);
+  check_finite_difference(grid, options, Dim);
   const double edge = grid.spacing.template head<Dim>().minCoeff();
   const auto n = static_cast<std::size_t>(grid.voxels());
   FiniteDifferenceResult<Dim> result;
   result.labels.resize(n);
   std::transform(start, start + n, result.labels.begin(), [](unsigned char l) -> unsigned char { return l != 0; });
   const auto inside = std::count(result.labels.begin(), result.labels.end(), 1);
-  require(inside > 0 && inside < grid.voxels(), here, "voxels inside the start", inside,
+  require(inside > 0 && inside < grid.voxels(), finite_difference_function, "voxels inside the start", inside,
           "must be some and not all of the image");
   const double band = options.band > 0 ? options.band * edge : std::numeric_limits<double>::infinity();
   DenseLevelSet<Dim> f(grid, signed_distance(grid, start), band);

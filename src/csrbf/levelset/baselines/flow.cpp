@@ -10,7 +10,7 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* here = "flow";
+constexpr const char* flow_function = "flow";
 
 // Of the differentiation matrix along an axis, times the node spacing: 1.8 to 2.1 for supports of 2.8 to 7 spacings.
 constexpr double gradient_radius = 2.1;
@@ -31,14 +31,18 @@ Reach reach_of(FlowIntegrator integrator) {
   return integrator == FlowIntegrator::rk4 ? Reach{2.83, 2.78} : Reach{1.73, 2.51};
 }
 
-void check(const FlowOptions& o, double duration, double curvature, double diffusion) {
-  require(duration >= 0 && std::isfinite(duration), here, "duration", duration, "must not be negative");
-  require(o.support > 1 && std::isfinite(o.support), here, "support", o.support, "must be above 1 (node spacing)");
-  require(o.eps > 0 && std::isfinite(o.eps), here, "eps", o.eps, "must be positive");
-  require(o.time_step >= 0 && std::isfinite(o.time_step), here, "time_step", o.time_step, "must not be negative");
-  require(curvature >= 0 && std::isfinite(curvature), here, "law.curvature", curvature, "must not be negative");
-  require(diffusion >= 0 && std::isfinite(diffusion), here, "law.diffusion", diffusion, "must not be negative");
-  require(o.integrator != FlowIntegrator::semi_implicit || curvature + diffusion > 0, here, "integrator",
+void check_flow(const FlowOptions& o, double duration, double curvature, double diffusion) {
+  require(duration >= 0 && std::isfinite(duration), flow_function, "duration", duration, "must not be negative");
+  require(o.support > 1 && std::isfinite(o.support), flow_function, "support", o.support,
+          "must be above 1 (node spacing)");
+  require(o.eps > 0 && std::isfinite(o.eps), flow_function, "eps", o.eps, "must be positive");
+  require(o.time_step >= 0 && std::isfinite(o.time_step), flow_function, "time_step", o.time_step,
+          "must not be negative");
+  require(curvature >= 0 && std::isfinite(curvature), flow_function, "law.curvature", curvature,
+          "must not be negative");
+  require(diffusion >= 0 && std::isfinite(diffusion), flow_function, "law.diffusion", diffusion,
+          "must not be negative");
+  require(o.integrator != FlowIntegrator::semi_implicit || curvature + diffusion > 0, flow_function, "integrator",
           "semi_implicit", "needs curvature or diffusion; take ssp_rk3 or rk4");
 }
 
@@ -62,13 +66,13 @@ class Mover {
  public:
   Mover(const Nodes<Dim>& nodes, const Field<Dim>& start, const FlowLaw<Dim>& law, const FlowOptions& options)
       : nodes_(nodes), law_(law), options_(options), kernel_(options.kernel, Dim) {
-    require(kernel_.order() == 0 && kernel_.smoothness() >= 2, here, "kernel", kernel_.name(),
+    require(kernel_.order() == 0 && kernel_.smoothness() >= 2, flow_function, "kernel", kernel_.name(),
             "must be positive definite and have two derivatives");
     h_ = nodes.regular() ? 2 * fill_distance<Dim>(nodes, nodes.points) / std::sqrt(static_cast<double>(Dim))
                          : center_spacing<Dim>(nodes.points, nodes.points);
     system_.emplace(nodes, kernel_, options.support * h_);
     values_ = start.evaluate(nodes.points).value;
-    require(values_.allFinite(), here, "start", values_.sum(), "must be finite at all nodes");
+    require(values_.allFinite(), flow_function, "start", values_.sum(), "must be finite at all nodes");
     constant_ = rim_mean<Dim>(nodes.points, values_, 0.5 * h_);
   }
 
@@ -162,12 +166,13 @@ class Mover {
 
   [[nodiscard]] double next_step(double time, double remaining) {
     rate_ = rate(values_, time);
-    require(std::isfinite(rate_.speed) && std::isfinite(rate_.force), here, "velocity", rate_.speed + rate_.force,
-            "must be finite at all nodes");
+    require(std::isfinite(rate_.speed) && std::isfinite(rate_.force), flow_function, "velocity",
+            rate_.speed + rate_.force, "must be finite at all nodes");
     const double stable = stable_step(rate_);
     double tau = options_.time_step;
     if (tau > 0) {
-      require(tau <= stable, here, "time_step", tau, "must be at most " + std::to_string(stable) + " to be stable");
+      require(tau <= stable, flow_function, "time_step", tau,
+              "must be at most " + std::to_string(stable) + " to be stable");
     } else {
       tau = 0.9 * stable;
       if (options_.integrator == FlowIntegrator::semi_implicit)
@@ -215,7 +220,7 @@ class Mover {
 template <int Dim>
 FlowResult<Dim> flow(const Nodes<Dim>& nodes, const Field<Dim>& start, double duration, const FlowLaw<Dim>& law,
                      const FlowOptions& options) {
-  check(options, duration, law.curvature, law.diffusion);
+  check_flow(options, duration, law.curvature, law.diffusion);
   return Mover<Dim>(nodes, start, law, options).run(duration);
 }
 

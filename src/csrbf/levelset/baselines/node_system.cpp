@@ -12,7 +12,7 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* here = "NodeSystem";
+constexpr const char* node_system_class = "NodeSystem";
 
 // Below this a sparse factor takes some milliseconds, and its solutions are exact to rounding.
 constexpr Index few_nodes = 2500;
@@ -103,7 +103,7 @@ template <int Dim>
 void NodeSystem<Dim>::Impl::prepare_dense(const Points<Dim>& points, double support, const Weight& weight) {
   constexpr double enough = 1e-6;  // error at the nodes of values of size 1; by hand
   const Index n = points.cols(), Q = polynomials.G.cols();
-  require(n <= dense_limit, here, "number of nodes", n,
+  require(n <= dense_limit, node_system_class, "number of nodes", n,
           "must be at most 4000 for a kernel that is not compact; use a Wendland function or fewer nodes");
   dense.setZero(n + Q, n + Q);
   parallel_for(n, 16, [&](Index begin, Index end) {
@@ -123,18 +123,21 @@ void NodeSystem<Dim>::Impl::prepare_dense(const Points<Dim>& points, double supp
 template <int Dim>
 NodeSystem<Dim>::NodeSystem(const Nodes<Dim>& nodes, const Kernel& kernel, double support, double diffusion)
     : impl_(std::make_unique<Impl>()) {
-  require(support > 0 && std::isfinite(support), here, "support", support, "must be positive");
-  require(diffusion >= 0 && std::isfinite(diffusion), here, "diffusion", diffusion, "must not be negative");
-  require(diffusion == 0 || (kernel.order() == 0 && kernel.smoothness() >= 2), here, "kernel", kernel.name(),
-          "must be positive definite with two derivatives for a diffusion");
+  require(support > 0 && std::isfinite(support), node_system_class, "support", support, "must be positive");
+  require(diffusion >= 0 && std::isfinite(diffusion), node_system_class, "diffusion", diffusion,
+          "must not be negative");
+  require(diffusion == 0 || (kernel.order() == 0 && kernel.smoothness() >= 2), node_system_class, "kernel",
+          kernel.name(), "must be positive definite with two derivatives for a diffusion");
   const Index n = nodes.points.cols();
   if (nodes.regular()) {
     Index product = 1;
     for (const Index count : nodes.size) product *= count;
-    require(product == n, here, "number of nodes", n, "must be the product of their numbers along the axes");
+    require(product == n, node_system_class, "number of nodes", n,
+            "must be the product of their numbers along the axes");
   }
   const std::vector<Index> first = first_coincident<Dim>(nodes.points);
-  for (Index i = 0; i < n; ++i) require(first[i] == i, here, "node", i, "must not be at the place of another one");
+  for (Index i = 0; i < n; ++i)
+    require(first[i] == i, node_system_class, "node", i, "must not be at the place of another one");
   impl_->basis = std::make_shared<const RadialBasis<Dim>>(kernel, nodes.points, Eigen::VectorXd::Constant(1, support));
   impl_->polynomials = polynomial_block<Dim>(nodes.points, kernel.order() - 1, RankDeficiency::keep);
   const double bias = bias_of<Dim>(nodes, support, kernel);

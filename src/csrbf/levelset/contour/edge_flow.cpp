@@ -13,7 +13,7 @@ namespace {
 constexpr float band = 3;            // half width in voxels within which f is a distance; constant beyond. By hand
 constexpr double time_step = 0.5;    // in voxels for speed 1: below the limit of the Laplacian in 3D
 constexpr int first_fit = 12;        // steps of conjugate gradients to the labels given,
-constexpr int fit_steps = 3;         // and after each step of time, which changes the target little; both by hand
+constexpr int flow_fit_steps = 3;    // and after each step of time, which changes the target little; both by hand
 constexpr int patience = 20;         // steps without a lower energy, ten voxels of motion at most; by hand
 constexpr double noticeable = 1e-4;  // relative decrease that resets the patience; by hand
 constexpr std::size_t steep_voxels = 100;  // one voxel in so many has at least the gradient of a clear edge,
@@ -149,7 +149,7 @@ class EdgeFlow {
         force_[i] = -2 * std::clamp(d / band, -1.0F, 1.0F);
       }
     });
-    fit_target(lattice_, target(), fit_steps, coefficients_);
+    fit_target(lattice_, target(), flow_fit_steps, coefficients_);
   }
 
   const Lattice<Dim>& lattice_;

@@ -6,9 +6,9 @@
 namespace csrbf {
 namespace {
 
-constexpr int fit_steps = 12;         // of conjugate gradients; by hand: more change no label
-constexpr int side_steps = 40;        // to bring voxels to their side; by hand: most end after 5 to 15
-constexpr double side_margin = 0.05;  // |f| that voxels are pushed to; by hand
+constexpr int label_fit_steps = 12;         // of conjugate gradients; by hand: more change no label
+constexpr int label_side_steps = 40;        // to bring voxels to their side; by hand: most end after 5 to 15
+constexpr double label_side_margin = 0.05;  // |f| that voxels are pushed to; by hand
 constexpr float doubtful = 0.3F;  // |force| of voxels that the contour leaves on the side they do not favour; by hand
 constexpr double noisy = 0.005;   // share of such voxels above which forces say nothing about single voxels; by hand
 
@@ -36,8 +36,8 @@ std::vector<std::vector<float>> label_contours(const Lattice<Dim>& lattice, std:
   for (int k = regions == 2 ? 1 : 0; k < regions; ++k) {
     const std::vector<float> wanted = guide(force, labels, static_cast<std::uint8_t>(k));
     std::vector<float> coefficients(static_cast<std::size_t>(lattice.array_size()), 0.0F);
-    fit_target(lattice, ContourEnergy{wanted.data()}, fit_steps, coefficients);
-    separate_voxels(lattice, wanted.data(), side_margin, side_steps, coefficients);
+    fit_target(lattice, ContourEnergy{wanted.data()}, label_fit_steps, coefficients);
+    separate_voxels(lattice, wanted.data(), label_side_margin, label_side_steps, coefficients);
     sets.push_back(std::move(coefficients));
   }
   if (regions == 2) {

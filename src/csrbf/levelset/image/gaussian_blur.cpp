@@ -9,7 +9,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index block = 32;  // lines filtered together: as many sums as vector code wants
+constexpr Index blurred_block = 32;  // lines filtered together: as many sums as vector code wants
 
 // Weights of the offsets -reach to reach.
 std::vector<float> gaussian_weights(double sd) {
@@ -31,36 +31,37 @@ Index mirrored(Index i, Index n) {
 
 // out[l] = sum of weights[k] in[k * block + l]
 CSRBF_SIMD_CLONES void sum_lines(const float* weights, Index count, const float* in, float* out) {
-  float sum[block] = {};
+  float sum[blurred_block] = {};
   for (Index k = 0; k < count; ++k)
-    for (Index l = 0; l < block; ++l) sum[l] += weights[k] * in[k * block + l];
-  for (Index l = 0; l < block; ++l) out[l] = sum[l];
+    for (Index l = 0; l < blurred_block; ++l) sum[l] += weights[k] * in[k * blurred_block + l];
+  for (Index l = 0; l < blurred_block; ++l) out[l] = sum[l];
 }
 
 // Value i of line l of the n-voxel lines of an axis is at values[i * step + l * line_step].
-struct Lines {
+struct BlurredLines {
   Index n, step, line_step, across, planes, plane_step;
 };
 
-void blur_axis(float* values, const Lines& lines, double sd) {
+void blur_axis(float* values, const BlurredLines& lines, double sd) {
   const std::vector<float> weights = gaussian_weights(sd);
   const auto count = std::ssize(weights);
-  const Index reach = count / 2, blocks = (lines.across + block - 1) / block;
-  parallel_for(blocks * lines.planes, std::max<Index>(1, (1 << 16) / (lines.n * block)), [&](Index begin, Index end) {
-    std::vector<float> copy((lines.n + 2 * reach) * block, 0.0F);
-    std::array<float, block> sums;
-    for (Index b = begin; b < end; ++b) {
-      const Index line = b % blocks * block, used = std::min(block, lines.across - line);
-      float* first = values + b / blocks * lines.plane_step + line * lines.line_step;
-      for (Index i = -reach; i < lines.n + reach; ++i)
-        for (Index l = 0; l < used; ++l)
-          copy[(i + reach) * block + l] = first[mirrored(i, lines.n) * lines.step + l * lines.line_step];
-      for (Index i = 0; i < lines.n; ++i) {
-        sum_lines(weights.data(), count, copy.data() + i * block, sums.data());
-        for (Index l = 0; l < used; ++l) first[i * lines.step + l * lines.line_step] = sums[l];
-      }
-    }
-  });
+  const Index reach = count / 2, blocks = (lines.across + blurred_block - 1) / blurred_block;
+  parallel_for(
+      blocks * lines.planes, std::max<Index>(1, (1 << 16) / (lines.n * blurred_block)), [&](Index begin, Index end) {
+        std::vector<float> copy((lines.n + 2 * reach) * blurred_block, 0.0F);
+        std::array<float, blurred_block> sums;
+        for (Index b = begin; b < end; ++b) {
+          const Index line = b % blocks * blurred_block, used = std::min(blurred_block, lines.across - line);
+          float* first = values + b / blocks * lines.plane_step + line * lines.line_step;
+          for (Index i = -reach; i < lines.n + reach; ++i)
+            for (Index l = 0; l < used; ++l)
+              copy[(i + reach) * blurred_block + l] = first[mirrored(i, lines.n) * lines.step + l * lines.line_step];
+          for (Index i = 0; i < lines.n; ++i) {
+            sum_lines(weights.data(), count, copy.data() + i * blurred_block, sums.data());
+            for (Index l = 0; l < used; ++l) first[i * lines.step + l * lines.line_step] = sums[l];
+          }
+        }
+      });
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr Index small_blocks = 1 << 24;  // for the start: of about 2 x 2 x 2 vo
 constexpr double most_noise = 0.3;       // deviation over the contrast: the mean of neighbours does not suffice in more
 constexpr float side_weight = 0.36F;     // of neighbours along an axis: a Gaussian of 0.7 voxels
 constexpr int most_turns = 5;            // of means and contours; by hand: most end after 2 or 3
-constexpr double at_rest = 1e-4;         // change of the means, over their contrast, at the end; by hand
+constexpr double means_at_rest = 1e-4;   // change of the means, over their contrast, at the end; by hand
 constexpr int fit_steps = 8;             // of conjugate gradients for the level set; by hand: more change no voxel
 constexpr Index voxels_per_task = 1 << 16;  // voxels per task
 
@@ -153,7 +153,7 @@ class LargeSearch {
     variance_ = std::max(within / count, least * least);
     if (energy == nullptr) return false;
     energy->push_back(0.5 * std::log(variance_) + contour_price(labels, 1, grid_.size, weight_) / count);
-    return moved <= at_rest * contrast();
+    return moved <= means_at_rest * contrast();
   }
 
   std::span<const float> values_;

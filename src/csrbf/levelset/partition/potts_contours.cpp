@@ -5,9 +5,9 @@
 namespace csrbf {
 namespace {
 
-constexpr int most_iterations = 200;  // by hand: the labels of the noisiest images stop changing before
-constexpr int check_every = 10;       // iterations between two looks at the change
-constexpr double at_rest = 1e-4;      // mean change of u per iteration at convergence; by hand
+constexpr int most_potts_iterations = 200;  // by hand: the labels of the noisiest images stop changing before
+constexpr int look_every = 10;              // iterations between two looks at the change
+constexpr double at_rest = 1e-4;            // mean change of u per iteration at convergence; by hand
 constexpr std::size_t most_labels = 16;
 
 // The nearest point with entries >= 0 and sum 1.
@@ -88,7 +88,7 @@ int potts_contours(const std::array<Index, 3>& size, const ContourWeight& weight
     return change;
   };
   int iteration = 0;
-  while (iteration < most_iterations) {
+  while (iteration < most_potts_iterations) {
     ++iteration;
     parallel_for(rows, 8, [&](Index begin, Index end) {
       for (Index row = begin; row < end; ++row)
@@ -99,7 +99,7 @@ int potts_contours(const std::array<Index, 3>& size, const ContourWeight& weight
       for (Index row = begin; row < end; ++row) sum += descend(row);
       return sum;
     });
-    if (iteration % check_every == 0 && change <= at_rest * static_cast<double>(voxels)) break;
+    if (iteration % look_every == 0 && change <= at_rest * static_cast<double>(voxels)) break;
   }
   for (std::size_t i = 0; i < voxels; ++i) {
     std::size_t best = 0;

@@ -8,7 +8,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 1 << 16;  // voxels per task: a look-up is cheap
+constexpr Index table_grain = 1 << 16;  // voxels per task: a look-up is cheap
 
 CSRBF_SIMD_CLONES void interpolate_table(const float* values, Index n, const float* __restrict table,
                                          const IntensityBins& bins, float* __restrict energies) {
@@ -59,7 +59,7 @@ void look_up_energies(std::span<const float> values, const std::vector<float>& t
           "must be the number of bins, and at least 2");
   require(values.size() == energies.size(), "look_up_energies", "energies.size()", energies.size(),
           "must be the number of values");
-  parallel_for(std::ssize(values), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(values), table_grain, [&](Index begin, Index end) {
     interpolate_table(values.data() + begin, end - begin, table.data(), bins, energies.data() + begin);
   });
 }
@@ -71,7 +71,7 @@ void look_up_energies(std::span<const std::uint8_t> indices, const std::vector<f
   // A table of every index: without a branch, and nothing is read beyond.
   std::array<float, 256> all{};
   std::copy_n(table.begin(), std::min(table.size(), all.size()), all.begin());
-  parallel_for(std::ssize(indices), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(indices), table_grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) energies[i] = all[indices[i]];
   });
 }

@@ -9,8 +9,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index block = 256;      // lines taken together: their distances stay in the first cache
-constexpr Index grain = 1 << 16;  // voxels per task
+constexpr Index block = 256;           // lines taken together: their distances stay in the first cache
+constexpr Index core_grain = 1 << 16;  // voxels per task
 
 // Takes w voxels at each end of every run of equal labels, but for ends of the line.
 void shorten_runs(std::uint8_t* line, Index n, Index w) {
@@ -54,7 +54,7 @@ void shorten_strided_runs(std::vector<std::uint8_t>& labels, Index n, Index step
   const auto width = static_cast<std::uint16_t>(std::min<Index>(w, std::numeric_limits<std::uint16_t>::max()));
   std::vector<std::uint8_t> result(labels.size());
   const Index blocks = (across + block - 1) / block;
-  parallel_for(blocks * planes, std::max<Index>(1, grain / (n * block)), [&](Index first, Index last) {
+  parallel_for(blocks * planes, std::max<Index>(1, core_grain / (n * block)), [&](Index first, Index last) {
     for (Index b = first; b < last; ++b) {
       const Index x = b % blocks * block;
       const Index offset = b / blocks * across * n + x;
@@ -70,7 +70,7 @@ using Counts = std::array<Index, 256>;
 Counts voxels_by_label(std::span<const std::uint8_t> labels) {
   Counts sums{};
   std::mutex mutex;  // sums of integers do not depend on the order
-  parallel_for(std::ssize(labels), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(labels), core_grain, [&](Index begin, Index end) {
     // Neighbours in different copies: an increment waits for the one before of the same label.
     std::array<Counts, 4> counts{};
     for (Index i = begin; i < end; ++i) ++counts[i % 4][labels[i]];
@@ -92,7 +92,7 @@ void restore_thin_regions(std::span<const std::uint8_t> labels, std::vector<std:
     any = any || thin[k];
   }
   if (!any) return;
-  parallel_for(std::ssize(labels), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(labels), core_grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i)
       if (thin[labels[i]]) cores[i] = labels[i];
   });
@@ -113,7 +113,7 @@ std::vector<std::uint8_t> region_cores(std::span<const std::uint8_t> labels, con
   const Index wz = std::min(half_width[2], nz);
   if (nx > 1 && wx > 0) {
     const Index n = nx;
-    parallel_for(ny * nz, std::max<Index>(1, grain / n), [&](Index begin, Index end) {
+    parallel_for(ny * nz, std::max<Index>(1, core_grain / n), [&](Index begin, Index end) {
       for (Index line = begin; line < end; ++line) shorten_runs(cores.data() + line * n, n, wx);
     });
   }

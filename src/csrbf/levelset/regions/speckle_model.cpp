@@ -7,8 +7,8 @@
 namespace csrbf {
 namespace {
 
-constexpr double least_exponent = 0.01;  // as good as the logarithm
-constexpr double largest_exponent = 3;   // beyond the power, 2, with room for errors; by hand
+constexpr double least_exponent = 0.01;      // as good as the logarithm
+constexpr double largest_tail_exponent = 3;  // beyond the power, 2, with room for errors; by hand
 
 // Moment of the amplitude to the power of n exponents; amplitudes of mean power 1 are Rayleigh.
 double moment(double exponent, int n) {
@@ -28,7 +28,7 @@ double skewness(double exponent) {
 
 // The exponent with that variation, which ascends.
 double exponent_of_variation(double wanted) {
-  double lo = least_exponent, hi = largest_exponent;
+  double lo = least_exponent, hi = largest_tail_exponent;
   constexpr int halvings = 40;  // to 3e-12
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (lo + hi);
@@ -132,7 +132,7 @@ std::optional<SpeckleModel> find_speckle(std::span<const float> values, const Gr
   const double gap = high.mean - low.mean;
   if (!(gap > least_contrast * high.sd)) return {};
   const double ratio = (high.sd - low.sd) / gap;
-  if (ratio < least_variation || ratio > variation(largest_exponent)) return {};
+  if (ratio < least_variation || ratio > variation(largest_tail_exponent)) return {};
   SpeckleModel model;
   model.exponent = exponent_of_variation(ratio);
   const double expected = skewness(model.exponent);

@@ -9,15 +9,15 @@ namespace csrbf::baselines {
 namespace {
 
 // Chosen by hand.
-constexpr int degree = 8;               // 165 coefficients; higher: more detail, less stable
-constexpr Index most_samples = 4000;    // fitted, evenly chosen: a dense least squares problem
-constexpr double ridge = 1e-6;          // of the coefficients, relative to the mean square of a column
-constexpr double normal_weight = 0.01;  // of gradients relative to values, coordinates in units of half the box
+constexpr int degree = 8;                 // 165 coefficients; higher: more detail, less stable
+constexpr Index most_samples = 4000;      // fitted, evenly chosen: a dense least squares problem
+constexpr double relative_ridge = 1e-6;   // of the coefficients, relative to the mean square of a column
+constexpr double gradient_weight = 0.01;  // of gradients relative to values, coordinates in units of half the box
 
 // Target length of the gradient at a sample, from the monomials u there.
 enum class Length { one, sum_of_magnitudes, root_of_squares };
 
-double length(Length kind, const Eigen::RowVectorXd& u) {
+double row_length(Length kind, const Eigen::RowVectorXd& u) {
   if (kind == Length::sum_of_magnitudes) return u.lpNorm<1>();
   return kind == Length::root_of_squares ? u.norm() : 1;
 }
@@ -27,14 +27,14 @@ MethodFit solve(const Eigen::MatrixXd& rows, const Eigen::VectorXd& data, const 
                 const Box<3>& box) {
   Eigen::MatrixXd A(rows.rows() + rows.cols(), rows.cols());
   A << rows, Eigen::MatrixXd::Identity(rows.cols(), rows.cols()) *
-                 std::sqrt(ridge * rows.squaredNorm() / static_cast<double>(rows.cols()));
+                 std::sqrt(relative_ridge * rows.squaredNorm() / static_cast<double>(rows.cols()));
   Eigen::VectorXd s = Eigen::VectorXd::Zero(A.rows());
   s.head(data.size()) = data;
   PolynomialTail<3> tail = frame;
   tail.coefficients = A.colPivHouseholderQr().solve(s);
   const auto none =
       std::make_shared<const RadialBasis<3>>(Kernel("wendland-c2", 3), Points<3>(3, 0), Eigen::VectorXd::Ones(1));
-  return {std::make_shared<const Expansion<3>>(none, Eigen::VectorXd(0), tail, box), rows.cols(), ridge};
+  return {std::make_shared<const Expansion<3>>(none, Eigen::VectorXd(0), tail, box), rows.cols(), relative_ridge};
 }
 
 PolynomialTail<3> frame_of(const Box<3>& box) {
@@ -57,9 +57,9 @@ MethodFit gradient_fit(const PreparedCloud& cloud, Length kind) {
   Eigen::MatrixXd value(n, Q), gradient(3 * n, Q), rows(4 * n, Q);
   polynomials.rows(q, value.data(), gradient.data());
   Eigen::VectorXd data = Eigen::VectorXd::Zero(4 * n);
-  const double kappa = std::sqrt(normal_weight);
+  const double kappa = std::sqrt(gradient_weight);
   for (Index i = 0; i < n; ++i) {
-    const double w = length(kind, value.row(i));
+    const double w = row_length(kind, value.row(i));
     rows.row(i) = value.row(i) / w;
     rows.middleRows(n + 3 * i, 3) = kappa / w * gradient.middleRows(3 * i, 3);
     data.segment<3>(n + 3 * i) = -kappa * normals.col(i);

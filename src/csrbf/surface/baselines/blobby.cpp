@@ -68,10 +68,10 @@ Eigen::Vector4d errors_of(const Eigen::Vector4d& f, const Point<3>& n) {
   return e;
 }
 
-struct Samples {
+struct BlobSamples {
   Points<3> points, normals;
 
-  [[nodiscard]] Samples part(const std::vector<Index>& ids) const {
+  [[nodiscard]] BlobSamples part(const std::vector<Index>& ids) const {
     return {points(Eigen::all, ids), normals(Eigen::all, ids)};
   }
 };
@@ -79,12 +79,12 @@ struct Samples {
 // The energy as a sum of squares, for the solver: errors at some samples and the total volume, as functions of the
 // parameters of some blobs. The contributions of the others are constant.
 struct Errors : Eigen::DenseFunctor<double> {
-  Samples samples;
+  BlobSamples samples;
   Eigen::Matrix4Xd rest;
   double rest_volume;
   double volume_weight;
 
-  Errors(Samples s, Eigen::Matrix4Xd other, double other_volume, double weight, std::size_t blobs)
+  Errors(BlobSamples s, Eigen::Matrix4Xd other, double other_volume, double weight, std::size_t blobs)
       : DenseFunctor<double>(static_cast<int>(parameters) * static_cast<int>(blobs),
                              4 * static_cast<int>(s.points.cols()) + 1),
         samples(std::move(s)),
@@ -140,7 +140,7 @@ struct Errors : Eigen::DenseFunctor<double> {
 class BlobFitter {
  public:
   // One blob at the centroid of the samples.
-  BlobFitter(Samples samples, double volume_weight) : samples_(std::move(samples)), volume_weight_(volume_weight) {
+  BlobFitter(BlobSamples samples, double volume_weight) : samples_(std::move(samples)), volume_weight_(volume_weight) {
     Blob first;
     first.center = samples_.points.rowwise().mean();
     first.a = static_cast<double>(count()) / (samples_.points.colwise() - first.center).squaredNorm();
@@ -266,7 +266,7 @@ class BlobFitter {
     sums_ = old_sums;
   }
 
-  Samples samples_;
+  BlobSamples samples_;
   double volume_weight_;
   std::vector<Blob> blobs_;
   Eigen::Matrix4Xd sums_;

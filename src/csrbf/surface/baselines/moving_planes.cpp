@@ -53,9 +53,9 @@ void ValueField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) cons
 }
 
 // The points and normals of a cloud with a tree.
-class Samples {
+class PlaneSamples {
  public:
-  Samples(Points<3> points, Points<3> normals)
+  PlaneSamples(Points<3> points, Points<3> normals)
       : points_(std::move(points)), normals_(std::move(normals)), tree_(points_) {}
 
  protected:
@@ -63,10 +63,10 @@ class Samples {
   KdTree<3> tree_;
 };
 
-class Hoppe final : public ValueField, private Samples {
+class Hoppe final : public ValueField, private PlaneSamples {
  public:
   Hoppe(const PreparedCloud& cloud, Points<3> origins)
-      : ValueField(cloud), Samples(std::move(origins), cloud.cloud.normals) {}
+      : ValueField(cloud), PlaneSamples(std::move(origins), cloud.cloud.normals) {}
 
   [[nodiscard]] double value(const Point<3>& x) const override {
     Index i = 0;
@@ -87,10 +87,10 @@ struct Neighborhood {
   Point<3> normal = Point<3>::Zero();    // likewise, unit
 };
 
-class MovingPlanes : public ValueField, protected Samples {
+class MovingPlanes : public ValueField, protected PlaneSamples {
  public:
   explicit MovingPlanes(const PreparedCloud& cloud)
-      : ValueField(cloud), Samples(cloud.cloud.points, cloud.cloud.normals) {}
+      : ValueField(cloud), PlaneSamples(cloud.cloud.points, cloud.cloud.normals) {}
 
   [[nodiscard]] double value(const Point<3>& x) const override {
     const Neighborhood near = around(x);

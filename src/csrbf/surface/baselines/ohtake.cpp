@@ -109,7 +109,7 @@ class Octree {
   BallBuilder balls_;
 };
 
-MethodFit finish(QuadricBalls::Data data, double smoothing) {
+MethodFit finish_quadrics(QuadricBalls::Data data, double smoothing) {
   const Index n = data.centers.cols();
   return {std::make_shared<const QuadricBalls>(std::move(data)), n, smoothing};
 }
@@ -132,14 +132,14 @@ MethodFit multilevel(const PreparedCloud& cloud, const MethodOptions& options) {
     data.constant = -1;
     if (cell < smallest) break;
   }
-  return finish(std::move(data), multilevel_ridge);
+  return finish_quadrics(std::move(data), multilevel_ridge);
 }
 
 MethodFit mpu(const PreparedCloud& cloud, const MethodOptions& /*options*/) {
   const Box<3> box = bounding_box<3>(cloud.cloud.points);
   Octree octree(cloud, relative_error * cloud.cloud.spacing.mean());
   octree.refine(box.center(), 0.55 * box.extent().maxCoeff(), 0);
-  return finish(octree.balls().data(), 0);
+  return finish_quadrics(octree.balls().data(), 0);
 }
 
 MethodFit adaptive(const PreparedCloud& cloud, const MethodOptions& options) {
@@ -174,7 +174,7 @@ MethodFit adaptive(const PreparedCloud& cloud, const MethodOptions& options) {
       slope_system({data.centers, data.supports, data.quadrics, {}, 1}, samples.points, samples.normals),
       options.smoothing.value_or(1e-3), options.progress);
   data.quadrics.row(0) += solution.alpha.transpose();
-  return finish(std::move(data), solution.smoothing);
+  return finish_quadrics(std::move(data), solution.smoothing);
 }
 
 }  // namespace csrbf::baselines

@@ -103,7 +103,7 @@ class LeafFitter {
   std::vector<Index> around_;
 };
 
-void add(const FittedPatch& fitted, Patches& patches) {
+void append(const FittedPatch& fitted, Patches& patches) {
   for (const FittedPiece& piece : fitted.pieces) patches.add(piece.patch, piece.centers, piece.alpha);
 }
 
@@ -125,7 +125,7 @@ void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, co
   share_arrays("fit", static_cast<Index>(fragments.size()), patches_per_task, compute,
                {ResultArray::of(needed.data())});
   for (std::size_t i = 0; i < fragments.size(); ++i)
-    if (needed[i] != 0) add(fragments[i].patch, patches);
+    if (needed[i] != 0) append(fragments[i].patch, patches);
 }
 
 // Leaves between two progress reports: enough of them to occupy many processes.
@@ -181,7 +181,7 @@ void cover(const std::vector<CoverageGap>& bare, const MakeFitter& make_fitter, 
   };
   share_work({"fit", static_cast<Index>(bare.size()), patches_per_task, compute, send, receive});
   for (const std::optional<FittedPatch>& patch : fitted)
-    if (patch) add(*patch, patches);
+    if (patch) append(*patch, patches);
 }
 
 }  // namespace
@@ -208,7 +208,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
       for (Leaf& leaf : part) {
         for (Index k = leaf.begin; k < leaf.end; ++k) result.areas[parts.order[k]] = leaf.area;
         if (fragment_ratio * (leaf.end - leaf.begin) >= usual_leaf) {
-          add(leaf.patch, result.patches);
+          append(leaf.patch, result.patches);
         } else {
           fragments.push_back(std::move(leaf));
         }

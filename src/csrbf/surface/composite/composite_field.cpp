@@ -7,8 +7,6 @@
 namespace csrbf {
 namespace {
 
-constexpr int lanes = PatchSums::lanes;
-
 // Found on ten meshes, each sampled in four ways (exact normals, none, noise, few samples), by chamfer distance,
 // Hausdorff distance and topology unless noted; factors of 1.5 change little. Patches are trusted where the sum of
 // their weights exceeds `trusted_weight` (chosen by hand), or `certain_weight` more where the winding number is certain
@@ -44,7 +42,7 @@ constexpr bool has_hessian = std::is_same_v<Scalar, Taylor<3, 2>>;
 
 // One lane of one of the sums.
 template <class Scalar>
-Scalar load(const double (*terms)[lanes], int lane) {
+Scalar load(const double (*terms)[PatchSums::lanes], int lane) {
   Scalar t(terms[0][lane]);
   if constexpr (has_gradient<Scalar>)
     for (int c = 0; c < 3; ++c) t.gradient[c] = terms[1 + c][lane];
@@ -82,8 +80,8 @@ struct Cascade {
 // Points of a chunk at which the finest patches alone are not trusted.
 struct Pending {
   Index count = 0;
-  std::array<int, lanes> lane;
-  Eigen::Matrix<double, 3, lanes> points;
+  std::array<int, PatchSums::lanes> lane;
+  Eigen::Matrix<double, 3, PatchSums::lanes> points;
 
   void add(int l, const Point<3>& x) {
     lane[count] = l;
@@ -157,11 +155,11 @@ Scalar certainty_of(const Scalar& u) {
 }
 
 template <class Scalar>
-std::array<Winding<Scalar>, lanes> evaluate(const CompositeField::Data& data, const Pending& pending) {
-  std::array<Winding<Scalar>, lanes> result;
-  std::array<double, lanes> value{};
-  std::array<double, 3 * lanes> gradient{};
-  std::array<double, 6 * lanes> hessian{};
+std::array<Winding<Scalar>, PatchSums::lanes> evaluate(const CompositeField::Data& data, const Pending& pending) {
+  std::array<Winding<Scalar>, PatchSums::lanes> result;
+  std::array<double, PatchSums::lanes> value{};
+  std::array<double, 3 * PatchSums::lanes> gradient{};
+  std::array<double, 6 * PatchSums::lanes> hessian{};
   data.winding.evaluate_block(
       pending.points.leftCols(pending.count),
       {value.data(), has_gradient<Scalar> ? gradient.data() : nullptr, has_hessian<Scalar> ? hessian.data() : nullptr});
@@ -193,8 +191,8 @@ void add_level(Cascade<Scalar>& cascade, const PatchSums& sums, int lane, const 
 template <Derivatives derivatives>
 void complete(const CompositeField::Data& data, const PatchSums& finest, const Pending& pending, const JetBlock& out) {
   using Scalar = ScalarWith<derivatives>;
-  const std::array<Winding<Scalar>, lanes> winding = evaluate<Scalar>(data, pending);
-  std::array<Cascade<Scalar>, lanes> cascade;
+  const std::array<Winding<Scalar>, PatchSums::lanes> winding = evaluate<Scalar>(data, pending);
+  std::array<Cascade<Scalar>, PatchSums::lanes> cascade;
   for (std::size_t level = 1; level < data.levels.size(); ++level) {
     Pending asking;
     for (Index p = 0; p < pending.count; ++p)
@@ -245,11 +243,11 @@ void CompositeField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) 
                      : out.derivatives() == Derivatives::gradient ? blend_levels<Derivatives::gradient>
                                                                   : blend_levels<Derivatives::hessian>;
   const double widest = chunk_reach * data_.far_value;
-  Points<3> y(3, lanes);
+  Points<3> y(3, PatchSums::lanes);
   for (Index begin = 0; begin < x.cols();) {
     Box<3> box;
     Index count = 0;
-    for (; count < lanes && begin + count < x.cols(); ++count) {
+    for (; count < PatchSums::lanes && begin + count < x.cols(); ++count) {
       y.col(count) = (x.col(begin + count) - data_.origin) / data_.scale;
       Box<3> grown = box;
       grown.add(Point<3>(y.col(count)));

@@ -6,11 +6,11 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr double reach_factor = 0.6;    // search radius over patch radius; larger: smoother, smaller: fewer samples
-constexpr double extension = 1.4;       // factor on that radius for a second search if no sample lies beyond the gap
-constexpr double same_sheet = 0.5;      // cosine between normals: samples within 60 degrees are on one sheet
-constexpr double least_weight = 0.05;   // sum of weights, just above the 0.04 of trusted_weight in composite_field.cpp
-constexpr Index patches_per_task = 64;  // large enough to hide the cost of a task
+constexpr double reach_factor = 0.6;   // search radius over patch radius; larger: smoother, smaller: fewer samples
+constexpr double extension = 1.4;      // factor on that radius for a second search if no sample lies beyond the gap
+constexpr double same_sheet = 0.5;     // cosine between normals: samples within 60 degrees are on one sheet
+constexpr double least_weight = 0.05;  // sum of weights, just above the 0.04 of trusted_weight in composite_field.cpp
+constexpr Index gap_patches_per_task = 64;  // large enough to hide the cost of a task
 
 constexpr double r = 0.7071067811865476;
 constexpr double directions[8][2] = {{1, 0}, {r, r}, {0, 1}, {-r, r}, {-1, 0}, {-r, -r}, {0, -1}, {r, -r}};
@@ -18,10 +18,10 @@ constexpr double directions[8][2] = {{1, 0}, {r, r}, {0, 1}, {-r, r}, {-1, 0}, {
 }  // namespace
 
 std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
-  const Index tasks = (patches.pieces() + patches_per_task - 1) / patches_per_task;
+  const Index tasks = (patches.pieces() + gap_patches_per_task - 1) / gap_patches_per_task;
   std::vector<std::vector<CoverageGap>> found(tasks);
   const auto compute = [&](Index begin, Index end) {
-    std::vector<CoverageGap>& gaps = found[begin / patches_per_task];
+    std::vector<CoverageGap>& gaps = found[begin / gap_patches_per_task];
     double W[std::size(directions)];
     Points<3> probes(3, std::size(directions));
     for (Index i = begin; i < end; ++i) {
@@ -38,7 +38,7 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
     }
   };
   const auto pack = [&](Index begin, Index /*end*/, ByteWriter& out) {
-    const std::vector<CoverageGap>& gaps = found[begin / patches_per_task];
+    const std::vector<CoverageGap>& gaps = found[begin / gap_patches_per_task];
     out.put(gaps.size());
     for (const CoverageGap& gap : gaps) {
       for (const Point<3>* vector : {&gap.middle, &gap.normal, &gap.onward}) out.put(vector->data(), 3);
@@ -46,14 +46,14 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
     }
   };
   const auto unpack = [&](Index begin, Index /*end*/, ByteReader& in) {
-    std::vector<CoverageGap>& gaps = found[begin / patches_per_task];
+    std::vector<CoverageGap>& gaps = found[begin / gap_patches_per_task];
     gaps.resize(in.take<std::size_t>());
     for (CoverageGap& gap : gaps) {
       for (Point<3>* vector : {&gap.middle, &gap.normal, &gap.onward}) in.take(vector->data(), 3);
       gap.reach = in.take<double>();
     }
   };
-  share_work({"fit", patches.pieces(), patches_per_task, compute, pack, unpack});
+  share_work({"fit", patches.pieces(), gap_patches_per_task, compute, pack, unpack});
   std::vector<CoverageGap> all;
   for (const std::vector<CoverageGap>& gaps : found) all.insert(all.end(), gaps.begin(), gaps.end());
   return all;

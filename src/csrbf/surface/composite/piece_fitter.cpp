@@ -8,10 +8,10 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand unless noted.
-constexpr double ridge_quadric = 1e-6;   // relative to the weights; makes a planar piece planar
-constexpr double round_off = 1e-13;      // relative; keeps the normal matrices positive definite
-constexpr int newton_steps = 3;          // from the tangent plane to the surface of a piece
-constexpr double smallest_slope = 1e-3;  // floor of |grad f|, which is 1 for a model that follows its normals
+constexpr double ridge_quadric = 1e-6;         // relative to the weights; makes a planar piece planar
+constexpr double round_off = 1e-13;            // relative; keeps the normal matrices positive definite
+constexpr int newton_steps = 3;                // from the tangent plane to the surface of a piece
+constexpr double smallest_piece_slope = 1e-3;  // floor of |grad f|, which is 1 for a model that follows its normals
 
 // Rows of the quadric at q: value, then the three derivatives.
 using QuadricRows = Eigen::Matrix<double, 4, 10>;
@@ -39,12 +39,12 @@ Eigen::VectorXd FittedPiece::distances(const Eigen::MatrixX3d& q) const {
   Eigen::VectorXd t = Eigen::VectorXd::Zero(q.rows());
   Eigen::MatrixX4d f = evaluate(foot);
   for (int step = 0; step < newton_steps; ++step) {
-    const Eigen::ArrayXd slope = (f.rightCols<3>() * normal).array().min(-smallest_slope);
+    const Eigen::ArrayXd slope = (f.rightCols<3>() * normal).array().min(-smallest_piece_slope);
     t = (t.array() - f.col(0).array() / slope).max(-1.0).min(1.0);
     f = evaluate(foot + t * normal.transpose());
   }
   const Eigen::ArrayXd cosine =
-      (f.rightCols<3>() * normal).array().abs() / f.rightCols<3>().rowwise().norm().array().max(smallest_slope);
+      (f.rightCols<3>() * normal).array().abs() / f.rightCols<3>().rowwise().norm().array().max(smallest_piece_slope);
   return patch.radius * (height - t).array().abs() * cosine;
 }
 

@@ -10,7 +10,7 @@ constexpr double parallel = 0.996;        // cosine of 5 degrees: slices of one 
 constexpr double end_tolerance = 0.05;    // spacings: contours farther beyond an end than this close it themselves
 constexpr Index grid = 32;                // points along the longest side of the contours of a stack; more: slower
 constexpr double margin = 0.1;            // of that side, added on either side
-constexpr double clearance = 1;           // grid steps from contours: closer signs depend on the contours' own accuracy
+constexpr double sign_clearance = 1;      // grid steps from contours: closer signs depend on the contours' own accuracy
 constexpr double separation = 2;          // grid steps between samples
 constexpr std::size_t max_samples = 100;  // of a slice and call: each adds an equation to a dense system
 constexpr double share = 0.5;  // of the depth within the slice, and of the spacing: the depth in space is smaller
@@ -86,7 +86,7 @@ SignSamples wrong_signs(const Field<3>& field, const StackedSlice& stacked, cons
     if (wrong.places.size() >= max_samples) break;
     const Point<3> p = slice.to_space(q);
     const double depth = slice.depth(q);
-    if (std::abs(depth) < clearance * step || field(p) * depth > 0) continue;
+    if (std::abs(depth) < sign_clearance * step || field(p) * depth > 0) continue;
     const auto near = [&](const Point<3>& other) { return (p - other).norm() < 0.99 * separation * step; };
     if (std::any_of(wrong.places.begin(), wrong.places.end(), near)) continue;
     wrong.places.push_back(p);

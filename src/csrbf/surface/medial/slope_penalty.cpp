@@ -19,7 +19,7 @@ constexpr double wanted_rows = 4;                     // rows per centre that a 
 constexpr double least_rows = 0.25, most_rows = 0.6;  // ... these shares of the rows per centre of the whole system
 constexpr double wide_support_smoothing = 10;  // where supports are so wide that no block has them: quadrics suffice
 constexpr double smallest_smoothing = 1e-8, largest_smoothing = 1e2;  // range of the choice
-constexpr double ridge = 1e-9;  // relative; constants have no slope, which leaves the penalty singular
+constexpr double constant_ridge = 1e-9;  // relative; constants have no slope, which leaves the penalty singular
 
 // Normalises row k of B and D: from phi to w.
 void fill_row(const MedialAxisField::Data& data, const Point<3>& p, Index k, SlopeSystem& s) {
@@ -53,7 +53,7 @@ void fill_row(const MedialAxisField::Data& data, const Point<3>& p, Index k, Slo
 Eigen::SparseMatrix<double> penalty(const SlopeSystem& s) {
   Eigen::SparseMatrix<double> P(s.B.cols(), s.B.cols());
   P.setIdentity();
-  P *= ridge * static_cast<double>(s.B.rows()) / static_cast<double>(s.B.cols());
+  P *= constant_ridge * static_cast<double>(s.B.rows()) / static_cast<double>(s.B.cols());
   for (const Rows& D : s.D) {
     stop_if_interrupted();
     P += Eigen::SparseMatrix<double>(D.transpose() * D);

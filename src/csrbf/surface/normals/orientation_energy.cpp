@@ -7,7 +7,7 @@ namespace csrbf::orientation {
 namespace {
 
 // All chosen by hand.
-constexpr double sampled_points = 1500;     // in total at least ...
+constexpr double least_sampled = 1500;      // in total at least ...
 constexpr Index points_per_cluster = 6;     // ... and of each cluster; more: slower, less random
 constexpr double distances[] = {2, 8, 32};  // of the probes, in spacings: clusters of every size act at one of them
 constexpr Index probes_per_point = 7;       // one on the surface, one on each side at every distance
@@ -35,7 +35,7 @@ Sample draw(const NeighborTable& table, const Members& members) {
   Sample sample;
   for (std::size_t c = 0; c < members.size(); ++c) {
     const auto available = static_cast<Index>(members[c].size());
-    const auto share = static_cast<Index>(std::ceil(sampled_points * areas[c] / total));
+    const auto share = static_cast<Index>(std::ceil(least_sampled * areas[c] / total));
     const Index count = std::min(available, std::max(points_per_cluster, share));
     for (Index k = 0; k < count; ++k) {
       sample.points.push_back(members[c][(2 * k + 1) * available / (2 * count)]);

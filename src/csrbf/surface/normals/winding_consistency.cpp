@@ -12,7 +12,7 @@ using Vectors = winding::DipoleSums::Vectors;
 
 // Chosen by hand.
 constexpr Index coarsest = 3000;               // points of the first level at most
-constexpr Index thinning = 4;                  // ratio between levels
+constexpr Index level_ratio = 4;               // ratio between levels
 constexpr int first_rounds = 16;               // of the first level; this and the next two, more: slower, no better
 constexpr int rounds = 8;                      // ... of the others
 constexpr int noisy_rounds = 4;                // ... under strong noise
@@ -23,13 +23,13 @@ constexpr double width_of_noise = 4.8;         // last smoothing length in stand
 constexpr double clean_energy = 0.022;         // least with smoothing so narrow: clean clouds have less ...
 constexpr double noisy_energy = 0.036;         // ... noisy ones more
 constexpr double momentum = 0.7;               // largest share of the last change that is repeated
-constexpr Index sampled_points = 300;          // at which noise is measured
+constexpr Index noise_points = 300;            // at which noise is measured
 constexpr double usual_place = 0.4;            // ... as a share: noise along one axis spares a third of the places
 constexpr Index fitted_points = 17;            // ... from the quadric of so many
 
 // Standard deviation of most points from quadrics through their neighbours: noise, or thin parts.
 double noise(const Points<3>& points, const KdTree<3>& tree) {
-  const Index n = points.cols(), count = std::min(sampled_points, n);
+  const Index n = points.cols(), count = std::min(noise_points, n);
   if (n < fitted_points) return 0;
   std::vector<double> deviations(count);
   parallel_for(count, 32, [&](Index begin, Index end) {
@@ -141,10 +141,10 @@ ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& t
   const Index n = points.cols();
   const double deviation = noise(points, tree);
   Index stride = 1;
-  while (n / stride > coarsest) stride *= thinning;
+  while (n / stride > coarsest) stride *= level_ratio;
   Points<3> coarse(3, 0);
   ConsistentNormals result;
-  for (bool first = true; stride > 0; stride /= thinning, first = false) {
+  for (bool first = true; stride > 0; stride /= level_ratio, first = false) {
     const Points<3> some = points(Eigen::all, Eigen::seq(0, n - 1, stride));
     const Points<3> start = first ? Points<3>::Zero(3, some.cols()) : start_from(coarse, result.normals, some);
     result = solve_level(some, KdTree<3>(some), deviation, first, start);

@@ -8,8 +8,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index neighbors = 4;  // averaged for a colour; chosen by hand: more blur, fewer show facets
-constexpr Index grain = 1024;   // targets per task
+constexpr Index averaged_points = 4;  // averaged for a colour; chosen by hand: more blur, fewer show facets
+constexpr Index grain = 1024;         // targets per task
 
 bool is_color(const Property& p) {
   return p.type == "uchar" && (p.name == "red" || p.name == "green" || p.name == "blue" || p.name == "alpha");
@@ -32,8 +32,8 @@ Samples sorted_samples(const PointsRef<3>& input) {
 }
 
 struct Weights {
-  std::array<Index, neighbors> source{};
-  std::array<double, neighbors> weight{};
+  std::array<Index, averaged_points> source{};
+  std::array<double, averaged_points> weight{};
   Index count = 0;
 };
 
@@ -41,8 +41,8 @@ struct Weights {
 // coincident samples count at a target that coincides with some.
 Weights weigh(const KdTree<3>& tree, const Samples& samples, const Point<3>& target) {
   Weights w;
-  std::array<double, neighbors> squared{};
-  w.count = tree.nearest(target, neighbors, w.source.data(), squared.data());
+  std::array<double, averaged_points> squared{};
+  w.count = tree.nearest(target, averaged_points, w.source.data(), squared.data());
   double sum = 0;
   for (Index k = 0; k < w.count; ++k) {
     w.source[k] = samples.source[w.source[k]];

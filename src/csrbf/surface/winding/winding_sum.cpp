@@ -6,7 +6,7 @@
 namespace csrbf::winding {
 namespace {
 
-constexpr double opening = 2.5;  // radii beyond which a node replaces its samples, by hand: error of w up to 1e-2
+constexpr double sum_opening = 2.5;  // radii beyond which a node replaces its samples, by hand: error of w up to 1e-2
 
 struct Lists {
   std::vector<std::int32_t> stack, expansions, leaves;
@@ -25,7 +25,7 @@ void find_sources(const Tree& tree, const Layer& at, Lists& lists) {
     const Point<3> c(node.center);
     const double gap2 =
         (box.lo - c).cwiseMax(c - box.hi).cwiseMax(0.0).squaredNorm() * node.inverse_scale * node.inverse_scale;
-    if (gap2 + node.eps2 > opening * opening) {
+    if (gap2 + node.eps2 > sum_opening * sum_opening) {
       lists.expansions.push_back(id);
     } else if (node.is_leaf()) {
       lists.leaves.push_back(id);
