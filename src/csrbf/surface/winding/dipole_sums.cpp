@@ -11,12 +11,12 @@ namespace {
 
 constexpr float group_opening = 1.6F;  // radii from its centre beyond which a group acts as one; by hand: larger is
                                        // slower, smaller turns more normals
-constexpr int lanes = 16;
+constexpr int group_lanes = 16;
 constexpr auto inverse_four_pi = static_cast<float>(1 / (4 * std::numbers::pi));
 
 struct Targets {
-  alignas(64) float x[3][lanes];
-  alignas(64) float half_eps2[lanes];
+  alignas(64) float x[3][group_lanes];
+  alignas(64) float half_eps2[group_lanes];
 };
 
 struct Sources {
@@ -28,14 +28,14 @@ struct Sources {
 // Each term adds what one source gives to all targets; rx, ry, rz = p_j - p_i, s = D^(-1/2).
 struct WindingTerm {
   static constexpr int inputs = 3, outputs = 1;
-  static CSRBF_ALWAYS_INLINE void add(const float* m, float rx, float ry, float rz, float s, float (*sum)[lanes],
+  static CSRBF_ALWAYS_INLINE void add(const float* m, float rx, float ry, float rz, float s, float (*sum)[group_lanes],
                                       int l) {
     sum[0][l] += (m[0] * rx + m[1] * ry + m[2] * rz) * (s * s * s);
   }
 };
 struct AdjointTerm {
   static constexpr int inputs = 1, outputs = 3;
-  static CSRBF_ALWAYS_INLINE void add(const float* q, float rx, float ry, float rz, float s, float (*sum)[lanes],
+  static CSRBF_ALWAYS_INLINE void add(const float* q, float rx, float ry, float rz, float s, float (*sum)[group_lanes],
                                       int l) {
     const float t = q[0] * (s * s * s);
     sum[0][l] -= t * rx;
@@ -45,7 +45,7 @@ struct AdjointTerm {
 };
 struct OutwardTerm {
   static constexpr int inputs = 3, outputs = 3;
-  static CSRBF_ALWAYS_INLINE void add(const float* m, float rx, float ry, float rz, float s, float (*sum)[lanes],
+  static CSRBF_ALWAYS_INLINE void add(const float* m, float rx, float ry, float rz, float s, float (*sum)[group_lanes],
                                       int l) {
     const float s2 = s * s, s3 = s2 * s, t = 3 * s2 * (m[0] * rx + m[1] * ry + m[2] * rz);
     sum[0][l] += s3 * (m[0] - t * rx);
@@ -56,11 +56,11 @@ struct OutwardTerm {
 
 template <class Term>
 CSRBF_ALWAYS_INLINE void add_all(const Sources& from, std::int32_t begin, std::int32_t end, const Targets& at,
-                                 float (*__restrict sum)[lanes]) {
+                                 float (*__restrict sum)[group_lanes]) {
   for (std::int32_t j = begin; j < end; ++j) {
     const float px = from.x[0][j], py = from.x[1][j], pz = from.x[2][j], e2 = from.half_eps2[j];
     const float* strength = from.strength + static_cast<std::ptrdiff_t>(Term::inputs) * j;
-    for (int l = 0; l < lanes; ++l) {
+    for (int l = 0; l < group_lanes; ++l) {
       const float rx = px - at.x[0][l], ry = py - at.x[1][l], rz = pz - at.x[2][l];
       const float s = 1 / std::sqrt(rx * rx + ry * ry + rz * rz + (e2 + at.half_eps2[l]));
       Term::add(strength, rx, ry, rz, s, sum, l);
@@ -69,15 +69,15 @@ CSRBF_ALWAYS_INLINE void add_all(const Sources& from, std::int32_t begin, std::i
 }
 
 CSRBF_SIMD_CLONES void add_sources(WindingTerm, const Sources& from, std::int32_t begin, std::int32_t end,
-                                   const Targets& at, float (*__restrict sum)[lanes]) {
+                                   const Targets& at, float (*__restrict sum)[group_lanes]) {
   add_all<WindingTerm>(from, begin, end, at, sum);
 }
 CSRBF_SIMD_CLONES void add_sources(AdjointTerm, const Sources& from, std::int32_t begin, std::int32_t end,
-                                   const Targets& at, float (*__restrict sum)[lanes]) {
+                                   const Targets& at, float (*__restrict sum)[group_lanes]) {
   add_all<AdjointTerm>(from, begin, end, at, sum);
 }
 CSRBF_SIMD_CLONES void add_sources(OutwardTerm, const Sources& from, std::int32_t begin, std::int32_t end,
-                                   const Targets& at, float (*__restrict sum)[lanes]) {
+                                   const Targets& at, float (*__restrict sum)[group_lanes]) {
   add_all<OutwardTerm>(from, begin, end, at, sum);
 }
 
@@ -196,7 +196,7 @@ auto DipoleSums::sum(const Strengths& strengths) const {
         for (int k = 0; k < 3; ++k) at.x[k][l] = x_[k][from_point];
         at.half_eps2[l] = half_eps2_[from_point];
       }
-      alignas(64) float total[Term::outputs][lanes] = {};
+      alignas(64) float total[Term::outputs][group_lanes] = {};
       for (std::int32_t s = first_source_[b]; s < first_source_[b + 1]; ++s)
         add_sources(Term{}, from, sources_[s].begin, sources_[s].end, at, total);
       for (Index l = 0; l < size; ++l)
