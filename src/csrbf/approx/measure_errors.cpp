@@ -14,7 +14,7 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
   constexpr Index checked_samples = 100'000;
   const Index stride = std::max<Index>(1, samples.size() / checked_samples);
   const auto some = Eigen::seq(0, samples.size() - 1, stride);
-  const Points<Dim> points = chosen_points<Dim>(samples.points, some);
+  const Points<Dim> points = samples.points(Eigen::all, some);
   Eigen::VectorXd norms(static_cast<Index>(fit.components.size()));
   fit.report.max_error = 0;
   for (std::size_t c = 0; c < fit.components.size(); ++c) {
@@ -52,7 +52,7 @@ std::shared_ptr<const Points<Dim>> places_of(const Samples<Dim>& samples, const 
   }
   const Index stride = n / std::max<Index>(1, much_smaller * size);
   for (Index i = 0; i < n; i += std::max<Index>(1, stride)) some.push_back(order[static_cast<std::size_t>(i)]);
-  return std::make_shared<const Points<Dim>>(chosen_points<Dim>(samples.points, some));
+  return std::make_shared<const Points<Dim>>(samples.points(Eigen::all, some));
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                         \
