@@ -14,7 +14,7 @@ TEST(HeldOutError, IsThatOfTheNoiseWhereTheFunctionIsKnown) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0, .1);
   for (double& value : data.values.reshaped()) value += noise(random);
-  const HeldOutError error = HeldOutSamples<2>(data).error({.degree = 4, .samples = 700, .centers = 0});
+  const HeldOutError error(HeldOutSamples<2>(data).errors({.degree = 4, .samples = 700, .centers = 0}));
   EXPECT_NEAR(error.rmse, .1, .01);
   EXPECT_NEAR(error.mean, .1 * std::sqrt(2 / std::acos(-1)), .01);  // E|e| of a normal distribution
 }
@@ -22,7 +22,7 @@ TEST(HeldOutError, IsThatOfTheNoiseWhereTheFunctionIsKnown) {
 TEST(HeldOutError, IsSmallForSmoothFunctionsInAllDimensions) {
   const auto error = []<int Dim>(std::integral_constant<int, Dim>) {
     const Samples<Dim> data = sample<Dim>(random_points<Dim>(3000, 1), waves<Dim>);
-    return HeldOutSamples<Dim>(data).error({.samples = 60, .centers = 60}).rmse;
+    return HeldOutError(HeldOutSamples<Dim>(data).errors({.samples = 60, .centers = 60})).rmse;
   };
   EXPECT_LE(error(std::integral_constant<int, 1>()), 1e-6);
   EXPECT_LE(error(std::integral_constant<int, 2>()), 1e-3);
@@ -33,13 +33,13 @@ TEST(HeldOutError, IsSmallForSmoothFunctionsInAllDimensions) {
 TEST(HeldOutError, DoesNotDependOnUnitsAndThreads) {
   const Samples<2> data = sample<2>(random_points<2>(3000, 1), franke);
   const LocalOptions options{.degree = 1, .samples = 20, .centers = 20, .anisotropy = .8};
-  const HeldOutError error = HeldOutSamples<2>(data).error(options);
+  const HeldOutError error(HeldOutSamples<2>(data).errors(options));
   Samples<2> other = data;
   other.points *= 0x1p100;
   other.values *= 0x1p-600;
-  EXPECT_EQ(HeldOutSamples<2>(other).error(options).mean, 0x1p-600 * error.mean);
+  EXPECT_EQ(HeldOutError(HeldOutSamples<2>(other).errors(options)).mean, 0x1p-600 * error.mean);
   set_thread_count(1);
-  EXPECT_EQ(HeldOutSamples<2>(data).error(options).rmse, error.rmse);
+  EXPECT_EQ(HeldOutError(HeldOutSamples<2>(data).errors(options)).rmse, error.rmse);
   set_thread_count(0);
 }
 
