@@ -14,7 +14,6 @@
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/kernels/kernel.hpp"
@@ -135,7 +134,7 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
     selected.missing = given.values.rows() - std::ssize(rows);
     if (selected.missing > 0 && given.points.cols() == given.values.rows()) {
       require(!rows.empty(), "fit", "missing", *options.missing, "all samples have this value; there is none to fit");
-      selected.samples = {chosen_points<Dim>(given.points, rows), given.values(rows, Eigen::all), {}};
+      selected.samples = {given.points(Eigen::all, rows), given.values(rows, Eigen::all), {}};
       if (given.weights.size() == given.size()) selected.samples->weights = given.weights(rows);
       samples = &*selected.samples;
     }

@@ -15,8 +15,8 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>

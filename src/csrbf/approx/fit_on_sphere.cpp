@@ -2,8 +2,8 @@
 
 #include "csrbf/approx/fit_method.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/kernels/kernel.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <Eigen/Geometry>

@@ -4,10 +4,10 @@
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/linalg/simplex_search.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "csrbf/approx/measure_errors.hpp"
 
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include "csrbf/approx/basis/evaluation_order.hpp"
 #include "csrbf/approx/basis/polynomial.hpp"
 #include "csrbf/approx/sums/fast_sum.hpp"
-#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 
 #include <mutex>
 

@@ -1,7 +1,7 @@
 #include "csrbf/approx/basis/polynomial_block.hpp"
 
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/linalg/decompositions.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 
 namespace csrbf {
 

@@ -2,13 +2,13 @@
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/approx/global/restricted_likelihood.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/core/squared_distances.hpp"
 #include "csrbf/linalg/quasi_newton_search.hpp"
 #include "csrbf/linalg/saddle.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <array>

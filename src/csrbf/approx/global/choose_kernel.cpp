@@ -1,10 +1,10 @@
 #include "csrbf/approx/global/choose_kernel.hpp"
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/linalg/saddle.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 #include <algorithm>

@@ -7,11 +7,11 @@
 #include "csrbf/approx/global/smoothing_of_many.hpp"
 #include "csrbf/approx/samples/deviation.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/saddle.hpp"
 #include "csrbf/linalg/sparse_cholesky.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 

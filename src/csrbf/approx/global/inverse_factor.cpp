@@ -1,12 +1,12 @@
 #include "csrbf/approx/global/inverse_factor.hpp"
 
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/core/squared_distances.hpp"
 #include "csrbf/linalg/decompositions.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <numeric>

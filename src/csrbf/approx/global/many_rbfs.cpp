@@ -2,9 +2,9 @@
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/iterative_system.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/linalg/decompositions.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/coincident_points.hpp"
 
 namespace csrbf {

@@ -1,7 +1,7 @@
 #include "csrbf/approx/global/restricted_likelihood.hpp"
 
-#include "csrbf/core/squared_distances.hpp"
 #include "csrbf/linalg/decompositions.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <cmath>
 #include <limits>

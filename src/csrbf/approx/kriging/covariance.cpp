@@ -1,10 +1,10 @@
 #include "csrbf/approx/kriging/covariance.hpp"
 
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/core/squared_distances.hpp"
 #include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/golden_section.hpp"
 #include "csrbf/linalg/simplex_search.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "csrbf/approx/kriging/local_kriging.hpp"
 
 #include "csrbf/approx/kriging/held_out_gaps.hpp"
-#include "csrbf/core/squared_distances.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <cmath>

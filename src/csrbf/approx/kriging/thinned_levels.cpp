@@ -1,6 +1,6 @@
 #include "csrbf/approx/kriging/thinned_levels.hpp"
 
-#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 #include <algorithm>

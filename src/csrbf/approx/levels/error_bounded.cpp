@@ -2,7 +2,7 @@
 
 #include "csrbf/approx/levels/fixed_budget.hpp"
 #include "csrbf/approx/levels/level_builder.hpp"
-#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
 #include <sstream>

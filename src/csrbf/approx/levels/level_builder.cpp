@@ -1,7 +1,7 @@
 #include "csrbf/approx/levels/level_builder.hpp"
 
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 namespace csrbf {

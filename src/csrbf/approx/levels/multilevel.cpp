@@ -2,7 +2,7 @@
 
 #include "csrbf/approx/levels/level_builder.hpp"
 #include "csrbf/approx/samples/spacing.hpp"
-#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 
 namespace csrbf {

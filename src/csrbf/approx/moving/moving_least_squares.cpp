@@ -3,9 +3,9 @@
 #include "csrbf/approx/moving/moving_least_squares_field.hpp"
 #include "csrbf/approx/moving/track_directions.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/decompositions.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 
 namespace csrbf {
 

@@ -1,6 +1,6 @@
 #include "csrbf/approx/samples/periodic_field.hpp"
 
-#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "csrbf/approx/samples/robust_weights.hpp"
 
 #include "csrbf/approx/samples/local_deviations.hpp"
-#include "csrbf/core/chosen_points.hpp"
-#include "csrbf/core/squared_distances.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <array>

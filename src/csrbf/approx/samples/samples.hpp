@@ -1,6 +1,5 @@
 #pragma once
 
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/types.hpp"
 
@@ -67,8 +66,7 @@ Samples<Dim> without_zero_weights(const Samples<Dim>& samples) {
   std::vector<Index> positive;
   for (Index i = 0; i < samples.size(); ++i)
     if (samples.weights[i] > 0) positive.push_back(i);
-  return {chosen_points<Dim>(samples.points, positive), samples.values(positive, Eigen::all),
-          samples.weights(positive)};
+  return {samples.points(Eigen::all, positive), samples.values(positive, Eigen::all), samples.weights(positive)};
 }
 
 /// The same with weights of mean 1.

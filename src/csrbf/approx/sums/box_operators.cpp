@@ -1,9 +1,9 @@
 #include "csrbf/approx/sums/box_operators.hpp"
 
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/core/squared_distances.hpp"
 #include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/panel_product.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <random>
 

@@ -1,8 +1,8 @@
 #include "csrbf/approx/unity/held_out_error.hpp"
 
 #include "csrbf/approx/unity/fit_patches.hpp"
-#include "csrbf/core/chosen_points.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
 namespace csrbf {

@@ -1,4 +1,4 @@
-#include "csrbf/core/chosen_points.hpp"
+#include "csrbf/spatial/chosen_points.hpp"
 
 namespace csrbf {
 
