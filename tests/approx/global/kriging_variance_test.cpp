@@ -65,6 +65,15 @@ TEST(PowerFunction, IsTheSmoothingAtLeastAndZeroAtSamplesWithoutIt) {
   EXPECT_LE(smooth.evaluate(points).maxCoeff(), .2);  // a sample of the same place, the noise of both, tells less
 }
 
+TEST(PowerFunction, IsNotZeroWhereTheMatrixIsSingularToRounding) {
+  const auto phi = basis<2>("gaussian", random_points<2>(300, 1), .5);
+  Eigen::MatrixXd K = phi->dense_matrix(phi->centers());
+  ASSERT_NE(K.llt().info(), Eigen::Success);
+  const Eigen::VectorXd variance = PowerFunction<2>(phi, -1, 0, {}).evaluate(random_points<2>(100, 2));
+  EXPECT_GT(variance.minCoeff(), 0);
+  EXPECT_LT(variance.maxCoeff(), 1e-6);
+}
+
 TEST(PowerFunction, GrowsWithTheDistanceFromTheSamples) {
   Points<1> points(1, 20), x(1, 50);
   for (Index i = 0; i < 20; ++i) points(0, i) = static_cast<double>(i < 10 ? i : i + 10);  // a gap from 9 to 20

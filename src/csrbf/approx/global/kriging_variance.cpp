@@ -44,22 +44,36 @@ PowerFunction<Dim>::System::System(const PowerFunction& power)
       polynomials(power.degree_),
       size(power.basis_->size()),
       constraints(block.G.cols()) {
-  L = power.basis_->dense_matrix(power.basis_->centers());
   const Index n = size, r = constraints;
-  if (power.weights_.size() > 0)
-    L.diagonal() += power.smoothing_ * power.weights_.cwiseInverse();
-  else
-    L.diagonal().array() += power.smoothing_;
+  const auto matrix = [&](double nugget) {
+    Eigen::MatrixXd K = power.basis_->dense_matrix(power.basis_->centers());
+    if (power.weights_.size() > 0)
+      K.diagonal() += (power.smoothing_ + nugget) * power.weights_.cwiseInverse();
+    else
+      K.diagonal().array() += power.smoothing_ + nugget;
+    return K;
+  };
+  const auto reduce = [&] {
+    if (r == 0) return;
+    apply_q_transposed(qr, L);
+    apply_q_on_the_right(qr, L);
+    L = L.bottomRightCorner(n - r, n - r).eval();
+  };
+  L = matrix(0);
+  const double largest = L.cwiseAbs().maxCoeff();
   if (r > 0) {
     qr.compute(block.G);
     Y = thin_q(qr, r);
     KY = L * Y;
     YKY = Y.transpose() * KY;
-    apply_q_transposed(qr, L);
-    apply_q_on_the_right(qr, L);
-    L = L.bottomRightCorner(n - r, n - r).eval();
   }
-  (void)cholesky_in_place(L);  // has been solved before
+  reduce();
+  // It has been solved before, but may be singular to rounding: the variance is then that of a little more noise.
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  for (double nugget = epsilon * largest; !cholesky_in_place(L) && nugget < largest; nugget *= 10) {
+    L = matrix(nugget);
+    reduce();
+  }
 }
 
 // R^-T g(x) of each point, so that w0 = Y of it.
