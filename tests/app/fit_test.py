@@ -380,6 +380,9 @@ class Evaluate(Functions):
         model = self.fitted(rows_of(plane), "--method", "multilevel")
         self.fail_with(2, "method = multilevel: this fit has none", "evaluate", model, "-o", self.path("out.csv"),
                        "--points", queries, "--standard-deviation")
+        self.fail_with(2, "--kernel thin-plate: must have compact support", "fit",
+                       self.write("samples.csv", csv(rows_of(plane))), "-o", model, "--method", "along-tracks",
+                       "--kernel", "thin-plate")
 
     def test_a_mask_leaves_places_far_from_samples_without_value(self):
         rows = [(x, y, wave(x, y)) for x, y, _ in rows_of(wave, 200) if x + y < 1]

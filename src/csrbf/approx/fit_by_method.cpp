@@ -218,11 +218,12 @@ class Fitter {
   }
 
   Fields along_tracks_alone() {
+    const Fields fields = moving();  // first: it knows which kernels it takes
     const FitReport before = report_;
     partition(samples_, {.progress = options_.progress});
     const Fields patches = filled(samples_);
     report_ = before;
-    return improved(moving(), patches, only_along_tracks(samples_, last_fit_.report.local, moving_options()));
+    return improved(fields, patches, only_along_tracks(samples_, last_fit_.report.local, moving_options()));
   }
 
   // Fields where samples are around, and `patches`, which variances_ are of, in the gaps.
