@@ -13,6 +13,8 @@
 #include "csrbf/surface/reconstruct.hpp"
 
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -80,8 +82,14 @@ void sums(const char* name, Index n, Shape shape, const char* what, double toler
   std::fflush(stdout);
 }
 
+// In a process of its own, whose memory is that of this system.
 template <int Dim>
 void system(const char* name, Index n, Shape shape, const char* what) {
+  std::fflush(stdout);
+  if (const pid_t child = fork(); child > 0) {
+    waitpid(child, nullptr, 0);
+    return;
+  }
   Samples<Dim> samples{cloud<Dim>(n, shape), Eigen::MatrixXd(n, 1), {}};
   const auto x = samples.points.array();
   samples.values.col(0) = ((5 * x.row(0)).sin() * (4 * x.row(Dim - 1)).cos() + .1 * x.row(0)).transpose();
@@ -97,6 +105,7 @@ void system(const char* name, Index n, Shape shape, const char* what) {
                 error.what());
   }
   std::fflush(stdout);
+  std::_Exit(0);
 }
 
 void all_sums(Index largest) {

@@ -66,7 +66,7 @@ class Product {
     if (sum_ == nullptr)
       sum_ = std::make_unique<FastSum<Dim>>(
           points_, kernel_, support_,
-          TreeOptions{.tolerance = accuracy_, .leaf_size = few_points() ? points_.cols() : 40});
+          TreeOptions{.tolerance = accuracy_, .leaf_size = few_points() ? points_.cols() : 0});
     Eigen::VectorXd product = sum_->multiply(alpha);
     if (noise_.size() == 1)
       product += noise_[0] * alpha;

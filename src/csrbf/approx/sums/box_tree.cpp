@@ -13,6 +13,9 @@ constexpr Index task_boxes = 128;            // targets per task: enough for lon
 constexpr int most_offsets[] = {63, 15, 7};  // along an axis, for kernels that are not smooth at larger boxes
 constexpr double margin = 1.3;               // of the cube around the points, where sums are found everywhere
 constexpr Index entries_per_term = 40;       // of a translation, as fast as one term of a direct sum
+constexpr Index least_leaf = 40;             // points of a box that is not divided, at least ...
+constexpr Index leaf_per_rank = 2;           // ... and this times the rank of its expansions
+constexpr Index division_cost = 15;  // terms of direct sums that cost as much as the expansions of a child, over rank^2
 
 // Whether phi(t r) = c(t) phi(r), so that all levels share their operators.
 bool homogeneous(const Kernel& kernel) {
@@ -25,7 +28,7 @@ bool homogeneous(const Kernel& kernel) {
 
 template <int Dim>
 BoxTree<Dim>::BoxTree(const PointsRef<Dim>& points, const Kernel& kernel, double support, const TreeOptions& options)
-    : leaf_size(options.leaf_size), everywhere(options.everywhere), tolerance(options.tolerance) {
+    : asked_leaf_size(options.leaf_size), everywhere(options.everywhere), tolerance(options.tolerance) {
   const Box<Dim> bounds = bounding_box<Dim>(points);
   side = bounds.extent().maxCoeff() * (everywhere ? margin : 1 + 1e-12);
   if (!(side > 0)) side = support;
@@ -39,8 +42,7 @@ BoxTree<Dim>::BoxTree(const PointsRef<Dim>& points, const Kernel& kernel, double
   root.near = {0};
   boxes.push_back(root);
   level_begin = {0, 1};
-  operators.push_back(nullptr);
-  factor.push_back(1);
+  choose_operators(0, kernel, support);
   tasks.emplace_back();
   std::vector<Index> scratch(points.cols());
   for (int level = 0; level < last_level; ++level) {
@@ -81,7 +83,12 @@ template <int Dim>
 bool BoxTree<Dim>::needs_division(const TreeBox<Dim>& box) const {
   if (!few(box)) return true;
   if (box.count == 0 && !everywhere) return false;
-  return std::ranges::any_of(box.near, [&](std::int32_t b) { return !few(boxes[b]); });
+  if (std::ranges::all_of(box.near, [&](std::int32_t b) { return few(boxes[b]); })) return false;
+  const Index rank = operators[box.level] == nullptr ? 0 : operators[box.level]->rank();
+  Index sources = 0;
+  for (const std::int32_t b : box.near) sources += boxes[b].count;
+  const Index targets = everywhere ? leaf_size[box.level] : box.count;
+  return targets * sources > division_cost * rank * rank * std::min<Index>(targets, box.child.size());
 }
 
 template <int Dim>
@@ -118,25 +125,23 @@ void BoxTree<Dim>::divide(Index b, const PointsRef<Dim>& points, std::vector<Ind
 template <int Dim>
 void BoxTree<Dim>::choose_operators(int level, const Kernel& kernel, double support) {
   const double half_width = half(level) / support;
+  const auto above = level > 0 ? operators.back() : nullptr;
+  factor.push_back(1);
   if (level < 2) {  // all boxes touch
     operators.push_back(nullptr);
-    factor.push_back(1);
-    return;
+  } else if (homogeneous(kernel)) {
+    operators.push_back(above != nullptr ? above
+                                         : std::make_shared<BoxOperators<Dim>>(kernel, 1., tolerance, 3, false));
+    factor.back() = kernel.value(half_width) / kernel.value(1);
+  } else {
+    const bool has_parent = above != nullptr && above->rank() > 0;
+    int farthest = 3;
+    if (above != nullptr && above->any_near()) farthest = std::min(2 * above->farthest() + 1, most_offsets[Dim - 1]);
+    operators.push_back(std::make_shared<BoxOperators<Dim>>(kernel, half_width, tolerance, farthest, has_parent));
   }
-  if (homogeneous(kernel)) {
-    const auto unit = operators.back() != nullptr
-                          ? operators.back()
-                          : std::make_shared<BoxOperators<Dim>>(kernel, 1., tolerance, 3, false);
-    operators.push_back(unit);
-    factor.push_back(kernel.value(half_width) / kernel.value(1));
-    return;
-  }
-  const bool has_parent = operators.back() != nullptr && operators.back()->rank() > 0;
-  int farthest = 3;
-  if (operators.back() != nullptr && operators.back()->any_near())
-    farthest = std::min(2 * operators.back()->farthest() + 1, most_offsets[Dim - 1]);
-  operators.push_back(std::make_shared<BoxOperators<Dim>>(kernel, half_width, tolerance, farthest, has_parent));
-  factor.push_back(1);
+  const Index rank = operators.back() == nullptr ? 0 : operators.back()->rank();
+  const Index points = asked_leaf_size > 0 ? asked_leaf_size : std::max(least_leaf, leaf_per_rank * rank);
+  leaf_size.push_back(level > 0 ? std::max(leaf_size.back(), points) : points);
 }
 
 template <int Dim>
@@ -190,7 +195,7 @@ void BoxTree<Dim>::list_sources(Index b, std::vector<std::pair<std::int64_t, std
     const auto reach = level->reach(offset);
     if (reach == BoxOperators<Dim>::Reach::negligible) return;
     if (reach == BoxOperators<Dim>::Reach::far &&
-        (!few(source) || std::max<Index>(target.count, everywhere ? leaf_size : 1) * source.count > worth))
+        (!few(source) || std::max<Index>(target.count, everywhere ? least_leaf : 1) * source.count > worth))
       return far.emplace_back((level->code(offset) << Dim) | mirrored, s), void();
     target.near.push_back(s);
   };

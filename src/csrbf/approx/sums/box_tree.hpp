@@ -17,7 +17,7 @@ struct TreeBox {
   Index count = 0;
   Index parent = -1;
   std::array<std::int32_t, 1U << Dim> child{};  ///< by corner as in BoxOperators::to_parent; -1: none
-  /// Where its sums come from directly: boxes with few points; complete for those without children.
+  /// Where its sums come from directly; complete for those without children.
   std::vector<std::int32_t> near{};
 
   [[nodiscard]] bool leaf() const {
@@ -41,15 +41,15 @@ struct TranslationTask {
 
 struct TreeOptions {
   double tolerance = 1e-7;
-  Index leaf_size = 40;  ///< points; boxes with more are divided
+  Index leaf_size = 0;  ///< points; boxes with more are divided; 0: where direct sums cost more than expansions
   /// Whether boxes without points are divided as well, wherever sums there need it; otherwise sums are only found at
   /// the points.
   bool everywhere = false;
 };
 
 /// What a fast multipole method needs to know about n points: an octree (a quadtree in the plane), and for every box
-/// from which others its sums come, through which operators. Boxes are divided until they, and all near them, hold few
-/// points. O(n log n) in time, O(n) in memory.
+/// from which others its sums come, through which operators. Boxes are divided until they hold few points, and near
+/// dense ones until direct sums cost less than expansions. O(n log n) in time, O(n) in memory.
 template <int Dim>
 struct BoxTree {
   Point<Dim> corner;                  ///< the lowest of the cube of level 0
@@ -66,7 +66,9 @@ struct BoxTree {
 
   [[nodiscard]] int levels() const { return static_cast<int>(level_begin.size()) - 1; }
   /// Whether it holds so few points that it is not divided on their account.
-  [[nodiscard]] bool few(const TreeBox<Dim>& box) const { return box.count <= leaf_size || box.level == last_level; }
+  [[nodiscard]] bool few(const TreeBox<Dim>& box) const {
+    return box.count <= leaf_size[box.level] || box.level == last_level;
+  }
   [[nodiscard]] double half(int level) const { return std::ldexp(.5 * side, -level); }
   [[nodiscard]] Point<Dim> center(const TreeBox<Dim>& box) const;
   /// The leaf that holds x, -1 outside the cube and where no box is.
@@ -81,7 +83,8 @@ struct BoxTree {
   void list_sources(Index target, std::vector<std::pair<std::int64_t, std::int32_t>>& far);
   [[nodiscard]] bool needs_division(const TreeBox<Dim>& box) const;
 
-  Index leaf_size = 40;
+  std::vector<Index> leaf_size = {};  // of each level, increasing
+  Index asked_leaf_size = 0;
   bool everywhere = false;
   double tolerance = 1e-7;
 };

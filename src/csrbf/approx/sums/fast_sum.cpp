@@ -52,6 +52,17 @@ void FastSum<Dim>::number_slots(const PointsRef<Dim>& centers) {
     slot_[b] = slots;
     slots += padded_slots(tree_.boxes[b].count);
   }
+  span_.assign(tree_.boxes.size(), {slots, 0});
+  for (Index b = std::ssize(tree_.boxes) - 1; b >= 0; --b) {
+    const TreeBox<Dim>& box = tree_.boxes[b];
+    if (slot_[b] >= 0) span_[b] = {slot_[b], slot_[b] + padded_slots(box.count)};
+    if (tree_.few(box)) continue;
+    for (const std::int32_t child : box.child) {
+      if (child < 0) continue;
+      span_[b].begin = std::min(span_[b].begin, span_[child].begin);
+      span_[b].end = std::max(span_[b].end, span_[child].end);
+    }
+  }
   position_.resize(slots, Dim);
   shape_ = Eigen::VectorXd::Constant(slots, 1 / (support_ * support_));
   for (const Index b : holders) {
@@ -203,7 +214,7 @@ template <int Dim>
 std::vector<typename FastSum<Dim>::Run> FastSum<Dim>::runs(const std::vector<std::int32_t>& near) const {
   std::vector<Run> result;
   for (const std::int32_t b : near)
-    if (slot_[b] >= 0) result.push_back({slot_[b], slot_[b] + padded_slots(tree_.boxes[b].count)});
+    if (span_[b].begin < span_[b].end) result.push_back(span_[b]);
   std::ranges::sort(result, {}, &Run::begin);
   std::size_t kept = 0;
   for (std::size_t i = 1; i < result.size(); ++i) {

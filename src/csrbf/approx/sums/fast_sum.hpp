@@ -68,7 +68,8 @@ class FastSum {
   Kernel kernel_;
   double support_;
   BoxTree<Dim> tree_;
-  std::vector<Index> slot_;                              // first slot of each box with few points
+  std::vector<Index> slot_;                              // first slot of each box with few points, below one with more
+  std::vector<Run> span_;                                // slots of all points of these boxes and those above them
   Eigen::MatrixXd position_;                             // slots x Dim
   Eigen::VectorXd shape_;                                // 1 / support^2
   std::vector<std::vector<Eigen::MatrixXd>> to_parent_;  // per level and corner of the children
