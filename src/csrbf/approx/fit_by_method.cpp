@@ -22,6 +22,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <utility>
 
 namespace csrbf {
@@ -302,6 +304,12 @@ class Fitter {
     report_.support = best.report.support;
     report_.smoothing = best.report.smoothing;
     report_.cross_validation_rmse = best.report.leave_one_out;
+    if (best.report.limited_by_rounding) {
+      std::ostringstream text;
+      text << "the system of the kernel " << report_.kernel << " is ill conditioned: samples are met within "
+           << std::setprecision(2) << best.report.residual << " only; a rougher kernel or smoothing > 0 does better";
+      report_.warnings.push_back(text.str());
+    }
     report_.centers = best.components.front()->basis().size();
     variances_ = {best.variances.begin(), best.variances.end()};
     for (const auto& variance : best.variances)

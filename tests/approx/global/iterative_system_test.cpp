@@ -114,6 +114,18 @@ TEST(IterativeSystem, SaysWhenTheSystemIsTooIllConditioned) {
   }
 }
 
+TEST(IterativeSystem, TakesTheBestResidualThatRoundingAllows) {
+  const Points<2> x = cloud<2>(2500);
+  const auto solve = [&](double acceptable) {
+    return solve_iteratively<2>(x, Kernel("septic", 2), 1, Eigen::VectorXd::Zero(1), polynomials<2>(x, 3), wave<2>(x),
+                                {.tolerance = 1e-13, .acceptable = acceptable});
+  };
+  EXPECT_THROW(solve(0), SolverFailure);
+  const IterativeSolution solution = solve(1);
+  EXPECT_GT(solution.residual, 1e-13);
+  EXPECT_LT(solution.residual, 1);
+}
+
 TEST(InverseFactor, WithAllNeighboursIsTheInverse) {
   const Points<2> x = cloud<2>(40);
   const Kernel kernel("thin-plate", 2);

@@ -26,11 +26,12 @@ constexpr double largest_jitter = 1e-9;  // of lambda, where rounding makes a sy
 constexpr Index always_dense = 1500;     // samples up to which dense systems are solved whatever the support
 constexpr Index spectrum_limit = 1500;   // samples up to which lambda is chosen on all of them: O(9 n^3)
 constexpr Index sparse_neighbors = 100;  // per support, where that of a sparse system is chosen: accuracy against cost
-constexpr int highest_fast_dimension = 3;  // of fast sums
-constexpr Index first_centers = 100;       // of a search for few ...
-constexpr Index repeated_dense = 1000;     // ... largest dense system in it ...
-constexpr double worth_a_center = .2;      // ... that goes on where errors are this share of the largest one
-constexpr double sparse_enough = .1;       // share of entries that are not zero, below which sparse solvers are faster
+constexpr int highest_fast_dimension = 3;     // of fast sums
+constexpr double acceptable_residual = 1e-6;  // of them, where rounding allows no smaller one
+constexpr Index first_centers = 100;          // of a search for few ...
+constexpr Index repeated_dense = 1000;        // ... largest dense system in it ...
+constexpr double worth_a_center = .2;         // ... that goes on where errors are this share of the largest one
+constexpr double sparse_enough = .1;  // share of entries that are not zero, below which sparse solvers are faster
 
 // The coefficients of the kernel and of the functions of the polynomial block, and the scale of the variance.
 struct Coefficients {
@@ -223,15 +224,17 @@ Coefficients solve_by_fast_sums(const Samples<Dim>& samples, const RadialBasis<D
       report.smoothing = smoothing_of_many<Dim>(
           {points, samples.values, samples.weights}, basis.kernel(), basis.support(0), G,
           {.start = report.smoothing, .left_out = report.leave_one_out, .progress = options.progress});
-    IterativeSolution solution =
-        solve_iteratively<Dim>(points, basis.kernel(), basis.support(0), report.smoothing * weights.cwiseInverse(), G,
-                               samples.values, {.tolerance = tolerance, .progress = options.progress});
+    IterativeSolution solution = solve_iteratively<Dim>(
+        points, basis.kernel(), basis.support(0), report.smoothing * weights.cwiseInverse(), G, samples.values,
+        {.tolerance = tolerance, .acceptable = std::max(tolerance, acceptable_residual), .progress = options.progress});
     const Eigen::MatrixXd left_out = solution.alpha.array().colwise() / solution.inverse_diagonal.array();
     report.leave_one_out = weighted_rms(left_out, weights);
     report.condition = nan;
     report.solver = InterpolationSolver::fast_sums;
     report.iterations = solution.iterations;
     report.residual = solution.residual;
+    const double largest = samples.values.cwiseAbs().maxCoeff();
+    report.limited_by_rounding = solution.residual > tolerance * largest;
     Coefficients c;
     c.sigma2 = solution.alpha.cwiseProduct(left_out).colwise().mean().transpose();
     c.alpha = std::move(solution.alpha);

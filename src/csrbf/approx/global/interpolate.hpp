@@ -66,6 +66,8 @@ struct InterpolationReport {
   InterpolationSolver solver = InterpolationSolver::dense;
   int iterations = 0;   ///< of fast sums
   double residual = 0;  ///< largest one at a sample, of fast sums
+  /// Whether it is above the tolerance, but at most 1e-6 of the largest |value|.
+  bool limited_by_rounding = false;
 };
 
 template <int Dim>

@@ -13,8 +13,7 @@ namespace csrbf {
 namespace {
 
 // Chosen by hand.
-constexpr double lowest_accuracy = 1e-6;    // of the sums inside of iterations ...
-constexpr double variance_share = .2;       // ... and in units of the common variance
+constexpr double lowest_accuracy = 1e-6;    // of the sums inside of iterations
 constexpr double accuracy_step = 1e-2;      // to a better one, where iterations with it gain too little
 constexpr double highest_accuracy = 1e-14;  // about what rounding allows
 constexpr double trusted = .2;              // share of the residual's goal that sums may be off by
@@ -30,8 +29,14 @@ constexpr double least_gain = .1;   // of the residual by a pass, above which su
 // Neighbours of the preconditioner: iterations cost more than these as long as about ten are needed.
 Index default_neighbors(int dimension, int smoothness) {
   if (dimension == 1) return 12 + 4 * std::min(smoothness, 6);
-  if (dimension == 2) return 24 + 6 * std::min(smoothness, 6);
-  return 40 + 20 * std::min(smoothness, 4);
+  if (dimension == 2) return 24 + 8 * std::min(smoothness, 10);
+  return 60 + 25 * std::min(smoothness, 4);
+}
+
+// Errors of the sums must not change the sign of the least eigenvalues, which are about the common variance; the norm of
+// n x n random errors grows as sqrt(n).
+double inner_accuracy(const InverseFactor& inverse, Index n) {
+  return std::clamp(inverse.common_variance() / std::sqrt(static_cast<double>(n)), highest_accuracy, lowest_accuracy);
 }
 
 // K alpha at some samples, directly.
@@ -120,8 +125,7 @@ class Solver {
       : Q_(orthonormal(G)),
         inverse_(inverse),
         options_(options),
-        inner_(points, kernel, support, noise,
-               std::clamp(variance_share * inverse.common_variance(), highest_accuracy, lowest_accuracy)),
+        inner_(points, kernel, support, noise, inner_accuracy(inverse, points.cols())),
         outer_(points, kernel, support, noise, inner_.accuracy()) {}
 
   struct Column {
@@ -136,6 +140,8 @@ class Solver {
     if (goal == 0) return column;
     Eigen::VectorXd r = project(values);
     double off = 0;
+    Column best = column;
+    best.residual = largest(r);
     while (largest(r) + off > goal) {
       const double before = largest(r);
       const Pass pass = conjugate_gradients(r, .5 * (1 - trusted) * goal, column.iterations);
@@ -148,15 +154,17 @@ class Solver {
         outer_.set_accuracy(std::max(better, highest_accuracy));
         off = update(values, column, r);
       }
-      if (largest(r) + off <= goal) break;
+      column.residual = largest(r) + off;
+      if (column.residual <= best.residual) best = column;
+      if (column.residual <= goal) break;
       const bool gained = pass.definite && largest(r) <= least_gain * before;
+      const bool enough_next = largest(r) / goal <= before / largest(r);  // if the next pass gains as much
       const bool exhausted = column.iterations >= options_.most_iterations;
-      if (!gained && !exhausted && inner_.accuracy() > highest_accuracy)
+      if (!(gained && enough_next) && !exhausted && inner_.accuracy() > highest_accuracy)
         inner_.set_accuracy(std::max(accuracy_step * inner_.accuracy(), highest_accuracy));
       else if (exhausted || !gained)
-        fail((largest(r) + off) / largest(values), column.iterations);
+        return acceptable(std::move(best), largest(values), column.iterations);
     }
-    column.residual = largest(r) + off;
     return column;
   }
 
@@ -219,10 +227,13 @@ class Solver {
     return v;
   }
 
-  [[noreturn]] static void fail(double residual, int iterations) {
+  // The best that rounding allows, if it is good enough.
+  [[nodiscard]] Column acceptable(Column best, double largest_value, int iterations) const {
+    best.iterations = iterations;
+    if (best.residual <= options_.acceptable * largest_value) return best;
     std::ostringstream text;
-    text << "interpolate: residuals of " << std::setprecision(2) << residual << " of the largest value remain after "
-         << iterations
+    text << "interpolate: residuals of " << std::setprecision(2) << best.residual / largest_value
+         << " of the largest value remain after " << iterations
          << " iterations: the system is too ill conditioned; give smoothing > 0, or take a rougher kernel";
     throw SolverFailure(text.str());
   }

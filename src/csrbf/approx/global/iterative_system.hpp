@@ -8,7 +8,9 @@ namespace csrbf {
 
 struct IterativeSystemOptions {
   double tolerance = 1e-8;  ///< largest residual at a sample, in units of the largest |value|
-  Index neighbors = 0;      ///< of the preconditioner; 0: by the dimension and the smoothness of the kernel
+  /// Residual in the same unit that is a solution too where rounding allows no smaller one; at least `tolerance`.
+  double acceptable = 0;
+  Index neighbors = 0;  ///< of the preconditioner; 0: by the dimension and the smoothness of the kernel
   int most_iterations = 200;
   Progress progress = {};  ///< stages "factor", "solve"
 };
@@ -28,7 +30,7 @@ struct IterativeSolution {
 /// (FastSum) and the preconditioner InverseFactor. About ten to thirty iterations whatever n. The accuracy of the sums
 /// is raised until residuals measured by direct sums agree.
 ///
-/// Throws SolverFailure when the tolerance is not reached: the system is too ill conditioned.
+/// Throws SolverFailure when no acceptable residual is reached: the system is too ill conditioned.
 template <int Dim>
 IterativeSolution solve_iteratively(const PointsRef<Dim>& points, const Kernel& kernel, double support,
                                     const Eigen::VectorXd& noise, const Eigen::MatrixXd& G, const Eigen::MatrixXd& s,
