@@ -5,12 +5,12 @@
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
+#include "csrbf/core/number_text.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/convex_hull.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <type_traits>
@@ -255,7 +255,7 @@ Mask mask_of(const std::string& text) {
   const std::string prefix = "distance:";
   Mask mask;
   const char *begin = text.data() + std::min(prefix.size(), text.size()), *end = text.data() + text.size();
-  const auto [last, error] = std::from_chars(begin, end, mask.distance);
+  const auto [last, error] = read_number(begin, end, mask.distance);
   if (!text.starts_with(prefix) || error != std::errc() || last != end || !(mask.distance > 0))
     throw InvalidInput("mask = " + text + ": must be hull, or distance:D with a positive distance D");
   return mask;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/core/bit_cast.hpp"
 #include "csrbf/core/grid.hpp"
 
 #include <bit>
@@ -15,13 +16,13 @@ T load_scalar(const char* bytes, std::endian order = std::endian::little) {
   std::array<char, sizeof(T)> raw;
   std::memcpy(raw.data(), bytes, sizeof(T));
   if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
-  return std::bit_cast<T>(raw);
+  return bit_cast<T>(raw);
 }
 
 /// Stores a scalar at `bytes` (no alignment needed) in little-endian order.
 template <class T>
 void store_scalar(char* bytes, T value) {
-  auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  auto raw = bit_cast<std::array<char, sizeof(T)>>(value);
   if (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
   std::memcpy(bytes, raw.data(), raw.size());
 }
