@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -80,9 +81,17 @@ TEST(NumberText, RefusesWhatIsNoNumber) {
     EXPECT_EQ(read_number(text.data(), text.data() + text.size(), value).ec, std::errc::invalid_argument) << text;
     EXPECT_EQ(value, -99) << text;
   }
-  for (const std::string text : {"1e999", "-1e400"}) {
+}
+
+TEST(NumberText, IsInfiniteOrZeroOutOfRange) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const std::pair<std::string, double> cases[] = {{"1e999", infinity}, {"-1e400", -infinity}, {"1e-400", 0}};
+  for (const auto& c : cases) {
     double value = -99;
-    EXPECT_EQ(read_number(text.data(), text.data() + text.size(), value).ec, std::errc::result_out_of_range) << text;
+    const auto [end, error] = read_number(c.first.data(), c.first.data() + c.first.size(), value);
+    EXPECT_EQ(error, std::errc::result_out_of_range) << c.first;
+    EXPECT_EQ(end, c.first.data() + c.first.size()) << c.first;
+    EXPECT_EQ(value, c.second) << c.first;
   }
 }
 

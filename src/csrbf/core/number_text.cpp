@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <string>
 
 namespace csrbf {
@@ -15,7 +16,15 @@ namespace csrbf {
 #ifdef __cpp_lib_to_chars
 
 std::from_chars_result read_number(const char* begin, const char* end, double& value) {
-  return std::from_chars(begin, end, value);
+  const std::from_chars_result result = std::from_chars(begin, end, value);
+  if (result.ec != std::errc::result_out_of_range) return result;
+  // The wider type shows which of the two it is.
+  long double wide = 0;
+  const bool too_wide = std::from_chars(begin, end, wide).ec != std::errc();
+  if (too_wide) return {begin, std::errc::invalid_argument};
+  const double magnitude = std::abs(wide) > 1 ? std::numeric_limits<double>::infinity() : 0.0;
+  value = wide < 0 ? -magnitude : magnitude;
+  return result;
 }
 
 char* write_number(char* begin, char* end, double value) {
@@ -112,11 +121,9 @@ std::from_chars_result read_number(const char* begin, const char* end, double& v
     if (length == 0) return {begin, std::errc::invalid_argument};
     stop = word + length;
   }
-  const double read = std::strtod(std::string(begin, stop).c_str(), nullptr);
-  const bool in_range = number.end == nullptr || (std::isfinite(read) && (read != 0 || number.mantissa == 0));
-  if (!in_range) return {stop, std::errc::result_out_of_range};
-  value = read;
-  return {stop, std::errc()};
+  value = std::strtod(std::string(begin, stop).c_str(), nullptr);
+  const bool in_range = number.end == nullptr || (std::isfinite(value) && (value != 0 || number.mantissa == 0));
+  return {stop, in_range ? std::errc() : std::errc::result_out_of_range};
 }
 
 char* write_number(char* begin, char* end, double value) {

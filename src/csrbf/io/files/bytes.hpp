@@ -68,6 +68,11 @@ decltype(auto) with_sample_type(SampleType type, Action action) {
   return action(double{});
 }
 
+/// A limit on numbers in files, lowered to what an index can hold on processors of 32 bits.
+constexpr std::int64_t index_limit(std::int64_t limit) {
+  return std::min(limit, static_cast<std::int64_t>(std::numeric_limits<Index>::max()));
+}
+
 /// Bytes of one sample.
 inline std::size_t sample_size(SampleType type) {
   return with_sample_type(type, [](auto sample) { return sizeof(sample); });

@@ -129,13 +129,8 @@ std::optional<double> parse_number(std::string_view word) {
   word = without_plus(word);
   double value = 0;
   const std::errc error = parse_whole(word, value);
-  if (error == std::errc()) return value;
-  if (error != std::errc::result_out_of_range) return std::nullopt;
-  // Too large or too small for a double: the wider type shows which.
-  long double wide = 0;
-  if (parse_whole(word, wide) != std::errc()) return std::nullopt;
-  const double magnitude = std::abs(wide) > 1 ? std::numeric_limits<double>::infinity() : 0.0;
-  return wide < 0 ? -magnitude : magnitude;
+  if (error != std::errc() && error != std::errc::result_out_of_range) return std::nullopt;
+  return value;
 }
 
 std::optional<std::int64_t> parse_integer(std::string_view word) {

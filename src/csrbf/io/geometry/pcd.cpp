@@ -47,7 +47,7 @@ SampleType type_of(const LineReader& reader, std::string_view kind, std::size_t 
 
 // What the lines before the data say; they are known by their first words.
 PcdHeader read_header(LineReader& reader) {
-  constexpr std::int64_t most_points = std::int64_t{1} << 40;
+  constexpr std::int64_t most_points = index_limit(std::int64_t{1} << 40);
   PcdHeader header;
   std::vector<std::string_view> types;
   std::int64_t width = 0, height = 1;
