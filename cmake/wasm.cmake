@@ -3,7 +3,8 @@
 #
 # Fixed-width SIMD and WebAssembly's own exceptions: Chrome 95, Firefox 100, Safari 16.4, node 17.
 include(/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake)
-set(csrbf_wasm_flags "-msimd128 -fwasm-exceptions -sSUPPORT_LONGJMP=wasm")
+# Clang 14 turns some pairs of 64-bit masks into wrong vector code (polygonize then never ends), hence no SLP.
+set(csrbf_wasm_flags "-msimd128 -fwasm-exceptions -sSUPPORT_LONGJMP=wasm -fno-slp-vectorize")
 set(CMAKE_C_FLAGS_INIT "${csrbf_wasm_flags}")
 set(CMAKE_CXX_FLAGS_INIT "${csrbf_wasm_flags}")
 # Emscripten's scripts need the module acorn, which Debian installs where Debian's node alone looks.

@@ -125,7 +125,7 @@ void add_contour(const Segmentation<2>& found, const Grid& grid, Answer& answer)
                    {begin + static_cast<std::uint32_t>(line.begin), static_cast<std::uint32_t>(line.size), label});
     measures.push_back({{"label", label}, {"length", contour.lines.length}, {"area", contour.lines.area}});
   }
-  answer.json["contour"] = measures;
+  answer.json["measures"] = measures;
   answer.add("contour", std::move(points));
   answer.add("lines", std::move(lines));
 }
@@ -149,7 +149,7 @@ void add_contour(const Segmentation<3>& found, const Grid& grid, Answer& answer)
     labels.insert(labels.end(), static_cast<std::size_t>(mesh.vertices.cols()), label);
     measures.push_back({{"label", label}, {"area", surface.area}, {"volume", surface.volume}});
   }
-  answer.json["contour"] = measures;
+  answer.json["measures"] = measures;
   answer.add("positions", std::move(positions));
   answer.add("triangles", std::move(triangles));
   answer.add("normals", std::move(normals));

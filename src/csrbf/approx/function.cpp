@@ -18,8 +18,8 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* dimensions_text =
-    "must be one of those the library was built for, 1 to 6; choose fewer coordinates";
+const std::string dimensions_text = "must be one of those the library was built for, 1 to " +
+                                    std::to_string(largest_dimension) + "; choose fewer coordinates";
 
 // Calls use(fit) with the fit held.
 template <class Use>
