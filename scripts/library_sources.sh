@@ -35,6 +35,7 @@ compile_libraries_with() {
   toolchain=$1
   prefix=$2
 }
+# The log is beside the source.
 compile() {
   cmake -S "$1" -B "$1/build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$toolchain" -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_INSTALL_PREFIX="$prefix" -DBUILD_SHARED_LIBS=OFF "${@:2}" >"${1%/}.log"
