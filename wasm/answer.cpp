@@ -8,9 +8,8 @@
 #include <new>
 
 // The listener is set for the time of a call, by index.js. It returns whether to go on.
-EM_JS(int, csrbf_listen, (const char* stage, double fraction), {
-  return Module["listener"] ? Module["listener"](UTF8ToString(stage), fraction) : 1;
-});
+EM_JS(int, csrbf_listen, (const char* stage, double fraction),
+      { return Module["listener"] ? Module["listener"](UTF8ToString(stage), fraction) : 1; });
 
 namespace csrbf::wasm {
 
@@ -27,7 +26,8 @@ void Answer::add(const std::string& name, const char* type, const void* data, st
 }
 
 Progress progress() {
-  return [](std::string_view stage, double fraction) { return csrbf_listen(std::string(stage).c_str(), fraction) != 0; };
+  return
+      [](std::string_view stage, double fraction) { return csrbf_listen(std::string(stage).c_str(), fraction) != 0; };
 }
 
 void describe_exception(Json& json) {

@@ -111,8 +111,8 @@ void deviation(const Model& model, const Eigen::Map<const Eigen::MatrixXd>& x, c
   require(of == "sample" || of == "function", "standardDeviation", "of", of, "must be sample or function");
   if (!model.function) throw InvalidInput("standardDeviation: a surface has none");
   expect_dimension(model, static_cast<int>(x.rows()));
-  const Eigen::MatrixXd found = model.function->function.standard_deviation(
-      x, of == "sample" ? DeviationOf::sample : DeviationOf::function);
+  const Eigen::MatrixXd found =
+      model.function->function.standard_deviation(x, of == "sample" ? DeviationOf::sample : DeviationOf::function);
   answer.add("value", Eigen::MatrixXd(found.transpose()));
 }
 
@@ -169,20 +169,23 @@ EMSCRIPTEN_KEEPALIVE Answer* csrbf_fit(const double* points, int dimension, int 
 }
 EMSCRIPTEN_KEEPALIVE Answer* csrbf_evaluate(const Model* model, const double* points, int dimension, int count,
                                             int with_gradient) {
-  return csrbf::wasm::answer(
-      [&](Answer& answer) { csrbf::wasm::evaluate_model(*model, {points, dimension, count}, with_gradient != 0, answer); });
+  return csrbf::wasm::answer([&](Answer& answer) {
+    csrbf::wasm::evaluate_model(*model, {points, dimension, count}, with_gradient != 0, answer);
+  });
 }
 EMSCRIPTEN_KEEPALIVE Answer* csrbf_deviation(const Model* model, const double* points, int dimension, int count,
                                              const char* of) {
-  return csrbf::wasm::answer(
-      [&](Answer& answer) { csrbf::wasm::deviation(*model, {points, dimension, count}, of, answer); });
+  return csrbf::wasm::answer([&](Answer& answer) {
+    csrbf::wasm::deviation(*model, {points, dimension, count}, of, answer);
+  });
 }
 EMSCRIPTEN_KEEPALIVE Answer* csrbf_to_bytes(const Model* model) {
   return csrbf::wasm::answer([&](Answer& answer) { csrbf::wasm::to_bytes(*model, answer); });
 }
 EMSCRIPTEN_KEEPALIVE Answer* csrbf_from_bytes(const char* bytes, int count) {
-  return csrbf::wasm::answer(
-      [&](Answer& answer) { csrbf::wasm::from_bytes({bytes, static_cast<std::size_t>(count)}, answer); });
+  return csrbf::wasm::answer([&](Answer& answer) {
+    csrbf::wasm::from_bytes({bytes, static_cast<std::size_t>(count)}, answer);
+  });
 }
 EMSCRIPTEN_KEEPALIVE void csrbf_delete(const Model* model) {
   delete model;

@@ -71,7 +71,6 @@ EMSCRIPTEN_KEEPALIVE Answer* csrbf_describe(const char* path) {
   return csrbf::wasm::answer([&](Answer& answer) { csrbf::wasm::describe_file(path, answer); });
 }
 EMSCRIPTEN_KEEPALIVE Answer* csrbf_coarse(const char* path, const char* folder) {
-  return csrbf::wasm::answer(
-      [&](Answer& answer) { answer.json["name"] = csrbf::app::coarse_copy(path, folder); });
+  return csrbf::wasm::answer([&](Answer& answer) { answer.json["name"] = csrbf::app::coarse_copy(path, folder); });
 }
 }

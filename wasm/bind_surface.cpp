@@ -139,9 +139,8 @@ using csrbf::wasm::Answer;
 
 EMSCRIPTEN_KEEPALIVE Answer* csrbf_reconstruct(const double* points, int count, const double* normals, int normal_count,
                                                const char* options) {
-  return csrbf::wasm::answer([&](Answer& answer) {
-    csrbf::wasm::reconstruct_arrays(points, count, normals, normal_count, options, answer);
-  });
+  return csrbf::wasm::answer(
+      [&](Answer& answer) { csrbf::wasm::reconstruct_arrays(points, count, normals, normal_count, options, answer); });
 }
 EMSCRIPTEN_KEEPALIVE Answer* csrbf_polygonize(const csrbf::wasm::Model* model, const char* options) {
   return csrbf::wasm::answer([&](Answer& answer) { csrbf::wasm::polygonize_model(*model, options, answer); });

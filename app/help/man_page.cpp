@@ -78,9 +78,8 @@ std::vector<FlagUsage> common_flags(const Usage& program) {
   std::vector<FlagUsage> common = program.subcommands.front().flags;
   std::erase_if(common, [&](const FlagUsage& flag) {
     return !std::all_of(program.subcommands.begin(), program.subcommands.end(), [&](const Usage& subcommand) {
-      return std::any_of(subcommand.flags.begin(), subcommand.flags.end(), [&](const FlagUsage& other) {
-        return other.names == flag.names && other.what == flag.what;
-      });
+      return std::any_of(subcommand.flags.begin(), subcommand.flags.end(),
+                         [&](const FlagUsage& other) { return other.names == flag.names && other.what == flag.what; });
     });
   });
   return common;

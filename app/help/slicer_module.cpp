@@ -48,7 +48,8 @@ constexpr std::array modules{SlicerModule{"segment", "Segmentation", segment_fil
                              SlicerModule{"inpaint", "Filtering", inpaint_files}};
 
 const SlicerModule* find_module(const std::string& subcommand) {
-  const auto found = std::find_if(modules.begin(), modules.end(), [&](const SlicerModule& m) { return m.subcommand == subcommand; });
+  const auto found =
+      std::find_if(modules.begin(), modules.end(), [&](const SlicerModule& m) { return m.subcommand == subcommand; });
   return found == modules.end() ? nullptr : &*found;
 }
 
@@ -57,7 +58,8 @@ std::string element(const std::string& tag, std::string_view text) {
 }
 
 void make_lower(std::string& name) {
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
 }
 
 // "center-spacing" as "Center spacing".
@@ -114,7 +116,8 @@ bool is_slicer_module(const std::string& subcommand) {
 std::string slicer_module(const Usage& subcommand) {
   const SlicerModule& module = *find_module(subcommand.name);
   const auto find_file = [&](const std::string& name) {
-    const auto found = std::find_if(module.files.begin(), module.files.end(), [&](const SlicerFile& f) { return f.name == name; });
+    const auto found =
+        std::find_if(module.files.begin(), module.files.end(), [&](const SlicerFile& f) { return f.name == name; });
     return found == module.files.end() ? nullptr : &*found;
   };
   std::string files, options;

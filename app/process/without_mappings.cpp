@@ -1,5 +1,5 @@
-// What the files of this folder that need mapped files do, as far as Windows and WebAssembly have it; CMake compiles this
-// one in their place.
+// What the files of this folder that need mapped files do, as far as Windows and WebAssembly have it; CMake compiles
+// this one in their place.
 #include "common.hpp"
 #include "process/file_memory.hpp"
 #include "process/memory_cap.hpp"

@@ -95,7 +95,8 @@ Decimal parse_decimal(const char* begin, const char* end) {
 
 // The length of "inf", "infinity", "nan" or "nan(...)" in any case; 0: none of them.
 std::size_t length_of_word(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (text.starts_with("infinity")) return 8;
   return text.starts_with("inf") || text.starts_with("nan") ? 3 : 0;
 }
