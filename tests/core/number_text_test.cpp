@@ -1,6 +1,6 @@
-#include "csrbf/core/number_text.hpp"
+#include "csrbf/core/numbers/number_text.hpp"
 
-#include "csrbf/core/bit_cast.hpp"
+#include "csrbf/core/numbers/bit_cast.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
-#include "csrbf/core/number_text.hpp"
+#include "csrbf/core/numbers/number_text.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/convex_hull.hpp"

@@ -1,7 +1,7 @@
 #include "csrbf/io/contour_lines.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/core/number_text.hpp"
+#include "csrbf/core/numbers/number_text.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/core/bit_cast.hpp"
+#include "csrbf/core/numbers/bit_cast.hpp"
 #include "csrbf/core/simd.hpp"
 
 #include <array>

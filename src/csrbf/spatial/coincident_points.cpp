@@ -1,7 +1,7 @@
 #include "csrbf/spatial/coincident_points.hpp"
 
-#include "csrbf/core/bit_cast.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/numbers/bit_cast.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "csrbf/core/bit_cast.hpp"
 #include "csrbf/core/grid.hpp"
+#include "csrbf/core/numbers/bit_cast.hpp"
 
 #include <bit>
 #include <cstring>

@@ -1,7 +1,7 @@
 #include "csrbf/io/files/text.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/core/number_text.hpp"
+#include "csrbf/core/numbers/number_text.hpp"
 
 #include <charconv>
 #include <cstring>

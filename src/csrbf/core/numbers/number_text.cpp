@@ -1,4 +1,4 @@
-#include "csrbf/core/number_text.hpp"
+#include "csrbf/core/numbers/number_text.hpp"
 
 #include <algorithm>
 #include <cctype>
