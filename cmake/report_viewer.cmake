@@ -4,7 +4,7 @@
 # `npm install` in viewer/, from there.
 find_file(CSRBF_THREE_MODULE three.module.js
           PATHS ${PROJECT_SOURCE_DIR}/viewer/node_modules/three/build /usr/share/javascript/three
-          NO_DEFAULT_PATH)
+          NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH)
 find_program(CSRBF_ESBUILD esbuild HINTS ${PROJECT_SOURCE_DIR}/viewer/node_modules/.bin)
 mark_as_advanced(CSRBF_THREE_MODULE CSRBF_ESBUILD)
 

@@ -77,10 +77,9 @@ std::string flag_item(const FlagUsage& flag) {
 std::vector<FlagUsage> common_flags(const Usage& program) {
   std::vector<FlagUsage> common = program.subcommands.front().flags;
   std::erase_if(common, [&](const FlagUsage& flag) {
-    return !std::ranges::all_of(program.subcommands, [&](const Usage& subcommand) {
-      return std::ranges::any_of(subcommand.flags, [&](const FlagUsage& other) {
-        return other.names == flag.names && other.what == flag.what;
-      });
+    return !std::all_of(program.subcommands.begin(), program.subcommands.end(), [&](const Usage& subcommand) {
+      return std::any_of(subcommand.flags.begin(), subcommand.flags.end(),
+                         [&](const FlagUsage& other) { return other.names == flag.names && other.what == flag.what; });
     });
   });
   return common;
@@ -92,7 +91,7 @@ std::string command_section(const Usage& subcommand, const std::vector<FlagUsage
   for (const ArgumentUsage& argument : subcommand.arguments) roff += item(italic(argument.name), argument.what);
   for (const FlagUsage& flag : subcommand.flags) {
     const auto is_this = [&](const FlagUsage& other) { return other.names == flag.names; };
-    if (std::ranges::none_of(common, is_this)) roff += flag_item(flag);
+    if (std::none_of(common.begin(), common.end(), is_this)) roff += flag_item(flag);
   }
   return roff + ".PP\nExample:\n" + command(subcommand.example);
 }

@@ -48,7 +48,8 @@ constexpr std::array modules{SlicerModule{"segment", "Segmentation", segment_fil
                              SlicerModule{"inpaint", "Filtering", inpaint_files}};
 
 const SlicerModule* find_module(const std::string& subcommand) {
-  const auto found = std::ranges::find(modules, subcommand, &SlicerModule::subcommand);
+  const auto found =
+      std::find_if(modules.begin(), modules.end(), [&](const SlicerModule& m) { return m.subcommand == subcommand; });
   return found == modules.end() ? nullptr : &*found;
 }
 
@@ -56,23 +57,28 @@ std::string element(const std::string& tag, std::string_view text) {
   return "<" + tag + ">" + xml_escaped(text) + "</" + tag + ">\n";
 }
 
+void make_lower(std::string& name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+}
+
 // "center-spacing" as "Center spacing".
 std::string label(std::string name) {
-  std::ranges::replace(name, '-', ' ');
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::replace(name.begin(), name.end(), '-', ' ');
+  make_lower(name);
   name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
   return name;
 }
 
 std::string identity(const std::string& name, const std::string& what) {
   std::string identifier = name;
-  std::ranges::replace(identifier, '-', '_');
+  std::replace(identifier.begin(), identifier.end(), '-', '_');
   return element("name", identifier) + element("label", label(name)) + element("description", what);
 }
 
 // Slicer omits empty texts and files, and always passes everything else.
 std::string option(const FlagUsage& flag, const std::string& name) {
-  const bool has_default_word = std::ranges::find(flag.words, flag.shown_default) != flag.words.end();
+  const bool has_default_word = std::find(flag.words.begin(), flag.words.end(), flag.shown_default) != flag.words.end();
   const std::optional<double> number = parse_number(flag.shown_default);
   std::string tag = "string", known = element("default", "");
   if (has_default_word && flag.only_words) {
@@ -110,14 +116,15 @@ bool is_slicer_module(const std::string& subcommand) {
 std::string slicer_module(const Usage& subcommand) {
   const SlicerModule& module = *find_module(subcommand.name);
   const auto find_file = [&](const std::string& name) {
-    const auto found = std::ranges::find(module.files, name, &SlicerFile::name);
+    const auto found =
+        std::find_if(module.files.begin(), module.files.end(), [&](const SlicerFile& f) { return f.name == name; });
     return found == module.files.end() ? nullptr : &*found;
   };
   std::string files, options;
   int index = 0;
   for (const ArgumentUsage& argument : subcommand.arguments) {
     std::string name = argument.name;
-    std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    make_lower(name);
     files += file(*find_file(argument.name), name, argument.what, element("index", std::to_string(index++)));
   }
   for (const FlagUsage& flag : subcommand.flags) {

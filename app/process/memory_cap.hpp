@@ -24,12 +24,16 @@ class MemoryCap {
   [[nodiscard]] std::size_t peak_scratch_bytes() const { return memory_.peak_bytes(); }
 
  private:
+#ifndef __EMSCRIPTEN__  // whose library has no jthread
   void watch(const std::stop_token& stop);
+#endif
 
   std::size_t bytes_;
   std::string scratch_;
   FileMemory& memory_;
+#ifndef __EMSCRIPTEN__
   std::jthread watcher_;
+#endif
 };
 
 }  // namespace csrbf::app

@@ -16,7 +16,7 @@ std::string escaped(std::string_view text) {
   constexpr std::array<Entity, 5> entities{
       {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}}};
   for (const char c : text) {
-    const auto* entity = std::ranges::find(entities, c, &Entity::first);
+    const auto* entity = std::find_if(entities.begin(), entities.end(), [&](const Entity& e) { return e.first == c; });
     // Other control characters are invalid in a document; a report must not fail because of a file name.
     const char kept = static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' ? '?' : c;
     result += entity != entities.end() ? entity->second : std::string_view(&kept, 1);

@@ -8,6 +8,8 @@ namespace csrbf::app {
 void serve_studio(const StudioOptions& /*options*/) {
 #ifdef _WIN32
   throw UsageError("csrbf studio: not on Windows; WSL runs the one for Linux");
+#elif defined(__EMSCRIPTEN__)
+  throw UsageError("csrbf studio: this is the one in the browser");
 #else
   throw UsageError(
       "this csrbf was built without the studio: install cpp-httplib, three.js and esbuild (Debian: libcpp-httplib-dev "

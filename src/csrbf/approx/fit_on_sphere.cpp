@@ -279,7 +279,8 @@ void check_sphere(const FitOptions& options) {
   const auto is_axis = [](int a) { return a >= 0 && a < Dim; };
   require(axes.size() == 2 && is_axis(axes[0]) && is_axis(axes[1]) && axes[0] != axes[1], "fit", "sphere", axes.size(),
           "must be two of the axes, numbered from 0: longitude, latitude");
-  require(Dim < 6, "fit", "dimension", Dim, "with a sphere there are at most five coordinates");
+  require(Dim < largest_dimension, "fit", "dimension", Dim,
+          "with a sphere there are at most " + std::to_string(largest_dimension - 1) + " coordinates");
   if (options.periods.size() == Dim)
     for (const int a : axes)
       require(options.periods[static_cast<std::size_t>(a)] == 0, "fit", "periods",
@@ -289,8 +290,8 @@ void check_sphere(const FitOptions& options) {
 template <int Dim>
 Fit<Dim> fit_on_sphere(const Samples<Dim>& samples, const FitOptions& options, const FitSamples<Dim>& in_plane,
                        const FitSamples<SphereField<Dim>::space_dim>& in_space) {
-  if constexpr (Dim == 1 || Dim == 6) {
-    throw InvalidInput("fit: sphere: needs two to five coordinates");
+  if constexpr (Dim == 1 || Dim == largest_dimension) {
+    throw InvalidInput("fit: sphere: needs two to " + std::to_string(largest_dimension - 1) + " coordinates");
   } else {
     for (const double latitude : samples.points.row(options.sphere[1]))
       require(std::abs(latitude) <= 90, "fit", "latitude", latitude,

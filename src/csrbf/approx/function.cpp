@@ -5,12 +5,12 @@
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
+#include "csrbf/core/numbers/number_text.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/convex_hull.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <type_traits>
@@ -18,8 +18,8 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* dimensions_text =
-    "must be one of those the library was built for, 1 to 6; choose fewer coordinates";
+const std::string dimensions_text = "must be one of those the library was built for, 1 to " +
+                                    std::to_string(largest_dimension) + "; choose fewer coordinates";
 
 // Calls use(fit) with the fit held.
 template <class Use>
@@ -255,7 +255,7 @@ Mask mask_of(const std::string& text) {
   const std::string prefix = "distance:";
   Mask mask;
   const char *begin = text.data() + std::min(prefix.size(), text.size()), *end = text.data() + text.size();
-  const auto [last, error] = std::from_chars(begin, end, mask.distance);
+  const auto [last, error] = read_number(begin, end, mask.distance);
   if (!text.starts_with(prefix) || error != std::errc() || last != end || !(mask.distance > 0))
     throw InvalidInput("mask = " + text + ": must be hull, or distance:D with a positive distance D");
   return mask;

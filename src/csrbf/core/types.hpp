@@ -14,13 +14,25 @@
 #include <span>
 
 /// X(Dim) for every dimension in which the templates on `int Dim` of the library are instantiated. Their definitions
-/// live in source files; more dimensions need one more entry here.
+/// live in source files; more dimensions need one more entry here. CSRBF_FEW_DIMENSIONS leaves those beyond space out
+/// (CMake: CSRBF_LARGEST_DIMENSION).
+#ifdef CSRBF_FEW_DIMENSIONS
+#define CSRBF_FOR_EACH_DIM(X) X(1) X(2) X(3)
+#else
 #define CSRBF_FOR_EACH_DIM(X) X(1) X(2) X(3) X(4) X(5) X(6)
+#endif
 
 /// csrbf: smooth functions and surfaces from scattered data by compactly supported radial basis functions.
 namespace csrbf {
 
 using Index = Eigen::Index;
+
+/// The last of the dimensions of CSRBF_FOR_EACH_DIM.
+#ifdef CSRBF_FEW_DIMENSIONS
+inline constexpr int largest_dimension = 3;
+#else
+inline constexpr int largest_dimension = 6;
+#endif
 
 /// One point of R^Dim.
 template <int Dim>

@@ -1,6 +1,7 @@
 #include "csrbf/io/contour_lines.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/numbers/number_text.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
@@ -8,7 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include <charconv>
+#include <array>
 
 namespace csrbf {
 namespace {
@@ -17,8 +18,7 @@ namespace {
 void append_coordinate(std::string& out, double value) {
   constexpr int digits = 9;
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits).ptr;
-  out.append(text.data(), end);
+  out.append(text.data(), write_number(text.data(), text.data() + text.size(), value, digits));
 }
 
 void append_coordinates(std::string& out, const Point<2>& p) {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "csrbf/core/numbers/bit_cast.hpp"
 #include "csrbf/core/simd.hpp"
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -50,7 +50,7 @@ CSRBF_ALWAYS_INLINE double vector_exp(double x) {
   const double shifted = y * log2_e + round;
   const double k = shifted - round;
   const double f = (y - k * log2_high) - k * log2_low;
-  const double power_of_two = std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
+  const double power_of_two = bit_cast<double>((bit_cast<std::uint64_t>(shifted) + 1023) << 52);
   const double result = polynomial_value<13>(series, f) * power_of_two;
   return x < -708 ? 0 : result;
 }
@@ -62,10 +62,10 @@ CSRBF_ALWAYS_INLINE double vector_log(double x) {
                                              2.0 / 13, 2.0 / 15, 2.0 / 17, 2.0 / 19, 2.0 / 21};
   constexpr std::uint64_t offset = 0x3fe6000000000000;  // bits of .6875, the lower end of m
   constexpr std::uint64_t one = 0x3ff0000000000000;     // bits of 1
-  const auto bits = std::bit_cast<std::uint64_t>(x);
+  const auto bits = bit_cast<std::uint64_t>(x);
   const std::uint64_t exponent = (bits - offset + one) >> 52;  // k + 1023
-  const double k = std::bit_cast<double>(exponent | 0x4330000000000000) - (0x1p52 + 1023);
-  const double m = std::bit_cast<double>(bits - (exponent << 52) + one);
+  const double k = bit_cast<double>(exponent | 0x4330000000000000) - (0x1p52 + 1023);
+  const double m = bit_cast<double>(bits - (exponent << 52) + one);
   const double s = (m - 1) / (m + 1);
   const double result = k * log2_high + (s * polynomial_value<10>(series, s * s) + k * log2_low);
   return x != x ? x : result;

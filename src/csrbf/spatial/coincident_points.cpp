@@ -1,6 +1,7 @@
 #include "csrbf/spatial/coincident_points.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/numbers/bit_cast.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
 
@@ -15,8 +16,7 @@ constexpr Index points_per_task = 1 << 14;  // points per task, chosen by hand
 template <int Dim>
 std::uint64_t hash(const double* p) {
   std::uint64_t h = 0;
-  for (int a = 0; a < Dim; ++a)
-    h = (std::rotl(h, 23) ^ std::bit_cast<std::uint64_t>(p[a] + 0.0)) * 0x9E3779B97F4A7C15ULL;
+  for (int a = 0; a < Dim; ++a) h = (std::rotl(h, 23) ^ bit_cast<std::uint64_t>(p[a] + 0.0)) * 0x9E3779B97F4A7C15ULL;
   return h ^ h >> 32U;
 }
 

@@ -247,7 +247,7 @@ Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
                     const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options) {
   require(options.leaf_size >= 1, "partition", "leaf_size", options.leaf_size, "must be at least 1");
   const Index n = points.cols();
-  require(n < (Index{1} << 32), "partition", "points", n, "must be fewer than 2^32");
+  require(std::int64_t{n} < (std::int64_t{1} << 32), "partition", "points", n, "must be fewer than 2^32");
   require(normals.cols() == 0 || normals.cols() == n, "partition", "normals", normals.cols(), "one per point or none");
   require(spacing.size() == 0 || spacing.size() == n, "partition", "spacing", spacing.size(), "one per point or none");
   Partition result;

@@ -48,7 +48,8 @@ void check(const PointsRef<3>& points, const NormalOptions& options) {
   require(options.neighbors == 0 || options.neighbors >= 3, where, "neighbors", options.neighbors,
           "must be 0 (automatic) or at least 3");
   require(points.allFinite(), where, "points", "NaN or infinity", "must be finite; remove such points");
-  require(points.cols() < (Index{1} << 31), where, "points.cols()", points.cols(), "must be below 2^31");
+  require(std::int64_t{points.cols()} < (std::int64_t{1} << 31), where, "points.cols()", points.cols(),
+          "must be below 2^31");
   if (options.orient == Orient::viewpoint)
     require(options.viewpoint.allFinite(), where, "viewpoint", options.viewpoint.transpose(), "must be finite");
 }

@@ -86,8 +86,8 @@ struct Predictions {
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Eigen::MatrixXd(G.topRows(m).transpose()));
     const auto& order = qr.colsPermutation().indices();
     fixed.assign(order.data(), order.data() + q);
-    std::ranges::sort(fixed);
-    std::erase_if(others, [&](Index k) { return std::ranges::binary_search(fixed, k); });
+    std::sort(fixed.begin(), fixed.end());
+    std::erase_if(others, [&](Index k) { return std::binary_search(fixed.begin(), fixed.end(), k); });
     const Eigen::MatrixXd at_fixed = G(fixed, Eigen::all).transpose();
     lambda = solve_by_lu(at_fixed, Eigen::MatrixXd(G(others, Eigen::all).transpose())).transpose();
   }
@@ -122,7 +122,7 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
   if (q > 0) {  // first those that determine the polynomials best
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Eigen::MatrixXd(G(order, Eigen::all).transpose()));
     std::vector<Index> first(qr.colsPermutation().indices().data(), qr.colsPermutation().indices().data() + q);
-    std::ranges::sort(first);
+    std::sort(first.begin(), first.end());
     for (Index k = 0; k < q; ++k)
       std::rotate(order.begin() + k, order.begin() + first[k], order.begin() + first[k] + 1);
   }
@@ -206,7 +206,7 @@ InverseFactor::InverseFactor(const PointsRef<Dim>& points, const Kernel& kernel,
   if (n > q) {
     std::vector<double> sorted(variances.data() + q, variances.data() + n);
     const auto place = static_cast<std::ptrdiff_t>(common_share * static_cast<double>(sorted.size()));
-    std::ranges::nth_element(sorted, sorted.begin() + place);
+    std::nth_element(sorted.begin(), sorted.begin() + place, sorted.end());
     common_variance_ = sorted[place] / largest;
   }
   report(progress, "factor", 1);

@@ -33,8 +33,8 @@ Index default_neighbors(int dimension, int smoothness) {
   return 60 + 25 * std::min(smoothness, 4);
 }
 
-// Errors of the sums must not change the sign of the least eigenvalues, which are about the common variance; the norm of
-// n x n random errors grows as sqrt(n).
+// Errors of the sums must not change the sign of the least eigenvalues, which are about the common variance; the norm
+// of n x n random errors grows as sqrt(n).
 double inner_accuracy(const InverseFactor& inverse, Index n) {
   return std::clamp(inverse.common_variance() / std::sqrt(static_cast<double>(n)), highest_accuracy, lowest_accuracy);
 }

@@ -145,7 +145,7 @@ Eigen::VectorXd PowerFunction<Dim>::evaluate_nearest(const PointsRef<Dim>& x) co
     }
     ids.resize(all.tree.nearest(p, nearest, ids.data(), r2.data()));
     ids.insert(ids.end(), all.spread.begin(), all.spread.end());
-    std::ranges::sort(ids);
+    std::sort(ids.begin(), ids.end());
     ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     const Index m = std::ssize(ids);
     Points<Dim> points(Dim, m + 1);

@@ -26,8 +26,8 @@ Point<3> point_on_sphere(double longitude, double latitude);
 template <int Dim>
 class SphereField : public Field<Dim> {
  public:
-  /// Of space and the other coordinates; Field<6> stands for that of seven, which there is not.
-  static constexpr int space_dim = Dim < 6 ? Dim + 1 : Dim;
+  /// Of space and the other coordinates; that of the largest dimension stands for one more, which there is not.
+  static constexpr int space_dim = Dim < largest_dimension ? Dim + 1 : Dim;
 
   struct Part {
     SphereChart chart;

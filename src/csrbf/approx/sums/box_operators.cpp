@@ -5,6 +5,7 @@
 #include "csrbf/linalg/panel_product.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
 
+#include <algorithm>
 #include <random>
 
 namespace csrbf {
@@ -19,6 +20,12 @@ constexpr double largest_error = 4;             // of interpolation, in units of
 constexpr double negligible_share = 1e-3;       // of the tolerance: many such boxes may add up
 constexpr Index test_points = 40;               // per box, for the error of interpolation
 constexpr Index basis_samples = 1500;           // far points that the basis is made for, about
+
+// Boxes between two boxes along the axis on which they are farthest.
+template <std::size_t Dim>
+int largest(const std::array<int, Dim>& offset) {
+  return *std::max_element(offset.begin(), offset.end());
+}
 
 // Rows of the nodes of one slab, padded.
 template <int Dim>
@@ -167,10 +174,10 @@ BoxOperators<Dim>::BoxOperators(const Kernel& kernel, double half, double tolera
     measure(limit);
     any_near_ = false;
     for (Index c = 0; c < codes; ++c)
-      if (std::ranges::max(offset(c)) >= 2 && reach_[c] == Reach::near) any_near_ = true;
+      if (largest(offset(c)) >= 2 && reach_[c] == Reach::near) any_near_ = true;
     if (!any_near_) break;
   }
-  if (has_parent || std::ranges::find(reach_, Reach::far) != reach_.end()) find_basis(limit);
+  if (has_parent || std::find(reach_.begin(), reach_.end(), Reach::far) != reach_.end()) find_basis(limit);
 }
 
 template <int Dim>
@@ -196,7 +203,7 @@ BoxOffset<Dim> BoxOperators<Dim>::offset(Index code) const {
 
 template <int Dim>
 typename BoxOperators<Dim>::Reach BoxOperators<Dim>::reach(const BoxOffset<Dim>& offset) const {
-  if (std::ranges::max(offset) <= farthest_) return reach_[code(offset)];
+  if (largest(offset) <= farthest_) return reach_[code(offset)];
   return is_negligible(offset) ? Reach::negligible : Reach::near;
 }
 
@@ -239,7 +246,7 @@ void BoxOperators<Dim>::measure(double limit) {
   const Eigen::MatrixXd S = interpolation<Dim>(chebyshev_, x);
   for (Index c = 0; c < std::ssize(reach_); ++c) {
     const BoxOffset<Dim> o = offset(c);
-    if (std::ranges::max(o) < 2) continue;
+    if (largest(o) < 2) continue;
     if (is_negligible(o)) {
       reach_[c] = Reach::negligible;
       continue;
@@ -264,7 +271,7 @@ void BoxOperators<Dim>::find_basis(double limit) {
   std::vector<Points<Dim>> boxes;
   for (Index c = 0; c < std::ssize(reach_); ++c) {
     const BoxOffset<Dim> o = offset(c);
-    if (std::ranges::max(o) < 2 || reach_[c] == Reach::negligible) continue;
+    if (largest(o) < 2 || reach_[c] == Reach::negligible) continue;
     for (const double times : {1., 2., 4., 8.}) {
       Points<Dim> y = spread_points<Dim>(test_points);
       for (int d = 0; d < Dim; ++d) y.row(d).array() += 2 * o[d];
@@ -306,7 +313,8 @@ void BoxOperators<Dim>::find_basis(double limit) {
     }
   }
   // Leaves out the least ones as long as no box loses more than it may.
-  std::ranges::stable_sort(functions, std::greater<>(), &Function::singular_value);
+  std::stable_sort(functions.begin(), functions.end(),
+                   [](const Function& a, const Function& b) { return a.singular_value > b.singular_value; });
   Eigen::VectorXd lost = Eigen::VectorXd::Zero(std::ssize(boxes));
   while (!functions.empty()) {
     lost += functions.back().energy;

@@ -83,7 +83,7 @@ template <int Dim>
 bool BoxTree<Dim>::needs_division(const TreeBox<Dim>& box) const {
   if (!few(box)) return true;
   if (box.count == 0 && !everywhere) return false;
-  if (std::ranges::all_of(box.near, [&](std::int32_t b) { return few(boxes[b]); })) return false;
+  if (std::all_of(box.near.begin(), box.near.end(), [&](std::int32_t b) { return few(boxes[b]); })) return false;
   const Index rank = operators[box.level] == nullptr ? 0 : operators[box.level]->rank();
   Index sources = 0;
   for (const std::int32_t b : box.near) sources += boxes[b].count;
@@ -157,7 +157,7 @@ void BoxTree<Dim>::list(int level) {
       list_sources(b, far);
       for (const auto& [key, source] : far) all.push_back({key, {static_cast<std::int32_t>(b), source}});
     }
-    std::ranges::stable_sort(all, {}, [](const auto& entry) { return entry.first; });
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [key, pair] : all) {
       const Index code = key >> Dim;
       const auto mirrored = static_cast<unsigned>(key & ((1U << Dim) - 1));

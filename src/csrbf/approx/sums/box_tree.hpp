@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/sums/box_operators.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -21,7 +22,7 @@ struct TreeBox {
   std::vector<std::int32_t> near{};
 
   [[nodiscard]] bool leaf() const {
-    return std::ranges::all_of(child, [](std::int32_t c) { return c < 0; });
+    return std::all_of(child.begin(), child.end(), [](std::int32_t c) { return c < 0; });
   }
 };
 

@@ -46,7 +46,8 @@ void FastSum<Dim>::number_slots(const PointsRef<Dim>& centers) {
     const bool highest = box.parent < 0 || !tree_.few(tree_.boxes[box.parent]);
     if (box.count > 0 && tree_.few(box) && highest) holders.push_back(b);
   }
-  std::ranges::sort(holders, {}, [&](Index b) { return tree_.boxes[b].first; });
+  std::sort(holders.begin(), holders.end(),
+            [&](Index a, Index b) { return tree_.boxes[a].first < tree_.boxes[b].first; });
   Index slots = 0;
   for (const Index b : holders) {
     slot_[b] = slots;
@@ -215,7 +216,7 @@ std::vector<typename FastSum<Dim>::Run> FastSum<Dim>::runs(const std::vector<std
   std::vector<Run> result;
   for (const std::int32_t b : near)
     if (span_[b].begin < span_[b].end) result.push_back(span_[b]);
-  std::ranges::sort(result, {}, &Run::begin);
+  std::sort(result.begin(), result.end(), [](const Run& a, const Run& b) { return a.begin < b.begin; });
   std::size_t kept = 0;
   for (std::size_t i = 1; i < result.size(); ++i) {
     if (result[i].begin == result[kept].end)
@@ -357,7 +358,7 @@ template <int Dim>
 void FastSum<Dim>::add_sums(const FarField& field, const PointsRef<Dim>& x, const JetBlock& out) const {
   std::vector<std::pair<Index, Index>> leaf_of(x.cols());
   for (Index k = 0; k < x.cols(); ++k) leaf_of[k] = {tree_.leaf_at(x.col(k)), k};
-  std::ranges::sort(leaf_of);
+  std::sort(leaf_of.begin(), leaf_of.end());
   Jet<Dim> jet;
   for (std::size_t begin = 0; begin < leaf_of.size();) {
     const Index leaf = leaf_of[begin].first;

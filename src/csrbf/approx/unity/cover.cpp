@@ -20,7 +20,8 @@ constexpr Index grain = 1 << 14;  // points per task, chosen by hand
 template <int Dim>
 Cover<Dim>::Cover(const PointsRef<Dim>& points, Index leaf_size, double growth, CoverUse use) {
   require(points.cols() > 0, "Cover", "points", 0, "at least one is needed");
-  require(points.cols() < (Index{1} << 32), "Cover", "points", points.cols(), "must be fewer than 2^32");
+  require(std::int64_t{points.cols()} < (std::int64_t{1} << 32), "Cover", "points", points.cols(),
+          "must be fewer than 2^32");
   require(growth > 1, "Cover", "growth", growth, "must be above 1, so that supports overlap");
   tree_.growth = growth;
   tree_.box = bounding_box<Dim>(points);

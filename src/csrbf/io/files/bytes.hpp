@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
+#include "csrbf/core/numbers/bit_cast.hpp"
 
 #include <bit>
 #include <cstring>
@@ -15,13 +16,13 @@ T load_scalar(const char* bytes, std::endian order = std::endian::little) {
   std::array<char, sizeof(T)> raw;
   std::memcpy(raw.data(), bytes, sizeof(T));
   if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
-  return std::bit_cast<T>(raw);
+  return bit_cast<T>(raw);
 }
 
 /// Stores a scalar at `bytes` (no alignment needed) in little-endian order.
 template <class T>
 void store_scalar(char* bytes, T value) {
-  auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  auto raw = bit_cast<std::array<char, sizeof(T)>>(value);
   if (std::endian::native != std::endian::little) std::reverse(raw.begin(), raw.end());
   std::memcpy(bytes, raw.data(), raw.size());
 }
@@ -65,6 +66,11 @@ decltype(auto) with_sample_type(SampleType type, Action action) {
   if (type == SampleType::int64) return action(std::int64_t{});
   if (type == SampleType::float32) return action(float{});
   return action(double{});
+}
+
+/// A limit on numbers in files, lowered to what an index can hold on processors of 32 bits.
+constexpr std::int64_t index_limit(std::int64_t limit) {
+  return std::min(limit, static_cast<std::int64_t>(std::numeric_limits<Index>::max()));
 }
 
 /// Bytes of one sample.

@@ -1,6 +1,7 @@
 #include "csrbf/io/files/text.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/numbers/number_text.hpp"
 
 #include <charconv>
 #include <cstring>
@@ -17,10 +18,17 @@ std::string_view without_plus(std::string_view word) {
   return word;
 }
 
+std::from_chars_result read_from(const char* begin, const char* end, double& value) {
+  return read_number(begin, end, value);
+}
+std::from_chars_result read_from(const char* begin, const char* end, std::int64_t& value) {
+  return std::from_chars(begin, end, value);
+}
+
 template <class Number>
 std::errc parse_whole(std::string_view word, Number& value) {
   const char* end = word.data() + word.size();
-  const auto [stop, error] = std::from_chars(word.data(), end, value);
+  const auto [stop, error] = read_from(word.data(), end, value);
   if (stop != end || word.empty()) return std::errc::invalid_argument;
   return error;
 }
@@ -121,13 +129,8 @@ std::optional<double> parse_number(std::string_view word) {
   word = without_plus(word);
   double value = 0;
   const std::errc error = parse_whole(word, value);
-  if (error == std::errc()) return value;
-  if (error != std::errc::result_out_of_range) return std::nullopt;
-  // Too large or too small for a double: the wider type shows which.
-  long double wide = 0;
-  if (parse_whole(word, wide) != std::errc()) return std::nullopt;
-  const double magnitude = std::abs(wide) > 1 ? std::numeric_limits<double>::infinity() : 0.0;
-  return wide < 0 ? -magnitude : magnitude;
+  if (error != std::errc() && error != std::errc::result_out_of_range) return std::nullopt;
+  return value;
 }
 
 std::optional<std::int64_t> parse_integer(std::string_view word) {
@@ -138,8 +141,7 @@ std::optional<std::int64_t> parse_integer(std::string_view word) {
 
 void append_number(std::string& out, double value) {
   char buffer[32];
-  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
-  out.append(buffer, end);
+  out.append(buffer, write_number(buffer, buffer + sizeof buffer, value));
 }
 
 }  // namespace csrbf

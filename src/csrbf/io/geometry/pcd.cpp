@@ -47,7 +47,7 @@ SampleType type_of(const LineReader& reader, std::string_view kind, std::size_t 
 
 // What the lines before the data say; they are known by their first words.
 PcdHeader read_header(LineReader& reader) {
-  constexpr std::int64_t most_points = std::int64_t{1} << 40;
+  constexpr std::int64_t most_points = index_limit(std::int64_t{1} << 40);
   PcdHeader header;
   std::vector<std::string_view> types;
   std::int64_t width = 0, height = 1;
@@ -200,7 +200,7 @@ void add_packed_colors(const Eigen::MatrixXd& values, Index row, SampleType type
   Eigen::MatrixXd parts(3, values.cols());
   for (Index i = 0; i < values.cols(); ++i) {
     const double value = values(row, i);
-    const auto packed = type == SampleType::float32 ? std::bit_cast<std::uint32_t>(static_cast<float>(value))
+    const auto packed = type == SampleType::float32 ? bit_cast<std::uint32_t>(static_cast<float>(value))
                                                     : narrow_scalar<std::uint32_t>(value);
     for (Index c = 0; c < 3; ++c) parts(c, i) = (packed >> (16 - 8 * c)) & 0xFFU;
   }

@@ -32,7 +32,7 @@ std::array<double, Count> read_row(const LineReader& reader, const char* what) {
 // Ten lines: columns, rows, four of the scanner, four of the matrix that takes points as rows. Returns the number of
 // points; reader is at the first of the lines.
 Index read_head(LineReader& reader, Eigen::Affine3d& place) {
-  constexpr std::int64_t most = std::int64_t{1} << 31;  // a limit on damaged files
+  constexpr std::int64_t most = index_limit(std::int64_t{1} << 31);  // a limit on damaged files
   const std::int64_t columns = reader.integer(reader.line(), 0, most);
   need_line(reader, "the number of rows");
   const std::int64_t rows = reader.integer(reader.line(), 0, most);

@@ -46,7 +46,7 @@ class VertexNumbers {
   static std::size_t hash(const Point<3>& p) {
     std::uint64_t h = 0;
     for (const double coordinate : p) {
-      h ^= std::bit_cast<std::uint64_t>(coordinate + 0.0);
+      h ^= bit_cast<std::uint64_t>(coordinate + 0.0);
       h *= 0x9E3779B97F4A7C15u;
       h ^= h >> 32;
     }

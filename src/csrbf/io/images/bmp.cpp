@@ -79,7 +79,7 @@ RawVolume parse_bmp(std::string_view bytes, const std::string& name) {
   layout.components = header.bits <= 8 && is_grey(palette) ? 1 : 3;
   layout.grid.axes = 2;
   layout.grid.size = {static_cast<Index>(header.width), static_cast<Index>(header.height), 1};
-  constexpr std::size_t largest_ratio = 3 * 8;  // of samples to pixels of one bit
+  constexpr std::uint64_t largest_ratio = 3 * 8;  // of samples to pixels of one bit
   raw.bytes.resize(checked_sample_bytes(layout, largest_ratio * bytes.size(), name));
   const std::size_t row_size = row_bytes(header.width, header.bits);
   char* out = raw.bytes.data();

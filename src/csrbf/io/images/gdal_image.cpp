@@ -8,7 +8,7 @@ RawVolume read_gdal_image(const std::string& path) {
   RawVolume raw;
   VolumeLayout& layout = raw.layout;
   layout.grid.axes = 2;
-  layout.grid.size = {raster.width, raster.height, 1};
+  layout.grid.size = {static_cast<Index>(raster.width), static_cast<Index>(raster.height), 1};
   layout.components = raster.bands;
   layout.type = static_cast<SampleType>(raster.type);
   layout.crs = raster.crs;

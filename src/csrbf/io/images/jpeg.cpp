@@ -99,7 +99,7 @@ RawVolume parse_jpeg(std::string_view bytes, const std::string& name) {
   layout.components = info.jpeg_color_space == JCS_GRAYSCALE ? 1 : 3;
   layout.grid.axes = 2;
   layout.grid.size = {Index{info.output_width}, Index{info.output_height}, 1};
-  constexpr std::size_t largest_ratio = 4096;  // pixels of one colour take two bits per block of 64 at least
+  constexpr std::uint64_t largest_ratio = 4096;  // pixels of one colour take two bits per block of 64 at least
   raw.bytes.resize(checked_sample_bytes(layout, largest_ratio * bytes.size(), name));
   reader.read(raw.bytes);
   return raw;

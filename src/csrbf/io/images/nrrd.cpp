@@ -148,7 +148,7 @@ class NrrdHeaderParser {
     for (NrrdAxis& axis : header_.axes) {
       std::string_view word = key == "space directions" ? take_vector(value) : take_word(value);
       if (word.empty()) reader_.fail("expected one item for each of " + std::to_string(header_.axes.size()) + " axes");
-      if (key == "sizes") axis.size = reader_.integer(word, 1, std::int64_t{1} << 40);
+      if (key == "sizes") axis.size = reader_.integer(word, 1, index_limit(std::int64_t{1} << 40));
       if (key == "kinds" && word != "???" && word != "none") axis.kind = word;
       if (key == "space directions") axis.direction = vector(word);
       if (key == "spacings") {

@@ -140,7 +140,7 @@ RawVolume parse_png(const std::string& bytes, const std::string& name) {
   raw.layout.type = png_get_bit_depth(file.png, file.info) == wide ? SampleType::uint16 : SampleType::uint8;
   raw.order = std::endian::big;
   // A packed sample takes one bit.
-  raw.bytes.resize(checked_deflated_bytes(raw.layout, 8 * bytes.size(), name));
+  raw.bytes.resize(checked_deflated_bytes(raw.layout, std::uint64_t{8} * bytes.size(), name));
   const std::size_t stride = png_get_rowbytes(file.png, file.info);
   if (stride * grid.size[1] != raw.bytes.size())
     throw IoError(name + ": the rows of the picture have an unexpected length");

@@ -53,8 +53,8 @@ RawVolume parse_pnm(std::string bytes, const std::string& name) {
   const char kind = bytes.size() > 2 && bytes[0] == 'P' && is_space(bytes[2]) ? bytes[1] : '\0';
   if (kind != '2' && kind != '3' && kind != '5' && kind != '6')
     throw IoError(name + ": not a .pgm or .ppm file: it must begin with P2, P3, P5 or P6");
-  constexpr std::int64_t longest = std::int64_t{1} << 31;  // a limit on damaged files
-  constexpr std::int64_t largest = 65535;                  // by the format
+  constexpr std::int64_t longest = index_limit(std::int64_t{1} << 31);  // a limit on damaged files
+  constexpr std::int64_t largest = 65535;                               // by the format
   Words words(bytes, name);
   RawVolume raw;
   raw.layout.grid.axes = 2;

@@ -73,25 +73,27 @@ void write_parts(const std::string& path, const FileParts& parts) {
   file.commit();
 }
 
-std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t available, const std::string& name) {
-  constexpr std::size_t most = std::size_t{1} << 40;  // a limit on damaged files: products do not overflow
+std::size_t checked_sample_bytes(const VolumeLayout& layout, std::uint64_t available, const std::string& name) {
+  constexpr std::uint64_t most = std::uint64_t{1} << 40;  // a limit on damaged files: products do not overflow
   const auto& size = layout.grid.size;
-  std::size_t samples = 1;
+  std::uint64_t samples = 1;
   for (const Index length : {size[0], size[1], size[2], layout.frames, layout.components}) {
     if (length < 1) throw IoError(name + ": the image has an axis of " + std::to_string(length) + " samples");
-    if (static_cast<std::size_t>(length) > most / samples)
+    if (static_cast<std::uint64_t>(length) > most / samples)
       throw IoError(name + ": the header promises more than 2^40 samples");
-    samples *= static_cast<std::size_t>(length);
+    samples *= static_cast<std::uint64_t>(length);
   }
-  const std::size_t bytes = samples * sample_size(layout.type);
+  const std::uint64_t bytes = samples * sample_size(layout.type);
   if (bytes > available)
     throw IoError(name + ": the file is truncated: its header promises " + std::to_string(bytes) +
                   " bytes of samples, it can hold " + std::to_string(available));
-  return bytes;
+  if (bytes > std::numeric_limits<std::size_t>::max() / 2)
+    throw IoError(name + ": the image is too large for a processor of 32 bits");
+  return static_cast<std::size_t>(bytes);
 }
 
-std::size_t checked_deflated_bytes(const VolumeLayout& layout, std::size_t compressed, const std::string& name) {
-  constexpr std::size_t largest_ratio = 1100;  // deflate's limit is 1032, see the zlib manual
+std::size_t checked_deflated_bytes(const VolumeLayout& layout, std::uint64_t compressed, const std::string& name) {
+  constexpr std::uint64_t largest_ratio = 1100;  // deflate's limit is 1032, see the zlib manual
   return checked_sample_bytes(layout, compressed * largest_ratio, name);
 }
 

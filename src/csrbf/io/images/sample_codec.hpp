@@ -40,10 +40,10 @@ std::string encode_samples(const Volume<Scalar>& volume, SampleType type);
 
 /// Bytes of all samples of a layout that was read from a file. Throws IoError when an axis is not positive, when there
 /// are more than 2^40 samples, or when they need more than `available` bytes: before any memory is allocated.
-std::size_t checked_sample_bytes(const VolumeLayout& layout, std::size_t available, const std::string& name);
+std::size_t checked_sample_bytes(const VolumeLayout& layout, std::uint64_t available, const std::string& name);
 
 /// As above for samples compressed into `compressed` bytes: deflate shrinks by less than a factor of 1100.
-std::size_t checked_deflated_bytes(const VolumeLayout& layout, std::size_t compressed, const std::string& name);
+std::size_t checked_deflated_bytes(const VolumeLayout& layout, std::uint64_t compressed, const std::string& name);
 
 /// Makes the columns of `linear` (direction * diag(spacing)) the grid's axes; the last may be 0 for a single slice.
 /// Throws IoError for a singular matrix and for numbers that are not finite.

@@ -242,12 +242,12 @@ RawVolume parse_tiff(std::string bytes, const std::string& name) {
   const std::uint32_t pages = TIFFNumberOfDirectories(stream.tiff());
   if (!stream.message().empty()) stream.fail();  // the chain of pages is broken
   layout.grid.axes = pages > 1 ? 3 : 2;
-  layout.grid.size = {Index{page.width}, Index{page.height}, Index{pages}};
+  layout.grid.size = {static_cast<Index>(page.width), static_cast<Index>(page.height), static_cast<Index>(pages)};
   layout.components = page.components;
   read_geo_tags(stream.tiff(), raw, name);
   // LZW packs at most 4 kB into two bytes, deflate a little less.
-  constexpr std::size_t largest_ratio = 2048;
-  const std::size_t limit = stream.size() * largest_ratio;
+  constexpr std::uint64_t largest_ratio = 2048;
+  const std::uint64_t limit = stream.size() * largest_ratio;
   raw.bytes.resize(checked_sample_bytes(layout, limit, name));
   const std::size_t page_bytes = raw.bytes.size() / pages;
   for (std::uint32_t i = 0; i < pages; ++i) {

@@ -61,10 +61,11 @@ class Reader {
     const auto cols = scalar<std::uint64_t>();
     const std::size_t room = bytes_.size() / sizeof(T);
     // An empty array may have one long side, but not longer than an index can hold.
-    constexpr auto longest = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()) * 1024;
+    constexpr auto longest =
+        static_cast<std::uint64_t>(index_limit(std::int64_t{std::numeric_limits<std::int32_t>::max()} * 1024));
     if (rows > longest || cols > longest || (rows > 0 && cols > room / rows)) fail("an array is larger than the file");
     ArchiveArray<T> array(static_cast<Index>(rows), static_cast<Index>(cols));
-    const std::string_view data = take(sizeof(T) * rows * cols);
+    const std::string_view data = take(sizeof(T) * static_cast<std::size_t>(array.size()));
     if constexpr (std::endian::native == std::endian::little) {
       if (!data.empty()) std::memcpy(array.data(), data.data(), data.size());
     } else {

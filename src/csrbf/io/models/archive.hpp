@@ -32,7 +32,9 @@ class Archive {
   /// Matrices, vectors and expressions of a supported scalar type.
   template <class Derived>
   void set(const std::string& name, const Eigen::DenseBase<Derived>& array) {
-    values_[name] = ArchiveArray<typename Derived::Scalar>(array);
+    using Scalar = typename Derived::Scalar;
+    using Stored = std::conditional_t<std::is_same_v<Scalar, Index>, std::int64_t, Scalar>;
+    values_[name] = ArchiveArray<Stored>(array.template cast<Stored>());
   }
   template <class T>
   void set(const std::string& name, const std::vector<T>& column) {

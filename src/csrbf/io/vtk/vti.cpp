@@ -5,6 +5,8 @@
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/files/text.hpp"
 
+#include <cstdint>
+
 namespace csrbf {
 namespace {
 
@@ -88,7 +90,7 @@ RawVolume parse_vti(std::string bytes, const std::string& path) {
   raw.layout.type = reader.type(*values);
   raw.layout.components = reader.components(*values);
   raw.order = reader.order();
-  constexpr std::size_t any = std::size_t{1} << 60;
+  constexpr std::uint64_t any = std::uint64_t{1} << 60;
   checked_sample_bytes(raw.layout, any, name);
   raw.bytes = reader.bytes(*values, grid.voxels());
   return raw;

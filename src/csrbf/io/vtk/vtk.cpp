@@ -199,7 +199,7 @@ void VtkReader::fail(const std::string& what) const {
 Index VtkReader::count(const XmlElement& element, std::string_view attribute) const {
   const std::string* text = element.attribute(attribute);
   if (text == nullptr) return 0;
-  constexpr std::int64_t most = std::int64_t{1} << 40;  // a limit on damaged files
+  constexpr std::int64_t most = index_limit(std::int64_t{1} << 40);  // a limit on damaged files
   const auto number = parse_integer(trimmed(*text));
   if (!number || *number < 0 || *number > most)
     fail(std::string(attribute) + " " + in_quotes(*text) + " is not a number of items");

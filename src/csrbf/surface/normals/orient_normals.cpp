@@ -18,7 +18,8 @@ void check(const PointsRef<3>& points, const PointsRef<3>& normals, const char* 
   require(normals.cols() == points.cols(), where, "normals.cols()", normals.cols(), "must be the number of points");
   require(points.allFinite(), where, "points", "NaN or infinity", "must be finite; remove such points");
   require(normals.allFinite(), where, "normals", "NaN or infinity", "must be finite; set unknown normals to zero");
-  require(points.cols() < (Index{1} << 31), where, "points.cols()", points.cols(), "must be below 2^31");
+  require(std::int64_t{points.cols()} < (std::int64_t{1} << 31), where, "points.cols()", points.cols(),
+          "must be below 2^31");
 }
 
 // A cloud in unit coordinates and Morton order with unit (or zero) normals.

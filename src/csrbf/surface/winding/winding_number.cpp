@@ -17,7 +17,7 @@ void check(const winding::SamplesRef& data) {
   require(data.normals.cols() == n, where, "normals.cols()", data.normals.cols(), "must be the number of points");
   require(data.areas.size() == n, where, "areas.size()", data.areas.size(), "must be the number of points");
   require(data.eps.size() == n, where, "eps.size()", data.eps.size(), "must be the number of points");
-  require(n < (Index{1} << 31) - winding::lanes, where, "points.cols()", n, "must be below 2^31");
+  require(std::int64_t{n} < (std::int64_t{1} << 31) - winding::lanes, where, "points.cols()", n, "must be below 2^31");
   if (n == 0) return;
   require(data.points.allFinite(), where, "points", "NaN or infinity", "must be finite; remove such points");
   require(data.normals.allFinite(), where, "normals", "NaN or infinity", "must be finite; set unknown normals to zero");

@@ -75,8 +75,7 @@ struct Item {
 
 class Builder {
  public:
-  explicit Builder(std::vector<Item> items)
-      : items_(std::move(items)), buffer_(std::make_unique_for_overwrite<Item[]>(items_.size())) {
+  explicit Builder(std::vector<Item> items) : items_(std::move(items)), buffer_(new Item[items_.size()]) {
     nodes_.reserve(items_.size() / 2 + 1);
     build(0, items_.size(), 0);
   }

@@ -1,0 +1,65 @@
+// Run in a project in which the package is installed.
+
+import assert from "node:assert/strict";
+import {test} from "node:test";
+
+import {load} from "csrbf";
+
+const csrbf = await load();
+
+function sphere(count) {
+  const points = new Float64Array(3 * count);
+  for (let i = 0; i < count; ++i) {
+    const z = 1 - (2 * i + 1) / count, r = Math.sqrt(1 - z * z);
+    points.set([r * Math.cos(2.4 * i), r * Math.sin(2.4 * i), z], 3 * i);
+  }
+  return points;
+}
+
+test("a sphere is reconstructed, closed and on its points", () => {
+  const {positions, triangles, normals, report, model} = csrbf.reconstruct(sphere(1000), {resolution: 24, model: true});
+  assert.ok(report.maxDistance < 1e-4);
+  assert.equal(normals.length, positions.length);
+  for (let i = 0; i < positions.length; i += 3) assert.ok(Math.abs(Math.hypot(...positions.subarray(i, i + 3)) - 1) < 1e-3);
+  assert.equal(triangles.length / 3, 2 * (positions.length / 3) - 4); // genus 0
+  assert.ok(model.evaluate([0, 0, 0])[0] > 0 && model.evaluate([0, 0, 1.5])[0] < 0);
+  const finer = csrbf.polygonize(model, {resolution: 40});
+  assert.ok(finer.triangles.length > triangles.length);
+  const again = csrbf.readModel(model.toBytes());
+  assert.deepEqual(again.evaluate([0.3, 0.2, 0.1]), model.evaluate([0.3, 0.2, 0.1]));
+  model.delete();
+  assert.throws(() => model.evaluate([0, 0, 0]), /deleted/);
+});
+
+test("a function is fitted, with its gradient", () => {
+  const points = [], values = [];
+  for (let x = 0; x <= 1; x += 0.05) for (let y = 0; y <= 1; y += 0.05) points.push([x, y]), values.push(x * x + y);
+  const model = csrbf.fit(points, values);
+  assert.equal(model.dimension, 2);
+  assert.ok(Math.abs(model.evaluate([[0.52, 0.31]])[0] - (0.52 ** 2 + 0.31)) < 1e-4);
+  const [dx, dy] = model.gradient([0.52, 0.31]);
+  assert.ok(Math.abs(dx - 1.04) < 1e-2 && Math.abs(dy - 1) < 1e-2);
+  assert.throws(() => model.polygonize(), {name: "InvalidInput"});
+  model.delete();
+});
+
+test("an image is segmented", () => {
+  const side = 64, image = new Uint8Array(side * side);
+  for (let y = 0; y < side; ++y) for (let x = 0; x < side; ++x) image[side * y + x] = Math.hypot(x - 30, y - 25) < 12 ? 200 : 50;
+  const {labels, lines, measures, objects} = csrbf.segment(image, [side, side], {objects: true});
+  assert.equal(labels[side * 25 + 30], 1);
+  assert.equal(labels[0], 0);
+  assert.equal(lines.length, 3);
+  assert.ok(Math.abs(measures[0].area - Math.PI * 144) < 20);
+  assert.equal(objects.length, 1);
+});
+
+test("errors have the message of the library, and the module goes on", () => {
+  assert.throws(() => csrbf.fit([[0], [1]], [1, 2], {kernel: "nope"}), {name: "InvalidInput", message: /wendland-c2/});
+  assert.throws(() => csrbf.reconstruct(sphere(100), {smoothness: 1}), {name: "InvalidInput", message: /no such option/});
+  assert.throws(() => csrbf.reconstruct([1, 2]), TypeError);
+  assert.throws(() => csrbf.reconstruct(sphere(500), {progress: () => false}), {name: "Cancelled"});
+  const own = new Error("mine");
+  assert.throws(() => csrbf.reconstruct(sphere(500), {progress() { throw own; }}), own);
+  assert.throws(() => csrbf.fit(new Float64Array(8), [1, 2], {dimension: 4}), {name: "InvalidInput", message: /1 to 3/});
+});
