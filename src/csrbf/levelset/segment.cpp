@@ -374,8 +374,9 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   check_segment_options(options);
   check_segment_image<Dim>(image, options);
   if (image.components > 1) {
-    const std::vector<double> weights = channel_contrast(image, options.mask);
-    Segmentation<Dim> found = segment<Dim>(weigh_channels(image, weights), options);
+    const Volume<float> channels = root_channels(image, options.mask);
+    const std::vector<double> weights = channel_contrast(channels, options.mask);
+    Segmentation<Dim> found = segment<Dim>(weigh_channels(channels, weights), options);
     found.report.channels = weights;
     return found;
   }

@@ -48,7 +48,8 @@ struct Segmentation {
 };
 
 /// Segments an image of Dim axes into regions with smooth boundaries (thesis part IV). Of several components, such as
-/// colours, a weighted sum is segmented: that in which the means of two classes differ (channel_contrast()).
+/// colours, a weighted sum is segmented: that in which the means of two classes differ (channel_contrast()), of roots
+/// where no value is negative (root_channels()).
 ///
 /// Order of the labels: of two regions, the seed marks label 1; without a seed, label 0 has most of the image
 /// border. More than two are numbered by ascending mean. With seeds of all regions labels are those of the seeds.
