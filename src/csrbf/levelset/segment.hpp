@@ -28,8 +28,8 @@ struct SegmentReport {
   std::vector<RegionReport> regions;
   Index components = 0;  ///< connected parts (by faces) of all regions but 0
   double noise = 0;      ///< standard deviation of the noise of the energies over their contrast
-  /// Set when the noise of the image changes with intensity and the energy is `automatic`: its deviation where the image
-  /// is bright over that where it is dark.
+  /// Set when the noise of the image changes with intensity and the energy is `automatic`: its deviation where the
+  /// image is bright over that where it is dark.
   std::optional<double> noise_growth = {};
   /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
   std::optional<double> speckle = {};

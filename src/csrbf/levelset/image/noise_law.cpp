@@ -3,7 +3,9 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
 
+#include <algorithm>
 #include <array>
+#include <limits>
 
 namespace csrbf {
 namespace {
