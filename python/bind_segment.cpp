@@ -195,8 +195,9 @@ py::dict segmentation_to_dict(const SegmentReport& r) {
                          "kernel"_a = o.kernel, "smoothness"_a = o.smoothness, "window"_a = o.window,
                          "balloon"_a = o.balloon, "fill_holes"_a = o.fill_holes, "iterations"_a = o.iterations);
   return py::dict("iterations"_a = r.iterations, "converged"_a = r.converged, "energy"_a = r.energy,
-                  "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise, "speckle"_a = r.speckle,
-                  "prices"_a = prices, "channels"_a = r.channels, "options"_a = options, "warnings"_a = r.warnings);
+                  "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise,
+                  "noise_growth"_a = r.noise_growth, "speckle"_a = r.speckle, "prices"_a = prices,
+                  "channels"_a = r.channels, "options"_a = options, "warnings"_a = r.warnings);
 }
 
 const SegmentReport& report_of(const Segments& s) {

@@ -113,6 +113,7 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
       prices.push_back({{"energy", name_of(each.energy)}, {"shading", name_of(each.shading)}, {"nats", each.nats}});
     session.result["prices"] = prices;
   }
+  if (r.noise_growth) session.result["noise_growth"] = *r.noise_growth;
   if (r.speckle) session.result["speckle"] = *r.speckle;
   if (!r.channels.empty()) session.result["channels"] = r.channels;
   session.warn(r.warnings);

@@ -9,6 +9,7 @@
 #include "csrbf/levelset/contour/speckle_contour.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
 #include "csrbf/levelset/image/channel_contrast.hpp"
+#include "csrbf/levelset/image/noise_law.hpp"
 #include "csrbf/levelset/partition/large_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
@@ -25,29 +26,6 @@ namespace csrbf {
 namespace {
 
 constexpr double contour_length = 1.5;  // nats per voxel edge of a contour; see segment.md
-
-std::optional<MeanShape> shape_of(Shading shading) {
-  if (shading == Shading::automatic) return std::nullopt;
-  return static_cast<MeanShape>(static_cast<int>(shading) - static_cast<int>(Shading::none));
-}
-Shading shading_of(MeanShape shape) {
-  return static_cast<Shading>(static_cast<int>(shape) + static_cast<int>(Shading::none));
-}
-
-IntensityLaw law_of(SegmentEnergy energy) {
-  switch (energy) {
-    case SegmentEnergy::gaussian:
-      return IntensityLaw::gaussian;
-    case SegmentEnergy::generalized_gaussian:
-      return IntensityLaw::generalized_gaussian;
-    case SegmentEnergy::rayleigh:
-      return IntensityLaw::rayleigh;
-    case SegmentEnergy::gamma:
-      return IntensityLaw::gamma;
-    default:
-      return IntensityLaw::chan_vese;
-  }
-}
 
 // The forces of a source; appends the energy of the labels that they are asked for, as in SegmentReport.
 ForceUpdate force_update(ForceSource& source, std::size_t voxels, std::vector<double>& energy) {
@@ -159,9 +137,11 @@ class Segmenter {
     found.iterations = result_.iterations;
     found.converged = result_.converged;
     found.energy = std::move(result_.energy);
-    found.regions = measure_regions(labels, values_, grid_, options_.mask, options_.regions);
+    found.regions = measure_regions(labels, repaired_.empty() ? std::span<const float>(image_.values) : repaired_,
+                                    grid_, options_.mask, options_.regions);
     found.components = count_components(labels, grid_);
     found.noise = noise_.size;
+    found.noise_growth = noise_growth_;
     found.speckle = speckle_;
     found.prices = price_list(prices_);
     for (const RegionReport& region : found.regions)
@@ -214,20 +194,33 @@ class Segmenter {
     return true;
   }
 
+  Partition find_labels(std::optional<PartitionPrice>& price) {
+    const IntensityBins bins = choose_bins(values_, 256, options_.mask);
+    price.emplace(values_, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
+    price->set_seeds(options_.seeds);
+    return find_partition(*price, {options_.regions, shape_of(used_.shading), options_.progress});
+  }
+
   // The shortest description of the image by regions, then their contours in CSRBFs.
   void partition() {
-    const IntensityBins bins = choose_bins(values_, 256, options_.mask);
-    PartitionPrice price(values_, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
-    price.set_seeds(options_.seeds);
-    Partition found = find_partition(price, {options_.regions, shape_of(used_.shading), options_.progress});
+    std::optional<PartitionPrice> price;
+    Partition found = find_labels(price);
+    // Where the noise grows with intensity, once more on a scale on which it grows less.
+    if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
+      noise_growth_ = law->growth();
+      even_ = even_noise(values_, *law);
+      values_ = even_;
+      regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
+      found = find_labels(price);
+    }
     const bool given = used_.center_spacing.has_value();
     const LatticeOptions lattice{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
-    PartitionContours<Dim> contours = partition_contours<Dim>(price, found, options_.regions, lattice, given);
+    PartitionContours<Dim> contours = partition_contours<Dim>(*price, found, options_.regions, lattice, given);
     if (!given) used_.center_spacing = contours.spacing;
     result_ = {std::move(contours.coefficients), std::move(found.labels), found.iterations, found.converged,
                std::move(found.energy)};
-    for (double& energy : result_.energy) energy /= price.voxels();
-    std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(price, found.model);
+    for (double& energy : result_.energy) energy /= price->voxels();
+    std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(*price, found.model);
     // The lattice may leave out seeds of a voxel or two.
     for (std::size_t i = 0; i < options_.seeds.size(); ++i)
       if (options_.seeds[i] != 0) result_.labels[i] = options_.seeds[i] - 1;
@@ -236,7 +229,7 @@ class Segmenter {
     used_.shading = shading_of(found.model.shape);
     if (options_.regions == 2) {
       std::vector<float> force(result_.labels.size());
-      price.force(force);
+      price->force(force);
       used_.smoothness = contour_length / mean_magnitude(force);
     }
     prices_ = std::move(found.prices);
@@ -360,6 +353,7 @@ class Segmenter {
   const Grid& grid_;
   SegmentSettings used_;
   std::vector<float> repaired_;  // the values when some are not finite
+  std::vector<float> even_;      // the values when the noise grows with them
   std::span<const float> values_;
   std::vector<float> prior_;
   std::optional<RegionForces<Dim>> regions_;
@@ -369,7 +363,7 @@ class Segmenter {
   ForceNoise noise_;
   VariationalResult result_;
   std::vector<std::shared_ptr<const Field<Dim>>> fields_;
-  std::optional<double> speckle_;
+  std::optional<double> noise_growth_, speckle_;
   std::vector<ModelPrice> prices_;
 };
 
@@ -380,8 +374,9 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
   check_segment_options(options);
   check_segment_image<Dim>(image, options);
   if (image.components > 1) {
-    const std::vector<double> weights = channel_contrast(image, options.mask);
-    Segmentation<Dim> found = segment<Dim>(weigh_channels(image, weights), options);
+    const Volume<float> channels = root_channels(image, options.mask);
+    const std::vector<double> weights = channel_contrast(channels, options.mask);
+    Segmentation<Dim> found = segment<Dim>(weigh_channels(channels, weights), options);
     found.report.channels = weights;
     return found;
   }

@@ -28,6 +28,9 @@ struct SegmentReport {
   std::vector<RegionReport> regions;
   Index components = 0;  ///< connected parts (by faces) of all regions but 0
   double noise = 0;      ///< standard deviation of the noise of the energies over their contrast
+  /// Set when the noise of the image changes with intensity and the energy is `automatic`: its deviation where the
+  /// image is bright over that where it is dark.
+  std::optional<double> noise_growth = {};
   /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
   std::optional<double> speckle = {};
   std::vector<EnergyPrice> prices;  ///< of the energy `automatic`: one for each model
@@ -45,7 +48,8 @@ struct Segmentation {
 };
 
 /// Segments an image of Dim axes into regions with smooth boundaries (thesis part IV). Of several components, such as
-/// colours, a weighted sum is segmented: that in which the means of two classes differ (channel_contrast()).
+/// colours, a weighted sum is segmented: that in which the means of two classes differ (channel_contrast()), of roots
+/// where no value is negative (root_channels()).
 ///
 /// Order of the labels: of two regions, the seed marks label 1; without a seed, label 0 has most of the image
 /// border. More than two are numbered by ascending mean. With seeds of all regions labels are those of the seeds.

@@ -39,6 +39,29 @@ void check_array(const std::vector<std::uint8_t>& array, const char* name, std::
 
 }  // namespace
 
+std::optional<MeanShape> shape_of(Shading shading) {
+  if (shading == Shading::automatic) return std::nullopt;
+  return static_cast<MeanShape>(static_cast<int>(shading) - static_cast<int>(Shading::none));
+}
+Shading shading_of(MeanShape shape) {
+  return static_cast<Shading>(static_cast<int>(shape) + static_cast<int>(Shading::none));
+}
+
+IntensityLaw law_of(SegmentEnergy energy) {
+  switch (energy) {
+    case SegmentEnergy::gaussian:
+      return IntensityLaw::gaussian;
+    case SegmentEnergy::generalized_gaussian:
+      return IntensityLaw::generalized_gaussian;
+    case SegmentEnergy::rayleigh:
+      return IntensityLaw::rayleigh;
+    case SegmentEnergy::gamma:
+      return IntensityLaw::gamma;
+    default:
+      return IntensityLaw::chan_vese;
+  }
+}
+
 bool chooses_model(const SegmentOptions& given) {
   return given.energy == SegmentEnergy::automatic && given.mode == SegmentMode::global &&
          given.method == SegmentMethod::variational && !given.force && given.start.empty() && given.prior.empty() &&

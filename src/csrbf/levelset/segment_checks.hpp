@@ -1,11 +1,19 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
+#include "csrbf/levelset/partition/partition_model.hpp"
+#include "csrbf/levelset/regions/region_model.hpp"
 #include "csrbf/levelset/segment_options.hpp"
 
 #include <vector>
 
 namespace csrbf {
+
+/// The shape of the means of a shading; none for `automatic`. And back.
+std::optional<MeanShape> shape_of(Shading shading);
+Shading shading_of(MeanShape shape);
+/// The law of intensities of an energy of regions.
+IntensityLaw law_of(SegmentEnergy energy);
 
 /// Whether the energy is chosen by the description length: it is `automatic`, and what else is given has a meaning
 /// there.

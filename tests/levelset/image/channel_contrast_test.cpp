@@ -63,5 +63,26 @@ TEST(ChannelContrast, OfEqualChannelsWeighsThemAlike) {
   EXPECT_NEAR(weigh_channels(image, w).values[7], image.values[14] * std::sqrt(2.0), 1e-5);
 }
 
+TEST(RootChannels, AreRootsOnTheScaleOfTheMaximum) {
+  Volume<float> image = paint({3, 3}, {1, 1}, 0);
+  for (float& x : image.values) x = std::clamp(x, 0.0F, 4.0F);
+  image.values[5] = 4;
+  image.values[6] = 1;
+  image.values[8] = std::numeric_limits<float>::quiet_NaN();
+  const Volume<float> roots = root_channels(image, {});
+  EXPECT_NEAR(roots.values[5], 4, 1e-6);
+  EXPECT_NEAR(roots.values[6], 2, 1e-6);
+}
+
+TEST(RootChannels, LeavesChannelsWithNegativeValuesAlone) {
+  Volume<float> image = paint({3, 3}, {1, 1}, 0);
+  image.values[5] = -1;
+  image.values[6] = 2;
+  EXPECT_EQ(root_channels(image, {}).values[6], 2);
+  std::vector<std::uint8_t> mask(3000, 1);
+  mask[2] = 0;
+  EXPECT_NE(root_channels(image, mask).values[6], 2);
+}
+
 }  // namespace
 }  // namespace csrbf

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace csrbf {
@@ -59,6 +60,20 @@ Classes split(const Eigen::MatrixXd& samples, const Eigen::VectorXd& direction) 
 }
 
 }  // namespace
+
+Volume<float> root_channels(Volume<float> image, std::span<const std::uint8_t> mask) {
+  const Index channels = image.components;
+  float most = 0;
+  for (Index i = 0; i < std::ssize(image.values); ++i) {
+    if ((!mask.empty() && mask[i / channels] == 0) || !std::isfinite(image.values[i])) continue;
+    if (image.values[i] < 0) return image;
+    most = std::max(most, image.values[i]);
+  }
+  parallel_for(std::ssize(image.values), 1 << 14, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) image.values[i] = std::sqrt(most * std::max(0.0F, image.values[i]));
+  });
+  return image;
+}
 
 std::vector<double> channel_contrast(const Volume<float>& image, std::span<const std::uint8_t> mask) {
   const Index channels = image.components;

@@ -7,6 +7,11 @@
 
 namespace csrbf {
 
+/// The roots of channels of light, which are not negative, on a scale that keeps their maximum; other channels as they
+/// are. A stain shows by the logarithm of the light that passes it, the noise by the light itself: the root is half way
+/// between the two. Voxels outside the mask (may be empty) or not finite do not count.
+Volume<float> root_channels(Volume<float> image, std::span<const std::uint8_t> mask);
+
 /// The direction in the space of the channels of an image (its components) in which the means of two classes differ: of
 /// the two classes, among those that the principal axes lead to, that leave the least sum of squares over all channels.
 /// With means and one deviation for all channels the energy of two regions depends on the projection on it only (Chan,
