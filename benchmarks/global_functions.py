@@ -53,7 +53,7 @@ def methods(program, cloud, work):
         report = work / f"{name}-{count}.json"
         _, cpu, megabytes = run([program, "reconstruct", cloud, "-o", work / "mesh.ply", "--method", name, "--centers",
                                  count, "--report", report])
-        found = json.loads(report.read_text())
+        found = json.loads(report.read_text())["result"]
         rows.append(f"| {name} | {count} | {found['centers']} | {cpu:.1f} | {megabytes:.0f} | "
                     f"{found['rms_distance']:.1e} |")
     return "\n".join(rows) + "\n"

@@ -14,7 +14,7 @@ constexpr int most_offsets[] = {63, 15, 7};  // along an axis, for kernels that 
 constexpr double margin = 1.3;               // of the cube around the points, where sums are found everywhere
 constexpr Index entries_per_term = 40;       // of a translation, as fast as one term of a direct sum
 constexpr Index least_leaf = 40;             // points of a box that is not divided, at least ...
-constexpr Index leaf_per_rank = 2;           // ... and this times the rank of its expansions
+constexpr Index leaf_per_rank = 2;           // ... and, for one sum at each point, this times the rank of expansions
 constexpr Index division_cost = 15;  // terms of direct sums that cost as much as the expansions of a child, over rank^2
 
 // Whether phi(t r) = c(t) phi(r), so that all levels share their operators.
@@ -84,11 +84,11 @@ bool BoxTree<Dim>::needs_division(const TreeBox<Dim>& box) const {
   if (!few(box)) return true;
   if (box.count == 0 && !everywhere) return false;
   if (std::all_of(box.near.begin(), box.near.end(), [&](std::int32_t b) { return few(boxes[b]); })) return false;
+  if (everywhere) return true;
   const Index rank = operators[box.level] == nullptr ? 0 : operators[box.level]->rank();
   Index sources = 0;
   for (const std::int32_t b : box.near) sources += boxes[b].count;
-  const Index targets = everywhere ? leaf_size[box.level] : box.count;
-  return targets * sources > division_cost * rank * rank * std::min<Index>(targets, box.child.size());
+  return box.count * sources > division_cost * rank * rank * std::min<Index>(box.count, box.child.size());
 }
 
 template <int Dim>
@@ -140,7 +140,9 @@ void BoxTree<Dim>::choose_operators(int level, const Kernel& kernel, double supp
     operators.push_back(std::make_shared<BoxOperators<Dim>>(kernel, half_width, tolerance, farthest, has_parent));
   }
   const Index rank = operators.back() == nullptr ? 0 : operators.back()->rank();
-  const Index points = asked_leaf_size > 0 ? asked_leaf_size : std::max(least_leaf, leaf_per_rank * rank);
+  // Sums everywhere are many for one set of expansions: small boxes pay.
+  const Index by_cost = everywhere ? least_leaf : std::max(least_leaf, leaf_per_rank * rank);
+  const Index points = asked_leaf_size > 0 ? asked_leaf_size : by_cost;
   leaf_size.push_back(level > 0 ? std::max(leaf_size.back(), points) : points);
 }
 
