@@ -140,9 +140,9 @@ class Solver {
     if (goal == 0) return column;
     Eigen::VectorXd r = project(values);
     double off = 0;
+    column.residual = largest(r);
     Column best = column;
-    best.residual = largest(r);
-    while (largest(r) + off > goal) {
+    while (column.residual > goal) {
       const double before = largest(r);
       const Pass pass = conjugate_gradients(r, .5 * (1 - trusted) * goal, column.iterations);
       column.alpha = project(column.alpha + pass.correction);
