@@ -11,7 +11,7 @@ usage: global_functions.py --cloud CLOUD.ply --mesh MESH.ply [--build DIR] [--la
   --work DIR     default: build/global; results are kept there, and only missing ones are made
   --output FILE  default: benchmarks/GLOBAL.md
 
-Takes an hour, a third of it for the systems of 100,000 terms in space. Needs numpy.
+Takes about a quarter of an hour. Needs numpy.
 """
 
 import argparse

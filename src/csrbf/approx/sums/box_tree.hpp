@@ -42,7 +42,9 @@ struct TranslationTask {
 
 struct TreeOptions {
   double tolerance = 1e-7;
-  Index leaf_size = 0;  ///< points; boxes with more are divided; 0: where direct sums cost more than expansions
+  /// Points; boxes with more are divided; 0: where direct sums at the points cost more than expansions, 40 for sums
+  /// everywhere.
+  Index leaf_size = 0;
   /// Whether boxes without points are divided as well, wherever sums there need it; otherwise sums are only found at
   /// the points.
   bool everywhere = false;
@@ -50,7 +52,8 @@ struct TreeOptions {
 
 /// What a fast multipole method needs to know about n points: an octree (a quadtree in the plane), and for every box
 /// from which others its sums come, through which operators. Boxes are divided until they hold few points, and near
-/// dense ones until direct sums cost less than expansions. O(n log n) in time, O(n) in memory.
+/// dense ones until direct sums cost less than expansions (for sums everywhere: until all near them hold few).
+/// O(n log n) in time, O(n) in memory.
 template <int Dim>
 struct BoxTree {
   Point<Dim> corner;                  ///< the lowest of the cube of level 0
