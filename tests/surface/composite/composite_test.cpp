@@ -1,6 +1,7 @@
 #include "csrbf/surface/composite/composite.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/surface/prepare/prepare.hpp"
 #include "surface/surface_testing.hpp"
 
 #include <Eigen/LU>
@@ -96,6 +97,22 @@ TEST(Composite, KnowsTheAreaOfTheSurface) {
   EXPECT_NEAR(fit.areas.sum(), Torus().area(), 0.03 * Torus().area());  // patches are flat discs
   EXPECT_GT(fit.areas.minCoeff(), 0.3 * Torus().area() / 8000);
   EXPECT_LT(fit.areas.maxCoeff(), 3 * Torus().area() / 8000);
+}
+
+// One sample in fifty on the upper half of a sphere: those at its rim have many neighbours, and stand for large areas.
+TEST(Composite, KnowsTheAreaWhereTheDensityJumps) {
+  const PointCloud dense = sphere_cloud(20'000);
+  std::vector<Index> kept;
+  for (Index i = 0; i < dense.size(); ++i)
+    if (dense.points(2, i) < 0 || i % 50 == 0) kept.push_back(i);
+  const PreparedCloud prepared =
+      prepare({dense.points(Eigen::all, kept), dense.normals(Eigen::all, kept), {}}, Normals::automatic);
+  const CompositeFit fit = fit_composite(prepared.cloud, {});
+  double upper = 0, lower = 0;
+  for (Index i = 0; i < prepared.cloud.size(); ++i)
+    (dense.points(2, kept[prepared.source[i]]) < 0 ? lower : upper) += fit.areas[i] * prepared.scale * prepared.scale;
+  EXPECT_NEAR(lower, 2 * pi, 0.1 * 2 * pi);
+  EXPECT_NEAR(upper, 2 * pi, 0.3 * 2 * pi);  // 0.46 if all samples of a leaf had the same area
 }
 
 TEST(Composite, ConvergesWithTheThirdPowerOfTheSpacing) {

@@ -18,7 +18,7 @@ constexpr double sufficient_weight = 0.1;  // sum of weights above which a fragm
 // One leaf of the final partition with its patch.
 struct Leaf {
   Index begin, end;  // in the order of the partition
-  double area;       // of each sample
+  SampleAreas areas;
   FittedPatch patch;
 };
 
@@ -27,7 +27,7 @@ void pack(const std::vector<Leaf>& leaves, ByteWriter& out) {
   for (const Leaf& leaf : leaves) {
     out.put(leaf.begin);
     out.put(leaf.end);
-    out.put(leaf.area);
+    out.put(leaf.areas);
     leaf.patch.pack(out);
   }
 }
@@ -37,7 +37,7 @@ void unpack(std::vector<Leaf>& leaves, ByteReader& in) {
   for (Leaf& leaf : leaves) {
     leaf.begin = in.take<Index>();
     leaf.end = in.take<Index>();
-    leaf.area = in.take<double>();
+    leaf.areas = in.take<SampleAreas>();
     leaf.patch.unpack(in);
   }
 }
@@ -69,7 +69,7 @@ class LeafFitter {
       }
       patch = tight_fitter_.fit(ids, end - begin);
     }
-    leaves.push_back({begin, end, fitter_.area_per_sample(), std::move(patch)});
+    leaves.push_back({begin, end, fitter_.areas(), std::move(patch)});
   }
 
   // The patch over a coverage gap, unless it misses a tolerance.
@@ -206,7 +206,8 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
         fit_leaves(parts, done, count, options, [&] { return LeafFitter(cloud, tree, options, parts.order); });
     for (std::vector<Leaf>& part : fitted) {
       for (Leaf& leaf : part) {
-        for (Index k = leaf.begin; k < leaf.end; ++k) result.areas[parts.order[k]] = leaf.area;
+        for (Index k = leaf.begin; k < leaf.end; ++k)
+          result.areas[parts.order[k]] = leaf.areas.of(cloud.spacing[parts.order[k]]);
         if (fragment_ratio * (leaf.end - leaf.begin) >= usual_leaf) {
           append(leaf.patch, result.patches);
         } else {

@@ -29,7 +29,7 @@ struct CompositeOptions : CompositeSettings {
 /// Patches over a cloud.
 struct CompositeFit {
   Patches patches;
-  /// n, the area each sample represents, from the number of samples in the support of its patch.
+  /// n, the area each sample represents, from the samples in the support of its patch.
   Eigen::VectorXd areas;
 };
 

@@ -18,6 +18,7 @@ constexpr double inner_weight_variable = 0.65;  // d^2 below which the blending 
 constexpr double opposite_normals = -0.5;       // cosine of 120 degrees: noise rarely turns normals that far
 constexpr double own_weight = 1;                // approximate sum of the weights of a sample's own patches
 constexpr double smallest_freedom = 0.01;  // floor of 1 - leverage, for a sample that determines its own prediction
+constexpr double density_jump = 6;         // ratio of squared spacings: chance and creases vary them by up to 4
 constexpr double least_height = 0.9;       // least normal semi-axis of a patch over its radius; 1 at most
 constexpr double smallest_slope = 1e-3;    // floor of |grad f|, which is 1 for a model that follows its normals
 
@@ -98,6 +99,18 @@ FittedPatch PatchFitter::fit(const Index* ids, Index n) {
   return result;
 }
 
+SampleAreas::SampleAreas(const OrientedPoints& cloud, const std::vector<Index>& samples, double area) {
+  for (const Index i : samples) usual_ += cloud.spacing[i] * cloud.spacing[i] / static_cast<double>(samples.size());
+  double shares = 0;
+  for (const Index i : samples) shares += share(cloud.spacing[i]);
+  unit_ = area / shares;
+}
+
+double SampleAreas::share(double spacing) const {
+  const double own = spacing * spacing;
+  return own > density_jump * usual_ || own * density_jump < usual_ ? own : usual_;
+}
+
 // Centre, axes and radius of the patch over the leaf `ids`.
 void PatchFitter::frame(const Index* ids, Index n, Patch& patch) const {
   Point<3> center = Point<3>::Zero(), normal = Point<3>::Zero();
@@ -143,7 +156,7 @@ void PatchFitter::gather(const Index* ids, Index n, Patch& patch) {
     patch.radius *= 1.25;
   }
   if (support_.empty()) support_.assign(ids, ids + n);
-  area_per_sample_ = std::numbers::pi * patch.radius * patch.radius / static_cast<double>(support_.size());
+  areas_ = SampleAreas(cloud_, support_, std::numbers::pi * patch.radius * patch.radius);
   double height = 0;
   for (const Index i : support_) height = std::max(height, std::abs(normal.dot(cloud_.points.col(i) - patch.center)));
   patch.flatness = 1.0 / std::clamp(1.5 * height / patch.radius, least_height, 1.0);
@@ -198,14 +211,14 @@ void PatchFitter::split(const Index* ids, Index n, FittedPatch& patch) {
   groups_.clear();
   fitter_of_.clear();
   main_ = static_cast<std::size_t>(std::find(kept.begin(), kept.end(), std::size_t{0}) - kept.begin());
-  std::size_t beside = 0;  // samples of the sheet of the leaf, also beyond its creases
+  std::vector<Index> beside;  // samples of the sheet of the leaf, also beyond its creases
   for (std::size_t p = 0; p < kept.size(); ++p) {
-    if (patch.pieces[p].normal.dot(patch.pieces[main_].normal) > opposite_normals) beside += groups[kept[p]].size();
+    if (patch.pieces[p].normal.dot(patch.pieces[main_].normal) > opposite_normals)
+      beside.insert(beside.end(), groups[kept[p]].begin(), groups[kept[p]].end());
     fitter_of_.push_back(kept[p] + 1);
     groups_.push_back(std::move(groups[kept[p]]));
   }
-  area_per_sample_ =
-      std::numbers::pi * frame.radius * frame.radius / static_cast<double>(beside) / static_cast<double>(stride_);
+  areas_ = SampleAreas(cloud_, beside, std::numbers::pi * frame.radius * frame.radius / static_cast<double>(stride_));
   std::erase_if(foreign_, [&](Index i) {
     return std::any_of(groups_.begin(), groups_.end(), [&](const std::vector<Index>& group) {
       return std::find(group.begin(), group.end(), i) != group.end();

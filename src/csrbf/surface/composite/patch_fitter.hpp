@@ -20,6 +20,23 @@ struct FittedPatch {
   void unpack(ByteReader& in);
 };
 
+/// Shares the area of a patch among the samples on it: equally, unless the density jumps. Then few samples stand for
+/// as much of the surface as many, and have areas in proportion to the squares of their spacings.
+class SampleAreas {
+ public:
+  SampleAreas() = default;
+  SampleAreas(const OrientedPoints& cloud, const std::vector<Index>& samples, double area);
+
+  /// Area of a sample with this spacing.
+  [[nodiscard]] double of(double spacing) const { return unit_ * share(spacing); }
+
+ private:
+  [[nodiscard]] double share(double spacing) const;
+
+  double usual_ = 0;  // mean squared spacing
+  double unit_ = 0;   // area per squared spacing
+};
+
 /// Fits patches to leaves of a cloud (thesis 6.1.3 and 6.1.4). Reuses its work arrays: one fitter per thread. The
 /// cloud, its tree and the options must outlive it.
 class PatchFitter {
@@ -41,8 +58,8 @@ class PatchFitter {
   /// normals remain); ignores off-surface rows.
   void left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance) const;
 
-  /// Area of the last patch divided by the number of its samples.
-  [[nodiscard]] double area_per_sample() const { return area_per_sample_; }
+  /// The areas of the samples of the last patch.
+  [[nodiscard]] const SampleAreas& areas() const { return areas_; }
 
  private:
   void frame(const Index* ids, Index n, Patch& patch) const;
@@ -61,7 +78,7 @@ class PatchFitter {
   std::vector<std::size_t> fitter_of_;
   std::size_t main_ = 0;  // the piece of the leaf
   Index stride_ = 1;      // of the samples that are used
-  double area_per_sample_ = 0;
+  SampleAreas areas_;
 };
 
 }  // namespace csrbf
