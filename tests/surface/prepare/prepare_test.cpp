@@ -246,6 +246,49 @@ TEST(Prepare, ReorientsNormalsThatContradictEachOther) {
   EXPECT_LT(outward(as_given, input), 0.6);
 }
 
+// Evenly spread over the surface of an axis-aligned box.
+PointCloud box_cloud(const Point<3>& lo, const Point<3>& hi, Index per_face) {
+  PointCloud cloud{Points<3>(3, 6 * per_face), Points<3>::Zero(3, 6 * per_face), {}};
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const bool upper = face % 2 == 1;
+    for (Index k = 0; k < per_face; ++k) {
+      const Eigen::Vector2d uv = quasi_random(k, static_cast<unsigned>(face) + 1);
+      Point<3> t;
+      t[axis] = upper ? 1 : 0;
+      t[(axis + 1) % 3] = uv[0];
+      t[(axis + 2) % 3] = uv[1];
+      cloud.points.col(face * per_face + k) = lo + t.cwiseProduct(hi - lo);
+      cloud.normals(axis, face * per_face + k) = upper ? 1 : -1;
+    }
+  }
+  return cloud;
+}
+
+TEST(Prepare, KeepsTheNormalsOfTwoBodiesInContact) {
+  const PointCloud input = joined(box_cloud({0, 0, 0}, {1, 1, 1}, 500), box_cloud({1.01, 0, 0}, {2.01, 1, 1}, 500));
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::file);
+  Index changed = 0;
+  for (Index i = 0; i < prepared.cloud.size(); ++i)
+    changed += prepared.cloud.normals.col(i).dot(input.normals.col(prepared.source[i])) < 0 ? 1 : 0;
+  EXPECT_LT(changed, prepared.cloud.size() / 200);  // single ones, at edges
+}
+
+TEST(Prepare, ReorientsAnOpenSheetWithFlippedPatches) {
+  PointCloud input{Points<3>(3, 4000), Points<3>::Zero(3, 4000), {}};
+  for (Index i = 0; i < 4000; ++i) {
+    const Eigen::Vector2d uv = quasi_random(i, 1);
+    input.points.col(i) << uv[0], uv[1], 0.05 * std::sin(6 * uv[0]);
+    input.normals.col(i) = Point<3>(-0.3 * std::cos(6 * uv[0]), 0, 1).normalized();
+    if (uv.x() > 0.3 && uv.x() < 0.5 && uv.y() < 0.4) input.normals.col(i) *= -1;
+  }
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::reoriented);
+  const Eigen::ArrayXd up = prepared.cloud.normals.row(2).array();
+  EXPECT_TRUE((up > 0).all() || (up < 0).all());
+}
+
 PointCloud inside_out(PointCloud cloud) {
   cloud.normals *= -1;
   return cloud;

@@ -10,6 +10,7 @@
 #include "csrbf/surface/normals/inward_parts.hpp"
 #include "csrbf/surface/normals/neighbor_table.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
+#include "csrbf/surface/normals/winding_sides.hpp"
 #include "csrbf/surface/prepare/clutter.hpp"
 
 #include <map>
@@ -27,6 +28,8 @@ constexpr Index fewest_on_component = 30;  // points: smaller clusters are not t
 constexpr double far_strays = 0.1;  // of the diagonal: a smaller cloud without stray points gets new unit coordinates
 constexpr double usual_contradictions = 5e-4;     // share of opposite neighbouring normals that is not examined
 constexpr Index examined = 50'000;                // points of a large cloud on which re-orientation is tried first
+constexpr double clearly_better = 0.8;            // largest ratio of its defect to that of the given normals
+constexpr double has_inside = 0.15;               // mean winding number below which there is no solid
 constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
 
 void warn(std::vector<std::string>& warnings, Index count, const std::string& text) {
@@ -262,8 +265,17 @@ double remaining_after_orientation(const Points<3>& points, Points<3>& normals, 
   return (1 - orientation_consistency(points, normals)) / contradictions;
 }
 
+// Whether other normals enclose a solid clearly better than the given ones, or there is none.
+bool encloses_better(const OrientedPoints& given, const Points<3>& other, const NeighborTable& near) {
+  const WindingSides turned = winding_sides(given.points, other, local_spacing(other, near));
+  if (turned.mean < has_inside) return true;
+  const WindingSides before = winding_sides(given.points, given.normals, local_spacing(given.normals, near));
+  return turned.defect < clearly_better * before.defect;
+}
+
 // Flipped regions of given normals disagree along their borders; then another orientation has far fewer disagreements.
-// Noise or creases leave about as many in any orientation. In a large cloud, a subset decides which it is.
+// Noise or creases leave about as many in any orientation. In a large cloud, a subset decides which it is. Sheets that
+// touch disagree, too, but the given normals enclose a solid at least as well.
 void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
@@ -275,6 +287,7 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
   }
   Points<3> turned = cloud.normals;
   if (remaining_after_orientation(cloud.points, turned, progress) > remaining_contradictions) return;
+  if (!encloses_better(cloud, turned, near)) return;
   cloud.normals = std::move(turned);
   result.normals = NormalSource::reoriented;
   result.warnings.push_back("the given normals contradict each other: re-oriented");

@@ -1,0 +1,29 @@
+#include "csrbf/surface/normals/winding_sides.hpp"
+
+#include "csrbf/surface/winding/winding_number.hpp"
+
+namespace csrbf {
+namespace {
+
+// Chosen by hand.
+constexpr Index probed = 4000;  // points
+constexpr double beside = 2;    // spacings: beyond the smoothing of w and the gap between bodies that touch
+
+}  // namespace
+
+WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing) {
+  const WindingNumber winding(points, normals, spacing.cwiseAbs2(), spacing);
+  const auto some = Eigen::seq(0, points.cols() - 1, std::max<Index>(1, points.cols() / probed));
+  const Points<3> middle = points(Eigen::all, some);
+  const Points<3> step = beside * normals(Eigen::all, some) * spacing(some).asDiagonal();
+  WindingSides result;
+  for (const double side : {-1.0, 1.0}) {
+    const Points<3> probes = middle + side * step;
+    const Eigen::ArrayXd u = winding.evaluate(PointsRef<3>(probes)).value;  // 2 w - 1
+    result.mean += (1 + u.mean()) / 4;
+    result.defect += (1 - u.abs()).square().mean() / 2;
+  }
+  return result;
+}
+
+}  // namespace csrbf

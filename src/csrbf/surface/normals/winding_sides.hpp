@@ -1,0 +1,17 @@
+#pragma once
+
+#include "csrbf/core/types.hpp"
+
+namespace csrbf {
+
+/// What the winding number w of oriented points says beside them, two spacings away on both sides.
+struct WindingSides {
+  double mean = 0;    ///< of w: 1/2 for a solid, about 0.1 or less for a sheet without inside
+  double defect = 0;  ///< mean of 4 min(w^2, (1 - w)^2): 0 for a solid, up to 1 and more where it is undecided
+};
+
+/// Looks beside some thousand of the points. Spacings: those along the own sheet of each point, so that the sheets of
+/// two bodies that touch both have their full area. O(n log n).
+WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing);
+
+}  // namespace csrbf
