@@ -3,6 +3,8 @@
 #include "csrbf/core/parallel.hpp"
 #include "surface/surface_testing.hpp"
 
+#include <Eigen/Eigenvalues>
+
 #include <set>
 
 namespace csrbf {
@@ -263,6 +265,26 @@ PointCloud box_cloud(const Point<3>& lo, const Point<3>& hi, Index per_face) {
     }
   }
   return cloud;
+}
+
+TEST(Prepare, EstimatesNormalsOfPlanesAgain) {
+  const PointCloud exact = sphere_cloud(4000);
+  PointCloud input = with_noise(exact, 0.03);
+  const KdTree<3> tree(input.points);
+  std::vector<Index> ids(10);
+  std::vector<double> squared(10);
+  for (Index i = 0; i < input.size(); ++i) {
+    tree.nearest(input.points.col(i), 10, ids.data(), squared.data());
+    Points<3> near = input.points(Eigen::all, ids);
+    near.colwise() -= near.rowwise().mean().eval();
+    const Point<3> n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(near * near.transpose()).eigenvectors().col(0);
+    input.normals.col(i) = n.dot(exact.normals.col(i)) < 0 ? Point<3>(-n) : n;
+  }
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::corrected);
+  EXPECT_TRUE(warns(prepared, "planes through 10 neighbours: estimated again"));
+  EXPECT_GT(outward(prepared, exact), 0.995);
+  EXPECT_LT(outward(prepare(input, Normals::file), exact), 0.95);
 }
 
 TEST(Prepare, KeepsTheNormalsOfTwoBodiesInContact) {

@@ -10,6 +10,7 @@
 #include "csrbf/surface/normals/inward_parts.hpp"
 #include "csrbf/surface/normals/neighbor_table.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
+#include "csrbf/surface/normals/plane_normals.hpp"
 #include "csrbf/surface/normals/winding_sides.hpp"
 #include "csrbf/surface/prepare/clutter.hpp"
 
@@ -305,6 +306,20 @@ void correct(PreparedCloud& result, const NeighborTable& near, const Progress& p
   orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
 }
 
+// Normals of planes through few neighbours are estimated again: they repeat the noise of the positions, which looks
+// like detail then. They keep their side, unless the new ones enclose a solid clearly better.
+void replace_plane_normals(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
+  OrientedPoints& cloud = result.cloud;
+  const Index neighbors = neighbors_of_planes(cloud.points, *result.tree, cloud.normals);
+  if (neighbors == 0) return;
+  const Points<3> estimated = estimate_normals(cloud.points, {.progress = progress});
+  cloud.normals = on_given_side(estimated, cloud.normals, near);
+  if (encloses_better(cloud, estimated, near)) cloud.normals = estimated;
+  result.normals = NormalSource::corrected;
+  result.warnings.push_back("the given normals are those of planes through " + std::to_string(neighbors) +
+                            " neighbours: estimated again");
+}
+
 void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
                   const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
@@ -322,7 +337,8 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
   warn(result.warnings, missing, "missing normals estimated");
   if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
   if (source != Normals::automatic) return;
-  correct(result, near, progress);
+  replace_plane_normals(result, near, progress);
+  if (result.normals == NormalSource::file) correct(result, near, progress);
   if (result.normals == NormalSource::file) reorient_if_better(result, near, progress);
 }
 
