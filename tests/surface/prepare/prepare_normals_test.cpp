@@ -1,0 +1,196 @@
+#include "csrbf/surface/prepare/prepare.hpp"
+
+#include "surface/prepare_testing.hpp"
+
+#include <Eigen/Eigenvalues>
+
+namespace csrbf {
+namespace {
+
+TEST(PrepareNormals, CorrectsNormalsWithErrors) {
+  PointCloud input = sphere_cloud(5000);
+  const PointCloud exact = input;
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal(0, 0.5);
+  for (Index i = 0; i < input.size(); ++i)
+    input.normals.col(i) += Point<3>(normal(random), normal(random), normal(random));
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::corrected);
+  EXPECT_TRUE(warns(prepared, "degrees: corrected by the positions and by each other"));
+  EXPECT_GT(outward(prepared, exact), 0.99);
+  EXPECT_EQ(prepare(input, Normals::file).normals, NormalSource::file);
+}
+
+TEST(PrepareNormals, TakesNormalsFromTheFile) {
+  PointCloud input = sphere_cloud(1000);
+  input.normals *= 3;
+  for (const Normals source : {Normals::file, Normals::automatic}) {
+    const PreparedCloud prepared = prepare(input, source);
+    EXPECT_EQ(prepared.normals, NormalSource::file);
+    EXPECT_NEAR(outward(prepared, input), 1, rounding);
+    EXPECT_TRUE(prepared.warnings.empty());
+  }
+}
+
+TEST(PrepareNormals, EstimatesNormalsWhenToldOrWhenThereAreNone) {
+  PointCloud input = sphere_cloud(2000);
+  input.normals *= -1;
+  const PreparedCloud told = prepare(input, Normals::estimate);
+  const PreparedCloud none = prepare(without_normals(input), Normals::automatic);
+  for (const PreparedCloud* prepared : {&told, &none}) {
+    EXPECT_EQ(prepared->normals, NormalSource::estimated);
+    EXPECT_GT(outward(*prepared, input), 0.99);
+  }
+}
+
+TEST(PrepareNormals, ReorientsALargeCloudWithAFlippedPatch) {
+  constexpr Index large = 120'000;  // some of the points decide whether to turn the others
+  PointCloud input = sphere_cloud(large);
+  for (Index i = 0; i < large; ++i)
+    if (input.points(2, i) > 0.5) input.normals.col(i) *= -1;
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::reoriented);
+  EXPECT_GT(outward(prepared, input), 0.99);
+}
+
+TEST(PrepareNormals, ReorientsNormalsThatContradictEachOther) {
+  PointCloud input = sphere_cloud(2000);
+  std::mt19937_64 random(4);
+  for (Index i = 0; i < 2000; ++i)
+    if (random() % 4 == 0) input.normals.col(i) *= -1;
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::reoriented);
+  EXPECT_TRUE(warns(prepared, "contradict each other: re-oriented"));
+  EXPECT_NEAR(outward(prepared, input), 1, rounding);
+  const PreparedCloud as_given = prepare(input, Normals::file);
+  EXPECT_EQ(as_given.normals, NormalSource::file);
+  EXPECT_LT(outward(as_given, input), 0.6);
+}
+
+// Evenly spread over the surface of an axis-aligned box.
+PointCloud box_cloud(const Point<3>& lo, const Point<3>& hi, Index per_face) {
+  PointCloud cloud{Points<3>(3, 6 * per_face), Points<3>::Zero(3, 6 * per_face), {}};
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const bool upper = face % 2 == 1;
+    for (Index k = 0; k < per_face; ++k) {
+      const Eigen::Vector2d uv = quasi_random(k, static_cast<unsigned>(face) + 1);
+      Point<3> t;
+      t[axis] = upper ? 1 : 0;
+      t[(axis + 1) % 3] = uv[0];
+      t[(axis + 2) % 3] = uv[1];
+      cloud.points.col(face * per_face + k) = lo + t.cwiseProduct(hi - lo);
+      cloud.normals(axis, face * per_face + k) = upper ? 1 : -1;
+    }
+  }
+  return cloud;
+}
+
+TEST(PrepareNormals, EstimatesNormalsOfPlanesAgain) {
+  const PointCloud exact = sphere_cloud(4000);
+  PointCloud input = with_noise(exact, 0.03);
+  const KdTree<3> tree(input.points);
+  std::vector<Index> ids(10);
+  std::vector<double> squared(10);
+  for (Index i = 0; i < input.size(); ++i) {
+    tree.nearest(input.points.col(i), 10, ids.data(), squared.data());
+    Points<3> near = input.points(Eigen::all, ids);
+    near.colwise() -= near.rowwise().mean().eval();
+    const Point<3> n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(near * near.transpose()).eigenvectors().col(0);
+    input.normals.col(i) = n.dot(exact.normals.col(i)) < 0 ? Point<3>(-n) : n;
+  }
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::corrected);
+  EXPECT_TRUE(warns(prepared, "planes through 10 neighbours: estimated again"));
+  EXPECT_GT(outward(prepared, exact), 0.995);
+  EXPECT_LT(outward(prepare(input, Normals::file), exact), 0.95);
+}
+
+TEST(PrepareNormals, KeepsTheNormalsOfTwoBodiesInContact) {
+  const PointCloud input = joined(box_cloud({0, 0, 0}, {1, 1, 1}, 500), box_cloud({1.01, 0, 0}, {2.01, 1, 1}, 500));
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::file);
+  Index changed = 0;
+  for (Index i = 0; i < prepared.cloud.size(); ++i)
+    changed += prepared.cloud.normals.col(i).dot(input.normals.col(prepared.source[i])) < 0 ? 1 : 0;
+  EXPECT_LT(changed, prepared.cloud.size() / 200);  // single ones, at edges
+}
+
+TEST(PrepareNormals, ReorientsAnOpenSheetWithFlippedPatches) {
+  PointCloud input{Points<3>(3, 4000), Points<3>::Zero(3, 4000), {}};
+  for (Index i = 0; i < 4000; ++i) {
+    const Eigen::Vector2d uv = quasi_random(i, 1);
+    input.points.col(i) << uv[0], uv[1], 0.05 * std::sin(6 * uv[0]);
+    input.normals.col(i) = Point<3>(-0.3 * std::cos(6 * uv[0]), 0, 1).normalized();
+    if (uv.x() > 0.3 && uv.x() < 0.5 && uv.y() < 0.4) input.normals.col(i) *= -1;
+  }
+  const PreparedCloud prepared = prepare(input, Normals::automatic);
+  EXPECT_EQ(prepared.normals, NormalSource::reoriented);
+  const Eigen::ArrayXd up = prepared.cloud.normals.row(2).array();
+  EXPECT_TRUE((up > 0).all() || (up < 0).all());
+}
+
+PointCloud inside_out(PointCloud cloud) {
+  cloud.normals *= -1;
+  return cloud;
+}
+
+TEST(PrepareNormals, TurnsNormalsThatPointInward) {
+  const PointCloud cloud = inside_out(sphere_cloud(3000));
+  const PreparedCloud turned = prepare(cloud, Normals::automatic);
+  EXPECT_TRUE(warns(turned, "point inward: turned"));
+  EXPECT_EQ(turned.normals, NormalSource::reoriented);
+  EXPECT_GT(outward(turned, cloud), 0.99);
+  const PreparedCloud kept = prepare(cloud, Normals::file);
+  EXPECT_TRUE(warns(kept, "point inward"));
+  EXPECT_EQ(kept.normals, NormalSource::file);
+  EXPECT_LT(outward(kept, cloud), -0.99);
+}
+
+TEST(PrepareNormals, TurnsOnlyTheBodyWhoseNormalsPointInward) {
+  const PointCloud good = sphere_cloud(3000), bad = inside_out(sphere_cloud(2000, 2, 1, {3, 0, 0}));
+  const PointCloud cloud = joined(good, bad);
+  const PreparedCloud turned = prepare(cloud, Normals::automatic);
+  EXPECT_TRUE(warns(turned, "point inward on some parts: turned"));
+  for (Index i = 0; i < turned.cloud.size(); ++i) {
+    const Index from = turned.source[i];
+    const Point<3> center(from < good.size() ? 0 : 3, 0, 0);
+    EXPECT_GT(turned.cloud.normals.col(i).dot(cloud.points.col(from) - center), 0.9);
+  }
+}
+
+TEST(PrepareNormals, KeepsNormalsOfCavitiesAndOpenSheets) {
+  const PointCloud hollow = joined(sphere_cloud(3000), inside_out(sphere_cloud(2000, 2, 0.5)));
+  EXPECT_EQ(prepare(hollow, Normals::automatic).normals, NormalSource::file);
+  PointCloud bowl = inside_out(sphere_cloud(3000));
+  std::vector<Index> lower;
+  for (Index i = 0; i < bowl.size(); ++i)
+    if (bowl.points(2, i) < 0) lower.push_back(i);
+  bowl = {bowl.points(Eigen::all, lower), bowl.normals(Eigen::all, lower), {}};
+  EXPECT_EQ(prepare(bowl, Normals::automatic).normals, NormalSource::file);
+}
+
+TEST(PrepareNormals, FillsMissingNormals) {
+  PointCloud input = sphere_cloud(2000);
+  for (Index i = 0; i < 2000; i += 3) input.normals.col(i).setZero();
+  input.normals(1, 1) = nan;
+  input.normals(2, 2) = infinity;
+  const PreparedCloud prepared = prepare(input, Normals::file);
+  EXPECT_EQ(prepared.normals, NormalSource::file);
+  EXPECT_TRUE(warns(prepared, "669 missing normals estimated"));
+  expect_points_of_the_input(prepared, input);
+  for (Index i = 0; i < prepared.cloud.size(); ++i)
+    EXPECT_GT(prepared.cloud.normals.col(i).dot(input.points.col(prepared.source[i])), 0.98);
+}
+
+TEST(PrepareNormals, EstimatesAllNormalsWhenMostAreMissing) {
+  PointCloud input = sphere_cloud(2000);
+  input.normals.rightCols(1500).setZero();
+  const PreparedCloud prepared = prepare(input, Normals::file);
+  EXPECT_EQ(prepared.normals, NormalSource::estimated);
+  EXPECT_TRUE(warns(prepared, "most normals are zero"));
+  EXPECT_GT(outward(prepared, input), 0.99);
+}
+
+}  // namespace
+}  // namespace csrbf
