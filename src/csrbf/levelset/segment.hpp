@@ -61,7 +61,8 @@ struct Segmentation {
 /// (find_large_partition()), unless a center spacing is given.
 ///
 /// Cost: of `automatic` 1 to 5 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
-/// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image (2.4 GB in all for 512^3).
+/// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image
+/// (2.4 GB in all for 512^3; 0.9 GB on blocks).
 ///
 /// Throws InvalidInput for options out of their ranges, arrays of the wrong size, an image with fewer or more than Dim
 /// axes, more than 64 components or one frame, NaN inside the mask, a constant image, and a seed that is empty or has
