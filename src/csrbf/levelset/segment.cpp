@@ -194,24 +194,27 @@ class Segmenter {
     return true;
   }
 
-  Partition find_labels(std::optional<PartitionPrice>& price) {
+  // By that model, or by all.
+  Partition find_labels(std::optional<PartitionPrice>& price, const std::optional<PartitionModel>& model = {}) {
     const IntensityBins bins = choose_bins(values_, 256, options_.mask);
     price.emplace(values_, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
     price->set_seeds(options_.seeds);
-    return find_partition(*price, {options_.regions, shape_of(used_.shading), options_.progress});
+    return find_partition(*price, {options_.regions, shape_of(used_.shading), model, options_.progress});
   }
 
   // The shortest description of the image by regions, then their contours in CSRBFs.
   void partition() {
     std::optional<PartitionPrice> price;
     Partition found = find_labels(price);
-    // Where the noise grows with intensity, once more on a scale on which it grows less.
+    // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
     if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
       noise_growth_ = law->growth();
       even_ = even_noise(values_, *law);
       values_ = even_;
       regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
-      found = find_labels(price);
+      std::vector<ModelPrice> prices = std::move(found.prices);
+      found = find_labels(price, found.model);
+      found.prices = std::move(prices);
     }
     const bool given = used_.center_spacing.has_value();
     const LatticeOptions lattice{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
