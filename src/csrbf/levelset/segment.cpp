@@ -18,6 +18,7 @@
 #include "csrbf/levelset/regions/region_cores.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
+#include "csrbf/levelset/regions/seed_prior.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 
 #include <utility>
@@ -59,7 +60,11 @@ template <int Dim>
 class Segmenter {
  public:
   Segmenter(const Volume<float>& image, const SegmentOptions& options)
-      : image_(image), options_(options), grid_(image.grid), used_(choose_settings(options, image.grid.voxels())) {}
+      : image_(image),
+        options_(options),
+        grid_(image.grid),
+        used_(choose_settings(options, image.grid.voxels())),
+        seeds_(seed_costs(options.seeds, options.seed_confidence, options.seed_confidences, options.regions)) {}
 
   // The values, the source of the forces and the labels that the statistics start from.
   void start() {
@@ -68,23 +73,14 @@ class Segmenter {
     check_contrast(values_, options_.mask);
     report(options_.progress, "prepare", 0);
     if (is_large() && partition_large()) return;
-    keep_seed();
+    prior_ = chooses_model() ? options_.prior : prior_of_seeds(options_, seeds_, is_local());
     regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
     if (options_.force) caller_.emplace(options_);
     const bool follows_seed = !options_.seed.empty() && (is_local() || !is_variational() || options_.force);
     given_ = options_.start.empty() && follows_seed ? options_.seed : options_.start;
     for (std::uint8_t& label : given_) label = label != 0 ? 1 : 0;
     labels_ = !given_.empty() && options_.force ? given_ : regions_->start();
-  }
-
-  // A contour that moves from a seed keeps the seed inside, unless it starts elsewhere.
-  void keep_seed() {
-    constexpr float certain = 10;  // mean costs of a voxel in the wrong region
-    prior_ = options_.prior;
-    if (!is_local() || options_.seed.empty() || !options_.start.empty()) return;
-    prior_.resize(options_.seed.size(), 0.0F);
-    for (std::size_t i = 0; i < prior_.size(); ++i)
-      if (options_.seed[i] != 0) prior_[i] -= certain;
+    if (options_.regions == 2) match_seeds(options_.seeds, labels_);
   }
 
   // The noise of the forces, and what is chosen by it. It is that between the two classes of the image: a seed may lie
@@ -125,6 +121,7 @@ class Segmenter {
     result_ = descend(lattice);
     place_in_speckle(lattice);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
+    keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
   }
 
   // The labels within the mask, and the report.
@@ -160,8 +157,8 @@ class Segmenter {
 
   // Of the energy `automatic`, but of too many voxels for it.
   [[nodiscard]] bool is_large() const {
-    return csrbf::chooses_model(options_) && !chooses_model() && used_.regions == 2 && !used_.center_spacing &&
-           (used_.shading == Shading::automatic || used_.shading == Shading::none);
+    return csrbf::chooses_model(options_) && !chooses_model() && used_.regions == 2 && options_.seeds.empty() &&
+           !used_.center_spacing && (used_.shading == Shading::automatic || used_.shading == Shading::none);
   }
 
   ForceSource& source() {
@@ -198,7 +195,7 @@ class Segmenter {
   Partition find_labels(std::optional<PartitionPrice>& price, const std::optional<PartitionModel>& model = {}) {
     const IntensityBins bins = choose_bins(values_, 256, options_.mask);
     price.emplace(values_, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
-    price->set_seeds(options_.seeds);
+    price->set_seeds(seeds_);
     return find_partition(*price, {options_.regions, shape_of(used_.shading), model, options_.progress});
   }
 
@@ -224,10 +221,8 @@ class Segmenter {
                std::move(found.energy)};
     for (double& energy : result_.energy) energy /= price->voxels();
     std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(*price, found.model);
-    // The lattice may leave out seeds of a voxel or two.
-    for (std::size_t i = 0; i < options_.seeds.size(); ++i)
-      if (options_.seeds[i] != 0) result_.labels[i] = options_.seeds[i] - 1;
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
+    keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
     used_.energy = found.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;
     used_.shading = shading_of(found.model.shape);
     if (options_.regions == 2) {
@@ -304,7 +299,7 @@ class Segmenter {
       return descend_locally(lattice, source(), how, grid_, std::move(labels_));
     VariationalResult found = descend_globally(lattice, source(), how, std::move(labels_));
     if (!is_local() && can_be_shaded()) shade(lattice, how, found);
-    choose_polarity(grid_, options_, values_, found);
+    if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, found);
     return is_local() ? descend_locally(lattice, source(), how, grid_, std::move(found.labels)) : std::move(found);
   }
 
@@ -341,7 +336,7 @@ class Segmenter {
       lattice = make_lattice();
       coefficients = coefficients_of_labels(lattice, result_.labels);
     }
-    SpeckleContour<Dim> contour(lattice, *speckle, values_, options_.mask, options_.prior, coefficients);
+    SpeckleContour<Dim> contour(lattice, *speckle, values_, options_.mask, prior_, coefficients);
     std::vector<double> steps;
     coefficients = contour.descend(steps);
     update_labels(lattice, coefficients, result_.labels.data());
@@ -358,6 +353,7 @@ class Segmenter {
   std::vector<float> repaired_;  // the values when some are not finite
   std::vector<float> even_;      // the values when the noise grows with them
   std::span<const float> values_;
+  SeedCosts seeds_;
   std::vector<float> prior_;
   std::optional<RegionForces<Dim>> regions_;
   std::optional<CallerForces> caller_;
@@ -383,6 +379,8 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     found.report.channels = weights;
     return found;
   }
+  if (options.mode == SegmentMode::local && !options.seeds.empty() && options.seed.empty() && options.start.empty())
+    return segment<Dim>(image, starting_at_seeds(options));
   Segmenter<Dim> segmenter(image, options);
   segmenter.start();
   segmenter.measure();

@@ -77,7 +77,8 @@ SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
   const bool chosen = chooses_model(given) && voxels <= large;
   require(chosen || (given.shading != Shading::smooth && given.shading != Shading::objects), here, "shading",
           std::string(name_of(given.shading)), "is for images of at most 8 million voxels");
-  require(chosen || given.seeds.empty(), here, "seeds", "given", "are for images of at most 8 million voxels");
+  require(chosen || given.seeds.empty() || given.regions == 2, here, "seeds", "given",
+          "of more than two regions are for images of at most 8 million voxels");
   if (used.energy == SegmentEnergy::automatic && !chosen) used.energy = SegmentEnergy::chan_vese;
   const bool smooth_by_centers = !used.smoothness || *used.smoothness > 0;
   if (!used.center_spacing && !smooth_by_centers && !chosen) used.center_spacing = 1;
@@ -89,6 +90,9 @@ SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
 
 void check_segment_options(const SegmentOptions& options) {
   require(options.regions >= 2 && options.regions <= 16, here, "regions", options.regions, "must be 2 to 16");
+  require(options.seed_confidence > 0 && options.seed_confidence <= 1, here, "seed_confidence", options.seed_confidence,
+          "must be a probability, above 0 and at most 1");
+  require(options.seed_confidences.empty() || !options.seeds.empty(), here, "seed_confidences", "given", "need seeds");
   require(options.iterations > 0, here, "iterations", options.iterations, "must be positive");
   if (options.smoothness)
     require(*options.smoothness >= 0 && std::isfinite(*options.smoothness), here, "smoothness", *options.smoothness,
@@ -121,16 +125,27 @@ void check_seeds(const SegmentOptions& options, std::size_t voxels) {
   if (options.seeds.empty()) return;
   require(options.seeds.size() == voxels, here, "seeds size", options.seeds.size(),
           "must be the number of voxels, " + std::to_string(voxels));
-  require(chooses_model(options) && options.seed.empty(), here, "seeds", "given",
-          "need the energy auto in global mode, and no seed, start, prior, force, window or smoothness");
+  const bool variational = options.method == SegmentMethod::variational;
+  require(variational && options.energy != SegmentEnergy::edge && !options.force, here, "seeds", "given",
+          "need the method variational and an energy of intensities");
+  require(options.regions == 2 || chooses_model(options), here, "seeds", "given",
+          "of more than two regions need the energy auto, and no window or smoothness");
+  const bool local = options.mode == SegmentMode::local;
+  require(local || options.seed.empty(), here, "seeds", "given", "replace the seed in global mode");
+  require(options.seed_confidences.empty() || options.seed_confidences.size() == voxels, here, "seed_confidences size",
+          options.seed_confidences.size(), "must be the number of voxels, " + std::to_string(voxels));
+  for (std::size_t i = 0; i < options.seed_confidences.size(); ++i)
+    require(options.seeds[i] == 0 || (options.seed_confidences[i] >= 0 && options.seed_confidences[i] <= 1), here,
+            "seed_confidences", options.seed_confidences[i], "must be probabilities, from 0 to 1");
   std::vector<Index> counts(static_cast<std::size_t>(options.regions) + 1, 0);
   for (std::size_t i = 0; i < voxels; ++i) {
     require(options.seeds[i] <= options.regions, here, "seeds", static_cast<int>(options.seeds[i]),
             "must be at most the number of regions, " + std::to_string(options.regions));
     if (options.mask.empty() || options.mask[i] != 0) ++counts[options.seeds[i]];
   }
+  const bool starts = !options.seed.empty() || !options.start.empty();
   for (std::size_t k = 1; k < counts.size(); ++k)
-    require(counts[k] > 0, here, "seeds", "without " + std::to_string(k),
+    require(counts[k] > 0 || (local && (k == 1 || starts)), here, "seeds", "without " + std::to_string(k),
             "must mark every region, the background too: 1 marks label 0, 2 label 1, and so on");
 }
 
