@@ -54,6 +54,7 @@ Wanted read_wanted(Options& given, const VoxelArrays& arrays, Index voxels) {
   given.read("balloon", o.balloon);
   given.read("fillHoles", o.fill_holes);
   given.read("iterations", o.iterations);
+  given.read("seedConfidence", o.seed_confidence);
   given.read("contour", wanted.contour);
   given.read("model", wanted.model);
   given.read("objects", wanted.objects);

@@ -1,6 +1,7 @@
 #include "commands/formats.hpp"
 #include "commands/segment_contours.hpp"
 #include "commands/segment_options.hpp"
+#include "commands/segment_seeds.hpp"
 #include "report/segment_page.hpp"
 
 #include "csrbf/implicit/preview.hpp"
@@ -82,6 +83,8 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
   if (!command.model.empty()) session.expect_output("--model", command.model, ".csrbf", "models");
   if (!command.preview.empty()) session.expect_output("--preview", command.preview, ".png", "pictures");
   check_object_flags(command, session);
+  if (!command.seed_confidence.empty() && command.seeds.empty())
+    throw UsageError("--seed-confidence: is about seeds: add --seeds");
 }
 
 void add_options(const SegmentCommand& command, const SegmentSettings& used, Session& session) {
@@ -92,6 +95,7 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
                           {"preview", or_null(command.preview)},
                           {"channels", or_null(command.channels)},
                           {"seeds", or_null(command.seeds)},
+                          {"seed_confidence", or_null(command.seed_confidence)},
                           {"objects", command.objects},
                           {"table", or_null(command.table)},
                           {"min_size", command.min_size}});
@@ -164,7 +168,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   check_finite(command.input, image, options.mask);
   options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
   if (!command.seeds.empty()) {
-    options.seeds = session.timed("read", [&] { return read_seeds<Dim>(command.seeds, grid); });
+    session.timed("read", [&] { read_seeds<Dim>(command, grid, options); });
     const int most = *std::max_element(options.seeds.begin(), options.seeds.end());
     if (command.regions == SegmentFlags().regions) options.regions = std::max(options.regions, most);
   }

@@ -151,6 +151,8 @@ export interface SegmentOptions {
   init?: ArrayLike<number>;
   /** 1 + the label of voxels that are known, else 0. */
   seeds?: ArrayLike<number>;
+  /** Probability that a seed is right; below 1, clear intensities overrule it. */
+  seedConfidence?: number;
   /** 0 in voxels to ignore. */
   mask?: ArrayLike<number>;
   energy?: "auto" | "chan-vese" | "gaussian" | "generalized-gaussian" | "rayleigh" | "gamma" | "edge";
