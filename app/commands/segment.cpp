@@ -118,6 +118,7 @@ void add_result(const SegmentCommand& command, const SegmentReport& r, const Gri
     session.result["prices"] = prices;
   }
   if (r.noise_growth) session.result["noise_growth"] = *r.noise_growth;
+  if (r.blur) session.result["blur"] = *r.blur;
   if (r.speckle) session.result["speckle"] = *r.speckle;
   if (!r.channels.empty()) session.result["channels"] = r.channels;
   session.warn(r.warnings);

@@ -1,6 +1,7 @@
 #include "csrbf/levelset/segment.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/levelset/baselines/baseline_forces.hpp"
 #include "csrbf/levelset/baselines/collocation.hpp"
 #include "csrbf/levelset/baselines/finite_difference.hpp"
 #include "csrbf/levelset/contour/edge_flow.hpp"
@@ -10,6 +11,8 @@
 #include "csrbf/levelset/contour/variational.hpp"
 #include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
+#include "csrbf/levelset/local_energy.hpp"
+#include "csrbf/levelset/partition/blurred_classes.hpp"
 #include "csrbf/levelset/partition/large_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
@@ -25,21 +28,6 @@
 
 namespace csrbf {
 namespace {
-
-constexpr double contour_length = 1.5;  // nats per voxel edge of a contour; see segment.md
-
-// The forces of a source; appends the energy of the labels that they are asked for, as in SegmentReport.
-ForceUpdate force_update(ForceSource& source, std::size_t voxels, std::vector<double>& energy) {
-  return [&source, voxels, &energy](const unsigned char* labels, float* force) {
-    source.fit({labels, voxels});
-    double sum = source.force(1, 1, {force, voxels}), size = 0;
-    for (std::size_t i = 0; i < voxels; ++i) {
-      size += static_cast<double>(std::abs(force[i]));
-      if (labels[i] != 0) sum += static_cast<double>(force[i]);
-    }
-    energy.push_back(sum / (size > 0 ? size : 1));
-  };
-}
 
 // About 50 voxels of independent noise distinguish two textures; the centers smooth further.
 int choose_window(const SegmentOptions& options, const ForceNoise& noise, int dimension) {
@@ -140,6 +128,7 @@ class Segmenter {
     found.noise = noise_.size;
     found.noise_growth = noise_growth_;
     found.speckle = speckle_;
+    found.blur = blur_;
     found.prices = price_list(prices_);
     for (const RegionReport& region : found.regions)
       if (region.voxels == 0)
@@ -192,9 +181,10 @@ class Segmenter {
   }
 
   // By that model, or by all.
-  Partition find_labels(std::optional<PartitionPrice>& price, const std::optional<PartitionModel>& model = {}) {
-    const IntensityBins bins = choose_bins(values_, 256, options_.mask);
-    price.emplace(values_, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
+  Partition find_labels(std::span<const float> values, std::optional<PartitionPrice>& price,
+                        const std::optional<PartitionModel>& model = {}) {
+    const IntensityBins bins = choose_bins(values, 256, options_.mask);
+    price.emplace(values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
     price->set_seeds(seeds_);
     return find_partition(*price, {options_.regions, shape_of(used_.shading), model, options_.progress});
   }
@@ -202,7 +192,7 @@ class Segmenter {
   // The shortest description of the image by regions, then their contours in CSRBFs.
   void partition() {
     std::optional<PartitionPrice> price;
-    Partition found = find_labels(price);
+    Partition found = find_labels(values_, price);
     // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
     if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
       noise_growth_ = law->growth();
@@ -210,9 +200,10 @@ class Segmenter {
       values_ = even_;
       regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
       std::vector<ModelPrice> prices = std::move(found.prices);
-      found = find_labels(price, found.model);
+      found = find_labels(values_, price, found.model);
       found.prices = std::move(prices);
     }
+    blur_tissues(found);
     const bool given = used_.center_spacing.has_value();
     const LatticeOptions lattice{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
     PartitionContours<Dim> contours = partition_contours<Dim>(*price, found, options_.regions, lattice, given);
@@ -232,6 +223,19 @@ class Segmenter {
     }
     prices_ = std::move(found.prices);
     fields_ = level_set_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
+  }
+
+  // More than two regions that are no areas between short contours.
+  void blur_tissues(Partition& found) {
+    if (options_.regions == 2 || !options_.seeds.empty()) return;
+    std::optional<PartitionPrice> other;
+    std::optional<BlurredClasses> blurred =
+        blurred_classes(values_, grid_, options_.mask, options_.regions,
+                        [&](std::span<const float> values) { return find_labels(values, other).labels; });
+    if (!blurred) return;
+    found.labels = std::move(blurred->labels);
+    blur_ = blurred->deviation;
+    if (!used_.center_spacing) used_.center_spacing = 1;
   }
 
   // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
@@ -270,7 +274,7 @@ class Segmenter {
       fields_.push_back(found.field);
       result_ = {{}, std::move(found.labels), found.iterations, found.converged, std::move(energy)};
     };
-    const ForceUpdate force = force_update(source(), result_.labels.size(), energy);
+    const ForceUpdate force = baseline_forces(source(), result_.labels.size(), energy);
     if (used_.method == SegmentMethod::finite_difference)
       take(finite_difference<Dim>(grid_, start, force,
                                   {.length = *used_.smoothness,
@@ -362,7 +366,7 @@ class Segmenter {
   ForceNoise noise_;
   VariationalResult result_;
   std::vector<std::shared_ptr<const Field<Dim>>> fields_;
-  std::optional<double> noise_growth_, speckle_;
+  std::optional<double> noise_growth_, speckle_, blur_;
   std::vector<ModelPrice> prices_;
 };
 
@@ -379,6 +383,7 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     found.report.channels = weights;
     return found;
   }
+  if (chooses_local_energy(options, image.grid.voxels())) return segment_by_best_energy<Dim>(image, options);
   if (options.mode == SegmentMode::local && !options.seeds.empty() && options.seed.empty() && options.start.empty())
     return segment<Dim>(image, starting_at_seeds(options));
   Segmenter<Dim> segmenter(image, options);

@@ -33,6 +33,9 @@ struct SegmentReport {
   std::optional<double> noise_growth = {};
   /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
   std::optional<double> speckle = {};
+  /// Set when more than two regions are classes of the image after a Gaussian: its deviation, in voxels of the shortest
+  /// edge.
+  std::optional<double> blur = {};
   std::vector<EnergyPrice> prices;  ///< of the energy `automatic`: one for each model
   std::vector<double> channels;     ///< of an image with components: the weights of their sum, which was segmented
   std::vector<std::string> warnings;

@@ -73,8 +73,7 @@ SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
   SegmentSettings used = given;
   const bool edge = used.energy == SegmentEnergy::edge && !given.force;
   if (edge) used.mode = SegmentMode::local;
-  constexpr Index large = 1 << 23;  // voxels from which the search takes longer than all else; it took 40 s for 256^3
-  const bool chosen = chooses_model(given) && voxels <= large;
+  const bool chosen = chooses_model(given) && voxels <= most_chosen_voxels;
   require(chosen || (given.shading != Shading::smooth && given.shading != Shading::objects), here, "shading",
           std::string(name_of(given.shading)), "is for images of at most 8 million voxels");
   require(chosen || given.seeds.empty() || given.regions == 2, here, "seeds", "given",

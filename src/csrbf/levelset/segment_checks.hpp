@@ -15,6 +15,11 @@ Shading shading_of(MeanShape shape);
 /// The law of intensities of an energy of regions.
 IntensityLaw law_of(SegmentEnergy energy);
 
+/// Nats per voxel edge of a contour.
+inline constexpr double contour_length = 1.5;
+/// Voxels from which a search takes longer than all else; it took 40 s for 256^3.
+inline constexpr Index most_chosen_voxels = 1 << 23;
+
 /// Whether the energy is chosen by the description length: it is `automatic`, and what else is given has a meaning
 /// there.
 bool chooses_model(const SegmentOptions& given);
