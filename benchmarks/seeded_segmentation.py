@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from scipy import ndimage as ndi
 
-HEADER = ["image", "tool", "Dice", "Dice of the seed kept", "CPU s"]
+HEADER = ["image", "tool", "Dice", "part of the disc kept", "CPU s"]
+TISSUE_HEADER = ["tool", "fluid", "grey matter", "white matter"]
 HEAD = Path("/usr/share/mricron/templates/ch2bet.nii.gz")  # Debian: mricron-data
 
 LEGEND = """\
@@ -159,8 +160,6 @@ class Runner:
         marks = self.work / "marks.npy"
         yield "csrbf --mode local --init", self.csrbf("--mode", "local", "--init", f"sphere:{x},{y},{radius}")
         yield "csrbf --mode local --seeds", self.csrbf("--mode", "local", "--seeds", marks)
-        yield "csrbf --mode local --seeds --energy gaussian", self.csrbf("--mode", "local", "--seeds", marks,
-                                                                         "--energy", "gaussian")
         yield "csrbf --seeds", self.csrbf("--seeds", marks)
         itk = self.itk()
         if itk is not None:

@@ -14,6 +14,7 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/levelset/objects.hpp"
+#include "csrbf/levelset/segment_json.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -102,25 +103,7 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
 }
 
 void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, Session& session) {
-  Json regions = Json::array();
-  for (const RegionReport& region : r.regions)
-    regions.push_back({{"label", region.label},
-                       {"voxels", region.voxels},
-                       {"volume", region.volume},
-                       {"mean", region.mean},
-                       {"sd", region.sd}});
-  session.result = {{"iterations", r.iterations}, {"converged", r.converged},   {"energy", r.energy},
-                    {"regions", regions},         {"components", r.components}, {"noise", r.noise}};
-  if (!r.prices.empty()) {
-    Json prices = Json::array();
-    for (const EnergyPrice& each : r.prices)
-      prices.push_back({{"energy", name_of(each.energy)}, {"shading", name_of(each.shading)}, {"nats", each.nats}});
-    session.result["prices"] = prices;
-  }
-  if (r.noise_growth) session.result["noise_growth"] = *r.noise_growth;
-  if (r.blur) session.result["blur"] = *r.blur;
-  if (r.speckle) session.result["speckle"] = *r.speckle;
-  if (!r.channels.empty()) session.result["channels"] = r.channels;
+  session.result = segment_json<Json>(r);
   session.warn(r.warnings);
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array<double, 5> deviations{0.5, 0.7, 1, 1.4, 2};  // of the Gaussians, in voxels
 constexpr double part = 0.5;    // of the noise that is added; the other image has its inverse subtracted
-constexpr double clearly = 2;   // standard errors
+constexpr double clearly = 1;   // standard errors of the gain
 constexpr Index enough = 1000;  // second differences
 
 class Judge {
@@ -74,7 +74,7 @@ class Judge {
     return labels;
   }
 
-  // The squares that the means of the labels leave of a voxel.
+  // The square that the means of the labels leave of each voxel.
   [[nodiscard]] std::vector<float> squares(std::span<const float> values,
                                            const std::vector<std::uint8_t>& labels) const {
     std::vector<double> sums(regions_, 0), counts(regions_, 0);
@@ -84,10 +84,11 @@ class Judge {
       counts[labels[i]] += 1;
     }
     std::vector<float> result(labels.size(), 0.0F);
-    for (std::size_t i = 0; i < labels.size(); ++i)
-      if (inside(static_cast<Index>(i)))
-        result[i] =
-            static_cast<float>(std::pow(static_cast<double>(values[i]) - sums[labels[i]] / counts[labels[i]], 2));
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (!inside(static_cast<Index>(i))) continue;
+      const double off = static_cast<double>(values[i]) - sums[labels[i]] / counts[labels[i]];
+      result[i] = static_cast<float>(off * off);
+    }
     return result;
   }
 
@@ -100,16 +101,21 @@ class Judge {
   std::size_t regions_;
 };
 
-// How much smaller b is than a, in standard errors of that.
-double standard_errors(const std::vector<float>& a, const std::vector<float>& b, double& gain) {
+struct Gain {
+  double sum = 0, error = 0;
+};
+
+// How much smaller b is than a.
+Gain gain_of(const std::vector<float>& a, const std::vector<float>& b) {
+  Gain gain;
   double squares = 0;
-  gain = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
-    gain += difference;
+    gain.sum += difference;
     squares += difference * difference;
   }
-  return squares > 0 ? gain / std::sqrt(squares) : 0;
+  gain.error = std::sqrt(squares);
+  return gain;
 }
 
 }  // namespace
@@ -123,16 +129,15 @@ std::optional<BlurredClasses> blurred_classes(
   std::vector<float> seen, unseen;
   judge.split(noise, seen, unseen);
   const std::vector<float> left = judge.squares(unseen, find(seen));
-  double most = 0;
+  Gain most;
   std::optional<double> best;
   for (const double deviation : deviations) {
-    double gain = 0;
-    const double errors = standard_errors(left, judge.squares(unseen, judge.classes(seen, deviation)), gain);
-    if (errors < clearly || gain <= most) continue;
+    const Gain gain = gain_of(left, judge.squares(unseen, judge.classes(seen, deviation)));
+    if (gain.sum <= most.sum) continue;
     most = gain;
     best = deviation;
   }
-  if (!best) return std::nullopt;
+  if (most.sum <= clearly * most.error) return std::nullopt;
   return BlurredClasses{judge.classes(values, *best), *best};
 }
 
