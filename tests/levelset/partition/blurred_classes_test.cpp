@@ -73,13 +73,13 @@ TEST(BlurredClasses, AreToldBySegmentOfTissuesOnly) {
     volume.values = image.values;
     return segment<2>(volume, {.regions = 3});
   };
-  const TestImage tissues = image_of(folds, 0.15), shapes = image_of(discs, 0.15);
+  const TestImage tissues = image_of(folds, 0.15), shapes = image_of(discs, 0.35);
   const Segmentation<2> found = segmented(tissues);
   EXPECT_TRUE(found.report.blur);
   EXPECT_EQ(found.report.options.center_spacing, 1);
   EXPECT_GT(share_right(found.labels, tissues), 0.8);
   EXPECT_FALSE(segmented(shapes).report.blur);
-  EXPECT_GT(share_right(segmented(shapes).labels, shapes), 0.995);
+  EXPECT_GT(share_right(segmented(shapes).labels, shapes), 0.98);
 }
 
 }  // namespace
