@@ -5,11 +5,10 @@ namespace csrbf::app {
 namespace {
 
 void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
-  v.flag(
-       "energy", c.energy, "NAME", c.energy,
-       "what distinguishes regions: auto (chan-vese or gaussian and the shading, by the shortest description; in local "
-       "mode chan-vese); chan-vese (means), gaussian (means and variances), generalized-gaussian (textures "
-       "too), rayleigh, gamma (ultrasound), edge (a short contour on edges; needs --init)")
+  v.flag("energy", c.energy, "NAME", c.energy,
+         "what distinguishes regions: auto (chan-vese or gaussian and the shading, by the shortest description); "
+         "chan-vese (means), gaussian (means and variances), generalized-gaussian (textures "
+         "too), rayleigh, gamma (ultrasound), edge (a short contour on edges; needs --init)")
       ->check(CLI::IsMember({"auto", "chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma", "edge"}));
   v.flag("init", c.init, "WHERE", c.init,
          "initial inside, in physical units of the image: auto; sphere:X,Y[,Z],R; box:X,Y[,Z],X,Y[,Z] (two corners); "

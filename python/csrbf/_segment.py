@@ -67,8 +67,8 @@ def segment(
         units, "mask:FILE", "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (nonzero
         inside), a Function or a Surface (positive inside).
     energy : str
-        "auto": "chan-vese" or "gaussian" and the shading, whichever describes the image shortest (in local mode, and
-        with a window or a smoothness, "chan-vese"); "chan-vese", "gaussian", "generalized-gaussian", "rayleigh",
+        "auto": "chan-vese" or "gaussian" and the shading, whichever describes the image shortest (with a window or
+        a smoothness "chan-vese"); "chan-vese", "gaussian", "generalized-gaussian", "rayleigh",
         "gamma" or "edge".
     regions : int
         Number of labels, from 0 on.

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::array<double, 5> deviations{0.5, 0.7, 1, 1.4, 2};  // of the Gaussians, in voxels
 constexpr double part = 0.5;    // of the noise that is added; the other image has its inverse subtracted
-constexpr double clearly = 1;   // standard errors of the gain
 constexpr Index enough = 1000;  // second differences
 
 class Judge {
@@ -74,22 +73,20 @@ class Judge {
     return labels;
   }
 
-  // The square that the means of the labels leave of each voxel.
-  [[nodiscard]] std::vector<float> squares(std::span<const float> values,
-                                           const std::vector<std::uint8_t>& labels) const {
+  // The squares that the means of the labels leave.
+  [[nodiscard]] double squares(std::span<const float> values, const std::vector<std::uint8_t>& labels) const {
     std::vector<double> sums(regions_, 0), counts(regions_, 0);
+    double all = 0;
     for (std::size_t i = 0; i < labels.size(); ++i) {
       if (!inside(static_cast<Index>(i))) continue;
-      sums[labels[i]] += static_cast<double>(values[i]);
+      const auto value = static_cast<double>(values[i]);
+      sums[labels[i]] += value;
       counts[labels[i]] += 1;
+      all += value * value;
     }
-    std::vector<float> result(labels.size(), 0.0F);
-    for (std::size_t i = 0; i < labels.size(); ++i) {
-      if (!inside(static_cast<Index>(i))) continue;
-      const double off = static_cast<double>(values[i]) - sums[labels[i]] / counts[labels[i]];
-      result[i] = static_cast<float>(off * off);
-    }
-    return result;
+    for (std::size_t k = 0; k < regions_; ++k)
+      if (counts[k] > 0) all -= sums[k] * sums[k] / counts[k];
+    return all;
   }
 
  private:
@@ -101,23 +98,6 @@ class Judge {
   std::size_t regions_;
 };
 
-struct Gain {
-  double sum = 0, error = 0;
-};
-
-// How much smaller b is than a.
-Gain gain_of(const std::vector<float>& a, const std::vector<float>& b) {
-  Gain gain;
-  double squares = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
-    gain.sum += difference;
-    squares += difference * difference;
-  }
-  gain.error = std::sqrt(squares);
-  return gain;
-}
-
 }  // namespace
 
 std::optional<BlurredClasses> blurred_classes(
@@ -128,16 +108,15 @@ std::optional<BlurredClasses> blurred_classes(
   if (!(noise > 0)) return std::nullopt;
   std::vector<float> seen, unseen;
   judge.split(noise, seen, unseen);
-  const std::vector<float> left = judge.squares(unseen, find(seen));
-  Gain most;
+  double least = judge.squares(unseen, find(seen));
   std::optional<double> best;
   for (const double deviation : deviations) {
-    const Gain gain = gain_of(left, judge.squares(unseen, judge.classes(seen, deviation)));
-    if (gain.sum <= most.sum) continue;
-    most = gain;
+    const double left = judge.squares(unseen, judge.classes(seen, deviation));
+    if (left >= least) continue;
+    least = left;
     best = deviation;
   }
-  if (most.sum <= clearly * most.error) return std::nullopt;
+  if (!best) return std::nullopt;
   return BlurredClasses{judge.classes(values, *best), *best};
 }
 
