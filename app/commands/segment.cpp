@@ -1,7 +1,7 @@
 #include "commands/formats.hpp"
 #include "commands/segment_contours.hpp"
 #include "commands/segment_options.hpp"
-#include "commands/segment_seeds.hpp"
+#include "inputs/segment_seeds.hpp"
 #include "report/segment_page.hpp"
 
 #include "csrbf/implicit/preview.hpp"
@@ -152,7 +152,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   check_finite(command.input, image, options.mask);
   options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
   if (!command.seeds.empty()) {
-    session.timed("read", [&] { read_seeds<Dim>(command, grid, options); });
+    session.timed("read", [&] { read_seeds<Dim>(command.seeds, command.seed_confidence, grid, options); });
     const int most = *std::max_element(options.seeds.begin(), options.seeds.end());
     if (command.regions == SegmentFlags().regions) options.regions = std::max(options.regions, most);
   }

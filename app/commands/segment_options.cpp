@@ -1,5 +1,7 @@
 #include "commands/segment_options.hpp"
 
+#include "inputs/segment_seeds.hpp"
+
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/points.hpp"
@@ -78,23 +80,6 @@ Seed inside_model(const std::string& path, const Grid& grid) {
 }
 
 }  // namespace
-
-template <int Dim>
-std::string extent_text(const Grid& grid) {
-  Box<3> box;
-  for (int corner = 0; corner < 8; ++corner) {
-    Point<3> p;
-    for (int a = 0; a < 3; ++a) p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
-    box.add(Point<3>(grid.to_physical<3>() * p));
-  }
-  std::string text;
-  for (int a = 0; a < Dim; ++a)
-    text += std::string(a > 0 ? ", " : "") + "xyz"[a] + " from " + rounded(box.lo[a]) + " to " + rounded(box.hi[a]);
-  return text;
-}
-
-template std::string extent_text<2>(const Grid&);
-template std::string extent_text<3>(const Grid&);
 
 SegmentOptions make_segment_options(const SegmentFlags& flags) {
   SegmentOptions options;

@@ -25,10 +25,6 @@ void check_finite(const std::string& path, const Volume<float>& image, const std
 template <int Dim>
 Seed read_seed(const std::string& where, const Grid& grid, const Progress& progress);
 
-/// "x from 0 to 99, y from 0 to 49"
-template <int Dim>
-std::string extent_text(const Grid& grid);
-
 /// The labels of an image with this layout; `memory`: to be used for them.
 Volume<float> label_image(const VolumeLayout& layout, const std::vector<std::uint8_t>& labels,
                           std::vector<float> memory = {});

@@ -1,6 +1,5 @@
 #include "csrbf/levelset/segment.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/levelset/baselines/baseline_forces.hpp"
 #include "csrbf/levelset/baselines/collocation.hpp"
 #include "csrbf/levelset/baselines/finite_difference.hpp"
@@ -11,37 +10,23 @@
 #include "csrbf/levelset/contour/variational.hpp"
 #include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
-#include "csrbf/levelset/local_energy.hpp"
 #include "csrbf/levelset/partition/blurred_classes.hpp"
 #include "csrbf/levelset/partition/large_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
+#include "csrbf/levelset/partition/seed_prior.hpp"
+#include "csrbf/levelset/partition/two_means_price.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
 #include "csrbf/levelset/regions/region_cores.hpp"
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
-#include "csrbf/levelset/regions/seed_prior.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
 
 #include <utility>
 
 namespace csrbf {
 namespace {
-
-// About 50 voxels of independent noise distinguish two textures; the centers smooth further.
-int choose_window(const SegmentOptions& options, const ForceNoise& noise, int dimension) {
-  if (options.energy != SegmentEnergy::generalized_gaussian || options.force) return 0;
-  return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
-}
-
-std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices) {
-  std::vector<EnergyPrice> list;
-  for (const ModelPrice& each : prices)
-    list.push_back({each.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese,
-                    shading_of(each.model.shape), each.nats});
-  return list;
-}
 
 // segment() in four steps.
 template <int Dim>
@@ -369,6 +354,22 @@ class Segmenter {
   std::optional<double> noise_growth_, speckle_, blur_;
   std::vector<ModelPrice> prices_;
 };
+
+// A contour of variances is often the better one for means, too: it does not leak where means say little.
+template <int Dim>
+Segmentation<Dim> segment_by_best_energy(const Volume<float>& image, SegmentOptions options) {
+  options.energy = SegmentEnergy::chan_vese;
+  Segmentation<Dim> means = segment<Dim>(image, options);
+  options.energy = SegmentEnergy::gaussian;
+  Segmentation<Dim> variances = segment<Dim>(image, options);
+  const std::vector<float> repaired = finite_values(image, options.mask);
+  const TwoMeansPrices prices = two_means_prices(repaired.empty() ? image.values : repaired, image.grid, options.mask,
+                                                 contour_length, means.labels, variances.labels);
+  Segmentation<Dim>& best = prices.second_is_better ? variances : means;
+  best.report.prices = {{SegmentEnergy::chan_vese, Shading::none, prices.first},
+                        {SegmentEnergy::gaussian, Shading::none, prices.second}};
+  return std::move(best);
+}
 
 }  // namespace
 

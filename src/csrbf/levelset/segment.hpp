@@ -8,15 +8,6 @@
 
 namespace csrbf {
 
-/// What a model of the regions costs: the length in nats of the shortest description of the image that was found with
-/// it, over that of the model chosen. Of a model that starts badly only the best start counts. Negative: not credible,
-/// as the voxels that it takes to be independent are not, or its means hardly vary.
-struct EnergyPrice {
-  SegmentEnergy energy;
-  Shading shading;
-  double nats = 0;
-};
-
 /// What was done, and with which settings.
 struct SegmentReport {
   SegmentSettings options;  ///< with the values used in place of `automatic`
@@ -64,7 +55,7 @@ struct Segmentation {
 /// (find_large_partition()), unless a center spacing is given.
 ///
 /// More than two regions may be classes of the blurred image instead (blurred_classes()), and in local mode the energy
-/// `automatic` is the better of means and of means with variances (segment_by_best_energy()).
+/// `automatic` is the better of means and of means with variances.
 ///
 /// Cost: of `automatic` 1 to 5 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
 /// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image

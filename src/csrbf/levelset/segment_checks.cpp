@@ -68,6 +68,26 @@ bool chooses_model(const SegmentOptions& given) {
          !given.window && !given.smoothness;
 }
 
+bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
+  return given.energy == SegmentEnergy::automatic && given.mode == SegmentMode::local &&
+         given.method == SegmentMethod::variational && !given.force && given.prior.empty() && !given.window &&
+         !given.smoothness && voxels <= most_chosen_voxels;
+}
+
+std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices) {
+  std::vector<EnergyPrice> list;
+  for (const ModelPrice& each : prices)
+    list.push_back({each.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese,
+                    shading_of(each.model.shape), each.nats});
+  return list;
+}
+
+// About 50 voxels of independent noise distinguish two textures; the centers smooth further.
+int choose_window(const SegmentOptions& given, const ForceNoise& noise, int dimension) {
+  if (given.energy != SegmentEnergy::generalized_gaussian || given.force) return 0;
+  return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
+}
+
 // The settings with values in place of `automatic`, but for the center spacing, the window and the shading.
 SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
   SegmentSettings used = given;

@@ -114,6 +114,15 @@ struct SegmentOptions : SegmentSettings {
   Progress progress = {};
 };
 
+/// What a model of the regions costs: the length in nats of the shortest description of the image that was found with
+/// it, over that of the model chosen. Of a model that starts badly only the best start counts. Negative: not credible,
+/// as the voxels that it takes to be independent are not, or its means hardly vary.
+struct EnergyPrice {
+  SegmentEnergy energy;
+  Shading shading;
+  double nats = 0;
+};
+
 /// Statistics of one region.
 struct RegionReport {
   int label = 0;

@@ -12,7 +12,7 @@ namespace csrbf {
 namespace {
 
 constexpr std::array<double, 5> deviations{0.5, 0.7, 1, 1.4, 2};  // of the Gaussians, in voxels
-constexpr double part = 0.5;    // of the noise that is added; the other image has its inverse subtracted
+constexpr double part = 0.7;    // of the noise that is added; the other image has its inverse subtracted. By hand
 constexpr Index enough = 1000;  // second differences
 
 class Judge {

@@ -1,13 +1,31 @@
-#include "commands/segment_seeds.hpp"
-
-#include "commands/segment_options.hpp"
+#include "inputs/segment_seeds.hpp"
 
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 
 namespace csrbf::app {
+
+template <int Dim>
+std::string extent_text(const Grid& grid) {
+  Box<3> box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Point<3> p;
+    for (int a = 0; a < 3; ++a) p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
+    box.add(Point<3>(grid.to_physical<3>() * p));
+  }
+  std::string text;
+  for (int a = 0; a < Dim; ++a)
+    text += std::string(a > 0 ? ", " : "") + "xyz"[a] + " from " + rounded(box.lo[a]) + " to " + rounded(box.hi[a]);
+  return text;
+}
+
+template std::string extent_text<2>(const Grid&);
+template std::string extent_text<3>(const Grid&);
+
 namespace {
 
 std::uint8_t label_of(double value, const std::string& path) {
@@ -83,8 +101,7 @@ void read_confidence(const std::string& given, const Grid& grid, SegmentOptions&
 }  // namespace
 
 template <int Dim>
-void read_seeds(const SegmentCommand& command, const Grid& grid, SegmentOptions& options) {
-  const std::string& path = command.seeds;
+void read_seeds(const std::string& path, const std::string& confidence, const Grid& grid, SegmentOptions& options) {
   if (is_volume_file(path)) {
     const std::vector<float> values = voxel_values("--seeds", path, grid);
     options.seeds.reserve(values.size());
@@ -92,10 +109,10 @@ void read_seeds(const SegmentCommand& command, const Grid& grid, SegmentOptions&
   } else {
     read_table<Dim>(path, grid, options);
   }
-  if (!command.seed_confidence.empty()) read_confidence(command.seed_confidence, grid, options);
+  if (!confidence.empty()) read_confidence(confidence, grid, options);
 }
 
-template void read_seeds<2>(const SegmentCommand&, const Grid&, SegmentOptions&);
-template void read_seeds<3>(const SegmentCommand&, const Grid&, SegmentOptions&);
+template void read_seeds<2>(const std::string&, const std::string&, const Grid&, SegmentOptions&);
+template void read_seeds<3>(const std::string&, const std::string&, const Grid&, SegmentOptions&);
 
 }  // namespace csrbf::app

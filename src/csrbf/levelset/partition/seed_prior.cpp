@@ -1,4 +1,4 @@
-#include "csrbf/levelset/regions/seed_prior.hpp"
+#include "csrbf/levelset/partition/seed_prior.hpp"
 
 #include <algorithm>
 
