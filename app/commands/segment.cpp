@@ -84,8 +84,8 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
   if (!command.model.empty()) session.expect_output("--model", command.model, ".csrbf", "models");
   if (!command.preview.empty()) session.expect_output("--preview", command.preview, ".png", "pictures");
   check_object_flags(command, session);
-  if (!command.seed_confidence.empty() && command.seeds.empty())
-    throw UsageError("--seed-confidence: is about seeds: add --seeds");
+  const bool certain = command.seed_confidence.empty() || command.seed_confidence == "1";  // programs give defaults
+  if (!certain && command.seeds.empty()) throw UsageError("--seed-confidence: is about seeds: add --seeds");
 }
 
 void add_options(const SegmentCommand& command, const SegmentSettings& used, Session& session) {

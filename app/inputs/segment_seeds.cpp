@@ -109,7 +109,7 @@ void read_seeds(const std::string& path, const std::string& confidence, const Gr
   } else {
     read_table<Dim>(path, grid, options);
   }
-  if (!confidence.empty()) read_confidence(confidence, grid, options);
+  if (!confidence.empty() && confidence != "1") read_confidence(confidence, grid, options);
 }
 
 template void read_seeds<2>(const std::string&, const std::string&, const Grid&, SegmentOptions&);
