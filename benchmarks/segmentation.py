@@ -1,13 +1,14 @@
 #!/usr/bin/python3
-"""Segments pictures and volumes with `csrbf`, a threshold and scikit-image, and writes a page of tables.
+"""Segments pictures and volumes with `csrbf` and its peers, from seeds too, and writes a page of tables.
 
 usage: segmentation.py --tools DIR [--data DIR] [--csrbf PROGRAM] [--cases NAME,...] [--peers] [--seeds N]
                        [--work DIR] [--output FILE]
 
   --tools DIR      holds make_images.py, which makes images with exact masks
-  --data DIR       holds mr_ch2_slice.npz and microct100.npz, whose rows are left out without it
-  --csrbf PROGRAM  default: build/release/bin/csrbf
-  --cases NAMES    default: all of them
+  --data DIR       holds mr_ch2_slice.npz, microct100.npz, brain1_*.nrrd, example_*.nii.gz; without it their rows are
+                   left out
+  --csrbf PROGRAM  default: build/release/bin/csrbf; itk_threshold_level_set is run if it is beside it
+  --cases NAMES    default: all of them, and those from seeds
   --peers          run scikit-image, too (Debian: python3-skimage)
   --seeds N        images with other noise of the pictures shape311_30dB, _20dB, _10dB and of speckle; default: 5
   --work DIR       keeps the images, which are made once; default: build/segmentation
@@ -27,6 +28,8 @@ from pathlib import Path
 
 import numpy as np
 from scipy import ndimage as ndi
+
+import seeded_segmentation
 
 PROJECT = Path(__file__).resolve().parent.parent
 HEADER = ["case", "tool", "Dice", "min Dice", "evolve ms", "CPU s", "peak MB", "components", "what it chose"]
@@ -212,8 +215,8 @@ def skimage_row(work, name, names):
             "", "", ""]
 
 
-def table(rows):
-    lines = ["| " + " | ".join(HEADER) + " |", "|" + "---|" * len(HEADER)]
+def table(rows, header=HEADER):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
 
 
@@ -249,9 +252,17 @@ def main():
         rows.append(threshold_row(arguments.work, base, names))
         if arguments.peers and np.load(arguments.work / f"{names[0]}.npy").ndim == 2:
             rows.append(skimage_row(arguments.work, base, names))
+    sections = ""
+    if not arguments.cases:
+        seeded = seeded_segmentation
+        found = list(seeded.seeded_rows(arguments.csrbf, arguments.work, arguments.data, arguments.peers))
+        sections = f"\n## From seeds\n\n{seeded.LEGEND}\n{table(found, seeded.HEADER)}\n"
+        tissues = list(seeded.tissue_rows(arguments.csrbf, arguments.work))
+        if tissues:
+            sections += f"\n## Tissues\n\n{seeded.TISSUES}\n{table(tissues, seeded.TISSUE_HEADER)}\n"
     version = subprocess.run([arguments.csrbf, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     page = (f"# Segmentation\n\n{version}, {os.cpu_count()} cores, {datetime.date.today()}; made by "
-            f"`benchmarks/segmentation.py`.\n\n{LEGEND}\n{table(rows)}\n")
+            f"`benchmarks/segmentation.py`.\n\n{LEGEND}\n{table(rows)}\n{sections}")
     arguments.output.write_text(page)
     print(page)
 

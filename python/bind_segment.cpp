@@ -83,6 +83,7 @@ SegmentOptions make_options(const py::dict& given) {
   read_entry(given, "balloon", options.balloon);
   read_entry(given, "fill_holes", options.fill_holes);
   read_entry(given, "iterations", options.iterations);
+  read_entry(given, "seed_confidence", options.seed_confidence);
   return options;
 }
 
@@ -105,11 +106,13 @@ ForceUpdate force_of(const py::object& function, const Grid& grid) {
 
 std::unique_ptr<Segments> segment_image(const Image& image, const std::optional<Bytes>& seed,
                                         const std::optional<Bytes>& mask, const std::optional<Bytes>& seeds,
-                                        const py::dict& given, const py::object& force, const py::object& listener) {
+                                        const std::optional<Floats>& confidences, const py::dict& given,
+                                        const py::object& force, const py::object& listener) {
   SegmentOptions options = make_options(given);
   options.seed = voxels_of(seed);
   options.mask = voxels_of(mask);
   options.seeds = voxels_of(seeds);
+  if (confidences) options.seed_confidences.assign(confidences->data(), confidences->data() + confidences->size());
   options.force = force_of(force, image.grid);
   return run(listener, [&](const Progress& progress) {
     options.progress = progress;
@@ -196,7 +199,7 @@ py::dict segmentation_to_dict(const SegmentReport& r) {
                          "balloon"_a = o.balloon, "fill_holes"_a = o.fill_holes, "iterations"_a = o.iterations);
   return py::dict("iterations"_a = r.iterations, "converged"_a = r.converged, "energy"_a = r.energy,
                   "regions"_a = regions, "components"_a = r.components, "noise"_a = r.noise,
-                  "noise_growth"_a = r.noise_growth, "speckle"_a = r.speckle, "prices"_a = prices,
+                  "noise_growth"_a = r.noise_growth, "blur"_a = r.blur, "speckle"_a = r.speckle, "prices"_a = prices,
                   "channels"_a = r.channels, "options"_a = options, "warnings"_a = r.warnings);
 }
 

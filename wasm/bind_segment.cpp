@@ -4,7 +4,7 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/levelset/image_contour.hpp"
 #include "csrbf/levelset/objects.hpp"
-#include "csrbf/levelset/segment.hpp"
+#include "csrbf/levelset/segment_json.hpp"
 
 #include <emscripten.h>
 
@@ -54,6 +54,7 @@ Wanted read_wanted(Options& given, const VoxelArrays& arrays, Index voxels) {
   given.read("balloon", o.balloon);
   given.read("fillHoles", o.fill_holes);
   given.read("iterations", o.iterations);
+  given.read("seedConfidence", o.seed_confidence);
   given.read("contour", wanted.contour);
   given.read("model", wanted.model);
   given.read("objects", wanted.objects);
@@ -77,23 +78,14 @@ void read_placement(Options& given, Grid& grid) {
 }
 
 Json to_json(const SegmentReport& r) {
-  Json regions = Json::array();
-  for (const RegionReport& region : r.regions)
-    regions.push_back({{"label", region.label},
-                       {"voxels", region.voxels},
-                       {"volume", region.volume},
-                       {"mean", region.mean},
-                       {"sd", region.sd}});
-  return {{"energy", name_of(r.options.energy)},
-          {"shading", name_of(r.options.shading)},
-          {"mode", name_of(r.options.mode)},
-          {"method", name_of(r.options.method)},
-          {"regions", regions},
-          {"iterations", r.iterations},
-          {"converged", r.converged},
-          {"components", r.components},
-          {"noise", r.noise},
-          {"warnings", r.warnings}};
+  Json result = segment_json<Json>(r);
+  result.update({{"energy", name_of(r.options.energy)},
+                 {"shading", name_of(r.options.shading)},
+                 {"mode", name_of(r.options.mode)},
+                 {"method", name_of(r.options.method)},
+                 {"steps", r.energy},
+                 {"warnings", r.warnings}});
+  return result;
 }
 
 // The level sets whose insides are the labels from 1 on.

@@ -145,7 +145,7 @@ struct SegmentCommand : SegmentFlags {
   Index min_size = 1;
   std::string table;
   std::string channels;
-  std::string seeds;
+  std::string seeds, seed_confidence;
 };
 
 struct TrackCommand : SegmentFlags {

@@ -32,7 +32,7 @@ std::string size_text(const VolumeLayout& image) {
   return csrbf::size_text(image.grid) + (image.frames > 1 ? " x " + std::to_string(image.frames) + " frames" : "");
 }
 
-Image read_mask(const std::string& path, const Image& image) {
+Image read_mask_image(const std::string& path, const Image& image) {
   Image mask = read_volume<double>(path);
   if (mask.components != 1)
     throw UsageError("--mask " + path + ": a mask has one value per pixel, this image " +
@@ -56,7 +56,7 @@ void mark_value(double value, const Image& image, std::vector<unsigned char>& mi
 std::vector<unsigned char> missing_voxels(const InpaintCommand& command, double value, const Image& image) {
   std::vector<unsigned char> missing(image.grid.voxels() * image.frames, 0);
   if (!command.mask.empty()) {
-    const Image mask = read_mask(command.mask, image);
+    const Image mask = read_mask_image(command.mask, image);
     for (std::size_t i = 0; i < missing.size(); ++i) missing[i] = mask.values[i % mask.values.size()] != 0 ? 1 : 0;
   }
   if (!std::isnan(value)) mark_value(value, image, missing);

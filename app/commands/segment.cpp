@@ -1,6 +1,7 @@
 #include "commands/formats.hpp"
 #include "commands/segment_contours.hpp"
 #include "commands/segment_options.hpp"
+#include "inputs/segment_seeds.hpp"
 #include "report/segment_page.hpp"
 
 #include "csrbf/implicit/preview.hpp"
@@ -13,6 +14,7 @@
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/levelset/objects.hpp"
+#include "csrbf/levelset/segment_json.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -82,6 +84,8 @@ void expect_outputs(const SegmentCommand& command, Session& session) {
   if (!command.model.empty()) session.expect_output("--model", command.model, ".csrbf", "models");
   if (!command.preview.empty()) session.expect_output("--preview", command.preview, ".png", "pictures");
   check_object_flags(command, session);
+  const bool certain = command.seed_confidence.empty() || command.seed_confidence == "1";  // programs give defaults
+  if (!certain && command.seeds.empty()) throw UsageError("--seed-confidence: is about seeds: add --seeds");
 }
 
 void add_options(const SegmentCommand& command, const SegmentSettings& used, Session& session) {
@@ -92,30 +96,14 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
                           {"preview", or_null(command.preview)},
                           {"channels", or_null(command.channels)},
                           {"seeds", or_null(command.seeds)},
+                          {"seed_confidence", or_null(command.seed_confidence)},
                           {"objects", command.objects},
                           {"table", or_null(command.table)},
                           {"min_size", command.min_size}});
 }
 
 void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, Session& session) {
-  Json regions = Json::array();
-  for (const RegionReport& region : r.regions)
-    regions.push_back({{"label", region.label},
-                       {"voxels", region.voxels},
-                       {"volume", region.volume},
-                       {"mean", region.mean},
-                       {"sd", region.sd}});
-  session.result = {{"iterations", r.iterations}, {"converged", r.converged},   {"energy", r.energy},
-                    {"regions", regions},         {"components", r.components}, {"noise", r.noise}};
-  if (!r.prices.empty()) {
-    Json prices = Json::array();
-    for (const EnergyPrice& each : r.prices)
-      prices.push_back({{"energy", name_of(each.energy)}, {"shading", name_of(each.shading)}, {"nats", each.nats}});
-    session.result["prices"] = prices;
-  }
-  if (r.noise_growth) session.result["noise_growth"] = *r.noise_growth;
-  if (r.speckle) session.result["speckle"] = *r.speckle;
-  if (!r.channels.empty()) session.result["channels"] = r.channels;
+  session.result = segment_json<Json>(r);
   session.warn(r.warnings);
   session.say(command.output + ": " + size_text(grid) + " voxels in " + counted(r.options.regions, "region") +
               ", the inside in " + counted(r.components, "component"));
@@ -164,7 +152,7 @@ void run_segment(const SegmentCommand& command, SegmentOptions options, Volume<f
   check_finite(command.input, image, options.mask);
   options.seed = session.timed("prepare", [&] { return read_seed<Dim>(command.init, grid, session.progress()); });
   if (!command.seeds.empty()) {
-    options.seeds = session.timed("read", [&] { return read_seeds<Dim>(command.seeds, grid); });
+    session.timed("read", [&] { read_seeds<Dim>(command.seeds, command.seed_confidence, grid, options); });
     const int most = *std::max_element(options.seeds.begin(), options.seeds.end());
     if (command.regions == SegmentFlags().regions) options.regions = std::max(options.regions, most);
   }

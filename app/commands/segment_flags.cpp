@@ -5,11 +5,10 @@ namespace csrbf::app {
 namespace {
 
 void declare_segmentation(CommandFlags& v, SegmentFlags& c) {
-  v.flag(
-       "energy", c.energy, "NAME", c.energy,
-       "what distinguishes regions: auto (chan-vese or gaussian and the shading, by the shortest description; in local "
-       "mode chan-vese); chan-vese (means), gaussian (means and variances), generalized-gaussian (textures "
-       "too), rayleigh, gamma (ultrasound), edge (a short contour on edges; needs --init)")
+  v.flag("energy", c.energy, "NAME", c.energy,
+         "what distinguishes regions: auto (chan-vese or gaussian and the shading, by the shortest description); "
+         "chan-vese (means), gaussian (means and variances), generalized-gaussian (textures "
+         "too), rayleigh, gamma (ultrasound), edge (a short contour on edges; needs --init)")
       ->check(CLI::IsMember({"auto", "chan-vese", "gaussian", "generalized-gaussian", "rayleigh", "gamma", "edge"}));
   v.flag("init", c.init, "WHERE", c.init,
          "initial inside, in physical units of the image: auto; sphere:X,Y[,Z],R; box:X,Y[,Z],X,Y[,Z] (two corners); "
@@ -67,8 +66,13 @@ void declare(CommandFlags& v, SegmentCommand& c) {
   v.flag("preview", c.preview, "FILE", "",
          "draw the contour on the image, or on the slice with the largest area inside: .png");
   v.flag("seeds", c.seeds, "FILE", "",
-         "voxels that are known, some of every region: an image, or a table of points, of numbers that are 1 for label "
+         "voxels that are known, some of every region (in local mode the background may be left out): an image, or a "
+         "table of points, of numbers that are 1 for label "
          "0, 2 for label 1 and so on; 0: not known");
+  v.flag(
+      "seed-confidence", c.seed_confidence, "P|FILE", "1",
+      "probability that a seed is right: below 1, clear intensities overrule it; an image has that of each voxel, and "
+      "a table of seeds may have it in a column after the label");
   v.flag("channels", c.channels, "LIST", "all but transparency",
          "components of the image to use, from 1 on: 1,3 are the red and the blue of a colour image");
   v.toggle("--objects", c.objects,

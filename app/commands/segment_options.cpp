@@ -1,5 +1,7 @@
 #include "commands/segment_options.hpp"
 
+#include "inputs/segment_seeds.hpp"
+
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/points.hpp"
@@ -75,21 +77,6 @@ Seed inside_model(const std::string& path, const Grid& grid) {
                        std::to_string(Dim) + " variables and 1 component");
     return seed_inside<Dim>(grid, *function.fit<Dim>().components.front());
   }
-}
-
-// "x from 0 to 99, y from 0 to 49"
-template <int Dim>
-std::string extent_text(const Grid& grid) {
-  Box<3> box;
-  for (int corner = 0; corner < 8; ++corner) {
-    Point<3> p;
-    for (int a = 0; a < 3; ++a) p[a] = (corner >> a & 1) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
-    box.add(Point<3>(grid.to_physical<3>() * p));
-  }
-  std::string text;
-  for (int a = 0; a < Dim; ++a)
-    text += std::string(a > 0 ? ", " : "") + "xyz"[a] + " from " + rounded(box.lo[a]) + " to " + rounded(box.hi[a]);
-  return text;
 }
 
 }  // namespace
@@ -220,45 +207,6 @@ std::vector<std::uint8_t> read_mask(const std::string& where, const Grid& grid) 
 template std::vector<std::uint8_t> read_mask<2>(const std::string&, const Grid&);
 template std::vector<std::uint8_t> read_mask<3>(const std::string&, const Grid&);
 
-template <int Dim>
-std::vector<std::uint8_t> read_seeds(const std::string& path, const Grid& grid) {
-  constexpr double most = 16;  // regions
-  const auto label = [&](double value) {
-    if (value != std::floor(value) || value < 0 || value > most)
-      throw UsageError("--seeds " + path + ": " + rounded(value) +
-                       " is no label; 1 marks label 0 of the result, 2 label 1, up to 16; 0 nothing");
-    return static_cast<std::uint8_t>(value);
-  };
-  std::vector<std::uint8_t> seeds(static_cast<std::size_t>(grid.voxels()), 0);
-  if (is_volume_file(path)) {
-    const Volume<float> image = read_volume(path);
-    if (image.components != 1 || image.frames != 1 || image.grid.size != grid.size)
-      throw UsageError("--seeds " + path + ": expected one label for each of " + size_text(grid) + " voxels, it has " +
-                       size_text(image.grid));
-    std::transform(image.values.begin(), image.values.end(), seeds.begin(),
-                   [&](float value) { return label(static_cast<double>(value)); });
-    return seeds;
-  }
-  const SampleTable table = read_samples(path);
-  if (table.coordinates.rows() != Dim || table.values.cols() != 1)
-    throw UsageError("--seeds " + path + ": expected the columns " + axes_text(Dim) + " and a label");
-  const auto to_voxel = grid.to_voxel<Dim>();
-  for (Index i = 0; i < table.coordinates.cols(); ++i) {
-    const Point<Dim> p = to_voxel * Point<Dim>(table.coordinates.col(i));
-    std::array<Index, 3> at{0, 0, 0};
-    for (int a = 0; a < Dim; ++a) {
-      at[static_cast<std::size_t>(a)] = std::lround(p[a]);
-      if (!(p[a] > -0.5 && p[a] < static_cast<double>(grid.size[static_cast<std::size_t>(a)]) - 0.5))
-        throw UsageError("--seeds " + path + ": point " + std::to_string(i + 1) + " is outside the image, which has " +
-                         extent_text<Dim>(grid));
-    }
-    seeds[grid.index(at[0], at[1], at[2])] = label(table.values(i, 0));
-  }
-  return seeds;
-}
-
-template std::vector<std::uint8_t> read_seeds<2>(const std::string&, const Grid&);
-template std::vector<std::uint8_t> read_seeds<3>(const std::string&, const Grid&);
 template Seed read_seed<2>(const std::string&, const Grid&, const Progress&);
 template Seed read_seed<3>(const std::string&, const Grid&, const Progress&);
 

@@ -25,11 +25,6 @@ void check_finite(const std::string& path, const Volume<float>& image, const std
 template <int Dim>
 Seed read_seed(const std::string& where, const Grid& grid, const Progress& progress);
 
-/// The voxels of --seeds FILE, an image of labels or a table of points with labels: 1 marks label 0 of the result, 2
-/// label 1, and so on; 0 elsewhere. Throws UsageError for other numbers, another size and points outside, IoError.
-template <int Dim>
-std::vector<std::uint8_t> read_seeds(const std::string& path, const Grid& grid);
-
 /// The labels of an image with this layout; `memory`: to be used for them.
 Volume<float> label_image(const VolumeLayout& layout, const std::vector<std::uint8_t>& labels,
                           std::vector<float> memory = {});

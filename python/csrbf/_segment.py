@@ -46,6 +46,7 @@ def segment(
     fill_holes: bool | None = None,
     force: Force | None = None,
     seeds: ImageLike | None = None,
+    seed_confidence: float | ImageLike = 1.0,
     channels: Sequence[int] | None = None,
     objects: bool = False,
     min_size: int = 1,
@@ -66,8 +67,8 @@ def segment(
         units, "mask:FILE", "points:FILE" (points on the boundary), "MODEL.csrbf", an array like the image (nonzero
         inside), a Function or a Surface (positive inside).
     energy : str
-        "auto": "chan-vese" or "gaussian" and the shading, whichever describes the image shortest (in local mode, and
-        with a window or a smoothness, "chan-vese"); "chan-vese", "gaussian", "generalized-gaussian", "rayleigh",
+        "auto": "chan-vese" or "gaussian" and the shading, whichever describes the image shortest (with a window or
+        a smoothness "chan-vese"); "chan-vese", "gaussian", "generalized-gaussian", "rayleigh",
         "gamma" or "edge".
     regions : int
         Number of labels, from 0 on.
@@ -98,7 +99,10 @@ def segment(
         Instead of an energy, a function of the labels (an array like the image, 1 inside) that returns the cost of each
         voxel inside instead of outside, in an array of the same shape: negative where it should be inside.
     seeds : Image, array_like or file name, optional
-        Like the image, in voxels whose region is known 1 + its label, some of every region; 0 elsewhere.
+        Like the image, in voxels whose region is known 1 + its label, some of every region; 0 elsewhere. In local mode
+        the background may be left out, and the contour starts at the seeds inside when there is no `init`.
+    seed_confidence : float, Image, array_like or file name
+        Probability that a seed is right, of all or of each voxel: below 1, clear intensities overrule it.
     channels : sequence of int, optional
         Of an image with components, such as colours: those to use, from 1 on; all but transparency when not given. An
         array has components when it is an `Image` with the axes "yxc" or "zyxc", or its last of three axes has the
@@ -151,8 +155,14 @@ def segment(
             raise ValueError("seeds: must be whole numbers from 0 to 16")
         known = known.astype(np.uint8)
         options["regions"] = max(options["regions"], int(known.max())) if regions == 2 else options["regions"]
+    confidences = None
+    if isinstance(seed_confidence, (int, float)):
+        options["seed_confidence"] = float(seed_confidence)
+    else:
+        given = as_image(image._aligned(seed_confidence, "seed_confidence")).values
+        confidences = np.ascontiguousarray(numbers(given, "seed_confidence"), np.float32)
     with listening(progress) as listener:
-        found = _csrbf.segment(volume, start, voxels, known, options, force, listener)
+        found = _csrbf.segment(volume, start, voxels, known, confidences, options, force, listener)
         parts = _csrbf.find_objects(volume, found, int(min_size), listener) if objects else None
     return Segmentation(found, parts, image)
 

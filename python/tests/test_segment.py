@@ -128,6 +128,24 @@ class Plane(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "seeds"):
             csrbf.segment(disc(), seeds=-seeds)
 
+    def test_uncertain_seeds_yield_to_clear_intensities(self):
+        seeds = np.zeros((48, 64), int)
+        seeds[20, 30], seeds[5, 5], seeds[45, 60] = 2, 1, 2
+        self.assertEqual(csrbf.segment(disc(), seeds=seeds).labels[45, 60], 1)
+        self.assertEqual(csrbf.segment(disc(), seeds=seeds, seed_confidence=0.7).labels[45, 60], 0)
+        confidence = np.full(seeds.shape, 0.7)
+        confidence[45, 60] = 1
+        self.assertEqual(csrbf.segment(disc(), seeds=seeds, seed_confidence=confidence).labels[45, 60], 1)
+        for wrong in (0, 2, confidence[:9]):
+            with self.assertRaisesRegex(ValueError, "seed_confidence"):
+                csrbf.segment(disc(), seeds=seeds, seed_confidence=wrong)
+
+    def test_a_contour_starts_at_seeds(self):
+        seeds = np.zeros((48, 64), int)
+        seeds[18:23, 28:33] = 2
+        labels = csrbf.segment(disc(), seeds=seeds, mode="local").labels
+        self.assertEqual((labels[20, 38], labels[5, 5]), (1, 0))
+
     def test_wrong_arguments_are_value_errors(self):
         image = disc()
         for message, arguments in (

@@ -90,6 +90,38 @@ class Plane(Segment):
         self.fail_with(2, "must mark every region", "segment", image, "-o", self.path("l.npy"), "--seeds",
                        self.path("one.npy"))
 
+    def test_uncertain_seeds_yield_to_clear_intensities(self):
+        values = [(0.0, 10.0)[x // 20] + 0.1 * (7 * x * y % 11) for y in range(40) for x in range(40)]
+        image = self.write_bytes("bands.npy", npy_bytes((40, 40), values, "<f4"))
+        wrong = 20 * 40 + 35
+        with open(self.path("seeds.csv"), "w") as file:
+            file.write("x,y,label\n10,20,1\n30,20,2\n35,20,1\n")
+        seeds = ("--seeds", self.path("seeds.csv"))
+        self.assertEqual(self.labels(image, *seeds)[0][wrong], 0)
+        labels, report = self.labels(image, *seeds, "--seed-confidence", "0.9")
+        self.assertEqual(labels[wrong], 1)
+        self.assertEqual(report["options"]["seed_confidence"], "0.9")
+        each = self.write_bytes("p.npy", npy_bytes((40, 40), [0.9] * wrong + [1] * (1600 - wrong), "<f4"))
+        self.assertEqual(self.labels(image, *seeds, "--seed-confidence", each)[0][wrong], 0)
+        with open(self.path("seeds.csv"), "w") as file:
+            file.write("x,y,label,confidence\n10,20,1,1\n30,20,2,1\n35,20,1,0.6\n")
+        self.assertEqual(self.labels(image, *seeds)[0][wrong], 1)
+        self.fail_with(2, "confidences of its own", "segment", image, "-o", self.path("l.npy"), *seeds,
+                       "--seed-confidence", "0.5")
+        self.fail_with(2, "add --seeds", "segment", image, "-o", self.path("l.npy"), "--seed-confidence", "0.5")
+        with open(self.path("seeds.csv"), "w") as file:
+            file.write("x,y,label,confidence\n10,20,1,1\n30,20,2,7\n")
+        self.fail_with(2, "is no confidence", "segment", image, "-o", self.path("l.npy"), *seeds)
+
+    def test_a_contour_starts_at_seeds(self):
+        values = [10.0 if min(math.hypot(x - 20, y - 24), math.hypot(x - 45, y - 24)) < 9 else 1.0 for y in range(48)
+                  for x in range(64)]
+        image = self.write_bytes("two.npy", npy_bytes((48, 64), values, "<f4"))
+        with open(self.path("seeds.csv"), "w") as file:
+            file.write("x,y,label\n" + "".join(f"{x},{y},2\n" for x in (19, 20, 21) for y in (23, 24, 25)))
+        labels, _ = self.labels(image, "--seeds", self.path("seeds.csv"), "--mode", "local")
+        self.assertEqual([labels[24 * 64 + x] for x in (14, 20, 45, 60)], [1, 1, 0, 0])
+
     def test_mask_is_a_box(self):
         values = [10.0 if math.hypot(x - 20, y - 24) < 9 else 30.0 if x > 45 else 1.0 for y in range(48)
                   for x in range(64)]

@@ -136,6 +136,16 @@ export interface SegmentReport {
   converged: boolean;
   components: number;
   noise: number;
+  /** Energy after each step. */
+  steps: number[];
+  /** Nats of each model above the one chosen. */
+  prices?: {energy: string; shading: string; nats: number}[];
+  /** Deviation of the noise at bright over that at dark voxels, where it grows. */
+  noise_growth?: number;
+  /** Deviation of the Gaussian, in voxels, where more than two regions are classes of the blurred image. */
+  blur?: number;
+  speckle?: number;
+  channels?: number[];
   warnings: string[];
 }
 
@@ -151,6 +161,8 @@ export interface SegmentOptions {
   init?: ArrayLike<number>;
   /** 1 + the label of voxels that are known, else 0. */
   seeds?: ArrayLike<number>;
+  /** Probability that a seed is right; below 1, clear intensities overrule it. */
+  seedConfidence?: number;
   /** 0 in voxels to ignore. */
   mask?: ArrayLike<number>;
   energy?: "auto" | "chan-vese" | "gaussian" | "generalized-gaussian" | "rayleigh" | "gamma" | "edge";

@@ -152,7 +152,7 @@ Volume<Scalar> read_volume(const std::string& path) {
   if (bytes.empty() && !is_by_gdal(extension)) bytes = read_file(path);
   RawVolume raw = parse_volume(extension, std::move(bytes), display_name(path));
   if (has_world_file(extension) && !is_placed(raw.layout)) read_world_file(path, raw.layout.grid);
-  return decode_samples<Scalar>(raw);
+  return decode_samples<Scalar>(std::move(raw));
 }
 
 template <class Scalar>

@@ -1,6 +1,6 @@
 #include "csrbf/levelset/segment.hpp"
 
-#include "csrbf/core/error.hpp"
+#include "csrbf/levelset/baselines/baseline_forces.hpp"
 #include "csrbf/levelset/baselines/collocation.hpp"
 #include "csrbf/levelset/baselines/finite_difference.hpp"
 #include "csrbf/levelset/contour/edge_flow.hpp"
@@ -10,8 +10,11 @@
 #include "csrbf/levelset/contour/variational.hpp"
 #include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
+#include "csrbf/levelset/partition/blurred_classes.hpp"
 #include "csrbf/levelset/partition/large_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
+#include "csrbf/levelset/partition/seed_prior.hpp"
+#include "csrbf/levelset/partition/two_means_price.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
@@ -25,41 +28,16 @@
 namespace csrbf {
 namespace {
 
-constexpr double contour_length = 1.5;  // nats per voxel edge of a contour; see segment.md
-
-// The forces of a source; appends the energy of the labels that they are asked for, as in SegmentReport.
-ForceUpdate force_update(ForceSource& source, std::size_t voxels, std::vector<double>& energy) {
-  return [&source, voxels, &energy](const unsigned char* labels, float* force) {
-    source.fit({labels, voxels});
-    double sum = source.force(1, 1, {force, voxels}), size = 0;
-    for (std::size_t i = 0; i < voxels; ++i) {
-      size += static_cast<double>(std::abs(force[i]));
-      if (labels[i] != 0) sum += static_cast<double>(force[i]);
-    }
-    energy.push_back(sum / (size > 0 ? size : 1));
-  };
-}
-
-// About 50 voxels of independent noise distinguish two textures; the centers smooth further.
-int choose_window(const SegmentOptions& options, const ForceNoise& noise, int dimension) {
-  if (options.energy != SegmentEnergy::generalized_gaussian || options.force) return 0;
-  return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
-}
-
-std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices) {
-  std::vector<EnergyPrice> list;
-  for (const ModelPrice& each : prices)
-    list.push_back({each.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese,
-                    shading_of(each.model.shape), each.nats});
-  return list;
-}
-
 // segment() in four steps.
 template <int Dim>
 class Segmenter {
  public:
   Segmenter(const Volume<float>& image, const SegmentOptions& options)
-      : image_(image), options_(options), grid_(image.grid), used_(choose_settings(options, image.grid.voxels())) {}
+      : image_(image),
+        options_(options),
+        grid_(image.grid),
+        used_(choose_settings(options, image.grid.voxels())),
+        seeds_(seed_costs(options.seeds, options.seed_confidence, options.seed_confidences, options.regions)) {}
 
   // The values, the source of the forces and the labels that the statistics start from.
   void start() {
@@ -68,23 +46,14 @@ class Segmenter {
     check_contrast(values_, options_.mask);
     report(options_.progress, "prepare", 0);
     if (is_large() && partition_large()) return;
-    keep_seed();
+    prior_ = chooses_model() ? options_.prior : prior_of_seeds(options_, seeds_, is_local());
     regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
     if (options_.force) caller_.emplace(options_);
     const bool follows_seed = !options_.seed.empty() && (is_local() || !is_variational() || options_.force);
     given_ = options_.start.empty() && follows_seed ? options_.seed : options_.start;
     for (std::uint8_t& label : given_) label = label != 0 ? 1 : 0;
     labels_ = !given_.empty() && options_.force ? given_ : regions_->start();
-  }
-
-  // A contour that moves from a seed keeps the seed inside, unless it starts elsewhere.
-  void keep_seed() {
-    constexpr float certain = 10;  // mean costs of a voxel in the wrong region
-    prior_ = options_.prior;
-    if (!is_local() || options_.seed.empty() || !options_.start.empty()) return;
-    prior_.resize(options_.seed.size(), 0.0F);
-    for (std::size_t i = 0; i < prior_.size(); ++i)
-      if (options_.seed[i] != 0) prior_[i] -= certain;
+    if (options_.regions == 2) match_seeds(options_.seeds, labels_);
   }
 
   // The noise of the forces, and what is chosen by it. It is that between the two classes of the image: a seed may lie
@@ -125,6 +94,7 @@ class Segmenter {
     result_ = descend(lattice);
     place_in_speckle(lattice);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
+    keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
   }
 
   // The labels within the mask, and the report.
@@ -143,6 +113,7 @@ class Segmenter {
     found.noise = noise_.size;
     found.noise_growth = noise_growth_;
     found.speckle = speckle_;
+    found.blur = blur_;
     found.prices = price_list(prices_);
     for (const RegionReport& region : found.regions)
       if (region.voxels == 0)
@@ -160,8 +131,8 @@ class Segmenter {
 
   // Of the energy `automatic`, but of too many voxels for it.
   [[nodiscard]] bool is_large() const {
-    return csrbf::chooses_model(options_) && !chooses_model() && used_.regions == 2 && !used_.center_spacing &&
-           (used_.shading == Shading::automatic || used_.shading == Shading::none);
+    return csrbf::chooses_model(options_) && !chooses_model() && used_.regions == 2 && options_.seeds.empty() &&
+           !used_.center_spacing && (used_.shading == Shading::automatic || used_.shading == Shading::none);
   }
 
   ForceSource& source() {
@@ -194,25 +165,30 @@ class Segmenter {
     return true;
   }
 
-  Partition find_labels(std::optional<PartitionPrice>& price) {
-    const IntensityBins bins = choose_bins(values_, 256, options_.mask);
-    price.emplace(values_, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
-    price->set_seeds(options_.seeds);
-    return find_partition(*price, {options_.regions, shape_of(used_.shading), options_.progress});
+  // By that model, or by all.
+  Partition find_labels(std::span<const float> values, std::optional<PartitionPrice>& price,
+                        const std::optional<PartitionModel>& model = {}) {
+    const IntensityBins bins = choose_bins(values, 256, options_.mask);
+    price.emplace(values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
+    price->set_seeds(seeds_);
+    return find_partition(*price, {options_.regions, shape_of(used_.shading), model, options_.progress});
   }
 
   // The shortest description of the image by regions, then their contours in CSRBFs.
   void partition() {
     std::optional<PartitionPrice> price;
-    Partition found = find_labels(price);
-    // Where the noise grows with intensity, once more on a scale on which it grows less.
+    Partition found = find_labels(values_, price);
+    // Where the noise grows with intensity, once more by the same model on a scale on which it grows less.
     if (const std::optional<NoiseLaw> law = noise_law(values_, grid_, found.labels, options_.mask)) {
       noise_growth_ = law->growth();
       even_ = even_noise(values_, *law);
       values_ = even_;
       regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
-      found = find_labels(price);
+      std::vector<ModelPrice> prices = std::move(found.prices);
+      found = find_labels(values_, price, found.model);
+      found.prices = std::move(prices);
     }
+    blur_tissues(found);
     const bool given = used_.center_spacing.has_value();
     const LatticeOptions lattice{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
     PartitionContours<Dim> contours = partition_contours<Dim>(*price, found, options_.regions, lattice, given);
@@ -221,10 +197,8 @@ class Segmenter {
                std::move(found.energy)};
     for (double& energy : result_.energy) energy /= price->voxels();
     std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(*price, found.model);
-    // The lattice may leave out seeds of a voxel or two.
-    for (std::size_t i = 0; i < options_.seeds.size(); ++i)
-      if (options_.seeds[i] != 0) result_.labels[i] = options_.seeds[i] - 1;
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
+    keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
     used_.energy = found.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;
     used_.shading = shading_of(found.model.shape);
     if (options_.regions == 2) {
@@ -234,6 +208,19 @@ class Segmenter {
     }
     prices_ = std::move(found.prices);
     fields_ = level_set_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
+  }
+
+  // More than two regions that are no areas between short contours.
+  void blur_tissues(Partition& found) {
+    if (options_.regions == 2 || !options_.seeds.empty()) return;
+    std::optional<PartitionPrice> other;
+    std::optional<BlurredClasses> blurred =
+        blurred_classes(values_, grid_, options_.mask, options_.regions,
+                        [&](std::span<const float> values) { return find_labels(values, other).labels; });
+    if (!blurred) return;
+    found.labels = std::move(blurred->labels);
+    blur_ = blurred->deviation;
+    if (!used_.center_spacing) used_.center_spacing = 1;
   }
 
   // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
@@ -272,7 +259,7 @@ class Segmenter {
       fields_.push_back(found.field);
       result_ = {{}, std::move(found.labels), found.iterations, found.converged, std::move(energy)};
     };
-    const ForceUpdate force = force_update(source(), result_.labels.size(), energy);
+    const ForceUpdate force = baseline_forces(source(), result_.labels.size(), energy);
     if (used_.method == SegmentMethod::finite_difference)
       take(finite_difference<Dim>(grid_, start, force,
                                   {.length = *used_.smoothness,
@@ -301,7 +288,7 @@ class Segmenter {
       return descend_locally(lattice, source(), how, grid_, std::move(labels_));
     VariationalResult found = descend_globally(lattice, source(), how, std::move(labels_));
     if (!is_local() && can_be_shaded()) shade(lattice, how, found);
-    choose_polarity(grid_, options_, values_, found);
+    if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, found);
     return is_local() ? descend_locally(lattice, source(), how, grid_, std::move(found.labels)) : std::move(found);
   }
 
@@ -338,7 +325,7 @@ class Segmenter {
       lattice = make_lattice();
       coefficients = coefficients_of_labels(lattice, result_.labels);
     }
-    SpeckleContour<Dim> contour(lattice, *speckle, values_, options_.mask, options_.prior, coefficients);
+    SpeckleContour<Dim> contour(lattice, *speckle, values_, options_.mask, prior_, coefficients);
     std::vector<double> steps;
     coefficients = contour.descend(steps);
     update_labels(lattice, coefficients, result_.labels.data());
@@ -355,6 +342,7 @@ class Segmenter {
   std::vector<float> repaired_;  // the values when some are not finite
   std::vector<float> even_;      // the values when the noise grows with them
   std::span<const float> values_;
+  SeedCosts seeds_;
   std::vector<float> prior_;
   std::optional<RegionForces<Dim>> regions_;
   std::optional<CallerForces> caller_;
@@ -363,9 +351,25 @@ class Segmenter {
   ForceNoise noise_;
   VariationalResult result_;
   std::vector<std::shared_ptr<const Field<Dim>>> fields_;
-  std::optional<double> noise_growth_, speckle_;
+  std::optional<double> noise_growth_, speckle_, blur_;
   std::vector<ModelPrice> prices_;
 };
+
+// A contour of variances is often the better one for means, too: it does not leak where means say little.
+template <int Dim>
+Segmentation<Dim> segment_by_best_energy(const Volume<float>& image, SegmentOptions options) {
+  options.energy = SegmentEnergy::chan_vese;
+  Segmentation<Dim> means = segment<Dim>(image, options);
+  options.energy = SegmentEnergy::gaussian;
+  Segmentation<Dim> variances = segment<Dim>(image, options);
+  const std::vector<float> repaired = finite_values(image, options.mask);
+  const TwoMeansPrices prices = two_means_prices(repaired.empty() ? image.values : repaired, image.grid, options.mask,
+                                                 contour_length, means.labels, variances.labels);
+  Segmentation<Dim>& best = prices.second_is_better ? variances : means;
+  best.report.prices = {{SegmentEnergy::chan_vese, Shading::none, prices.first},
+                        {SegmentEnergy::gaussian, Shading::none, prices.second}};
+  return std::move(best);
+}
 
 }  // namespace
 
@@ -380,6 +384,9 @@ Segmentation<Dim> segment(const Volume<float>& image, const SegmentOptions& opti
     found.report.channels = weights;
     return found;
   }
+  if (chooses_local_energy(options, image.grid.voxels())) return segment_by_best_energy<Dim>(image, options);
+  if (options.mode == SegmentMode::local && !options.seeds.empty() && options.seed.empty() && options.start.empty())
+    return segment<Dim>(image, starting_at_seeds(options));
   Segmenter<Dim> segmenter(image, options);
   segmenter.start();
   segmenter.measure();

@@ -8,15 +8,6 @@
 
 namespace csrbf {
 
-/// What a model of the regions costs: the length in nats of the shortest description of the image that was found with
-/// it, over that of the model chosen. Of a model that starts badly only the best start counts. Negative: not credible,
-/// as the voxels that it takes to be independent are not, or its means hardly vary.
-struct EnergyPrice {
-  SegmentEnergy energy;
-  Shading shading;
-  double nats = 0;
-};
-
 /// What was done, and with which settings.
 struct SegmentReport {
   SegmentSettings options;  ///< with the values used in place of `automatic`
@@ -33,6 +24,9 @@ struct SegmentReport {
   std::optional<double> noise_growth = {};
   /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
   std::optional<double> speckle = {};
+  /// Set when more than two regions are classes of the image after a Gaussian: its deviation, in voxels of the shortest
+  /// edge.
+  std::optional<double> blur = {};
   std::vector<EnergyPrice> prices;  ///< of the energy `automatic`: one for each model
   std::vector<double> channels;     ///< of an image with components: the weights of their sum, which was segmented
   std::vector<std::string> warnings;
@@ -60,8 +54,12 @@ struct Segmentation {
 /// deviation is at most 0.3 of their contrast have labels of single voxels and a level set on blocks of these
 /// (find_large_partition()), unless a center spacing is given.
 ///
+/// More than two regions may be classes of the blurred image instead (blurred_classes()), and in local mode the energy
+/// `automatic` is the better of means and of means with variances.
+///
 /// Cost: of `automatic` 1 to 5 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
-/// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image (2.4 GB in all for 512^3).
+/// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image
+/// (2.4 GB in all for 512^3; 0.9 GB on blocks).
 ///
 /// Throws InvalidInput for options out of their ranges, arrays of the wrong size, an image with fewer or more than Dim
 /// axes, more than 64 components or one frame, NaN inside the mask, a constant image, and a seed that is empty or has

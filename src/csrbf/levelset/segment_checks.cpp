@@ -68,16 +68,36 @@ bool chooses_model(const SegmentOptions& given) {
          !given.window && !given.smoothness;
 }
 
+bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
+  return given.energy == SegmentEnergy::automatic && given.mode == SegmentMode::local &&
+         given.method == SegmentMethod::variational && !given.force && given.prior.empty() && !given.window &&
+         !given.smoothness && voxels <= most_chosen_voxels;
+}
+
+std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices) {
+  std::vector<EnergyPrice> list;
+  for (const ModelPrice& each : prices)
+    list.push_back({each.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese,
+                    shading_of(each.model.shape), each.nats});
+  return list;
+}
+
+// About 50 voxels of independent noise distinguish two textures; the centers smooth further.
+int choose_window(const SegmentOptions& given, const ForceNoise& noise, int dimension) {
+  if (given.energy != SegmentEnergy::generalized_gaussian || given.force) return 0;
+  return static_cast<int>(std::lround((dimension == 2 ? 3 : 1) * noise.grain));
+}
+
 // The settings with values in place of `automatic`, but for the center spacing, the window and the shading.
 SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
   SegmentSettings used = given;
   const bool edge = used.energy == SegmentEnergy::edge && !given.force;
   if (edge) used.mode = SegmentMode::local;
-  constexpr Index large = 1 << 23;  // voxels from which the search takes longer than all else; it took 40 s for 256^3
-  const bool chosen = chooses_model(given) && voxels <= large;
+  const bool chosen = chooses_model(given) && voxels <= most_chosen_voxels;
   require(chosen || (given.shading != Shading::smooth && given.shading != Shading::objects), here, "shading",
           std::string(name_of(given.shading)), "is for images of at most 8 million voxels");
-  require(chosen || given.seeds.empty(), here, "seeds", "given", "are for images of at most 8 million voxels");
+  require(chosen || given.seeds.empty() || given.regions == 2, here, "seeds", "given",
+          "of more than two regions are for images of at most 8 million voxels");
   if (used.energy == SegmentEnergy::automatic && !chosen) used.energy = SegmentEnergy::chan_vese;
   const bool smooth_by_centers = !used.smoothness || *used.smoothness > 0;
   if (!used.center_spacing && !smooth_by_centers && !chosen) used.center_spacing = 1;
@@ -89,6 +109,9 @@ SegmentSettings choose_settings(const SegmentOptions& given, Index voxels) {
 
 void check_segment_options(const SegmentOptions& options) {
   require(options.regions >= 2 && options.regions <= 16, here, "regions", options.regions, "must be 2 to 16");
+  require(options.seed_confidence > 0 && options.seed_confidence <= 1, here, "seed_confidence", options.seed_confidence,
+          "must be a probability, above 0 and at most 1");
+  require(options.seed_confidences.empty() || !options.seeds.empty(), here, "seed_confidences", "given", "need seeds");
   require(options.iterations > 0, here, "iterations", options.iterations, "must be positive");
   if (options.smoothness)
     require(*options.smoothness >= 0 && std::isfinite(*options.smoothness), here, "smoothness", *options.smoothness,
@@ -121,16 +144,27 @@ void check_seeds(const SegmentOptions& options, std::size_t voxels) {
   if (options.seeds.empty()) return;
   require(options.seeds.size() == voxels, here, "seeds size", options.seeds.size(),
           "must be the number of voxels, " + std::to_string(voxels));
-  require(chooses_model(options) && options.seed.empty(), here, "seeds", "given",
-          "need the energy auto in global mode, and no seed, start, prior, force, window or smoothness");
+  const bool variational = options.method == SegmentMethod::variational;
+  require(variational && options.energy != SegmentEnergy::edge && !options.force, here, "seeds", "given",
+          "need the method variational and an energy of intensities");
+  require(options.regions == 2 || chooses_model(options), here, "seeds", "given",
+          "of more than two regions need the energy auto, and no window or smoothness");
+  const bool local = options.mode == SegmentMode::local;
+  require(local || options.seed.empty(), here, "seeds", "given", "replace the seed in global mode");
+  require(options.seed_confidences.empty() || options.seed_confidences.size() == voxels, here, "seed_confidences size",
+          options.seed_confidences.size(), "must be the number of voxels, " + std::to_string(voxels));
+  for (std::size_t i = 0; i < options.seed_confidences.size(); ++i)
+    require(options.seeds[i] == 0 || (options.seed_confidences[i] >= 0 && options.seed_confidences[i] <= 1), here,
+            "seed_confidences", options.seed_confidences[i], "must be probabilities, from 0 to 1");
   std::vector<Index> counts(static_cast<std::size_t>(options.regions) + 1, 0);
   for (std::size_t i = 0; i < voxels; ++i) {
     require(options.seeds[i] <= options.regions, here, "seeds", static_cast<int>(options.seeds[i]),
             "must be at most the number of regions, " + std::to_string(options.regions));
     if (options.mask.empty() || options.mask[i] != 0) ++counts[options.seeds[i]];
   }
+  const bool starts = !options.seed.empty() || !options.start.empty();
   for (std::size_t k = 1; k < counts.size(); ++k)
-    require(counts[k] > 0, here, "seeds", "without " + std::to_string(k),
+    require(counts[k] > 0 || (local && (k == 1 || starts)), here, "seeds", "without " + std::to_string(k),
             "must mark every region, the background too: 1 marks label 0, 2 label 1, and so on");
 }
 

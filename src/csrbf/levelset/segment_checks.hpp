@@ -1,7 +1,8 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
-#include "csrbf/levelset/partition/partition_model.hpp"
+#include "csrbf/levelset/partition/partition.hpp"
+#include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_model.hpp"
 #include "csrbf/levelset/segment_options.hpp"
 
@@ -15,9 +16,24 @@ Shading shading_of(MeanShape shape);
 /// The law of intensities of an energy of regions.
 IntensityLaw law_of(SegmentEnergy energy);
 
+/// Nats per voxel edge of a contour.
+inline constexpr double contour_length = 1.5;
+/// Voxels from which a search takes longer than all else; it took 40 s for 256^3.
+inline constexpr Index most_chosen_voxels = 1 << 23;
+
 /// Whether the energy is chosen by the description length: it is `automatic`, and what else is given has a meaning
 /// there.
 bool chooses_model(const SegmentOptions& given);
+
+/// Whether the energy of a contour that moves from its start is to be chosen: it is `automatic`, and nothing else that
+/// is given belongs to one of them.
+bool chooses_local_energy(const SegmentOptions& given, Index voxels);
+
+/// In the words of the report.
+std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices);
+
+/// The half width of the boxes over which the energy is averaged, where it is not given.
+int choose_window(const SegmentOptions& given, const ForceNoise& noise, int dimension);
 
 /// The settings with values in place of `automatic`, but for the center spacing, the window and the shading. Throws
 /// InvalidInput for a shading that images of this size cannot have.

@@ -79,6 +79,9 @@ struct SegmentSettings {
   /// Whether what the contour encloses counts as inside; automatic: in local mode, whose contour leaves dark spots
   /// behind.
   std::optional<bool> fill_holes = {};
+  /// Probability that a seed has the label given, up to 1: then it keeps it. One that is not certain yields to
+  /// intensities and contours that save more nats than log(p / (1 - p)), of n regions log(p (n - 1) / (1 - p)).
+  double seed_confidence = 1;
   int iterations = 100;  ///< at most; each updates statistics and contour
 };
 
@@ -94,8 +97,13 @@ struct SegmentOptions : SegmentSettings {
   /// Labels of two regions that the statistics start from, such as those of the previous frame; one per voxel, or none.
   std::vector<std::uint8_t> start = {};
   /// Voxels whose region is known: 1 + its label, 0 elsewhere; one per voxel, at least one of every region, or none.
-  /// They keep these labels. With the energy `automatic` in global mode, and up to 8 million voxels.
+  /// See seed_confidence. More than two regions: with the energy `automatic`, and up to 8 million voxels. In local mode
+  /// and with other energies, which take costs in units of the mean cost of a voxel in the wrong region, that of a seed
+  /// is at most 10, and in local mode no background is needed and the contour starts at those inside unless there is a
+  /// `seed` or `start`.
   std::vector<std::uint8_t> seeds = {};
+  /// Probabilities of single seeds, instead of seed_confidence: one per voxel, or none.
+  std::vector<float> seed_confidences = {};
   /// Added to the cost of a voxel inside, in units of the mean cost of a voxel in the wrong region. One per voxel, or
   /// none; for two regions.
   std::vector<float> prior = {};
@@ -104,6 +112,15 @@ struct SegmentOptions : SegmentSettings {
   /// Replaces `energy`: given labels, writes the cost of each voxel inside minus that outside, in any unit.
   ForceUpdate force = {};
   Progress progress = {};
+};
+
+/// What a model of the regions costs: the length in nats of the shortest description of the image that was found with
+/// it, over that of the model chosen. Of a model that starts badly only the best start counts. Negative: not credible,
+/// as the voxels that it takes to be independent are not, or its means hardly vary.
+struct EnergyPrice {
+  SegmentEnergy energy;
+  Shading shading;
+  double nats = 0;
 };
 
 /// Statistics of one region.

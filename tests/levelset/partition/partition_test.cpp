@@ -119,7 +119,7 @@ TEST(Partition, KeepsSeedsAndSaysWhichRegionIsWhich) {
   const auto [lo, hi] = std::minmax_element(picture.values.begin(), picture.values.end());
   PartitionPrice price(picture.values, static_cast<double>(*lo), static_cast<double>(*hi), picture.grid, {},
                        contour_weight(picture.grid, length));
-  price.set_seeds(seeds);
+  price.set_seeds({seeds, {}});
   const Partition found = find_partition(price);
   Index wrong = 0;
   for (std::size_t i = 0; i < seeds.size(); ++i) {
@@ -127,6 +127,58 @@ TEST(Partition, KeepsSeedsAndSaysWhichRegionIsWhich) {
     wrong += found.labels[i] == picture.truth[i] ? 1 : 0;
   }
   EXPECT_LT(wrong, 60);  // of 9216
+}
+
+// Of a block of uncertain seeds in plain noise, each costs log(p / (1 - p)) in the other region.
+TEST(Partition, WeighsUncertainSeeds) {
+  const Picture picture = paint([](double x, double y) { return disc(x, y, 30, 45, 20); },
+                                [](double, double, bool in, double z) { return in + 0.7 * z; });
+  const auto at = [](Index x, Index y) { return static_cast<std::size_t>(x + n * y); };
+  std::vector<std::uint8_t> seeds(picture.values.size(), 0);
+  for (Index y = 35; y < 55; ++y)
+    for (Index x = 20; x < 40; ++x) seeds[at(x, y)] = 2;
+  seeds[at(5, 5)] = seeds[at(90, 5)] = 1;
+  for (Index y = 40; y < 52; ++y)
+    for (Index x = 70; x < 82; ++x) seeds[at(x, y)] = 2;
+  const auto [lo, hi] = std::minmax_element(picture.values.begin(), picture.values.end());
+  PartitionPrice price(picture.values, static_cast<double>(*lo), static_cast<double>(*hi), picture.grid, {},
+                       contour_weight(picture.grid, length));
+  const auto share = [&](double confidence) {
+    price.set_seeds(seed_costs(seeds, confidence, {}, 2));
+    const Partition found = find_partition(price, {.model = PartitionModel()});
+    double inside = 0;
+    for (Index y = 40; y < 52; ++y)
+      for (Index x = 70; x < 82; ++x) inside += found.labels[at(x, y)] / 144.0;
+    return inside;
+  };
+  EXPECT_LT(share(0.6), 0.1);  // a voxel says a nat against it, a seed 0.4 nats for it
+  EXPECT_GT(share(0.95), 0.9);
+  EXPECT_NEAR(share(1), 1, 1e-9);
+}
+
+TEST(SeedCosts, AreLogarithmsOfRatios) {
+  const std::vector<std::uint8_t> seeds{0, 1, 2, 3};
+  EXPECT_TRUE(seed_costs(seeds, 1, {}, 3).nats.empty());
+  EXPECT_TRUE(seed_costs(seeds, 1, {}, 3).is_certain(1));
+  EXPECT_FALSE(seed_costs(seeds, 1, {}, 3).is_certain(0)) << "no seed";
+  EXPECT_NEAR(seed_costs(seeds, 0.9, {}, 2).at(1), std::log(9), 1e-6);
+  EXPECT_NEAR(seed_costs(seeds, 0.9, {}, 3).at(1), std::log(18), 1e-6);
+  const std::vector<float> single{1, 0.75F, 1, 0.2F};
+  const SeedCosts costs = seed_costs(seeds, 0.5, single, 3);
+  EXPECT_NEAR(costs.at(1), std::log(6), 1e-6);
+  EXPECT_TRUE(costs.is_certain(2));
+  EXPECT_EQ(costs.at(3), 0) << "less likely than chance says nothing";
+}
+
+TEST(Partition, ConsidersOnlyTheModelGiven) {
+  const Picture picture = paint([](double x, double y) { return disc(x, y, 50, 45, 25); },
+                                [](double, double, bool in, double z) { return in + 0.3 * z; });
+  PartitionPrice price(picture.values, -1, 2, picture.grid, {}, contour_weight(picture.grid, length));
+  const PartitionModel linear{MeanShape::linear};
+  const Partition found = find_partition(price, {.model = linear});
+  EXPECT_EQ(found.model, linear);
+  ASSERT_EQ(found.prices.size(), 1);
+  EXPECT_EQ(found.prices[0].model, linear);
 }
 
 TEST(Partition, DoesNotTakeStructuresForDeviations) {

@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/discard_bytes.hpp"
 
 #include <Eigen/Geometry>
 
@@ -18,19 +19,20 @@ bool is_missing(T sample, const std::optional<double>& no_data) {
   return std::is_signed_v<T> && no_data && static_cast<double>(sample) == *no_data;
 }
 
+// The values from `first` on.
 template <class T, class Scalar>
-void decode_as(const RawVolume& raw, Volume<Scalar>& volume) {
+void decode_as(const RawVolume& raw, Index first, std::span<Scalar> to) {
   const char* bytes = raw.bytes.data() + raw.offset;
   const bool scaled = raw.slope != 1 || raw.intercept != 0;
   const Index components = raw.layout.components;
   const Index voxels = raw.layout.grid.voxels() * raw.layout.frames;
-  parallel_for(std::ssize(volume.values), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(to), grain, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
-      const Index source = raw.planar ? (i % components) * voxels + i / components : i;
+      const Index at = first + i, source = raw.planar ? (at % components) * voxels + at / components : at;
       const T sample = load_scalar<T>(bytes + source * sizeof(T), raw.order);
-      volume.values[i] = scaled ? static_cast<Scalar>(raw.slope * static_cast<double>(sample) + raw.intercept)
-                                : static_cast<Scalar>(sample);
-      if (is_missing(sample, raw.no_data)) volume.values[i] = std::numeric_limits<Scalar>::quiet_NaN();
+      to[i] = scaled ? static_cast<Scalar>(raw.slope * static_cast<double>(sample) + raw.intercept)
+                     : static_cast<Scalar>(sample);
+      if (is_missing(sample, raw.no_data)) to[i] = std::numeric_limits<Scalar>::quiet_NaN();
     }
   });
 }
@@ -38,9 +40,23 @@ void decode_as(const RawVolume& raw, Volume<Scalar>& volume) {
 }  // namespace
 
 template <class Scalar>
-Volume<Scalar> decode_samples(const RawVolume& raw) {
-  Volume<Scalar> volume(raw.layout);
-  with_sample_type(raw.layout.type, [&](auto sample) { decode_as<decltype(sample)>(raw, volume); });
+Volume<Scalar> decode_samples(RawVolume raw) {
+  Volume<Scalar> volume;
+  static_cast<VolumeLayout&>(volume) = raw.layout;
+  const auto count = static_cast<Index>(raw.samples());
+  volume.values.reserve(raw.samples());
+  // In parts whose samples are discarded: a large image is in memory once, not twice.
+  constexpr Index part = Index{1} << 24;
+  for (Index first = 0; first < count; first += part) {
+    const Index end = std::min(count, first + part);
+    volume.values.resize(static_cast<std::size_t>(end));
+    with_sample_type(raw.layout.type, [&](auto sample) {
+      decode_as<decltype(sample)>(raw, first, std::span(volume.values).subspan(static_cast<std::size_t>(first)));
+    });
+    char* samples = raw.bytes.data() + raw.offset;
+    const auto size = static_cast<Index>(sample_size(raw.layout.type));
+    if (!raw.planar) discard_bytes(samples + first * size, samples + end * size);
+  }
   // Scaled samples, and those among which are NaN, are no longer integers of their type.
   const bool has_gaps = raw.no_data.has_value() && sample_name(volume.type).starts_with("int");
   if ((raw.slope != 1 || raw.intercept != 0 || has_gaps) && !is_floating(volume.type))
@@ -61,8 +77,8 @@ std::string encode_samples(const Volume<Scalar>& volume, SampleType sample_type)
   return bytes;
 }
 
-template Volume<float> decode_samples(const RawVolume&);
-template Volume<double> decode_samples(const RawVolume&);
+template Volume<float> decode_samples(RawVolume);
+template Volume<double> decode_samples(RawVolume);
 template std::string encode_samples(const Volume<float>&, SampleType);
 template std::string encode_samples(const Volume<double>&, SampleType);
 

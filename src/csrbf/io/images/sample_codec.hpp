@@ -30,9 +30,10 @@ struct FileParts {
 /// Writes both, complete or not at all (AtomicFile).
 void write_parts(const std::string& path, const FileParts& parts);
 
-/// Values of the samples; raw.bytes must hold byte_count() bytes after its offset. Parallel.
+/// Values of the samples; raw.bytes must hold byte_count() bytes after its offset. Their memory is given back while
+/// they are decoded. Parallel.
 template <class Scalar>
-Volume<Scalar> decode_samples(const RawVolume& raw);
+Volume<Scalar> decode_samples(RawVolume raw);
 
 /// Values as little-endian samples: integers are rounded and clamped, NaN becomes 0. Parallel.
 template <class Scalar>

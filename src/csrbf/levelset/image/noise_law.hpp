@@ -19,14 +19,15 @@ struct NoiseLaw {
 };
 
 /// The law of an image, from second differences in windows of 3 x 3 voxels of one region and the means of these; none
-/// when the variance does not at least double, or too few windows show. `mask`: 0 in voxels that do not count; may be
-/// empty. O(voxels), 8 bytes for each.
+/// when the variance does not at least double, when less than a fifth of a region is farther than two voxels from its
+/// border, so that blurred edges count for much, or when too few windows show. `mask`: 0 in voxels that do not count;
+/// may be empty. O(voxels), 8 bytes for each.
 std::optional<NoiseLaw> noise_law(std::span<const float> values, const Grid& grid, std::span<const std::uint8_t> labels,
                                   std::span<const std::uint8_t> mask);
 
-/// The values on a scale that agrees with theirs at lo and hi and rises like variance^(-1/4) between: half way, by
-/// ratios, from the scale of the image to that on which the noise is even. What makes voxels of a region differ is part
-/// noise, part structure that does not grow with it.
+/// The values on a scale that agrees with theirs at lo and hi and rises like variance^(-1/5) between: two fifths
+/// of the way, by ratios, from the scale of the image to that on which the noise is even. What makes voxels of a region
+/// differ is part noise, part structure that does not grow with it.
 std::vector<float> even_noise(std::span<const float> values, const NoiseLaw& law);
 
 }  // namespace csrbf

@@ -78,6 +78,10 @@ class Search {
  private:
   // From the simplest to the richest: each has to be worth its parameters.
   void gather_models() {
+    if (options_.model) {
+      contests_.push_back({*options_.model, {}});
+      return;
+    }
     const auto wanted = [&](MeanShape shape) { return !options_.shape || *options_.shape == shape; };
     if (wanted(MeanShape::constant) || few_ || options_.regions > 2) contests_.push_back({{}, {}});
     if (few_ || options_.regions > 2) return;
@@ -174,7 +178,7 @@ class Search {
   // blurred borders.
   bool is_credible(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
     const bool varies = model.shape != MeanShape::constant;
-    if ((!varies && !model.own_deviations) || options_.shape) return true;
+    if ((!varies && !model.own_deviations) || options_.shape || options_.model) return true;
     price_.fit(labels, model, options_.regions);
     if (model.own_deviations && price_.deviation_ratio() < least_ratio) return false;
     if (varies && price_.variation(labels) < least_variation) return false;

@@ -16,8 +16,9 @@ struct ModelPrice {
 
 struct PartitionOptions {
   int regions = 2;
-  std::optional<MeanShape> shape = {};  ///< default: chosen
-  Progress progress = {};               ///< stage "evolve"
+  std::optional<MeanShape> shape = {};       ///< default: chosen
+  std::optional<PartitionModel> model = {};  ///< the only one to consider; default: all
+  Progress progress = {};                    ///< stage "evolve"
 };
 
 struct Partition {

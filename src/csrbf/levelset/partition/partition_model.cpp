@@ -13,7 +13,6 @@ namespace {
 
 constexpr Index grain = 1 << 14;               // voxels per task
 constexpr double least_deviation = 1.0 / 512;  // of the range: half a grey level of 256
-constexpr float certain = 100;                 // nats of a seed on the wrong side: more than any contour could save
 constexpr double least_contrast = 0.1;  // of an object, of that of the regions; by hand: less is the surroundings
 
 }  // namespace
@@ -39,17 +38,26 @@ std::vector<std::uint8_t> PartitionPrice::masked(std::span<const std::uint8_t> l
   return result;
 }
 
+void PartitionPrice::set_seeds(SeedCosts seeds) {
+  seeds_ = std::move(seeds);
+  uncertain_.clear();
+  for (std::size_t i = 0; i < seeds_.nats.size(); ++i)
+    if (seeds_.labels[i] != 0 && !seeds_.is_certain(i) && inside(i)) uncertain_.push_back(i);
+}
+
 LabelMeasures PartitionPrice::measure(std::span<const std::uint8_t> labels, int regions) const {
   const std::vector<std::uint8_t> without_mask = mask_.empty() ? std::vector<std::uint8_t>() : masked(labels);
   const auto moments = [&](int k) {
     return region_moments(values_, mask_.empty() ? labels : without_mask, static_cast<std::uint8_t>(k), grid_);
   };
   LabelMeasures result;
+  for (const std::size_t i : uncertain_)
+    if (labels[i] + 1 != seeds_.labels[i]) result.price += static_cast<double>(seeds_.nats[i]);
   if (regions == 2) {
     result.regions = {all_, moments(1)};
     result.regions[0].add(result.regions[1], -1);
-    result.price = contour_price(labels, 1, grid_.size, weight_) +
-                   place_price() * static_cast<double>(LabelRuns(labels, grid_).count_parts());
+    result.price += contour_price(labels, 1, grid_.size, weight_) +
+                    place_price() * static_cast<double>(LabelRuns(labels, grid_).count_parts());
     return result;
   }
   for (int k = 0; k < regions; ++k) {
@@ -226,7 +234,12 @@ void PartitionPrice::cost(int k, std::span<float> to) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double off = value(i) - mean(region, i);
       to[i] = inside(i) ? static_cast<float>(factor * off * off + level) : 0.0F;
-      if (!seeds_.empty() && seeds_[i] != 0) to[i] = seeds_[i] == k + 1 ? -certain : certain;
+      if (seeds_.labels.empty() || seeds_.labels[i] == 0) continue;
+      const bool here = seeds_.labels[i] == k + 1;
+      if (seeds_.is_certain(i))
+        to[i] = here ? -certain_seed : certain_seed;
+      else if (!here)
+        to[i] += seeds_.at(i);
     }
   });
 }
@@ -244,7 +257,9 @@ void PartitionPrice::force(std::span<float> to) {
       // An object that is not brighter (darker) than its surroundings, as objects are, has no voxels.
       if (objects && (m1 - m0) * side <= least_contrast * side * side) F = away * (std::abs(F) + 1);
       to[i] = inside(i) ? static_cast<float>(F) : 0.0F;
-      if (!seeds_.empty() && seeds_[i] != 0) to[i] = seeds_[i] == 2 ? -certain : certain;
+      if (seeds_.labels.empty() || seeds_.labels[i] == 0) continue;
+      const float cost = seeds_.labels[i] == 2 ? -seeds_.at(i) : seeds_.at(i);
+      to[i] = seeds_.is_certain(i) ? cost : to[i] + cost;
     }
   });
 }

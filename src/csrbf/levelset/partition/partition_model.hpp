@@ -2,6 +2,7 @@
 
 #include "csrbf/levelset/partition/convex_contour.hpp"
 #include "csrbf/levelset/partition/region_moments.hpp"
+#include "csrbf/levelset/partition/seed_costs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ struct PartitionModel {
 /// What all models have to know of labels.
 struct LabelMeasures {
   std::vector<RegionMoments> regions;
-  double price = 0;  ///< of the contours and the places of the parts
+  double price = 0;  ///< of the contours, the places of the parts and the seeds that have other labels
 };
 
 /// The description length of an image by regions and their model, in nats: - log likelihood of the voxels in the mask,
@@ -45,9 +46,9 @@ class PartitionPrice {
   PartitionPrice(std::span<const float> values, double lo, double hi, const Grid& grid,
                  std::span<const std::uint8_t> mask, const ContourWeight& weight);
 
-  /// Voxels that are to have label seeds[i] - 1, where that is not 0; empty: none. Must outlive this.
-  void set_seeds(std::span<const std::uint8_t> seeds) { seeds_ = seeds; }
-  [[nodiscard]] std::span<const std::uint8_t> seeds() const { return seeds_; }
+  /// Voxels whose label is known; that of those that are not certain has its cost. Their labels must outlive this.
+  void set_seeds(SeedCosts seeds);
+  [[nodiscard]] std::span<const std::uint8_t> seeds() const { return seeds_.labels; }
 
   [[nodiscard]] LabelMeasures measure(std::span<const std::uint8_t> labels, int regions = 2) const;
 
@@ -107,7 +108,9 @@ class PartitionPrice {
 
   std::vector<float> values_;
   const Grid& grid_;
-  std::span<const std::uint8_t> mask_, seeds_;
+  std::span<const std::uint8_t> mask_;
+  SeedCosts seeds_;
+  std::vector<std::size_t> uncertain_;  // seeds
   ContourWeight weight_;
   double count_ = 0;
   RegionMoments all_;  // of both of two regions

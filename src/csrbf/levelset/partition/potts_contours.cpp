@@ -78,9 +78,11 @@ int potts_contours(const std::array<Index, 3>& size, const ContourWeight& weight
         x[k] = r.u[i] + primal * (divergence - costs[k][static_cast<std::size_t>(i)]);
       }
       project_to_simplex(x.data(), regions);
+      // Where all regions cost the same, as outside a mask, u need not come to rest.
+      const double counts = costs[0][static_cast<std::size_t>(i)] != costs[1][static_cast<std::size_t>(i)] ? 1 : 0;
       for (std::size_t k = 0; k < regions; ++k) {
         Region& r = parts[k];
-        change += static_cast<double>(std::abs(x[k] - r.u[i]));
+        change += counts * static_cast<double>(std::abs(x[k] - r.u[i]));
         r.extrapolated[i] = 2 * x[k] - r.u[i];
         r.u[i] = x[k];
       }
