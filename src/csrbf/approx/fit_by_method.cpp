@@ -199,7 +199,8 @@ class Fitter {
     FilledGaps<Dim> filled = fill_gaps(samples, last_fit_, local_variance(samples, last_fit_));
     report_.partition->patches = filled.fit.report.patches;
     variances_ = std::move(filled.variances);
-    return filled.fit.fields();
+    outside_gaps_ = filled.outside;
+    return filled.fields();
   }
 
   bool tracks_may_matter() const {
@@ -231,8 +232,7 @@ class Fitter {
   // Fields where samples are around, and `patches`, which variances_ are of, in the gaps.
   Fields improved(const Fields& fields, const Fields& patches, const TrackShare<Dim>& tracks) {
     report_.cross_validation_rmse = tracks.held_out_rmse;
-    const auto& partition = dynamic_cast<const PartitionOfUnity<Dim>&>(*patches.front());
-    const std::shared_ptr<const Field<Dim>> share = outside_gaps(partition.data());
+    const std::shared_ptr<const Field<Dim>>& share = outside_gaps_;
     Fields variances = tracks.ratios.empty() ? Fields() : blend(variances_, Fields(variances_.size()), tracks.ratios);
     if (share && !variances.empty()) variances = blend(variances, variances_, {share});
     variances_ = std::move(variances);
@@ -328,7 +328,8 @@ class Fitter {
   Fields variances_ = {};
   std::vector<double> noise_ = {};  // of samples of weight 1
   FitReport& report_;
-  PartitionOfUnityFit<Dim> last_fit_ = {};  // by partition()
+  PartitionOfUnityFit<Dim> last_fit_ = {};               // by partition()
+  std::shared_ptr<const Field<Dim>> outside_gaps_ = {};  // by filled()
 };
 
 }  // namespace

@@ -166,7 +166,7 @@ Eigen::VectorXd HeldOutGaps<Dim>::scores(const Covariance& covariance, const Pre
 }
 
 template <int Dim>
-Covariance HeldOutGaps<Dim>::choose(const Covariance& likely) const {
+HeldOutChoice HeldOutGaps<Dim>::choose(const Covariance& likely) const {
   const double extent = bounding_box<Dim>(samples_.points).extent().maxCoeff();
   std::vector<Covariance> candidates;
   for (const auto& [name, parameter, length] : usual) {
@@ -187,7 +187,8 @@ Covariance HeldOutGaps<Dim>::choose(const Covariance& likely) const {
   }
   const Eigen::ArrayXd gain = (score[0] - score[best]).array();
   const double error = std::sqrt((gain - gain.mean()).square().mean() / static_cast<double>(gain.size()));
-  return gain.mean() > std::max(significant * error, worth_it * score[0].mean()) ? candidates[best] : candidates[0];
+  const bool is_better = gain.mean() > std::max(significant * error, worth_it * score[0].mean());
+  return is_better ? HeldOutChoice{candidates[best], false} : HeldOutChoice{candidates[0], true};
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class HeldOutGaps<Dim>;

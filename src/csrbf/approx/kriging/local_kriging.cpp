@@ -159,12 +159,20 @@ template <int Dim>
 LocalKriging<Dim>::LocalKriging(const Samples<Dim>& samples, const Points<Dim>& gaps)
     : samples_(samples), levels_(samples.points), covariance_(estimate_covariance(samples, levels_)) {
   const HeldOutGaps<Dim> held_out(samples, levels_, gaps);
-  if (!held_out.empty()) covariance_ = held_out.choose(covariance_);
+  if (held_out.empty()) return;
+  HeldOutChoice choice = held_out.choose(covariance_);
+  covariance_ = std::move(choice.covariance);
+  is_linear_ = choice.is_linear;
 }
 
 template <int Dim>
 KrigingPatch<Dim> LocalKriging<Dim>::patch(const Point<Dim>& center) const {
-  return {samples_, covariance_, center, samples_around(levels_, center)};
+  return {samples_, covariance_, center, around(center)};
+}
+
+template <int Dim>
+std::vector<Index> LocalKriging<Dim>::around(const Point<Dim>& center) const {
+  return samples_around(levels_, center);
 }
 
 template <int Dim>

@@ -60,7 +60,11 @@ class LocalKriging {
   LocalKriging(const Samples<Dim>& samples, const Points<Dim>& gaps);
 
   [[nodiscard]] const Covariance& covariance() const { return covariance_; }
+  /// Whether it is that of a linear variogram, as HeldOutGaps prefers.
+  [[nodiscard]] bool is_linear() const { return is_linear_; }
   [[nodiscard]] KrigingPatch<Dim> patch(const Point<Dim>& center) const;
+  /// The samples that it is made of.
+  [[nodiscard]] std::vector<Index> around(const Point<Dim>& center) const;
   /// Models with room for `count` patches.
   [[nodiscard]] LocalModels<Dim> models(Index count) const;
 
@@ -68,6 +72,7 @@ class LocalKriging {
   const Samples<Dim>& samples_;
   ThinnedLevels<Dim> levels_;
   Covariance covariance_;
+  bool is_linear_ = false;
 };
 
 }  // namespace csrbf
