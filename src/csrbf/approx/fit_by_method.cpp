@@ -195,8 +195,8 @@ class Fitter {
   }
 
   // What partition() has fitted, also right in gaps between the samples.
-  Fields filled(const Samples<Dim>& samples) {
-    FilledGaps<Dim> filled = fill_gaps(samples, last_fit_, local_variance(samples, last_fit_));
+  Fields filled(const Samples<Dim>& samples, bool tracks = false) {
+    FilledGaps<Dim> filled = fill_gaps(samples, last_fit_, local_variance(samples, last_fit_), tracks);
     report_.partition->patches = filled.fit.report.patches;
     variances_ = std::move(filled.variances);
     outside_gaps_ = filled.outside;
@@ -214,7 +214,7 @@ class Fitter {
   Fields patches_or_tracks() {
     partition(samples_, partition_options(options_));
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
-    const Fields patches = filled(samples_);
+    const Fields patches = filled(samples_, tracks.has_value());
     if (!tracks) return patches;
     method_ = FitMethod::along_tracks;
     return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
@@ -224,7 +224,7 @@ class Fitter {
     const Fields fields = moving();  // first: it knows which kernels it takes
     const FitReport before = report_;
     partition(samples_, {.progress = options_.progress});
-    const Fields patches = filled(samples_);
+    const Fields patches = filled(samples_, true);
     report_ = before;
     return improved(fields, patches, only_along_tracks(samples_, last_fit_.report.local, moving_options()));
   }

@@ -40,7 +40,7 @@ struct Node {
   double split = 0;
   std::size_t right = 0;  // of the nodes of this cell
   Eigen::VectorXd variance = {};
-  std::unique_ptr<const LocalModels<Dim>> wide = nullptr;  // the local function, of a part in a gap
+  bool is_wide = false;  // with another function, in a gap
 };
 
 // By one system for some of the samples with a linear variogram, see Covariance; none if it cannot be solved.
@@ -67,10 +67,11 @@ template <int Dim>
 class GapFiller {
  public:
   GapFiller(const Samples<Dim>& samples, const PartitionOfUnityFit<Dim>& fit,
-            const std::vector<std::shared_ptr<const Field<Dim>>>& variances)
+            const std::vector<std::shared_ptr<const Field<Dim>>>& variances, bool tracks)
       : samples_(samples),
         fit_(fit),
         variances_(variances),
+        tracks_(tracks),
         cover_(fit.data->cover),
         patches_(fit),
         finder_(fit, patches_) {}
@@ -115,35 +116,80 @@ class GapFiller {
     return values;
   }
 
-  void split(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth, typename PatchErrors<Dim>::Patch& work,
-             std::vector<Node<Dim>>& nodes) const {
-    const std::size_t at = nodes.size();
-    nodes.emplace_back();
-    const Point<Dim> center = box.center();
-    Points<Dim> x(Dim, 2 * probes_each<Dim>);  // of the cell, then of its support
-    x << probes(box), probes(support_of(cover_, box));
-    const Index middle = probes_each<Dim> / 2;
-    Eigen::VectorXd distance(x.cols());
-    for (Index k = 0; k < x.cols(); ++k)
-      distance[k] = patches_.nearest(x.col(k), patches_.gap() * work.radius, work.search);
-    const double spacing = std::max(patches_.spacing_at(center, work), 1e-300);
-    const Eigen::VectorXd fine = patches_.error(center, distance[middle], spacing, work);
-    nodes[at].variance = fine;
-    if (distance.maxCoeff() <= patches_.gap() / patches_.spacing() * spacing) return;
-    const KrigingPatch<Dim> patch = kriging.patch(center);
-    const Eigen::VectorXd scale = patch.variance(center);
+  // A part of a cell, and the work space of its patch.
+  struct Part {
+    const Box<Dim>& box;
+    int depth;
+    Points<Dim> probes;  // of it, then of its support
+    Eigen::VectorXd distance;
+    double spacing, limit;  // of samples; the distance to the nearest one from which on there is a gap
+    Eigen::VectorXd fine;   // mean square error of the local function in the middle, by its own account
+
+    [[nodiscard]] double half() const { return 0.5 * box.diagonal(); }
+    [[nodiscard]] bool in_gap(Index probe) const { return distance[probe] > limit; }
+  };
+  static constexpr Index middle = probes_each<Dim> / 2;
+
+  Part part_of(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth,
+               typename PatchErrors<Dim>::Patch& work) const {
+    Part part{box, depth, Points<Dim>(Dim, 2 * probes_each<Dim>), Eigen::VectorXd(2 * probes_each<Dim>), 0, 0, {}};
+    part.probes << probes(box), probes(support_of(cover_, box));
+    for (Index k = 0; k < part.probes.cols(); ++k)
+      part.distance[k] = patches_.nearest(part.probes.col(k), patches_.gap() * work.radius, work.search);
+    part.spacing = std::max(patches_.spacing_at(box.center(), work), 1e-300);
+    const bool soon = kriging.is_linear() && !tracks_;
+    part.limit = soon ? part.spacing : patches_.gap() / patches_.spacing() * part.spacing;
+    part.fine = patches_.error(box.center(), part.distance[middle], part.spacing, work);
+    return part;
+  }
+
+  bool is_fine_enough(const Part& part, const typename PatchErrors<Dim>::Patch& work) const {
+    return part.depth >= deepest ||
+           part.half() <= std::max(finest * part.spacing, finest_of_patch * patches_.spacing() * work.radius);
+  }
+
+  // What becomes of a part.
+  enum class Choice { fine, wide, split };
+
+  // Where values are rough: what lies in a gap is wide, whatever the local function says of its errors.
+  Choice choose_rough(const LocalKriging<Dim>& kriging, const Part& part, typename PatchErrors<Dim>::Patch& work,
+                      Node<Dim>& node) const {
+    Index inside = 0;
+    for (Index k = 0; k < probes_each<Dim>; ++k) inside += part.in_gap(k) ? 1 : 0;
+    const bool is_inside = inside == probes_each<Dim> && part.half() <= shrink * part.distance[middle];
+    if (!is_inside && !is_fine_enough(part, work)) return Choice::split;
+    const KrigingPatch<Dim> patch = kriging.patch(part.box.center());
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(samples_.components());  // over the part, by Simpson's rule
+    double sum = 0;                                                       // of the differences of expected errors
+    for (Index k = 0; k < probes_each<Dim>; ++k) {
+      const Eigen::VectorXd other = patch.variance(part.probes.col(k));
+      Eigen::VectorXd own = patches_.error(part.probes.col(k), part.distance[k], part.spacing, work);
+      if (part.in_gap(k)) own = own.cwiseMax(doubt * other);
+      sum += (own - other).cwiseQuotient(other).sum();
+      mean += simpson_weight<Dim>(k) * other;
+    }
+    const bool is_wide = sum > 0;
+    node.variance = is_wide ? mean : Eigen::VectorXd(mean.cwiseProduct(part.fine).cwiseSqrt());
+    return is_wide ? Choice::wide : Choice::fine;
+  }
+
+  // Otherwise what has the smaller expected error.
+  Choice choose_smooth(const LocalKriging<Dim>& kriging, const Part& part, typename PatchErrors<Dim>::Patch& work,
+                       Node<Dim>& node) const {
+    const KrigingPatch<Dim> patch = kriging.patch(part.box.center());
+    const Eigen::VectorXd scale = patch.variance(part.box.center());
     LocalModels<Dim> model = kriging.models(1);
     patch.store(model, 0);
     Index wide = 0, wide_inside = 0;
-    double sum = 0;                                              // of the differences of expected errors in the cell
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(scale.size());  // variance of kriging in the cell, by Simpson's rule
-    for (Index k = 0; k < x.cols(); ++k) {
-      const Eigen::VectorXd other = k == middle ? scale : patch.variance(x.col(k));
-      Eigen::VectorXd own = k == middle ? fine : patches_.error(x.col(k), distance[k], spacing, work);
-      if (distance[k] > patches_.gap() / patches_.spacing() * spacing) {
-        const Eigen::VectorXd difference = value(fit_.data->models, work.cell, x.col(k)) - value(model, 0, x.col(k));
+    double sum = 0;                                              // of the differences of expected errors in the part
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(scale.size());  // variance of kriging in it, by Simpson's rule
+    for (Index k = 0; k < part.probes.cols(); ++k) {
+      const Point<Dim> x = part.probes.col(k);
+      const Eigen::VectorXd other = k == middle ? scale : patch.variance(x);
+      Eigen::VectorXd own = k == middle ? part.fine : patches_.error(x, part.distance[k], part.spacing, work);
+      if (part.in_gap(k)) {
+        const Eigen::VectorXd difference = value(fit_.data->models, work.cell, x) - value(model, 0, x);
         own = own.cwiseMax(difference.cwiseAbs2() - other);
-        if (kriging.is_linear()) own = own.cwiseMax(doubt * other);
       }
       const double gain = (own - other).cwiseQuotient(scale).sum();
       if (k < probes_each<Dim>) {
@@ -154,22 +200,31 @@ class GapFiller {
       ++wide;
       if (k < probes_each<Dim>) ++wide_inside;
     }
-    if (wide == 0) return;
-    const double half = 0.5 * box.diagonal();
-    const bool is_fine_enough =
-        half <= std::max(finest * spacing, finest_of_patch * patches_.spacing() * work.radius) || depth >= deepest;
-    if (is_fine_enough || (wide_inside == probes_each<Dim> && half <= shrink * distance[middle])) {
-      if (!(sum > 0)) return;
-      nodes[at].variance = mean;
-      nodes[at].wide = std::make_unique<const LocalModels<Dim>>(std::move(model));
-      return;
-    }
+    if (wide == 0) return Choice::fine;
+    const bool is_inside = wide_inside == probes_each<Dim> && part.half() <= shrink * part.distance[middle];
+    if (!is_inside && !is_fine_enough(part, work)) return Choice::split;
+    if (!(sum > 0)) return Choice::fine;
+    node.variance = mean;
+    return Choice::wide;
+  }
+
+  void split(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth, typename PatchErrors<Dim>::Patch& work,
+             std::vector<Node<Dim>>& nodes) const {
+    const std::size_t at = nodes.size();
+    nodes.emplace_back();
+    const Part part = part_of(kriging, box, depth, work);
+    nodes[at].variance = part.fine;
+    if (part.distance.maxCoeff() <= part.limit) return;
+    const Choice choice = kriging.is_linear() ? choose_rough(kriging, part, work, nodes[at])
+                                              : choose_smooth(kriging, part, work, nodes[at]);
+    nodes[at].is_wide = choice == Choice::wide;
+    if (choice != Choice::split) return;
     Index axis = 0;
     box.extent().maxCoeff(&axis);
     nodes[at].axis = static_cast<std::int8_t>(axis);
-    nodes[at].split = center[axis];
+    nodes[at].split = box.center()[axis];
     Box<Dim> lower = box, upper = box;
-    lower.hi[axis] = upper.lo[axis] = center[axis];
+    lower.hi[axis] = upper.lo[axis] = nodes[at].split;
     split(kriging, lower, depth + 1, work, nodes);
     nodes[at].right = nodes.size();
     split(kriging, upper, depth + 1, work, nodes);
@@ -200,7 +255,7 @@ class GapFiller {
         tree.right.push_back(static_cast<std::uint32_t>(node.axis >= 0 ? first + node.right : leaves.size()));
         if (node.axis >= 0) continue;
         leaves.emplace_back(old.right[i], &node);
-        wide += node.wide ? 1 : 0;
+        wide += node.is_wide ? 1 : 0;
       }
     }
     if (wide == 0) return std::nullopt;
@@ -217,7 +272,7 @@ class GapFiller {
     for (Index i = 0; i < count; ++i) {
       const Node<Dim>& node = *leaves[static_cast<std::size_t>(i)].second;
       variance.col(i) = node.variance;
-      outside(0, i) = node.wide ? 0 : 1;
+      outside(0, i) = node.is_wide ? 0 : 1;
     }
     FilledGaps<Dim> result;
     result.fit = fit_;
@@ -236,18 +291,11 @@ class GapFiller {
       const std::vector<std::pair<Index, const Node<Dim>*>>& leaves) const {
     std::vector<char> is_used(static_cast<std::size_t>(samples_.size()), 0);
     for (Index i = 0; i < cover.size(); ++i)
-      if (leaves[static_cast<std::size_t>(i)].second->wide)
+      if (leaves[static_cast<std::size_t>(i)].second->is_wide)
         for (const Index k : kriging.around(cover.cell(i).center())) is_used[static_cast<std::size_t>(k)] = 1;
     std::vector<Index> used;
     for (Index k = 0; k < samples_.size(); ++k)
       if (is_used[static_cast<std::size_t>(k)] != 0) used.push_back(k);
-    if (getenv("GAPALL")) {
-      used.resize(samples_.size());
-      for (Index k = 0; k < samples_.size(); ++k) used[k] = k;
-    }
-    if (getenv("GAPDBG"))
-      fprintf(stderr, "%d of %d samples, cells %d, nugget %g\n", static_cast<int>(used.size()),
-              static_cast<int>(samples_.size()), static_cast<int>(leaves.size()), kriging.covariance().nugget);
     return linear_interpolant(samples_, used, kriging.covariance());
   }
 
@@ -273,10 +321,13 @@ class GapFiller {
     for (Index i = 0; i < count; ++i) {
       const auto& [cell, node] = leaves[static_cast<std::size_t>(i)];
       copy_model(old, cell, models, i);
-      if (!node->wide) continue;
-      copy_model(*node->wide, 0, data->wide, next);
-      data->wide_of[static_cast<std::size_t>(i)] = next++;
+      if (node->is_wide) data->wide_of[static_cast<std::size_t>(i)] = next++;
     }
+    parallel_for(count, 16, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i)
+        if (data->is_wide(i))
+          kriging.patch(cover.cell(i).center()).store(data->wide, data->wide_of[static_cast<std::size_t>(i)]);
+    });
     return data;
   }
 
@@ -296,6 +347,7 @@ class GapFiller {
   const Samples<Dim>& samples_;
   const PartitionOfUnityFit<Dim>& fit_;
   const std::vector<std::shared_ptr<const Field<Dim>>>& variances_;
+  bool tracks_;
   const Cover<Dim>& cover_;
   PatchErrors<Dim> patches_;
   GapFinder<Dim> finder_;
@@ -305,10 +357,10 @@ class GapFiller {
 
 template <int Dim>
 FilledGaps<Dim> fill_gaps(const Samples<Dim>& samples, PartitionOfUnityFit<Dim> fit,
-                          std::vector<std::shared_ptr<const Field<Dim>>> variances) {
+                          std::vector<std::shared_ptr<const Field<Dim>>> variances, bool tracks) {
   if constexpr (Dim <= 3) {
     const Samples<Dim> normalized = normalize_weights(samples);
-    std::optional<FilledGaps<Dim>> filled = GapFiller<Dim>(normalized, fit, variances).fill();
+    std::optional<FilledGaps<Dim>> filled = GapFiller<Dim>(normalized, fit, variances, tracks).fill();
     if (filled) return std::move(*filled);
   }
   FilledGaps<Dim> unchanged;
@@ -328,7 +380,7 @@ std::vector<std::shared_ptr<const Field<Dim>>> FilledGaps<Dim>::fields() const {
 #define CSRBF_INSTANTIATE(Dim)                                                             \
   template std::vector<std::shared_ptr<const Field<Dim>>> FilledGaps<Dim>::fields() const; \
   template FilledGaps<Dim> fill_gaps<Dim>(const Samples<Dim>&, PartitionOfUnityFit<Dim>,   \
-                                          std::vector<std::shared_ptr<const Field<Dim>>>);
+                                          std::vector<std::shared_ptr<const Field<Dim>>>, bool);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

@@ -30,11 +30,12 @@ struct FilledGaps {
 /// samples around them, dense near gaps and sparse far from them. Elsewhere it is made of wide patches. Cells full of
 /// samples and their local functions stay as they are, bit for bit.
 ///
-/// `variances`: those of `fit`, see local_variance. In up to three dimensions; in more, and where there are no gaps,
-/// returns what it was given. O(n) to look for gaps; where there are some, O(n log n), and some tenths of a millisecond
-/// for each patch.
+/// `variances`: those of `fit`, see local_variance. `tracks`: the samples lie on tracks, between which another function
+/// is right; only what is far from all of them is a gap then. In up to three dimensions; in more, and where there are
+/// no gaps, returns what it was given. O(n) to look for gaps; where there are some, O(n log n), and some tenths of a
+/// millisecond for each patch.
 template <int Dim>
 FilledGaps<Dim> fill_gaps(const Samples<Dim>& samples, PartitionOfUnityFit<Dim> fit,
-                          std::vector<std::shared_ptr<const Field<Dim>>> variances);
+                          std::vector<std::shared_ptr<const Field<Dim>>> variances, bool tracks = false);
 
 }  // namespace csrbf

@@ -37,7 +37,6 @@ class HeldOutGaps {
     Eigen::MatrixXd errors;  // of the targets, by component
     Eigen::VectorXd shares;  // their expected squares, over sigma^2
     Eigen::MatrixXd scales;  // sigma^2 of the samples around, by component
-    Eigen::VectorXd degrees;
     [[nodiscard]] Eigen::VectorXd variances(const Covariance& covariance, Index component) const;
   };
   [[nodiscard]] Predictions predict(const Covariance& covariance) const;

@@ -57,8 +57,8 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
   information_.compute(Eigen::MatrixXd(white_trend_.transpose() * white_trend_));
   beta_ = solve(information_, Eigen::MatrixXd(white_trend_.transpose() * white));
   white -= white_trend_ * beta_;
-  degrees_ = static_cast<double>(std::max<Index>(0, n - white_trend_.cols()));
-  scale_ = (white.colwise().squaredNorm().transpose() / std::max(1.0, degrees_))
+  const auto degrees = static_cast<double>(std::max<Index>(1, n - white_trend_.cols()));  // of freedom
+  scale_ = (white.colwise().squaredNorm().transpose() / degrees)
                .cwiseProduct(near_scale(values, inverse_weights))
                .cwiseSqrt();
   solve_upper(llt_, white);
@@ -116,8 +116,7 @@ template <int Dim>
 Eigen::VectorXd KrigingPatch<Dim>::variance(const Point<Dim>& x) const {
   const double expected = share(x);
   Eigen::VectorXd result(scale_.size());
-  for (Index c = 0; c < result.size(); ++c)
-    result[c] = prediction_variance(covariance_, c, expected, scale_[c], degrees_);
+  for (Index c = 0; c < result.size(); ++c) result[c] = prediction_variance(covariance_, c, expected, scale_[c]);
   return result;
 }
 
