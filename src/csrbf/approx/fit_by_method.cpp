@@ -286,7 +286,7 @@ class Fitter {
       options.kernel = learned_->kernel.name();
       options.parameter = learned_->kernel.parameter();
       options.support = learned_->support;
-      options.smoothing = learned_->nugget;
+      options.smoothing = std::max(learned_->nugget, least_nugget);
       if (!options_.degree) options.degree = learned_->degree;
     }
     if (options_.tolerance > 0) options.smoothing = options_.smoothing.value_or(0);
@@ -319,6 +319,7 @@ class Fitter {
 
   static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000, enough_to_tell = 50;  // samples
   static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
+  static constexpr double least_nugget = 1e-14;  // some roundings; systems that just pass without may be all rounding
   static constexpr double explained = 0.9;       // of the deviation of the values; above, samples need not be met
 
   const Samples<Dim>& samples_;
