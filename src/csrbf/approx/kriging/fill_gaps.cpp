@@ -22,6 +22,7 @@ constexpr double shrink = 0.7;           // half diagonal of a cell in a gap ove
 constexpr double finest = 1.5;           // the smallest half diagonal, in distances of samples; both chosen by hand
 constexpr double finest_of_patch = 0.5;  // the same, in distances of samples in the patch
 constexpr double doubt = 2;            // times that of kriging: the error of patches of rough values in gaps, at least
+constexpr double strain = 4;           // growth of the squared error of such a patch that asks for a comparison
 constexpr Index largest_dense = 1000;  // system
 constexpr int deepest = 40;            // halvings of a cell; never reached unless samples are extremely uneven
 
@@ -214,7 +215,8 @@ class GapFiller {
     nodes.emplace_back();
     const Part part = part_of(kriging, box, depth, work);
     nodes[at].variance = part.fine;
-    if (part.distance.maxCoeff() <= part.limit) return;
+    const bool is_strained = kriging.is_linear() && (part.fine.array() > strain * work.error.array()).any();
+    if (part.distance.maxCoeff() <= part.limit && !is_strained) return;
     const Choice choice = kriging.is_linear() ? choose_rough(kriging, part, work, nodes[at])
                                               : choose_smooth(kriging, part, work, nodes[at]);
     nodes[at].is_wide = choice == Choice::wide;
