@@ -117,6 +117,35 @@ TEST(FillGaps, RoughGapsAreFilledByOneSystem) {
   EXPECT_LE(rms(deviation), 1.6 * rms(error));
 }
 
+// Waves of all lengths, with continuous slopes: local polynomials are strained already beside gaps.
+TEST(FillGaps, DeviationsBesideGapsAreNoLargerThanThoseInThem) {
+  constexpr Index waves = 1000;
+  const Points<3> random = random_points<3>(waves, 12);
+  const auto value = [&](const Point<2>& x) {
+    double sum = 0;
+    for (Index k = 0; k < waves; ++k) {
+      const double frequency = 5 * std::pow(1 - random(0, k), -1. / 3), angle = 6.283185307179586 * random(1, k);
+      sum += std::cos(frequency * (std::cos(angle) * x[0] + std::sin(angle) * x[1]) + 100 * random(2, k));
+    }
+    return std::sqrt(2. / waves) * sum;
+  };
+  const auto outside = [](const Point<2>& x) {
+    return (x.array() - Eigen::Array2d(.3, .3)).abs().maxCoeff() > .05 &&
+           (x.array() - Eigen::Array2d(.6, .8)).abs().maxCoeff() > .05 && x[0] + x[1] < 1.6;
+  };
+  const Points<2> all = random_points<2>(6000, 1), x = random_points<2>(6000, 2);
+  std::vector<Index> kept;
+  for (Index i = 0; i < all.cols(); ++i)
+    if (outside(all.col(i))) kept.push_back(i);
+  const Samples<2> data = sample<2>(all(Eigen::all, kept), value);
+  const Fit<2> result = fit(data);
+  const Eigen::ArrayXd error =
+      result.components[0]->evaluate(x).value.array() - sample<2>(x, value).values.col(0).array();
+  const Eigen::ArrayXd deviation = result.variances[0]->evaluate(x).value.array().sqrt();
+  EXPECT_LE(rms(deviation), 3 * rms(error));
+  EXPECT_GE(static_cast<double>((error.abs() <= 1.96 * deviation).count()), .9 * static_cast<double>(x.cols()));
+}
+
 TEST(FillGaps, TracksHaveFewerGaps) {
   const Samples<2> data = rough_where(5000, 1, true);
   const auto patches = partition_of_unity(data);

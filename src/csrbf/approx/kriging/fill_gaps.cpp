@@ -22,9 +22,10 @@ constexpr double shrink = 0.7;           // half diagonal of a cell in a gap ove
 constexpr double finest = 1.5;           // the smallest half diagonal, in distances of samples; both chosen by hand
 constexpr double finest_of_patch = 0.5;  // the same, in distances of samples in the patch
 constexpr double doubt = 2;            // times that of kriging: the error of patches of rough values in gaps, at least
-constexpr double strain = 4;           // growth of the squared error of such a patch that asks for a comparison
+constexpr double strain = 4;           // growth of the squared error of a patch, from which on it is compared
 constexpr Index largest_dense = 1000;  // system
 constexpr int deepest = 40;            // halvings of a cell; never reached unless samples are extremely uneven
+constexpr double least_variance = 1e-300;  // of a quotient
 
 // Of the k-th of them, for a mean over the box: 1/6, 4/6, 1/6 along each axis.
 template <int Dim>
@@ -166,7 +167,7 @@ class GapFiller {
       const Eigen::VectorXd other = patch.variance(part.probes.col(k));
       Eigen::VectorXd own = patches_.error(part.probes.col(k), part.distance[k], part.spacing, work);
       if (part.in_gap(k)) own = own.cwiseMax(doubt * other);
-      sum += (own - other).cwiseQuotient(other).sum();
+      sum += (own - other).cwiseQuotient(other.cwiseMax(least_variance)).sum();
       mean += simpson_weight<Dim>(k) * other;
     }
     const bool is_wide = sum > 0;
@@ -201,6 +202,7 @@ class GapFiller {
       ++wide;
       if (k < probes_each<Dim>) ++wide_inside;
     }
+    node.variance = mean.cwiseProduct(part.fine).cwiseSqrt();  // both are estimates
     if (wide == 0) return Choice::fine;
     const bool is_inside = wide_inside == probes_each<Dim> && part.half() <= shrink * part.distance[middle];
     if (!is_inside && !is_fine_enough(part, work)) return Choice::split;
@@ -215,7 +217,7 @@ class GapFiller {
     nodes.emplace_back();
     const Part part = part_of(kriging, box, depth, work);
     nodes[at].variance = part.fine;
-    const bool is_strained = kriging.is_linear() && (part.fine.array() > strain * work.error.array()).any();
+    const bool is_strained = (part.fine.array() > strain * work.error.array()).any();
     if (part.distance.maxCoeff() <= part.limit && !is_strained) return;
     const Choice choice = kriging.is_linear() ? choose_rough(kriging, part, work, nodes[at])
                                               : choose_smooth(kriging, part, work, nodes[at]);
