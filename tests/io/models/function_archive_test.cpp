@@ -116,29 +116,6 @@ TEST(FunctionArchive, KeepsWhatIsInGaps) {
   EXPECT_TRUE(same(round_trip(function).standard_deviation(probes<2>()), function.standard_deviation(probes<2>())));
 }
 
-TEST(FunctionArchive, KeepsTheSystemThatFillsRoughGaps) {
-  const Samples<2> all = wavy_samples<2>(3000, 2);
-  std::vector<Index> kept;
-  for (Index i = 0; i < all.size(); ++i)
-    if ((all.points.col(i).array() - .5).abs().maxCoeff() > .15) kept.push_back(i);
-  Samples<2> rough{all.points(Eigen::all, kept), Eigen::MatrixXd(std::ssize(kept), 1), {}};
-  // Steps across many lines.
-  for (Index i = 0; i < rough.size(); ++i) {
-    rough.values(i, 0) = 0;
-    for (int k = 0; k < 2000; ++k) {
-      const double angle = 2.399963 * k, offset = std::fmod(.618034 * k, 1.0) - .5;
-      const double side = std::cos(angle) * (rough.points(0, i) - .5) + std::sin(angle) * (rough.points(1, i) - .5);
-      rough.values(i, 0) += side > offset ? (k % 7 < 3 ? 1 : -.75) : 0;
-    }
-  }
-  const Function function(fit(rough));
-  const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
-  EXPECT_TRUE(std::any_of(archive.values().begin(), archive.values().end(),
-                          [](const auto& entry) { return entry.first.find("other") != std::string::npos; }));
-  expect_same_function(round_trip(function), function, probes<2>());
-  EXPECT_TRUE(same(round_trip(function).standard_deviation(probes<2>()), function.standard_deviation(probes<2>())));
-}
-
 TEST(FunctionArchive, RefusesDamagedNumbersOfWhatIsInGaps) {
   const Archive good = parse_archive(format_archive(to_archive({function_with_a_gap()})), "model");
   std::string name;
