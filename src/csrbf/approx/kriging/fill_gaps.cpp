@@ -22,7 +22,7 @@ constexpr double shrink = 0.7;           // half diagonal of a cell in a gap ove
 constexpr double finest = 1.5;           // the smallest half diagonal, in distances of samples; both chosen by hand
 constexpr double finest_of_patch = 0.5;  // the same, in distances of samples in the patch
 constexpr double doubt = 2;            // times that of kriging: the error of patches of rough values in gaps, at least
-constexpr double strain = 4;           // growth of the squared error of a patch, from which on it is compared
+constexpr double strain = 16;          // growth of the squared error of a patch, from which on it is compared
 constexpr Index largest_dense = 1000;  // system
 constexpr int deepest = 40;            // halvings of a cell; never reached unless samples are extremely uneven
 constexpr double least_variance = 1e-300;  // of a quotient
@@ -76,7 +76,8 @@ class GapFiller {
         tracks_(tracks),
         cover_(fit.data->cover),
         patches_(fit),
-        finder_(fit, patches_) {}
+        finder_(fit, patches_),
+        noticeable_(noticeable_error(samples)) {}
 
   std::optional<FilledGaps<Dim>> fill() const {
     std::vector<Index> cells = finder_.cells_with_gaps();
@@ -217,7 +218,7 @@ class GapFiller {
     nodes.emplace_back();
     const Part part = part_of(kriging, box, depth, work);
     nodes[at].variance = part.fine;
-    const bool is_strained = (part.fine.array() > strain * work.error.array()).any();
+    const bool is_strained = (part.fine.array() > (strain * work.error).cwiseMax(noticeable_).array()).any();
     if (part.distance.maxCoeff() <= part.limit && !is_strained) return;
     const Choice choice = kriging.is_linear() ? choose_rough(kriging, part, work, nodes[at])
                                               : choose_smooth(kriging, part, work, nodes[at]);
@@ -355,6 +356,7 @@ class GapFiller {
   const Cover<Dim>& cover_;
   PatchErrors<Dim> patches_;
   GapFinder<Dim> finder_;
+  Eigen::VectorXd noticeable_;
 };
 
 }  // namespace

@@ -27,6 +27,12 @@ Box<Dim> support_of(const Cover<Dim>& cover, const Box<Dim>& cell) {
   return {(center - half).cwiseMax(cover.box().lo), (center + half).cwiseMin(cover.box().hi)};
 }
 
+template <int Dim>
+Eigen::VectorXd noticeable_error(const Samples<Dim>& samples) {
+  const Eigen::RowVectorXd mean = samples.values.colwise().mean();
+  return noticeable * noticeable * (samples.values.rowwise() - mean).cwiseAbs2().colwise().mean().transpose();
+}
+
 // Samples lie on one side of the faces of the box only: a ball about a point there must be larger to hold as many.
 template <int Dim>
 double GapFinder<Dim>::inside_factor(const Point<Dim>& x) const {
@@ -88,9 +94,7 @@ std::vector<Index> GapFinder<Dim>::cells_with_gaps() const {
 template <int Dim>
 std::vector<Index> GapFinder<Dim>::doubtful(const std::vector<Index>& cells, const Samples<Dim>& samples,
                                             const Eigen::MatrixXd& errors) const {
-  const Eigen::RowVectorXd mean = samples.values.colwise().mean();
-  const Eigen::VectorXd least =
-      noticeable * noticeable * (samples.values.rowwise() - mean).cwiseAbs2().colwise().mean().transpose();
+  const Eigen::VectorXd least = noticeable_error(samples);
   std::vector<char> is_doubtful(cells.size(), 0);
   parallel_for(std::ssize(cells), 16, [&](Index first, Index last) {
     typename PatchErrors<Dim>::Patch work;
@@ -134,9 +138,10 @@ Points<Dim> GapFinder<Dim>::points_in_gaps(const std::vector<Index>& cells, cons
   return result;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                       \
-  template class GapFinder<Dim>;                     \
-  template Points<Dim> probes<Dim>(const Box<Dim>&); \
+#define CSRBF_INSTANTIATE(Dim)                                         \
+  template Eigen::VectorXd noticeable_error<Dim>(const Samples<Dim>&); \
+  template class GapFinder<Dim>;                                       \
+  template Points<Dim> probes<Dim>(const Box<Dim>&);                   \
   template Box<Dim> support_of<Dim>(const Cover<Dim>&, const Box<Dim>&);
 CSRBF_INSTANTIATE(1)
 CSRBF_INSTANTIATE(2)

@@ -20,6 +20,10 @@ Points<Dim> probes(const Box<Dim>& box);
 template <int Dim>
 Box<Dim> support_of(const Cover<Dim>& cover, const Box<Dim>& cell);
 
+/// Mean square error, by component, below which nothing has to be done in a gap.
+template <int Dim>
+Eigen::VectorXd noticeable_error(const Samples<Dim>& samples);
+
 /// Where a partition of unity has gaps between its samples, much wider than the distances of these: in one to three
 /// dimensions.
 template <int Dim>
