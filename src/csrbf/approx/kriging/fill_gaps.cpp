@@ -42,7 +42,8 @@ struct Node {
   double split = 0;
   std::size_t right = 0;  // of the nodes of this cell
   Eigen::VectorXd variance = {};
-  bool is_wide = false;  // with another function, in a gap
+  bool is_wide = false;                                    // with another function, in a gap
+  std::unique_ptr<const LocalModels<Dim>> wide = nullptr;  // which; null: not known yet
 };
 
 // By one system for some of the samples with a linear variogram, see Covariance; none if it cannot be solved.
@@ -181,8 +182,8 @@ class GapFiller {
                        Node<Dim>& node) const {
     const KrigingPatch<Dim> patch = kriging.patch(part.box.center());
     const Eigen::VectorXd scale = patch.variance(part.box.center());
-    LocalModels<Dim> model = kriging.models(1);
-    patch.store(model, 0);
+    auto model = std::make_unique<LocalModels<Dim>>(kriging.models(1));
+    patch.store(*model, 0);
     Index wide = 0, wide_inside = 0;
     double sum = 0;                                              // of the differences of expected errors in the part
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(scale.size());  // variance of kriging in it, by Simpson's rule
@@ -191,7 +192,7 @@ class GapFiller {
       const Eigen::VectorXd other = k == middle ? scale : patch.variance(x);
       Eigen::VectorXd own = k == middle ? part.fine : patches_.error(x, part.distance[k], part.spacing, work);
       if (part.in_gap(k)) {
-        const Eigen::VectorXd difference = value(fit_.data->models, work.cell, x) - value(model, 0, x);
+        const Eigen::VectorXd difference = value(fit_.data->models, work.cell, x) - value(*model, 0, x);
         own = own.cwiseMax(difference.cwiseAbs2() - other);
       }
       const double gain = (own - other).cwiseQuotient(scale).sum();
@@ -209,6 +210,7 @@ class GapFiller {
     if (!is_inside && !is_fine_enough(part, work)) return Choice::split;
     if (!(sum > 0)) return Choice::fine;
     node.variance = mean;
+    node.wide = std::move(model);
     return Choice::wide;
   }
 
@@ -329,9 +331,15 @@ class GapFiller {
       if (node->is_wide) data->wide_of[static_cast<std::size_t>(i)] = next++;
     }
     parallel_for(count, 16, [&](Index first, Index last) {
-      for (Index i = first; i < last; ++i)
-        if (data->is_wide(i))
-          kriging.patch(cover.cell(i).center()).store(data->wide, data->wide_of[static_cast<std::size_t>(i)]);
+      for (Index i = first; i < last; ++i) {
+        if (!data->is_wide(i)) continue;
+        const auto& wide = leaves[static_cast<std::size_t>(i)].second->wide;
+        const Index place = data->wide_of[static_cast<std::size_t>(i)];
+        if (wide)
+          copy_model(*wide, 0, data->wide, place);
+        else
+          kriging.patch(cover.cell(i).center()).store(data->wide, place);
+      }
     });
     return data;
   }
