@@ -11,7 +11,6 @@
 #include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -26,14 +25,6 @@ constexpr double strain = 16;          // growth of the squared error of a patch
 constexpr Index largest_dense = 1000;  // system
 constexpr int deepest = 40;            // halvings of a cell; never reached unless samples are extremely uneven
 constexpr double least_variance = 1e-300;  // of a quotient
-
-// Of the k-th of them, for a mean over the box: 1/6, 4/6, 1/6 along each axis.
-template <int Dim>
-double simpson_weight(Index k) {
-  double weight = 1;
-  for (Index a = 0, rest = k; a < Dim; ++a, rest /= 3) weight *= rest % 3 == 1 ? 4.0 / 6 : 1.0 / 6;
-  return weight;
-}
 
 // A part of a cell of the partition of unity, in preorder.
 template <int Dim>

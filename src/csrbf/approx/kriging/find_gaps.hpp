@@ -16,6 +16,14 @@ inline constexpr Index probes_each = Dim == 1   ? 3
 template <int Dim>
 Points<Dim> probes(const Box<Dim>& box);
 
+/// Of the k-th of them, for a mean over the box by Simpson's rule: 1/6, 4/6, 1/6 along each axis.
+template <int Dim>
+double simpson_weight(Index k) {
+  double weight = 1;
+  for (Index a = 0, rest = k; a < Dim; ++a, rest /= 3) weight *= rest % 3 == 1 ? 4.0 / 6 : 1.0 / 6;
+  return weight;
+}
+
 /// The support of a cell of a cover, or of a part of a cell, within the box of the cover.
 template <int Dim>
 Box<Dim> support_of(const Cover<Dim>& cover, const Box<Dim>& cell);
