@@ -53,5 +53,23 @@ TEST(Fit, KnowsLessTheFartherFromItsSamples) {
   }
 }
 
+// Smooth values and few samples: systems that are singular to rounding.
+TEST(Fit, KnowsThatItIsNotExact) {
+  const auto friedman = [](const Point<5>& x) {
+    const double centered = x[2] - .5;
+    return 10 * std::sin(3.14159265358979 * x[0] * x[1]) + 20 * centered * centered + 10 * x[3] + 5 * x[4];
+  };
+  for (const unsigned seed : {1, 2, 3, 4, 5, 6}) {
+    const Fit<5> result = fit<5>(sample<5>(random_points<5>(200, seed), friedman));
+    const Points<5> x = (.05 + .9 * random_points<5>(1000, 10 + seed).array()).matrix();
+    const Eigen::ArrayXd error =
+        result.components[0]->evaluate(x).value.array() - sample<5>(x, friedman).values.col(0).array();
+    const Eigen::ArrayXd deviation = result.variances[0]->evaluate(x).value.array().sqrt();
+    EXPECT_LE(std::sqrt(error.square().mean()), .005) << seed;
+    EXPECT_GT(deviation.minCoeff(), 0) << seed;
+    EXPECT_GE(static_cast<double>((error.abs() <= 1.96 * deviation).count()), .75 * 1000) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace csrbf

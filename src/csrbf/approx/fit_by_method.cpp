@@ -195,11 +195,12 @@ class Fitter {
   }
 
   // What partition() has fitted, also right in gaps between the samples.
-  Fields filled(const Samples<Dim>& samples) {
-    FilledGaps<Dim> filled = fill_gaps(samples, last_fit_, local_variance(samples, last_fit_));
+  Fields filled(const Samples<Dim>& samples, bool tracks = false) {
+    FilledGaps<Dim> filled = fill_gaps(samples, last_fit_, local_variance(samples, last_fit_), tracks);
     report_.partition->patches = filled.fit.report.patches;
     variances_ = std::move(filled.variances);
-    return filled.fit.fields();
+    outside_gaps_ = filled.outside;
+    return filled.fields();
   }
 
   bool tracks_may_matter() const {
@@ -213,7 +214,7 @@ class Fitter {
   Fields patches_or_tracks() {
     partition(samples_, partition_options(options_));
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
-    const Fields patches = filled(samples_);
+    const Fields patches = filled(samples_, tracks.has_value());
     if (!tracks) return patches;
     method_ = FitMethod::along_tracks;
     return improved(blend(moving(), patches, tracks->shares), patches, *tracks);
@@ -223,7 +224,7 @@ class Fitter {
     const Fields fields = moving();  // first: it knows which kernels it takes
     const FitReport before = report_;
     partition(samples_, {.progress = options_.progress});
-    const Fields patches = filled(samples_);
+    const Fields patches = filled(samples_, true);
     report_ = before;
     return improved(fields, patches, only_along_tracks(samples_, last_fit_.report.local, moving_options()));
   }
@@ -231,8 +232,7 @@ class Fitter {
   // Fields where samples are around, and `patches`, which variances_ are of, in the gaps.
   Fields improved(const Fields& fields, const Fields& patches, const TrackShare<Dim>& tracks) {
     report_.cross_validation_rmse = tracks.held_out_rmse;
-    const auto& partition = dynamic_cast<const PartitionOfUnity<Dim>&>(*patches.front());
-    const std::shared_ptr<const Field<Dim>> share = outside_gaps(partition.data());
+    const std::shared_ptr<const Field<Dim>>& share = outside_gaps_;
     Fields variances = tracks.ratios.empty() ? Fields() : blend(variances_, Fields(variances_.size()), tracks.ratios);
     if (share && !variances.empty()) variances = blend(variances, variances_, {share});
     variances_ = std::move(variances);
@@ -286,7 +286,7 @@ class Fitter {
       options.kernel = learned_->kernel.name();
       options.parameter = learned_->kernel.parameter();
       options.support = learned_->support;
-      options.smoothing = learned_->nugget;
+      options.smoothing = std::max(learned_->nugget, least_nugget);
       if (!options_.degree) options.degree = learned_->degree;
     }
     if (options_.tolerance > 0) options.smoothing = options_.smoothing.value_or(0);
@@ -319,6 +319,7 @@ class Fitter {
 
   static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000, enough_to_tell = 50;  // samples
   static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
+  static constexpr double least_nugget = 1e-14;  // some roundings; systems that just pass without may be all rounding
   static constexpr double explained = 0.9;       // of the deviation of the values; above, samples need not be met
 
   const Samples<Dim>& samples_;
@@ -328,7 +329,8 @@ class Fitter {
   Fields variances_ = {};
   std::vector<double> noise_ = {};  // of samples of weight 1
   FitReport& report_;
-  PartitionOfUnityFit<Dim> last_fit_ = {};  // by partition()
+  PartitionOfUnityFit<Dim> last_fit_ = {};               // by partition()
+  std::shared_ptr<const Field<Dim>> outside_gaps_ = {};  // by filled()
 };
 
 }  // namespace

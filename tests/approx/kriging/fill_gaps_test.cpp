@@ -1,7 +1,9 @@
 #include "csrbf/approx/kriging/fill_gaps.hpp"
 
 #include "approx/approx_testing.hpp"
+#include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/fit.hpp"
+#include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
@@ -68,6 +70,92 @@ TEST(FillGaps, TheDeviationGrowsWithTheDistanceToTheSamples) {
   x << .4, .55, .7, .85, .4, .55, .7, .85;
   const Eigen::VectorXd variance = fit.variances[0]->evaluate(x).value;
   for (Index k = 1; k < x.cols(); ++k) EXPECT_GT(variance[k], 1.5 * variance[k - 1]) << k;
+}
+
+// Steps across many random lines: their sum has a linear variogram (Chentsov 1957).
+Eigen::VectorXd rough(const Points<2>& x) {
+  constexpr Index lines = 4000;
+  const Points<2> random = random_points<2>(lines, 11);
+  Eigen::VectorXd value = Eigen::VectorXd::Zero(x.cols());
+  for (Index k = 0; k < lines; ++k) {
+    const double angle = 6.283185307179586 * random(0, k), offset = 1.5 * random(1, k) - .75;
+    const Eigen::ArrayXd side = (x.array() - .5).matrix().transpose() * Point<2>(std::cos(angle), std::sin(angle));
+    value.array() += (side > offset).select(Eigen::ArrayXd::Constant(x.cols(), k % 2 == 0 ? 1 : -1), 0);
+  }
+  return value;
+}
+
+bool outside_block(const Point<2>& x) {
+  return (x.array() - Eigen::Array2d(.6, .4)).abs().maxCoeff() > .12;
+}
+
+Samples<2> rough_where(Index n, unsigned seed, bool outside) {
+  const Points<2> all = random_points<2>(n, seed);
+  std::vector<Index> chosen;
+  for (Index i = 0; i < n; ++i)
+    if (outside_block(all.col(i)) == outside) chosen.push_back(i);
+  const Points<2> x = all(Eigen::all, chosen);
+  return {x, rough(x), {}};
+}
+
+TEST(FillGaps, RoughGapsAreFilledByOneSystem) {
+  const Samples<2> data = rough_where(5000, 1, true), gap = rough_where(8000, 2, false);
+  const auto patches = partition_of_unity(data);
+  const FilledGaps<2> filled = fill_gaps(data, patches, local_variance(data, patches));
+  ASSERT_EQ(filled.inside.size(), 1);
+  EXPECT_EQ(filled.fit.data, patches.data);
+  const auto errors = [&](const Field<2>& field) -> Eigen::ArrayXd {
+    return field.evaluate(gap.points).value.array() - gap.values.col(0).array();
+  };
+  const Interpolation<2> best = interpolate(data, {.kernel = "linear"});
+  const Eigen::ArrayXd error = errors(*filled.fields()[0]);
+  EXPECT_LE(rms(error), 1.02 * rms(errors(*best.components[0])));
+  const Eigen::ArrayXd deviation = filled.variances[0]->evaluate(gap.points).value.array().sqrt();
+  const double within =
+      static_cast<double>((error.abs() <= 1.96 * deviation).count()) / static_cast<double>(error.size());
+  EXPECT_GE(within, .85);
+  EXPECT_LE(rms(deviation), 1.6 * rms(error));
+}
+
+// Waves of all lengths, with continuous slopes: local polynomials are strained already beside gaps.
+TEST(FillGaps, DeviationsBesideGapsAreNoLargerThanThoseInThem) {
+  constexpr Index waves = 1000;
+  const Points<3> random = random_points<3>(waves, 12);
+  const auto value = [&](const Point<2>& x) {
+    double sum = 0;
+    for (Index k = 0; k < waves; ++k) {
+      const double frequency = 5 * std::pow(1 - random(0, k), -1. / 3), angle = 6.283185307179586 * random(1, k);
+      sum += std::cos(frequency * (std::cos(angle) * x[0] + std::sin(angle) * x[1]) + 100 * random(2, k));
+    }
+    return std::sqrt(2. / waves) * sum;
+  };
+  const auto outside = [](const Point<2>& x) {
+    return (x.array() - Eigen::Array2d(.3, .3)).abs().maxCoeff() > .05 &&
+           (x.array() - Eigen::Array2d(.6, .8)).abs().maxCoeff() > .05 && x[0] + x[1] < 1.6;
+  };
+  const Points<2> all = random_points<2>(6000, 1), x = random_points<2>(6000, 2);
+  std::vector<Index> kept;
+  for (Index i = 0; i < all.cols(); ++i)
+    if (outside(all.col(i))) kept.push_back(i);
+  const Samples<2> data = sample<2>(all(Eigen::all, kept), value);
+  const Fit<2> result = fit(data);
+  const Eigen::ArrayXd error =
+      result.components[0]->evaluate(x).value.array() - sample<2>(x, value).values.col(0).array();
+  const Eigen::ArrayXd deviation = result.variances[0]->evaluate(x).value.array().sqrt();
+  EXPECT_LE(rms(deviation), 3 * rms(error));
+  EXPECT_GE(static_cast<double>((error.abs() <= 1.96 * deviation).count()), .9 * static_cast<double>(x.cols()));
+}
+
+TEST(FillGaps, TracksHaveFewerGaps) {
+  const Samples<2> data = rough_where(5000, 1, true);
+  const auto patches = partition_of_unity(data);
+  const auto variance = local_variance(data, patches);
+  const Points<2> x = random_points<2>(2000, 3);
+  const auto share = [&](bool tracks) {
+    const auto filled = fill_gaps(data, patches, variance, tracks);
+    return filled.outside == nullptr ? 1 : filled.outside->evaluate(x).value.mean();
+  };
+  EXPECT_GT(share(true), share(false));
 }
 
 TEST(FillGaps, WithoutGapsNothingChanges) {

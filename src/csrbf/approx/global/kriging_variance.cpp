@@ -68,9 +68,12 @@ PowerFunction<Dim>::System::System(const PowerFunction& power)
     YKY = Y.transpose() * KY;
   }
   reduce();
-  // It has been solved before, but may be singular to rounding: the variance is then that of a little more noise.
+  // It has been solved before, but may be singular to rounding: the variance is then that of a little more noise. Once
+  // that is above the sum of any row the matrix is positive definite.
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  for (double nugget = epsilon * largest; !cholesky_in_place(L) && nugget < largest; nugget *= 10) {
+  const double heaviest = power.weights_.size() > 0 ? power.weights_.maxCoeff() : 1;
+  const double most = 10 * static_cast<double>(n) * largest * heaviest;
+  for (double nugget = epsilon * largest; !cholesky_in_place(L) && nugget < most; nugget *= 10) {
     L = matrix(nugget);
     reduce();
   }

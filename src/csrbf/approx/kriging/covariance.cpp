@@ -172,10 +172,10 @@ Kernel kernel_of(std::size_t model) {
 
 }  // namespace
 
-double prediction_variance(const Covariance& covariance, Index component, double share, double scale, double degrees) {
-  const double sigma2 =
-      (degrees * scale + covariance.common * covariance.sigma2[component]) / (degrees + covariance.common);
+double prediction_variance(const Covariance& covariance, Index component, double share, double scale) {
   const double inflation = covariance.inflation.size() > 0 ? covariance.inflation[component] : 1;
+  const double sigma2 =
+      std::pow(covariance.sigma2[component], 1 - covariance.local) * std::pow(scale, covariance.local);
   return inflation * std::pow(share, covariance.growth) * sigma2;
 }
 

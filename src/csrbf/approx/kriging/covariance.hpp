@@ -15,14 +15,14 @@ struct Covariance {
   int degree = 0;          ///< of the trend
   Eigen::VectorXd sigma2;  ///< one per component of the values
   // What errors of predictions are beside those expected by the covariance:
-  double common = 30;              ///< samples that this sigma^2 counts for, beside those of a neighbourhood
+  double local = 0.75;             ///< power of the sigma^2 of a neighbourhood, that of all samples has the rest
   double growth = 1;               ///< power of the share of sigma^2 that is expected
   Eigen::VectorXd inflation = {};  ///< factor, one per component; empty: 1
 };
 
 /// Expected square of the error of a prediction: `share` by the covariance, over sigma^2; `scale`: sigma^2 of the
-/// samples around, of so many degrees of freedom.
-double prediction_variance(const Covariance& covariance, Index component, double share, double scale, double degrees);
+/// samples around.
+double prediction_variance(const Covariance& covariance, Index component, double share, double scale);
 
 /// The same with the nugget of largest restricted likelihood for blocks of nearest samples, which alone can tell noise
 /// from roughness.

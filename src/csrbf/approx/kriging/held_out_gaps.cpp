@@ -20,7 +20,7 @@ constexpr double enough = 0.5;     // share of the samples around a gap that are
 constexpr double significant = 2;  // standard errors
 constexpr double worth_it = 0.08;  // of the score
 constexpr double share_within = 0.95, within = 1.96;
-constexpr double commons[] = {10, 30, 100, 1000};         // see Covariance
+constexpr double locals[] = {0, 0.25, 0.5, 0.75, 1};      // see Covariance
 constexpr double least_growth = 0.3, largest_growth = 1;  // of errors
 constexpr double negligible = 1e-4;                       // of squared errors, as a share of their mean
 constexpr double tiny = 1e-300;
@@ -96,8 +96,7 @@ HeldOutGaps<Dim>::HeldOutGaps(const Samples<Dim>& samples, const ThinnedLevels<D
 template <int Dim>
 typename HeldOutGaps<Dim>::Predictions HeldOutGaps<Dim>::predict(const Covariance& covariance) const {
   const Index C = samples_.components(), count = std::ssize(cases_);
-  Predictions result{Eigen::MatrixXd(count, C), Eigen::VectorXd(count), Eigen::MatrixXd(count, C),
-                     Eigen::VectorXd(count)};
+  Predictions result{Eigen::MatrixXd(count, C), Eigen::VectorXd(count), Eigen::MatrixXd(count, C)};
   parallel_for(count, 4, [&](Index begin, Index end) {
     for (Index k = begin; k < end; ++k) {
       const Case& c = cases_[static_cast<std::size_t>(k)];
@@ -106,7 +105,6 @@ typename HeldOutGaps<Dim>::Predictions HeldOutGaps<Dim>::predict(const Covarianc
       result.errors.row(k) = samples_.values.row(c.target) - patch.value(x).transpose();
       result.shares[k] = patch.share(x) + covariance.nugget * (1 / samples_.weight(c.target) - 1);
       result.scales.row(k) = patch.scale().transpose();
-      result.degrees[k] = patch.degrees();
     }
   });
   return result;
@@ -116,11 +114,12 @@ template <int Dim>
 Eigen::VectorXd HeldOutGaps<Dim>::Predictions::variances(const Covariance& covariance, Index component) const {
   Eigen::VectorXd result(shares.size());
   for (Index k = 0; k < result.size(); ++k)
-    result[k] = prediction_variance(covariance, component, shares[k], scales(k, component), degrees[k]);
+    result[k] = prediction_variance(covariance, component, shares[k], scales(k, component));
   return result;
 }
 
-// With the growth that errors have, and 95 % of them within the interval, by the common variance of the best score.
+// With the growth that errors have, and 95 % of them within the interval, by the power of local scales of the best
+// score.
 template <int Dim>
 void HeldOutGaps<Dim>::calibrate(Covariance& covariance, const Predictions& p) const {
   const Index C = p.errors.cols(), n = p.errors.rows();
@@ -131,8 +130,8 @@ void HeldOutGaps<Dim>::calibrate(Covariance& covariance, const Predictions& p) c
   }
   double least = unbounded;
   Covariance best = covariance;
-  for (const double common : commons) {
-    covariance.common = common;
+  for (const double local : locals) {
+    covariance.local = local;
     covariance.growth = 1;
     covariance.inflation = Eigen::VectorXd::Ones(C);
     Eigen::MatrixXd z2(n, C);
@@ -166,7 +165,7 @@ Eigen::VectorXd HeldOutGaps<Dim>::scores(const Covariance& covariance, const Pre
 }
 
 template <int Dim>
-Covariance HeldOutGaps<Dim>::choose(const Covariance& likely) const {
+HeldOutChoice HeldOutGaps<Dim>::choose(const Covariance& likely) const {
   const double extent = bounding_box<Dim>(samples_.points).extent().maxCoeff();
   std::vector<Covariance> candidates;
   for (const auto& [name, parameter, length] : usual) {
@@ -187,7 +186,8 @@ Covariance HeldOutGaps<Dim>::choose(const Covariance& likely) const {
   }
   const Eigen::ArrayXd gain = (score[0] - score[best]).array();
   const double error = std::sqrt((gain - gain.mean()).square().mean() / static_cast<double>(gain.size()));
-  return gain.mean() > std::max(significant * error, worth_it * score[0].mean()) ? candidates[best] : candidates[0];
+  const bool is_better = gain.mean() > std::max(significant * error, worth_it * score[0].mean());
+  return is_better ? HeldOutChoice{candidates[best], false} : HeldOutChoice{candidates[0], true};
 }
 
 #define CSRBF_INSTANTIATE(Dim) template class HeldOutGaps<Dim>;

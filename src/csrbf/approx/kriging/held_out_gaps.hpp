@@ -5,6 +5,11 @@
 
 namespace csrbf {
 
+struct HeldOutChoice {
+  Covariance covariance;
+  bool is_linear;  ///< its variogram, over the extent of the samples
+};
+
 /// What covariances are worth in gaps between samples, which their likelihood at the distances of samples does not
 /// tell: samples are predicted from others that lie about them as the samples that there are lie about points in gaps.
 template <int Dim>
@@ -20,7 +25,7 @@ class HeldOutGaps {
   /// intrinsic random function, with a linear variogram), unless a likely one predicts significantly better, by their
   /// mean continuous ranked probability scores (Gneiting and Raftery 2007). O(k^3) for each case and covariance, with k
   /// samples around a gap.
-  [[nodiscard]] Covariance choose(const Covariance& likely) const;
+  [[nodiscard]] HeldOutChoice choose(const Covariance& likely) const;
 
  private:
   static constexpr Index fewest_cases = 40;  // chosen by hand
@@ -32,7 +37,6 @@ class HeldOutGaps {
     Eigen::MatrixXd errors;  // of the targets, by component
     Eigen::VectorXd shares;  // their expected squares, over sigma^2
     Eigen::MatrixXd scales;  // sigma^2 of the samples around, by component
-    Eigen::VectorXd degrees;
     [[nodiscard]] Eigen::VectorXd variances(const Covariance& covariance, Index component) const;
   };
   [[nodiscard]] Predictions predict(const Covariance& covariance) const;

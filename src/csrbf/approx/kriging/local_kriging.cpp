@@ -57,8 +57,8 @@ KrigingPatch<Dim>::KrigingPatch(const Samples<Dim>& samples, const Covariance& c
   information_.compute(Eigen::MatrixXd(white_trend_.transpose() * white_trend_));
   beta_ = solve(information_, Eigen::MatrixXd(white_trend_.transpose() * white));
   white -= white_trend_ * beta_;
-  degrees_ = static_cast<double>(std::max<Index>(0, n - white_trend_.cols()));
-  scale_ = (white.colwise().squaredNorm().transpose() / std::max(1.0, degrees_))
+  const auto degrees = static_cast<double>(std::max<Index>(1, n - white_trend_.cols()));  // of freedom
+  scale_ = (white.colwise().squaredNorm().transpose() / degrees)
                .cwiseProduct(near_scale(values, inverse_weights))
                .cwiseSqrt();
   solve_upper(llt_, white);
@@ -116,8 +116,7 @@ template <int Dim>
 Eigen::VectorXd KrigingPatch<Dim>::variance(const Point<Dim>& x) const {
   const double expected = share(x);
   Eigen::VectorXd result(scale_.size());
-  for (Index c = 0; c < result.size(); ++c)
-    result[c] = prediction_variance(covariance_, c, expected, scale_[c], degrees_);
+  for (Index c = 0; c < result.size(); ++c) result[c] = prediction_variance(covariance_, c, expected, scale_[c]);
   return result;
 }
 
@@ -159,12 +158,20 @@ template <int Dim>
 LocalKriging<Dim>::LocalKriging(const Samples<Dim>& samples, const Points<Dim>& gaps)
     : samples_(samples), levels_(samples.points), covariance_(estimate_covariance(samples, levels_)) {
   const HeldOutGaps<Dim> held_out(samples, levels_, gaps);
-  if (!held_out.empty()) covariance_ = held_out.choose(covariance_);
+  if (held_out.empty()) return;
+  HeldOutChoice choice = held_out.choose(covariance_);
+  covariance_ = std::move(choice.covariance);
+  is_linear_ = choice.is_linear;
 }
 
 template <int Dim>
 KrigingPatch<Dim> LocalKriging<Dim>::patch(const Point<Dim>& center) const {
-  return {samples_, covariance_, center, samples_around(levels_, center)};
+  return {samples_, covariance_, center, around(center)};
+}
+
+template <int Dim>
+std::vector<Index> LocalKriging<Dim>::around(const Point<Dim>& center) const {
+  return samples_around(levels_, center);
 }
 
 template <int Dim>

@@ -24,10 +24,9 @@ class KrigingPatch {
   /// The same over sigma^2.
   [[nodiscard]] double share(const Point<Dim>& x) const;
 
-  /// sigma^2 by the residuals of the samples of the patch alone, of so many degrees of freedom: the geometric mean of
+  /// sigma^2 by the residuals of the samples of the patch alone: the geometric mean of
   /// that of all and that of the nearest ones.
   [[nodiscard]] const Eigen::VectorXd& scale() const { return scale_; }
-  [[nodiscard]] double degrees() const { return degrees_; }
 
   /// Writes the predictor to model `i`; `models` has room for all samples.
   void store(LocalModels<Dim>& models, Index i) const;
@@ -44,7 +43,7 @@ class KrigingPatch {
   Eigen::LDLT<Eigen::MatrixXd> information_;
   Eigen::MatrixXd alpha_, beta_;
   Eigen::VectorXd scale_;
-  double nugget_ = 0, degrees_ = 0;
+  double nugget_ = 0;
 };
 
 /// The samples that a patch around x is made of.
@@ -60,7 +59,11 @@ class LocalKriging {
   LocalKriging(const Samples<Dim>& samples, const Points<Dim>& gaps);
 
   [[nodiscard]] const Covariance& covariance() const { return covariance_; }
+  /// Whether it is that of a linear variogram, as HeldOutGaps prefers.
+  [[nodiscard]] bool is_linear() const { return is_linear_; }
   [[nodiscard]] KrigingPatch<Dim> patch(const Point<Dim>& center) const;
+  /// The samples that it is made of.
+  [[nodiscard]] std::vector<Index> around(const Point<Dim>& center) const;
   /// Models with room for `count` patches.
   [[nodiscard]] LocalModels<Dim> models(Index count) const;
 
@@ -68,6 +71,7 @@ class LocalKriging {
   const Samples<Dim>& samples_;
   ThinnedLevels<Dim> levels_;
   Covariance covariance_;
+  bool is_linear_ = false;
 };
 
 }  // namespace csrbf

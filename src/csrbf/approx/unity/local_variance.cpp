@@ -1,5 +1,6 @@
 #include "csrbf/approx/unity/local_variance.hpp"
 
+#include "csrbf/approx/unity/cell_constants.hpp"
 #include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
@@ -87,23 +88,16 @@ std::vector<std::shared_ptr<const Field<Dim>>> local_variance(const Samples<Dim>
 
 template <int Dim>
 std::vector<std::shared_ptr<const Field<Dim>>> local_means(const Points<Dim>& points, const Eigen::MatrixXd& squares) {
-  auto data = std::make_shared<typename PartitionOfUnity<Dim>::Data>(
-      typename PartitionOfUnity<Dim>::Data{Cover<Dim>(points, pooled, cover_growth<Dim>), {}});
-  LocalModels<Dim>& models = data->models;  // a constant per cell
-  models.components = squares.rows();
-  models.resize(data->cover.size());
+  Cover<Dim> cover(points, pooled, cover_growth<Dim>);
+  Eigen::MatrixXd means = Eigen::MatrixXd::Zero(squares.rows(), cover.size());
   typename Cover<Dim>::Search search;
-  for (Index i = 0; i < models.size(); ++i) {
-    const Box<Dim>& cell = data->cover.cell(i);
-    models.center.col(i) = cell.center();
-    models.radius[i] = .5 * cell.diagonal();
-    data->cover.nearest(cell.center(), pooled, cell.diagonal(), search);
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(models.components);
-    for (const auto& [distance2, id] : search.found) mean += squares.col(data->cover.order()[id]);
-    mean /= static_cast<double>(search.found.size());
-    std::copy(mean.begin(), mean.end(), models.polynomial.begin() + i * mean.size());
+  for (Index i = 0; i < cover.size(); ++i) {
+    const Box<Dim>& cell = cover.cell(i);
+    cover.nearest(cell.center(), pooled, cell.diagonal(), search);
+    for (const auto& [distance2, id] : search.found) means.col(i) += squares.col(cover.order()[id]);
+    means.col(i) /= static_cast<double>(search.found.size());
   }
-  return PartitionOfUnityFit<Dim>{data, {}}.fields();
+  return cell_constants<Dim>(std::move(cover), means);
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                                  \
