@@ -164,7 +164,7 @@ TEST(PatchFitter, MakesAPatchOfOneToSevenPoints) {
       EXPECT_TRUE(fitted.frame().quadric.allFinite() && fitted.frame().T.allFinite() &&
                   fitted.pieces.front().alpha.allFinite());
       EXPECT_TRUE(std::isfinite(fitted.frame().radius) && fitted.frame().radius > 0);
-      EXPECT_GT(fitter.area_per_sample(), 0);
+      EXPECT_GT(fitter.areas().of(1), 0);
       EXPECT_TRUE(fitted.step_to_surface(cloud.points.col(0)).allFinite());
     }
     const FittedPatch single = fitter.fit(&all[0], 1);
@@ -257,7 +257,8 @@ TEST(PatchFitter, KnowsTheAreaOfASample) {
   PatchFitter fitter(cloud, tree, options);
   const std::vector<Index> ids = nearest(tree, Point<3>(0, 0, 0.3), options.leaf_size);
   fitter.fit(ids.data(), options.leaf_size);
-  EXPECT_NEAR(fitter.area_per_sample(), 4.0 / 2500, 0.15 * 4.0 / 2500);  // some samples on the rim of some 32
+  EXPECT_NEAR(fitter.areas().of(cloud.spacing[ids[0]]), 4.0 / 2500,
+              0.15 * 4.0 / 2500);  // some samples on the rim of some 32
 }
 
 TEST(PatchFitter, LeavesSamplesOutWithoutFittingAgain) {
