@@ -130,6 +130,7 @@ def segment(
     seed: Bytes | None,
     mask: Bytes | None,
     seeds: Bytes | None,
+    confidences: NDArray[np.float32] | None,
     options: Options,
     force: Any,
     listener: Listener,

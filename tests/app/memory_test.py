@@ -64,8 +64,8 @@ class Memory(base.CommandLine):
     def test_the_cap_halves_the_memory_and_changes_no_bit(self):
         free, capped = self.compare_with_cap(300000, 110e6, "110MB")
         self.assertGreater(free["peak_memory_mb"], 160)
-        # The watcher may be late on a busy machine.
-        self.assertLess(capped["peak_memory_mb"], 1.2 * 110)
+        # The watcher may be late on a busy machine, and libraries for all formats take 25 MB.
+        self.assertLess(capped["peak_memory_mb"], 0.55 * free["peak_memory_mb"])
 
     def test_a_cap_that_is_no_size_gives_2(self):
         out = ["-o", self.path("mesh.ply")]

@@ -145,7 +145,13 @@ class Tracker {
   // Those of the first frame, and with what was chosen there those of the others.
   [[nodiscard]] SegmentOptions segment_options(bool is_first) const {
     const SegmentOptions& given = options_.segment;
-    if (is_first) return given;
+    if (is_first) {
+      SegmentOptions options = given;
+      // Contours of means keep to a beating heart, where those of variances may reach its wall.
+      if (given.mode == SegmentMode::local && given.energy == SegmentEnergy::automatic)
+        options.energy = SegmentEnergy::chan_vese;
+      return options;
+    }
     SegmentOptions options{report_.options.segment};
     options.mask = given.mask;
     options.force = given.force;
