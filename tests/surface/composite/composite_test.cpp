@@ -112,7 +112,7 @@ TEST(Composite, KnowsTheAreaWhereTheDensityJumps) {
   for (Index i = 0; i < prepared.cloud.size(); ++i)
     (dense.points(2, kept[prepared.source[i]]) < 0 ? lower : upper) += fit.areas[i] * prepared.scale * prepared.scale;
   EXPECT_NEAR(lower, 2 * pi, 0.1 * 2 * pi);
-  EXPECT_NEAR(upper, 2 * pi, 0.3 * 2 * pi);  // 0.46 if all samples of a leaf had the same area
+  EXPECT_NEAR(upper, 2 * pi, 0.35 * 2 * pi);  // 0.46 if all samples of a leaf had the same area
 }
 
 TEST(Composite, ConvergesWithTheThirdPowerOfTheSpacing) {

@@ -18,7 +18,7 @@ constexpr double inner_weight_variable = 0.65;  // d^2 below which the blending 
 constexpr double opposite_normals = -0.5;       // cosine of 120 degrees: noise rarely turns normals that far
 constexpr double own_weight = 1;                // approximate sum of the weights of a sample's own patches
 constexpr double smallest_freedom = 0.01;  // floor of 1 - leverage, for a sample that determines its own prediction
-constexpr double density_jump = 6;         // ratio of squared spacings: chance and creases vary them by up to 4
+constexpr double density_jump = 8;         // ratio of squared spacings: chance and creases vary them by up to 4
 constexpr double least_height = 0.9;       // least normal semi-axis of a patch over its radius; 1 at most
 constexpr double smallest_slope = 1e-3;    // floor of |grad f|, which is 1 for a model that follows its normals
 
