@@ -214,7 +214,7 @@ class Fitter {
   Fields patches_or_tracks() {
     partition(samples_, partition_options(options_));
     const auto tracks = tracks_may_matter() ? better_along_tracks(samples_, last_fit_.report.local) : std::nullopt;
-    const Fields patches = filled(samples_, tracks.has_value());
+    Fields patches = filled(samples_, tracks.has_value());
     if (!tracks) return patches;
     method_ = FitMethod::along_tracks;
     return improved(blend(moving(), patches, tracks->shares), patches, *tracks);

@@ -25,7 +25,7 @@ std::string volume_extension(const std::string& path) {
 }
 
 std::string checked_extension(const std::string& path) {
-  const std::string extension = volume_extension(path);
+  std::string extension = volume_extension(path);
   if (!is_listed(extension, volume_extensions))
     refuse_extension(path, extension, std::string("images are ") + volume_extensions);
   return extension;

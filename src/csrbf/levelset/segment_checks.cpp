@@ -76,6 +76,7 @@ bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
 
 std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices) {
   std::vector<EnergyPrice> list;
+  list.reserve(prices.size());
   for (const ModelPrice& each : prices)
     list.push_back({each.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese,
                     shading_of(each.model.shape), each.nats});

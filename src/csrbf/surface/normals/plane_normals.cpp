@@ -58,6 +58,7 @@ class Planes {
       for (Index i = begin; i < end; ++i) look(i * step, i, angles);
     });
     std::vector<double> result;
+    result.reserve(angles.size());
     for (const Angles& a : angles) result.push_back(ratio_of(a));
     return result;
   }

@@ -120,6 +120,7 @@ std::vector<std::vector<Index>> find_components(DisjointSets& clusters, const st
       components[cluster].push_back(static_cast<Index>(k));
   }
   std::vector<std::vector<Index>> result;
+  result.reserve(components.size());
   for (auto& component : components) result.push_back(std::move(component.second));
   return result;
 }
@@ -151,6 +152,7 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
 
 std::vector<Index> select(const std::vector<Index>& entries, const std::vector<Index>& ids) {
   std::vector<Index> chosen;
+  chosen.reserve(ids.size());
   for (const Index i : ids) chosen.push_back(entries[i]);
   return chosen;
 }
