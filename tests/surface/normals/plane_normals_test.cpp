@@ -46,6 +46,15 @@ TEST(PlaneNormals, AreNotExactNormals) {
   EXPECT_EQ(neighbors_of_planes(box.points, KdTree<3>(box.points), box.normals), 0);
 }
 
+// The planes of more points mix both sheets, and are far from those of few.
+TEST(PlaneNormals, AreNotExactNormalsOfAThinShell) {
+  const Shape outer = random_sphere(6000, 1);
+  for (const double spacings : {2, 4}) {
+    const Shape shell = join(outer, random_sphere(6000, 2, Point<3>::Zero(), 1 - spacings * outer.spacing()));
+    EXPECT_EQ(neighbors_of_planes(shell.points, KdTree<3>(shell.points), shell.normals), 0);
+  }
+}
+
 TEST(PlaneNormals, AreNotThoseOfOurOwnEstimate) {
   const Shape torus = random_torus(4000, 3, 0.01);
   const Points<3> estimated = estimate_normals(torus.points);

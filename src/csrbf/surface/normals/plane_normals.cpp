@@ -15,7 +15,7 @@ constexpr Index fewest_neighbors = 5;               // in a plane
 constexpr Index most_neighbors = 60;                // programs use 6 to 50
 constexpr Index first_look = 100;                   // points at which all numbers of neighbours are tried
 constexpr Index second_look = 400;                  // ... and the best one
-constexpr double close = 0.3;                       // largest ratio
+constexpr double close = 0.05;                      // largest ratio: above rounding in files, below thin shells
 constexpr std::array<double, 2> shares{0.75, 0.9};  // of the points
 constexpr double flat = 0.01;                       // sine of the angle between planes that are the same
 constexpr Index fewest_telling = 8;                 // points where planes differ

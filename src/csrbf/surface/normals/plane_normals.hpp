@@ -12,7 +12,7 @@ namespace csrbf {
 /// At some hundred points, the sines of the angles to the planes of k points are compared with those between these and
 /// the planes of 3 k / 2, where these differ: both at the upper quartile and at 90 %, the ratio is 0 for such normals,
 /// even if stored in single precision, and above 0.55 for exact ones, with noise in the positions or without (28 meshes
-/// sampled in 15 ways). Fewer than 128 points tell nothing: 0. O(log n).
+/// sampled in up to 10 ways). Fewer than 128 points tell nothing: 0. O(log n).
 Index neighbors_of_planes(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals);
 
 /// Estimated normals, turned to the side of the given ones. Where they are more than 45 degrees from the mean of the
