@@ -10,9 +10,10 @@ namespace csrbf {
 /// normals know no more than the positions, and their errors repeat the noise of the positions.
 ///
 /// At some hundred points, the sines of the angles to the planes of k points are compared with those between these and
-/// the planes of 3 k / 2, where these differ: both at the upper quartile and at 90 %, the ratio is 0 for such normals,
-/// even if stored in single precision, and above 0.55 for exact ones, with noise in the positions or without (28 meshes
-/// sampled in up to 10 ways). Fewer than 128 points tell nothing: 0. O(log n).
+/// the planes of 3 k / 2, where these differ, both at the upper quartile and at 90 %. The ratio is near 0 for such
+/// normals, even if stored in single precision; the limit is 0.05. For exact ones it is above 0.55, with noise in the
+/// positions or without (28 meshes sampled in up to 10 ways), but less on shells as thin as a few spacings. Fewer than
+/// 128 points tell nothing: 0. O(log n).
 Index neighbors_of_planes(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals);
 
 /// Estimated normals, turned to the side of the given ones. Where they are more than 45 degrees from the mean of the
