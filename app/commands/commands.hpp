@@ -22,6 +22,9 @@ struct ReconstructCommand {
   std::string trim = "none";
   std::string model;
   bool resume = false;
+  Index tile_points = 0;
+  std::string tile_folder;
+  std::string tile_share;
 };
 
 struct EstimateNormalsCommand {

@@ -11,15 +11,20 @@ void expect_mesh_output(const std::string& path, Session& session) {
 }
 
 void add_mesh_summary(const std::string& path, const Mesh& mesh, Session& session) {
-  const Topology t = session.timed("polygonize", [&] { return topology(mesh); });
-  session.result.update({{"vertices", mesh.vertices.cols()},
-                         {"triangles", mesh.triangles.cols()},
+  Topology found = session.timed("polygonize", [&] { return topology(mesh); });
+  found.vertices = mesh.vertices.cols();  // also those of no triangle
+  add_mesh_summary(path, found, session);
+}
+
+void add_mesh_summary(const std::string& path, const Topology& t, Session& session) {
+  session.result.update({{"vertices", t.vertices},
+                         {"triangles", t.triangles},
                          {"components", t.components},
                          {"watertight", t.watertight()},
                          {"manifold", t.manifold()},
                          {"euler", t.euler}});
-  session.say((path == "-" ? "standard output" : path) + ": " + counted(mesh.vertices.cols(), "vertex") + ", " +
-              counted(mesh.triangles.cols(), "triangle") + ", " + counted(t.components, "component") +
+  session.say((path == "-" ? "standard output" : path) + ": " + counted(t.vertices, "vertex") + ", " +
+              counted(t.triangles, "triangle") + ", " + counted(t.components, "component") +
               (t.components > 1 ? " (pieces that do not touch), " : ", ") +
               (t.watertight() ? "watertight" : "not watertight"));
 }

@@ -11,5 +11,6 @@ void expect_mesh_output(const std::string& path, Session& session);
 
 /// Adds size and topology of a mesh to result and summary.
 void add_mesh_summary(const std::string& path, const Mesh& mesh, Session& session);
+void add_mesh_summary(const std::string& path, const Topology& topology, Session& session);
 
 }  // namespace csrbf::app

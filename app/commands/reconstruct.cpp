@@ -1,4 +1,4 @@
-#include "commands/mesh_summary.hpp"
+#include "commands/reconstruct_in_tiles.hpp"
 #include "report/reconstruct_page.hpp"
 
 #include "csrbf/implicit/polygonize.hpp"
@@ -17,20 +17,6 @@
 
 namespace csrbf::app {
 namespace {
-
-Normals parse_normals(const std::string& text) {
-  if (text == "file") return Normals::file;
-  return text == "estimate" ? Normals::estimate : Normals::automatic;
-}
-
-ReconstructOptions make_reconstruct_options(const ReconstructCommand& command, Session& session) {
-  return {.method = command.method,
-          .normals = parse_normals(command.normals),
-          .centers = command.centers,
-          .tolerance = command.tolerance,
-          .smoothing = parse_smoothing(command.smoothing),
-          .progress = session.progress()};
-}
 
 std::variant<PointCloud, Polylines> read_input(const ReconstructCommand& command) {
   const PointSelection selection = make_selection(command.points);
@@ -59,30 +45,6 @@ void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
   session.expect_output(command.model);
 }
 
-void add_report(const ReconstructReport& r, Session& session) {
-  session.add_time("prepare", r.prepare_seconds);
-  session.add_time("fit", r.fit_seconds);
-  session.add_time("evaluate", r.evaluate_seconds);
-  session.warn(r.warnings);
-  session.result = {{"points", r.points},
-                    {"points_used", r.points_used},
-                    {"normals", name_of(r.normals)},
-                    {"centers", r.centers},
-                    {"method", r.method},
-                    {"rms_distance", r.rms_distance},
-                    {"p99_distance", r.p99_distance},
-                    {"max_distance", r.max_distance}};
-  if (r.contours) {
-    session.result["contours"] = r.contours->contours;
-    session.result["slices"] = r.contours->slices;
-    session.result["caps"] = r.contours->caps;
-  }
-  if (!r.composite) return;
-  session.result["patches"] = r.composite->patches;
-  session.result["levels"] = r.composite->levels;
-  session.result["cross_validation_error"] = r.composite->cross_validation_error;
-}
-
 // The options as given, automatic ones replaced by what was chosen.
 void add_reconstruct_options(const ReconstructCommand& command, const ReconstructReport& r, int resolution,
                              Session& session) {
@@ -104,17 +66,6 @@ void add_reconstruct_options(const ReconstructCommand& command, const Reconstruc
   session.options["overlap"] = used.overlap;
   session.options["centers_per_patch"] = used.centers_per_patch;
   session.options["normal_weight"] = used.normal_weight;
-}
-
-void say_quality(const ReconstructReport& r, Session& session) {
-  const std::string used = r.contours ? counted(r.contours->contours, "contour") + " on " +
-                                            counted(r.contours->slices, "slice") +
-                                            " used; ends closed by a cap: " + std::to_string(r.contours->caps)
-                                      : counted(r.points_used, "point") + " used; normals: " + name_of(r.normals);
-  session.say(counted(r.points, "point") + " given, " + used + "; method: " + r.method + " with " +
-              counted(r.centers, "center"));
-  session.say("distance of the points to the surface, fractions of the diagonal: rms " + rounded(r.rms_distance) +
-              ", 99 % " + rounded(r.p99_distance) + ", largest " + rounded(r.max_distance));
 }
 
 // The points that the surface was made from, with the normals used and their properties.
@@ -188,6 +139,10 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOp
 }  // namespace
 
 void run(const ReconstructCommand& command, Session& session) {
+  if (works_in_tiles(command)) {
+    run_in_tiles(command, session);
+    return;
+  }
   const std::optional<double> trim_distance = parse_word_or_number(command.trim, "none", "--trim");
   if (trim_distance && !(*trim_distance > 0)) throw UsageError("--trim " + command.trim + ": must be positive");
   expect_mesh_outputs(command, session);

@@ -77,6 +77,8 @@
 #include "csrbf/surface/reconstruct_options.hpp"
 #include "csrbf/surface/surface_method.hpp"
 #include "csrbf/surface/trim.hpp"
+#include "csrbf/tiles/reconstruct_tiles.hpp"
+#include "csrbf/tiles/tile_options.hpp"
 #include "csrbf/version.hpp"
 
 #endif

@@ -15,7 +15,8 @@ set(implicit_may_include ${shared})
 set(surface_may_include ${shared} approx implicit)
 set(levelset_may_include ${shared} approx implicit)
 set(io_may_include ${shared} approx implicit surface levelset)
-set(app_may_include ${io_may_include} io)
+set(tiles_may_include ${io_may_include} io)
+set(app_may_include ${tiles_may_include} tiles)
 set(distributed_may_include ${app_may_include} app)
 
 # Only distributed/ knows of several processes.

@@ -48,6 +48,7 @@ void check_options(const ReconstructOptions& options) {
     require(find_surface_method(options.method) != nullptr, "reconstruct", "method", options.method, names);
     require(options.tolerance == 0, "reconstruct", "tolerance", options.tolerance,
             "only the method composite keeps a tolerance");
+    require(!options.region, "reconstruct", "region", "(given)", "only the method composite has regions");
   }
   require(options.centers >= 0, "reconstruct", "centers", options.centers,
           "must be positive, or 0 to let the data decide");
@@ -69,10 +70,20 @@ double feature_size(double spacing, const CompositeOptions& options) {
   return spacing * std::clamp(std::sqrt(samples / coefficients), 1.0, coarsest_detail);
 }
 
+// Indices of the points in the region; of all if there is none.
+std::vector<Index> ids_inside(const Points<3>& points, const std::optional<Box<3>>& region) {
+  std::vector<Index> ids;
+  for (Index i = 0; i < points.cols(); ++i)
+    if (!region || region->contains(points.col(i))) ids.push_back(i);
+  return ids;
+}
+
 // What 2w - 1 is on the surface, in the median over the samples; 0 if the surface is closed.
-double winding_level(const WindingNumber& winding, const Points<3>& points) {
-  const Index step = std::max<Index>(1, points.cols() / level_samples);
-  const Points<3> some = points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
+double winding_level(const WindingNumber& winding, const Points<3>& points, const std::vector<Index>& ids) {
+  const Index step = std::max<Index>(1, std::ssize(ids) / level_samples);
+  std::vector<Index> chosen;
+  for (Index i = 0; i < std::ssize(ids); i += step) chosen.push_back(ids[i]);
+  const Points<3> some = points(Eigen::all, chosen);
   const Eigen::VectorXd u = winding.evaluate(PointsRef<3>(some)).value;
   const double level = median(std::vector(u.begin(), u.end()));
   return level < open_level ? level : 0;
@@ -86,7 +97,10 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   data.bounds = prepared.bounds;
   const OrientedPoints& cloud = prepared.cloud;
   CompositeFit finest = fit_composite(cloud, *prepared.tree, options, progress);
-  const double spacing = std::sqrt(finest.areas.mean());
+  const std::vector<Index> inside = ids_inside(cloud.points, options.region);
+  double area = 0;
+  for (const Index i : inside) area += finest.areas[i];
+  const double spacing = std::sqrt(area / static_cast<double>(inside.size()));
   data.feature_size = feature_size(spacing, options);
   data.far_value = far_spacings * spacing;
   data.levels.push_back(std::move(finest.patches));
@@ -104,7 +118,7 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   }
   const Eigen::VectorXd smoothing_length = winding_smoothing * finest.areas.cwiseSqrt();
   data.winding = WindingNumber(cloud.points, cloud.normals, finest.areas, smoothing_length);
-  data.winding_level = winding_level(data.winding, cloud.points);
+  data.winding_level = winding_level(data.winding, cloud.points, inside);
   return data;
 }
 
@@ -145,6 +159,13 @@ Index typical_body(const PreparedCloud& prepared) {
   return rest;
 }
 
+// The region in the unit coordinates of the cloud.
+std::optional<Box<3>> unit_region(const PreparedCloud& prepared, const ReconstructOptions& options) {
+  if (!options.region) return std::nullopt;
+  const auto to_unit = [&](const Point<3>& x) { return Point<3>((x - prepared.origin) / prepared.scale); };
+  return Box<3>{to_unit(options.region->lo), to_unit(options.region->hi)};
+}
+
 // The composite options: chosen by cross-validation, within the budget or the tolerance that is asked for.
 ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& options, Index body_size) {
   const OrientedPoints& cloud = prepared.cloud;
@@ -157,6 +178,7 @@ ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& op
         std::max<Index>(CompositeOptions::smallest_leaf, cloud.size() * centers_per_leaf / options.centers);
   given.normal_rows = options.normal_rows;
   given.body_size = body_size;
+  given.region = unit_region(prepared, options);
   ChosenOptions chosen = choose_options(cloud, *prepared.tree, given);
   if (options.tolerance > 0) {
     chosen.options.tolerance.setConstant(cloud.size(), options.tolerance);
@@ -172,9 +194,10 @@ ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& op
   return chosen;
 }
 
-// A field with the distances of the points used to its surface.
+// A field with the distances of some of the points used to its surface.
 struct Surface {
   std::shared_ptr<const Field<3>> field;
+  std::vector<Index> measured;
   std::vector<double> distance;
 };
 
@@ -182,7 +205,8 @@ struct Surface {
 struct CompositeSurface {
   ChosenOptions chosen;
   std::shared_ptr<const CompositeField> field;
-  std::vector<double> distance;  // of the points used
+  std::vector<Index> measured;   // points used that are in the region
+  std::vector<double> distance;  // of these
 
   [[nodiscard]] double mean_distance() const {
     return std::accumulate(distance.begin(), distance.end(), 0.0) / static_cast<double>(distance.size());
@@ -196,24 +220,34 @@ struct CompositeSurface {
   }
 };
 
+std::vector<Index> select(const std::vector<Index>& entries, const std::vector<Index>& ids) {
+  std::vector<Index> chosen;
+  chosen.reserve(ids.size());
+  for (const Index i : ids) chosen.push_back(entries[i]);
+  return chosen;
+}
+
 CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepared, const ReconstructOptions& options,
                              Index body_size, ReconstructReport& out) {
   CompositeSurface result;
   auto start = std::chrono::steady_clock::now();
   result.chosen = choose(prepared, options, body_size);
+  result.measured = ids_inside(prepared.cloud.points, result.chosen.options.region);
+  if (result.measured.empty()) throw InvalidInput("reconstruct: region: no point is inside; move it, or leave it out");
   out.fit_seconds += seconds_since(start);
   for (int attempt = 0; attempt < tolerance_attempts; ++attempt) {
     start = std::chrono::steady_clock::now();
     const auto field = std::make_shared<CompositeField>(build_field(prepared, result.chosen.options, options.progress));
     out.fit_seconds += seconds_since(start);
     start = std::chrono::steady_clock::now();
-    result.distance = surface_distances(*field, input.points(Eigen::all, prepared.source), prepared.scale);
+    result.distance =
+        surface_distances(*field, input.points(Eigen::all, select(prepared.source, result.measured)), prepared.scale);
     field->set_noisy(median(std::vector(result.distance)) * far_spacings > noisy_distance * field->data().far_value);
     result.field = field;
     out.evaluate_seconds += seconds_since(start);
     if (outside(result.distance, options.tolerance) == 0) break;
     for (Index i = 0; i < std::ssize(result.distance); ++i)
-      if (result.distance[i] > options.tolerance) result.chosen.options.tolerance[i] /= 2;
+      if (result.distance[i] > options.tolerance) result.chosen.options.tolerance[result.measured[i]] /= 2;
   }
   return result;
 }
@@ -237,7 +271,7 @@ Surface reconstruct_composite(const PointCloud& input, const PreparedCloud& prep
                    .levels = static_cast<Index>(best.field->data().levels.size()),
                    .settings = chosen.options,
                    .cross_validation_error = chosen.cross_validation_error};
-  return {best.field, std::move(best.distance)};
+  return {best.field, std::move(best.measured), std::move(best.distance)};
 }
 
 Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, const PreparedCloud& prepared,
@@ -253,7 +287,7 @@ Surface reconstruct_by(const SurfaceMethod& method, const PointCloud& input, con
   out.method = method.name;
   out.centers = fit.centers;
   out.smoothing = fit.smoothing;
-  return {field, std::move(distance)};
+  return {field, ids_inside(prepared.cloud.points, std::nullopt), std::move(distance)};
 }
 
 }  // namespace
@@ -277,7 +311,7 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   Reconstruction result;
   ReconstructReport& out = result.report;
   const auto start = std::chrono::steady_clock::now();
-  PreparedCloud prepared = prepare(input, options.normals, options.progress);
+  PreparedCloud prepared = prepare(input, options.normals, options.progress, options.region);
   out.prepare_seconds = seconds_since(start);
 
   Surface surface = composite(options)
@@ -298,6 +332,8 @@ Reconstruction reconstruct(const PointCloud& input, const ReconstructOptions& op
   out.warnings.insert(out.warnings.begin(), prepared.warnings.begin(), prepared.warnings.end());
   result.field = std::move(surface.field);
   result.source = std::move(prepared.source);
+  result.measured = std::move(surface.measured);
+  result.distance = std::move(surface.distance);
   result.normals = prepared.cloud.normals.leftCols(static_cast<Index>(result.source.size()));
   return result;
 }

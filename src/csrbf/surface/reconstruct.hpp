@@ -51,6 +51,8 @@ struct Reconstruction {
   std::shared_ptr<const Field<3>> field;  ///< f > 0 inside, close to the signed distance near the data
   std::vector<Index> source;              ///< input indices of the points used
   Points<3> normals;                      ///< of the points used: given, estimated or re-oriented; unit, outward
+  std::vector<Index> measured;            ///< which of the points used are in the region
+  std::vector<double> distance;           ///< of these to the surface, fraction of the diagonal
   ReconstructReport report;
 };
 

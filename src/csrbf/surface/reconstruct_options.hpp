@@ -69,6 +69,9 @@ struct ReconstructOptions {
   std::optional<double> smoothing = {};
   /// How normals enter the fit.
   NormalRows normal_rows = NormalRows::gradient;
+  /// Where the surface is wanted; not set: everywhere. Points outside tell only what is around: settings are chosen,
+  /// distances measured and patches fitted for the region. For the composite method only.
+  std::optional<Box<3>> region = {};
   Progress progress = {};
 };
 

@@ -5,8 +5,8 @@
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/mesh/clip_mesh.hpp"
-#include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/surface/check/data_support.hpp"
 
 #include <Eigen/Geometry>
 
@@ -17,39 +17,10 @@
 namespace csrbf {
 namespace {
 
-constexpr Index spacing_neighbors = 6;  // as many as surround a sample of a hexagonal packing of the plane
 // Chosen by hand.
-constexpr Index facing_neighbors = 8;    // nearest points of which one must face the same way
-constexpr double facing = 0.7;           // least cosine between normals that face the same way: 45 degrees
-constexpr double overlap = 0.5;          // spacings by which a trimmed mesh reaches beyond the outermost points
-constexpr double expected_share = 0.05;  // a component with less of the mean density of samples is empty ...
-constexpr double fewest_samples = 8;     // ... or with fewer of them
-constexpr double near_component = 4;     // spacings: points farther from a component do not count for it
-constexpr double small = 64;             // samples: smaller components may be bubbles between sheets, ...
-constexpr double crowded = 4;            // ... whose samples represent this many times as much area as they have
-constexpr Index spacings_asked = 1000;   // samples for the mean of all
-
-// Index of the nearest point for every query.
-std::vector<Index> nearest_points(const KdTree<3>& tree, const PointsRef<3>& queries) {
-  std::vector<Index> nearest(queries.cols());
-  parallel_for(queries.cols(), 1024, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) {
-      double squared = 0;
-      tree.nearest(queries.col(i), 1, &nearest[i], &squared);
-    }
-  });
-  return nearest;
-}
-
-double spacing_at(const KdTree<3>& tree, const PointsRef<3>& points, Index i) {
-  std::array<Index, spacing_neighbors + 1> index{};
-  std::array<double, spacing_neighbors + 1> squared{};
-  const Index found = tree.nearest(points.col(i), spacing_neighbors + 1, index.data(), squared.data());
-  if (found == 1) return 0;
-  double sum = 0;
-  for (Index k = 1; k < found; ++k) sum += std::sqrt(squared[k]);
-  return sum / static_cast<double>(found - 1);
-}
+constexpr Index facing_neighbors = 8;  // nearest points of which one must face the same way
+constexpr double facing = 0.7;         // least cosine between normals that face the same way: 45 degrees
+constexpr double overlap = 0.5;        // spacings by which a trimmed mesh reaches beyond the outermost points
 
 // Samples in Morton order.
 struct Samples {
@@ -220,88 +191,6 @@ void double_shared_vertices(Mesh& mesh) {
   for (Property& property : mesh.properties) property.values = Eigen::VectorXd(property.values(columns));
 }
 
-// Component of every vertex, numbered from 0 in the order of their first vertices.
-std::vector<Index> components(const Mesh& mesh, Index& count) {
-  DisjointSets sets(static_cast<std::size_t>(mesh.vertices.cols()));
-  for (Index t = 0; t < mesh.triangles.cols(); ++t)
-    for (int c = 1; c < 3; ++c)
-      sets.unite(static_cast<std::uint32_t>(mesh.triangles(0, t)), static_cast<std::uint32_t>(mesh.triangles(c, t)));
-  std::vector<Index> label(mesh.vertices.cols());
-  count = 0;
-  for (std::uint32_t v = 0; v < label.size(); ++v) {
-    const std::uint32_t first = sets.find(v);
-    label[v] = first == v ? count++ : label[first];
-  }
-  return label;
-}
-
-std::vector<double> areas(const Mesh& mesh, const std::vector<Index>& label, Index count) {
-  std::vector<double> area(count, 0);
-  for (Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const Point<3> a = mesh.vertices.col(mesh.triangles(0, t)), b = mesh.vertices.col(mesh.triangles(1, t)),
-                   c = mesh.vertices.col(mesh.triangles(2, t));
-    area[label[mesh.triangles(0, t)]] += 0.5 * (b - a).cross(c - a).norm();
-  }
-  return area;
-}
-
-// Indices of the columns of x within `distance` of a point of the tree.
-std::vector<Index> ids_within(const KdTree<3>& tree, const PointsRef<3>& x, double distance) {
-  std::vector<char> is_near(x.cols());
-  parallel_for(x.cols(), 1024, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) is_near[i] = tree.any_within(x.col(i), distance) ? 1 : 0;
-  });
-  std::vector<Index> ids;
-  for (std::size_t i = 0; i < is_near.size(); ++i)
-    if (is_near[i] != 0) ids.push_back(static_cast<Index>(i));
-  return ids;
-}
-
-// Points nearest to a component.
-struct Support {
-  double samples = 0;
-  double area = 0;  // of the surface that they usually represent; only for small components
-};
-
-// Mean of the squared spacings of the points, from some of them.
-double mean_squared_spacing(const KdTree<3>& tree, const PointsRef<3>& points) {
-  const Index step = std::max<Index>(1, points.cols() / spacings_asked);
-  double sum = 0, count = 0;
-  for (Index i = 0; i < points.cols(); i += step, ++count) sum += std::pow(spacing_at(tree, points, i), 2);
-  return sum / count;
-}
-
-// Those of each component. Points farther than `distance` from all others count for the largest one, so that most need
-// no search. `density`: points per area of the mesh.
-std::vector<Support> supports_of_components(const Mesh& mesh, const std::vector<Index>& label, Index count,
-                                            Index largest, const PointsRef<3>& points, double density) {
-  const double distance = near_component / std::sqrt(density);
-  std::vector<Index> others;
-  for (std::size_t v = 0; v < label.size(); ++v)
-    if (label[v] != largest) others.push_back(static_cast<Index>(v));
-  const Points<3> other_vertices = mesh.vertices(Eigen::all, others);
-  const KdTree<3> other_tree(other_vertices);
-  const std::vector<Index> open = ids_within(other_tree, points, distance);
-  const std::vector<Index> rivals = ids_within(other_tree, mesh.vertices, 2 * distance);
-  const Points<3> rival_vertices = mesh.vertices(Eigen::all, rivals);
-  const KdTree<3> rival_tree(rival_vertices);
-  std::vector<Support> supports(count);
-  supports[largest].samples = static_cast<double>(points.cols()) - static_cast<double>(open.size());
-  const Points<3> contested = points(Eigen::all, open);
-  const std::vector<Index> order = morton_order<3>(contested);
-  const std::vector<Index> nearest = nearest_points(rival_tree, contested(Eigen::all, order));
-  for (const Index v : nearest) supports[label[rivals[v]]].samples += 1;
-  const auto may_be_bubble = [](const Support& s) { return s.samples >= fewest_samples && s.samples < small; };
-  if (std::none_of(supports.begin(), supports.end(), may_be_bubble)) return supports;
-  const KdTree<3> tree(points);
-  const double usual = density * mean_squared_spacing(tree, points);
-  for (std::size_t i = 0; i < nearest.size(); ++i) {
-    Support& support = supports[label[rivals[nearest[i]]]];
-    if (may_be_bubble(support)) support.area += std::pow(spacing_at(tree, points, open[order[i]]), 2) / usual;
-  }
-  return supports;
-}
-
 }  // namespace
 
 Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const PointsRef<3>& normals) {
@@ -318,20 +207,9 @@ Mesh trim(const Mesh& mesh, const PointsRef<3>& points, double distance, const P
 
 DataComponents keep_components_with_data(Mesh mesh, const PointsRef<3>& points) {
   Index count = 0;
-  const std::vector<Index> label = components(mesh, count);
+  const std::vector<Index> label = component_labels(mesh, count);
   if (count <= 1 || points.cols() == 0) return {std::move(mesh), 0};
-  const std::vector<double> area = areas(mesh, label, count);
-  const double density = static_cast<double>(points.cols()) / std::accumulate(area.begin(), area.end(), 0.0);
-  const auto largest = std::max_element(area.begin(), area.end()) - area.begin();
-  const std::vector<Support> supports = supports_of_components(mesh, label, count, largest, points, density);
-  std::vector<char> keep(supports.size());
-  for (std::size_t c = 0; c < keep.size(); ++c) {
-    const double samples = supports[c].samples;
-    const bool on_it = samples >= fewest_samples && samples >= expected_share * density * area[c];
-    keep[c] = on_it && supports[c].area <= crowded * area[c] ? 1 : 0;
-  }
-  const auto fewer = [](const Support& a, const Support& b) { return a.samples < b.samples; };
-  keep[std::max_element(supports.begin(), supports.end(), fewer) - supports.begin()] = 1;
+  const std::vector<char> keep = components_with_data(data_support(mesh, label, count, points));
   const Index dropped = std::count(keep.begin(), keep.end(), 0);
   if (dropped == 0) return {std::move(mesh), 0};
   std::vector<Index> triangles;

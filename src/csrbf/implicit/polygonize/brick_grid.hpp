@@ -128,6 +128,14 @@ struct CellLattice {
   [[nodiscard]] Cell cell_at(const Point<3>& p) const;
 };
 
+/// The cells with first <= cell < last along every axis.
+struct CellRange {
+  Cell first = Cell::Zero();
+  Cell last = Cell::Zero();
+
+  [[nodiscard]] bool contains(const Cell& cell) const { return (cell >= first).all() && (cell < last).all(); }
+};
+
 /// Largest number of cells along an axis: coordinates fit Morton keys of 3 x 21 bits.
 inline constexpr int max_cells = 1 << 20;
 

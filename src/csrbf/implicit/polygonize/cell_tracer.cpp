@@ -2,7 +2,6 @@
 
 #include "csrbf/core/shared_work.hpp"
 
-#include <bit>
 #include <utility>
 
 namespace csrbf::polygonization {
@@ -60,8 +59,34 @@ void CellTracer::run(const Progress& progress) {
   }
 }
 
+// The cells of a brick that are in the range.
+Mask CellTracer::in_range(const Brick& brick) const {
+  Mask all = ~Mask{0};
+  for (int axis = 0; axis < 3; ++axis) {
+    Mask layer = first_layer(axis);
+    for (int k = 0; k < brick_side; ++k, layer <<= bit_stride(axis))
+      if (brick.first[axis] + k < range_.first[axis] || brick.first[axis] + k >= range_.last[axis]) all &= ~layer;
+  }
+  return all;
+}
+
+std::vector<Cell> CellTracer::beyond() const {
+  std::vector<Cell> cells = beyond_;
+  const auto less = [](const Cell& a, const Cell& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::sort(cells.begin(), cells.end(), less);
+  cells.erase(std::unique(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return (a == b).all(); }),
+              cells.end());
+  return cells;
+}
+
 void CellTracer::queue(Brick& brick, Mask cells) {
   cells &= ~(brick.visited | brick.pending);
+  if (const Mask outside = cells & ~in_range(brick); outside != 0) {
+    for (Mask left = outside; left != 0; left &= left - 1) beyond_.push_back(brick.corner(std::countr_zero(left)));
+    cells &= ~outside;
+  }
   if (cells == 0) return;
   if (brick.queued == 0) queue_.push_back(&brick);
   brick.queued |= cells;

@@ -4,6 +4,8 @@
 #include "csrbf/implicit/polygonize/brick_grid.hpp"
 #include "csrbf/implicit/polygonize/level_sampler.hpp"
 
+#include <bit>
+
 namespace csrbf::polygonization {
 
 /// Cells of a brick whose lower and upper faces across each axis the surface crosses.
@@ -20,9 +22,13 @@ struct Crossings {
 /// proportional to the number of cells visited.
 class CellTracer {
  public:
-  CellTracer(const CellLattice& lattice, LevelSampler& sampler) : grid_(lattice), sampler_(sampler) {}
+  CellTracer(const CellLattice& lattice, LevelSampler& sampler)
+      : CellTracer(lattice, {Cell::Zero(), lattice.cells}, sampler) {}
+  /// Visits the cells of the range only.
+  CellTracer(const CellLattice& lattice, const CellRange& range, LevelSampler& sampler)
+      : grid_(lattice), range_(range), sampler_(sampler) {}
 
-  /// Queues a cell of the lattice: coordinates in [0, cells).
+  /// Queues a cell of the range.
   void add(const Cell& cell);
 
   /// Visits queued cells and all those connected to them across faces that the surface crosses. Reports progress after
@@ -31,6 +37,16 @@ class CellTracer {
 
   /// Whether a cell was visited and is crossed by the surface.
   [[nodiscard]] bool active(const Cell& cell) const;
+
+  /// Calls visit(cell) for the visited cells that the surface crosses, along the Morton curve of their bricks.
+  template <class Visit>
+  void for_each_active(const Visit& visit) const {
+    for (const Brick* brick : grid_.sorted())
+      for (Mask left = brick->active; left != 0; left &= left - 1) visit(brick->corner(std::countr_zero(left)));
+  }
+
+  /// Cells beyond the range that the surface enters from visited ones, each once.
+  [[nodiscard]] std::vector<Cell> beyond() const;
 
   /// Marks the crossed edges of the active cells in the given directions, and links each brick to the neighbours that
   /// hold their upper ends; nothing may be added afterwards. Returns all bricks along the curve.
@@ -50,12 +66,16 @@ class CellTracer {
   void push_across_faces(Brick& brick, const Faces& faces);
   [[nodiscard]] double fraction() const;
 
+  [[nodiscard]] Mask in_range(const Brick& brick) const;
+
   BrickGrid grid_;
+  CellRange range_;
   LevelSampler& sampler_;
   std::vector<Brick*> queue_;    // bricks with queued cells
   std::vector<Brick*> front_;    // bricks with pending cells
   std::vector<Brick*> sampled_;  // bricks with needed corners
   Points<3> points_{3, 0};       // of a batch; a member to reuse its memory
+  std::vector<Cell> beyond_;     // the range, where the surface goes on
   Index active_cells_ = 0;
   Index waves_ = 0;
 };

@@ -71,7 +71,8 @@ class DualBuilder {
     count_loops();
     surface_.loop_vertices = first_.back();
     surface_.loose.resize(first_.back());
-    surface_.quads.resize(4, crossings_.vertices.cols());
+    surface_.cells.resize(first_.back());
+    surface_.quads.setConstant(4, crossings_.vertices.cols(), -1);
     mesh_.vertices.resize(3, first_.back());
     mesh_.normals.resize(3, first_.back());
     if (planes_ != nullptr) planes_->assign(first_.back(), {});
@@ -111,6 +112,7 @@ class DualBuilder {
         surface_.quads(quad_corner(edge, lower_end_is_inside(brick, cell, edge)), e) = static_cast<int>(vertex);
         if (planes_ != nullptr) add_plane(e, (*planes_)[vertex]);
       }
+      surface_.cells[vertex] = brick.corner(cell);
       if (planes_ != nullptr) (*planes_)[vertex].cell = brick.corner(cell);
       const Box<3> room = room_for_vertices(lattice_, corner, 1);
       const Point<3> p = quadric.minimizer({room.lo - corner, room.hi - corner});
@@ -172,6 +174,7 @@ class DualBuilder {
         surface_.side_vertices.push_back(side);
         if (planes_ != nullptr) add_plane(side.quad, planes_->back());
       }
+      surface_.cells.push_back(brick.corner(cell));
       points.emplace_back(0.5 * (crossings_.vertices.col(sides[0].quad) + crossings_.vertices.col(sides[1].quad)));
     }
   }

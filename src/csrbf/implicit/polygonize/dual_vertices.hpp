@@ -29,6 +29,7 @@ struct DualSurface {
   std::vector<SideVertex> side_vertices;  ///< by quad and side
   std::vector<char> loose;                ///< whether the planes of a vertex in a cell do not meet in a point
   Index loop_vertices = 0;                ///< vertices in cells; those on faces follow
+  std::vector<Cell> cells;                ///< of the vertices; of one on a face: the lower one
 };
 
 /// The box allowed for a vertex of a cube of cells: half a cell beyond it, but not beyond the caps.

@@ -117,15 +117,17 @@ std::vector<int> EdgeCollapser::finish() {
   return old_number;
 }
 
-void collapse_short_edges(double length, Mesh& mesh) {
+std::vector<int> collapse_short_edges(double length, Mesh& mesh, const std::vector<char>& pinned) {
+  const auto is_pinned = [&](int v) { return !pinned.empty() && pinned[v] != 0; };
   const auto is_short = [&](int a, int b) {
-    return (mesh.vertices.col(a) - mesh.vertices.col(b)).squaredNorm() < length * length;
+    return !is_pinned(a) && !is_pinned(b) &&
+           (mesh.vertices.col(a) - mesh.vertices.col(b)).squaredNorm() < length * length;
   };
   std::vector<int> ends;  // of short edges; each is seen from both sides
   for (Index t = 0; t < mesh.triangles.cols(); ++t)
     for (int c = 0; c < 3; ++c)
       if (is_short(mesh.triangles(c, t), mesh.triangles((c + 1) % 3, t))) ends.push_back(mesh.triangles(c, t));
-  if (ends.empty()) return;
+  if (ends.empty()) return {};
   EdgeCollapser collapser(mesh);
   const auto shorten = [&](int u) {
     const std::vector<int> around = collapser.neighbours(u);
@@ -135,7 +137,7 @@ void collapse_short_edges(double length, Mesh& mesh) {
   for (const int u : ends)
     while (shorten(u)) {
     }
-  collapser.finish();
+  return collapser.finish();
 }
 
 }  // namespace csrbf::polygonization

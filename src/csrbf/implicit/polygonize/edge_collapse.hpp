@@ -36,7 +36,8 @@ class EdgeCollapser {
   std::vector<int> around_, around_u_, around_v_;
 };
 
-/// Collapses edges shorter than `length` where topology and shape allow it.
-void collapse_short_edges(double length, Mesh& mesh);
+/// Collapses edges shorter than `length` where topology and shape allow it, except at `pinned` vertices (one entry per
+/// vertex; empty: none). Returns the old number of each vertex; empty: nothing changed.
+std::vector<int> collapse_short_edges(double length, Mesh& mesh, const std::vector<char>& pinned = {});
 
 }  // namespace csrbf::polygonization

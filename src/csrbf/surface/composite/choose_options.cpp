@@ -29,11 +29,16 @@ constexpr std::array<double, 4> smoothings = {1e-1, 1e-2, 1e-3, 1e-6};
 // Samples in blocks all over the cloud, each predicted by a patch fitted without it.
 class CrossValidation {
  public:
-  CrossValidation(const OrientedPoints& cloud, const KdTree<3>& tree) : cloud_(cloud), tree_(tree) {
-    const Index n = cloud.size(), count = std::min(blocks, n / block_size);
+  CrossValidation(const OrientedPoints& cloud, const KdTree<3>& tree, const std::optional<Box<3>>& region)
+      : cloud_(cloud), tree_(tree) {
+    std::vector<Index> inside;  // the region, if there is one
+    for (Index i = 0; i < cloud.size() && region; ++i)
+      if (region->contains(cloud.points.col(i))) inside.push_back(i);
+    const Index n = region ? std::ssize(inside) : cloud.size(), count = std::min(blocks, n / block_size);
     for (Index t = 0; t < count; ++t) {
+      const Index middle = (2 * t + 1) * n / (2 * count);
       begin_.push_back(size());
-      add_block((2 * t + 1) * n / (2 * count));
+      add_block(region ? inside[middle] : middle);
     }
     begin_.push_back(size());
   }
@@ -215,9 +220,10 @@ ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree,
   ChosenOptions result;
   CompositeOptions& options = result.options;
   options.normal_rows = given.normal_rows;
+  options.region = given.region;
   options.smoothing = given.smoothing.value_or(options.smoothing);
   options.leaf_size = given.leaf_size.value_or(options.leaf_size);
-  const CrossValidation validation(cloud, tree);
+  const CrossValidation validation(cloud, tree, given.region);
   if (validation.size() == 0) return result;
 
   // Large leaves first, provided a body has enough of them.

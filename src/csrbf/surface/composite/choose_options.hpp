@@ -23,6 +23,8 @@ struct GivenOptions {
   /// Number of samples of a body if the cloud consists of several: patches must be small compared with it. Default:
   /// the size of the cloud.
   std::optional<Index> body_size = {};
+  /// Where the surface is wanted, if not everywhere: samples outside are not predicted.
+  std::optional<Box<3>> region = {};
 };
 
 /// Chooses patch size, weight of the normals, number of CSRBF centres and smoothing by leave-one-out cross-validation

@@ -12,6 +12,7 @@ namespace {
 constexpr Index patches_per_task = 64;  // large enough to hide the cost of a task
 constexpr Index tasks_per_report = 64;  // tasks between two progress reports at least: enough for many processes ...
 constexpr Index most_reports = 32;      // ... and progress reports of one fit at most
+constexpr double far_from_region = 3;   // diagonals of a leaf: its patch, about two wide, does not reach the region
 constexpr Index fragment_ratio = 8;     // a leaf with less than this fraction, 1/8, of the usual points is a fragment
 constexpr double sufficient_weight = 0.1;  // sum of weights above which a fragment needs no patch; both chosen by hand
 
@@ -40,6 +41,14 @@ void unpack(std::vector<Leaf>& leaves, ByteReader& in) {
     leaf.areas = in.take<SampleAreas>();
     leaf.patch.unpack(in);
   }
+}
+
+// Whether a leaf is too far from the region for a patch.
+bool is_far(const OrientedPoints& cloud, const std::optional<Box<3>>& region, const Index* ids, Index n) {
+  if (!region) return false;
+  Box<3> box;
+  for (Index i = 0; i < n; ++i) box.add(Point<3>(cloud.points.col(ids[i])));
+  return !box.inflated(far_from_region * std::max(box.diagonal(), cloud.spacing[ids[0]])).intersects(*region);
 }
 
 // Fits leaves; halves them while a tolerance is missed. The smallest leaves then nearly interpolate the positions.
@@ -135,12 +144,15 @@ Index batch_size(Index leaves) {
 
 // Fits `count` parts of the partition from part `first` on; returns the leaves of each part.
 template <class MakeFitter>
-std::vector<std::vector<Leaf>> fit_leaves(Partition& parts, Index first, Index count, const CompositeOptions& options,
-                                          const MakeFitter& make_fitter) {
+std::vector<std::vector<Leaf>> fit_leaves(const OrientedPoints& cloud, Partition& parts, Index first, Index count,
+                                          const CompositeOptions& options, const MakeFitter& make_fitter) {
   std::vector<std::vector<Leaf>> fitted(count);
   const auto compute = [&](Index begin, Index end) {
     LeafFitter fitter = make_fitter();
-    for (Index i = begin; i < end; ++i) fitter.fit(parts.begin[first + i], parts.begin[first + i + 1], fitted[i]);
+    for (Index i = begin; i < end; ++i) {
+      const Index from = parts.begin[first + i], to = parts.begin[first + i + 1];
+      if (!is_far(cloud, options.region, parts.order.data() + from, to - from)) fitter.fit(from, to, fitted[i]);
+    }
   };
   // Halving a part for a tolerance changes the order within it.
   const auto order = [&](Index begin, Index end) {
@@ -195,7 +207,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   report(progress, "fit", 0);
   Partition parts = partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = options.leaf_size});
   CompositeFit result;
-  result.areas.resize(cloud.size());
+  result.areas = cloud.spacing.cwiseAbs2();
   const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
   std::vector<Leaf> fragments;
   result.patches.reserve(parts.leaves(), options.centers_per_patch);
@@ -203,7 +215,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   for (Index done = 0; done < parts.leaves(); done += batch) {
     const Index count = std::min(parts.leaves() - done, batch);
     std::vector<std::vector<Leaf>> fitted =
-        fit_leaves(parts, done, count, options, [&] { return LeafFitter(cloud, tree, options, parts.order); });
+        fit_leaves(cloud, parts, done, count, options, [&] { return LeafFitter(cloud, tree, options, parts.order); });
     for (std::vector<Leaf>& part : fitted) {
       for (Leaf& leaf : part) {
         for (Index k = leaf.begin; k < leaf.end; ++k)

@@ -22,6 +22,8 @@ struct CompositeOptions : CompositeSettings {
   /// n, or empty. A leaf whose patch misses a sample in the inner part of its support by more than that sample's
   /// tolerance is halved, down to `smallest_leaf` points; unit of the cloud.
   Eigen::VectorXd tolerance = {};
+  /// Where the surface is wanted, if not everywhere: leaves too far from it get no patch.
+  std::optional<Box<3>> region = {};
 
   static constexpr Index smallest_leaf = 3;  ///< three points determine a plane
 };
@@ -29,7 +31,7 @@ struct CompositeOptions : CompositeSettings {
 /// Patches over a cloud.
 struct CompositeFit {
   Patches patches;
-  /// n, the area each sample represents, from the samples in the support of its patch.
+  /// n, the area each sample represents, from the samples in the support of its patch, or its spacing without one.
   Eigen::VectorXd areas;
 };
 

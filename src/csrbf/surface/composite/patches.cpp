@@ -270,6 +270,16 @@ Box<3> support_box(const Patch& p) {
 
 }  // namespace
 
+Patches::Patches(std::vector<Patch> patches, std::vector<Index> center_begin, std::vector<double> centers,
+                 std::vector<double> alpha)
+    : patches_(std::move(patches)),
+      center_begin_(std::move(center_begin)),
+      centers_(std::move(centers)),
+      alpha_(std::move(alpha)) {
+  size_ = std::count_if(patches_.begin(), patches_.end(), [](const Patch& p) { return p.join == Join::first; });
+  build();
+}
+
 void Patches::reserve(Index patches, Index centers_per_patch) {
   patches_.reserve(patches);
   center_begin_.reserve(patches + 1);

@@ -49,6 +49,11 @@ class Patches {
   /// covers the whole patch; larger values are smoother but worse conditioned.
   static constexpr double support = 2.5;
 
+  Patches() = default;
+  /// From what patches(), center_begin(), center_coordinates() and alpha() return; built.
+  Patches(std::vector<Patch> patches, std::vector<Index> center_begin, std::vector<double> centers,
+          std::vector<double> alpha);
+
   /// Reserves memory for patches with a number of centres each.
   void reserve(Index patches, Index centers_per_patch);
 

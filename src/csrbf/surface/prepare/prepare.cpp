@@ -296,8 +296,28 @@ void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const 
   result.warnings.push_back("the given normals contradict each other: re-oriented");
 }
 
-void correct(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
-  const NormalCorrection done = correct_normals(result.cloud.points, *result.tree, near, result.cloud.normals);
+// Gives the points outside of a region, in the user's coordinates, their normals back. Returns how many others have
+// changed.
+Index restore_outside(const std::optional<Box<3>>& region, const Points<3>& given, PreparedCloud& result) {
+  Index changed = 0;
+  for (Index i = 0; i < given.cols(); ++i) {
+    if (!region->contains(result.origin + result.scale * result.cloud.points.col(i)))
+      result.cloud.normals.col(i) = given.col(i);
+    else if (result.cloud.normals.col(i) != given.col(i))
+      ++changed;
+  }
+  return changed;
+}
+
+void correct(PreparedCloud& result, const NeighborTable& near, const std::optional<Box<3>>& region,
+             const Progress& progress) {
+  const Points<3> given = region ? result.cloud.normals : Points<3>(3, 0);
+  NormalCorrection done = correct_normals(result.cloud.points, *result.tree, near, result.cloud.normals);
+  if (region) {
+    const Index changed = restore_outside(region, given, result);
+    done.corrected = std::min(done.corrected, changed);
+    done.turned = std::min(done.turned, changed);
+  }
   warn(result.warnings, done.turned, "normals that point against their neighbours turned");
   if (done.corrected == 0) return;
   const auto degrees = std::lround(done.error * 180 / std::numbers::pi);
@@ -323,7 +343,7 @@ void replace_plane_normals(PreparedCloud& result, const NeighborTable& near, con
 }
 
 void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
-                  const Progress& progress) {
+                  const std::optional<Box<3>>& region, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
   bool usable = given && source != Normals::estimate;
   const Index missing = usable ? normalize(cloud.normals) : 0;
@@ -340,7 +360,7 @@ void find_normals(PreparedCloud& result, const NeighborTable& near, Normals sour
   if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
   if (source != Normals::automatic) return;
   replace_plane_normals(result, near, progress);
-  if (result.normals == NormalSource::file) correct(result, near, progress);
+  if (result.normals == NormalSource::file) correct(result, near, region, progress);
   if (result.normals == NormalSource::file) reorient_if_better(result, near, progress);
 }
 
@@ -365,7 +385,8 @@ void turn_outward(PreparedCloud& result, Normals source) {
 
 }  // namespace
 
-PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress) {
+PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress,
+                      const std::optional<Box<3>>& region) {
   report(progress, "prepare", 0);
   require(input.normals.cols() == 0 || input.has_normals(), "reconstruct", "normals", input.normals.cols(),
           "must be one per point, or none");
@@ -382,7 +403,7 @@ PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& p
   const NeighborTable near = place_all_but_stray(input, kept, result);
   report(progress, "prepare", 0.6);
   if (input.has_normals()) result.cloud.normals = normals(Eigen::all, result.source);
-  find_normals(result, near, source, input.has_normals(), progress);
+  find_normals(result, near, source, input.has_normals(), region, progress);
   result.cloud.spacing = local_spacing(result.cloud.normals, near);
   turn_outward(result, source);
   for (const Index i : result.source) result.bounds.add(Point<3>(input.points.col(i)));

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "csrbf/surface/tiles/thinned_points.hpp"
+#include "csrbf/surface/tiles/tile_plan.hpp"
+
+#include <functional>
+#include <string>
+
+namespace csrbf {
+
+/// What all tiles have in common.
+struct TileWork {
+  std::string fingerprint;  ///< of the input and the options
+  Index points = 0;         ///< finite ones in the input
+  Index non_finite = 0;     ///< others, left out
+  bool normals = false;     ///< the input has some
+  Box<3> bounds;            ///< of the finite points
+  double spacing = 0;       ///< typical distance between neighbouring points
+  double halo = 0;          ///< a tile sees all points up to that distance
+  ThinningGrid grid;
+  TilePlan plan;
+};
+
+/// The files of some work in a folder. A file has its name only when it is complete, so that whoever finds it can go on
+/// from there: after an interruption, or in another process.
+class TileFolder {
+ public:
+  /// Creates the folder if need be. Throws IoError.
+  explicit TileFolder(std::string path);
+
+  /// Path of a file: `kind` of the whole work, or of one tile.
+  [[nodiscard]] std::string file(const std::string& kind) const;
+  [[nodiscard]] std::string file(const std::string& kind, Index tile) const;
+
+  void write_work(const TileWork& work) const;
+  /// Throws IoError.
+  [[nodiscard]] TileWork read_work() const;
+
+  /// Removes all files that this version writes, and the folder if nothing else is in it.
+  void remove() const;
+
+ private:
+  std::string path_;
+};
+
+bool exists(const std::string& path);
+
+/// Returns once `path` exists. Throws Cancelled when `alive`, called now and then, does; SolverFailure with its text
+/// when the file `failure` appears: another process gave up.
+void wait_for(const std::string& path, const std::string& failure, const std::function<void()>& alive);
+
+}  // namespace csrbf

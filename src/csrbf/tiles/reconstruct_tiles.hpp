@@ -1,0 +1,36 @@
+#pragma once
+
+#include "csrbf/surface/reconstruct.hpp"
+#include "csrbf/tiles/tile_options.hpp"
+
+namespace csrbf {
+
+/// What reconstruct_tiles() found, chose and measured.
+struct TileReport {
+  /// Over all tiles; `smoothing`, `leaf_size` and other settings are chosen in each of them and not told.
+  ReconstructReport surface;
+  Index tiles = 0;
+  Index continued = 0;  ///< tiles that an earlier run, or another process, had fitted
+  int resolution = 0;
+  PolygonizeMethod mesh_method = PolygonizeMethod::marching_cubes;
+  Topology topology;  ///< of the mesh
+};
+
+/// reconstruct() and polygonize() for more points than memory: from a file of points to a file of a mesh, tile by tile.
+///
+/// Space is cut into tiles with about as many points each. A tile is reconstructed from all points in it and around it,
+/// and from ever fewer farther away, which tell it what it is part of; so it chooses its own settings. Where tiles
+/// meet, their functions blend, as patches do within them (TiledField). The mesh is made tile by tile too and fits
+/// together vertex by vertex. With one tile the result is that of reconstruct() and polygonize().
+///
+/// Every finished step is a file in `options.folder`. An interrupted run goes on from there when it is called again,
+/// and several processes (`options.share`) that see the folder divide the work, on one machine or many; the mesh is the
+/// same, byte for byte, for any number of processes and threads. The folder is emptied at the end. Time O(n log n);
+/// memory proportional to the points of a tile, and to the triangles at the faces of tiles; disk about 600 bytes per
+/// point.
+///
+/// Throws as reconstruct(), IoError for files, InvalidInput when the folder has steps of other work, SolverFailure when
+/// another process failed.
+TileReport reconstruct_tiles(const std::string& points, const std::string& mesh, const TileOptions& options);
+
+}  // namespace csrbf

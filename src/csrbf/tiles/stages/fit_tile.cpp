@@ -1,0 +1,163 @@
+#include "csrbf/tiles/stages/fit_tile.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/models/archive.hpp"
+#include "csrbf/surface/composite/crop_field.hpp"
+#include "csrbf/tiles/folder/field_file.hpp"
+#include "csrbf/tiles/folder/tile_files.hpp"
+
+namespace csrbf {
+namespace {
+
+constexpr Index bins = 4000;
+constexpr double bins_per_factor = 100;  // of ten: 2.3 % each
+constexpr double smallest_bin = 1e-30;   // of the diagonal
+
+double distance_to(const Box<3>& box, const Point<3>& x) {
+  return (box.lo - x).cwiseMax(x - box.hi).cwiseMax(0.0).norm();
+}
+
+// Nearest and farthest distance of the points of a box from another box.
+std::pair<double, double> distances(const Box<3>& box, const Box<3>& other) {
+  const Point<3> nearest = (box.lo - other.hi).cwiseMax(other.lo - box.hi).cwiseMax(0.0);
+  const Point<3> farthest = (box.lo - other.lo).cwiseMax(other.hi - box.hi).cwiseMax(0.0);
+  return {nearest.norm(), farthest.norm()};
+}
+
+// Points as a tile sees them: all up to the halo, ever fewer farther away.
+PointCloud gather(const TileWork& work, const TileFolder& folder, Index tile) {
+  const Box<3>& own = work.plan.box(tile);
+  const auto level_of = [&](double distance) {
+    return std::min(level_at(distance, work.halo), work.grid.levels() - 1);
+  };
+  GatheredPoints found;
+  for (Index t = 0; t < work.plan.size(); ++t) {
+    Box<3> box = work.plan.box(t);
+    box.lo = box.lo.cwiseMax(work.bounds.lo);
+    box.hi = box.hi.cwiseMin(work.bounds.hi);
+    const auto [nearest, farthest] = distances(own, box);
+    for (int level = level_of(nearest); level <= level_of(farthest); ++level) {
+      const auto wants_box = [&](const Box<3>& block) {
+        const auto [near, far] = distances(own, block);
+        return level_of(near) <= level && level <= level_of(far);
+      };
+      const auto wants_point = [&](const Point<3>& p) { return level_of(distance_to(own, p)) == level; };
+      read_tile_points(folder.file("points", t), level, wants_box, wants_point, found);
+    }
+  }
+  PointCloud cloud;
+  cloud.points = Eigen::Map<const Points<3>>(found.points.data(), 3, found.size());
+  if (work.normals) cloud.normals = Eigen::Map<const Points<3>>(found.normals.data(), 3, found.size());
+  return cloud;
+}
+
+TileFit describe(const Reconstruction& surface, const CompositeField& field, const PointCloud& cloud,
+                 const TileWork& work, Index tile) {
+  const ReconstructReport& report = surface.report;
+  TileFit fit;
+  fit.feature_size = field.feature_size();
+  fit.noisy = field.data().noisy;
+  fit.centers = report.centers;
+  fit.patches = report.composite->patches;
+  fit.levels = report.composite->levels;
+  fit.leaf_size = report.composite->settings.leaf_size;
+  fit.normals = report.normals;
+  fit.warnings = report.warnings;
+  fit.distances.assign(bins, 0);
+  for (std::size_t i = 0; i < surface.measured.size(); ++i) {
+    const Point<3> p = cloud.points.col(surface.source[surface.measured[i]]);
+    if (work.plan.tile_of(p) != tile) continue;
+    fit.bounds.add(p);
+    ++fit.points;
+    const double distance = surface.distance[i];
+    fit.squared_distances += distance * distance;
+    fit.largest_distance = std::max(fit.largest_distance, distance);
+    ++fit.distances[distance_bin(distance)];
+  }
+  return fit;
+}
+
+void write_fit(const TileFit& fit, const std::string& path) {
+  Archive archive;
+  archive.kind = "tile fit";
+  archive.set("points", fit.points);
+  Eigen::Matrix<double, 3, 2> corners;
+  corners << fit.bounds.lo, fit.bounds.hi;
+  archive.set("bounds", corners);
+  archive.set("feature_size", fit.feature_size);
+  archive.set("noisy", fit.noisy ? 1 : 0);
+  archive.set("patches", fit.patches);
+  archive.set("centers", fit.centers);
+  archive.set("levels", fit.levels);
+  archive.set("leaf_size", fit.leaf_size);
+  archive.set("normals", fit.normals);
+  archive.set("squared_distances", fit.squared_distances);
+  archive.set("largest_distance", fit.largest_distance);
+  archive.set("distances", fit.distances);
+  std::string text;
+  for (const std::string& warning : fit.warnings) text += warning + "\n";
+  archive.set("warnings", text);
+  write_archive(path, archive);
+}
+
+}  // namespace
+
+Index distance_bin(double distance) {
+  const double bin = bins_per_factor * std::log10(std::max(distance, smallest_bin) / smallest_bin);
+  return std::clamp<Index>(static_cast<Index>(std::ceil(bin)), 0, bins - 1);
+}
+
+double bin_distance(Index bin) {
+  return smallest_bin * std::pow(10.0, static_cast<double>(bin) / bins_per_factor);
+}
+
+void fit_tile(const TileWork& work, const TileFolder& folder, Index tile, const TileOptions& options) {
+  const Box<3>& box = work.plan.box(tile);
+  const double blend = work.plan.blend();
+  TileFit fit;
+  std::shared_ptr<const CompositeField> field;
+  {
+    const PointCloud cloud = gather(work, folder, tile);
+    ReconstructOptions here = options.surface;
+    here.method = "composite";
+    if (work.plan.size() > 1) here.region = box.inflated(blend);
+    const Reconstruction surface = reconstruct(cloud, here);
+    field = std::dynamic_pointer_cast<const CompositeField>(surface.field);
+    fit = describe(surface, *field, cloud, work, tile);
+  }
+  if (work.plan.size() > 1) {
+    const Box<3> hole = box.inflated(-blend);
+    write_field(folder.file("rim", tile),
+                crop(*field, {box.inflated(blend), hole.empty() ? std::nullopt : std::optional(hole)}, work.halo));
+  }
+  write_field(folder.file("inside", tile), *field);
+  write_fit(fit, folder.file("fit", tile));
+}
+
+TileFit read_tile_fit(const TileFolder& folder, Index tile) {
+  const Archive archive = read_archive(folder.file("fit", tile));
+  TileFit fit;
+  fit.points = archive.integer("points");
+  const auto& corners = archive.array<double>("bounds", 3, 2);
+  fit.bounds = {corners.col(0), corners.col(1)};
+  fit.feature_size = archive.number("feature_size");
+  fit.noisy = archive.integer("noisy") != 0;
+  fit.patches = archive.integer("patches");
+  fit.centers = archive.integer("centers");
+  fit.levels = archive.integer("levels");
+  fit.leaf_size = archive.integer("leaf_size");
+  fit.normals = static_cast<NormalSource>(archive.integer("normals", 0, 4));
+  fit.squared_distances = archive.number("squared_distances");
+  fit.largest_distance = archive.number("largest_distance");
+  const auto& counts = archive.array<std::int64_t>("distances", bins, 1);
+  fit.distances.assign(counts.data(), counts.data() + counts.size());
+  const std::string& text = archive.text("warnings");
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    fit.warnings.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return fit;
+}
+
+}  // namespace csrbf
