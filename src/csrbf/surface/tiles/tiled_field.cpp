@@ -3,7 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/taylor.hpp"
 
-#include <stdexcept>
+#include <limits>
 
 namespace csrbf {
 namespace {
@@ -52,9 +52,10 @@ Expansion weight(const Box<3>& box, double blend, const Point<3>& x) {
   return w;
 }
 
-const Field<3>& present(const std::shared_ptr<const Field<3>>& wanted, const std::shared_ptr<const Field<3>>& other) {
-  if (wanted == nullptr && other == nullptr) throw std::logic_error("TiledField: a tile without a field is evaluated");
-  return wanted != nullptr ? *wanted : *other;
+// Answers where there is no field.
+void store_nothing(const Question& question, const JetBlock& out) {
+  Expansion nothing(std::numeric_limits<double>::quiet_NaN());
+  for (const Index i : question.ids) store(nothing, i, out);
 }
 
 }  // namespace
@@ -93,7 +94,12 @@ void TiledField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) cons
     found->second.ids.push_back(i);
   }
   for (auto& [tile, question] : deep) {
-    question.ask(present(tiles_[tile].inside, tiles_[tile].rim), x, out.derivatives());
+    const Tile& fields = tiles_[tile];
+    if (fields.inside == nullptr && fields.rim == nullptr) {
+      store_nothing(question, out);
+      continue;
+    }
+    question.ask(fields.inside != nullptr ? *fields.inside : *fields.rim, x, out.derivatives());
     for (std::size_t k = 0; k < question.ids.size(); ++k)
       store(question.expansion(static_cast<Index>(k)), question.ids[k], out);
   }
@@ -101,6 +107,8 @@ void TiledField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) cons
 
   std::vector<Expansion> sum(rim.ids.size()), total(rim.ids.size());
   for (const Index tile : plan_.tiles_in(rim_box.inflated(plan_.blend()))) {
+    const Tile& fields = tiles_[tile];
+    if (fields.inside == nullptr && fields.rim == nullptr) continue;
     Question question;
     std::vector<std::size_t> at;  // entries of `sum`
     std::vector<Expansion> weights;
@@ -112,7 +120,7 @@ void TiledField::evaluate_block(const PointsRef<3>& x, const JetBlock& out) cons
       at.push_back(k);
     }
     if (at.empty()) continue;
-    question.ask(present(tiles_[tile].rim, tiles_[tile].inside), x, out.derivatives());
+    question.ask(fields.rim != nullptr ? *fields.rim : *fields.inside, x, out.derivatives());
     for (std::size_t k = 0; k < at.size(); ++k) {
       sum[at[k]] = sum[at[k]] + weights[k] * question.expansion(static_cast<Index>(k));
       total[at[k]] = total[at[k]] + weights[k];

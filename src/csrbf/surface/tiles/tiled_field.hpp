@@ -19,7 +19,7 @@ class TiledField final : public Field<3> {
   };
 
   /// `tiles` has an entry for every tile of the plan. Where only one of the fields of a tile is there, it does for
-  /// both; points of tiles without any are refused by evaluation (std::logic_error).
+  /// both; without any, the value is NaN where no other tile has a say.
   TiledField(TilePlan plan, std::vector<Tile> tiles, const Box<3>& bounds, double feature_size);
 
   void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;

@@ -12,7 +12,7 @@
 namespace csrbf {
 namespace {
 
-constexpr const char* suffix = ".tiles";  // of every file in the folder
+constexpr const char* suffix = ".tiles";  // of every file in the folder; incomplete ones have more behind it
 constexpr const char* work_kind = "tile work";
 
 void set_box(Archive& archive, const std::string& name, const Box<3>& box) {
@@ -99,7 +99,7 @@ void TileFolder::remove() const {
   std::error_code ignored;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(utf8_path(path_), ignored))
-    if (entry.path().extension() == suffix) files.push_back(entry.path());
+    if (utf8_name(entry.path().filename()).find(suffix) != std::string::npos) files.push_back(entry.path());
   for (const std::filesystem::path& path : files) std::filesystem::remove(path, ignored);
   std::filesystem::remove(utf8_path(path_), ignored);  // fails where other files are left
 }

@@ -1,0 +1,205 @@
+#include "csrbf/surface/prepare/find_normals.hpp"
+
+#include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/normals/given_normals.hpp"
+#include "csrbf/surface/normals/inward_parts.hpp"
+#include "csrbf/surface/normals/orient_normals.hpp"
+#include "csrbf/surface/normals/plane_normals.hpp"
+#include "csrbf/surface/normals/winding_sides.hpp"
+
+namespace csrbf {
+namespace {
+
+// Chosen by hand.
+constexpr double usual_contradictions = 5e-4;     // share of opposite neighbouring normals that is not examined
+constexpr Index examined = 50'000;                // points of a large cloud on which re-orientation is tried first
+constexpr double clearly_better = 0.8;            // largest ratio of its defect to that of the given normals
+constexpr double has_inside = 0.15;               // mean winding number below which there is no solid
+constexpr double remaining_contradictions = 0.2;  // share of contradictions left by a successful re-orientation at most
+
+// Fills in missing normals: estimated without orientation, flipped to agree with the nearest given ones.
+void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& progress) {
+  const Points<3> estimated = estimate_normals(points, {.orient = Orient::none, .progress = progress});
+  std::vector<Index> given;
+  for (Index i = 0; i < normals.cols(); ++i)
+    if (normals.col(i).squaredNorm() > 0) given.push_back(i);
+  const Points<3> known = points(Eigen::all, given);
+  const KdTree<3> tree(known);
+  for (Index i = 0; i < normals.cols(); ++i) {
+    if (normals.col(i).squaredNorm() > 0) continue;
+    Index nearest = 0;
+    double d2 = 0;
+    tree.nearest(points.col(i), 1, &nearest, &d2);
+    const double side = estimated.col(i).dot(normals.col(given[nearest]));
+    normals.col(i) = side < 0 ? Point<3>(-estimated.col(i)) : Point<3>(estimated.col(i));
+  }
+}
+
+// Share of the pairs of near neighbours whose normals point to opposite sides.
+double opposite_neighbors(const Points<3>& normals, const NeighborTable& near) {
+  const auto nearest = static_cast<std::size_t>(std::min<Index>(near.k, 4));
+  Index pairs = 0, opposite = 0;
+  for (Index i = 0; i < normals.cols(); ++i)
+    for (const std::uint32_t j : near.of(i).first(nearest)) {
+      ++pairs;
+      if (normals.col(i).dot(normals.col(j)) < 0) ++opposite;
+    }
+  return pairs == 0 ? 0 : static_cast<double>(opposite) / static_cast<double>(pairs);
+}
+
+// Share of the contradictions among normals that remains after orienting them; 1 if there were hardly any.
+double remaining_after_orientation(const Points<3>& points, Points<3>& normals, const Progress& progress) {
+  const double contradictions = 1 - orientation_consistency(points, normals);
+  if (contradictions < usual_contradictions) return 1;
+  orient_normals(points, normals, {.progress = progress});
+  return (1 - orientation_consistency(points, normals)) / contradictions;
+}
+
+// Whether other normals enclose a solid clearly better than the given ones, or there is none.
+bool encloses_better(const OrientedPoints& given, const Points<3>& other, const NeighborTable& near) {
+  const WindingSides turned = winding_sides(given.points, other, local_spacing(other, near));
+  if (turned.mean < has_inside) return true;
+  const WindingSides before = winding_sides(given.points, given.normals, local_spacing(given.normals, near));
+  return turned.defect < clearly_better * before.defect;
+}
+
+// Flipped regions of given normals disagree along their borders; then another orientation has far fewer disagreements.
+// Noise or creases leave about as many in any orientation. In a large cloud, a subset decides which it is. Sheets that
+// touch disagree, too, but the given normals enclose a solid at least as well.
+void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
+  OrientedPoints& cloud = result.cloud;
+  if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
+  if (cloud.size() > 2 * examined) {
+    const auto some = Eigen::seq(0, cloud.size() - 1, cloud.size() / examined);
+    Points<3> turned = cloud.normals(Eigen::all, some);
+    if (remaining_after_orientation(cloud.points(Eigen::all, some), turned, progress) > remaining_contradictions)
+      return;
+  }
+  Points<3> turned = cloud.normals;
+  if (remaining_after_orientation(cloud.points, turned, progress) > remaining_contradictions) return;
+  if (!encloses_better(cloud, turned, near)) return;
+  cloud.normals = std::move(turned);
+  result.normals = NormalSource::reoriented;
+  result.warnings.push_back("the given normals contradict each other: re-oriented");
+}
+
+// Gives the points outside of a region, in the user's coordinates, their normals back. Returns how many others have
+// changed.
+Index restore_outside(const std::optional<Box<3>>& region, const Points<3>& given, PreparedCloud& result) {
+  Index changed = 0;
+  for (Index i = 0; i < given.cols(); ++i) {
+    if (!region->contains(result.origin + result.scale * result.cloud.points.col(i)))
+      result.cloud.normals.col(i) = given.col(i);
+    else if (result.cloud.normals.col(i) != given.col(i))
+      ++changed;
+  }
+  return changed;
+}
+
+void correct(PreparedCloud& result, const NeighborTable& near, const std::optional<Box<3>>& region,
+             const Progress& progress) {
+  const Points<3> given = region ? result.cloud.normals : Points<3>(3, 0);
+  NormalCorrection done = correct_normals(result.cloud.points, *result.tree, near, result.cloud.normals);
+  if (region) {
+    const Index changed = restore_outside(region, given, result);
+    done.corrected = std::min(done.corrected, changed);
+    done.turned = std::min(done.turned, changed);
+  }
+  warn(result.warnings, done.turned, "normals that point against their neighbours turned");
+  if (done.corrected == 0) return;
+  const auto degrees = std::lround(done.error * 180 / std::numbers::pi);
+  warn(result.warnings, done.corrected,
+       "normals have errors of about " + std::to_string(degrees) +
+           " degrees: corrected by the positions and by each other");
+  result.normals = NormalSource::corrected;
+  orient_normals(result.cloud.points, result.cloud.normals, {.signs_given = true, .progress = progress});
+}
+
+// Normals of planes through few neighbours are estimated again: they repeat the noise of the positions, which looks
+// like detail then. They keep their side, unless the new ones enclose a solid clearly better.
+void replace_plane_normals(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
+  OrientedPoints& cloud = result.cloud;
+  const Index neighbors = neighbors_of_planes(cloud.points, *result.tree, cloud.normals);
+  if (neighbors == 0) return;
+  const Points<3> estimated = estimate_normals(cloud.points, {.progress = progress});
+  cloud.normals = on_given_side(estimated, cloud.normals, near);
+  if (encloses_better(cloud, estimated, near)) cloud.normals = estimated;
+  result.normals = NormalSource::corrected;
+  result.warnings.push_back("the given normals are those of planes through " + std::to_string(neighbors) +
+                            " neighbours: estimated again");
+}
+
+}  // namespace
+
+void warn(std::vector<std::string>& warnings, Index count, const std::string& text) {
+  if (count > 0) warnings.push_back(std::to_string(count) + " " + text);
+}
+
+Eigen::VectorXd local_spacing(const Points<3>& normals, const NeighborTable& near) {
+  Eigen::VectorXd spacing(near.size());
+  for (Index i = 0; i < near.size(); ++i) {
+    const auto on_sheet = [&](std::uint32_t j) {
+      return normals.cols() == 0 || normals.col(i).dot(normals.col(j)) > 0;
+    };
+    const std::ptrdiff_t same_sheet = std::count_if(near.of(i).begin(), near.of(i).end(), on_sheet);
+    spacing[i] =
+        near.reach[i] * std::sqrt(std::numbers::pi / static_cast<double>(std::max(std::ptrdiff_t{1}, same_sheet)));
+  }
+  return spacing;
+}
+
+Index normalize(Points<3>& normals) {
+  Index missing = 0;
+  for (Index i = 0; i < normals.cols(); ++i) {
+    const double length = normals.col(i).stableNorm();
+    if (length > 0 && std::isfinite(length)) {
+      normals.col(i) /= length;
+    } else {
+      normals.col(i).setZero();
+      ++missing;
+    }
+  }
+  return missing;
+}
+
+void find_normals(PreparedCloud& result, const NeighborTable& near, Normals source, bool given,
+                  const std::optional<Box<3>>& region, const Progress& progress) {
+  OrientedPoints& cloud = result.cloud;
+  bool usable = given && source != Normals::estimate;
+  const Index missing = usable ? normalize(cloud.normals) : 0;
+  if (2 * missing > cloud.size()) {
+    result.warnings.push_back("most normals are zero: all estimated");
+    usable = false;
+  }
+  if (!usable) {
+    cloud.normals = estimate_normals(cloud.points, {.progress = progress});
+    result.normals = NormalSource::estimated;
+    return;
+  }
+  warn(result.warnings, missing, "missing normals estimated");
+  if (missing > 0) fill_missing(cloud.points, cloud.normals, progress);
+  if (source != Normals::automatic) return;
+  replace_plane_normals(result, near, progress);
+  if (result.normals == NormalSource::file) correct(result, near, region, progress);
+  if (result.normals == NormalSource::file) reorient_if_better(result, near, progress);
+}
+
+void turn_outward(PreparedCloud& result, Normals source) {
+  if (result.normals != NormalSource::file && result.normals != NormalSource::corrected) return;
+  const std::vector<bool> inward = inward_parts(result.cloud, result.components);
+  const auto count = std::count(inward.begin(), inward.end(), true);
+  if (count == 0) return;
+  const std::string where = count == static_cast<std::ptrdiff_t>(inward.size()) ? "" : " on some parts";
+  if (source == Normals::file) {
+    result.warnings.push_back("the given normals point inward" + where + "; automatic normals would turn them");
+    return;
+  }
+  std::vector<signed char> sign(result.cloud.size(), inward.back() ? -1 : 1);
+  for (std::size_t k = 0; k < result.components.size(); ++k)
+    for (const Index i : result.components[k]) sign[i] = inward[k] ? -1 : 1;
+  for (Index i = 0; i < result.cloud.size(); ++i) result.cloud.normals.col(i) *= sign[i];
+  result.normals = NormalSource::reoriented;
+  result.warnings.push_back("the given normals point inward" + where + ": turned");
+}
+
+}  // namespace csrbf

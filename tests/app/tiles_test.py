@@ -1,0 +1,184 @@
+"""Surfaces in tiles by the real program: the same as at once, for any number of processes, also after kills.
+
+usage: tiles_test.py PROGRAM [unittest options]
+"""
+
+import filecmp
+import json
+import math
+import os
+import random
+import struct
+import subprocess
+import sys
+import time
+import unittest
+
+import command_line_test as base
+from command_line_test import sphere
+
+
+def two_balls(n):
+    """Rows x y z nx ny nz on two balls beside each other, in no order."""
+    rows = [[*p, *p] for p in sphere(n // 2)]
+    rows += [[0.7 * p[0] + 2.5, 0.7 * p[1], 0.7 * p[2], *p] for p in sphere(n // 2)]
+    random.Random(1).shuffle(rows)
+    return rows
+
+
+def ply(rows):
+    """A binary PLY file of rows of three or six floats."""
+    names = ["x", "y", "z", "nx", "ny", "nz"][:len(rows[0])]
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(rows)}"]
+    header += [f"property float {name}" for name in names] + ["end_header", ""]
+    return "\n".join(header).encode() + b"".join(struct.pack(f"<{len(names)}f", *row) for row in rows)
+
+
+class Tiles(base.CommandLine):
+    def setUp(self):
+        super().setUp()
+        base.PROGRAM = PROGRAM
+        self.cloud = self.binary("cloud.ply", ply(two_balls(16000)))
+        self.mesh = self.path("mesh.ply")
+        self.arguments = ["reconstruct", self.cloud, "-o", self.mesh, "--tile-points", "3000"]
+
+    def binary(self, name, content):
+        with open(self.path(name), "wb") as file:
+            file.write(content)
+        return self.path(name)
+
+    def result(self, *flags):
+        report = self.path("report.json")
+        self.succeed(*self.arguments, *flags, "--report", report)
+        self.assertFalse(os.path.exists(self.mesh + ".tiles"))
+        with open(report) as file:
+            return json.load(file)
+
+    def kept(self, name):
+        """Moves the mesh away and returns its new path."""
+        path = self.path(name)
+        os.replace(self.mesh, path)
+        return path
+
+    def distance(self, a, b):
+        report = self.path("compare.json")
+        self.succeed("compare", a, b, "--report", report)
+        with open(report) as file:
+            return json.load(file)["result"]["hausdorff99"]
+
+    def test_one_tile_is_the_usual_program(self):
+        self.arguments[-1] = "1000000"
+        self.assertEqual(self.result()["result"]["tiles"], 1)
+        tiled = self.kept("tiled.ply")
+        self.succeed("reconstruct", self.cloud, "-o", self.mesh)
+        self.assertTrue(filecmp.cmp(tiled, self.mesh, shallow=False))
+
+    def test_tiles_fit_together(self):
+        for flags in ([], ["--sharp", "off"], ["--normals", "estimate"], ["--resolution", "80"]):
+            with self.subTest(flags=flags):
+                result = self.result(*flags)["result"]
+                self.assertGreaterEqual(result["tiles"], 6)
+                self.assertTrue(result["watertight"] and result["manifold"])
+                self.assertEqual((result["components"], result["euler"]), (2, 4))
+                self.assertEqual(result["points_used"], result["points"])
+                tiled = self.kept("tiled.ply")
+                self.succeed("reconstruct", self.cloud, "-o", self.mesh, *flags)
+                diagonal = math.hypot(4.2, 2, 2)
+                self.assertLess(self.distance(tiled, self.mesh), 2e-3 * diagonal)
+
+    def test_other_formats_have_the_same_mesh(self):
+        self.result()
+        ply_mesh = self.kept("tiled.ply")
+        self.mesh = self.path("mesh.off")
+        self.arguments[3] = self.mesh
+        result = self.result()["result"]
+        self.assertTrue(result["watertight"])
+        self.assertLess(self.distance(ply_mesh, self.mesh), 1e-6)
+
+    def test_noise_and_outliers(self):
+        noise = random.Random(2)
+        rows = [[x + noise.gauss(0, 0.01) for x in row[:3]] for row in two_balls(16000)]
+        rows += [[noise.uniform(-1, 3.2), noise.uniform(-1, 1), noise.uniform(-1, 1)] for _ in range(400)]
+        self.arguments[1] = self.binary("noisy.ply", ply(rows))
+        report = self.result()
+        self.assertTrue(report["result"]["watertight"])
+        self.assertEqual(report["result"]["components"], 2)
+        self.assertIn("tile", " ".join(report["warnings"]))
+
+    def start(self, share, count):
+        return subprocess.Popen([PROGRAM, *self.arguments, "--tile-share", f"{share}/{count}"],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def test_processes_share_the_work_and_one_may_be_late(self):
+        self.result()
+        alone = self.kept("alone.ply")
+        for count in (2, 3):
+            first = [self.start(share, count) for share in range(2, count + 1)]
+            time.sleep(0.3)
+            for process in [*first, self.start(1, count)]:
+                message = process.communicate()[1]
+                self.assertEqual(process.returncode, 0, message)
+            self.assertTrue(filecmp.cmp(alone, self.mesh, shallow=False))
+
+    def test_a_killed_run_goes_on(self):
+        self.result()
+        alone = self.kept("alone.ply")
+        folder = self.mesh + ".tiles"
+        kills = 0
+        for wanted in ("dealt", "points_1", "fit_0", "fit_3", "border0_2"):
+            process = subprocess.Popen([PROGRAM, *self.arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while process.poll() is None:
+                if os.path.isdir(folder) and any(name.startswith(wanted) for name in os.listdir(folder)):
+                    process.kill()
+                time.sleep(0.002)
+            kills += process.returncode != 0
+        self.assertGreaterEqual(kills, 2)
+        report = self.result()
+        self.assertTrue(filecmp.cmp(alone, self.mesh, shallow=False))
+        if kills == 5:
+            self.assertGreater(report["result"]["tiles_continued"], 0)
+
+    def test_a_failed_process_ends_the_others(self):
+        self.arguments += ["--tile-folder", self.path("work")]
+        other = self.start(2, 2)
+        time.sleep(0.2)
+        os.makedirs(self.path("work"), exist_ok=True)
+        with open(self.path("work/failed.tiles"), "w") as file:
+            file.write("reconstruct: the first gave up")
+        message = other.communicate(timeout=60)[1]
+        self.assertNotEqual(other.returncode, 0)
+        self.assertIn("the first gave up", message)
+
+    def test_steps_of_other_work_are_refused(self):
+        folder = self.mesh + ".tiles"
+        process = subprocess.Popen([PROGRAM, *self.arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while process.poll() is None:
+            if os.path.exists(os.path.join(folder, "work.tiles")):
+                process.kill()
+            time.sleep(0.002)
+        if process.returncode == 0:
+            self.skipTest("the run ended before it could be killed")
+        self.arguments[-1] = "5000"
+        message = self.fail_with(*self.arguments)
+        self.assertIn(folder, message)
+        self.assertIn("other work", message)
+
+    def fail_with(self, *arguments):
+        run = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True)
+        self.assertNotEqual(run.returncode, 0)
+        return run.stderr
+
+    def test_what_tiles_do_not_do_is_said(self):
+        for flags, words in ((["--trim", "5"], "--trim"), (["--model", self.path("m.csrbf")], "--model"),
+                             (["--tolerance", "1e-3"], "--tolerance"), (["--method", "medial-axis"], "medial-axis"),
+                             (["--tile-share", "3/2"], "3/2"), (["--tile-share", "1"], "K/N")):
+            message = self.fail_with(*self.arguments, *flags)
+            self.assertIn(words, message)
+        message = self.fail_with("reconstruct", self.cloud, "-o", self.mesh, "--tile-share", "1/2")
+        self.assertIn("--tile-points", message)
+        self.assertFalse(os.path.exists(self.mesh + ".tiles"))
+
+
+if __name__ == "__main__":
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main()
