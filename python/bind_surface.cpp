@@ -10,6 +10,7 @@
 #include "csrbf/surface/reconstruct.hpp"
 #include "csrbf/surface/reconstruct_contours.hpp"
 #include "csrbf/surface/trim.hpp"
+#include "csrbf/tiles/reconstruct_tiles.hpp"
 
 #include <memory>
 #include <optional>
@@ -36,6 +37,32 @@ py::dict reconstruction_to_dict(const ReconstructReport& r) {
                   "p99_distance"_a = r.p99_distance, "max_distance"_a = r.max_distance,
                   "prepare_seconds"_a = r.prepare_seconds, "fit_seconds"_a = r.fit_seconds,
                   "evaluate_seconds"_a = r.evaluate_seconds, "warnings"_a = r.warnings);
+}
+
+py::dict reconstruct_in_tiles(const std::string& points, const std::string& mesh, const std::string& folder,
+                              Index tile_points, Index rank, Index count, std::optional<double> smoothing,
+                              int resolution, const py::object& listener) {
+  using namespace py::literals;
+  TileOptions options;
+  options.tile_points = tile_points;
+  options.folder = folder;
+  options.surface.smoothing = smoothing;
+  options.resolution = resolution;
+  options.share = {rank, count};
+  const TileReport report = run(listener, [&](const Progress& progress) {
+    options.surface.progress = progress;
+    return reconstruct_tiles(points, mesh, options);
+  });
+  py::dict result = reconstruction_to_dict(report.surface);
+  result["tiles"] = report.tiles;
+  result["tiles_continued"] = report.continued;
+  result["resolution"] = report.resolution;
+  result["vertices"] = report.topology.vertices;
+  result["triangles"] = report.topology.triangles;
+  result["components"] = report.topology.components;
+  result["watertight"] = report.topology.watertight();
+  result["euler"] = report.topology.euler;
+  return result;
 }
 
 py::tuple reconstruct_arrays(const Array& given, const std::optional<Array>& normals, const std::string& method,
@@ -209,6 +236,7 @@ void bind_surface(py::module_& m) {
       .def("to_bytes", &surface_to_bytes)
       .def_static("from_bytes", &surface_from_bytes);
   m.def("reconstruct", &reconstruct_arrays);
+  m.def("reconstruct_tiles", &reconstruct_in_tiles);
   m.def("reconstruct_contours", &reconstruct_contours_arrays);
   m.def("combine", &combine_surfaces);
   m.def("read_surface", [](const std::string& path) {

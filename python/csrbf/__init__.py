@@ -34,6 +34,7 @@ from csrbf._points import PointCloud, estimate_normals, farthest_points, read_po
 from csrbf._polylines import Polylines
 from csrbf._rbf_interpolator import RBFInterpolator
 from csrbf._reconstruct import reconstruct, reconstruct_contours
+from csrbf._reconstruct_tiles import reconstruct_tiles
 from csrbf._segment import segment, track
 from csrbf._segmentation import Segmentation, Tracking
 from csrbf._surface import Surface
@@ -65,6 +66,7 @@ __all__ = [
     "read_points",
     "reconstruct",
     "reconstruct_contours",
+    "reconstruct_tiles",
     "segment",
     "set_thread_count",
     "thread_count",

@@ -185,6 +185,17 @@ def reconstruct(
     smoothing: float | None,
     listener: Listener,
 ) -> tuple[Surface, dict[str, Any]]: ...
+def reconstruct_tiles(
+    points: str,
+    mesh: str,
+    folder: str,
+    tile_points: int,
+    rank: int,
+    count: int,
+    smoothing: float | None,
+    resolution: int,
+    listener: Listener,
+) -> dict[str, Any]: ...
 def reconstruct_contours(
     points: Floats, sizes: Sequence[int], centers: int, smoothing: float | None, listener: Listener
 ) -> tuple[Surface, dict[str, Any]]: ...

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from csrbf import _csrbf
+from csrbf._arrays import Path, smoothing_or_none
+from csrbf._options import Smoothing
+from csrbf._progress import Progress, listening
+
+
+def reconstruct_tiles(
+    points: Path,
+    mesh: Path,
+    tile_points: int = 1_000_000,
+    *,
+    folder: Path | None = None,
+    share: tuple[int, int] = (0, 1),
+    smoothing: Smoothing = "auto",
+    resolution: int | None = None,
+    progress: Progress = None,
+) -> dict[str, Any]:
+    """A mesh of more points than memory, tile by tile, from file to file.
+
+    Finished steps are files in `folder`, from which an interrupted call goes on. Several processes that see it share
+    the work: call this in each of them, with its own `share`, and it returns when the work is done. So with Dask:
+    ``client.gather([client.submit(csrbf.reconstruct_tiles, points, mesh, folder=folder, share=(k, n), pure=False) for k
+    in range(n)])`` on n workers. The mesh is the same for any number of processes.
+
+    Parameters
+    ----------
+    points : file name
+        Points with or without normals; binary .ply and .npy are read in pieces.
+    mesh : file name
+        Written by the first process.
+    tile_points : int
+        Points per tile, about; memory grows with it: about 1.5 GB for a million.
+    folder : file name, optional
+        For finished steps; emptied at the end. Default: that of the mesh with ".tiles" behind it.
+    share : (int, int)
+        Number of this process, from 0, and of all of them.
+    smoothing : "auto", "none" or float
+        See `reconstruct`.
+    resolution : int, optional
+        Cells of the mesh along the longest side. Default: from the data.
+    progress : bool or callable, optional
+        See `fit`.
+
+    Returns
+    -------
+    dict
+        What was found, chosen and measured; in the first process also the size and topology of the mesh.
+
+    Raises
+    ------
+    IoError
+        For files that cannot be read or written.
+    ValueError
+        For unknown options, and when the folder has steps of other work.
+    SolverFailure
+        When no surface results, or another process failed.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(0).normal(size=(20000, 3))
+    >>> np.save("points.npy", x / np.linalg.norm(x, axis=1, keepdims=True))
+    >>> report = csrbf.reconstruct_tiles("points.npy", "ball.ply", tile_points=4000)
+    >>> report["tiles"], report["watertight"], report["euler"]
+    (5, True, 2)
+    """
+    smoothness = smoothing_or_none(smoothing)
+    target = os.fspath(mesh)
+    work = f"{target}.tiles" if folder is None else os.fspath(folder)
+    with listening(progress) as listener:
+        return _csrbf.reconstruct_tiles(
+            os.fspath(points),
+            target,
+            work,
+            int(tile_points),
+            int(share[0]),
+            int(share[1]),
+            smoothness,
+            int(resolution or 0),
+            listener,
+        )
