@@ -38,6 +38,11 @@ bool positive_definite(const Eigen::Ref<const SmallMatrix>& A) {
   return Eigen::LLT<SmallMatrix>(A).info() == Eigen::Success;
 }
 
+Eigen::Matrix<double, 6, 1> solve_symmetric(const Eigen::Matrix<double, 6, 6>& A,
+                                            const Eigen::Matrix<double, 6, 1>& b) {
+  return A.ldlt().solve(b);
+}
+
 double smallest_singular_value(const Eigen::Ref<const SmallMatrix>& A) {
   return Eigen::JacobiSVD<SmallMatrix>(A).singularValues().tail<1>()[0];
 }

@@ -25,6 +25,9 @@ SymmetricEigen symmetric_eigen_direct(const Eigen::Ref<const SmallMatrix>& A);
 /// Whether the Cholesky factor of a symmetric matrix exists; its lower triangle is read.
 bool positive_definite(const Eigen::Ref<const SmallMatrix>& A);
 
+/// x with A x = b for a symmetric matrix without negative eigenvalues, such as that of a quadratic in two variables.
+Eigen::Matrix<double, 6, 1> solve_symmetric(const Eigen::Matrix<double, 6, 6>& A, const Eigen::Matrix<double, 6, 1>& b);
+
 /// 0 for singular matrices.
 double smallest_singular_value(const Eigen::Ref<const SmallMatrix>& A);
 

@@ -1,12 +1,12 @@
 #include "csrbf/levelset/objects.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/small_matrices.hpp"
 #include "csrbf/levelset/objects/distance_basins.hpp"
 #include "csrbf/levelset/objects/join_basins.hpp"
 #include "csrbf/levelset/objects/object_area.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <numbers>
@@ -73,8 +73,7 @@ struct Sums {
 
 // Lengths of the axes of an ellipsoid with these second moments, the longest first.
 std::array<double, 3> axes_of(const Eigen::Matrix3d& spread, int dim) {
-  const Eigen::Vector3d found =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const SmallVector found = symmetric_eigen(spread).values;
   std::array<double, 3> axes{0, 0, 0};
   for (int a = 0; a < dim; ++a)
     axes[static_cast<std::size_t>(a)] = 2 * std::sqrt((dim + 2) * std::max(0.0, found[2 - a]));

@@ -1,8 +1,7 @@
 #include "csrbf/levelset/image/channel_contrast.hpp"
 
 #include "csrbf/core/parallel.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "csrbf/linalg/decompositions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -81,8 +80,8 @@ std::vector<double> channel_contrast(const Volume<float>& image, std::span<const
   Classes best{Eigen::VectorXd::Ones(channels)};
   if (samples.cols() >= 2) {
     samples.colwise() -= samples.rowwise().mean().eval();
-    const Eigen::MatrixXd axes =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(samples * samples.transpose()).eigenvectors();
+    const Eigen::MatrixXd moments = samples * samples.transpose();
+    const Eigen::MatrixXd axes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(moments).eigenvectors();
     for (Index a = channels; a-- > 0;) {
       Classes now{axes.col(a)};
       for (int round = 0; round < most_rounds; ++round) {

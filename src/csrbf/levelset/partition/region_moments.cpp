@@ -2,8 +2,7 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/simd.hpp"
-
-#include <Eigen/Cholesky>
+#include "csrbf/linalg/decompositions.hpp"
 
 namespace csrbf {
 namespace {
@@ -126,7 +125,7 @@ MeanPolynomial::MeanPolynomial(const RegionMoments& region, int degree, const Gr
   }
   constexpr double ridge = 1e-6;  // of the voxels, for regions within a row
   left.diagonal().array() += ridge * (left(0, 0) + 1);
-  const Eigen::VectorXd c = left.ldlt().solve(right);
+  const Eigen::VectorXd c = solve(Eigen::LDLT<Eigen::MatrixXd>(left), right);
   c_.assign(c.begin(), c.end());
   c_[0] += mean;
 }

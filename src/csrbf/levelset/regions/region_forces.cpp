@@ -7,8 +7,7 @@
 #include "csrbf/levelset/regions/energy_table.hpp"
 #include "csrbf/levelset/regions/intensity_classes.hpp"
 #include "csrbf/levelset/regions/region_cores.hpp"
-
-#include <Eigen/Cholesky>
+#include "csrbf/linalg/decompositions.hpp"
 
 #include <utility>
 
@@ -219,7 +218,7 @@ typename RegionForces<Dim>::Terms RegionForces<Dim>::Moments::fit(int used) cons
   Terms c = Terms::Zero();
   Eigen::MatrixXd left = A.topLeftCorner(used, used);
   left.diagonal().array() += 1e-9 * count();  // ridge, for regions within a row
-  c.head(used) = left.ldlt().solve(b.head(used));
+  c.head(used) = solve(Eigen::LDLT<Eigen::MatrixXd>(left), Eigen::VectorXd(b.head(used)));
   return c;
 }
 

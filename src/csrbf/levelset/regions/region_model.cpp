@@ -2,10 +2,9 @@
 
 #include "csrbf/levelset/regions/bin_probabilities.hpp"
 #include "csrbf/levelset/regions/gamma_functions.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 
 #include <Eigen/LU>
-
-#include <Eigen/Cholesky>
 
 #include <numbers>
 
@@ -134,7 +133,7 @@ Vector Search::step(const Coordinates& c, const Vector& gradient, Matrix hessian
     }
     hessian(i, i) *= 1 + ridge;
   }
-  return hessian.ldlt().solve(b);
+  return solve(Eigen::LDLT<Eigen::MatrixXd>(hessian), Eigen::VectorXd(b));
 }
 
 // Scoring in its first step, then as the method of Broyden, Fletcher, Goldfarb and Shanno: where the law is not that of

@@ -1,9 +1,8 @@
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/basis/polynomial.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/surface/baselines/baselines.hpp"
 #include "csrbf/surface/baselines/off_surface.hpp"
-
-#include <Eigen/QR>
 
 namespace csrbf::baselines {
 namespace {
@@ -31,7 +30,7 @@ MethodFit solve(const Eigen::MatrixXd& rows, const Eigen::VectorXd& data, const 
   Eigen::VectorXd s = Eigen::VectorXd::Zero(A.rows());
   s.head(data.size()) = data;
   PolynomialTail<3> tail = frame;
-  tail.coefficients = A.colPivHouseholderQr().solve(s);
+  tail.coefficients = csrbf::solve(Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(A), s);
   const auto none =
       std::make_shared<const RadialBasis<3>>(Kernel("wendland-c2", 3), Points<3>(3, 0), Eigen::VectorXd::Ones(1));
   return {std::make_shared<const Expansion<3>>(none, Eigen::VectorXd(0), tail, box), rows.cols(), relative_ridge};

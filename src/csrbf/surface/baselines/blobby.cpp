@@ -1,5 +1,6 @@
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/core/small_matrices.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/baselines/baselines.hpp"
 

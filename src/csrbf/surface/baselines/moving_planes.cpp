@@ -1,7 +1,7 @@
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/small_matrices.hpp"
 #include "csrbf/surface/baselines/baselines.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <utility>
@@ -160,7 +160,7 @@ class ProjectionMls final : public MovingPlanes {
       M += near.weight[k] * m * m.transpose();
       b += near.weight[k] * near.normal.dot(p - near.position) * m;
     }
-    return M.ldlt().solve(b).dot(monomials(x));
+    return solve_symmetric(M, b).dot(monomials(x));
   }
 
   double reach_;

@@ -2,8 +2,6 @@
 
 #include "csrbf/core/small_matrices.hpp"
 
-#include <Eigen/Cholesky>
-
 namespace csrbf {
 namespace {
 
@@ -69,12 +67,13 @@ LocalQuadric fit_quadric(const Points<3>& points, std::span<const Index> ids, st
   if (ids.size() >= least_for_curvature) {
     A.diagonal().head<3>().array() += tiny_ridge * total;
     A.diagonal().tail<3>().array() += ridge * total;
-    quadric.z = A.ldlt().solve(b);
-  } else {
-    Eigen::Matrix3d plane = A.topLeftCorner<3, 3>();
-    plane.diagonal().array() += tiny_ridge * total;
-    quadric.z.head<3>() = plane.ldlt().solve(b.head<3>());
+  } else {  // a plane
+    A.diagonal().head<3>().array() += tiny_ridge * total;
+    A.bottomLeftCorner<3, 3>().setZero();
+    A.bottomRightCorner<3, 3>().setIdentity();
+    b.tail<3>().setZero();
   }
+  quadric.z = solve_symmetric(A, b);
   return quadric;
 }
 
