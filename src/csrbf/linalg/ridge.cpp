@@ -4,6 +4,8 @@
 #include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/linalg/golden_section.hpp"
 
+#include <Eigen/SVD>
+
 #include <sstream>
 #include <string>
 #include <vector>
@@ -142,40 +144,30 @@ RidgeFit assess(const Spectrum& spectrum, const Eigen::VectorXd& weights, double
   return fit;
 }
 
-// F = U diag(sigma) V^T. The eigenvectors V of R^T R, where F = Q R, make the columns of R V orthogonal but for
-// rounding, so that its triangular factor is nearly diagonal and Jacobi's method, as accurate as any, ends after a
-// sweep or two. (Compiling Eigen's BDCSVD would take as long as half of this folder.)
+// F = U diag(sigma) V^T, through the triangular factor when F is tall.
 struct Svd {
   Eigen::MatrixXd U;
   Eigen::VectorXd sigma;
   Eigen::MatrixXd V;
 
   explicit Svd(const Eigen::MatrixXd& F) {
-    if (F.rows() >= F.cols()) {
-      decompose(F);
-    } else {
-      decompose(F.transpose());
-      U.swap(V);
+    constexpr unsigned thin = Eigen::ComputeThinU | Eigen::ComputeThinV;
+    if (F.rows() <= F.cols()) {
+      take(Eigen::BDCSVD<Eigen::MatrixXd>(F, thin));
+      return;
     }
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(F);
+    const Eigen::MatrixXd R = qr.matrixQR().topRows(F.cols()).triangularView<Eigen::Upper>();
+    take(Eigen::BDCSVD<Eigen::MatrixXd>(R, thin));
+    Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(F.rows(), F.cols());
+    padded.topRows(F.cols()) = U;
+    U = qr.householderQ() * padded;
   }
 
- private:
-  // For at least as many rows as columns.
-  void decompose(const Eigen::MatrixXd& F) {
-    const Index n = F.cols();
-    const Eigen::HouseholderQR<Eigen::MatrixXd> first(F);
-    const Eigen::MatrixXd R = first.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-    const Eigen::MatrixXd gram = R.transpose() * R;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
-    V = eigen.eigenvectors().rowwise().reverse();  // the largest first
-    const Eigen::MatrixXd columns = R * V;
-    const Eigen::HouseholderQR<Eigen::MatrixXd> second(columns);
-    const Eigen::MatrixXd diagonal = second.matrixQR().triangularView<Eigen::Upper>();
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(diagonal, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  void take(const Eigen::BDCSVD<Eigen::MatrixXd>& svd) {
+    U = svd.matrixU();
     sigma = svd.singularValues();
-    V *= svd.matrixV();
-    U = thin_q(second, n) * svd.matrixU();
-    U = thin_q(first, n) * U;
+    V = svd.matrixV();
   }
 };
 
