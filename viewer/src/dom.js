@@ -50,9 +50,8 @@ export function slider(text, name, {lo = 0, hi = 100, step = 0.5, value = 50, sh
   if (output) node.append(output);
   return {
     node,
-    set: (now, enabled = true) => {
+    set: (now) => {
       input.value = now;
-      input.disabled = !enabled;
       if (output) output.textContent = shown(Number(now));
     },
   };

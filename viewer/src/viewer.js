@@ -133,7 +133,7 @@ export class View {
 
   colorNames() {
     const own = (this.picture.mesh && this.picture.mesh.tint) || (this.picture.points && this.picture.points.tint);
-    return [[PLAIN, "plain"], ...(own ? [["own", "of the file"]] : []), ...this.picture.scales.map((scale, i) => [String(i), scale.name])];
+    return [[PLAIN, "plain colour"], ...(own ? [["own", "as in the file"]] : []), ...this.picture.scales.map((scale, i) => [String(i), scale.name])];
   }
 
   usualColor() {
@@ -147,10 +147,10 @@ export class View {
   }
 
   addControls() {
-    const cuts = [["none", "none"], ["x", "across x"], ["y", "across y"], ["z", "across z"], ["view", "facing you"]];
+    const cuts = [["none", "no cut"], ["x", "across x"], ["y", "across y"], ["z", "across z"], ["view", "facing you"]];
     const percent = (value) => `${Math.round(value)} %`;
     const c = {
-      color: choice("Colour", "color", [[PLAIN, "plain"]], PLAIN, (color) => this.set({color, range: null})),
+      color: choice("Colour", "color", [[PLAIN, "plain colour"]], PLAIN, (color) => this.set({color, range: null})),
       points: toggle("Points", "points", (points) => this.set({points})),
       lines: toggle("Lines", "lines", (lines) => this.set({lines}), true),
       cut: choice("Cut", "cut", cuts, "none", (axis) => this.startCut(axis)),
@@ -169,7 +169,7 @@ export class View {
       up: choice("Up", "up", Object.keys(AXES).map((axis) => [axis, axis]), "z", (axis) => this.turnUp(axis)),
       orthographic: toggle("Orthographic", "orthographic", (orthographic) => this.set({orthographic})),
       reset: button("Reset", "reset", () => this.reset()),
-      measure: choice("Measure", "measure", [["none", "nothing"], ["distance", "a distance"], ["angle", "an angle"]], "none", (measure) => this.set({measure})),
+      measure: choice("Measure", "measure", [["none", "no ruler"], ["distance", "a distance"], ["angle", "an angle"]], "none", (measure) => this.set({measure})),
       link: button("Copy link", "link", (event) => copy(this.link(), event.target)),
       full: button("Full screen", "full", () => this.fullScreen()),
     };
@@ -269,7 +269,8 @@ export class View {
     const c = this.controls;
     for (const name of ["color", "points", "lines", "cut", "map", "isolines", "surface", "edges", "pointSize", "box", "orthographic", "measure", "exaggeration"])
       c[name].set(this.state[name]);
-    c.depth.set(100 * depth, cut !== "none");
+    c.depth.set(100 * depth);
+    c.depth.node.hidden = cut === "none";
     c.opacity.set(Math.round(100 * opacity));
     c.pointOpacity.set(Math.round(100 * pointOpacity));
     if (before.measure !== this.state.measure) this.clearMeasure();
