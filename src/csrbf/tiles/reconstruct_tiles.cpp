@@ -6,6 +6,7 @@
 #include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
 #include "csrbf/tiles/stages/deal_points.hpp"
+#include "csrbf/tiles/stages/outline.hpp"
 #include "csrbf/tiles/stages/weld_parts.hpp"
 
 #include <filesystem>
@@ -147,6 +148,8 @@ class TileProcess {
   void fit() {
     const auto start = std::chrono::steady_clock::now();
     for (Index t = 0; t < work_.plan.size(); ++t) wait(folder_.file("points", t));
+    if (leads() && work_.plan.size() > 1 && !exists(folder_.file("outline"))) make_outline(work_, folder_, options_);
+    if (work_.plan.size() > 1) wait(folder_.file("outline"));
     report_.continued = for_own_tiles("fit", [&](Index t) {
       TileOptions here = options_;
       here.surface.progress = part_of("fit", t);

@@ -5,6 +5,7 @@
 #include "csrbf/surface/composite/crop_field.hpp"
 #include "csrbf/tiles/folder/field_file.hpp"
 #include "csrbf/tiles/folder/tile_files.hpp"
+#include "csrbf/tiles/stages/outline.hpp"
 
 namespace csrbf {
 namespace {
@@ -49,6 +50,26 @@ PointCloud gather(const TileWork& work, const TileFolder& folder, Index tile) {
   cloud.points = Eigen::Map<const Points<3>>(found.points.data(), 3, found.size());
   if (work.normals) cloud.normals = Eigen::Map<const Points<3>>(found.normals.data(), 3, found.size());
   return cloud;
+}
+
+// As reconstruct(), with the outside on the same side as in all tiles. Changes the cloud where that differs.
+Reconstruction reconstruct_outward(PointCloud& cloud, const ReconstructOptions& options, const TileWork& work,
+                                   const TileFolder& folder, Index tile) {
+  Reconstruction surface = reconstruct(cloud, options);
+  const bool own_side =
+      surface.report.normals == NormalSource::estimated || surface.report.normals == NormalSource::reoriented;
+  if (work.plan.size() == 1 || !own_side) return surface;
+  Points<3> used = cloud.points(Eigen::all, surface.source);
+  if (!is_turned(read_outline(folder), work.plan.box(tile), used, surface.normals)) return surface;
+  cloud.points = std::move(used);
+  cloud.normals = -surface.normals;
+  const ReconstructReport found = std::move(surface.report);
+  ReconstructOptions turned = options;
+  turned.normals = Normals::file;
+  surface = reconstruct(cloud, turned);
+  surface.report.normals = found.normals;
+  surface.report.warnings = found.warnings;
+  return surface;
 }
 
 TileFit describe(const Reconstruction& surface, const CompositeField& field, const PointCloud& cloud,
@@ -117,11 +138,11 @@ void fit_tile(const TileWork& work, const TileFolder& folder, Index tile, const 
   TileFit fit;
   std::shared_ptr<const CompositeField> field;
   {
-    const PointCloud cloud = gather(work, folder, tile);
+    PointCloud cloud = gather(work, folder, tile);
     ReconstructOptions here = options.surface;
     here.method = "composite";
     if (work.plan.size() > 1) here.region = box.inflated(blend);
-    const Reconstruction surface = reconstruct(cloud, here);
+    const Reconstruction surface = reconstruct_outward(cloud, here, work, folder, tile);
     field = std::dynamic_pointer_cast<const CompositeField>(surface.field);
     fit = describe(surface, *field, cloud, work, tile);
   }
