@@ -78,7 +78,6 @@
 #include "csrbf/surface/surface_method.hpp"
 #include "csrbf/surface/trim.hpp"
 #include "csrbf/tiles/reconstruct_tiles.hpp"
-#include "csrbf/tiles/tile_options.hpp"
 #include "csrbf/version.hpp"
 
 #endif

@@ -1,5 +1,6 @@
 #include "csrbf/implicit/polygonize_part.hpp"
 
+#include "csrbf/implicit/polygonize/cell_lattice.hpp"
 #include "implicit/polygonize_fields.hpp"
 
 #include <map>
@@ -10,6 +11,10 @@ namespace {
 using polygonization::Cell;
 using polygonization::CellLattice;
 using polygonization::CellRange;
+
+CellLattice lattice_of(const Field<3>& field, const PolygonizeOptions& options) {
+  return polygonization::lattice_around(field.bounds(), field.bounds().extent().maxCoeff() / options.resolution);
+}
 
 // The lattice cut at some cells along each axis.
 std::vector<CellRange> cut(const CellLattice& lattice, const std::array<std::vector<int>, 3>& at) {
@@ -127,7 +132,7 @@ class PolygonizePart : public testing::TestWithParam<PolygonizeMethod> {};
 TEST_P(PolygonizePart, PartsOfASmoothSurfaceFitTogetherToTheWholeMesh) {
   const Implicit field = lopsided();
   const PolygonizeOptions options{.resolution = 20, .method = GetParam()};
-  const CellLattice lattice = polygonize_lattice(field, options);
+  const CellLattice lattice = lattice_of(field, options);
   for (const auto& at :
        {std::array<std::vector<int>, 3>{{{13}, {}, {}}}, {{{6, 15}, {14}, {9, 16}}}, {{{10, 11, 12}, {5, 6}, {17}}}}) {
     const Mesh mesh = weld(field, lattice, cut(lattice, at), options);
@@ -139,7 +144,7 @@ TEST_P(PolygonizePart, PartsOfASmoothSurfaceFitTogetherToTheWholeMesh) {
 TEST_P(PolygonizePart, PartsOfACreasedSurfaceAreAClosedManifold) {
   const Implicit field = two_balls();
   const PolygonizeOptions options{.resolution = 33, .method = GetParam()};
-  const CellLattice lattice = polygonize_lattice(field, options);
+  const CellLattice lattice = lattice_of(field, options);
   const Mesh mesh = weld(field, lattice, cut(lattice, {{{12, 21, 30}, {18}, {20, 21}}}), options);
   expect_closed_manifold(mesh);
   EXPECT_EQ(topology(mesh).euler, 2);
@@ -150,7 +155,7 @@ TEST_P(PolygonizePart, PartsOfACreasedSurfaceAreAClosedManifold) {
 TEST_P(PolygonizePart, ASurfaceIsFollowedThroughPartsWithoutSeeds) {
   const Implicit field = lopsided();
   const PolygonizeOptions options{.resolution = 16, .method = GetParam()};
-  const CellLattice lattice = polygonize_lattice(field, options);
+  const CellLattice lattice = lattice_of(field, options);
   const Mesh mesh = weld(field, lattice, cut(lattice, {{{7, 13, 20}, {13}, {9, 16}}}), options);
   expect_closed_manifold(mesh);
   expect_same(mesh, polygonize(field, options));
@@ -159,7 +164,7 @@ TEST_P(PolygonizePart, ASurfaceIsFollowedThroughPartsWithoutSeeds) {
 TEST_P(PolygonizePart, ARangeWithoutSurfaceHasNoTriangles) {
   const Implicit field = sphere(0.3);
   const PolygonizeOptions options{.resolution = 20, .method = GetParam()};
-  const CellLattice lattice = polygonize_lattice(field, options);
+  const CellLattice lattice = lattice_of(field, options);
   const MeshPart part = polygonize_part(field, lattice, {Cell::Zero(), Cell::Constant(4)}, {}, options);
   EXPECT_EQ(part.mesh.triangles.cols(), 0);
   EXPECT_TRUE(part.beyond.empty());
@@ -175,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, PolygonizePart,
 TEST(PolygonizePartOptions, MethodsWithoutPartsAreRefused) {
   const Implicit field = sphere();
   const PolygonizeOptions options{.resolution = 20, .method = PolygonizeMethod::adaptive};
-  const CellLattice lattice = polygonize_lattice(field, options);
+  const CellLattice lattice = lattice_of(field, options);
   EXPECT_THROW((void)polygonize_part(field, lattice, {Cell::Zero(), lattice.cells}, {}, options), InvalidInput);
 }
 

@@ -1,11 +1,9 @@
 #pragma once
 
+#include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/implicit/polygonize/extraction.hpp"
 
 namespace csrbf {
-
-/// The lattice of cells in which polygonize() looks for the surface. Throws InvalidInput as polygonize().
-polygonization::CellLattice polygonize_lattice(const Field<3>& field, const PolygonizeOptions& options);
 
 /// The triangles of a mesh that belong to a range of cells.
 struct MeshPart {
@@ -18,7 +16,8 @@ struct MeshPart {
 /// One part of a mesh that is made in parts: those of ranges that fill the lattice fit together, once every cell in
 /// `beyond` of one of them was in the `border` of another; where it was not, make that part again with the cell among
 /// its `starts`. The surface is followed from the seeds of the field in the range and from `starts`; there may be none.
-/// Options: method (marching cubes or dual contouring), level, refine, normals, progress. Throws as polygonize().
+/// Options: method (marching cubes or dual contouring), level, refine, normals, progress. Throws InvalidInput for other
+/// methods; SolverFailure and Cancelled as polygonize().
 MeshPart polygonize_part(const Field<3>& field, const polygonization::CellLattice& lattice,
                          const polygonization::CellRange& range, const std::vector<polygonization::Cell>& starts,
                          const PolygonizeOptions& options);

@@ -115,7 +115,8 @@ class TileProcess {
     if (!exists(file)) {
       if (leads()) {
         stream_.emplace(points_);
-        folder_.write_work(plan_work(*stream_, options_, print));
+        folder_.write_work(
+            plan_work(*stream_, options_.tile_points, options_.resolution, print, options_.surface.progress));
       } else {
         wait(file);
       }
@@ -133,7 +134,7 @@ class TileProcess {
     const auto dealt = [&](Index process) { return folder_.file("dealt", process); };
     if (!exists(dealt(options_.share.rank))) {
       if (!stream_) stream_.emplace(points_);
-      deal_points(*stream_, work_, folder_, options_.share, options_.surface.progress);
+      deal_points(*stream_, work_, folder_, options_.share.rank, processes, options_.surface.progress);
       write_file(dealt(options_.share.rank), "");
     }
     stream_.reset();
@@ -148,11 +149,12 @@ class TileProcess {
   void fit() {
     const auto start = std::chrono::steady_clock::now();
     for (Index t = 0; t < work_.plan.size(); ++t) wait(folder_.file("points", t));
-    if (leads() && work_.plan.size() > 1 && !exists(folder_.file("outline"))) make_outline(work_, folder_, options_);
+    if (leads() && work_.plan.size() > 1 && !exists(folder_.file("outline")))
+      make_outline(work_, folder_, options_.surface);
     if (work_.plan.size() > 1) wait(folder_.file("outline"));
     report_.continued = for_own_tiles("fit", [&](Index t) {
-      TileOptions here = options_;
-      here.surface.progress = part_of("fit", t);
+      ReconstructOptions here = options_.surface;
+      here.progress = part_of("fit", t);
       fit_tile(work_, folder_, t, here);
     });
     for (Index t = 0; t < work_.plan.size(); ++t) {
@@ -164,7 +166,7 @@ class TileProcess {
   }
 
   void polygonize() {
-    mesh_work_ = plan_meshes(work_, fits_, options_);
+    mesh_work_ = plan_meshes(work_, fits_, options_.resolution, options_.mesh_method);
     report_.resolution = mesh_work_.resolution;
     report_.mesh_method = mesh_work_.method;
     rounds_.assign(work_.plan.size(), 0);

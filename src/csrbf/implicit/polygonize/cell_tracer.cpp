@@ -81,6 +81,17 @@ std::vector<Cell> CellTracer::beyond() const {
   return cells;
 }
 
+void CellTracer::run_from(const std::vector<Cell>& starts, const Progress& progress) {
+  for (const Cell& cell : starts) add(cell);
+  run(progress);
+  for (const Cell& cell : starts)
+    for (int k = 0; k < 27 && !active(cell); ++k) {
+      const Cell neighbour = cell + Cell(k % 3, k / 3 % 3, k / 9) - 1;
+      if (range_.contains(neighbour)) add(neighbour);
+    }
+  run(progress);
+}
+
 void CellTracer::queue(Brick& brick, Mask cells) {
   cells &= ~(brick.visited | brick.pending);
   if (const Mask outside = cells & ~in_range(brick); outside != 0) {

@@ -35,6 +35,9 @@ class CellTracer {
   /// every wave.
   void run(const Progress& progress);
 
+  /// The same from some cells of the range, and from the neighbours of those that are not crossed.
+  void run_from(const std::vector<Cell>& starts, const Progress& progress);
+
   /// Whether a cell was visited and is crossed by the surface.
   [[nodiscard]] bool active(const Cell& cell) const;
 

@@ -11,6 +11,8 @@
 
 #include <Eigen/Geometry>
 
+#include <optional>
+
 namespace csrbf::polygonization {
 namespace {
 
@@ -37,51 +39,28 @@ void resize_vertices(Index n, bool normals, Mesh& mesh) {
   if (normals) mesh.normals.resize(3, n);
 }
 
-Index marching_cubes(const Extraction& e, Mesh& mesh) {
-  const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
-  const Index edge_vertices = number_edge_vertices(bricks);
-  const TriangleOffsets offsets = count_triangles(bricks);
-  resize_vertices(edge_vertices + offsets.centers.back(), e.options.normals, mesh);
-  mesh.triangles.resize(3, offsets.triangles.back());
-  place_edge_vertices(e.lattice, bricks, e.sampler, {e.options.refine, e.options.normals}, mesh, e.options.progress);
-  report(e.options.progress, "polygonize", 0.95);
-  fill_triangles(bricks, offsets, edge_vertices, mesh);
-  mesh.normals.rightCols(e.options.normals ? offsets.centers.back() : 0).setZero();
-  place_center_vertices(e.lattice, e.sampler, edge_vertices, e.options.refine, mesh);
-  return offsets.centers.back();
-}
-
-Index marching_tetrahedra(const Extraction& e, Mesh& mesh) {
-  const std::vector<Brick*> bricks = e.tracer.finish(all_directions);
-  resize_vertices(number_edge_vertices(bricks), e.options.normals, mesh);
-  place_edge_vertices(e.lattice, bricks, e.sampler, {e.options.refine, e.options.normals}, mesh, e.options.progress);
-  report(e.options.progress, "polygonize", 0.95);
-  march_tetrahedra(bricks, mesh);
-  return 0;
-}
-
-// Also of an octree: the method `adaptive`.
-Index dual_contouring(const Extraction& e, Mesh& mesh) {
-  const bool adaptive = e.options.method == PolygonizeMethod::adaptive;
+// On an octree if there is a tolerance.
+Index dual_mesh(const Extraction& e, std::optional<double> tolerance, Mesh& mesh) {
   const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
   Mesh crossings;
   resize_vertices(number_edge_vertices(bricks), true, crossings);
-  place_edge_vertices(e.lattice, bricks, e.sampler, {.refine = e.options.refine}, crossings, e.options.progress);
-  report(e.options.progress, "polygonize", 0.95);
+  place_edge_vertices(e.lattice, bricks, e.sampler, {.refine = e.refine}, crossings, e.progress);
+  report(e.progress, "polygonize", 0.95);
   std::vector<CellPlanes> planes;
-  const DualSurface surface = make_dual_surface(e.lattice, bricks, crossings, mesh, adaptive ? &planes : nullptr);
+  const DualSurface surface = make_dual_surface(e.lattice, bricks, crossings, mesh, tolerance ? &planes : nullptr);
   const Index side_vertices = mesh.vertices.cols() - surface.loop_vertices;
   unfold_quads(surface, crossings, mesh);
-  if (!e.options.normals) mesh.normals.resize(3, 0);
-  if (adaptive) {
+  if (!e.normals) mesh.normals.resize(3, 0);
+  if (tolerance) {
     triangulate_quads(surface, crossings, mesh);
-    merge_cells(e.lattice, e.tolerance, std::move(planes), mesh, e.options.progress);
-    place_center_vertices(e.lattice, e.sampler, 0, e.options.refine, mesh);
+    merge_cells(e.lattice, *tolerance, std::move(planes), mesh, e.progress);
+    place_center_vertices(e.lattice, e.sampler, 0, e.refine, mesh);
   } else {
-    place_center_vertices(e.lattice, e.sampler, 0, e.options.refine, mesh);
+    place_center_vertices(e.lattice, e.sampler, 0, e.refine, mesh);
     triangulate_quads(surface, crossings, mesh);
   }
   collapse_short_edges(edge_margin * e.lattice.spacing.minCoeff(), mesh);
+  if (e.normals) complete_normals(mesh);
   return side_vertices;
 }
 
@@ -126,16 +105,6 @@ class VertexKeys {
   const CellRange& range_;
 };
 
-std::vector<SharedVertex> cubes_part(const Extraction& e, const CellRange& range, Mesh& mesh) {
-  marching_cubes(e, mesh);
-  std::vector<SharedVertex> shared;
-  const VertexKeys keys(e.lattice, range);
-  for_each_axis_edge(e.tracer.finish(axis_directions), [&](Index edge, const Cell& corner, int axis) {
-    if (keys.edge_is_shared(corner, axis)) shared.push_back({static_cast<int>(edge), keys.of(corner, axis)});
-  });
-  return shared;
-}
-
 // Leaves the quads of edges of the range, whose four cells are all there.
 void keep_own_quads(const std::vector<Brick*>& bricks, const CellRange& range, DualSurface& surface, Mesh& crossings) {
   std::vector<std::int32_t> number(surface.quads.cols(), -1);
@@ -154,41 +123,6 @@ void keep_own_quads(const std::vector<Brick*>& bricks, const CellRange& range, D
     if (side.quad >= 0) sides.push_back(side);
   }
   surface.side_vertices = std::move(sides);
-}
-
-// Vertices in outer cells stay where their planes put them: what is around them may belong to other parts.
-std::vector<SharedVertex> dual_part(const Extraction& e, const CellRange& range, Mesh& mesh) {
-  const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
-  Mesh crossings;
-  resize_vertices(number_edge_vertices(bricks), true, crossings);
-  place_edge_vertices(e.lattice, bricks, e.sampler, {.refine = e.options.refine}, crossings, e.options.progress);
-  DualSurface surface = make_dual_surface(e.lattice, bricks, crossings, mesh, nullptr);
-  keep_own_quads(bricks, range, surface, crossings);
-
-  std::vector<SharedVertex> shared;
-  std::vector<char> pinned(surface.cells.size());
-  const VertexKeys keys(e.lattice, range);
-  constexpr int first_on_face = 8;  // a cell has at most four loops
-  int kind = 0;
-  for (std::size_t v = 0; v < surface.cells.size(); ++v) {
-    const bool on_face = static_cast<Index>(v) >= surface.loop_vertices;
-    const bool same_cell = v > 0 && (surface.cells[v] == surface.cells[v - 1]).all();
-    kind = same_cell && static_cast<Index>(v) != surface.loop_vertices ? kind + 1 : 0;
-    if (!keys.cell_is_shared(surface.cells[v])) continue;
-    pinned[v] = 1;
-    if (!on_face) surface.loose[v] = 0;
-    shared.push_back({static_cast<std::int32_t>(v), keys.of(surface.cells[v], (on_face ? first_on_face : 0) + kind)});
-  }
-  unfold_quads(surface, crossings, mesh);
-  place_center_vertices(e.lattice, e.sampler, 0, e.options.refine, mesh);
-  triangulate_quads(surface, crossings, mesh);
-  drop_unused_vertices(mesh, shared);
-  pinned.assign(mesh.vertices.cols(), 0);
-  for (const SharedVertex& s : shared) pinned[s.vertex] = 1;
-  const std::vector<int> old_number = collapse_short_edges(edge_margin * e.lattice.spacing.minCoeff(), mesh, pinned);
-  for (std::size_t v = 0, s = 0; v < old_number.size(); ++v)
-    if (s < shared.size() && shared[s].vertex == old_number[v]) shared[s++].vertex = static_cast<std::int32_t>(v);
-  return shared;
 }
 
 }  // namespace
@@ -211,18 +145,83 @@ void drop_unused_vertices(Mesh& mesh, std::vector<SharedVertex>& shared) {
   shared = std::move(used);
 }
 
-Index extract(const Extraction& e, Mesh& mesh) {
-  constexpr std::array methods{marching_cubes, marching_tetrahedra, dual_contouring, dual_contouring};
-  const Index others = methods[static_cast<std::size_t>(e.options.method)](e, mesh);
-  if (e.options.normals) complete_normals(mesh);
-  return others;
+Index marching_cubes(const Extraction& e, Mesh& mesh) {
+  const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
+  const Index edge_vertices = number_edge_vertices(bricks);
+  const TriangleOffsets offsets = count_triangles(bricks);
+  resize_vertices(edge_vertices + offsets.centers.back(), e.normals, mesh);
+  mesh.triangles.resize(3, offsets.triangles.back());
+  place_edge_vertices(e.lattice, bricks, e.sampler, {e.refine, e.normals}, mesh, e.progress);
+  report(e.progress, "polygonize", 0.95);
+  fill_triangles(bricks, offsets, edge_vertices, mesh);
+  mesh.normals.rightCols(e.normals ? offsets.centers.back() : 0).setZero();
+  place_center_vertices(e.lattice, e.sampler, edge_vertices, e.refine, mesh);
+  if (e.normals) complete_normals(mesh);
+  return offsets.centers.back();
 }
 
-std::vector<SharedVertex> extract_part(const Extraction& e, const CellRange& range, Mesh& mesh) {
-  const bool cubes = e.options.method == PolygonizeMethod::marching_cubes;
-  std::vector<SharedVertex> shared = cubes ? cubes_part(e, range, mesh) : dual_part(e, range, mesh);
-  if (!e.options.normals) mesh.normals.resize(3, 0);
-  if (e.options.normals) complete_normals(mesh);
+Index marching_tetrahedra(const Extraction& e, Mesh& mesh) {
+  const std::vector<Brick*> bricks = e.tracer.finish(all_directions);
+  resize_vertices(number_edge_vertices(bricks), e.normals, mesh);
+  place_edge_vertices(e.lattice, bricks, e.sampler, {e.refine, e.normals}, mesh, e.progress);
+  report(e.progress, "polygonize", 0.95);
+  march_tetrahedra(bricks, mesh);
+  if (e.normals) complete_normals(mesh);
+  return 0;
+}
+
+Index dual_contouring(const Extraction& e, Mesh& mesh) {
+  return dual_mesh(e, std::nullopt, mesh);
+}
+
+Index adaptive_contouring(const Extraction& e, double tolerance, Mesh& mesh) {
+  return dual_mesh(e, tolerance, mesh);
+}
+
+std::vector<SharedVertex> marching_cubes_part(const Extraction& e, const CellRange& range, Mesh& mesh) {
+  marching_cubes(e, mesh);
+  std::vector<SharedVertex> shared;
+  const VertexKeys keys(e.lattice, range);
+  for_each_axis_edge(e.tracer.finish(axis_directions), [&](Index edge, const Cell& corner, int axis) {
+    if (keys.edge_is_shared(corner, axis)) shared.push_back({static_cast<int>(edge), keys.of(corner, axis)});
+  });
+  return shared;
+}
+
+// Vertices in outer cells stay where their planes put them: what is around them may belong to other parts.
+std::vector<SharedVertex> dual_contouring_part(const Extraction& e, const CellRange& range, Mesh& mesh) {
+  const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
+  Mesh crossings;
+  resize_vertices(number_edge_vertices(bricks), true, crossings);
+  place_edge_vertices(e.lattice, bricks, e.sampler, {.refine = e.refine}, crossings, e.progress);
+  DualSurface surface = make_dual_surface(e.lattice, bricks, crossings, mesh, nullptr);
+  keep_own_quads(bricks, range, surface, crossings);
+
+  std::vector<SharedVertex> shared;
+  std::vector<char> pinned(surface.cells.size());
+  const VertexKeys keys(e.lattice, range);
+  constexpr int first_on_face = 8;  // a cell has at most four loops
+  int kind = 0;
+  for (std::size_t v = 0; v < surface.cells.size(); ++v) {
+    const bool on_face = static_cast<Index>(v) >= surface.loop_vertices;
+    const bool same_cell = v > 0 && (surface.cells[v] == surface.cells[v - 1]).all();
+    kind = same_cell && static_cast<Index>(v) != surface.loop_vertices ? kind + 1 : 0;
+    if (!keys.cell_is_shared(surface.cells[v])) continue;
+    pinned[v] = 1;
+    if (!on_face) surface.loose[v] = 0;
+    shared.push_back({static_cast<std::int32_t>(v), keys.of(surface.cells[v], (on_face ? first_on_face : 0) + kind)});
+  }
+  unfold_quads(surface, crossings, mesh);
+  place_center_vertices(e.lattice, e.sampler, 0, e.refine, mesh);
+  triangulate_quads(surface, crossings, mesh);
+  drop_unused_vertices(mesh, shared);
+  pinned.assign(mesh.vertices.cols(), 0);
+  for (const SharedVertex& s : shared) pinned[s.vertex] = 1;
+  const std::vector<int> old_number = collapse_short_edges(edge_margin * e.lattice.spacing.minCoeff(), mesh, pinned);
+  for (std::size_t v = 0, s = 0; v < old_number.size(); ++v)
+    if (s < shared.size() && shared[s].vertex == old_number[v]) shared[s++].vertex = static_cast<std::int32_t>(v);
+  if (!e.normals) mesh.normals.resize(3, 0);
+  if (e.normals) complete_normals(mesh);
   return shared;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "csrbf/implicit/polygonize.hpp"
+#include "csrbf/core/mesh.hpp"
 #include "csrbf/implicit/polygonize/cell_tracer.hpp"
 #include "csrbf/implicit/polygonize/level_sampler.hpp"
 
@@ -11,8 +11,9 @@ struct Extraction {
   const CellLattice& lattice;
   LevelSampler& sampler;
   CellTracer& tracer;
-  const PolygonizeOptions& options;
-  double tolerance;  ///< a length
+  bool refine;   ///< vertices on the surface, not only on chords
+  bool normals;  ///< also at the vertices
+  const Progress& progress;
 };
 
 /// A vertex of a part of a mesh that other parts may have too. Equal keys are the same vertex.
@@ -21,13 +22,20 @@ struct SharedVertex {
   std::int64_t key;
 };
 
-/// Fills the mesh by the method of the options; returns the number of vertices that are not on edges.
-Index extract(const Extraction& extraction, Mesh& mesh);
+// Each fills the mesh and returns the number of vertices that are not on edges, or, by dual contouring, not in cells.
 
-/// The part of the mesh that belongs to a range of cells, by marching cubes or dual contouring. The tracer has visited
-/// the range and, for dual contouring, the layer of cells below it along each axis. Each triangle belongs to one range,
-/// and vertices that several ranges have are the same bits in all of them. Returns the vertices that others may have.
-std::vector<SharedVertex> extract_part(const Extraction& extraction, const CellRange& range, Mesh& mesh);
+Index marching_cubes(const Extraction& extraction, Mesh& mesh);
+Index marching_tetrahedra(const Extraction& extraction, Mesh& mesh);
+Index dual_contouring(const Extraction& extraction, Mesh& mesh);
+/// Dual contouring on an octree: cells are merged where the surface is flat up to `tolerance`, a length.
+Index adaptive_contouring(const Extraction& extraction, double tolerance, Mesh& mesh);
+
+// Each fills the part of the mesh that belongs to a range of cells. The tracer has visited the range and, for dual
+// contouring, the layer of cells below it along each axis. Each triangle belongs to one range, and vertices that
+// several ranges have are the same bits in all of them. Returns the vertices that others may have.
+
+std::vector<SharedVertex> marching_cubes_part(const Extraction& extraction, const CellRange& range, Mesh& mesh);
+std::vector<SharedVertex> dual_contouring_part(const Extraction& extraction, const CellRange& range, Mesh& mesh);
 
 /// Drops the vertices without triangles; `shared` follows.
 void drop_unused_vertices(Mesh& mesh, std::vector<SharedVertex>& shared);

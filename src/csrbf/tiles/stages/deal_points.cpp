@@ -34,12 +34,13 @@ std::string raw_kind(Index process, Index processes) {
 
 }  // namespace
 
-TileWork plan_work(PointStream& points, const TileOptions& options, const std::string& fingerprint) {
+TileWork plan_work(PointStream& points, Index tile_points, int resolution, const std::string& fingerprint,
+                   const Progress& progress) {
   TileWork work;
   work.fingerprint = fingerprint;
   const Index stride = (points.size() + sample_size - 1) / sample_size;
   std::vector<double> chosen;
-  for_each_piece(points, 0, points.size(), options.surface.progress, [&](Index first, const PointCloud& cloud) {
+  for_each_piece(points, 0, points.size(), progress, [&](Index first, const PointCloud& cloud) {
     work.normals = cloud.has_normals();
     for (Index i = 0; i < cloud.size(); ++i) {
       const Point<3> p = cloud.points.col(i);
@@ -56,22 +57,22 @@ TileWork plan_work(PointStream& points, const TileOptions& options, const std::s
   const Eigen::Map<const Points<3>> sample(chosen.data(), 3, std::ssize(chosen) / 3);
   const double extent = work.bounds.extent().maxCoeff();
   work.spacing = typical_spacing(sample, work.points);
-  const double cell = options.resolution > 0 ? extent / options.resolution
-                                             : std::max(coarsest_cell * work.spacing, extent / finest_cells);
+  const double cell =
+      resolution > 0 ? extent / resolution : std::max(coarsest_cell * work.spacing, extent / finest_cells);
   const double blend = std::max(narrowest_blend * work.spacing, cells_in_blend * cell);
   work.halo = blend + patch_reach * work.spacing;
   work.grid = ThinningGrid::over(work.bounds, work.spacing);
-  const Index tiles = (work.points + options.tile_points - 1) / options.tile_points;
+  const Index tiles = (work.points + tile_points - 1) / tile_points;
   work.plan = TilePlan(cut_into_tiles(sample, std::min(tiles, sample.cols())), blend);
   return work;
 }
 
-void deal_points(PointStream& points, const TileWork& work, const TileFolder& folder, const TileShare& share,
+void deal_points(PointStream& points, const TileWork& work, const TileFolder& folder, Index process, Index processes,
                  const Progress& progress) {
   std::vector<std::string> paths;
-  for (Index t = 0; t < work.plan.size(); ++t) paths.push_back(folder.file(raw_kind(share.rank, share.count), t));
+  for (Index t = 0; t < work.plan.size(); ++t) paths.push_back(folder.file(raw_kind(process, processes), t));
   PointDealer dealer(paths, work.normals);
-  const Index begin = points.size() * share.rank / share.count, end = points.size() * (share.rank + 1) / share.count;
+  const Index begin = points.size() * process / processes, end = points.size() * (process + 1) / processes;
   for_each_piece(points, begin, end, progress, [&](Index, const PointCloud& cloud) {
     for (Index i = 0; i < cloud.size(); ++i) {
       const Point<3> p = cloud.points.col(i);

@@ -1,17 +1,18 @@
 #pragma once
 
+#include "csrbf/core/progress.hpp"
 #include "csrbf/io/point_stream.hpp"
 #include "csrbf/tiles/folder/tile_folder.hpp"
-#include "csrbf/tiles/tile_options.hpp"
 
 namespace csrbf {
 
-/// Reads all points once and decides on the tiles. Memory: a piece of the input and a sample of it. Throws InvalidInput
-/// for fewer than four finite points.
-TileWork plan_work(PointStream& points, const TileOptions& options, const std::string& fingerprint);
+/// Reads all points once and decides on tiles of up to `tile_points` for a mesh of that resolution (0: automatic).
+/// Memory: a piece of the input and a sample of it. Throws InvalidInput for fewer than four finite points.
+TileWork plan_work(PointStream& points, Index tile_points, int resolution, const std::string& fingerprint,
+                   const Progress& progress);
 
-/// Deals this process's share of the input to raw files of the tiles.
-void deal_points(PointStream& points, const TileWork& work, const TileFolder& folder, const TileShare& share,
+/// Deals the share of the input of one process, of so many, to raw files of the tiles.
+void deal_points(PointStream& points, const TileWork& work, const TileFolder& folder, Index process, Index processes,
                  const Progress& progress);
 
 /// Makes the file "points" of a tile from the raw ones of all processes, and removes these.

@@ -132,14 +132,14 @@ double bin_distance(Index bin) {
   return smallest_bin * std::pow(10.0, static_cast<double>(bin) / bins_per_factor);
 }
 
-void fit_tile(const TileWork& work, const TileFolder& folder, Index tile, const TileOptions& options) {
+void fit_tile(const TileWork& work, const TileFolder& folder, Index tile, const ReconstructOptions& options) {
   const Box<3>& box = work.plan.box(tile);
   const double blend = work.plan.blend();
   TileFit fit;
   std::shared_ptr<const CompositeField> field;
   {
     PointCloud cloud = gather(work, folder, tile);
-    ReconstructOptions here = options.surface;
+    ReconstructOptions here = options;
     here.method = "composite";
     if (work.plan.size() > 1) here.region = box.inflated(blend);
     const Reconstruction surface = reconstruct_outward(cloud, here, work, folder, tile);

@@ -2,7 +2,6 @@
 
 #include "csrbf/surface/reconstruct.hpp"
 #include "csrbf/tiles/folder/tile_folder.hpp"
-#include "csrbf/tiles/tile_options.hpp"
 
 namespace csrbf {
 
@@ -28,7 +27,7 @@ double bin_distance(Index bin);
 /// Reconstructs the surface in a tile and around it from all points there and ever fewer farther away, and writes it:
 /// "inside" where the tile is alone, "rim" where it blends with others, "fit" what is known. Memory and time are
 /// proportional to the points of a tile. Throws as reconstruct().
-void fit_tile(const TileWork& work, const TileFolder& folder, Index tile, const TileOptions& options);
+void fit_tile(const TileWork& work, const TileFolder& folder, Index tile, const ReconstructOptions& options);
 
 /// Throws IoError.
 TileFit read_tile_fit(const TileFolder& folder, Index tile);

@@ -1,6 +1,6 @@
 #include "csrbf/tiles/stages/mesh_tile.hpp"
 
-#include "csrbf/core/error.hpp"
+#include "csrbf/implicit/polygonize/cell_lattice.hpp"
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/surface/tiles/tiled_field.hpp"
 #include "csrbf/tiles/folder/field_file.hpp"
@@ -92,7 +92,8 @@ std::tuple<int, int, int> sortable(const Cell& cell) {
 
 }  // namespace
 
-MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, const TileOptions& options) {
+MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, int resolution,
+                     std::optional<PolygonizeMethod> method) {
   MeshWork mesh;
   double points = 0, noisy = 0, area = 0;
   for (const TileFit& fit : fits) {
@@ -103,15 +104,15 @@ MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, con
     area += n * fit.feature_size * fit.feature_size;
   }
   mesh.feature_size = std::sqrt(area / points);
-  mesh.method = options.mesh_method.value_or(2 * noisy > points ? PolygonizeMethod::marching_cubes
-                                                                : PolygonizeMethod::dual_contouring);
+  mesh.method =
+      method.value_or(2 * noisy > points ? PolygonizeMethod::marching_cubes : PolygonizeMethod::dual_contouring);
   const Frame frame(mesh.bounds, mesh.feature_size);
-  mesh.resolution = options.resolution > 0 ? options.resolution : automatic_resolution(frame);
+  mesh.resolution = resolution > 0 ? resolution : automatic_resolution(frame);
   if (work.plan.size() > 1) {
     const double fewest = std::ceil(least_cells_in_blend * mesh.bounds.extent().maxCoeff() / work.plan.blend());
     mesh.resolution = std::max(mesh.resolution, static_cast<int>(fewest));
   }
-  mesh.lattice = polygonize_lattice(frame, {.resolution = mesh.resolution, .method = mesh.method});
+  mesh.lattice = polygonization::lattice_around(mesh.bounds, mesh.bounds.extent().maxCoeff() / mesh.resolution);
   return mesh;
 }
 

@@ -15,8 +15,9 @@ struct MeshWork {
   polygonization::CellLattice lattice;
 };
 
-/// From the fits of all tiles.
-MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, const TileOptions& options);
+/// From the fits of all tiles. Resolution 0 and no method: those that suit the data.
+MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, int resolution,
+                     std::optional<PolygonizeMethod> method);
 
 /// The cells whose centres are in a tile.
 polygonization::CellRange cells_of_tile(const MeshWork& mesh, const TilePlan& plan, Index tile);

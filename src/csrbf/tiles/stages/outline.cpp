@@ -12,7 +12,7 @@ constexpr Index outline_points = 60'000;  // at most; chosen by hand
 
 }  // namespace
 
-void make_outline(const TileWork& work, const TileFolder& folder, const TileOptions& options) {
+void make_outline(const TileWork& work, const TileFolder& folder, const ReconstructOptions& options) {
   const double times = static_cast<double>(work.points) / static_cast<double>(outline_points);
   int level = std::max(0, static_cast<int>(std::ceil(std::log2(std::max(times, 1.0)) / 2)));  // a fourth per level
   GatheredPoints found;
@@ -25,7 +25,7 @@ void make_outline(const TileWork& work, const TileFolder& folder, const TileOpti
   PointCloud cloud;
   cloud.points = Eigen::Map<const Points<3>>(found.points.data(), 3, found.size());
   if (work.normals) cloud.normals = Eigen::Map<const Points<3>>(found.normals.data(), 3, found.size());
-  const PreparedCloud prepared = prepare(cloud, options.surface.normals, options.surface.progress);
+  const PreparedCloud prepared = prepare(cloud, options.normals, options.progress);
   Archive archive;
   archive.kind = "outline";
   archive.set("points", cloud.points(Eigen::all, prepared.source));
