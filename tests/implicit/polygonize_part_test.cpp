@@ -1,6 +1,5 @@
 #include "csrbf/implicit/polygonize_part.hpp"
 
-#include "csrbf/implicit/polygonize/cell_lattice.hpp"
 #include "implicit/polygonize_fields.hpp"
 
 #include <map>

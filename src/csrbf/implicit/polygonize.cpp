@@ -1,6 +1,5 @@
 #include "csrbf/implicit/polygonize.hpp"
 
-#include "csrbf/implicit/polygonize/cell_lattice.hpp"
 #include "csrbf/implicit/polygonize/extraction.hpp"
 #include "csrbf/implicit/polygonize/start_cells.hpp"
 

@@ -30,7 +30,7 @@ TEST(ThinnedPoints, LevelsHaveOnePointPerCube) {
   const ThinningGrid grid = ThinningGrid::over(bounding_box<3>(points), typical_spacing(points, 20000));
   const ThinnedPoints thinned = thin(points, grid);
   ASSERT_EQ(static_cast<int>(thinned.levels.size()), grid.levels() - 1);
-  for (std::size_t level = 0; level < 4; ++level) {
+  for (std::size_t level = 0; level < thinned.levels.size(); ++level) {
     const int shift = 3 * (grid.spacing_bits + static_cast<int>(level) + 1);
     std::set<std::uint64_t> cubes, chosen;
     for (Index i = 0; i < points.cols(); ++i) cubes.insert(grid.key(points.col(i)) >> shift);

@@ -1,9 +1,21 @@
 #include "csrbf/implicit/polygonize/brick_grid.hpp"
 
+#include "csrbf/core/error.hpp"
+
 #include <bit>
 
 namespace csrbf::polygonization {
 namespace {
+
+constexpr int default_margin = 4;  // cells around the box; chosen by hand
+constexpr double rounding = 1e-9;  // cells: a side that exceeds a whole number of cells by less is not enlarged
+
+Eigen::Array3d cells_in(const Box<3>& box, double size) {
+  const Eigen::Array3d cells = box.extent().array() / size;
+  require(cells.maxCoeff() < max_cells - 10, "polygonize", "bounds / cell size", cells.maxCoeff(),
+          "must be below 2^20 cells; shrink the bounds or lower the resolution");
+  return cells;
+}
 
 // Inserts two zero bits after each of the lowest 21 bits.
 std::uint64_t spread_bits(std::uint64_t x) {
@@ -15,6 +27,23 @@ std::uint64_t spread_bits(std::uint64_t x) {
 }
 
 }  // namespace
+
+CellLattice lattice_around(const Box<3>& box, double size) {
+  CellLattice lattice;
+  lattice.cells = (cells_in(box, size) - rounding).ceil().cast<int>() + 2 * default_margin + 2;
+  lattice.spacing.setConstant(size);
+  lattice.origin = box.center() - 0.5 * size * lattice.cells.matrix().cast<double>();
+  return lattice;
+}
+
+CellLattice lattice_in(const Box<3>& box, double size) {
+  const Cell inner = cells_in(box, size).round().cast<int>().max(1);
+  CellLattice lattice;
+  lattice.cells = inner + 2;
+  lattice.spacing = box.extent().array() / inner.cast<double>();
+  lattice.origin = box.lo - lattice.spacing;
+  return lattice;
+}
 
 std::uint64_t morton_key(const Cell& cell) {
   return spread_bits(static_cast<std::uint64_t>(cell[0])) | spread_bits(static_cast<std::uint64_t>(cell[1])) << 1 |

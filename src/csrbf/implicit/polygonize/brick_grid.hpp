@@ -139,6 +139,13 @@ struct CellRange {
 /// Largest number of cells along an axis: coordinates fit Morton keys of 3 x 21 bits.
 inline constexpr int max_cells = 1 << 20;
 
+/// Cubes of side `size` that fill a box, and four more on every side, for the box may be that of samples beside the
+/// surface; another layer holds the caps. Throws InvalidInput for 2^20 cells along a side.
+CellLattice lattice_around(const Box<3>& box, double size);
+
+/// Cells of about that size, as close to cubes as fill the box exactly; another layer holds the caps. Throws the same.
+CellLattice lattice_in(const Box<3>& box, double size);
+
 /// Position of a cell or brick along a Morton curve; coordinates below 2^21.
 std::uint64_t morton_key(const Cell& cell);
 

@@ -1,6 +1,5 @@
 #include "csrbf/tiles/stages/mesh_tile.hpp"
 
-#include "csrbf/implicit/polygonize/cell_lattice.hpp"
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/surface/tiles/tiled_field.hpp"
 #include "csrbf/tiles/folder/field_file.hpp"
