@@ -150,6 +150,26 @@ TEST_P(PolygonizePart, PartsOfACreasedSurfaceAreAClosedManifold) {
   EXPECT_EQ(topology(mesh).components, 1);
 }
 
+// Random values at the corners: loops of neighbouring cells meet twice on their common faces.
+TEST_P(PolygonizePart, PartsOfNoiseAreAClosedManifold) {
+  constexpr int n = 12;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const Implicit values = noise(n, seed);
+    Points<3> everywhere(3, n * n * n);
+    const Box<3> box = values.bounds();
+    for (Index i = 0; i < everywhere.cols(); ++i) {
+      const Point<3> place(static_cast<double>(i % n), static_cast<double>(i / n % n), static_cast<double>(i / n / n));
+      everywhere.col(i) = box.lo + box.extent().cwiseProduct((place.array() + 0.5).matrix()) / n;
+    }
+    const Implicit field([&](const Point<3>& p, Point<3>& g) { return g.setZero(), values(p); }, box, everywhere);
+    PolygonizeOptions options = lattice_of_noise(n);
+    options.method = GetParam();
+    const double size = box.extent().maxCoeff() / options.resolution;
+    const CellLattice lattice = polygonization::lattice_in(options.bounds, size);
+    expect_closed_manifold(weld(field, lattice, cut(lattice, {{{4, 5, 9}, {7}, {3, 6, 10}}}), options));
+  }
+}
+
 // The only seed is in one part: others learn from their neighbours where the surface goes on.
 TEST_P(PolygonizePart, ASurfaceIsFollowedThroughPartsWithoutSeeds) {
   const Implicit field = lopsided();

@@ -71,7 +71,7 @@ class DualBuilder {
     count_loops();
     surface_.loop_vertices = first_.back();
     surface_.loose.resize(first_.back());
-    surface_.cells.resize(first_.back());
+    surface_.places.resize(first_.back());
     surface_.quads.setConstant(4, crossings_.vertices.cols(), -1);
     mesh_.vertices.resize(3, first_.back());
     mesh_.normals.resize(3, first_.back());
@@ -100,6 +100,7 @@ class DualBuilder {
   void place_vertices(Index b) {
     const Brick& brick = *bricks_[b];
     Index vertex = first_[b];
+    int last_cell = -1, loop_of_cell = 0;
     for_each_loop(brick, [&](int cell, const CellLoop& loop) {
       const Point<3> corner = lattice_.position(brick.corner(cell));
       Quadric quadric;
@@ -112,7 +113,9 @@ class DualBuilder {
         surface_.quads(quad_corner(edge, lower_end_is_inside(brick, cell, edge)), e) = static_cast<int>(vertex);
         if (planes_ != nullptr) add_plane(e, (*planes_)[vertex]);
       }
-      surface_.cells[vertex] = brick.corner(cell);
+      loop_of_cell = cell == last_cell ? loop_of_cell + 1 : 0;
+      last_cell = cell;
+      surface_.places[vertex] = {brick.corner(cell), loop_of_cell};
       if (planes_ != nullptr) (*planes_)[vertex].cell = brick.corner(cell);
       const Box<3> room = room_for_vertices(lattice_, corner, 1);
       const Point<3> p = quadric.minimizer({room.lo - corner, room.hi - corner});
@@ -165,6 +168,7 @@ class DualBuilder {
         const auto vertex = static_cast<int>(surface_.loop_vertices + std::ssize(points));
         sides[k] = {quad, (here + 1) % 4 == there ? here : there, vertex};
       }
+      if (across < 0) continue;  // no cell across the face
       if (across != neighbour) {
         neighbour = across;
         continue;
@@ -174,7 +178,7 @@ class DualBuilder {
         surface_.side_vertices.push_back(side);
         if (planes_ != nullptr) add_plane(side.quad, planes_->back());
       }
-      surface_.cells.push_back(brick.corner(cell));
+      surface_.places.push_back({brick.corner(cell), 0, axis});
       points.emplace_back(0.5 * (crossings_.vertices.col(sides[0].quad) + crossings_.vertices.col(sides[1].quad)));
     }
   }

@@ -16,6 +16,17 @@ struct SideVertex {
   int vertex;
 };
 
+/// Where a vertex is: in a cell, or on its upper face across an axis.
+struct VertexPlace {
+  Cell cell = Cell::Zero();
+  int loop = 0;   ///< which of the loops of the cell it stands for; on a face: none
+  int face = -1;  ///< axis; -1: in the cell
+
+  static constexpr int kinds = 8;
+  /// Tells the vertices of a cell apart: below `kinds`.
+  [[nodiscard]] int kind() const { return face < 0 ? loop : 4 + face; }
+};
+
 /// The cell of a vertex and the planes it was placed by, measured from the origin of the lattice.
 struct CellPlanes {
   Cell cell = Cell::Zero();
@@ -29,7 +40,7 @@ struct DualSurface {
   std::vector<SideVertex> side_vertices;  ///< by quad and side
   std::vector<char> loose;                ///< whether the planes of a vertex in a cell do not meet in a point
   Index loop_vertices = 0;                ///< vertices in cells; those on faces follow
-  std::vector<Cell> cells;                ///< of the vertices; of one on a face: the lower one
+  std::vector<VertexPlace> places;        ///< of the vertices
 };
 
 /// The box allowed for a vertex of a cube of cells: half a cell beyond it, but not beyond the caps.
@@ -39,6 +50,8 @@ Box<3> room_for_vertices(const CellLattice& lattice, const Point<3>& corner, int
 /// distances from the planes through the crossings of its edges is least (Ju, Losasso, Schaefer, Warren 2002), and
 /// collects the quads. `crossings` holds crossing points and normals of all edges. Fills vertices, and the mean normals
 /// of the planes, of the mesh; and, unless null, the planes of each vertex.
+///
+/// Where cells around an edge are not there, its quad has vertices -1.
 ///
 /// Two loops in neighbouring cells can meet twice on their common face. One of the two lines between them then gets a
 /// vertex on the face, or both would be the same edge of the mesh.

@@ -39,6 +39,20 @@ void resize_vertices(Index n, bool normals, Mesh& mesh) {
   if (normals) mesh.normals.resize(3, n);
 }
 
+Index cubes_mesh(const Extraction& e, const std::vector<Brick*>& bricks, Mesh& mesh) {
+  const Index edge_vertices = number_edge_vertices(bricks);
+  const TriangleOffsets offsets = count_triangles(bricks);
+  resize_vertices(edge_vertices + offsets.centers.back(), e.normals, mesh);
+  mesh.triangles.resize(3, offsets.triangles.back());
+  place_edge_vertices(e.lattice, bricks, e.sampler, {e.refine, e.normals}, mesh, e.progress);
+  report(e.progress, "polygonize", 0.95);
+  fill_triangles(bricks, offsets, edge_vertices, mesh);
+  mesh.normals.rightCols(e.normals ? offsets.centers.back() : 0).setZero();
+  place_center_vertices(e.lattice, e.sampler, edge_vertices, e.refine, mesh);
+  if (e.normals) complete_normals(mesh);
+  return offsets.centers.back();
+}
+
 // On an octree if there is a tolerance.
 Index dual_mesh(const Extraction& e, std::optional<double> tolerance, Mesh& mesh) {
   const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
@@ -74,7 +88,7 @@ void for_each_axis_edge(const std::vector<Brick*>& bricks, const Visit& visit) {
         visit(e++, brick->corner(std::countr_zero(left)), axis);
 }
 
-// Tells vertices apart: those of different cells, and up to `kinds` of one cell.
+// Tells vertices apart: those of different cells, and of one cell by their kinds.
 class VertexKeys {
  public:
   VertexKeys(const CellLattice& lattice, const CellRange& range) : lattice_(lattice), range_(range) {}
@@ -82,7 +96,7 @@ class VertexKeys {
   [[nodiscard]] std::int64_t of(const Cell& cell, int kind) const {
     const auto n = lattice_.cells.cast<std::int64_t>() + 2;  // cells may lie one layer below
     const auto c = cell.cast<std::int64_t>() + 1;
-    return ((c[2] * n[1] + c[1]) * n[0] + c[0]) * kinds + kind;
+    return ((c[2] * n[1] + c[1]) * n[0] + c[0]) * VertexPlace::kinds + kind;
   }
 
   // Whether other parts may have the crossing of an edge with this lower corner.
@@ -99,8 +113,6 @@ class VertexKeys {
   }
 
  private:
-  static constexpr int kinds = 16;
-
   const CellLattice& lattice_;
   const CellRange& range_;
 };
@@ -146,18 +158,7 @@ void drop_unused_vertices(Mesh& mesh, std::vector<SharedVertex>& shared) {
 }
 
 Index marching_cubes(const Extraction& e, Mesh& mesh) {
-  const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
-  const Index edge_vertices = number_edge_vertices(bricks);
-  const TriangleOffsets offsets = count_triangles(bricks);
-  resize_vertices(edge_vertices + offsets.centers.back(), e.normals, mesh);
-  mesh.triangles.resize(3, offsets.triangles.back());
-  place_edge_vertices(e.lattice, bricks, e.sampler, {e.refine, e.normals}, mesh, e.progress);
-  report(e.progress, "polygonize", 0.95);
-  fill_triangles(bricks, offsets, edge_vertices, mesh);
-  mesh.normals.rightCols(e.normals ? offsets.centers.back() : 0).setZero();
-  place_center_vertices(e.lattice, e.sampler, edge_vertices, e.refine, mesh);
-  if (e.normals) complete_normals(mesh);
-  return offsets.centers.back();
+  return cubes_mesh(e, e.tracer.finish(axis_directions), mesh);
 }
 
 Index marching_tetrahedra(const Extraction& e, Mesh& mesh) {
@@ -179,10 +180,11 @@ Index adaptive_contouring(const Extraction& e, double tolerance, Mesh& mesh) {
 }
 
 std::vector<SharedVertex> marching_cubes_part(const Extraction& e, const CellRange& range, Mesh& mesh) {
-  marching_cubes(e, mesh);
+  const std::vector<Brick*> bricks = e.tracer.finish(axis_directions);
+  cubes_mesh(e, bricks, mesh);
   std::vector<SharedVertex> shared;
   const VertexKeys keys(e.lattice, range);
-  for_each_axis_edge(e.tracer.finish(axis_directions), [&](Index edge, const Cell& corner, int axis) {
+  for_each_axis_edge(bricks, [&](Index edge, const Cell& corner, int axis) {
     if (keys.edge_is_shared(corner, axis)) shared.push_back({static_cast<int>(edge), keys.of(corner, axis)});
   });
   return shared;
@@ -198,24 +200,18 @@ std::vector<SharedVertex> dual_contouring_part(const Extraction& e, const CellRa
   keep_own_quads(bricks, range, surface, crossings);
 
   std::vector<SharedVertex> shared;
-  std::vector<char> pinned(surface.cells.size());
   const VertexKeys keys(e.lattice, range);
-  constexpr int first_on_face = 8;  // a cell has at most four loops
-  int kind = 0;
-  for (std::size_t v = 0; v < surface.cells.size(); ++v) {
-    const bool on_face = static_cast<Index>(v) >= surface.loop_vertices;
-    const bool same_cell = v > 0 && (surface.cells[v] == surface.cells[v - 1]).all();
-    kind = same_cell && static_cast<Index>(v) != surface.loop_vertices ? kind + 1 : 0;
-    if (!keys.cell_is_shared(surface.cells[v])) continue;
-    pinned[v] = 1;
-    if (!on_face) surface.loose[v] = 0;
-    shared.push_back({static_cast<std::int32_t>(v), keys.of(surface.cells[v], (on_face ? first_on_face : 0) + kind)});
+  for (std::size_t v = 0; v < surface.places.size(); ++v) {
+    const VertexPlace& place = surface.places[v];
+    if (!keys.cell_is_shared(place.cell)) continue;
+    if (place.face < 0) surface.loose[v] = 0;
+    shared.push_back({static_cast<std::int32_t>(v), keys.of(place.cell, place.kind())});
   }
   unfold_quads(surface, crossings, mesh);
   place_center_vertices(e.lattice, e.sampler, 0, e.refine, mesh);
   triangulate_quads(surface, crossings, mesh);
   drop_unused_vertices(mesh, shared);
-  pinned.assign(mesh.vertices.cols(), 0);
+  std::vector<char> pinned(mesh.vertices.cols());
   for (const SharedVertex& s : shared) pinned[s.vertex] = 1;
   const std::vector<int> old_number = collapse_short_edges(edge_margin * e.lattice.spacing.minCoeff(), mesh, pinned);
   for (std::size_t v = 0, s = 0; v < old_number.size(); ++v)
