@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/spatial/morton_code.hpp"
 #include "csrbf/spatial/radix_sort.hpp"
 
 #include <bit>
@@ -15,27 +16,16 @@ constexpr Index grain = 8192;  // points per task, chosen by hand
 template <int Dim>
 constexpr int most_bits = std::min(32, 63 / Dim);  // per coordinate, of a code of at most 64 bits
 
-// Every byte with Dim - 1 zeros between its bits.
+// Of the cube that holds a point of the unit cube, of 2^bits cubes along each axis.
 template <int Dim>
-constexpr std::array<std::uint64_t, 256> spread_bytes = [] {
-  std::array<std::uint64_t, 256> table{};
-  for (std::size_t byte = 0; byte < table.size(); ++byte)
-    for (int bit = 0; bit < 8; ++bit) table[byte] |= std::uint64_t{byte >> bit & 1U} << (bit * Dim);
-  return table;
-}();
-
-// Interleaves `bits` bits of every coordinate, those of the first one lowest.
-template <int Dim>
-std::uint64_t morton_code(const Point<Dim>& unit, int bits) {
+std::uint64_t code_of(const Point<Dim>& unit, int bits) {
   const auto cells = static_cast<double>(std::uint64_t{1} << bits);
-  std::uint64_t code = 0;
+  std::array<std::uint64_t, Dim> cell;
   for (int axis = 0; axis < Dim; ++axis) {
     const double scaled = unit[axis] * cells;
-    const auto cell = scaled > 0 ? static_cast<std::uint64_t>(std::min(scaled, cells - 1)) : 0;  // 0 also for NaN
-    for (int byte = 0; 8 * byte < bits; ++byte)
-      code |= spread_bytes<Dim>[cell >> (8 * byte) & 255U] << (8 * byte * Dim + axis);
+    cell[axis] = scaled > 0 ? static_cast<std::uint64_t>(std::min(scaled, cells - 1)) : 0;  // 0 also for NaN
   }
-  return code;
+  return morton_code<Dim>(cell, bits);
 }
 
 // Calls action(i, code) for every point i, on all threads.
@@ -44,7 +34,7 @@ void for_each_code(const PointsRef<Dim>& points, int bits, const Action& action)
   const Box<Dim> box = bounding_box<Dim>(points);
   const double extent = box.extent().maxCoeff();
   parallel_for(points.cols(), grain, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) action(i, morton_code<Dim>((points.col(i) - box.lo) / extent, bits));
+    for (Index i = begin; i < end; ++i) action(i, code_of<Dim>((points.col(i) - box.lo) / extent, bits));
   });
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "csrbf/core/mesh.hpp"
-#include "csrbf/surface/tiles/thinned_points.hpp"
+#include "csrbf/spatial/thinned_points.hpp"
 
 #include <functional>
 #include <string>

@@ -61,7 +61,7 @@ void TileFolder::write_work(const TileWork& work) const {
   archive.set("grid_origin", work.grid.origin);
   archive.set("grid_cube", work.grid.cube);
   archive.set("grid_bits", work.grid.spacing_bits);
-  const std::vector<TilePlan::Cut>& cuts = work.plan.cuts();
+  const std::vector<TileCut>& cuts = work.plan.cuts();
   Eigen::Matrix<std::int32_t, 3, Eigen::Dynamic> sides(3, std::ssize(cuts));
   Eigen::VectorXd at(std::ssize(cuts));
   for (Index i = 0; i < at.size(); ++i) {
@@ -86,12 +86,12 @@ TileWork TileFolder::read_work() const {
   work.halo = archive.number("halo");
   work.grid.origin = archive.numbers("grid_origin", 3, 1);
   work.grid.cube = archive.number("grid_cube");
-  work.grid.spacing_bits = static_cast<int>(archive.integer("grid_bits", 0, ThinningGrid::bits));
+  work.grid.spacing_bits = static_cast<int>(archive.integer("grid_bits", 0, ThinningGrid<3>::bits));
   const auto& sides = archive.array<std::int32_t>("cuts", 3);
   const auto& at = archive.numbers("cut_at", sides.cols(), 1);
-  std::vector<TilePlan::Cut> cuts;
+  std::vector<TileCut> cuts;
   for (Index i = 0; i < sides.cols(); ++i) cuts.push_back({sides(0, i), sides(1, i), sides(2, i), at(i, 0)});
-  work.plan = TilePlan(std::move(cuts), archive.number("blend"));
+  work.plan = TilePlan<3>(std::move(cuts), archive.number("blend"));
   return work;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "csrbf/surface/tiles/thinned_points.hpp"
-#include "csrbf/surface/tiles/tile_plan.hpp"
+#include "csrbf/spatial/thinned_points.hpp"
+#include "csrbf/spatial/tile_plan.hpp"
 
 #include <functional>
 #include <string>
@@ -17,8 +17,8 @@ struct TileWork {
   Box<3> bounds;            ///< of the finite points
   double spacing = 0;       ///< typical distance between neighbouring points
   double halo = 0;          ///< a tile sees all points up to that distance
-  ThinningGrid grid;
-  TilePlan plan;
+  ThinningGrid<3> grid;
+  TilePlan<3> plan;
 };
 
 /// The files of some work in a folder. A file has its name only when it is complete, so that whoever finds it can go on

@@ -56,14 +56,14 @@ TileWork plan_work(PointStream& points, Index tile_points, int resolution, const
   require(work.points >= 4, "reconstruct", "points", work.points, "too few finite points; at least 4 are needed");
   const Eigen::Map<const Points<3>> sample(chosen.data(), 3, std::ssize(chosen) / 3);
   const double extent = work.bounds.extent().maxCoeff();
-  work.spacing = typical_spacing(sample, work.points);
+  work.spacing = typical_spacing<3>(sample, work.points, 2);
   const double cell =
       resolution > 0 ? extent / resolution : std::max(coarsest_cell * work.spacing, extent / finest_cells);
   const double blend = std::max(narrowest_blend * work.spacing, cells_in_blend * cell);
   work.halo = blend + patch_reach * work.spacing;
-  work.grid = ThinningGrid::over(work.bounds, work.spacing);
+  work.grid = ThinningGrid<3>::over(work.bounds, work.spacing);
   const Index tiles = (work.points + tile_points - 1) / tile_points;
-  work.plan = TilePlan(cut_into_tiles(sample, std::min(tiles, sample.cols())), blend);
+  work.plan = TilePlan<3>(cut_into_tiles<3>(sample, std::min(tiles, sample.cols())), blend);
   return work;
 }
 
@@ -88,7 +88,7 @@ void sort_points(const TileWork& work, const TileFolder& folder, Index tile, Ind
   std::vector<std::string> raw;
   for (Index p = 0; p < processes; ++p) raw.push_back(folder.file(raw_kind(p, processes), tile));
   const PointCloud cloud = read_raw_points(raw, work.normals);
-  write_tile_points(folder.file("points", tile), cloud, thin(cloud.points, work.grid));
+  write_tile_points(folder.file("points", tile), cloud, thin<3>(cloud.points, work.grid));
   std::error_code ignored;
   for (const std::string& path : raw) std::filesystem::remove(utf8_path(path), ignored);
 }

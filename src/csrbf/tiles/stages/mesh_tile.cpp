@@ -1,7 +1,7 @@
 #include "csrbf/tiles/stages/mesh_tile.hpp"
 
+#include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/io/models/archive.hpp"
-#include "csrbf/surface/tiles/tiled_field.hpp"
 #include "csrbf/tiles/folder/field_file.hpp"
 #include "csrbf/tiles/folder/tile_files.hpp"
 
@@ -115,7 +115,7 @@ MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, int
   return mesh;
 }
 
-CellRange cells_of_tile(const MeshWork& mesh, const TilePlan& plan, Index tile) {
+CellRange cells_of_tile(const MeshWork& mesh, const TilePlan<3>& plan, Index tile) {
   const CellLattice& lattice = mesh.lattice;
   const Box<3>& box = plan.box(tile);
   const auto cell_at = [&](double x, int axis) {
@@ -135,13 +135,13 @@ void mesh_tile(const TileWork& work, const MeshWork& mesh, const TileFolder& fol
   const CellRange range = cells_of_tile(mesh, work.plan, tile);
   MeshPart part;
   if ((range.first < range.last).all()) {
-    std::vector<TiledField::Tile> tiles(work.plan.size());
+    std::vector<TiledField<3>::Tile> tiles(work.plan.size());
     tiles[tile].inside = read_field(folder.file("inside", tile));
     const Box<3> box{mesh.lattice.position(range.first), mesh.lattice.position(range.last)};
     const double margin = work.plan.blend() + looked_at * mesh.lattice.spacing.maxCoeff();
     if (work.plan.size() > 1)
       for (const Index t : work.plan.tiles_in(box.inflated(margin))) tiles[t].rim = read_field(folder.file("rim", t));
-    const TiledField field(work.plan, std::move(tiles), mesh.bounds, mesh.feature_size);
+    const TiledField<3> field(work.plan, std::move(tiles), mesh.bounds, mesh.feature_size);
     part = polygonize_part(field, mesh.lattice, range, starts, {.method = mesh.method, .progress = progress});
   }
   write_part(part, find_supports(part.mesh, folder, tile), folder.file(part_kind(round), tile));
@@ -175,7 +175,7 @@ TilePart read_part(const TileFolder& folder, Index tile, int round) {
   return part;
 }
 
-std::vector<std::vector<Cell>> missing_starts(const MeshWork& mesh, const TilePlan& plan,
+std::vector<std::vector<Cell>> missing_starts(const MeshWork& mesh, const TilePlan<3>& plan,
                                               const std::vector<TileBorder>& borders) {
   std::set<std::tuple<int, int, int>> known;
   for (const TileBorder& border : borders)

@@ -20,7 +20,7 @@ MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, int
                      std::optional<PolygonizeMethod> method);
 
 /// The cells whose centres are in a tile.
-polygonization::CellRange cells_of_tile(const MeshWork& mesh, const TilePlan& plan, Index tile);
+polygonization::CellRange cells_of_tile(const MeshWork& mesh, const TilePlan<3>& plan, Index tile);
 
 /// The triangles of a tile, with the data of each connected component.
 struct TilePart {
@@ -47,7 +47,7 @@ TileBorder read_border(const TileFolder& folder, Index tile, int round);
 TilePart read_part(const TileFolder& folder, Index tile, int round);
 
 /// Cells of each tile that others know to be crossed, and that it has not found: none when the mesh is complete.
-std::vector<std::vector<polygonization::Cell>> missing_starts(const MeshWork& mesh, const TilePlan& plan,
+std::vector<std::vector<polygonization::Cell>> missing_starts(const MeshWork& mesh, const TilePlan<3>& plan,
                                                               const std::vector<TileBorder>& borders);
 
 }  // namespace csrbf

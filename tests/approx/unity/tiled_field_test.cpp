@@ -1,4 +1,4 @@
-#include "csrbf/surface/tiles/tiled_field.hpp"
+#include "csrbf/approx/unity/tiled_field.hpp"
 
 #include "implicit/polygonize_fields.hpp"
 
@@ -7,7 +7,7 @@
 namespace csrbf {
 namespace {
 
-const TilePlan two_tiles({{0, -1, -2, 0.5}}, 0.1);
+const TilePlan<3> two_tiles({{0, -1, -2, 0.5}}, 0.1);
 
 std::shared_ptr<const Field<3>> constant(double value) {
   const auto f = [value](const Point<3>&, Point<3>& gradient) {
@@ -18,7 +18,7 @@ std::shared_ptr<const Field<3>> constant(double value) {
 }
 
 TEST(TiledField, IsOneFieldDeepInATileAndBlendsAtItsFaces) {
-  const TiledField field(two_tiles, {{constant(1), constant(2)}, {constant(10), constant(20)}}, cube(1), 0);
+  const TiledField<3> field(two_tiles, {{constant(1), constant(2)}, {constant(10), constant(20)}}, cube(1), 0);
   EXPECT_EQ(field({0.39, 0, 0}), 1);
   EXPECT_EQ(field({0.61, 0, 0}), 10);
   EXPECT_DOUBLE_EQ(field({0.5, 0.3, 0}), 11);
@@ -28,7 +28,7 @@ TEST(TiledField, IsOneFieldDeepInATileAndBlendsAtItsFaces) {
 
 TEST(TiledField, GradientsAreThoseOfTheValues) {
   const auto left = std::make_shared<Implicit>(sphere(1)), right = std::make_shared<Implicit>(sphere(0.9, {0.1, 0, 0}));
-  const TiledField field(two_tiles, {{left, left}, {right, right}}, cube(1), 0);
+  const TiledField<3> field(two_tiles, {{left, left}, {right, right}}, cube(1), 0);
   const Points<3> x = columns({Point<3>(0.46, 0.3, 0.2), Point<3>(0.53, -0.2, 0.7), Point<3>(0.1, 0, 0)});
   const Jet<3> jet = field.evaluate(x, Derivatives::gradient);
   constexpr double h = 1e-6;
@@ -42,7 +42,7 @@ TEST(TiledField, GradientsAreThoseOfTheValues) {
 // The value at a point does not depend on what else is in the block.
 TEST(TiledField, BlocksDoNotMatter) {
   const auto left = std::make_shared<Implicit>(sphere(1)), right = std::make_shared<Implicit>(sphere(0.9));
-  const TiledField field(two_tiles, {{left, left}, {right, right}}, cube(1), 0);
+  const TiledField<3> field(two_tiles, {{left, left}, {right, right}}, cube(1), 0);
   Points<3> x(3, 200);
   for (Index i = 0; i < x.cols(); ++i) x.col(i) << 0.3 + 0.002 * static_cast<double>(i), 0.1, std::sin(i);
   Eigen::VectorXd together(x.cols());
@@ -51,13 +51,13 @@ TEST(TiledField, BlocksDoNotMatter) {
 }
 
 TEST(TiledField, SeedsAreThoseOfEachTileInItsOwnBox) {
-  const TiledField field(two_tiles, {{constant(1), nullptr}, {nullptr, constant(2)}}, cube(1), 0);
+  const TiledField<3> field(two_tiles, {{constant(1), nullptr}, {nullptr, constant(2)}}, cube(1), 0);
   ASSERT_EQ(field.seeds().cols(), 1);
   EXPECT_EQ(field.seeds()(0, 0), 0.2);
 }
 
 TEST(TiledField, ATileWithoutFieldsHasNoValue) {
-  const TiledField field(two_tiles, {{constant(1), constant(1)}, {}}, cube(1), 0);
+  const TiledField<3> field(two_tiles, {{constant(1), constant(1)}, {}}, cube(1), 0);
   EXPECT_TRUE(std::isnan(field({0.9, 0, 0})));
   EXPECT_EQ(field({0.2, 0, 0}), 1);
 }

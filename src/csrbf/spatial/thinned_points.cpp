@@ -1,7 +1,8 @@
-#include "csrbf/surface/tiles/thinned_points.hpp"
+#include "csrbf/spatial/thinned_points.hpp"
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
+#include "csrbf/spatial/morton_code.hpp"
 
 #include <numbers>
 #include <numeric>
@@ -9,18 +10,10 @@
 namespace csrbf {
 namespace {
 
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1FFFFF;
-  x = (x | x << 32) & 0x1F00000000FFFF;
-  x = (x | x << 16) & 0x1F0000FF0000FF;
-  x = (x | x << 8) & 0x100F00F00F00F00F;
-  x = (x | x << 4) & 0x10C30C30C30C30C3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
 // Of the entries [begin, end) of a curve, the one nearest to their mean.
-Index most_central(const PointsRef<3>& points, const std::vector<Index>& order, Index begin, Index end) {
-  Point<3> mean = Point<3>::Zero();
+template <int Dim>
+Index most_central(const PointsRef<Dim>& points, const std::vector<Index>& order, Index begin, Index end) {
+  Point<Dim> mean = Point<Dim>::Zero();
   for (Index i = begin; i < end; ++i) mean += points.col(order[i]);
   mean /= static_cast<double>(end - begin);
   Index best = begin;
@@ -37,27 +30,29 @@ Index most_central(const PointsRef<3>& points, const std::vector<Index>& order, 
 
 }  // namespace
 
-ThinningGrid ThinningGrid::over(const Box<3>& box, double spacing) {
+template <int Dim>
+ThinningGrid<Dim> ThinningGrid<Dim>::over(const Box<Dim>& box, double spacing) {
   ThinningGrid grid;
   grid.origin = box.lo;
   // A little more than the box, so that its upper faces are inside.
-  grid.cube = std::max(box.extent().maxCoeff() * (1 + 1e-9), std::numeric_limits<double>::min()) / (1 << bits);
+  grid.cube =
+      std::max(box.extent().maxCoeff() * (1 + 1e-9), std::numeric_limits<double>::min()) / std::ldexp(1.0, bits);
   const double ratio = std::log2(std::max(1.0, spacing / grid.cube));
   grid.spacing_bits = std::clamp(static_cast<int>(std::lround(ratio)), 0, bits);
   return grid;
 }
 
-std::uint64_t ThinningGrid::key(const Point<3>& x) const {
-  std::uint64_t key = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    constexpr double last = (1 << bits) - 1;
-    const double cell = std::clamp(std::floor((x[axis] - origin[axis]) / cube), 0.0, last);
-    key |= spread(static_cast<std::uint64_t>(cell)) << axis;
-  }
-  return key;
+template <int Dim>
+std::uint64_t ThinningGrid<Dim>::key(const Point<Dim>& x) const {
+  const double last = std::ldexp(1.0, bits) - 1;
+  std::array<std::uint64_t, Dim> cell;
+  for (int axis = 0; axis < Dim; ++axis)
+    cell[axis] = static_cast<std::uint64_t>(std::clamp(std::floor((x[axis] - origin[axis]) / cube), 0.0, last));
+  return morton_code<Dim>(cell, bits);
 }
 
-ThinnedPoints thin(const PointsRef<3>& points, const ThinningGrid& grid) {
+template <int Dim>
+ThinnedPoints thin(const PointsRef<Dim>& points, const ThinningGrid<Dim>& grid) {
   const Index n = points.cols();
   std::vector<std::uint64_t> key(n);
   for (Index i = 0; i < n; ++i) key[i] = grid.key(points.col(i));
@@ -66,11 +61,11 @@ ThinnedPoints thin(const PointsRef<3>& points, const ThinningGrid& grid) {
   std::iota(result.order.begin(), result.order.end(), Index{0});
   std::stable_sort(result.order.begin(), result.order.end(), [&](Index a, Index b) { return key[a] < key[b]; });
   for (int level = 1; level < grid.levels(); ++level) {
-    const int shift = std::min(63, 3 * (grid.spacing_bits + level));
+    const int shift = std::min(63, Dim * (grid.spacing_bits + level));
     std::vector<Index> chosen;
     for (Index begin = 0, end = 0; begin < n; begin = end) {
       while (end < n && key[result.order[end]] >> shift == key[result.order[begin]] >> shift) ++end;
-      chosen.push_back(most_central(points, result.order, begin, end));
+      chosen.push_back(most_central<Dim>(points, result.order, begin, end));
     }
     result.levels.push_back(std::move(chosen));
   }
@@ -82,23 +77,33 @@ int level_at(double distance, double halo) {
   return static_cast<int>(std::ceil(std::log2(distance / halo)));
 }
 
-double typical_spacing(const PointsRef<3>& sample, Index n) {
+template <int Dim>
+double typical_spacing(const PointsRef<Dim>& sample, Index n, int dimension) {
   constexpr Index neighbors = 9;
   const Index m = sample.cols(), near = std::min(neighbors, m - 1);
   if (near < 1) return 0;
-  const KdTree<3> tree(sample);
-  std::vector<double> area(m);
+  const KdTree<Dim> tree(sample);
+  // The volume of each point: that of a ball around it, divided among those in it.
+  const double unit_ball = std::pow(std::numbers::pi, dimension / 2.0) / std::tgamma(dimension / 2.0 + 1);
+  std::vector<double> volume(m);
   parallel_for(m, 1024, [&](Index begin, Index end) {
     std::vector<Index> ids(near + 1);
     std::vector<double> squared(near + 1);
     for (Index i = begin; i < end; ++i) {
       const Index found = tree.nearest(sample.col(i), near + 1, ids.data(), squared.data());
-      area[i] = std::numbers::pi * squared[found - 1] / static_cast<double>(near);
+      volume[i] = unit_ball * std::pow(squared[found - 1], dimension / 2.0) / static_cast<double>(near);
     }
   });
-  const auto middle = area.begin() + m / 2;
-  std::nth_element(area.begin(), middle, area.end());
-  return std::sqrt(*middle * static_cast<double>(m) / static_cast<double>(n));
+  const auto middle = volume.begin() + m / 2;
+  std::nth_element(volume.begin(), middle, volume.end());
+  return std::pow(*middle * static_cast<double>(m) / static_cast<double>(n), 1.0 / dimension);
 }
+
+#define CSRBF_INSTANTIATE(Dim)                                                                   \
+  template struct ThinningGrid<Dim>;                                                             \
+  template ThinnedPoints thin<Dim>(const PointsRef<Dim>& points, const ThinningGrid<Dim>& grid); \
+  template double typical_spacing<Dim>(const PointsRef<Dim>&, Index, int);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

@@ -1,4 +1,4 @@
-#include "csrbf/surface/tiles/tile_plan.hpp"
+#include "csrbf/spatial/tile_plan.hpp"
 
 #include "csrbf/core/error.hpp"
 
@@ -21,7 +21,7 @@ Points<3> random_points(Index n) {
 TEST(TilePlan, TilesHaveEqualSharesAndFillSpace) {
   const Points<3> points = random_points(7000);
   for (const Index tiles : {1, 2, 7, 12}) {
-    const TilePlan plan(cut_into_tiles(points, tiles), 0.01);
+    const TilePlan<3> plan(cut_into_tiles<3>(points, tiles), 0.01);
     ASSERT_EQ(plan.size(), tiles);
     std::vector<Index> count(tiles);
     for (Index i = 0; i < points.cols(); ++i) {
@@ -36,7 +36,7 @@ TEST(TilePlan, TilesHaveEqualSharesAndFillSpace) {
 
 TEST(TilePlan, ABoxMeetsTheTilesOfItsPoints) {
   const Points<3> points = random_points(2000);
-  const TilePlan plan(cut_into_tiles(points, 9), 0.01);
+  const TilePlan<3> plan(cut_into_tiles<3>(points, 9), 0.01);
   const Box<3> box{{-1, -0.4, -0.3}, {1.5, 0.2, 0.6}};
   std::vector<Index> expected;
   for (Index t = 0; t < plan.size(); ++t)
@@ -45,7 +45,7 @@ TEST(TilePlan, ABoxMeetsTheTilesOfItsPoints) {
 }
 
 TEST(TilePlan, DeepPointsAreFartherThanTheBlendFromAllFaces) {
-  const TilePlan plan({{0, -1, -2, 0.5}}, 0.1);
+  const TilePlan<3> plan({{0, -1, -2, 0.5}}, 0.1);
   EXPECT_EQ(plan.tile_of(Point<3>(0.45, 0, 0)), 0);
   EXPECT_FALSE(plan.is_deep(Point<3>(0.45, 0, 0), 0));
   EXPECT_TRUE(plan.is_deep(Point<3>(0.39, 0, 1e9), 0));
@@ -53,10 +53,10 @@ TEST(TilePlan, DeepPointsAreFartherThanTheBlendFromAllFaces) {
 }
 
 TEST(TilePlan, CutsThatAreNoTreeAreRefused) {
-  EXPECT_THROW(TilePlan({{0, 0, -1, 0.5}}, 0.1), InvalidInput);  // its own side
-  EXPECT_THROW(TilePlan({{3, -1, -2, 0.5}}, 0.1), InvalidInput);
-  EXPECT_THROW(TilePlan({{0, -1, -1, 0.5}}, 0.1), InvalidInput);  // the second tile is missing
-  EXPECT_THROW(TilePlan({}, -1), InvalidInput);
+  EXPECT_THROW(TilePlan<3>({{0, 0, -1, 0.5}}, 0.1), InvalidInput);  // its own side
+  EXPECT_THROW(TilePlan<3>({{3, -1, -2, 0.5}}, 0.1), InvalidInput);
+  EXPECT_THROW(TilePlan<3>({{0, -1, -1, 0.5}}, 0.1), InvalidInput);  // the second tile is missing
+  EXPECT_THROW(TilePlan<3>({}, -1), InvalidInput);
 }
 
 }  // namespace
