@@ -118,6 +118,15 @@ class CommandFlags {
 };
 
 /// Which points of a scanner are used.
+inline void add_tile_flags(CommandFlags& v, TileFlags& f) {
+  v.positive_flag("tile-points", f.points, "N", "all at once",
+                  "work in tiles with up to N points: any number of points in the memory that N of them need");
+  v.flag("tile-folder", f.folder, "DIR", "OUT.tiles",
+         "folder for finished steps of the tiles, from which an interrupted run goes on");
+  v.flag("tile-share", f.share, "K/N", "1/1",
+         "this is process K of N that work in the same folder; start each of them");
+}
+
 inline void add_point_flags(CommandFlags& v, PointFlags& f) {
   v.flag("class", f.classes, "N,N,...", "all",
          "use only points of these classes, as of .las files: 2 is ground, 5 high vegetation, 6 building");

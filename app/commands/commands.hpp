@@ -9,6 +9,13 @@ namespace csrbf::app {
 
 // One struct per command: the arguments as typed, of which only the syntax is checked. Empty values mean "not given".
 
+// Work in tiles: see commands/tile_flags.hpp.
+struct TileFlags {
+  Index points = 0;  // of a tile at most; 0: all at once
+  std::string folder;
+  std::string share;
+};
+
 struct ReconstructCommand {
   std::string input, output;
   std::string method = "auto";
@@ -22,9 +29,7 @@ struct ReconstructCommand {
   std::string trim = "none";
   std::string model;
   bool resume = false;
-  Index tile_points = 0;
-  std::string tile_folder;
-  std::string tile_share;
+  TileFlags tiles;
 };
 
 struct EstimateNormalsCommand {
@@ -94,6 +99,7 @@ struct FitCommand {
   std::string sphere, drift, derivatives, faults;
   std::optional<double> missing;
   PointFlags points;
+  TileFlags tiles;
   bool resume = false;
 };
 

@@ -1,10 +1,12 @@
 #include "commands/fit_summary.hpp"
+#include "commands/tile_flags.hpp"
 #include "inputs/describe_table.hpp"
 #include "report/fit_page.hpp"
 
 #include "csrbf/core/joined.hpp"
 #include "csrbf/io/files/text.hpp"
 #include "csrbf/io/images/geotiff.hpp"
+#include "csrbf/tiles/fit_tiles.hpp"
 
 #include <algorithm>
 
@@ -81,11 +83,57 @@ void say_drift(const NamedFunction& model, const SampleTable& samples, Session& 
   session.say("drift: " + text + "; evaluate needs these columns too");
 }
 
+// What tiles do not do.
+void expect_tile_flags(const FitCommand& command, const Session& session) {
+  if (command.resume) refuse_in_tiles("--resume", "leave it out: tiles always go on from --tile-folder");
+  if (command.fit.centers > 0) refuse_in_tiles("--centers", "leave it out: each tile chooses its settings");
+  if (!command.periods.empty()) refuse_in_tiles("--periods", "leave it out");
+  if (!command.sphere.empty()) refuse_in_tiles("--sphere", "leave it out");
+  if (!command.derivatives.empty()) refuse_in_tiles("--derivatives", "leave it out");
+  if (!command.faults.empty()) refuse_in_tiles("--faults", "leave it out");
+  if (!command.drift.empty()) refuse_in_tiles("--drift", "leave it out");
+  if (!make_selection(command.points).is_all()) refuse_in_tiles("--class and --returns", "select the points first");
+  expect_tile_files(command.input, command.output, session);
+}
+
+void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& session) {
+  expect_tile_flags(command, session);
+  FitTileOptions options;
+  options.tile_points = command.tiles.points;
+  options.folder = tile_folder(command.tiles, command.output);
+  options.columns = {.coordinates = command.coordinates, .values = command.values, .weights = command.weights};
+  options.fit = fit;
+  options.fit.missing = command.missing;
+  options.share = tile_share(command.tiles);
+  const FitTileReport done = fit_tiles(command.input, command.output, options);
+  session.input = {
+      {"file", command.input},      {"samples", done.fit.samples},         {"coordinates", done.coordinate_names},
+      {"values", done.value_names}, {"weights", !command.weights.empty()}, {"dropped", done.dropped}};
+  session.options = {{"output", command.output},
+                     {"coordinates", done.coordinate_names},
+                     {"values", done.value_names},
+                     {"weights", or_null(command.weights)},
+                     {"missing", or_null(command.missing)}};
+  add_tile_options(command.tiles, command.output, session);
+  session.result = {{"dimension", done.coordinate_names.size()},
+                    {"components", done.value_names.size()},
+                    {"tiles", done.tiles},
+                    {"tiles_continued", done.continued}};
+  add_fit_report(command.fit, done.fit, session);
+  if (done.dropped > 0) session.warn(counted(done.dropped, "row") + " without numbers, or a value, left out");
+  session.say(command.output + ": function of " + counted(std::ssize(done.coordinate_names), "variable") + " from " +
+              counted(done.fit.samples, "sample") + " in " + counted(done.tiles, "tile"));
+  session.say("coordinates: " + joined(done.coordinate_names) +
+              (done.value_names.size() > 1 ? "; values: " : "; value: ") + joined(done.value_names));
+  say_fit(done.fit, session);
+}
+
 }  // namespace
 
 void run(const FitCommand& command, Session& session) {
   FitOptions options = make_fit_options(command.fit, session);
   session.expect_output("--output", command.output, ".csrbf", "models");
+  if (works_in_tiles(command.tiles)) return run_in_tiles(command, options, session);
   if (command.resume) session.resume(command.input, command.output);
   const PointSelection selection = make_selection(command.points);
   SampleTable samples = session.timed("read", [&] {

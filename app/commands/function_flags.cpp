@@ -62,6 +62,7 @@ void declare(CommandFlags& v, FitCommand& c) {
          "columns of covariates, which enter linearly (universal kriging); evaluate needs them as well");
   v.flag("missing", c.missing, "VALUE", "none", "value, such as -9999, of samples that have none: they are left out");
   add_point_flags(v, c.points);
+  add_tile_flags(v, c.tiles);
   v.resume(c.resume);
 }
 

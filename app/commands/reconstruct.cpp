@@ -1,4 +1,5 @@
 #include "commands/mesh_summary.hpp"
+#include "commands/tile_flags.hpp"
 #include "report/reconstruct_page.hpp"
 
 #include "csrbf/implicit/polygonize.hpp"
@@ -68,52 +69,26 @@ void say_quality(const ReconstructReport& r, Session& session) {
               ", 99 % " + rounded(r.p99_distance) + ", largest " + rounded(r.max_distance));
 }
 
-// "3/8": the third of eight processes.
-TileShare parse_share(const std::string& text) {
-  if (text.empty()) return {};
-  const std::size_t slash = text.find('/');
-  const auto number = [&](const std::string& word) -> Index {
-    const bool digits = !word.empty() && word.size() < 10 && word.find_first_not_of("0123456789") == std::string::npos;
-    return digits ? std::stoll(word) : 0;
-  };
-  const Index rank = number(text.substr(0, slash));
-  const Index count = slash == std::string::npos ? 0 : number(text.substr(slash + 1));
-  if (rank < 1 || rank > count) throw UsageError("--tile-share " + text + ": must be K/N, process K of N, such as 1/4");
-  return {rank - 1, count};
-}
-
 // What tiles do not do yet, or never will.
 void expect_tile_flags(const ReconstructCommand& command, const Session& session) {
-  const auto refuse = [](const std::string& flag, const std::string& instead) {
-    throw UsageError(flag + " does not go with --tile-points; " + instead);
-  };
-  if (command.trim != "none") refuse("--trim", "leave it out: the mesh is watertight");
-  if (!command.model.empty()) refuse("--model", "leave it out: the mesh is all that is kept");
-  if (command.resume) refuse("--resume", "leave it out: tiles always go on from --tile-folder");
-  if (command.tolerance > 0) refuse("--tolerance", "leave it out: each tile chooses its settings");
-  if (command.centers > 0) refuse("--centers", "leave it out: each tile chooses its settings");
-  if (!make_selection(command.points).is_all()) refuse("--class and --returns", "select the points first");
+  if (command.trim != "none") refuse_in_tiles("--trim", "leave it out: the mesh is watertight");
+  if (!command.model.empty()) refuse_in_tiles("--model", "leave it out: the mesh is all that is kept");
+  if (command.resume) refuse_in_tiles("--resume", "leave it out: tiles always go on from --tile-folder");
+  if (command.tolerance > 0) refuse_in_tiles("--tolerance", "leave it out: each tile chooses its settings");
+  if (command.centers > 0) refuse_in_tiles("--centers", "leave it out: each tile chooses its settings");
+  if (!make_selection(command.points).is_all()) refuse_in_tiles("--class and --returns", "select the points first");
   if (command.method != "auto" && command.method != "composite")
-    refuse("--method " + command.method, "tiles are made by the method composite");
-  if (command.input == "-") refuse("standard input", "give a file, for it is read twice");
-  if (command.output == "-") refuse("standard output", "give a file");
-  if (session.wants_page()) refuse("a report in HTML", "give a report in JSON, and csrbf studio shows the mesh");
-}
-
-bool works_in_tiles(const ReconstructCommand& command) {
-  if (command.tile_points > 0) return true;
-  if (!command.tile_folder.empty()) throw UsageError("--tile-folder needs --tile-points N");
-  if (!command.tile_share.empty()) throw UsageError("--tile-share needs --tile-points N");
-  return false;
+    refuse_in_tiles("--method " + command.method, "tiles are made by the method composite");
+  expect_tile_files(command.input, command.output, session);
 }
 
 void run_in_tiles(const ReconstructCommand& command, Session& session) {
-  const TileShare share = parse_share(command.tile_share);
+  const TileShare share = tile_share(command.tiles);
   expect_mesh_output(command.output, session);
   expect_tile_flags(command, session);
   TileOptions options;
-  options.tile_points = command.tile_points;
-  options.folder = command.tile_folder.empty() ? command.output + ".tiles" : command.tile_folder;
+  options.tile_points = command.tiles.points;
+  options.folder = tile_folder(command.tiles, command.output);
   options.surface = make_reconstruct_options(command, session);
   options.resolution = command.resolution;
   if (command.sharp != "auto")
@@ -121,19 +96,14 @@ void run_in_tiles(const ReconstructCommand& command, Session& session) {
   options.share = share;
   const TileReport done = reconstruct_tiles(command.input, command.output, options);
   session.input = {{"file", command.input}, {"points", done.surface.points}};
-  session.options = {{"output", command.output},
-                     {"method", done.surface.method},
-                     {"normals", name_of(done.surface.normals)},
-                     {"smoothing", command.smoothing},
-                     {"resolution", done.resolution},
-                     {"sharp", command.sharp},
-                     {"tile_points", command.tile_points},
-                     {"tile_folder", options.folder},
-                     {"tile_share", std::to_string(share.rank + 1) + "/" + std::to_string(share.count)}};
+  session.options = {
+      {"output", command.output},       {"method", done.surface.method}, {"normals", name_of(done.surface.normals)},
+      {"smoothing", command.smoothing}, {"resolution", done.resolution}, {"sharp", command.sharp}};
+  add_tile_options(command.tiles, command.output, session);
   add_report(done.surface, session);
   session.result["tiles"] = done.tiles;
   session.result["tiles_continued"] = done.continued;
-  session.say(counted(done.tiles, "tile") + " of up to " + counted(command.tile_points, "point"));
+  session.say(counted(done.tiles, "tile") + " of up to " + counted(command.tiles.points, "point"));
   if (share.rank == 0) add_mesh_summary(command.output, done.topology, session);
   say_quality(done.surface, session);
 }
@@ -259,7 +229,7 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOp
 }  // namespace
 
 void run(const ReconstructCommand& command, Session& session) {
-  if (works_in_tiles(command)) {
+  if (works_in_tiles(command.tiles)) {
     run_in_tiles(command, session);
     return;
   }

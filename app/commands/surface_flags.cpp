@@ -48,12 +48,7 @@ void declare(CommandFlags& v, ReconstructCommand& c) {
   v.flag("model", c.model, "FILE", "", "save the implicit surface: .csrbf");
   add_point_flags(v, c.points);
   v.resume(c.resume);
-  v.positive_flag("tile-points", c.tile_points, "N", "all at once",
-                  "work in tiles with up to N points: any number of points in the memory that N of them need");
-  v.flag("tile-folder", c.tile_folder, "DIR", "OUT.tiles",
-         "folder for finished steps of the tiles, from which an interrupted run goes on");
-  v.flag("tile-share", c.tile_share, "K/N", "1/1",
-         "this is process K of N that work in the same folder; start each of them");
+  add_tile_flags(v, c.tiles);
 }
 
 void declare(CommandFlags& v, EstimateNormalsCommand& c) {

@@ -14,15 +14,6 @@ namespace {
 
 constexpr std::size_t longest_header = 1 << 16;  // bytes; files with longer ones are read whole
 
-// 64-bit seek.
-bool seek(std::FILE* file, std::size_t position) {
-#ifdef _WIN32
-  return _fseeki64(file, static_cast<long long>(position), SEEK_SET) == 0;
-#else
-  return fseeko(file, static_cast<off_t>(position), SEEK_SET) == 0;
-#endif
-}
-
 std::string read_up_to(std::FILE* file, std::size_t bytes) {
   std::string text(bytes, '\0');
   text.resize(std::fread(text.data(), 1, bytes, file));
@@ -100,7 +91,8 @@ PointCloud PointStream::read(Index begin, Index end) {
     bytes = format_npy_header(header.type, {end - begin, header.shape[1]});
   }
   const std::size_t wanted = point_size_ * static_cast<std::size_t>(end - begin);
-  if (!seek(file_.get(), data_begin_ + point_size_ * static_cast<std::size_t>(begin)))
+  const std::size_t at = data_begin_ + point_size_ * static_cast<std::size_t>(begin);
+  if (!seek_file(file_.get(), static_cast<std::int64_t>(at), SEEK_SET))
     throw IoError(path_ + ": cannot move to point " + std::to_string(begin));
   const std::string data = read_up_to(file_.get(), wanted);
   if (data.size() < wanted) throw IoError(path_ + ": the file ends before point " + std::to_string(end));

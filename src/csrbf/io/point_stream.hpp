@@ -1,9 +1,8 @@
 #pragma once
 
 #include "csrbf/core/mesh.hpp"
+#include "csrbf/io/files/open_file.hpp"
 
-#include <cstdio>
-#include <memory>
 #include <string>
 
 namespace csrbf {
@@ -22,17 +21,13 @@ class PointStream {
   [[nodiscard]] PointCloud read(Index begin, Index end);
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
   bool open_ply(std::string_view start);
   bool open_npy(std::string_view start);
 
   std::string path_, extension_;
   Index size_ = 0;
   // Points of a fixed size behind a header.
-  std::unique_ptr<std::FILE, Close> file_;
+  OpenFile file_;
   std::size_t data_begin_ = 0, point_size_ = 0;
   std::string before_count_, after_count_;  // the header of a .ply file of other points, but for their number
   PointCloud all_;                          // of formats that are read whole

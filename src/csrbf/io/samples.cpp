@@ -245,22 +245,8 @@ void check_weights(const Eigen::VectorXd& weights, const std::vector<Index>& row
                     "; weights must not be negative");
 }
 
-}  // namespace
-
-std::vector<std::string> default_coordinate_names(Index d) {
-  const std::vector<std::string> axes{"x", "y", "z"};
-  if (d <= std::ssize(axes)) return {axes.begin(), axes.begin() + d};
-  return numbered("x", d);
-}
-
-std::vector<std::string> default_value_names(Index k) {
-  return k == 1 ? std::vector<std::string>{"value"} : numbered("value", k);
-}
-
-SampleTable read_samples(const std::string& path, const SampleColumns& columns) {
-  const Source source = read_source(path, columns.points);
+SampleTable samples_of(const Source& source, const std::string& name, const SampleColumns& columns) {
   const Table& table = source.table;
-  const std::string name = display_name(path);
   ColumnPicker picker(table, name);
   const std::vector<Index> weights = picker.take(columns.weights);
   if (weights.size() > 1) throw IoError(name + ": weights must be one column, found " + in_quotes(columns.weights));
@@ -311,6 +297,26 @@ SampleTable read_samples(const std::string& path, const SampleColumns& columns) 
   if (columns.coordinates.empty()) samples.suspicion = row_number_among(table, coordinates);
   if (columns.values.empty() && samples.suspicion.empty()) samples.suspicion = row_number_among(table, values);
   return samples;
+}
+
+}  // namespace
+
+std::vector<std::string> default_coordinate_names(Index d) {
+  const std::vector<std::string> axes{"x", "y", "z"};
+  if (d <= std::ssize(axes)) return {axes.begin(), axes.begin() + d};
+  return numbered("x", d);
+}
+
+std::vector<std::string> default_value_names(Index k) {
+  return k == 1 ? std::vector<std::string>{"value"} : numbered("value", k);
+}
+
+SampleTable read_samples(const std::string& path, const SampleColumns& columns) {
+  return samples_of(read_source(path, columns.points), display_name(path), columns);
+}
+
+SampleTable parse_npy_samples(std::string_view bytes, const std::string& name, const SampleColumns& columns) {
+  return samples_of({table_of(parse_npy(bytes, name), name), "", {}, {}}, name, columns);
 }
 
 SampleSource read_sample_source(const std::string& path) {

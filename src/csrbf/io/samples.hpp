@@ -3,6 +3,7 @@
 #include "csrbf/io/points.hpp"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace csrbf {
@@ -45,6 +46,9 @@ std::vector<std::string> default_value_names(Index k);
 /// .nc) have x, y, which are the centres of the pixels, and value. Throws IoError "file:line: ..." for unreadable text,
 /// unknown columns (listing those there are), negative weights and when no row is left.
 SampleTable read_samples(const std::string& path, const SampleColumns& columns = {});
+
+/// The same for the bytes of a .npy file, or of a part of one behind a header of its own.
+SampleTable parse_npy_samples(std::string_view bytes, const std::string& name, const SampleColumns& columns = {});
 
 /// Reads faults: polylines in the plane, see FitOptions::faults, in the formats of samples: coordinates of vertices in
 /// the first two columns and, in a third one, the number of the line, which vertices of one line share; their order is

@@ -220,13 +220,6 @@ struct CompositeSurface {
   }
 };
 
-std::vector<Index> select(const std::vector<Index>& entries, const std::vector<Index>& ids) {
-  std::vector<Index> chosen;
-  chosen.reserve(ids.size());
-  for (const Index i : ids) chosen.push_back(entries[i]);
-  return chosen;
-}
-
 CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepared, const ReconstructOptions& options,
                              Index body_size, ReconstructReport& out) {
   CompositeSurface result;
@@ -241,7 +234,7 @@ CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepa
     out.fit_seconds += seconds_since(start);
     start = std::chrono::steady_clock::now();
     result.distance =
-        surface_distances(*field, input.points(Eigen::all, select(prepared.source, result.measured)), prepared.scale);
+        surface_distances(*field, input.points(Eigen::all, prepared.sources_of(result.measured)), prepared.scale);
     field->set_noisy(median(std::vector(result.distance)) * far_spacings > noisy_distance * field->data().far_value);
     result.field = field;
     out.evaluate_seconds += seconds_since(start);

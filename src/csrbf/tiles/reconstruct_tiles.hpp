@@ -2,20 +2,15 @@
 
 #include "csrbf/implicit/polygonize.hpp"
 #include "csrbf/surface/reconstruct.hpp"
+#include "csrbf/tiles/tile_share.hpp"
 
 #include <string>
 
 namespace csrbf {
 
-/// Which part of the work of reconstruct_tiles() a process does, when several share a folder.
-struct TileShare {
-  Index rank = 0;   ///< of this process, from 0
-  Index count = 1;  ///< processes; each must be started
-};
-
 /// How reconstruct_tiles() works. What is not said here is chosen from the data.
 struct TileOptions {
-  /// Points per tile at most, about; memory grows with it: about 800 bytes for each point of a tile.
+  /// Points per tile at most, about; memory grows with it: 1.2 to 1.6 kB for each point of a tile.
   Index tile_points = 1'000'000;
   /// Where finished steps are kept. A folder with steps of the same work is continued, to the same result.
   std::string folder;
@@ -49,7 +44,7 @@ struct TileReport {
 /// Every finished step is a file in `options.folder`. An interrupted run goes on from there when it is called again,
 /// and several processes (`options.share`) that see the folder divide the work, on one machine or many; the mesh is the
 /// same, byte for byte, for any number of processes and threads. The folder is emptied at the end. Time O(n log n);
-/// memory proportional to the points of a tile, and to the triangles at the faces of tiles; disk about 600 bytes per
+/// memory proportional to the points of a tile, and to the triangles at the faces of tiles; disk about 500 bytes per
 /// point.
 ///
 /// Throws as reconstruct(), IoError for files, InvalidInput when the folder has steps of other work, SolverFailure when

@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/taylor.hpp"
+#include "csrbf/spatial/morton_order.hpp"
 
 #include <limits>
 
@@ -83,6 +84,17 @@ Points<Dim> TiledField<Dim>::seeds() const {
   Points<Dim> result(3, std::ssize(seeds));
   for (Index i = 0; i < result.cols(); ++i) result.col(i) = seeds[i];
   return result;
+}
+
+template <int Dim>
+std::vector<Index> TiledField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
+  const std::vector<Index> along_curve = rough_morton_order<Dim>(x);
+  std::vector<std::vector<Index>> by_tile(static_cast<std::size_t>(plan_.size()));
+  for (const Index i : along_curve) by_tile[static_cast<std::size_t>(plan_.tile_of(x.col(i)))].push_back(i);
+  std::vector<Index> order;
+  order.reserve(along_curve.size());
+  for (const std::vector<Index>& ids : by_tile) order.insert(order.end(), ids.begin(), ids.end());
+  return order;
 }
 
 template <int Dim>

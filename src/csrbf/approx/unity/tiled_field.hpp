@@ -28,6 +28,11 @@ class TiledField final : public Field<Dim> {
   /// Those of the fields `inside`, each in its own tile.
   [[nodiscard]] Points<Dim> seeds() const override;
   [[nodiscard]] double feature_size() const override { return feature_size_; }
+  /// Tile by tile, so that few are needed at a time.
+  [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<Dim>& x) const override;
+
+  [[nodiscard]] const TilePlan<Dim>& plan() const { return plan_; }
+  [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }
 
  private:
   TilePlan<Dim> plan_;

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 namespace csrbf {
@@ -12,5 +13,15 @@ std::string utf8_name(const std::filesystem::path& path);
 
 /// fopen() of a name in UTF-8.
 std::FILE* open_file(const std::string& path, const char* mode);
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+/// A file that is closed at the end, whatever was written: see AtomicFile for outputs.
+using OpenFile = std::unique_ptr<std::FILE, CloseFile>;
+
+/// fseek() in files of any size. Returns whether it worked.
+bool seek_file(std::FILE* file, std::int64_t offset, int origin);
 
 }  // namespace csrbf

@@ -3,7 +3,9 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/bytes.hpp"
+#include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/models/tile_store.hpp"
 
 #include <zlib.h>
 
@@ -123,6 +125,19 @@ void check_file(std::string_view bytes, const std::string& name) {
     throw IoError(name + ": the file is damaged: its checksum does not match");
 }
 
+// The size of an archive that is followed by others in its file; 0: there are none, or it is no archive.
+std::size_t size_before_tiles(const std::string& path) {
+  std::error_code error;
+  if (path == "-" || !std::filesystem::is_regular_file(utf8_path(path), error)) return 0;
+  const OpenFile file(open_file(path, "rb"));
+  std::string head(head_size, '\0');
+  if (file == nullptr || std::fread(head.data(), 1, head_size, file.get()) != head_size || !head.starts_with(magic))
+    return 0;
+  const auto size = load_scalar<std::uint64_t>(head.data() + size_offset);
+  const std::uintmax_t whole = std::filesystem::file_size(utf8_path(path), error);
+  return !error && size < whole && size >= head_size + checksum_size ? static_cast<std::size_t>(size) : 0;
+}
+
 }  // namespace
 
 void Archive::set(const std::string& prefix, Archive part) {
@@ -195,6 +210,7 @@ Archive parse_archive(std::string_view bytes, const std::string& name) {
   Reader reader(bytes.substr(head_size, bytes.size() - head_size - checksum_size), name);
   Archive archive;
   archive.source = name;
+  archive.file_size = static_cast<std::int64_t>(bytes.size());
   archive.kind = reader.text();
   const auto entries = reader.scalar<std::uint64_t>();
   for (std::uint64_t i = 0; i < entries; ++i) {
@@ -210,7 +226,17 @@ void write_archive(const std::string& path, const Archive& archive) {
 }
 
 Archive read_archive(const std::string& path) {
-  return parse_archive(read_file(path), display_name(path));
+  const std::size_t size = size_before_tiles(path);
+  if (size == 0) return parse_archive(read_file(path), display_name(path));
+  std::string bytes(size, '\0');
+  const OpenFile file(open_file(path, "rb"));
+  if (file == nullptr || std::fread(bytes.data(), 1, size, file.get()) != size)
+    throw IoError(path + ": the file cannot be read");
+  Archive archive = parse_archive(bytes, path);
+  const std::int64_t behind = static_cast<std::int64_t>(std::filesystem::file_size(utf8_path(path)) - size);
+  if (!archive.has(tile_sizes_entry) || archive.array<std::int64_t>(tile_sizes_entry, -1, 1).sum() != behind)
+    archive.fail("the file is damaged: " + std::to_string(behind) + " bytes behind the model belong to nothing");
+  return archive;
 }
 
 }  // namespace csrbf

@@ -20,8 +20,9 @@ class Archive {
   using Value = std::variant<double, std::int64_t, std::string, ArchiveArray<double>, ArchiveArray<float>,
                              ArchiveArray<std::int32_t>, ArchiveArray<std::int64_t>, ArchiveArray<std::uint8_t>>;
 
-  std::string kind;    ///< of the object that the entries describe
-  std::string source;  ///< the file they were read from, for messages
+  std::string kind;            ///< of the object that the entries describe
+  std::string source;          ///< the file they were read from, for messages
+  std::int64_t file_size = 0;  ///< of the archive alone: tiles of a model may follow in its file
 
   void set(const std::string& name, double value) { values_[name] = value; }
   void set(const std::string& name, std::string value) { values_[name] = std::move(value); }
@@ -86,6 +87,18 @@ class Archive {
   std::map<std::string, Value> values_;
 };
 
+/// A box, which may be empty, as the entries "lower_bounds" and "upper_bounds".
+template <int Dim>
+void set_box(Archive& archive, const Box<Dim>& box) {
+  archive.set("lower_bounds", box.lo);
+  archive.set("upper_bounds", box.hi);
+}
+
+template <int Dim>
+Box<Dim> box_of(const Archive& archive) {
+  return {archive.array<double>("lower_bounds", Dim, 1), archive.array<double>("upper_bounds", Dim, 1)};
+}
+
 /// Format version that this version writes; it reads all up to this one.
 inline constexpr int archive_format = 1;
 
@@ -102,7 +115,7 @@ Archive parse_archive(std::string_view bytes, const std::string& name);
 /// Writes an archive, complete or not at all (AtomicFile). Throws IoError.
 void write_archive(const std::string& path, const Archive& archive);
 
-/// Reads an archive. Throws IoError.
+/// Reads an archive, without the tiles that follow the one of a model in tiles. Throws IoError.
 Archive read_archive(const std::string& path);
 
 }  // namespace csrbf

@@ -8,10 +8,12 @@
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
+#include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/models/drift_archive.hpp"
 #include "csrbf/io/models/field_parts.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"
+#include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 
 namespace csrbf {
@@ -29,6 +31,7 @@ constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
 constexpr const char* sphere_kind = "field on the sphere";
 constexpr const char* divided_kind = "divided by faults";
+constexpr const char* tiled_kind = "fields of tiles";
 constexpr const char* derivatives_kind = "values and derivatives";
 constexpr std::int64_t most_charts = 64;
 constexpr std::int64_t most_regions = 256;  // limits on damaged files, above what fits make
@@ -119,7 +122,7 @@ bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
          kind == track_kind || kind == blended_kind || kind == fitted_kind || kind == lattice_kind ||
          kind == largest_kind || kind == sphere_kind || kind == drift_kind || kind == derivatives_kind ||
-         kind == divided_kind;
+         kind == divided_kind || kind == tiled_kind;
 }
 
 template <int Dim>
@@ -176,6 +179,8 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     archive = this->sphere(*sphere);
   } else if (const auto* drift = dynamic_cast<const DriftField<Dim>*>(&field)) {
     archive = drift_to_archive(*drift);
+  } else if (const auto* tiled = dynamic_cast<const TiledField<Dim>*>(&field)) {
+    archive = this->tiled(*tiled);
   } else if (!level_set(field, archive)) {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
@@ -200,6 +205,49 @@ Archive FieldWriter<Dim>::sphere(const SphereField<Dim>& field) {
   if constexpr (SphereField<Dim>::space_dim > Dim)
     if (parts.space) archive.set("space", alone(*parts.space));
   return archive;
+}
+
+// What all tiles have in common: they follow the archive in the file.
+template <int Dim>
+Archive FieldWriter<Dim>::tiled(const TiledField<Dim>& field) {
+  Archive archive;
+  archive.kind = tiled_kind;
+  set_box(archive, field.bounds());
+  set_plan(archive, field.plan());
+  archive.set("feature_size", field.feature_size());
+  std::vector<double> factors;
+  for (const typename TiledField<Dim>::Tile& tile : field.tiles()) {
+    const auto* stored = dynamic_cast<const StoredField<Dim>*>(tile.inside.get());
+    if (stored == nullptr) throw InvalidInput("write_model: field: fields of tiles have a file form only in files");
+    archive.set("component", stored->part().component);
+    archive.set("is_variance", stored->part().is_variance ? 1 : 0);
+    factors.push_back(stored->factor());
+  }
+  archive.set("factors", factors);
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> FieldReader<Dim>::tiled(const Archive& archive) {
+  if (!tiles_) {
+    const auto& sizes = archive_.array<std::int64_t>(tile_sizes_entry, -1, 1);
+    std::vector<std::int64_t> begin{archive_.file_size};
+    for (const std::int64_t size : sizes.reshaped()) {
+      if (size < 0) archive_.fail("a size of a tile is damaged");
+      begin.push_back(begin.back() + size);
+    }
+    tiles_ = std::make_shared<const TileStore<Dim>>(archive_.source, std::move(begin));
+  }
+  TilePlan<Dim> plan = plan_of<Dim>(archive);
+  if (plan.size() != tiles_->size()) archive.fail("the plan is not that of the tiles");
+  const typename StoredField<Dim>::Part part{archive.integer("component", 0, most_levels),
+                                             archive.integer("is_variance", 0, 1) == 1};
+  const std::vector<double> factors = archive.column("factors", plan.size());
+  std::vector<typename TiledField<Dim>::Tile> fields;
+  for (Index t = 0; t < plan.size(); ++t)
+    fields.push_back({std::make_shared<const StoredField<Dim>>(tiles_, t, part, factors[t]), nullptr});
+  return std::make_shared<const TiledField<Dim>>(std::move(plan), std::move(fields), box_of<Dim>(archive),
+                                                 archive.number("feature_size"));
 }
 
 // The archive of a field of one dimension or two: a level set of a segmentation, or one divided by faults.
@@ -304,6 +352,7 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
   }
   if (archive.kind == sphere_kind) return sphere(archive);
   if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);
+  if (archive.kind == tiled_kind) return tiled(archive);
   if (auto level_set = this->level_set(archive)) return level_set;
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
 }

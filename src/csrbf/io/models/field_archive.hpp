@@ -10,6 +10,10 @@ namespace csrbf {
 
 template <int Dim>
 class SphereField;
+template <int Dim>
+class TiledField;
+template <int Dim>
+class TileStore;
 
 /// Is this the kind of an archive made by FieldWriter?
 bool is_field_kind(const std::string& kind);
@@ -26,6 +30,7 @@ class FieldWriter {
 
  private:
   Archive sphere(const SphereField<Dim>& field);
+  Archive tiled(const TiledField<Dim>& field);
   bool level_set(const Field<Dim>& field, Archive& archive);
   std::int64_t share(const void* object, const std::function<Archive()>& to_archive);
 
@@ -45,6 +50,7 @@ class FieldReader {
 
  private:
   std::shared_ptr<const Field<Dim>> sphere(const Archive& archive);
+  std::shared_ptr<const Field<Dim>> tiled(const Archive& archive);
   std::shared_ptr<const Field<Dim>> level_set(const Archive& archive);
   template <class T>
   std::shared_ptr<const T> shared(const Archive& user, const std::string& name, const char* kind,
@@ -52,6 +58,7 @@ class FieldReader {
 
   const Archive& archive_;
   std::map<std::int64_t, std::shared_ptr<const void>> read_;
+  std::shared_ptr<const TileStore<Dim>> tiles_;
 };
 
 }  // namespace csrbf

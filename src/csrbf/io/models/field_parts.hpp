@@ -50,16 +50,4 @@ inline constexpr int most_degree = 20;
 /// A number that must be positive and finite.
 double positive_number(const Archive& archive, const std::string& name);
 
-template <int Dim>
-void set_box(Archive& archive, const Box<Dim>& box) {
-  archive.set("lower_bounds", box.lo);
-  archive.set("upper_bounds", box.hi);
-}
-
-/// A box, which may be empty.
-template <int Dim>
-Box<Dim> box_of(const Archive& archive) {
-  return {archive.array<double>("lower_bounds", Dim, 1), archive.array<double>("upper_bounds", Dim, 1)};
-}
-
 }  // namespace csrbf

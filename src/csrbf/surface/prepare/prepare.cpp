@@ -120,13 +120,6 @@ Kept all_but_stray(const Points<3>& points, const NeighborTable& near) {
   return kept;
 }
 
-std::vector<Index> select(const std::vector<Index>& entries, const std::vector<Index>& ids) {
-  std::vector<Index> chosen;
-  chosen.reserve(ids.size());
-  for (const Index i : ids) chosen.push_back(entries[i]);
-  return chosen;
-}
-
 // Puts the given points of the input into unit coordinates and Morton order, and finds their neighbours.
 NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedCloud& result) {
   Points<3> points = input.points(Eigen::all, ids);
@@ -136,7 +129,8 @@ NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedClo
   for (Index i = 0; i < points.cols(); ++i) points.col(i) = (points.col(i) - result.origin) / result.scale;
   require_spread(points);
   const std::vector<Index> order = morton_order<3>(points);
-  result.source = select(ids, order);
+  result.source = std::move(ids);
+  result.source = result.sources_of(order);
   result.cloud.points = points(Eigen::all, order);  // must not move in memory: the tree refers to it
   result.tree = std::make_unique<const KdTree<3>>(result.cloud.points);
   return make_neighbor_table(result.cloud.points, *result.tree, neighbors);
@@ -154,7 +148,7 @@ NeighborTable place_all_but_clutter(const PointCloud& input, const std::vector<I
   }
   const std::vector<Index> kept = all_but_clutter(result.cloud.points, normals, density);
   warn(result.warnings, result.cloud.size() - std::ssize(kept), "points scattered around the surface left out");
-  return place(input, select(result.source, kept), result);
+  return place(input, result.sources_of(kept), result);
 }
 
 // Drops stray points. If the rest is much smaller, it gets new unit coordinates: far points would cost all others
@@ -171,7 +165,7 @@ NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Ind
     if (dropped == 0) break;
     stray += dropped;
     Points<3> left = result.cloud.points(Eigen::all, used);
-    result.source = select(result.source, used);
+    result.source = result.sources_of(used);
     far = bounding_box<3>(left).diagonal() < far_strays;
     if (far) {
       near = place(input, std::move(result.source), result);
@@ -186,6 +180,13 @@ NeighborTable place_all_but_stray(const PointCloud& input, const std::vector<Ind
 }
 
 }  // namespace
+
+std::vector<Index> PreparedCloud::sources_of(const std::vector<Index>& points) const {
+  std::vector<Index> result;
+  result.reserve(points.size());
+  for (const Index i : points) result.push_back(source[i]);
+  return result;
+}
 
 PreparedCloud prepare(const PointCloud& input, Normals source, const Progress& progress,
                       const std::optional<Box<3>>& region) {

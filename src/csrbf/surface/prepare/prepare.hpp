@@ -15,6 +15,9 @@ struct PreparedCloud {
   double scale = 1;
   Box<3> bounds;              ///< of the points used, in the user's coordinates
   std::vector<Index> source;  ///< index in the input of every point used
+  /// Indices in the input of some points of the cloud.
+  [[nodiscard]] std::vector<Index> sources_of(const std::vector<Index>& points) const;
+
   /// Parts of the cloud, indices ascending, that gaps wider than a few spacings separate from the largest part.
   std::vector<std::vector<Index>> components;
   NormalSource normals = NormalSource::file;

@@ -4,8 +4,6 @@
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/open_file.hpp"
 
-#include <memory>
-
 namespace csrbf {
 namespace {
 
@@ -76,10 +74,6 @@ class FieldReader {
   [[noreturn]] void fail() const { throw IoError(path_ + ": the file is damaged or incomplete"); }
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
   std::size_t count(std::size_t each) {
     const auto n = take<std::int64_t>();
     if (n < 0 || static_cast<std::size_t>(n) > left_ / each) fail();
@@ -87,7 +81,7 @@ class FieldReader {
   }
 
   std::string path_;
-  std::unique_ptr<std::FILE, Close> file_;
+  OpenFile file_;
   std::size_t left_ = 0;
 };
 

@@ -6,7 +6,6 @@
 #include "csrbf/io/files/open_file.hpp"
 
 #include <cerrno>
-#include <memory>
 
 namespace csrbf {
 namespace {
@@ -15,38 +14,24 @@ constexpr std::size_t buffered = std::size_t{64} << 20;  // bytes in the buffers
 constexpr Index block_points = 4096;                     // with a box of their own
 constexpr std::string_view tile_magic = "csrbftil";
 
-struct CloseTileFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using TileFile = std::unique_ptr<std::FILE, CloseTileFile>;
-
-std::size_t point_bytes(bool normals) {
-  return 3 * sizeof(double) + (normals ? 3 * sizeof(float) : 0);
-}
-
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
   throw IoError(path + ": " + what + (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
 }
 
-void append_point(std::string& out, const Point<3>& point, const Point<3>* normal) {
-  for (int axis = 0; axis < 3; ++axis) append_scalar(out, point[axis]);
-  for (int axis = 0; axis < 3 && normal != nullptr; ++axis) append_scalar(out, static_cast<float>((*normal)[axis]));
+template <int Dim>
+void append_point(std::string& out, const Point<Dim>& point) {
+  for (const double x : point) append_scalar(out, x);
 }
 
-Point<3> load_point(const char* bytes) {
-  return {load_scalar<double>(bytes), load_scalar<double>(bytes + 8), load_scalar<double>(bytes + 16)};
+template <int Dim>
+Point<Dim> load_point(const char* bytes) {
+  Point<Dim> point;
+  for (int axis = 0; axis < Dim; ++axis) point[axis] = load_scalar<double>(bytes + sizeof(double) * axis);
+  return point;
 }
 
-Point<3> load_normal(const char* bytes) {
-  return {load_scalar<float>(bytes + 24), load_scalar<float>(bytes + 28), load_scalar<float>(bytes + 32)};
-}
-
-bool seek_forward(std::FILE* file, std::size_t bytes) {
-#ifdef _WIN32
-  return _fseeki64(file, static_cast<long long>(bytes), SEEK_CUR) == 0;
-#else
-  return fseeko(file, static_cast<off_t>(bytes), SEEK_CUR) == 0;
-#endif
+bool skip(std::FILE* file, std::size_t bytes) {
+  return seek_file(file, static_cast<std::int64_t>(bytes), SEEK_CUR);
 }
 
 std::string read_bytes(std::FILE* file, const std::string& path, std::size_t count) {
@@ -62,127 +47,137 @@ std::int64_t read_number(std::FILE* file, const std::string& path) {
 }
 
 // Appends a level: the number of its points, the boxes of its blocks, its points.
-void append_level(const PointCloud& cloud, const std::vector<Index>& ids, std::string& out) {
+template <int Dim>
+void append_level(const Records<Dim>& records, const std::vector<Index>& ids, std::string& out) {
+  const auto points = records.matrix();
   append_scalar(out, static_cast<std::int64_t>(ids.size()));
   for (Index begin = 0; begin < std::ssize(ids); begin += block_points) {
-    Box<3> box;
+    Box<Dim> box;
     for (Index i = begin; i < std::min(begin + block_points, std::ssize(ids)); ++i)
-      box.add(Point<3>(cloud.points.col(ids[i])));
-    for (const Point<3>& corner : {box.lo, box.hi}) append_point(out, corner, nullptr);
+      box.add(Point<Dim>(points.col(ids[i])));
+    append_point<Dim>(out, box.lo);
+    append_point<Dim>(out, box.hi);
   }
   for (const Index i : ids) {
-    const Point<3> normal = cloud.has_normals() ? Point<3>(cloud.normals.col(i)) : Point<3>::Zero();
-    append_point(out, cloud.points.col(i), cloud.has_normals() ? &normal : nullptr);
+    append_point<Dim>(out, points.col(i));
+    out += records.payload_of(i);
   }
 }
 
 }  // namespace
 
-PointDealer::PointDealer(std::vector<std::string> paths, bool normals)
+RecordDealer::RecordDealer(std::vector<std::string> paths)
     : paths_(std::move(paths)),
-      normals_(normals),
       buffers_(paths_.size()),
       most_(std::max<std::size_t>(1 << 14, buffered / std::max<std::size_t>(1, paths_.size()))) {
   for (const std::string& path : paths_) {
     errno = 0;
-    if (TileFile(open_file(path, "wb")) == nullptr) fail(path, "cannot be written");
+    if (OpenFile(open_file(path, "wb")) == nullptr) fail(path, "cannot be written");
   }
 }
 
-void PointDealer::add(Index tile, const Point<3>& point, const Point<3>* normal) {
-  append_point(buffers_[tile], point, normals_ ? normal : nullptr);
+template <int Dim>
+void RecordDealer::add(Index tile, const Point<Dim>& point, std::string_view payload) {
+  append_point<Dim>(buffers_[tile], point);
+  buffers_[tile] += payload;
   if (buffers_[tile].size() >= most_) flush(tile);
 }
 
-void PointDealer::flush() {
+void RecordDealer::flush() {
   for (std::size_t tile = 0; tile < paths_.size(); ++tile) flush(static_cast<Index>(tile));
 }
 
-void PointDealer::flush(Index tile) {
+void RecordDealer::flush(Index tile) {
   std::string& buffer = buffers_[tile];
   if (buffer.empty()) return;
   errno = 0;
-  const TileFile file(open_file(paths_[tile], "ab"));
+  const OpenFile file(open_file(paths_[tile], "ab"));
   if (file == nullptr || std::fwrite(buffer.data(), 1, buffer.size(), file.get()) != buffer.size() ||
       std::fflush(file.get()) != 0)
     fail(paths_[tile], "cannot be written");
   buffer.clear();
 }
 
-PointCloud read_raw_points(const std::vector<std::string>& paths, bool normals) {
-  std::string bytes;
+template <int Dim>
+Records<Dim> read_raw_records(const std::vector<std::string>& paths, std::size_t payload) {
+  Records<Dim> records;
+  records.each = payload;
+  const std::size_t each = Dim * sizeof(double) + payload;
   for (const std::string& path : paths) {
-    const TileFile file(open_file(path, "rb"));
+    const OpenFile file(open_file(path, "rb"));
     if (file == nullptr) continue;
     const std::size_t size = std::filesystem::file_size(utf8_path(path));
-    bytes += read_bytes(file.get(), path, size);
+    const std::string bytes = read_bytes(file.get(), path, size);
+    for (const char* at = bytes.data(); at + each <= bytes.data() + size; at += each)
+      records.add(load_point<Dim>(at), {at + Dim * sizeof(double), payload});
   }
-  const std::size_t each = point_bytes(normals);
-  PointCloud cloud;
-  const auto n = static_cast<Index>(bytes.size() / each);
-  cloud.points.resize(3, n);
-  cloud.normals.resize(3, normals ? n : 0);
-  for (Index i = 0; i < n; ++i) {
-    const char* at = bytes.data() + each * static_cast<std::size_t>(i);
-    cloud.points.col(i) = load_point(at);
-    if (normals) cloud.normals.col(i) = load_normal(at);
-  }
-  return cloud;
+  return records;
 }
 
-void write_tile_points(const std::string& path, const PointCloud& cloud, const ThinnedPoints& thinned) {
+template <int Dim>
+void write_tile(const std::string& path, const Records<Dim>& records, const ThinnedPoints& thinned) {
   AtomicFile file(path);
   std::string out(tile_magic);
-  append_scalar(out, static_cast<std::int64_t>(cloud.has_normals() ? 1 : 0));
+  append_scalar(out, static_cast<std::int64_t>(records.each));
   append_scalar(out, static_cast<std::int64_t>(thinned.levels.size() + 1));
-  append_level(cloud, thinned.order, out);
+  append_level(records, thinned.order, out);
   file.write(out);
   for (const std::vector<Index>& level : thinned.levels) {
     std::vector<Index> ids;
     for (const Index i : level) ids.push_back(thinned.order[i]);
     out.clear();
-    append_level(cloud, ids, out);
+    append_level(records, ids, out);
     file.write(out);
   }
   file.commit();
 }
 
-void read_tile_points(const std::string& path, int level, const std::function<bool(const Box<3>&)>& wants_box,
-                      const std::function<bool(const Point<3>&)>& wants_point, GatheredPoints& out) {
+template <int Dim>
+void read_tile(const std::string& path, int level, const std::function<bool(const Box<Dim>&)>& wants_box,
+               const std::function<bool(const Point<Dim>&)>& wants_point, Records<Dim>& out) {
   errno = 0;
-  const TileFile file(open_file(path, "rb"));
+  const OpenFile file(open_file(path, "rb"));
   if (file == nullptr) fail(path, "cannot be read");
   if (read_bytes(file.get(), path, tile_magic.size()) != tile_magic) fail(path, "is no tile");
-  const bool normals = read_number(file.get(), path) != 0;
+  const std::int64_t payload = read_number(file.get(), path);
+  if (payload != static_cast<std::int64_t>(out.each)) fail(path, "is a tile of other work");
   const std::int64_t levels = read_number(file.get(), path);
-  const std::size_t each = point_bytes(normals);
+  constexpr std::size_t point_size = Dim * sizeof(double), box_size = 2 * point_size;
+  const std::size_t each = point_size + out.each;
   for (int k = 0; k < std::min<std::int64_t>(level + 1, levels); ++k) {
     const std::int64_t count = read_number(file.get(), path);
     const std::int64_t blocks = (count + block_points - 1) / block_points;
+    const auto boxes_size = static_cast<std::size_t>(blocks) * box_size;
     if (k < level) {
-      if (!seek_forward(file.get(), static_cast<std::size_t>(blocks) * 48 + static_cast<std::size_t>(count) * each))
+      if (!skip(file.get(), boxes_size + static_cast<std::size_t>(count) * each))
         fail(path, "the file is damaged or incomplete");
       continue;
     }
-    const std::string boxes = read_bytes(file.get(), path, static_cast<std::size_t>(blocks) * 48);
+    const std::string boxes = read_bytes(file.get(), path, boxes_size);
     for (std::int64_t b = 0; b < blocks; ++b) {
-      const char* at = boxes.data() + 48 * static_cast<std::size_t>(b);
+      const char* at = boxes.data() + box_size * static_cast<std::size_t>(b);
       const auto points = static_cast<std::size_t>(std::min<std::int64_t>(block_points, count - b * block_points));
-      if (!wants_box({load_point(at), load_point(at + 24)})) {
-        if (!seek_forward(file.get(), points * each)) fail(path, "the file is damaged or incomplete");
+      if (!wants_box({load_point<Dim>(at), load_point<Dim>(at + point_size)})) {
+        if (!skip(file.get(), points * each)) fail(path, "the file is damaged or incomplete");
         continue;
       }
       const std::string bytes = read_bytes(file.get(), path, points * each);
       for (std::size_t i = 0; i < points; ++i) {
-        const Point<3> point = load_point(bytes.data() + i * each);
-        if (!wants_point(point)) continue;
-        out.points.insert(out.points.end(), point.begin(), point.end());
-        if (!normals) continue;
-        const Point<3> normal = load_normal(bytes.data() + i * each);
-        out.normals.insert(out.normals.end(), normal.begin(), normal.end());
+        const char* record = bytes.data() + i * each;
+        const Point<Dim> point = load_point<Dim>(record);
+        if (wants_point(point)) out.add(point, {record + point_size, out.each});
       }
     }
   }
 }
+
+#define CSRBF_INSTANTIATE(Dim)                                                                       \
+  template void RecordDealer::add<Dim>(Index, const Point<Dim>&, std::string_view);                  \
+  template Records<Dim> read_raw_records<Dim>(const std::vector<std::string>&, std::size_t);         \
+  template void write_tile<Dim>(const std::string&, const Records<Dim>&, const ThinnedPoints&);      \
+  template void read_tile<Dim>(const std::string&, int, const std::function<bool(const Box<Dim>&)>&, \
+                               const std::function<bool(const Point<Dim>&)>&, Records<Dim>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
 
 }  // namespace csrbf

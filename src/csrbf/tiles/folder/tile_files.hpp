@@ -1,6 +1,5 @@
 #pragma once
 
-#include "csrbf/core/mesh.hpp"
 #include "csrbf/spatial/thinned_points.hpp"
 
 #include <functional>
@@ -9,13 +8,33 @@
 
 namespace csrbf {
 
-/// Appends the points of one tile after another to files, in buffers: any number of files, little memory. The files are
-/// raw: point_bytes() for each point, three doubles, then three floats if there are normals.
-class PointDealer {
- public:
-  PointDealer(std::vector<std::string> paths, bool normals);
+/// Points, each with the bytes that belong to it.
+template <int Dim>
+struct Records {
+  std::size_t each = 0;        ///< bytes of the payload of one point
+  std::vector<double> points;  ///< Dim each
+  std::string payload;
 
-  void add(Index tile, const Point<3>& point, const Point<3>* normal);
+  [[nodiscard]] Index size() const { return std::ssize(points) / Dim; }
+  /// Dim x n
+  [[nodiscard]] Eigen::Map<const Points<Dim>> matrix() const { return {points.data(), Dim, size()}; }
+  [[nodiscard]] std::string_view payload_of(Index i) const {
+    return std::string_view(payload).substr(static_cast<std::size_t>(i) * each, each);
+  }
+  void add(const Point<Dim>& point, std::string_view its_payload) {
+    points.insert(points.end(), point.begin(), point.end());
+    payload += its_payload;
+  }
+};
+
+/// Appends the records of one tile after another to files, in buffers: any number of files, little memory. The files
+/// are raw: the coordinates of each point as doubles, then its payload.
+class RecordDealer {
+ public:
+  explicit RecordDealer(std::vector<std::string> paths);
+
+  template <int Dim>
+  void add(Index tile, const Point<Dim>& point, std::string_view payload);
   /// Writes what is in the buffers. Throws IoError.
   void flush();
 
@@ -23,27 +42,22 @@ class PointDealer {
   void flush(Index tile);
 
   std::vector<std::string> paths_;
-  bool normals_;
   std::vector<std::string> buffers_;
   std::size_t most_;  // bytes in a buffer
 };
 
-/// The points of raw files, one after the other; missing files have none.
-PointCloud read_raw_points(const std::vector<std::string>& paths, bool normals);
+/// The records of raw files, one after the other, with so many bytes of payload each; missing files have none.
+template <int Dim>
+Records<Dim> read_raw_records(const std::vector<std::string>& paths, std::size_t payload);
 
 /// Writes a tile: its points along the curve and its levels of thinning, in blocks with their boxes. Throws IoError.
-void write_tile_points(const std::string& path, const PointCloud& cloud, const ThinnedPoints& thinned);
+template <int Dim>
+void write_tile(const std::string& path, const Records<Dim>& records, const ThinnedPoints& thinned);
 
-/// What read_tile_points() appends to.
-struct GatheredPoints {
-  std::vector<double> points, normals;  ///< 3 each
-
-  [[nodiscard]] Index size() const { return std::ssize(points) / 3; }
-};
-
-/// Appends the points of one level (0: all) that `wants_point` names, of blocks whose boxes `wants_box` names. A level
-/// beyond the last has no points. Throws IoError.
-void read_tile_points(const std::string& path, int level, const std::function<bool(const Box<3>&)>& wants_box,
-                      const std::function<bool(const Point<3>&)>& wants_point, GatheredPoints& out);
+/// Appends the records of one level (0: all) that `wants_point` names, of blocks whose boxes `wants_box` names. A level
+/// beyond the last has none. Throws IoError.
+template <int Dim>
+void read_tile(const std::string& path, int level, const std::function<bool(const Box<Dim>&)>& wants_box,
+               const std::function<bool(const Point<Dim>&)>& wants_point, Records<Dim>& out);
 
 }  // namespace csrbf

@@ -1,25 +1,11 @@
 #pragma once
 
-#include "csrbf/spatial/thinned_points.hpp"
-#include "csrbf/spatial/tile_plan.hpp"
+#include "csrbf/core/types.hpp"
 
 #include <functional>
 #include <string>
 
 namespace csrbf {
-
-/// What all tiles have in common.
-struct TileWork {
-  std::string fingerprint;  ///< of the input and the options
-  Index points = 0;         ///< finite ones in the input
-  Index non_finite = 0;     ///< others, left out
-  bool normals = false;     ///< the input has some
-  Box<3> bounds;            ///< of the finite points
-  double spacing = 0;       ///< typical distance between neighbouring points
-  double halo = 0;          ///< a tile sees all points up to that distance
-  ThinningGrid<3> grid;
-  TilePlan<3> plan;
-};
 
 /// The files of some work in a folder. A file has its name only when it is complete, so that whoever finds it can go on
 /// from there: after an interruption, or in another process.
@@ -31,10 +17,6 @@ class TileFolder {
   /// Path of a file: `kind` of the whole work, or of one tile.
   [[nodiscard]] std::string file(const std::string& kind) const;
   [[nodiscard]] std::string file(const std::string& kind, Index tile) const;
-
-  void write_work(const TileWork& work) const;
-  /// Throws IoError.
-  [[nodiscard]] TileWork read_work() const;
 
   /// Removes all files that this version writes, and the folder if nothing else is in it.
   void remove() const;

@@ -75,14 +75,16 @@ void write_border(const MeshPart& part, const std::vector<Cell>& starts, const s
 }
 
 // The data of each component, by the points of the tile.
-std::vector<DataSupport> find_supports(const Mesh& mesh, const TileFolder& folder, Index tile) {
+std::vector<DataSupport> find_supports(const Mesh& mesh, const TileWork<3>& work, const TileFolder& folder,
+                                       Index tile) {
   if (mesh.triangles.cols() == 0) return {};
   Index count = 0;
   const std::vector<Index> label = component_labels(mesh, count);
-  GatheredPoints points;
+  Records<3> points;
+  points.each = work.payload;
   const auto all = [](const auto&) { return true; };
-  read_tile_points(folder.file("points", tile), 0, all, all, points);
-  return data_support(mesh, label, count, Eigen::Map<const Points<3>>(points.points.data(), 3, points.size()));
+  read_tile<3>(folder.file("points", tile), 0, all, all, points);
+  return data_support(mesh, label, count, points.matrix());
 }
 
 std::tuple<int, int, int> sortable(const Cell& cell) {
@@ -91,7 +93,7 @@ std::tuple<int, int, int> sortable(const Cell& cell) {
 
 }  // namespace
 
-MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, int resolution,
+MeshWork plan_meshes(const TileWork<3>& work, const std::vector<TileFit>& fits, int resolution,
                      std::optional<PolygonizeMethod> method) {
   MeshWork mesh;
   double points = 0, noisy = 0, area = 0;
@@ -130,7 +132,7 @@ CellRange cells_of_tile(const MeshWork& mesh, const TilePlan<3>& plan, Index til
   return range;
 }
 
-void mesh_tile(const TileWork& work, const MeshWork& mesh, const TileFolder& folder, Index tile, int round,
+void mesh_tile(const TileWork<3>& work, const MeshWork& mesh, const TileFolder& folder, Index tile, int round,
                const std::vector<Cell>& starts, const Progress& progress) {
   const CellRange range = cells_of_tile(mesh, work.plan, tile);
   MeshPart part;
@@ -144,7 +146,7 @@ void mesh_tile(const TileWork& work, const MeshWork& mesh, const TileFolder& fol
     const TiledField<3> field(work.plan, std::move(tiles), mesh.bounds, mesh.feature_size);
     part = polygonize_part(field, mesh.lattice, range, starts, {.method = mesh.method, .progress = progress});
   }
-  write_part(part, find_supports(part.mesh, folder, tile), folder.file(part_kind(round), tile));
+  write_part(part, find_supports(part.mesh, work, folder, tile), folder.file(part_kind(round), tile));
   write_border(part, starts, folder.file(border_kind(round), tile));
 }
 

@@ -2,7 +2,7 @@
 
 #include "csrbf/implicit/polygonize_part.hpp"
 #include "csrbf/surface/check/data_support.hpp"
-#include "csrbf/tiles/stages/fit_tile.hpp"
+#include "csrbf/tiles/stages/fit_surface_tile.hpp"
 
 namespace csrbf {
 
@@ -16,7 +16,7 @@ struct MeshWork {
 };
 
 /// From the fits of all tiles. Resolution 0 and no method: those that suit the data.
-MeshWork plan_meshes(const TileWork& work, const std::vector<TileFit>& fits, int resolution,
+MeshWork plan_meshes(const TileWork<3>& work, const std::vector<TileFit>& fits, int resolution,
                      std::optional<PolygonizeMethod> method);
 
 /// The cells whose centres are in a tile.
@@ -38,7 +38,7 @@ struct TileBorder {
 
 /// Writes the triangles of a tile, "part", and its "border"; `round` counts the attempts. Needs the fits of the tiles
 /// around it.
-void mesh_tile(const TileWork& work, const MeshWork& mesh, const TileFolder& folder, Index tile, int round,
+void mesh_tile(const TileWork<3>& work, const MeshWork& mesh, const TileFolder& folder, Index tile, int round,
                const std::vector<polygonization::Cell>& starts, const Progress& progress);
 
 std::string part_kind(int round);

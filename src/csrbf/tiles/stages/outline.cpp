@@ -3,7 +3,8 @@
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/prepare/prepare.hpp"
-#include "csrbf/tiles/folder/tile_files.hpp"
+#include "csrbf/tiles/stages/cloud_records.hpp"
+#include "csrbf/tiles/stages/gather_records.hpp"
 
 namespace csrbf {
 namespace {
@@ -12,19 +13,8 @@ constexpr Index outline_points = 60'000;  // at most; chosen by hand
 
 }  // namespace
 
-void make_outline(const TileWork& work, const TileFolder& folder, const ReconstructOptions& options) {
-  const double times = static_cast<double>(work.points) / static_cast<double>(outline_points);
-  int level = std::max(0, static_cast<int>(std::ceil(std::log2(std::max(times, 1.0)) / 2)));  // a fourth per level
-  GatheredPoints found;
-  const auto all = [](const auto&) { return true; };
-  for (bool fits = false; !fits; ++level) {
-    found = {};
-    for (Index t = 0; t < work.plan.size(); ++t) read_tile_points(folder.file("points", t), level, all, all, found);
-    fits = found.size() <= outline_points || level + 1 >= work.grid.levels();
-  }
-  PointCloud cloud;
-  cloud.points = Eigen::Map<const Points<3>>(found.points.data(), 3, found.size());
-  if (work.normals) cloud.normals = Eigen::Map<const Points<3>>(found.normals.data(), 3, found.size());
+void make_outline(const TileWork<3>& work, const TileFolder& folder, const ReconstructOptions& options) {
+  const PointCloud cloud = cloud_of(thinned_records(work, folder, outline_points));
   const PreparedCloud prepared = prepare(cloud, options.normals, options.progress);
   Archive archive;
   archive.kind = "outline";

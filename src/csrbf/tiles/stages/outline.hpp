@@ -2,13 +2,13 @@
 
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/surface/reconstruct_options.hpp"
-#include "csrbf/tiles/folder/tile_folder.hpp"
+#include "csrbf/tiles/folder/tile_work.hpp"
 
 namespace csrbf {
 
 /// Writes the whole cloud, thinned to some ten thousand points, with its normals: "outline". It says which side is
 /// outside where tiles alone might disagree. Needs the points of all tiles.
-void make_outline(const TileWork& work, const TileFolder& folder, const ReconstructOptions& options);
+void make_outline(const TileWork<3>& work, const TileFolder& folder, const ReconstructOptions& options);
 
 /// Throws IoError.
 PointCloud read_outline(const TileFolder& folder);

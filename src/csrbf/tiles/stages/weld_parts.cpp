@@ -163,6 +163,7 @@ class Components {
 
   // Leaves what is kept of the next part, in the order in which they were added.
   void filter(TilePart& part) {
+    if (dropped_ == 0) return;
     Index count = 0;
     const std::vector<Index> label = component_labels(part.mesh, count);
     const Index first = next_;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "csrbf/surface/reconstruct.hpp"
-#include "csrbf/tiles/folder/tile_folder.hpp"
+#include "csrbf/tiles/folder/tile_work.hpp"
 
 namespace csrbf {
 
@@ -13,6 +13,7 @@ struct TileFit {
   bool noisy = false;       ///< the points are beside the surface, not on it
   Index patches = 0, centers = 0, levels = 0;
   Index leaf_size = 0;
+  double cross_validation_error = 0;  ///< of the points of the tile and around it
   NormalSource normals = NormalSource::file;
   double squared_distances = 0;  ///< of the points from the surface, fractions of the diagonal, summed
   double largest_distance = 0;
@@ -27,7 +28,7 @@ double bin_distance(Index bin);
 /// Reconstructs the surface in a tile and around it from all points there and ever fewer farther away, and writes it:
 /// "inside" where the tile is alone, "rim" where it blends with others, "fit" what is known. Memory and time are
 /// proportional to the points of a tile. Throws as reconstruct().
-void fit_tile(const TileWork& work, const TileFolder& folder, Index tile, const ReconstructOptions& options);
+void fit_surface_tile(const TileWork<3>& work, const TileFolder& folder, Index tile, const ReconstructOptions& options);
 
 /// Throws IoError.
 TileFit read_tile_fit(const TileFolder& folder, Index tile);

@@ -1,10 +1,11 @@
-#include "csrbf/tiles/stages/fit_tile.hpp"
+#include "csrbf/tiles/stages/fit_surface_tile.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/surface/composite/crop_field.hpp"
 #include "csrbf/tiles/folder/field_file.hpp"
-#include "csrbf/tiles/folder/tile_files.hpp"
+#include "csrbf/tiles/stages/cloud_records.hpp"
+#include "csrbf/tiles/stages/gather_records.hpp"
 #include "csrbf/tiles/stages/outline.hpp"
 
 namespace csrbf {
@@ -14,46 +15,8 @@ constexpr Index bins = 4000;
 constexpr double bins_per_factor = 100;  // of ten: 2.3 % each
 constexpr double smallest_bin = 1e-30;   // of the diagonal
 
-double distance_to(const Box<3>& box, const Point<3>& x) {
-  return (box.lo - x).cwiseMax(x - box.hi).cwiseMax(0.0).norm();
-}
-
-// Nearest and farthest distance of the points of a box from another box.
-std::pair<double, double> distances(const Box<3>& box, const Box<3>& other) {
-  const Point<3> nearest = (box.lo - other.hi).cwiseMax(other.lo - box.hi).cwiseMax(0.0);
-  const Point<3> farthest = (box.lo - other.lo).cwiseMax(other.hi - box.hi).cwiseMax(0.0);
-  return {nearest.norm(), farthest.norm()};
-}
-
-// Points as a tile sees them: all up to the halo, ever fewer farther away.
-PointCloud gather(const TileWork& work, const TileFolder& folder, Index tile) {
-  const Box<3>& own = work.plan.box(tile);
-  const auto level_of = [&](double distance) {
-    return std::min(level_at(distance, work.halo), work.grid.levels() - 1);
-  };
-  GatheredPoints found;
-  for (Index t = 0; t < work.plan.size(); ++t) {
-    Box<3> box = work.plan.box(t);
-    box.lo = box.lo.cwiseMax(work.bounds.lo);
-    box.hi = box.hi.cwiseMin(work.bounds.hi);
-    const auto [nearest, farthest] = distances(own, box);
-    for (int level = level_of(nearest); level <= level_of(farthest); ++level) {
-      const auto wants_box = [&](const Box<3>& block) {
-        const auto [near, far] = distances(own, block);
-        return level_of(near) <= level && level <= level_of(far);
-      };
-      const auto wants_point = [&](const Point<3>& p) { return level_of(distance_to(own, p)) == level; };
-      read_tile_points(folder.file("points", t), level, wants_box, wants_point, found);
-    }
-  }
-  PointCloud cloud;
-  cloud.points = Eigen::Map<const Points<3>>(found.points.data(), 3, found.size());
-  if (work.normals) cloud.normals = Eigen::Map<const Points<3>>(found.normals.data(), 3, found.size());
-  return cloud;
-}
-
 // As reconstruct(), with the outside on the same side as in all tiles. Changes the cloud where that differs.
-Reconstruction reconstruct_outward(PointCloud& cloud, const ReconstructOptions& options, const TileWork& work,
+Reconstruction reconstruct_outward(PointCloud& cloud, const ReconstructOptions& options, const TileWork<3>& work,
                                    const TileFolder& folder, Index tile) {
   Reconstruction surface = reconstruct(cloud, options);
   const bool own_side =
@@ -73,7 +36,7 @@ Reconstruction reconstruct_outward(PointCloud& cloud, const ReconstructOptions& 
 }
 
 TileFit describe(const Reconstruction& surface, const CompositeField& field, const PointCloud& cloud,
-                 const TileWork& work, Index tile) {
+                 const TileWork<3>& work, Index tile) {
   const ReconstructReport& report = surface.report;
   TileFit fit;
   fit.feature_size = field.feature_size();
@@ -82,6 +45,7 @@ TileFit describe(const Reconstruction& surface, const CompositeField& field, con
   fit.patches = report.composite->patches;
   fit.levels = report.composite->levels;
   fit.leaf_size = report.composite->settings.leaf_size;
+  fit.cross_validation_error = report.composite->cross_validation_error;
   fit.normals = report.normals;
   fit.warnings = report.warnings;
   fit.distances.assign(bins, 0);
@@ -102,15 +66,14 @@ void write_fit(const TileFit& fit, const std::string& path) {
   Archive archive;
   archive.kind = "tile fit";
   archive.set("points", fit.points);
-  Eigen::Matrix<double, 3, 2> corners;
-  corners << fit.bounds.lo, fit.bounds.hi;
-  archive.set("bounds", corners);
+  set_box(archive, fit.bounds);
   archive.set("feature_size", fit.feature_size);
   archive.set("noisy", fit.noisy ? 1 : 0);
   archive.set("patches", fit.patches);
   archive.set("centers", fit.centers);
   archive.set("levels", fit.levels);
   archive.set("leaf_size", fit.leaf_size);
+  archive.set("cross_validation_error", fit.cross_validation_error);
   archive.set("normals", fit.normals);
   archive.set("squared_distances", fit.squared_distances);
   archive.set("largest_distance", fit.largest_distance);
@@ -132,13 +95,17 @@ double bin_distance(Index bin) {
   return smallest_bin * std::pow(10.0, static_cast<double>(bin) / bins_per_factor);
 }
 
-void fit_tile(const TileWork& work, const TileFolder& folder, Index tile, const ReconstructOptions& options) {
+void fit_surface_tile(const TileWork<3>& work, const TileFolder& folder, Index tile,
+                      const ReconstructOptions& options) {
   const Box<3>& box = work.plan.box(tile);
   const double blend = work.plan.blend();
   TileFit fit;
   std::shared_ptr<const CompositeField> field;
   {
-    PointCloud cloud = gather(work, folder, tile);
+    Records<3> records = gather_near(work, folder, tile);
+    add_far(work, folder, tile, records);
+    PointCloud cloud = cloud_of(records);
+    records = {};
     ReconstructOptions here = options;
     here.method = "composite";
     if (work.plan.size() > 1) here.region = box.inflated(blend);
@@ -159,14 +126,14 @@ TileFit read_tile_fit(const TileFolder& folder, Index tile) {
   const Archive archive = read_archive(folder.file("fit", tile));
   TileFit fit;
   fit.points = archive.integer("points");
-  const auto& corners = archive.array<double>("bounds", 3, 2);
-  fit.bounds = {corners.col(0), corners.col(1)};
+  fit.bounds = box_of<3>(archive);
   fit.feature_size = archive.number("feature_size");
   fit.noisy = archive.integer("noisy") != 0;
   fit.patches = archive.integer("patches");
   fit.centers = archive.integer("centers");
   fit.levels = archive.integer("levels");
   fit.leaf_size = archive.integer("leaf_size");
+  fit.cross_validation_error = archive.number("cross_validation_error");
   fit.normals = static_cast<NormalSource>(archive.integer("normals", 0, 4));
   fit.squared_distances = archive.number("squared_distances");
   fit.largest_distance = archive.number("largest_distance");

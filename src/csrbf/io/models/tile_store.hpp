@@ -1,0 +1,83 @@
+#pragma once
+
+#include "csrbf/approx/function.hpp"
+#include "csrbf/io/models/archive.hpp"
+#include "csrbf/spatial/tile_plan.hpp"
+
+#include <list>
+#include <memory>
+#include <mutex>
+
+namespace csrbf {
+
+/// The tiles of a model: models of their own, one behind the other after the archive of the whole. They are read when
+/// they are needed; those used last stay in memory, up to about 1 GB.
+template <int Dim>
+class TileStore {
+ public:
+  struct Tile {
+    std::vector<std::shared_ptr<const Field<Dim>>> components, variances;
+  };
+
+  /// `begin`: where each tile begins in the file, and where the last one ends.
+  TileStore(std::string path, std::vector<std::int64_t> begin);
+
+  [[nodiscard]] Index size() const { return std::ssize(begin_) - 1; }
+  /// Thread safe. Throws IoError when the tile is damaged.
+  [[nodiscard]] std::shared_ptr<const Tile> tile(Index number) const;
+
+ private:
+  struct Kept {
+    Index number;
+    std::shared_ptr<const Tile> tile;
+  };
+
+  [[nodiscard]] std::shared_ptr<const Tile> read(Index number) const;
+
+  std::string path_;
+  std::vector<std::int64_t> begin_;
+  mutable std::mutex mutex_;
+  mutable std::list<Kept> kept_;  // the one used last is the first
+};
+
+/// One component of a tile, or its variance, times a factor.
+template <int Dim>
+class StoredField final : public Field<Dim> {
+ public:
+  struct Part {
+    Index component = 0;
+    bool is_variance = false;
+  };
+
+  StoredField(std::shared_ptr<const TileStore<Dim>> tiles, Index tile, Part part, double factor)
+      : tiles_(std::move(tiles)), tile_(tile), part_(part), factor_(factor) {}
+
+  void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
+  [[nodiscard]] Box<Dim> bounds() const override { return field()->bounds(); }
+
+  [[nodiscard]] const Part& part() const { return part_; }
+  [[nodiscard]] double factor() const { return factor_; }
+
+ private:
+  [[nodiscard]] std::shared_ptr<const Field<Dim>> field() const;
+
+  std::shared_ptr<const TileStore<Dim>> tiles_;
+  Index tile_;
+  Part part_;
+  double factor_;
+};
+
+/// The entry of a model in tiles with their sizes, in bytes.
+inline constexpr const char* tile_sizes_entry = "tile_sizes";
+
+/// Writes a function whose fields are TiledFields of StoredFields, with the models of its tiles, which are in files,
+/// tile by tile: complete or not at all (AtomicFile). Throws IoError.
+void write_tiled_model(const std::string& path, const NamedFunction& function, const std::vector<std::string>& tiles);
+
+template <int Dim>
+void set_plan(Archive& archive, const TilePlan<Dim>& plan);
+/// Throws IoError or InvalidInput for damaged plans.
+template <int Dim>
+TilePlan<Dim> plan_of(const Archive& archive);
+
+}  // namespace csrbf

@@ -1,0 +1,246 @@
+#include "csrbf/tiles/fit_tiles.hpp"
+
+#include "csrbf/core/error.hpp"
+#include "csrbf/core/joined.hpp"
+#include "csrbf/core/seconds_since.hpp"
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/tiles/folder/tile_team.hpp"
+#include "csrbf/tiles/stages/fit_function_tile.hpp"
+#include "csrbf/tiles/stages/sample_stream.hpp"
+
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace csrbf {
+namespace {
+
+constexpr Index fewest_tile_samples = 1000;        // smaller tiles consist of borders
+constexpr double far_units = 10;                   // ratio of the extents of axes that are scaled to equal extent
+constexpr Index looks = 64, rows_per_look = 1024;  // at the input, for the extents
+
+// In spacings, chosen by hand: tiles blend over the width of a patch, and see the samples of all patches there.
+constexpr double blend_spacings = 3;
+constexpr double patch_spacings = 6;
+
+void check_fit_tiles(const FitTileOptions& options) {
+  constexpr auto where = "fit_tiles";
+  const FitOptions& fit = options.fit;
+  require(options.tile_points >= fewest_tile_samples, where, "tile_points", options.tile_points,
+          "must be at least 1000");
+  require(fit.centers == 0, where, "centers", fit.centers, "tiles cannot share a budget of centres");
+  require(fit.periods.empty(), where, "periods", fit.periods.size(), "tiles do not repeat");
+  require(fit.sphere.empty(), where, "sphere", fit.sphere.size(), "tiles are boxes, not parts of a sphere");
+  require(fit.drift.empty(), where, "drift", fit.drift.size(), "tiles cannot share a drift");
+  require(fit.gradients.size() == 0, where, "gradients", fit.gradients.rows(), "tiles take values only");
+  require(fit.faults.empty(), where, "faults", fit.faults.size(), "tiles do not know them");
+}
+
+std::string fit_options_text(const FitTileOptions& options) {
+  const FitOptions& fit = options.fit;
+  std::ostringstream text;
+  text.precision(17);
+  text << "tile_points " << options.tile_points << " columns " << options.columns.coordinates << "|"
+       << options.columns.values << "|" << options.columns.weights << " method " << fit.method << " kernel "
+       << fit.kernel << " " << fit.kernel_parameter << " tolerance " << fit.tolerance << " smoothing "
+       << fit.smoothing.value_or(-1) << " degree " << fit.degree.value_or(-2) << " loss " << fit.loss << " missing "
+       << fit.missing.value_or(0) << (fit.missing ? "" : " none") << " extrapolation " << name_of(fit.extrapolation);
+  return text.str();
+}
+
+std::string lines(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += word + "\n";
+  return text;
+}
+
+// What one process does.
+template <int Dim>
+class FunctionInTiles {
+ public:
+  FunctionInTiles(const std::string& samples, const std::string& model, const FitTileOptions& options,
+                  SampleStream& stream)
+      : samples_(samples),
+        model_(model),
+        options_(options),
+        team_(options.folder, options.share, options.fit.progress),
+        folder_(team_.folder()),
+        stream_(stream) {}
+
+  FitTileReport run() {
+    report_.coordinate_names = stream_.head().coordinate_names;
+    report_.value_names = stream_.head().value_names;
+    team_.run([this] {
+      start();
+      prepare();
+      fit();
+      if (team_.leads()) {
+        report(team_.progress(), "write", 0);
+        write_function<Dim>(work_, folder_, tiles_, report_.fit, scales_, options_.fit.extrapolation, model_);
+      }
+      team_.finish();
+    });
+    return report_;
+  }
+
+ private:
+  [[nodiscard]] Index count() const { return work_.plan.size(); }
+
+  [[nodiscard]] RecordSource<Dim> source() {
+    const SampleTable& head = stream_.head();
+    const auto columns = static_cast<std::size_t>(head.values.cols() + (has_weights() ? 1 : 0));
+    return {.size = stream_.size(), .payload = sizeof(double) * columns, .read = [this](Index begin, Index end) {
+              return stream_.read<Dim>(begin, end, scales_);
+            }};
+  }
+  [[nodiscard]] bool has_weights() const { return !options_.columns.weights.empty(); }
+
+  // Axes of different units, by samples from all over the file.
+  Point<Dim> choose_scales() {
+    Point<Dim> scales = Point<Dim>::Ones();
+    if (Dim == 1 || !options_.fit.scale_axes) return scales;
+    Box<Dim> box;
+    for (Index look = 0; look < looks; ++look) {
+      const Index begin = stream_.size() * look / looks;
+      const Records<Dim> some = stream_.read<Dim>(begin, std::min(begin + rows_per_look, stream_.size()), scales);
+      for (Index i = 0; i < some.size(); ++i)
+        if (some.matrix().col(i).allFinite()) box.add(Point<Dim>(some.matrix().col(i)));
+    }
+    const Point<Dim> extent = box.empty() ? Point<Dim>::Ones() : box.extent();
+    double smallest = std::numeric_limits<double>::infinity();
+    for (const double e : extent)
+      if (e > 0) smallest = std::min(smallest, e);
+    if (!(extent.maxCoeff() > far_units * smallest)) return scales;
+    for (int a = 0; a < Dim; ++a)
+      if (extent[a] > 0) scales[a] = extent[a];
+    return scales;
+  }
+
+  void start() {
+    const std::string print = tile_fingerprint(samples_, options_.share, fit_options_text(options_));
+    const std::string file = folder_.file("work");
+    if (team_.leads() && !exists(file)) {
+      scales_ = choose_scales();
+      const TileRules rules{.tile_points = options_.tile_points,
+                            .dimension = Dim,
+                            .blend = [](double spacing, double) { return blend_spacings * spacing; },
+                            .reach = patch_spacings};
+      TileWork<Dim> work = plan_work<Dim>(source(), rules, 1, print, team_.progress());
+      work.notes.kind = "function";
+      work.notes.set("scales", scales_);
+      work.notes.set("components", stream_.head().values.cols());
+      work.notes.set("weights", has_weights() ? 1 : 0);
+      work.notes.set("coordinate_names", lines(report_.coordinate_names));
+      work.notes.set("value_names", lines(report_.value_names));
+      work.notes.set("crs", stream_.head().crs);
+      write_work(folder_, work);
+    }
+    team_.wait(file);
+    work_ = read_work<Dim>(folder_);
+    require_same_work(work_.fingerprint, print, options_.folder);
+    scales_ = work_.notes.numbers("scales", Dim, 1);
+    report_.tiles = count();
+    report_.dropped = work_.non_finite;
+  }
+
+  void prepare() {
+    const auto dealt = [&](Index process) { return folder_.file("dealt", process); };
+    if (!exists(dealt(team_.rank()))) {
+      deal_records<Dim>(source(), work_, folder_, team_.rank(), team_.processes(), team_.progress());
+      write_file(dealt(team_.rank()), "");
+    }
+    for (Index p = 0; p < team_.processes(); ++p) team_.wait(dealt(p));
+    team_.for_own_tiles("points", count(), [&](Index t) {
+      report(team_.progress(), "prepare", static_cast<double>(t) / static_cast<double>(count()));
+      sort_records(work_, folder_, t, team_.processes());
+    });
+    team_.wait_for_tiles("points", count());
+  }
+
+  void fit() {
+    const auto start = std::chrono::steady_clock::now();
+    report_.continued = team_.for_own_tiles("fit", count(), [&](Index t) {
+      FitOptions here = options_.fit;
+      here.progress = team_.part_of("fit", t, count());
+      fit_function_tile(work_, folder_, t, here);
+    });
+    team_.wait_for_tiles("fit", count());
+    for (Index t = 0; t < count(); ++t) tiles_.push_back(read_function_tile(folder_, t));
+    summarise();
+    report_.fit.fit_seconds = seconds_since(start);
+  }
+
+  // The reports of all tiles in one.
+  void summarise() {
+    FitReport& out = report_.fit;
+    std::set<std::string> methods, kernels;
+    std::map<std::string, Index> warnings;
+    out.partition.emplace();
+    double squares = 0, left_out = 0, smoothing = 0;
+    Index gross_errors = 0;
+    std::vector<double> noise(report_.value_names.size(), 0.0);
+    bool noise_known = true;
+    for (const FunctionTile& tile : tiles_) {
+      const FitReport& r = tile.report;
+      const auto share = static_cast<double>(tile.samples) / static_cast<double>(work_.points);
+      methods.insert(r.method);
+      kernels.insert(r.kernel);
+      out.centers += r.centers;
+      out.merged_duplicates += r.merged_duplicates;
+      out.partition->patches += r.partition->patches;
+      out.degree = std::max(out.degree, r.degree);
+      squares += share * r.rmse * r.rmse;
+      out.max_error = std::max(out.max_error, r.max_error);
+      left_out += share * r.cross_validation_rmse * r.cross_validation_rmse;
+      smoothing += share * r.smoothing;
+      gross_errors += std::ssize(r.gross_errors);
+      noise_known = noise_known && r.noise.size() == noise.size();
+      for (std::size_t c = 0; c < noise.size() && noise_known; ++c) noise[c] += share * r.noise[c] * r.noise[c];
+      for (const std::string& warning : r.warnings) ++warnings[warning];
+    }
+    out.method = joined({methods.begin(), methods.end()});
+    out.kernel = joined({kernels.begin(), kernels.end()});
+    out.samples = out.samples_fitted = work_.points;
+    out.rmse = std::sqrt(squares);
+    out.cross_validation_rmse = std::sqrt(left_out);
+    out.smoothing = smoothing;
+    if (noise_known)
+      for (const double n : noise) out.noise.push_back(std::sqrt(n));
+    out.axis_scales.assign(scales_.begin(), scales_.end());
+    if (gross_errors > 0)
+      out.warnings.push_back(std::to_string(gross_errors) +
+                             " gross errors left out, or given less weight, in all tiles");
+    for (const auto& [text, times] : warnings)
+      out.warnings.push_back((times > 1 ? "in " + std::to_string(times) + " tiles: " : "in one tile: ") + text);
+  }
+
+  const std::string& samples_;
+  const std::string& model_;
+  const FitTileOptions& options_;
+  TileTeam team_;
+  const TileFolder& folder_;
+  SampleStream& stream_;
+  Point<Dim> scales_ = Point<Dim>::Ones();
+  TileWork<Dim> work_;
+  std::vector<FunctionTile> tiles_;
+  FitTileReport report_;
+};
+
+}  // namespace
+
+FitTileReport fit_tiles(const std::string& samples, const std::string& model, const FitTileOptions& options) {
+  check_fit_tiles(options);
+  SampleStream stream(samples, options.columns, options.fit.missing);
+  switch (stream.head().coordinates.rows()) {
+#define CSRBF_CASE(Dim) \
+  case Dim:             \
+    return FunctionInTiles<Dim>(samples, model, options, stream).run();
+    CSRBF_FOR_EACH_DIM(CSRBF_CASE)
+#undef CSRBF_CASE
+    default:
+      throw InvalidInput("fit_tiles: coordinates = " + std::to_string(stream.head().coordinates.rows()) +
+                         ": must be 1 to " + std::to_string(largest_dimension) + "; choose fewer");
+  }
+}
+
+}  // namespace csrbf

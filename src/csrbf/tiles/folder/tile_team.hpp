@@ -1,0 +1,53 @@
+#pragma once
+
+#include "csrbf/core/progress.hpp"
+#include "csrbf/tiles/folder/tile_folder.hpp"
+#include "csrbf/tiles/tile_share.hpp"
+
+namespace csrbf {
+
+/// One process of those that share the work in a folder: tiles are dealt to them in turn, and each waits for the files
+/// that it needs of others.
+class TileTeam {
+ public:
+  /// Throws InvalidInput for a share that is none.
+  TileTeam(const std::string& folder, const TileShare& share, Progress progress);
+
+  [[nodiscard]] const TileFolder& folder() const { return folder_; }
+  [[nodiscard]] Index rank() const { return share_.rank; }
+  [[nodiscard]] Index processes() const { return share_.count; }
+  [[nodiscard]] bool leads() const { return share_.rank == 0; }
+  [[nodiscard]] const Progress& progress() const { return progress_; }
+
+  /// Returns once the file is there. Throws SolverFailure when another process gave up.
+  void wait(const std::string& path) const;
+  /// For the files of a kind of all tiles.
+  void wait_for_tiles(const std::string& kind, Index tiles) const;
+
+  /// Calls make(tile) for the own of so many tiles that lack a file of a kind; returns how many have it.
+  Index for_own_tiles(const std::string& kind, Index tiles, const std::function<void(Index)>& make) const;
+
+  /// Progress of step `done` of `total` in a stage.
+  [[nodiscard]] Progress part_of(const char* stage, Index done, Index total) const;
+
+  /// Does the work; when that fails, the others are told, and fail as well.
+  void run(const std::function<void()>& work) const;
+
+  /// Waits until all processes have come here; the leading one then removes the files.
+  void finish() const;
+
+ private:
+  [[nodiscard]] std::string failure() const { return folder_.file("failed"); }
+
+  TileFolder folder_;
+  TileShare share_;
+  Progress progress_;
+};
+
+/// What tells whether the steps in a folder belong to this version, this input and these options.
+std::string tile_fingerprint(const std::string& input, const TileShare& share, const std::string& options);
+
+/// Throws InvalidInput when the steps in a folder are of other work.
+void require_same_work(const std::string& found, const std::string& expected, const std::string& folder);
+
+}  // namespace csrbf

@@ -1,0 +1,169 @@
+#include "csrbf/tiles/stages/fit_function_tile.hpp"
+
+#include "csrbf/approx/fit.hpp"
+#include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/unity/tiled_field.hpp"
+#include "csrbf/core/error.hpp"
+#include "csrbf/io/files/open_file.hpp"
+#include "csrbf/io/model.hpp"
+#include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/io/models/tile_store.hpp"
+#include "csrbf/tiles/stages/gather_records.hpp"
+#include "csrbf/tiles/stages/sample_stream.hpp"
+
+#include <numeric>
+
+namespace csrbf {
+namespace {
+
+constexpr Index most_places = 60'000;  // of samples in the model: enough to say where there are some
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+// A field whose tiles are in the model to be written.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> field_of_tiles(const TileWork<Dim>& work,
+                                                 const std::shared_ptr<const TileStore<Dim>>& store,
+                                                 typename StoredField<Dim>::Part part,
+                                                 const std::vector<double>& factors) {
+  std::vector<typename TiledField<Dim>::Tile> fields;
+  for (Index t = 0; t < work.plan.size(); ++t)
+    fields.push_back(
+        {std::make_shared<const StoredField<Dim>>(store, t, part, factors[static_cast<std::size_t>(t)]), nullptr});
+  return std::make_shared<const TiledField<Dim>>(work.plan, std::move(fields), work.bounds, work.spacing);
+}
+
+}  // namespace
+
+template <int Dim>
+void fit_function_tile(const TileWork<Dim>& work, const TileFolder& folder, Index tile, const FitOptions& options) {
+  FunctionTile found;
+  {
+    Samples<Dim> samples;
+    {
+      Records<Dim> records = gather_near(work, folder, tile);
+      if (work.plan.size() > 1 && has_gaps(work, tile, records)) add_far(work, folder, tile, records);
+      samples = samples_of(records, work.notes.integer("weights") != 0);
+    }
+    for (Index i = 0; i < samples.size(); ++i)
+      if (work.plan.tile_of(samples.points.col(i)) == tile) ++found.samples;
+    FitOptions here = options;
+    here.extrapolation = Extrapolation::linear;  // up to the box of all samples, which is wider than that of these
+    here.missing = {};
+    Fit<Dim> fit = csrbf::fit<Dim>(samples, here);
+    samples = {};
+    fit.places = {};
+    found.report = fit.report;
+    found.has_variances = !fit.variances.empty();
+    found.variance_unit = fit.variance_unit;
+    write_model(folder.file("model", tile), NamedFunction{Function(std::move(fit))});
+  }
+  const FitReport& report = found.report;
+  Archive archive;
+  archive.kind = "function tile";
+  archive.set("samples", found.samples);
+  archive.set("has_variances", found.has_variances ? 1 : 0);
+  archive.set("variance_unit", found.variance_unit);
+  archive.set("method", report.method);
+  archive.set("kernel", report.kernel);
+  archive.set("fitted", report.samples);
+  archive.set("merged", report.merged_duplicates);
+  archive.set("gross_errors", report.gross_errors.size());
+  archive.set("centers", report.centers);
+  archive.set("patches", report.partition ? report.partition->patches : 0);
+  archive.set("degree", report.degree);
+  archive.set("smoothing", report.smoothing);
+  archive.set("rmse", report.rmse);
+  archive.set("max_error", report.max_error);
+  archive.set("cross_validation_rmse", report.cross_validation_rmse);
+  archive.set("noise", report.noise);
+  std::string warnings;
+  for (const std::string& warning : report.warnings) warnings += warning + "\n";
+  archive.set("warnings", warnings);
+  write_archive(folder.file("fit", tile), archive);
+}
+
+FunctionTile read_function_tile(const TileFolder& folder, Index tile) {
+  const Archive archive = read_archive(folder.file("fit", tile));
+  FunctionTile found;
+  found.samples = archive.integer("samples");
+  found.has_variances = archive.integer("has_variances") != 0;
+  found.variance_unit = archive.number("variance_unit");
+  FitReport& report = found.report;
+  report.method = archive.text("method");
+  report.kernel = archive.text("kernel");
+  report.samples = archive.integer("fitted");
+  report.merged_duplicates = archive.integer("merged");
+  report.gross_errors.resize(static_cast<std::size_t>(archive.integer("gross_errors")));
+  report.centers = archive.integer("centers");
+  report.partition.emplace().patches = archive.integer("patches");
+  report.degree = static_cast<int>(archive.integer("degree"));
+  report.smoothing = archive.number("smoothing");
+  report.rmse = archive.number("rmse");
+  report.max_error = archive.number("max_error");
+  report.cross_validation_rmse = archive.number("cross_validation_rmse");
+  report.noise = archive.column("noise");
+  report.warnings = words_of(archive.text("warnings"));
+  return found;
+}
+
+template <int Dim>
+void write_function(const TileWork<Dim>& work, const TileFolder& folder, const std::vector<FunctionTile>& tiles,
+                    const FitReport& report, const Point<Dim>& scales, Extrapolation extrapolation,
+                    const std::string& path) {
+  std::vector<std::string> files;
+  std::vector<std::int64_t> begin{0};
+  for (Index t = 0; t < work.plan.size(); ++t) {
+    files.push_back(folder.file("model", t));
+    begin.push_back(begin.back() + static_cast<std::int64_t>(std::filesystem::file_size(utf8_path(files.back()))));
+  }
+  const auto store = std::make_shared<const TileStore<Dim>>(path, std::move(begin));
+  typename FittedField<Dim>::Frame frame;
+  frame.scales = scales;
+  frame.box = {work.bounds.lo.cwiseProduct(scales), work.bounds.hi.cwiseProduct(scales)};
+  frame.extrapolation = extrapolation == Extrapolation::trend ? Extrapolation::linear : extrapolation;
+  Fit<Dim> fit;
+  fit.report = report;
+  const Index components = work.notes.integer("components");
+  const std::vector<double> ones(tiles.size(), 1.0);
+  for (Index c = 0; c < components; ++c)
+    fit.components.push_back(
+        std::make_shared<const FittedField<Dim>>(field_of_tiles<Dim>(work, store, {c, false}, ones), frame));
+  bool have_variances = true;
+  for (const FunctionTile& tile : tiles) {
+    have_variances = have_variances && tile.has_variances;
+    fit.variance_unit = std::max(fit.variance_unit, tile.variance_unit);
+  }
+  if (have_variances) {
+    std::vector<double> factors;
+    for (const FunctionTile& tile : tiles) factors.push_back(std::pow(tile.variance_unit / fit.variance_unit, 2));
+    // Tiles know how variances grow outside of their samples.
+    if (frame.extrapolation != Extrapolation::nan) frame.extrapolation = Extrapolation::trend;
+    for (Index c = 0; c < components; ++c)
+      fit.variances.push_back(
+          std::make_shared<const FittedField<Dim>>(field_of_tiles<Dim>(work, store, {c, true}, factors), frame));
+  }
+  Points<Dim> places = thinned_records(work, folder, most_places).matrix();
+  places.array().colwise() *= scales.array();
+  fit.places = std::make_shared<const Points<Dim>>(std::move(places));
+  const NamedFunction named{Function(std::move(fit)), words_of(work.notes.text("coordinate_names")),
+                            words_of(work.notes.text("value_names")), work.notes.text("crs")};
+  write_tiled_model(path, named, files);
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                                 \
+  template void fit_function_tile<Dim>(const TileWork<Dim>&, const TileFolder&, Index, const FitOptions&);     \
+  template void write_function<Dim>(const TileWork<Dim>&, const TileFolder&, const std::vector<FunctionTile>&, \
+                                    const FitReport&, const Point<Dim>&, Extrapolation, const std::string&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
