@@ -3,6 +3,8 @@
 #include "csrbf/approx/function.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/io/models/tile_store.hpp"
+#include "csrbf/tiles/fit_tiles.hpp"
 
 #include <memory>
 #include <optional>
@@ -118,13 +120,38 @@ std::unique_ptr<NamedFunction> extrapolated(const NamedFunction& f, const std::s
 }
 
 py::bytes to_bytes(const NamedFunction& f) {
-  return py::bytes(run([&](const Progress& /*progress*/) { return format_archive(to_archive(f)); }));
+  return py::bytes(run([&](const Progress& /*progress*/) {
+    require(tile_places(f.function).empty(), "pickle", "function", "in tiles", "pass on the name of its file instead");
+    return format_archive(to_archive(f));
+  }));
 }
 
 std::unique_ptr<NamedFunction> from_bytes(const std::string& bytes) {
   return run([&](const Progress& /*progress*/) {
     return std::make_unique<NamedFunction>(function_from(parse_archive(bytes, "pickle")));
   });
+}
+
+py::dict fit_in_tiles(const std::string& samples, const std::string& model, const std::string& folder,
+                      Index tile_points, Index rank, Index count, const std::vector<std::string>& columns,
+                      const py::dict& given, const py::object& listener) {
+  FitTileOptions options;
+  options.tile_points = tile_points;
+  options.folder = folder;
+  options.columns = {.coordinates = columns.at(0), .values = columns.at(1), .weights = columns.at(2)};
+  options.fit = fit_options(given);
+  options.share = {rank, count};
+  const FitTileReport report = run(listener, [&](const Progress& progress) {
+    options.fit.progress = progress;
+    return fit_tiles(samples, model, options);
+  });
+  py::dict result = to_dict(report.fit);
+  result["tiles"] = report.tiles;
+  result["tiles_continued"] = report.continued;
+  result["dropped"] = report.dropped;
+  result["coordinate_names"] = report.coordinate_names;
+  result["value_names"] = report.value_names;
+  return result;
 }
 
 }  // namespace
@@ -183,6 +210,7 @@ void bind_fit(py::module_& m) {
       .def("to_bytes", &to_bytes)
       .def_static("from_bytes", &from_bytes);
   m.def("fit", &fit_arrays);
+  m.def("fit_tiles", &fit_in_tiles);
   m.def("is_function_file", [](const std::string& path) {
     return run([&](const Progress& /*progress*/) { return read_archive(path).kind == function_kind; });
   });

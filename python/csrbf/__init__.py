@@ -25,6 +25,7 @@ from csrbf._csrbf import IoError, SolverFailure, set_thread_count, thread_count
 from csrbf._curvature import Curvature
 from csrbf._evaluate import evaluate
 from csrbf._fit import fit
+from csrbf._fit_tiles import fit_tiles
 from csrbf._function import Function
 from csrbf._image import Image, read_image
 from csrbf._inpaint import inpaint
@@ -59,6 +60,7 @@ __all__ = [
     "evaluate",
     "farthest_points",
     "fit",
+    "fit_tiles",
     "inpaint",
     "load",
     "read_image",

@@ -69,6 +69,17 @@ def fit(
     options: Options,
     listener: Listener,
 ) -> Function: ...
+def fit_tiles(
+    samples: str,
+    model: str,
+    folder: str,
+    tile_points: int,
+    rank: int,
+    count: int,
+    columns: Sequence[str],
+    options: Options,
+    listener: Listener,
+) -> dict[str, Any]: ...
 def is_function_file(path: str) -> bool: ...
 def read_function(path: str) -> Function: ...
 

@@ -77,7 +77,9 @@
 #include "csrbf/surface/reconstruct_options.hpp"
 #include "csrbf/surface/surface_method.hpp"
 #include "csrbf/surface/trim.hpp"
+#include "csrbf/tiles/fit_tiles.hpp"
 #include "csrbf/tiles/reconstruct_tiles.hpp"
+#include "csrbf/tiles/tile_share.hpp"
 #include "csrbf/version.hpp"
 
 #endif

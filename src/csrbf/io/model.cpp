@@ -4,6 +4,7 @@
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/surface_archive.hpp"
+#include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
 #include "csrbf/levelset/lattice/lattice_field.hpp"
@@ -62,7 +63,7 @@ std::shared_ptr<const Field<3>> read_model(const std::string& path) {
 }
 
 void write_model(const std::string& path, const NamedFunction& function) {
-  write_archive(path, to_archive(function));
+  write_archive(path, to_archive(function), tile_places(function.function));
 }
 
 NamedFunction read_function(const std::string& path) {

@@ -30,8 +30,8 @@ NamedFunction to_function(const Segmentation<3>& segmentation);
 /// match, IoError when the file cannot be written.
 void write_model(const std::string& path, const NamedFunction& function);
 
-/// Reads a function written by write_model(); a surface counts as one of x, y and z with the value `field`, positive
-/// inside. Throws IoError as read_model().
+/// Reads a function written by write_model(), or by fit_tiles(), whose tiles are read when they are evaluated; a
+/// surface counts as one of x, y and z with the value `field`, positive inside. Throws IoError as read_model().
 NamedFunction read_function(const std::string& path);
 
 }  // namespace csrbf

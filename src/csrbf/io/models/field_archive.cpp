@@ -222,6 +222,7 @@ Archive FieldWriter<Dim>::tiled(const TiledField<Dim>& field) {
     archive.set("component", stored->part().component);
     archive.set("is_variance", stored->part().is_variance ? 1 : 0);
     factors.push_back(stored->factor());
+    tiles_ = stored->tiles();
   }
   archive.set("factors", factors);
   return archive;
@@ -231,12 +232,14 @@ template <int Dim>
 std::shared_ptr<const Field<Dim>> FieldReader<Dim>::tiled(const Archive& archive) {
   if (!tiles_) {
     const auto& sizes = archive_.array<std::int64_t>(tile_sizes_entry, -1, 1);
-    std::vector<std::int64_t> begin{archive_.file_size};
+    std::vector<TilePlace> places;
+    std::int64_t begin = archive_.file_size;
     for (const std::int64_t size : sizes.reshaped()) {
       if (size < 0) archive_.fail("a size of a tile is damaged");
-      begin.push_back(begin.back() + size);
+      places.push_back({archive_.source, begin, size});
+      begin += size;
     }
-    tiles_ = std::make_shared<const TileStore<Dim>>(archive_.source, std::move(begin));
+    tiles_ = std::make_shared<const TileStore<Dim>>(std::move(places));
   }
   TilePlan<Dim> plan = plan_of<Dim>(archive);
   if (plan.size() != tiles_->size()) archive.fail("the plan is not that of the tiles");
@@ -286,6 +289,11 @@ void FieldWriter<Dim>::store_shared(Archive& archive) {
   for (std::size_t i = 0; i < shared_.size(); ++i) archive.set("shared" + std::to_string(i), std::move(shared_[i]));
   shared_.clear();
   numbers_.clear();
+  if (!tiles_) return;
+  std::vector<std::int64_t> sizes;
+  for (const TilePlace& place : tiles_->places()) sizes.push_back(place.size);
+  archive.set(tile_sizes_entry, sizes);
+  tiles_.reset();
 }
 
 template <int Dim>

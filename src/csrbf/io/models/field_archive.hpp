@@ -25,7 +25,8 @@ class FieldWriter {
   /// Throws InvalidInput for a kind of field that has no file form.
   Archive field(const Field<Dim>& field);
 
-  /// After the last field: adds the shared parts to the archive that contains those of the fields.
+  /// After the last field: adds the shared parts, and the sizes of tiles, to the archive that contains those of the
+  /// fields. The tiles themselves are not in it: see tile_places().
   void store_shared(Archive& archive);
 
  private:
@@ -36,6 +37,7 @@ class FieldWriter {
 
   std::map<const void*, std::int64_t> numbers_;
   std::vector<Archive> shared_;
+  std::shared_ptr<const TileStore<Dim>> tiles_;  // of a field in tiles
 };
 
 /// Reads what FieldWriter made: the fields give the same values, bit for bit.

@@ -1,5 +1,8 @@
 #include "csrbf/io/models/tile_store.hpp"
 
+#include "csrbf/approx/function_fit.hpp"
+#include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/open_file.hpp"
@@ -8,15 +11,23 @@
 namespace csrbf {
 namespace {
 
-constexpr std::int64_t kept_bytes = std::int64_t{1} << 30;    // of tiles in memory, as they are in the file
-constexpr std::size_t copied_at_once = std::size_t{4} << 20;  // bytes
+constexpr std::int64_t kept_bytes = std::int64_t{1} << 30;      // of tiles in memory, as they are in the file
+constexpr std::int64_t copied_at_once = std::int64_t{4} << 20;  // bytes
+
+template <int Dim>
+std::vector<TilePlace> places_of(const Field<Dim>& field) {
+  const auto* fitted = dynamic_cast<const FittedField<Dim>*>(&field);
+  const auto* tiled = dynamic_cast<const TiledField<Dim>*>(fitted != nullptr ? &fitted->inner() : &field);
+  if (tiled == nullptr) return {};
+  const auto* stored = dynamic_cast<const StoredField<Dim>*>(tiled->tiles().front().inside.get());
+  return stored != nullptr ? stored->tiles()->places() : std::vector<TilePlace>{};
+}
 
 }  // namespace
 
 template <int Dim>
-TileStore<Dim>::TileStore(std::string path, std::vector<std::int64_t> begin)
-    : path_(std::move(path)), begin_(std::move(begin)) {
-  require(begin_.size() > 1, "TileStore", "tiles", begin_.size(), "there must be one at least");
+TileStore<Dim>::TileStore(std::vector<TilePlace> places) : places_(std::move(places)) {
+  require(!places_.empty(), "TileStore", "tiles", places_.size(), "there must be one at least");
 }
 
 template <int Dim>
@@ -30,7 +41,7 @@ std::shared_ptr<const typename TileStore<Dim>::Tile> TileStore<Dim>::tile(Index 
   kept_.push_front({number, read(number)});
   std::int64_t bytes = 0;
   for (auto it = kept_.begin(); it != kept_.end(); ++it) {
-    bytes += begin_[it->number + 1] - begin_[it->number];
+    bytes += places_[it->number].size;
     if (bytes <= kept_bytes || it == kept_.begin()) continue;
     kept_.erase(it, kept_.end());
     break;
@@ -40,13 +51,14 @@ std::shared_ptr<const typename TileStore<Dim>::Tile> TileStore<Dim>::tile(Index 
 
 template <int Dim>
 std::shared_ptr<const typename TileStore<Dim>::Tile> TileStore<Dim>::read(Index number) const {
-  const std::string name = path_ + ": tile " + std::to_string(number);
-  std::string bytes(static_cast<std::size_t>(begin_[number + 1] - begin_[number]), '\0');
-  const OpenFile file(open_file(path_, "rb"));
-  if (file == nullptr) throw IoError(path_ + ": cannot be read any more");
-  if (!seek_file(file.get(), begin_[number], SEEK_SET) ||
+  const TilePlace& place = places_[number];
+  std::string bytes(static_cast<std::size_t>(place.size), '\0');
+  const OpenFile file(open_file(place.path, "rb"));
+  if (file == nullptr) throw IoError(place.path + ": cannot be read any more");
+  if (!seek_file(file.get(), place.begin, SEEK_SET) ||
       std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
-    throw IoError(name + ": the file is truncated");
+    throw IoError(place.path + ": the file is damaged: it ends in tile " + std::to_string(number));
+  const std::string name = place.path + ": tile " + std::to_string(number);
   const Function function = function_from(parse_archive(bytes, name)).function;
   const Fit<Dim>& fit = function.fit<Dim>();
   return std::make_shared<const Tile>(Tile{fit.components, fit.variances});
@@ -73,20 +85,35 @@ void StoredField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& o
   scale(out.hessian, symmetric_size<Dim> * x.cols());
 }
 
-void write_tiled_model(const std::string& path, const NamedFunction& function, const std::vector<std::string>& tiles) {
-  Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1> sizes(std::ssize(tiles));
-  for (Index t = 0; t < sizes.size(); ++t)
-    sizes[t] = static_cast<std::int64_t>(std::filesystem::file_size(utf8_path(tiles[static_cast<std::size_t>(t)])));
-  Archive archive = to_archive(function);
-  archive.set(tile_sizes_entry, sizes);
+std::vector<TilePlace> tile_places(const Function& function) {
+  return std::visit(
+      [](const auto& fit) -> std::vector<TilePlace> {
+        if constexpr (std::is_same_v<std::decay_t<decltype(fit)>, std::monostate>) {
+          return {};
+        } else {
+          return places_of(*fit.components.front());
+        }
+      },
+      function.any_fit());
+}
+
+void write_archive(const std::string& path, const Archive& archive, const std::vector<TilePlace>& tiles) {
+  std::error_code ignored;
+  for (const TilePlace& tile : tiles)
+    require(!std::filesystem::equivalent(utf8_path(path), utf8_path(tile.path), ignored), "write_model", "path", path,
+            "the tiles of the model are read from this file; choose another name");
   AtomicFile out(path);
   out.write(format_archive(archive));
-  std::string piece(copied_at_once, '\0');
-  for (const std::string& tile : tiles) {
-    const OpenFile file(open_file(tile, "rb"));
-    if (file == nullptr) throw IoError(tile + ": cannot be read");
-    for (std::size_t n = 0; (n = std::fread(piece.data(), 1, piece.size(), file.get())) > 0;)
-      out.write(std::string_view(piece).substr(0, n));
+  std::string piece;
+  for (const TilePlace& tile : tiles) {
+    const OpenFile file(open_file(tile.path, "rb"));
+    bool reads = file != nullptr && seek_file(file.get(), tile.begin, SEEK_SET);
+    for (std::int64_t left = tile.size; left > 0 && reads; left -= std::ssize(piece)) {
+      piece.resize(static_cast<std::size_t>(std::min(left, copied_at_once)));
+      reads = std::fread(piece.data(), 1, piece.size(), file.get()) == piece.size();
+      out.write(piece);
+    }
+    if (!reads) throw IoError(tile.path + ": cannot be read any more");
   }
   out.commit();
 }

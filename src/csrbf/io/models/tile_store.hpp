@@ -10,8 +10,14 @@
 
 namespace csrbf {
 
-/// The tiles of a model: models of their own, one behind the other after the archive of the whole. They are read when
-/// they are needed; those used last stay in memory, up to about 1 GB.
+/// Where a tile of a model is: the bytes of an archive.
+struct TilePlace {
+  std::string path;
+  std::int64_t begin = 0, size = 0;
+};
+
+/// The tiles of a model: models of their own, one behind the other after the archive of the whole, or each in a file.
+/// They are read when they are needed; those used last stay in memory, up to about 1 GB.
 template <int Dim>
 class TileStore {
  public:
@@ -19,10 +25,10 @@ class TileStore {
     std::vector<std::shared_ptr<const Field<Dim>>> components, variances;
   };
 
-  /// `begin`: where each tile begins in the file, and where the last one ends.
-  TileStore(std::string path, std::vector<std::int64_t> begin);
+  explicit TileStore(std::vector<TilePlace> places);
 
-  [[nodiscard]] Index size() const { return std::ssize(begin_) - 1; }
+  [[nodiscard]] Index size() const { return std::ssize(places_); }
+  [[nodiscard]] const std::vector<TilePlace>& places() const { return places_; }
   /// Thread safe. Throws IoError when the tile is damaged.
   [[nodiscard]] std::shared_ptr<const Tile> tile(Index number) const;
 
@@ -34,8 +40,7 @@ class TileStore {
 
   [[nodiscard]] std::shared_ptr<const Tile> read(Index number) const;
 
-  std::string path_;
-  std::vector<std::int64_t> begin_;
+  std::vector<TilePlace> places_;
   mutable std::mutex mutex_;
   mutable std::list<Kept> kept_;  // the one used last is the first
 };
@@ -57,6 +62,7 @@ class StoredField final : public Field<Dim> {
 
   [[nodiscard]] const Part& part() const { return part_; }
   [[nodiscard]] double factor() const { return factor_; }
+  [[nodiscard]] const std::shared_ptr<const TileStore<Dim>>& tiles() const { return tiles_; }
 
  private:
   [[nodiscard]] std::shared_ptr<const Field<Dim>> field() const;
@@ -70,9 +76,12 @@ class StoredField final : public Field<Dim> {
 /// The entry of a model in tiles with their sizes, in bytes.
 inline constexpr const char* tile_sizes_entry = "tile_sizes";
 
-/// Writes a function whose fields are TiledFields of StoredFields, with the models of its tiles, which are in files,
-/// tile by tile: complete or not at all (AtomicFile). Throws IoError.
-void write_tiled_model(const std::string& path, const NamedFunction& function, const std::vector<std::string>& tiles);
+/// The tiles of a function; none where it is not in tiles.
+std::vector<TilePlace> tile_places(const Function& function);
+
+/// Writes the archive of a function and its tiles behind it, one at a time: complete or not at all (AtomicFile). Throws
+/// IoError; InvalidInput when a tile is in the file to be written.
+void write_archive(const std::string& path, const Archive& archive, const std::vector<TilePlace>& tiles);
 
 template <int Dim>
 void set_plan(Archive& archive, const TilePlan<Dim>& plan);

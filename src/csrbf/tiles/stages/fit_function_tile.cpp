@@ -6,7 +6,6 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/model.hpp"
-#include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/tiles/stages/gather_records.hpp"
 #include "csrbf/tiles/stages/sample_stream.hpp"
@@ -119,13 +118,12 @@ template <int Dim>
 void write_function(const TileWork<Dim>& work, const TileFolder& folder, const std::vector<FunctionTile>& tiles,
                     const FitReport& report, const Point<Dim>& scales, Extrapolation extrapolation,
                     const std::string& path) {
-  std::vector<std::string> files;
-  std::vector<std::int64_t> begin{0};
+  std::vector<TilePlace> places;
   for (Index t = 0; t < work.plan.size(); ++t) {
-    files.push_back(folder.file("model", t));
-    begin.push_back(begin.back() + static_cast<std::int64_t>(std::filesystem::file_size(utf8_path(files.back()))));
+    const std::string file = folder.file("model", t);
+    places.push_back({file, 0, static_cast<std::int64_t>(std::filesystem::file_size(utf8_path(file)))});
   }
-  const auto store = std::make_shared<const TileStore<Dim>>(path, std::move(begin));
+  const auto store = std::make_shared<const TileStore<Dim>>(std::move(places));
   typename FittedField<Dim>::Frame frame;
   frame.scales = scales;
   frame.box = {work.bounds.lo.cwiseProduct(scales), work.bounds.hi.cwiseProduct(scales)};
@@ -151,12 +149,12 @@ void write_function(const TileWork<Dim>& work, const TileFolder& folder, const s
       fit.variances.push_back(
           std::make_shared<const FittedField<Dim>>(field_of_tiles<Dim>(work, store, {c, true}, factors), frame));
   }
-  Points<Dim> places = thinned_records(work, folder, most_places).matrix();
-  places.array().colwise() *= scales.array();
-  fit.places = std::make_shared<const Points<Dim>>(std::move(places));
+  Points<Dim> samples = thinned_records(work, folder, most_places).matrix();
+  samples.array().colwise() *= scales.array();
+  fit.places = std::make_shared<const Points<Dim>>(std::move(samples));
   const NamedFunction named{Function(std::move(fit)), words_of(work.notes.text("coordinate_names")),
                             words_of(work.notes.text("value_names")), work.notes.text("crs")};
-  write_tiled_model(path, named, files);
+  write_model(path, named);
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                                 \

@@ -1,0 +1,100 @@
+#include "csrbf/tiles/stages/gather_records.hpp"
+
+#include "csrbf/tiles/stages/deal_records.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <set>
+
+namespace csrbf {
+namespace {
+
+// Points in the unit square, but for a hole, each with its number.
+RecordSource<2> square(Index n, double hole) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Records<2> all;
+  all.each = sizeof(Index);
+  while (all.size() < n) {
+    const Point<2> p(uniform(random), uniform(random));
+    if ((p - Point<2>(0.25, 0.5)).cwiseAbs().maxCoeff() < hole) continue;
+    const Index number = all.size();
+    all.add(p, {reinterpret_cast<const char*>(&number), sizeof number});
+  }
+  return {.size = n, .payload = all.each, .read = [all](Index begin, Index end) {
+            Records<2> part;
+            part.each = all.each;
+            for (Index i = begin; i < end; ++i) part.add(all.matrix().col(i), all.payload_of(i));
+            return part;
+          }};
+}
+
+class GatherRecords : public testing::Test {
+ protected:
+  void make(double hole) {
+    source_ = square(20000, hole);
+    const TileRules rules{
+        .tile_points = 5000, .dimension = 2, .blend = [](double spacing, double) { return 3 * spacing; }, .reach = 5};
+    work_ = plan_work<2>(source_, rules, 1, "test", {});
+    deal_records<2>(source_, work_, folder_, 0, 1, {});
+    for (Index t = 0; t < work_.plan.size(); ++t) sort_records<2>(work_, folder_, t, 1);
+  }
+  void TearDown() override { folder_.remove(); }
+
+  TileFolder folder_{testing::TempDir() + "gather_records"};
+  RecordSource<2> source_;
+  TileWork<2> work_;
+};
+
+TEST_F(GatherRecords, NearPointsAreAllUpToTheHaloWithWhatBelongsToThem) {
+  make(0);
+  ASSERT_EQ(work_.plan.size(), 4);
+  const Records<2> all = source_.read(0, source_.size);
+  for (Index tile = 0; tile < 4; ++tile) {
+    const Records<2> near = gather_near(work_, folder_, tile);
+    const Box<2> wide = work_.plan.box(tile).inflated(work_.halo);
+    Index expected = 0;
+    for (Index i = 0; i < all.size(); ++i) expected += wide.contains(all.matrix().col(i)) ? 1 : 0;
+    EXPECT_EQ(near.size(), expected);
+    for (Index i = 0; i < near.size(); i += 97) {
+      Index number = 0;
+      std::memcpy(&number, near.payload_of(i).data(), sizeof number);
+      EXPECT_EQ(near.matrix().col(i), all.matrix().col(number));
+    }
+  }
+}
+
+TEST_F(GatherRecords, FarPointsAreFewAndEverywhere) {
+  make(0);
+  Records<2> records = gather_near(work_, folder_, 0);
+  const Index near = records.size();
+  add_far(work_, folder_, 0, records);
+  EXPECT_GT(records.size(), near);
+  EXPECT_LT(records.size(), 10000);
+  const Box<2> seen = bounding_box<2>(records.matrix());
+  EXPECT_LT((seen.lo - work_.bounds.lo).norm() + (seen.hi - work_.bounds.hi).norm(), 0.3);
+}
+
+TEST_F(GatherRecords, GapsAreCubesAsWideAsTheHalo) {
+  make(0);
+  for (Index tile = 0; tile < 4; ++tile) EXPECT_FALSE(has_gaps(work_, tile, gather_near(work_, folder_, tile)));
+  folder_.remove();
+  folder_ = TileFolder(testing::TempDir() + "gather_records");
+  make(0.2);
+  EXPECT_TRUE(has_gaps(work_, work_.plan.tile_of(Point<2>(0.25, 0.5)),
+                       gather_near(work_, folder_, work_.plan.tile_of(Point<2>(0.25, 0.5)))));
+  EXPECT_FALSE(has_gaps(work_, work_.plan.tile_of(Point<2>(0.95, 0.95)),
+                        gather_near(work_, folder_, work_.plan.tile_of(Point<2>(0.95, 0.95)))));
+}
+
+TEST_F(GatherRecords, ThinnedPointsAreNoMoreThanAskedFor) {
+  make(0);
+  const Index n = thinned_records(work_, folder_, 3000).size();
+  EXPECT_LE(n, 3000);
+  EXPECT_GT(n, 500);
+}
+
+}  // namespace
+}  // namespace csrbf
