@@ -9,7 +9,7 @@ namespace csrbf::app {
 
 // One struct per command: the arguments as typed, of which only the syntax is checked. Empty values mean "not given".
 
-// Work in tiles: see commands/tile_flags.hpp.
+// Work in tiles: see inputs/tile_flags.hpp.
 struct TileFlags {
   Index points = 0;  // of a tile at most; 0: all at once
   std::string folder;

@@ -1,6 +1,6 @@
 #include "commands/fit_summary.hpp"
-#include "commands/tile_flags.hpp"
 #include "inputs/describe_table.hpp"
+#include "inputs/tile_flags.hpp"
 #include "report/fit_page.hpp"
 
 #include "csrbf/core/joined.hpp"

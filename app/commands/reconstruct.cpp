@@ -1,5 +1,5 @@
 #include "commands/mesh_summary.hpp"
-#include "commands/tile_flags.hpp"
+#include "inputs/tile_flags.hpp"
 #include "report/reconstruct_page.hpp"
 
 #include "csrbf/implicit/polygonize.hpp"

@@ -16,8 +16,8 @@ Box<Dim> all_space() {
 
 // Cuts the sample at `ids` into tiles first, first + 1, ...; returns the side that stands for them.
 template <int Dim>
-std::int32_t cut(const PointsRef<Dim>& sample, std::span<Index> ids, Index first, Index tiles,
-                 std::vector<TileCut>& cuts) {
+std::int32_t cut_side(const PointsRef<Dim>& sample, std::span<Index> ids, Index first, Index tiles,
+                      std::vector<TileCut>& cuts) {
   if (tiles == 1) return static_cast<std::int32_t>(-1 - first);
   Box<Dim> box;
   for (const Index i : ids) box.add(Point<Dim>(sample.col(i)));
@@ -31,8 +31,8 @@ std::int32_t cut(const PointsRef<Dim>& sample, std::span<Index> ids, Index first
   std::nth_element(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(middle), ids.end(), before);
   const auto number = cuts.size();
   cuts.push_back({static_cast<std::int32_t>(axis), 0, 0, sample(axis, ids[middle])});
-  const std::int32_t left = cut<Dim>(sample, ids.first(middle), first, below, cuts);
-  const std::int32_t right = cut<Dim>(sample, ids.subspan(middle), first + below, tiles - below, cuts);
+  const std::int32_t left = cut_side<Dim>(sample, ids.first(middle), first, below, cuts);
+  const std::int32_t right = cut_side<Dim>(sample, ids.subspan(middle), first + below, tiles - below, cuts);
   cuts[number].below = left;
   cuts[number].above = right;
   return static_cast<std::int32_t>(number);
@@ -102,7 +102,7 @@ std::vector<TileCut> cut_into_tiles(const PointsRef<Dim>& sample, Index tiles) {
   std::vector<Index> ids(sample.cols());
   std::iota(ids.begin(), ids.end(), Index{0});
   std::vector<TileCut> cuts;
-  cut<Dim>(sample, ids, 0, tiles, cuts);
+  cut_side<Dim>(sample, ids, 0, tiles, cuts);
   return cuts;
 }
 

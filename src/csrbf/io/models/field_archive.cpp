@@ -31,7 +31,6 @@ constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
 constexpr const char* sphere_kind = "field on the sphere";
 constexpr const char* divided_kind = "divided by faults";
-constexpr const char* tiled_kind = "fields of tiles";
 constexpr const char* derivatives_kind = "values and derivatives";
 constexpr std::int64_t most_charts = 64;
 constexpr std::int64_t most_regions = 256;  // limits on damaged files, above what fits make
@@ -180,7 +179,7 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
   } else if (const auto* drift = dynamic_cast<const DriftField<Dim>*>(&field)) {
     archive = drift_to_archive(*drift);
   } else if (const auto* tiled = dynamic_cast<const TiledField<Dim>*>(&field)) {
-    archive = this->tiled(*tiled);
+    archive = tiled_to_archive(*tiled, tiles_);
   } else if (!level_set(field, archive)) {
     throw InvalidInput("write_model: field: this kind of field has no file form");
   }
@@ -205,52 +204,6 @@ Archive FieldWriter<Dim>::sphere(const SphereField<Dim>& field) {
   if constexpr (SphereField<Dim>::space_dim > Dim)
     if (parts.space) archive.set("space", alone(*parts.space));
   return archive;
-}
-
-// What all tiles have in common: they follow the archive in the file.
-template <int Dim>
-Archive FieldWriter<Dim>::tiled(const TiledField<Dim>& field) {
-  Archive archive;
-  archive.kind = tiled_kind;
-  set_box(archive, field.bounds());
-  set_plan(archive, field.plan());
-  archive.set("feature_size", field.feature_size());
-  std::vector<double> factors;
-  for (const typename TiledField<Dim>::Tile& tile : field.tiles()) {
-    const auto* stored = dynamic_cast<const StoredField<Dim>*>(tile.inside.get());
-    if (stored == nullptr) throw InvalidInput("write_model: field: fields of tiles have a file form only in files");
-    archive.set("component", stored->part().component);
-    archive.set("is_variance", stored->part().is_variance ? 1 : 0);
-    factors.push_back(stored->factor());
-    tiles_ = stored->tiles();
-  }
-  archive.set("factors", factors);
-  return archive;
-}
-
-template <int Dim>
-std::shared_ptr<const Field<Dim>> FieldReader<Dim>::tiled(const Archive& archive) {
-  if (!tiles_) {
-    const auto& sizes = archive_.array<std::int64_t>(tile_sizes_entry, -1, 1);
-    std::vector<TilePlace> places;
-    std::int64_t begin = archive_.file_size;
-    for (const std::int64_t size : sizes.reshaped()) {
-      if (size < 0) archive_.fail("a size of a tile is damaged");
-      places.push_back({archive_.source, begin, size});
-      begin += size;
-    }
-    tiles_ = std::make_shared<const TileStore<Dim>>(std::move(places));
-  }
-  TilePlan<Dim> plan = plan_of<Dim>(archive);
-  if (plan.size() != tiles_->size()) archive.fail("the plan is not that of the tiles");
-  const typename StoredField<Dim>::Part part{archive.integer("component", 0, most_levels),
-                                             archive.integer("is_variance", 0, 1) == 1};
-  const std::vector<double> factors = archive.column("factors", plan.size());
-  std::vector<typename TiledField<Dim>::Tile> fields;
-  for (Index t = 0; t < plan.size(); ++t)
-    fields.push_back({std::make_shared<const StoredField<Dim>>(tiles_, t, part, factors[t]), nullptr});
-  return std::make_shared<const TiledField<Dim>>(std::move(plan), std::move(fields), box_of<Dim>(archive),
-                                                 archive.number("feature_size"));
 }
 
 // The archive of a field of one dimension or two: a level set of a segmentation, or one divided by faults.
@@ -289,10 +242,7 @@ void FieldWriter<Dim>::store_shared(Archive& archive) {
   for (std::size_t i = 0; i < shared_.size(); ++i) archive.set("shared" + std::to_string(i), std::move(shared_[i]));
   shared_.clear();
   numbers_.clear();
-  if (!tiles_) return;
-  std::vector<std::int64_t> sizes;
-  for (const TilePlace& place : tiles_->places()) sizes.push_back(place.size);
-  archive.set(tile_sizes_entry, sizes);
+  if (tiles_) set_tile_sizes(archive, *tiles_);
   tiles_.reset();
 }
 
@@ -360,7 +310,7 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
   }
   if (archive.kind == sphere_kind) return sphere(archive);
   if (archive.kind == drift_kind) return drift_field_from<Dim>(archive);
-  if (archive.kind == tiled_kind) return tiled(archive);
+  if (archive.kind == tiled_kind) return tiled_from(archive, archive_, tiles_);
   if (auto level_set = this->level_set(archive)) return level_set;
   archive.fail("this version knows no field of the kind \"" + archive.kind + "\"");
 }

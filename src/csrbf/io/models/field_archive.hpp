@@ -11,8 +11,6 @@ namespace csrbf {
 template <int Dim>
 class SphereField;
 template <int Dim>
-class TiledField;
-template <int Dim>
 class TileStore;
 
 /// Is this the kind of an archive made by FieldWriter?
@@ -31,7 +29,6 @@ class FieldWriter {
 
  private:
   Archive sphere(const SphereField<Dim>& field);
-  Archive tiled(const TiledField<Dim>& field);
   bool level_set(const Field<Dim>& field, Archive& archive);
   std::int64_t share(const void* object, const std::function<Archive()>& to_archive);
 
@@ -52,7 +49,6 @@ class FieldReader {
 
  private:
   std::shared_ptr<const Field<Dim>> sphere(const Archive& archive);
-  std::shared_ptr<const Field<Dim>> tiled(const Archive& archive);
   std::shared_ptr<const Field<Dim>> level_set(const Archive& archive);
   template <class T>
   std::shared_ptr<const T> shared(const Archive& user, const std::string& name, const char* kind,

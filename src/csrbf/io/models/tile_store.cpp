@@ -2,7 +2,6 @@
 
 #include "csrbf/approx/function_fit.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
-#include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/open_file.hpp"
@@ -12,6 +11,7 @@ namespace csrbf {
 namespace {
 
 constexpr std::int64_t kept_bytes = std::int64_t{1} << 30;      // of tiles in memory, as they are in the file
+constexpr std::int64_t most_components = 1024;                  // a limit on damaged files
 constexpr std::int64_t copied_at_once = std::int64_t{4} << 20;  // bytes
 
 template <int Dim>
@@ -119,6 +119,59 @@ void write_archive(const std::string& path, const Archive& archive, const std::v
 }
 
 template <int Dim>
+Archive tiled_to_archive(const TiledField<Dim>& field, std::shared_ptr<const TileStore<Dim>>& tiles) {
+  Archive archive;
+  archive.kind = tiled_kind;
+  set_box(archive, field.bounds());
+  set_plan(archive, field.plan());
+  archive.set("feature_size", field.feature_size());
+  std::vector<double> factors;
+  for (const typename TiledField<Dim>::Tile& tile : field.tiles()) {
+    const auto* stored = dynamic_cast<const StoredField<Dim>*>(tile.inside.get());
+    if (stored == nullptr) throw InvalidInput("write_model: field: fields of tiles have a file form only in files");
+    archive.set("component", stored->part().component);
+    archive.set("is_variance", stored->part().is_variance ? 1 : 0);
+    factors.push_back(stored->factor());
+    tiles = stored->tiles();
+  }
+  archive.set("factors", factors);
+  return archive;
+}
+
+template <int Dim>
+std::shared_ptr<const Field<Dim>> tiled_from(const Archive& archive, const Archive& whole,
+                                             std::shared_ptr<const TileStore<Dim>>& tiles) {
+  if (!tiles) {
+    const auto& sizes = whole.array<std::int64_t>(tile_sizes_entry, -1, 1);
+    std::vector<TilePlace> places;
+    std::int64_t begin = whole.file_size;
+    for (const std::int64_t size : sizes.reshaped()) {
+      if (size < 0) whole.fail("a size of a tile is damaged");
+      places.push_back({whole.source, begin, size});
+      begin += size;
+    }
+    tiles = std::make_shared<const TileStore<Dim>>(std::move(places));
+  }
+  TilePlan<Dim> plan = plan_of<Dim>(archive);
+  if (plan.size() != tiles->size()) archive.fail("the plan is not that of the tiles");
+  const typename StoredField<Dim>::Part part{archive.integer("component", 0, most_components),
+                                             archive.integer("is_variance", 0, 1) == 1};
+  const std::vector<double> factors = archive.column("factors", plan.size());
+  std::vector<typename TiledField<Dim>::Tile> fields;
+  for (Index t = 0; t < plan.size(); ++t)
+    fields.push_back({std::make_shared<const StoredField<Dim>>(tiles, t, part, factors[t]), nullptr});
+  return std::make_shared<const TiledField<Dim>>(std::move(plan), std::move(fields), box_of<Dim>(archive),
+                                                 archive.number("feature_size"));
+}
+
+template <int Dim>
+void set_tile_sizes(Archive& archive, const TileStore<Dim>& tiles) {
+  std::vector<std::int64_t> sizes;
+  for (const TilePlace& place : tiles.places()) sizes.push_back(place.size);
+  archive.set(tile_sizes_entry, sizes);
+}
+
+template <int Dim>
 void set_plan(Archive& archive, const TilePlan<Dim>& plan) {
   const std::vector<TileCut>& cuts = plan.cuts();
   Eigen::Matrix<std::int32_t, 3, Eigen::Dynamic> sides(3, std::ssize(cuts));
@@ -141,10 +194,14 @@ TilePlan<Dim> plan_of(const Archive& archive) {
   return TilePlan<Dim>(std::move(cuts), archive.number("blend"));
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                      \
-  template class TileStore<Dim>;                                    \
-  template class StoredField<Dim>;                                  \
-  template void set_plan<Dim>(Archive&, const TilePlan<Dim>& plan); \
+#define CSRBF_INSTANTIATE(Dim)                                                                            \
+  template class TileStore<Dim>;                                                                          \
+  template class StoredField<Dim>;                                                                        \
+  template Archive tiled_to_archive<Dim>(const TiledField<Dim>&, std::shared_ptr<const TileStore<Dim>>&); \
+  template std::shared_ptr<const Field<Dim>> tiled_from<Dim>(const Archive&, const Archive&,              \
+                                                             std::shared_ptr<const TileStore<Dim>>&);     \
+  template void set_tile_sizes<Dim>(Archive&, const TileStore<Dim>&);                                     \
+  template void set_plan<Dim>(Archive&, const TilePlan<Dim>& plan);                                       \
   template TilePlan<Dim> plan_of<Dim>(const Archive&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/approx/function.hpp"
+#include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/io/models/archive.hpp"
 #include "csrbf/spatial/tile_plan.hpp"
 
@@ -75,6 +76,22 @@ class StoredField final : public Field<Dim> {
 
 /// The entry of a model in tiles with their sizes, in bytes.
 inline constexpr const char* tile_sizes_entry = "tile_sizes";
+
+/// The kind of archives of fields in tiles.
+inline constexpr const char* tiled_kind = "fields of tiles";
+
+/// What all tiles of a field have in common, and the store they are in. Throws InvalidInput for tiles in memory.
+template <int Dim>
+Archive tiled_to_archive(const TiledField<Dim>& field, std::shared_ptr<const TileStore<Dim>>& tiles);
+
+/// The field again. `tiles`: of the fields that were read before, or null; `whole`: the archive that the tiles follow
+/// in its file.
+template <int Dim>
+std::shared_ptr<const Field<Dim>> tiled_from(const Archive& archive, const Archive& whole,
+                                             std::shared_ptr<const TileStore<Dim>>& tiles);
+
+template <int Dim>
+void set_tile_sizes(Archive& archive, const TileStore<Dim>& tiles);
 
 /// The tiles of a function; none where it is not in tiles.
 std::vector<TilePlace> tile_places(const Function& function);

@@ -3,8 +3,8 @@
 namespace csrbf {
 namespace {
 
-// Distances are those along the axis where they are largest, so that the points near a box fill a larger box: where they
-// do not, fits take its empty corners for gaps.
+// Distances are those along the axis where they are largest, so that the points near a box fill a larger box: where
+// they do not, fits take its empty corners for gaps.
 template <int Dim>
 double distance_to(const Box<Dim>& box, const Point<Dim>& x) {
   return (box.lo - x).cwiseMax(x - box.hi).cwiseMax(0.0).maxCoeff();

@@ -1,4 +1,4 @@
-#include "commands/tile_flags.hpp"
+#include "inputs/tile_flags.hpp"
 
 namespace csrbf::app {
 namespace {
