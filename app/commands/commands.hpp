@@ -1,6 +1,7 @@
 #pragma once
 
 #include "inputs/point_selection.hpp"
+#include "inputs/tile_flags.hpp"
 #include "session.hpp"
 
 #include <variant>
@@ -8,13 +9,6 @@
 namespace csrbf::app {
 
 // One struct per command: the arguments as typed, of which only the syntax is checked. Empty values mean "not given".
-
-// Work in tiles: see inputs/tile_flags.hpp.
-struct TileFlags {
-  Index points = 0;  // of a tile at most; 0: all at once
-  std::string folder;
-  std::string share;
-};
 
 struct ReconstructCommand {
   std::string input, output;

@@ -1,10 +1,17 @@
 #pragma once
 
-#include "commands/commands.hpp"
+#include "session.hpp"
 
 #include "csrbf/tiles/tile_share.hpp"
 
 namespace csrbf::app {
+
+/// Work in tiles.
+struct TileFlags {
+  Index points = 0;  ///< of a tile at most; 0: all at once
+  std::string folder;
+  std::string share;
+};
 
 /// Whether the flags ask for work in tiles. Throws UsageError for flags that need --tile-points.
 bool works_in_tiles(const TileFlags& flags);
