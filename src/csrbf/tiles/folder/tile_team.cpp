@@ -6,6 +6,7 @@
 #include "csrbf/io/files/open_file.hpp"
 #include "csrbf/version.hpp"
 
+#include <chrono>
 #include <filesystem>
 
 namespace csrbf {
@@ -69,9 +70,11 @@ std::string tile_fingerprint(const std::string& input, const TileShare& share, c
   const auto path = utf8_path(input);
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw IoError(input + ": must be a file, for it is read twice");
-  const auto changed = std::filesystem::last_write_time(path).time_since_epoch().count();
+  // In 64 bits: libc++ counts in 128, which are no text.
+  const auto changed =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::filesystem::last_write_time(path).time_since_epoch());
   return std::string("csrbf ") + CSRBF_VERSION + " size " + std::to_string(std::filesystem::file_size(path)) +
-         " changed " + std::to_string(changed) + " processes " + std::to_string(share.count) + " " + options;
+         " changed " + std::to_string(changed.count()) + " processes " + std::to_string(share.count) + " " + options;
 }
 
 void require_same_work(const std::string& found, const std::string& expected, const std::string& folder) {
