@@ -138,7 +138,7 @@ class Trial {
   [[nodiscard]] bool has_holes() const { return has_holes_; }
   [[nodiscard]] const Plan& best() const { return best_; }
 
-  // Splines on the grid from thin plates, which follow slopes, to membranes, which overshoot nowhere.
+  // Splines on the grid from thin plates, which follow slopes, to membranes, which overshoot nowhere, while that helps.
   void try_splines() {
     const auto unknowns = std::ssize(unknown_) - std::count(unknown_.begin(), unknown_.end(), 0);
     if (unknowns > (Dim == 2 ? most_in_plane : most_in_space)) return;
@@ -146,7 +146,7 @@ class Trial {
     for (const double c : {0.0, 4.0, 100.0}) {
       Plan plan = best_;
       plan.tension = c / (depth * depth);
-      consider(plan);
+      if (!consider(plan)) break;
     }
   }
 
@@ -194,16 +194,18 @@ class Trial {
     return static_cast<double>(*std::max_element(depth.begin(), depth.end())) / mean_spacing(part_.grid);
   }
 
-  void consider(const Plan& plan) {
+  // Whether the plan is the best one so far.
+  bool consider(const Plan& plan) {
     FitReport report;
     Eigen::MatrixXd values = filled<Dim>(part_, unknown_, plan, report);
     const Eigen::RowVectorXd squares = (values(hidden_, Eigen::all) - truth_).colwise().squaredNorm();
-    if (!(squares.sum() < least_)) return;
+    if (!(squares.sum() < least_)) return false;
     least_ = squares.sum();
     best_ = plan;
     best_.errors.clear();
     for (const double sum : squares) best_.errors.push_back(std::sqrt(sum / static_cast<double>(hidden_.size())));
     values_ = std::move(values);
+    return true;
   }
 
   // Mean square at the hidden voxels after blocks of that width, over that before.
@@ -237,12 +239,13 @@ Plan choose_plan(const Part<Scalar>& part, const InpaintOptions& options) {
   if (!is_open && !may_refine) return {fit};
   Trial<Dim, Scalar> trial(part, fit);
   if (!trial.is_possible()) return {fit};
-  if (trial.has_holes() && is_free) trial.try_splines();
-  if (!trial.best().tension || trial.is_smooth()) {
-    if (trial.has_holes() && is_open)
-      trial.try_kernels({"auto", "wendland-c2", "wendland-c0"});
-    else if (may_refine)
-      trial.try_kernels({fit.kernel});
+  if (is_free) trial.try_splines();
+  if (!trial.has_holes()) {
+    if (may_refine) trial.try_kernels({fit.kernel});
+  } else if (is_open && (!trial.best().tension || trial.is_smooth())) {
+    trial.try_kernels({"auto", "wendland-c2", "wendland-c0"});
+  } else if (may_refine && !is_open) {
+    trial.try_kernels({fit.kernel});
   }
   if (may_refine) trial.choose_blocks(options.blocks);
   return trial.best();

@@ -39,9 +39,10 @@ struct InpaintReport {
 /// (that of cross-validation, wendland-c2, wendland-c0) with the smallest error in holes of the same shape among known
 /// voxels: smooth images need smooth kernels, which overshoot in texture.
 ///
-/// In holes of images that are not smooth a spline on the grid takes the place of the fit (fill_by_grid_spline()), with
-/// the tension that is best in those trials, unless a method, kernel, degree, smoothing, tolerance or budget is given:
-/// there the fit is no better and takes seconds. The report then says grid-spline.
+/// A spline on the grid (fill_by_grid_spline()) takes the place of the fit where it errs less in those trials, or at
+/// single hidden voxels where voxels are missing one by one, unless a method, kernel, degree, smoothing, tolerance or
+/// budget is given. In holes of images that are not smooth only splines are tried: there the fit is no better and takes
+/// seconds. The report then says grid-spline.
 ///
 /// What the fit says is then refined by blocks, which continue edges and textures (see InpaintOptions::blocks).
 ///

@@ -103,19 +103,26 @@ Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
   const std::vector<int> axes = long_axes(grid);
   const double spacing = mean_spacing(grid) * std::pow(voxels / static_cast<double>(known),
                                                        1 / static_cast<double>(std::max<std::size_t>(1, axes.size())));
-  Mask best;
-  if (!(sum > deep * spacing * (voxels - static_cast<double>(known)))) return best;
+  if (!(sum > deep * spacing * (voxels - static_cast<double>(known)))) return {};
   const double distance = shift_depths * *std::max_element(depth.begin(), depth.end());
-  std::ptrdiff_t most = 0;
+  std::vector<Mask> trials;
   for (const int axis : axes)
     for (const double sign : {1.0, -1.0}) {
       Mask trial = shifted(missing, grid, axis, static_cast<Index>(std::lround(sign * distance / grid.spacing[axis])));
-      const auto count = std::count(trial.begin(), trial.end(), 1);
-      if (count <= most) continue;
-      most = count;
-      best = std::move(trial);
+      if (std::count(trial.begin(), trial.end(), 1) > 0) trials.push_back(std::move(trial));
     }
-  return best;
+  if (trials.empty()) return {};
+  std::sort(trials.begin(), trials.end(), [](const Mask& a, const Mask& b) {
+    return std::count(a.begin(), a.end(), 1) > std::count(b.begin(), b.end(), 1);
+  });
+  // One direction may meet the background only. The others join as far as they leave room around the holes before.
+  Mask holes = std::move(trials.front());
+  for (std::size_t t = 1; t < trials.size(); ++t) {
+    const std::vector<float> room = distance_to(true, holes, grid);
+    for (std::size_t i = 0; i < holes.size(); ++i)
+      if (trials[t][i] != 0 && room[i] > distance / 2) holes[i] = 1;
+  }
+  return holes;
 }
 
 Mask trial_voxels(const std::vector<Index>& known, std::size_t voxels) {
