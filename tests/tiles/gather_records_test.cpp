@@ -35,8 +35,11 @@ class GatherRecords : public testing::Test {
  protected:
   void make(double hole) {
     source_ = square(20000, hole);
-    const TileRules rules{
-        .tile_points = 5000, .dimension = 2, .blend = [](double spacing, double) { return 3 * spacing; }, .reach = 5};
+    const TileRules rules{.tile_points = 5000,
+                          .dimension = 2,
+                          .blend = [](double spacing, double) { return 3 * spacing; },
+                          .reach = 5,
+                          .boxed = true};
     work_ = plan_work<2>(source_, rules, 1, "test", {});
     deal_records<2>(source_, work_, folder_, 0, 1, {});
     for (Index t = 0; t < work_.plan.size(); ++t) sort_records<2>(work_, folder_, t, 1);

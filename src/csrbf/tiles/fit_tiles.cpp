@@ -124,7 +124,8 @@ class FunctionInTiles {
       const TileRules rules{.tile_points = options_.tile_points,
                             .dimension = Dim,
                             .blend = [](double spacing, double) { return blend_spacings * spacing; },
-                            .reach = patch_spacings};
+                            .reach = patch_spacings,
+                            .boxed = true};  // fits take the empty corners of other shapes for gaps
       TileWork<Dim> work = plan_work<Dim>(source(), rules, 1, print, team_.progress());
       work.notes.kind = "function";
       work.notes.set("scales", scales_);

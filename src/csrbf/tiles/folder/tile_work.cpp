@@ -21,6 +21,7 @@ void write_work(const TileFolder& folder, const TileWork<Dim>& work) {
   set_box(archive, work.bounds);
   archive.set("spacing", work.spacing);
   archive.set("halo", work.halo);
+  archive.set("boxed", work.boxed ? 1 : 0);
   archive.set("grid_origin", work.grid.origin);
   archive.set("grid_cube", work.grid.cube);
   archive.set("grid_bits", work.grid.spacing_bits);
@@ -42,6 +43,7 @@ TileWork<Dim> read_work(const TileFolder& folder) {
   work.bounds = box_of<Dim>(archive);
   work.spacing = archive.number("spacing");
   work.halo = archive.number("halo");
+  work.boxed = archive.integer("boxed") != 0;
   work.grid.origin = archive.numbers("grid_origin", Dim, 1);
   work.grid.cube = archive.number("grid_cube");
   work.grid.spacing_bits = static_cast<int>(archive.integer("grid_bits", 0, ThinningGrid<Dim>::bits));

@@ -17,6 +17,7 @@ struct TileWork {
   Box<Dim> bounds;          ///< of the finite points
   double spacing = 0;       ///< typical distance between neighbouring points
   double halo = 0;          ///< a tile sees all points up to that distance
+  bool boxed = false;       ///< distances from a tile are the largest of those along the axes
   ThinningGrid<Dim> grid;
   TilePlan<Dim> plan;
   Archive notes;  ///< what one kind of work adds

@@ -54,6 +54,7 @@ TileWork<Dim> plan_work(const RecordSource<Dim>& source, const TileRules& rules,
   work.spacing = typical_spacing<Dim>(sample, work.points, rules.dimension);
   const double blend = rules.blend(work.spacing, work.bounds.extent().maxCoeff());
   work.halo = blend + rules.reach * work.spacing;
+  work.boxed = rules.boxed;
   work.grid = ThinningGrid<Dim>::over(work.bounds, work.spacing);
   const Index tiles = (work.points + rules.tile_points - 1) / rules.tile_points;
   work.plan = TilePlan<Dim>(cut_into_tiles<Dim>(sample, std::min(tiles, sample.cols())), blend);

@@ -22,7 +22,8 @@ struct TileRules {
   /// Over what lengths tiles blend, and how far beyond that they look, for points of this spacing in a box whose
   /// longest side is `extent`.
   std::function<double(double spacing, double extent)> blend;
-  double reach = 0;  ///< spacings
+  double reach = 0;    ///< spacings
+  bool boxed = false;  ///< see TileWork
 };
 
 /// Reads all points once and decides on tiles. Memory: a piece of the input and a sample of it. Throws InvalidInput for

@@ -3,19 +3,22 @@
 namespace csrbf {
 namespace {
 
-// Distances are those along the axis where they are largest, so that the points near a box fill a larger box: where
-// they do not, fits take its empty corners for gaps.
 template <int Dim>
-double distance_to(const Box<Dim>& box, const Point<Dim>& x) {
-  return (box.lo - x).cwiseMax(x - box.hi).cwiseMax(0.0).maxCoeff();
+double length(const TileWork<Dim>& work, const Point<Dim>& x) {
+  return work.boxed ? x.maxCoeff() : x.norm();  // of coordinates that are not negative
+}
+
+template <int Dim>
+double distance_to(const TileWork<Dim>& work, const Box<Dim>& box, const Point<Dim>& x) {
+  return length<Dim>(work, (box.lo - x).cwiseMax(x - box.hi).cwiseMax(0.0));
 }
 
 // Nearest and farthest distance of the points of a box from another box.
 template <int Dim>
-std::pair<double, double> distances(const Box<Dim>& box, const Box<Dim>& other) {
+std::pair<double, double> distances(const TileWork<Dim>& work, const Box<Dim>& box, const Box<Dim>& other) {
   const Point<Dim> nearest = (box.lo - other.hi).cwiseMax(other.lo - box.hi).cwiseMax(0.0);
   const Point<Dim> farthest = (box.lo - other.lo).cwiseMax(other.hi - box.hi).cwiseMax(0.0);
-  return {nearest.maxCoeff(), farthest.maxCoeff()};
+  return {length<Dim>(work, nearest), length<Dim>(work, farthest)};
 }
 
 // Adds the points of levels of thinning from `first` to `last`, at the distances that these are for.
@@ -30,13 +33,13 @@ void add_levels(const TileWork<Dim>& work, const TileFolder& folder, Index tile,
     Box<Dim> box = work.plan.box(t);
     box.lo = box.lo.cwiseMax(work.bounds.lo);
     box.hi = box.hi.cwiseMin(work.bounds.hi);
-    const auto [nearest, farthest] = distances<Dim>(own, box);
+    const auto [nearest, farthest] = distances<Dim>(work, own, box);
     for (int level = std::max(first, level_of(nearest)); level <= std::min(last, level_of(farthest)); ++level) {
       const auto wants_box = [&](const Box<Dim>& block) {
-        const auto [near, far] = distances<Dim>(own, block);
+        const auto [near, far] = distances<Dim>(work, own, block);
         return level_of(near) <= level && level <= level_of(far);
       };
-      const auto wants_point = [&](const Point<Dim>& p) { return level_of(distance_to<Dim>(own, p)) == level; };
+      const auto wants_point = [&](const Point<Dim>& p) { return level_of(distance_to<Dim>(work, own, p)) == level; };
       read_tile<Dim>(folder.file("points", t), level, wants_box, wants_point, found);
     }
   }
