@@ -2,6 +2,7 @@
 #include "report/image_page.hpp"
 
 #include "csrbf/io/files/read_file.hpp"
+#include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/io/samples.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/io/vtk/formats.hpp"
@@ -58,7 +59,9 @@ void make_labels(Volume<Scalar>& answers) {
 template <class Scalar>
 void evaluate_columns(const NamedFunction& model, const Places& places, const Wanted& wanted, const Progress& progress,
                       Volume<Scalar>& answers) {
-  constexpr Index slice = Index{1} << 20;  // places at a time, to bound the temporary memory; chosen by hand
+  // Places at a time, to bound the temporary memory; more where every slice reads the tiles of the model again. Chosen
+  // by hand.
+  const Index slice = Index{1} << (tile_places(model.function).empty() ? 20 : 23);
   for (Index begin = 0; begin < places.count; begin += slice) {
     report(progress, "evaluate", static_cast<double>(begin) / static_cast<double>(places.count));
     const Index n = std::min(slice, places.count - begin);
