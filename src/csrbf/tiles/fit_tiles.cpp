@@ -4,6 +4,7 @@
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/tiles/folder/tile_team.hpp"
 #include "csrbf/tiles/stages/fit_function_tile.hpp"
 #include "csrbf/tiles/stages/sample_stream.hpp"
@@ -46,12 +47,6 @@ std::string fit_options_text(const FitTileOptions& options) {
        << fit.smoothing.value_or(-1) << " degree " << fit.degree.value_or(-2) << " loss " << fit.loss << " missing "
        << fit.missing.value_or(0) << (fit.missing ? "" : " none") << " extrapolation " << name_of(fit.extrapolation);
   return text.str();
-}
-
-std::string lines(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += word + "\n";
-  return text;
 }
 
 // What one process does.
@@ -131,8 +126,8 @@ class FunctionInTiles {
       work.notes.set("scales", scales_);
       work.notes.set("components", stream_.head().values.cols());
       work.notes.set("weights", has_weights() ? 1 : 0);
-      work.notes.set("coordinate_names", lines(report_.coordinate_names));
-      work.notes.set("value_names", lines(report_.value_names));
+      set_texts(work.notes, "coordinate_name", report_.coordinate_names);
+      set_texts(work.notes, "value_name", report_.value_names);
       work.notes.set("crs", stream_.head().crs);
       write_work(folder_, work);
     }
@@ -188,7 +183,7 @@ class FunctionInTiles {
       kernels.insert(r.kernel);
       out.centers += r.centers;
       out.merged_duplicates += r.merged_duplicates;
-      out.partition->patches += r.partition->patches;
+      if (r.partition) out.partition->patches += r.partition->patches;
       out.degree = std::max(out.degree, r.degree);
       squares += share * r.rmse * r.rmse;
       out.max_error = std::max(out.max_error, r.max_error);

@@ -10,18 +10,6 @@ namespace {
 
 constexpr std::int64_t most_names = 1 << 20;  // a limit on damaged files
 
-void set_texts(Archive& archive, const std::string& name, const std::vector<std::string>& texts) {
-  archive.set(name + "s", texts.size());
-  for (std::size_t i = 0; i < texts.size(); ++i) archive.set(name + std::to_string(i), texts[i]);
-}
-
-std::vector<std::string> texts_of(const Archive& archive, const std::string& name) {
-  std::vector<std::string> texts;
-  for (std::int64_t i = 0, count = archive.integer(name + "s", 0, most_names); i < count; ++i)
-    texts.push_back(archive.text(name + std::to_string(i)));
-  return texts;
-}
-
 // Calls visit(name, member) for the numbers and names of a report.
 template <class Report, class Partition, class Visit>
 void for_each_member(Report& report, Partition& partition, const Visit& visit) {
@@ -42,25 +30,6 @@ void for_each_member(Report& report, Partition& partition, const Visit& visit) {
   visit("cross_validation_rmse", report.cross_validation_rmse);
 }
 
-Archive report_to_archive(const FitReport& report) {
-  Archive archive;
-  archive.kind = "report";
-  const PartitionReport partition = report.partition.value_or(PartitionReport{});
-  for_each_member(report, partition, [&](const char* name, const auto& member) { archive.set(name, member); });
-  archive.set("anisotropy", partition.anisotropy);
-  archive.set("axis_scales", report.axis_scales);
-  archive.set("missing", report.missing);
-  archive.set("gross_errors", std::vector<double>(report.gross_errors.begin(), report.gross_errors.end()));
-  archive.set("noise", report.noise);
-  archive.set("sphere", std::vector<std::int32_t>(report.sphere.begin(), report.sphere.end()));
-  archive.set("drift_axes", std::vector<std::int32_t>(report.drift_axes.begin(), report.drift_axes.end()));
-  set_texts(archive, "value_kernel", report.value_kernels);
-  archive.set("drift", report.drift);
-  archive.set("drift_deviations", report.drift_deviations);
-  set_texts(archive, "warning", report.warnings);
-  return archive;
-}
-
 struct MemberReader {
   const Archive& archive;
 
@@ -79,34 +48,6 @@ std::vector<int> axes_from(const Archive& archive, const std::string& name) {
   for (const std::int32_t a : axes.reshaped())
     if (a < 0 || a >= most) archive.fail("an axis of " + name + " is damaged");
   return {axes.data(), axes.data() + axes.size()};
-}
-
-FitReport report_from(const Archive& archive) {
-  FitReport report;
-  PartitionReport partition;
-  for_each_member(report, partition, MemberReader{archive});
-  if (archive.has("anisotropy")) partition.anisotropy = archive.number("anisotropy");  // older models have none
-  if (partition.patches > 0) report.partition = partition;
-  report.axis_scales = archive.column("axis_scales");
-  if (archive.has("gross_errors")) {  // older models have none of these
-    report.missing = archive.integer("missing");
-    for (const double row : archive.column("gross_errors")) {
-      constexpr double most = 9007199254740992;  // 2^53: whole numbers up to there are exact
-      if (!(row >= 0 && row <= most && row == std::floor(row)))
-        archive.fail("a row of gross_errors is not a whole number");
-      report.gross_errors.push_back(static_cast<Index>(row));
-    }
-    report.noise = archive.column("noise");
-  }
-  if (archive.has("drift")) {
-    report.value_kernels = texts_of(archive, "value_kernel");
-    report.sphere = axes_from(archive, "sphere");
-    report.drift_axes = axes_from(archive, "drift_axes");
-    report.drift = archive.column("drift");
-    report.drift_deviations = archive.column("drift_deviations", std::ssize(report.drift));
-  }
-  report.warnings = texts_of(archive, "warning");
-  return report;
 }
 
 template <int Dim>
@@ -163,6 +104,65 @@ std::vector<std::string> names_or(std::vector<std::string> names, std::vector<st
 }
 
 }  // namespace
+
+void set_texts(Archive& archive, const std::string& name, const std::vector<std::string>& texts) {
+  archive.set(name + "s", texts.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) archive.set(name + std::to_string(i), texts[i]);
+}
+
+std::vector<std::string> texts_of(const Archive& archive, const std::string& name) {
+  std::vector<std::string> texts;
+  for (std::int64_t i = 0, count = archive.integer(name + "s", 0, most_names); i < count; ++i)
+    texts.push_back(archive.text(name + std::to_string(i)));
+  return texts;
+}
+
+Archive report_to_archive(const FitReport& report) {
+  Archive archive;
+  archive.kind = "report";
+  const PartitionReport partition = report.partition.value_or(PartitionReport{});
+  for_each_member(report, partition, [&](const char* name, const auto& member) { archive.set(name, member); });
+  archive.set("anisotropy", partition.anisotropy);
+  archive.set("axis_scales", report.axis_scales);
+  archive.set("missing", report.missing);
+  archive.set("gross_errors", std::vector<double>(report.gross_errors.begin(), report.gross_errors.end()));
+  archive.set("noise", report.noise);
+  archive.set("sphere", std::vector<std::int32_t>(report.sphere.begin(), report.sphere.end()));
+  archive.set("drift_axes", std::vector<std::int32_t>(report.drift_axes.begin(), report.drift_axes.end()));
+  set_texts(archive, "value_kernel", report.value_kernels);
+  archive.set("drift", report.drift);
+  archive.set("drift_deviations", report.drift_deviations);
+  set_texts(archive, "warning", report.warnings);
+  return archive;
+}
+
+FitReport report_from(const Archive& archive) {
+  FitReport report;
+  PartitionReport partition;
+  for_each_member(report, partition, MemberReader{archive});
+  if (archive.has("anisotropy")) partition.anisotropy = archive.number("anisotropy");  // older models have none
+  if (partition.patches > 0) report.partition = partition;
+  report.axis_scales = archive.column("axis_scales");
+  if (archive.has("gross_errors")) {  // older models have none of these
+    report.missing = archive.integer("missing");
+    for (const double row : archive.column("gross_errors")) {
+      constexpr double most = 9007199254740992;  // 2^53: whole numbers up to there are exact
+      if (!(row >= 0 && row <= most && row == std::floor(row)))
+        archive.fail("a row of gross_errors is not a whole number");
+      report.gross_errors.push_back(static_cast<Index>(row));
+    }
+    report.noise = archive.column("noise");
+  }
+  if (archive.has("drift")) {
+    report.value_kernels = texts_of(archive, "value_kernel");
+    report.sphere = axes_from(archive, "sphere");
+    report.drift_axes = axes_from(archive, "drift_axes");
+    report.drift = archive.column("drift");
+    report.drift_deviations = archive.column("drift_deviations", std::ssize(report.drift));
+  }
+  report.warnings = texts_of(archive, "warning");
+  return report;
+}
 
 Archive to_archive(const NamedFunction& named) {
   const Function& function = named.function;

@@ -6,26 +6,15 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/model.hpp"
+#include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/tiles/stages/gather_records.hpp"
 #include "csrbf/tiles/stages/sample_stream.hpp"
-
-#include <numeric>
 
 namespace csrbf {
 namespace {
 
 constexpr Index most_places = 60'000;  // of samples in the model: enough to say where there are some
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = text.find('\n', begin);
-    words.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return words;
-}
 
 // A field whose tiles are in the model to be written.
 template <int Dim>
@@ -65,53 +54,19 @@ void fit_function_tile(const TileWork<Dim>& work, const TileFolder& folder, Inde
     found.variance_unit = fit.variance_unit;
     write_model(folder.file("model", tile), NamedFunction{Function(std::move(fit))});
   }
-  const FitReport& report = found.report;
   Archive archive;
   archive.kind = "function tile";
   archive.set("samples", found.samples);
   archive.set("has_variances", found.has_variances ? 1 : 0);
   archive.set("variance_unit", found.variance_unit);
-  archive.set("method", report.method);
-  archive.set("kernel", report.kernel);
-  archive.set("fitted", report.samples);
-  archive.set("merged", report.merged_duplicates);
-  archive.set("gross_errors", report.gross_errors.size());
-  archive.set("centers", report.centers);
-  archive.set("patches", report.partition ? report.partition->patches : 0);
-  archive.set("degree", report.degree);
-  archive.set("smoothing", report.smoothing);
-  archive.set("rmse", report.rmse);
-  archive.set("max_error", report.max_error);
-  archive.set("cross_validation_rmse", report.cross_validation_rmse);
-  archive.set("noise", report.noise);
-  std::string warnings;
-  for (const std::string& warning : report.warnings) warnings += warning + "\n";
-  archive.set("warnings", warnings);
+  archive.set("report", report_to_archive(found.report));
   write_archive(folder.file("fit", tile), archive);
 }
 
 FunctionTile read_function_tile(const TileFolder& folder, Index tile) {
   const Archive archive = read_archive(folder.file("fit", tile));
-  FunctionTile found;
-  found.samples = archive.integer("samples");
-  found.has_variances = archive.integer("has_variances") != 0;
-  found.variance_unit = archive.number("variance_unit");
-  FitReport& report = found.report;
-  report.method = archive.text("method");
-  report.kernel = archive.text("kernel");
-  report.samples = archive.integer("fitted");
-  report.merged_duplicates = archive.integer("merged");
-  report.gross_errors.resize(static_cast<std::size_t>(archive.integer("gross_errors")));
-  report.centers = archive.integer("centers");
-  report.partition.emplace().patches = archive.integer("patches");
-  report.degree = static_cast<int>(archive.integer("degree"));
-  report.smoothing = archive.number("smoothing");
-  report.rmse = archive.number("rmse");
-  report.max_error = archive.number("max_error");
-  report.cross_validation_rmse = archive.number("cross_validation_rmse");
-  report.noise = archive.column("noise");
-  report.warnings = words_of(archive.text("warnings"));
-  return found;
+  return {archive.integer("samples"), report_from(archive.part("report")), archive.integer("has_variances") != 0,
+          archive.number("variance_unit")};
 }
 
 template <int Dim>
@@ -152,8 +107,8 @@ void write_function(const TileWork<Dim>& work, const TileFolder& folder, const s
   Points<Dim> samples = thinned_records(work, folder, most_places).matrix();
   samples.array().colwise() *= scales.array();
   fit.places = std::make_shared<const Points<Dim>>(std::move(samples));
-  const NamedFunction named{Function(std::move(fit)), words_of(work.notes.text("coordinate_names")),
-                            words_of(work.notes.text("value_names")), work.notes.text("crs")};
+  const NamedFunction named{Function(std::move(fit)), texts_of(work.notes, "coordinate_name"),
+                            texts_of(work.notes, "value_name"), work.notes.text("crs")};
   write_model(path, named);
 }
 

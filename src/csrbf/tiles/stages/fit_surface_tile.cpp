@@ -1,7 +1,7 @@
 #include "csrbf/tiles/stages/fit_surface_tile.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/models/archive.hpp"
+#include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/surface/composite/crop_field.hpp"
 #include "csrbf/tiles/folder/field_file.hpp"
 #include "csrbf/tiles/stages/cloud_records.hpp"
@@ -78,9 +78,7 @@ void write_fit(const TileFit& fit, const std::string& path) {
   archive.set("squared_distances", fit.squared_distances);
   archive.set("largest_distance", fit.largest_distance);
   archive.set("distances", fit.distances);
-  std::string text;
-  for (const std::string& warning : fit.warnings) text += warning + "\n";
-  archive.set("warnings", text);
+  set_texts(archive, "warning", fit.warnings);
   write_archive(path, archive);
 }
 
@@ -139,12 +137,7 @@ TileFit read_tile_fit(const TileFolder& folder, Index tile) {
   fit.largest_distance = archive.number("largest_distance");
   const auto& counts = archive.array<std::int64_t>("distances", bins, 1);
   fit.distances.assign(counts.data(), counts.data() + counts.size());
-  const std::string& text = archive.text("warnings");
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = text.find('\n', begin);
-    fit.warnings.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  fit.warnings = texts_of(archive, "warning");
   return fit;
 }
 
