@@ -49,8 +49,6 @@ struct CommonOptions {
   int threads = 0;                   ///< 0 = all cores
   std::vector<std::string> reports;  ///< files of the report: .json, .html
   std::string progress = "auto";     ///< auto, always, never, slicer
-  std::string memory;                ///< a size; empty: no cap
-  std::string scratch;               ///< folder for memory beyond the cap; empty: that of the output
   std::string format;                ///< of files without an extension; empty: by their content
   std::string job;                   ///< file of the report for the studio, which then reads progress as Slicer does
   bool quiet = false;

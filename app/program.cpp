@@ -1,9 +1,7 @@
 #include "program.hpp"
 
 #include "command_line.hpp"
-#include "process/file_memory.hpp"
 #include "process/interrupt.hpp"
-#include "process/processes.hpp"
 
 #include "csrbf/io/files/process_files.hpp"
 #include "csrbf/io/files/read_file.hpp"
@@ -65,36 +63,17 @@ bool is_one_of(const std::exception& error) {
   return ((dynamic_cast<const Types*>(&error) != nullptr) || ...);
 }
 
-// The folder of the output, which needs room for large files anyway.
-std::string output_folder(const Command& command) {
-  const auto output = [](const auto& c) -> std::string {
-    if constexpr (requires { c.output; }) return c.output;
-    return "";
-  };
-  const std::string folder = std::filesystem::path(std::visit(output, command)).parent_path().string();
-  return folder.empty() ? "." : folder;
-}
-
-std::string not_enough_memory() {
-  const std::string reason = file_memory() != nullptr ? file_memory()->failure() : "";
-  return "not enough memory" + (reason.empty() ? "" : ": " + reason);
-}
-
 int run(const CommandLine& line) {
   try {
     assume_formats(line);
-    CommonOptions common = line.common;
-    if (common.scratch.empty()) common.scratch = output_folder(line.command);
-    processes().conclude([&] {
-      Session session(line.subcommand, common);
-      std::visit([&](const auto& command) { app::run(command, session); }, line.command);
-      session.finish();
-    });
+    Session session(line.subcommand, line.common);
+    std::visit([&](const auto& command) { app::run(command, session); }, line.command);
+    session.finish();
     return success;
   } catch (const std::exception& error) {
     // A signal also interrupts reads and writes, which then fail with errors of their own.
     if (interrupted()) return fail(line.subcommand, "interrupted", interrupt_exit_code());
-    if (is_one_of<std::bad_alloc>(error)) return fail(line.subcommand, not_enough_memory(), no_result);
+    if (is_one_of<std::bad_alloc>(error)) return fail(line.subcommand, "not enough memory", no_result);
     const bool is_input = is_one_of<UsageError, InvalidInput, IoError>(error);
     const bool has_parameters = is_one_of<InvalidInput>(error);
     return fail(line.subcommand, has_parameters ? in_terms_of_flags(error.what(), line) : error.what(),

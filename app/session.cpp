@@ -1,7 +1,7 @@
 #include "session.hpp"
 
+#include "process/interrupt.hpp"
 #include "process/peak_memory.hpp"
-#include "process/processes.hpp"
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
@@ -25,35 +25,9 @@ double peak_memory_mb() {
   return static_cast<double>(peak_memory_bytes()) / bytes_per_mb;
 }
 
-double in_mb(std::size_t bytes) {
-  return std::round(static_cast<double>(bytes) / bytes_per_mb);
-}
-
-Json describe(const MemoryCap& cap) {
-  return {
-      {"cap_mb", in_mb(cap.bytes())}, {"scratch", cap.scratch()}, {"peak_scratch_mb", in_mb(cap.peak_scratch_bytes())}};
-}
-
 double round_to_ms(double seconds) {
   constexpr double per_second = 1000;
   return std::round(per_second * seconds) / per_second;
-}
-
-Json describe(const ResumeLog& log) {
-  const ResumeLog::Use& use = log.use();
-  return {{"taken_over_mb", in_mb(use.taken_bytes)},
-          {"written_mb", in_mb(use.written_bytes)},
-          {"seconds_saved", round_to_ms(use.seconds_saved)}};
-}
-
-// Everything that determines the results of a run, in lines.
-std::string key_of(const std::string& subcommand, const CommonOptions& common, const std::string& input) {
-  std::string key = std::string("csrbf ") + CSRBF_VERSION + "\n" + subcommand + "\n";
-  for (const FlagUse& flag : common.flags)
-    if (flag.given && !flag.common && flag.name != "output" && flag.name != "resume")
-      key += "--" + flag.name + " " + flag.value + "\n";
-  return key + "input of " + std::to_string(std::filesystem::file_size(input)) + " bytes with fingerprint " +
-         std::to_string(fingerprint(input)) + "\n";
 }
 
 enum class ReportForm { json, html, unknown };
@@ -73,8 +47,7 @@ Session::Session(std::string subcommand, const CommonOptions& common)
       display_(!common.job.empty() ? "slicer"
                : common.quiet      ? "never"
                                    : common.progress) {
-  set_thread_count(common.threads > 0 ? common.threads : processes().threads());
-  if (!common.memory.empty()) memory_cap_.emplace(parse_bytes(common.memory, "--memory"), common.scratch);
+  set_thread_count(common.threads);
   for (const std::string& path : common.reports) {
     if (report_form(path) == ReportForm::unknown)
       throw UsageError("--report " + path + ": unknown extension \"" + file_extension(path) +
@@ -86,12 +59,12 @@ Session::Session(std::string subcommand, const CommonOptions& common)
 Progress Session::progress() {
   return [this](std::string_view stage, double fraction) {
     display_.update(stage, fraction);
-    return !processes().interrupted();
+    return !interrupted();
   };
 }
 
 void Session::begin_stage(const std::string& stage) {
-  if (processes().interrupted()) throw Cancelled();
+  if (interrupted()) throw Cancelled();
   display_.update(stage, 0);
 #ifdef __GLIBC__
   malloc_trim(0);  // returns the memory of earlier stages before this one allocates
@@ -100,7 +73,7 @@ void Session::begin_stage(const std::string& stage) {
 
 void Session::end_stage(const std::string& stage, Clock::time_point start) {
   add_time(stage, std::chrono::duration<double>(Clock::now() - start).count());
-  if (processes().interrupted()) throw Cancelled();
+  if (interrupted()) throw Cancelled();
 }
 
 void Session::add_time(const std::string& stage, double seconds) {
@@ -132,19 +105,6 @@ void Session::expect_output(const std::string& flag, const std::string& path, co
 void Session::expect_output(const std::string& flag, const std::string& path, bool known, const std::string& formats) {
   if (!known) throw UsageError(flag + " " + path + ": unknown extension \"" + file_extension(path) + "\"; " + formats);
   expect_output(path);
-}
-
-void Session::resume(const std::string& file, const std::string& output) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    throw UsageError("--resume needs an input that can be read again; give a file instead of " + display_name(file));
-  if (output == "-") throw UsageError("--resume keeps its log beside the output; give a file instead of -");
-  const std::string path = output + ".resume";
-  try {
-    resume_log_.emplace(path, key_of(command_, common_, file));
-  } catch (const IoError& failure) {
-    throw WriteFailure(failure.what());
-  }
 }
 
 void Session::warn(const std::string& message) {
@@ -191,22 +151,10 @@ Json Session::report() const {
                  {"peak_memory_mb", std::round(memory_mb_ > 0 ? memory_mb_ : peak_memory_mb())},
                  {"threads", thread_count()},
                  {"warnings", warnings_}};
-  if (resume_log_) report["resume"] = describe(*resume_log_);
-  if (memory_cap_) report["memory"] = describe(*memory_cap_);
-  processes().describe(report);
   return report;
 }
 
-// The results are correct, but a flag about the way there was not met.
-void Session::warn_of_unmet_flags() {
-  if (memory_cap_ && peak_memory_mb() * bytes_per_mb > static_cast<double>(memory_cap_->bytes()))
-    warn("--memory " + common_.memory + " was exceeded: the peak was " + rounded(peak_memory_mb()) + " MiB");
-  if (resume_log_ && resume_log_->use().error != 0)
-    warn("--resume: no more steps could be saved: " + std::generic_category().message(resume_log_->use().error));
-}
-
 void Session::finish() {
-  warn_of_unmet_flags();
   const Json report = this->report();
   for (const std::string& path : common_.reports) {
     const std::string text = report_form(path) == ReportForm::html
@@ -215,11 +163,6 @@ void Session::finish() {
     write([&] { write_file(path, text); });
   }
   if (!common_.job.empty()) write_file(common_.job, report.dump(-1, ' ', false, Json::error_handler_t::replace));
-  if (resume_log_) {
-    resume_log_->remove();
-    const double seconds = resume_log_->use().seconds_saved;
-    if (seconds > 0) say("resumed: " + rounded(seconds, 2) + " s of work reused from the earlier run");
-  }
   display_.clear();
   if (common_.quiet) return;
   std::FILE* out = stdout_is_result_ ? stderr : stdout;

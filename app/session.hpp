@@ -1,8 +1,6 @@
 #pragma once
 
 #include "common.hpp"
-#include "process/memory_cap.hpp"
-#include "process/resume_log.hpp"
 #include "progress_display.hpp"
 #include "report/page.hpp"
 
@@ -54,9 +52,6 @@ class Session {
   /// The same. Throws UsageError first unless the extension is `known`; `formats`: "meshes are .ply .obj".
   void expect_output(const std::string& flag, const std::string& path, bool known, const std::string& formats);
 
-  /// Saves finished steps to a log beside `output`, and reuses those of an interrupted run.
-  void resume(const std::string& input, const std::string& output);
-
   /// Stage "write": turns IoError into WriteFailure.
   template <class Action>
   void write(Action&& action);
@@ -82,12 +77,9 @@ class Session {
   void end_stage(const std::string& stage, Clock::time_point start);
   [[nodiscard]] Json report() const;
   void note_memory();
-  void warn_of_unmet_flags();
 
   std::string command_;
   CommonOptions common_;
-  std::optional<MemoryCap> memory_cap_;
-  std::optional<ResumeLog> resume_log_;
   ProgressDisplay display_;
   Clock::time_point start_ = Clock::now();
   Json time_ = Json::object();

@@ -21,8 +21,8 @@ python_packages=(python3-dev python3-numpy pybind11-dev)
 python_test_packages=(python3-scipy python3-sklearn python3-tqdm mypy python3-pip python3-venv
   python3-matplotlib python3-yaml python3-pandas python3-xarray jupyter-nbconvert python3-ipykernel)
 
-# What csrbf-mpi needs in addition.
-distributed_packages=(libopenmpi-dev openmpi-bin libmumps-dev)
+# What the tests on several processes need in addition.
+distributed_packages=(openmpi-bin python3-distributed)
 
 # What the preset libcxx needs in addition; its GoogleTest is compiled from source.
 libcxx_packages=(clang libc++-dev libc++abi-dev googletest libgtest-dev)

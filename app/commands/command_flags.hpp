@@ -59,13 +59,6 @@ class CommandFlags {
     app_.add_flag(names, value, what)->group(flag_group);
   }
 
-  void resume(bool& value) {
-    toggle(
-        "--resume", value,
-        "save finished steps in a file beside the output, named like it plus .resume, and continue from there after an "
-        "interrupted run");
-  }
-
   /// The flags of every command, last in the help.
   void add_common() {
     constexpr int most_threads = 4096;  // more is a typing error
@@ -88,15 +81,6 @@ class CommandFlags {
         ->default_str("auto")
         ->check(CLI::IsMember({"auto", "always", "never", "slicer"}))
         ->group(common_group);
-    app_.add_option("--memory", common_.memory,
-                    "limit the memory in use, for instance to 2GB; what does not fit goes to files")
-        ->type_name("SIZE")
-        ->default_str("no cap")
-        ->group(common_group);
-    app_.add_option("--scratch", common_.scratch, "folder for these files, on a disk with room for them")
-        ->type_name("DIR")
-        ->default_str("that of the output")
-        ->group(common_group);
     if (app_.get_option_no_throw("--format") == nullptr)
       app_.add_option("--format", common_.format,
                       "format of the input, and of an output without an extension: las, ply, csv, tif and the like")
@@ -117,16 +101,18 @@ class CommandFlags {
   CommonOptions& common_;
 };
 
-/// Which points of a scanner are used.
+/// Work in tiles.
 inline void add_tile_flags(CommandFlags& v, TileFlags& f) {
-  v.positive_flag("tile-points", f.points, "N", "all at once",
-                  "work in tiles with up to N points: any number of points in the memory that N of them need");
+  v.flag("memory", f.memory, "SIZE", "all at once",
+         "work in tiles that need about so much memory, for instance 2GB, however many points there are");
+  v.positive_flag("tile-points", f.points, "N", "by --memory, else 1000000", "points of a tile at most");
   v.flag("tile-folder", f.folder, "DIR", "OUT.tiles",
-         "folder for finished steps of the tiles, from which an interrupted run goes on");
-  v.flag("tile-share", f.share, "K/N", "1/1",
-         "this is process K of N that work in the same folder; start each of them");
+         "work in tiles and keep finished steps in this folder, from which an interrupted run goes on");
+  v.flag("tile-share", f.share, "K/N|auto", "1/1",
+         "this is process K of N that work in the same folder, each of them started; auto: as mpirun or srun say");
 }
 
+/// Which points of a scanner are used.
 inline void add_point_flags(CommandFlags& v, PointFlags& f) {
   v.flag("class", f.classes, "N,N,...", "all",
          "use only points of these classes, as of .las files: 2 is ground, 5 high vegetation, 6 building");

@@ -22,7 +22,6 @@ struct ReconstructCommand {
   std::string sharp = "auto";
   std::string trim = "none";
   std::string model;
-  bool resume = false;
   TileFlags tiles;
 };
 
@@ -94,7 +93,6 @@ struct FitCommand {
   std::optional<double> missing;
   PointFlags points;
   TileFlags tiles;
-  bool resume = false;
 };
 
 struct EvaluateCommand {

@@ -63,7 +63,6 @@ void declare(CommandFlags& v, FitCommand& c) {
   v.flag("missing", c.missing, "VALUE", "none", "value, such as -9999, of samples that have none: they are left out");
   add_point_flags(v, c.points);
   add_tile_flags(v, c.tiles);
-  v.resume(c.resume);
 }
 
 void declare(CommandFlags& v, EvaluateCommand& c) {

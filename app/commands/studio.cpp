@@ -1,5 +1,5 @@
 #include "commands/command_flags.hpp"
-#include "process/memory_cap.hpp"
+#include "inputs/bytes.hpp"
 #include "studio/server.hpp"
 
 namespace csrbf::app {

@@ -47,7 +47,6 @@ void declare(CommandFlags& v, ReconstructCommand& c) {
          "drop surface further than T local point spacings from the data; none: watertight");
   v.flag("model", c.model, "FILE", "", "save the implicit surface: .csrbf");
   add_point_flags(v, c.points);
-  v.resume(c.resume);
   add_tile_flags(v, c.tiles);
 }
 

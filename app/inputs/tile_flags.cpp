@@ -1,48 +1,98 @@
 #include "inputs/tile_flags.hpp"
 
+#include "inputs/bytes.hpp"
+#include "process/peak_memory.hpp"
+
+#include <cstdlib>
+
 namespace csrbf::app {
 namespace {
 
-// "3/8": the third of eight processes.
-TileShare parse_share(const std::string& text) {
-  if (text.empty()) return {};
-  const std::size_t slash = text.find('/');
-  const auto number = [&](const std::string& word) -> Index {
-    const bool digits = !word.empty() && word.size() < 10 && word.find_first_not_of("0123456789") == std::string::npos;
-    return digits ? std::stoll(word) : 0;
-  };
-  const Index rank = number(text.substr(0, slash));
-  const Index count = slash == std::string::npos ? 0 : number(text.substr(slash + 1));
-  if (rank < 1 || rank > count) throw UsageError("--tile-share " + text + ": must be K/N, process K of N, such as 1/4");
-  return {rank - 1, count};
+constexpr Index usual_points = 1000000;  // of a tile
+constexpr Index fewest_points = 10000;   // with fewer, halos are larger than tiles
+constexpr double program_bytes = 60e6;   // that the program needs without a tile
+
+// A number of at most nine digits; 0 for other texts.
+Index small_number(const std::string& text) {
+  const bool digits = !text.empty() && text.size() < 10 && text.find_first_not_of("0123456789") == std::string::npos;
+  return digits ? std::stoll(text) : 0;
+}
+
+std::string environment(const char* name) {
+  const char* const value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
+// What a launcher of processes tells each of them.
+TileShare share_of_launcher() {
+  constexpr const char* launchers[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},  // mpirun of Open MPI
+                                          {"PMI_RANK", "PMI_SIZE"},                          // of MPICH and Intel MPI
+                                          {"SLURM_PROCID", "SLURM_NTASKS"}};                 // srun
+  for (const auto& [rank_name, count_name] : launchers) {
+    const std::string rank = environment(rank_name);
+    const Index count = small_number(environment(count_name));
+    if (rank.find_first_not_of("0123456789") == std::string::npos && !rank.empty() && small_number(rank) < count)
+      return {small_number(rank), count};
+  }
+  throw UsageError("--tile-share auto: neither mpirun nor srun started this process; give K/N, such as 1/4");
 }
 
 }  // namespace
 
 bool works_in_tiles(const TileFlags& flags) {
-  if (flags.points > 0) return true;
-  if (!flags.folder.empty()) throw UsageError("--tile-folder needs --tile-points N");
-  if (!flags.share.empty()) throw UsageError("--tile-share needs --tile-points N");
+  if (flags.points > 0 || !flags.memory.empty() || !flags.folder.empty()) return true;
+  if (!flags.share.empty()) throw UsageError("--tile-share needs --tile-folder DIR, which the processes share");
   return false;
 }
 
+Index tile_points(const TileFlags& flags, double bytes_per_point) {
+  if (flags.points > 0) return flags.points;
+  if (flags.memory.empty()) return usual_points;
+  const double bytes = static_cast<double>(parse_bytes(flags.memory, "--memory")) - program_bytes;
+  const auto points = static_cast<Index>(bytes / bytes_per_point);
+  if (points < fewest_points) {
+    constexpr double mega = 1e6;
+    const double least = program_bytes + bytes_per_point * static_cast<double>(fewest_points);
+    throw UsageError("--memory " + flags.memory + " is too little; give at least " +
+                     std::to_string(static_cast<Index>(std::ceil(least / mega))) + "MB");
+  }
+  return points;
+}
+
+// "3/8": the third of eight processes.
 TileShare tile_share(const TileFlags& flags) {
-  return parse_share(flags.share);
+  const std::string& text = flags.share;
+  if (text.empty()) return {};
+  if (text == "auto") return share_of_launcher();
+  const std::size_t slash = text.find('/');
+  const Index rank = small_number(text.substr(0, slash));
+  const Index count = slash == std::string::npos ? 0 : small_number(text.substr(slash + 1));
+  if (rank < 1 || rank > count)
+    throw UsageError("--tile-share " + text + ": must be auto, or K/N for process K of N, such as 1/4");
+  return {rank - 1, count};
 }
 
 std::string tile_folder(const TileFlags& flags, const std::string& output) {
   return flags.folder.empty() ? output + ".tiles" : flags.folder;
 }
 
-void add_tile_options(const TileFlags& flags, const std::string& output, Session& session) {
-  const TileShare share = tile_share(flags);
-  session.options["tile_points"] = flags.points;
-  session.options["tile_folder"] = tile_folder(flags, output);
+void add_tile_options(Index points, const TileShare& share, const std::string& folder, Session& session) {
+  session.options["tile_points"] = points;
+  session.options["tile_folder"] = folder;
   session.options["tile_share"] = std::to_string(share.rank + 1) + "/" + std::to_string(share.count);
 }
 
+void check_tile_memory(const TileFlags& flags, Session& session) {
+  if (flags.memory.empty()) return;
+  const std::size_t peak = peak_memory_bytes();
+  if (peak <= parse_bytes(flags.memory, "--memory")) return;
+  constexpr double mega = 1e6;
+  session.warn("--memory " + flags.memory + " was exceeded: the peak was " + rounded(static_cast<double>(peak) / mega) +
+               " MB; a smaller --tile-points needs less");
+}
+
 void refuse_in_tiles(const std::string& flag, const std::string& instead) {
-  throw UsageError(flag + " does not go with --tile-points; " + instead);
+  throw UsageError(flag + " does not go with tiles (--tile-points, --tile-folder, --memory); " + instead);
 }
 
 void expect_tile_files(const std::string& input, const std::string& output, const Session& session) {

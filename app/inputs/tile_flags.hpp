@@ -8,21 +8,30 @@ namespace csrbf::app {
 
 /// Work in tiles.
 struct TileFlags {
-  Index points = 0;  ///< of a tile at most; 0: all at once
+  Index points = 0;    ///< of a tile at most; 0: as the memory says
+  std::string memory;  ///< a size; empty: not given
   std::string folder;
   std::string share;
 };
 
-/// Whether the flags ask for work in tiles. Throws UsageError for flags that need --tile-points.
+/// Whether the flags ask for work in tiles. Throws UsageError for --tile-share alone.
 bool works_in_tiles(const TileFlags& flags);
 
+/// Points of a tile at most: those given, or as many as fit in the memory given, or a million. `bytes_per_point`: the
+/// memory that a tile needs.
+Index tile_points(const TileFlags& flags, double bytes_per_point);
+
+/// The process K of N that --tile-share names; "auto": that of mpirun or srun.
 TileShare tile_share(const TileFlags& flags);
 
 /// The folder given, or that beside the output.
 std::string tile_folder(const TileFlags& flags, const std::string& output);
 
-/// Adds the flags to the options of the report.
-void add_tile_options(const TileFlags& flags, const std::string& output, Session& session);
+/// Adds what was used to the options of the report.
+void add_tile_options(Index points, const TileShare& share, const std::string& folder, Session& session);
+
+/// Warns when the work took more than the memory given.
+void check_tile_memory(const TileFlags& flags, Session& session);
 
 /// Throws UsageError: a flag that tiles do not know, and what to do instead.
 [[noreturn]] void refuse_in_tiles(const std::string& flag, const std::string& instead);

@@ -48,14 +48,6 @@ bool interrupted() {
   return received != 0;
 }
 
-int interrupt_signal() {
-  return received;
-}
-
-void interrupt_by(int signal) {
-  received = signal;
-}
-
 int interrupt_exit_code() {
   return signal_base + (received != 0 ? received : SIGINT);
 }

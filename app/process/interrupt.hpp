@@ -9,12 +9,6 @@ void catch_interrupts();
 /// Whether the program was asked to stop.
 bool interrupted();
 
-/// The number of the signal that asked; 0 for none.
-int interrupt_signal();
-
-/// Stops this process because another one got the signal.
-void interrupt_by(int signal);
-
 /// 128 + the number of the signal that asked; 130 for Ctrl-C.
 int interrupt_exit_code();
 

@@ -33,7 +33,7 @@ JobRequest parse_job(const std::string& body) {
   std::vector<std::string> arguments{command};
   for (const Json& argument : asked["args"]) {
     if (!argument.is_string()) throw Refused(bad, "args are texts");
-    if (argument.get<std::string>().starts_with(job_flag) || argument.get<std::string>().starts_with("--scratch"))
+    if (argument.get<std::string>().starts_with(job_flag))
       throw Refused(bad, argument.get<std::string>() + " is for the studio itself");
     arguments.push_back(argument);
   }

@@ -4,7 +4,7 @@
 
 #ifdef CSRBF_HAS_HTTPLIB
 
-#include "process/processes.hpp"
+#include "process/interrupt.hpp"
 #include "report/page_files.hpp"
 #include "studio/browser.hpp"
 #include "studio/child.hpp"
@@ -377,7 +377,7 @@ void Studio::run() {
   std::fflush(stdout);
   while (!server_.is_running()) std::this_thread::sleep_for(1ms);  // or stop() does nothing
   if (options_.opens_browser) open_in_browser(address);
-  while (!processes().interrupted()) std::this_thread::sleep_for(50ms);
+  while (!interrupted()) std::this_thread::sleep_for(50ms);
   stopping_ = true;
   server_.stop();
   listener.join();

@@ -191,7 +191,7 @@ class FitTiles(base.CommandLine):
             self.assertIn("damaged", run.stderr)
 
     def test_what_tiles_do_not_do_is_said(self):
-        for flags in (["--centers", "100"], ["--periods", "1,0"], ["--sphere", "1,2"], ["--drift", "1"], ["--resume"]):
+        for flags in (["--centers", "100"], ["--periods", "1,0"], ["--sphere", "1,2"], ["--drift", "1"]):
             run = subprocess.run([PROGRAM, *self.arguments, *flags], capture_output=True, text=True)
             self.assertNotEqual(run.returncode, 0)
             self.assertIn(flags[0], run.stderr)

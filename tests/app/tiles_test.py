@@ -73,6 +73,32 @@ class Tiles(base.CommandLine):
         self.succeed("reconstruct", self.cloud, "-o", self.mesh)
         self.assertTrue(filecmp.cmp(tiled, self.mesh, shallow=False))
 
+    def test_memory_says_how_large_tiles_are(self):
+        self.arguments[-2:] = ["--memory", "80MB"]
+        options = self.result()["options"]
+        self.assertGreaterEqual(options["tile_points"], 10000)
+        self.assertLess(options["tile_points"], 16000)
+        self.arguments[-1] = "70MB"
+        self.fail_with(2, "--memory 70MB is too little", *self.arguments)
+        self.arguments[-1] = "much"
+        self.fail_with(2, "--memory much", *self.arguments)
+
+    def test_a_folder_alone_makes_large_tiles(self):
+        self.arguments[-2:] = ["--tile-folder", self.path("steps")]
+        self.assertEqual(self.result()["options"]["tile_points"], 1000000)
+
+    def test_a_launcher_says_which_share(self):
+        self.fail_with(2, "neither mpirun nor srun", *self.arguments, "--tile-share", "auto")
+        self.succeed(*self.arguments)
+        alone = self.kept("alone.ply")
+        for names in (("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), ("PMI_RANK", "PMI_SIZE"),
+                      ("SLURM_PROCID", "SLURM_NTASKS")):
+            runs = [subprocess.Popen([PROGRAM, *self.arguments, "--tile-share", "auto", "--quiet"],
+                                     env=dict(os.environ, **dict(zip(names, (str(rank), "2")))))
+                    for rank in range(2)]
+            self.assertEqual([run.wait() for run in runs], [0, 0])
+            self.assertTrue(filecmp.cmp(alone, self.mesh, shallow=False))
+
     def test_tiles_fit_together(self):
         for flags in ([], ["--sharp", "off"], ["--normals", "estimate"], ["--resolution", "80"]):
             with self.subTest(flags=flags):

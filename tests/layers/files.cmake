@@ -11,7 +11,7 @@ set(foreign "/(work|home|root|tmp)/" "(deb\\.debian|registry\\.npmjs|pypi)\\.org
     "[Hh]elper [A-Z][^a-z]")
 
 set(violations "")
-foreach(folder IN ITEMS src app distributed tests cmake examples benchmarks python viewer docs scripts)
+foreach(folder IN ITEMS src app tests cmake examples benchmarks python viewer docs scripts)
   file(GLOB_RECURSE found RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/${folder}/*.hpp ${SOURCE_DIR}/${folder}/*.cpp
        ${SOURCE_DIR}/${folder}/*.in ${SOURCE_DIR}/${folder}/*.cmake ${SOURCE_DIR}/${folder}/*.txt
        ${SOURCE_DIR}/${folder}/*.sh ${SOURCE_DIR}/${folder}/*.py ${SOURCE_DIR}/${folder}/*.md)

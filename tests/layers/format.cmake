@@ -2,7 +2,7 @@
 # usage: cmake -D SOURCE_DIR=... -D CLANG_FORMAT=... -P format.cmake
 cmake_minimum_required(VERSION 3.25)
 
-foreach(folder IN ITEMS src app distributed tests examples benchmarks python)
+foreach(folder IN ITEMS src app tests examples benchmarks python)
   file(GLOB_RECURSE found ${SOURCE_DIR}/${folder}/*.hpp ${SOURCE_DIR}/${folder}/*.cpp)
   list(APPEND files ${found})
 endforeach()

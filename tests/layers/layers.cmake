@@ -17,10 +17,6 @@ set(levelset_may_include ${shared} approx implicit)
 set(io_may_include ${shared} approx implicit surface levelset)
 set(tiles_may_include ${io_may_include} io)
 set(app_may_include ${tiles_may_include} tiles)
-set(distributed_may_include ${app_may_include} app)
-
-# Only distributed/ knows of several processes.
-set(foreign_to_others "<(mpi|dmumps_c)\\.h>")
 
 # The version header belongs to core, the umbrella header csrbf.hpp to nobody: no file of the project includes it.
 function(module_of path result)
@@ -37,7 +33,7 @@ endfunction()
 # A room is a folder of a module (approx/unity/), or a module without folders (core/). What lies above the rooms, the
 # entry points, are units of their own (approx/fit): an entry point may include rooms, a room never its entry point.
 function(room_of path result)
-  if(path MATCHES "^((core|kernels|spatial|linalg|distributed)/|[a-z]+/[a-z_]+/)")
+  if(path MATCHES "^((core|kernels|spatial|linalg)/|[a-z]+/[a-z_]+/)")
     set(${result} ${CMAKE_MATCH_1} PARENT_SCOPE)
   else()
     string(REGEX REPLACE "\\.[ch]pp$" "" unit ${path})
@@ -75,19 +71,15 @@ function(check_file file module)
       if(NOT included IN_LIST allowed)
         string(APPEND violations "\n  ${file}: ${module} may not include ${included}: ${line}")
       endif()
-    elseif(NOT module MATCHES "^(app|distributed)$")
+    elseif(NOT module MATCHES "^app$")
       string(APPEND violations "\n  ${file}: write the path from src/, as in \"csrbf/core/types.hpp\": ${line}")
     endif()
   endforeach()
-  file(STRINGS ${SOURCE_DIR}/${file} foreign REGEX "^ *#include ${foreign_to_others}")
-  if(foreign AND NOT module STREQUAL "distributed")
-    string(APPEND violations "\n  ${file}: only distributed may include: ${foreign}")
-  endif()
   set(violations "${violations}" PARENT_SCOPE)
 endfunction()
 
 file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/src/csrbf/*.hpp ${SOURCE_DIR}/src/csrbf/*.cpp
-     ${SOURCE_DIR}/app/*.hpp ${SOURCE_DIR}/app/*.cpp ${SOURCE_DIR}/distributed/*.hpp ${SOURCE_DIR}/distributed/*.cpp)
+     ${SOURCE_DIR}/app/*.hpp ${SOURCE_DIR}/app/*.cpp)
 foreach(file IN LISTS files)
   if(file STREQUAL "src/csrbf/csrbf.hpp")
     continue()

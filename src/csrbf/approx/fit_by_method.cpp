@@ -15,7 +15,6 @@
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/unity/local_variance.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -172,7 +171,7 @@ class Fitter {
   // Whether every sample is within the tolerance.
   bool holds(const Fields& fields, const Samples<Dim>& samples) const {
     for (std::size_t c = 0; c < fields.size(); ++c) {
-      const Eigen::VectorXd f = shared_evaluate(*fields[c], samples.points).value;
+      const Eigen::VectorXd f = fields[c]->evaluate(samples.points).value;
       if (!((f - samples.values.col(static_cast<Index>(c))).cwiseAbs().maxCoeff() <= options_.tolerance)) return false;
     }
     return true;

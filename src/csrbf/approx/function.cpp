@@ -7,7 +7,6 @@
 #include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/core/numbers/number_text.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/convex_hull.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
@@ -55,7 +54,7 @@ Eigen::MatrixXd deviation(const Fit<Dim>& fit, const Eigen::Ref<const Eigen::Mat
   require(of == DeviationOf::sample || std::ssize(noise) == result.cols(), "standard_deviation", "of", "function",
           "the noise of the samples is unknown for this fit; ask for that of a sample");
   for (Index c = 0; c < result.cols(); ++c) {
-    Eigen::ArrayXd variance = shared_evaluate(*fit.variances[c], points).value;
+    Eigen::ArrayXd variance = fit.variances[c]->evaluate(points).value;
     if (of == DeviationOf::function) variance -= std::pow(noise[c] / fit.variance_unit, 2);
     result.col(c) = fit.variance_unit * variance.unaryExpr([](double v) { return v < 0 ? 0 : v; }).sqrt();  // keeps NaN
   }
@@ -144,7 +143,7 @@ Function::Values evaluate_all(const Fit<Dim>& fit, const Eigen::Ref<const Eigen:
   result.gradient.resize(m, derivatives >= Derivatives::gradient ? k * Dim : 0);
   result.hessian.resize(m, derivatives >= Derivatives::hessian ? k * symmetric_size<Dim> : 0);
   for (Index c = 0; c < k; ++c) {
-    const Jet<Dim> jet = shared_evaluate(*fit.components[c], points, derivatives);
+    const Jet<Dim> jet = fit.components[c]->evaluate(points, derivatives);
     result.value.col(c) = jet.value;
     if (derivatives >= Derivatives::gradient) result.gradient.middleCols(c * Dim, Dim) = jet.gradient.transpose();
     if (derivatives >= Derivatives::hessian)

@@ -1,6 +1,5 @@
 #include "csrbf/approx/measure_errors.hpp"
 
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -18,7 +17,7 @@ void measure_errors(const Samples<Dim>& samples, Fit<Dim>& fit) {
   Eigen::VectorXd norms(static_cast<Index>(fit.components.size()));
   fit.report.max_error = 0;
   for (std::size_t c = 0; c < fit.components.size(); ++c) {
-    Eigen::VectorXd error = shared_evaluate(*fit.components[c], points).value;
+    Eigen::VectorXd error = fit.components[c]->evaluate(points).value;
     error -= samples.values.col(static_cast<Index>(c))(some);
     norms[static_cast<Index>(c)] = error.stableNorm();
     fit.report.max_error = std::max(fit.report.max_error, error.cwiseAbs().maxCoeff());

@@ -1,6 +1,5 @@
 #include "csrbf/implicit/curvature.hpp"
 
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
 namespace csrbf {
@@ -35,7 +34,7 @@ Curvatures curvature(const Field<3>& field, const PointsRef<3>& x, const Progres
   for (Index begin = 0; begin < n; begin += part) {
     report(progress, "curvature", static_cast<double>(begin) / static_cast<double>(n));
     const Index count = std::min(part, n - begin);
-    const Jet<3> jet = shared_evaluate(field, x.middleCols(begin, count), Derivatives::hessian);
+    const Jet<3> jet = field.evaluate(x.middleCols(begin, count), Derivatives::hessian);
     for (Index i = 0; i < count; ++i) {
       const PrincipalCurvatures at = principal_curvatures(jet.gradient.col(i), jet.hessian_matrix(i));
       result.normals.col(begin + i) = at.normal;
@@ -54,9 +53,9 @@ Eigen::VectorXd curvature_slopes(const Field<3>& field, const PointsRef<3>& x, c
   require(step > 0 && std::isfinite(step), "curvature_slopes", "step", step, "must be positive and finite");
   require(directions.cols() == x.cols(), "curvature_slopes", "number of directions", directions.cols(),
           "must be the number of points");
-  const Jet<3> jet = shared_evaluate(field, x, Derivatives::hessian);
-  const Jet<3> ahead = shared_evaluate(field, x + step * directions, Derivatives::hessian);
-  const Jet<3> behind = shared_evaluate(field, x - step * directions, Derivatives::hessian);
+  const Jet<3> jet = field.evaluate(x, Derivatives::hessian);
+  const Jet<3> ahead = field.evaluate(x + step * directions, Derivatives::hessian);
+  const Jet<3> behind = field.evaluate(x - step * directions, Derivatives::hessian);
   Eigen::VectorXd slopes(x.cols());
   for (Index i = 0; i < x.cols(); ++i) {
     const Point<3> t = directions.col(i), g = jet.gradient.col(i), Ht = jet.hessian_matrix(i) * t;

@@ -1,8 +1,6 @@
 #include "csrbf/linalg/sparse_cholesky.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/core/inside_parallel_loop.hpp"
-#include "csrbf/linalg/sparse_factor.hpp"
 
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCholesky>
@@ -28,19 +26,12 @@ bool same_pattern(const SparseMatrix& a, const SparseMatrix& b) {
          std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
 }
 
-SparseFactorMaker maker_in_use;
-
 }  // namespace
-
-void set_sparse_factor(SparseFactorMaker maker) {
-  maker_in_use = std::move(maker);
-}
 
 struct SparseCholesky::Impl {
   SparseCholeskyOptions options;
   SparseMatrix N;  // for the iteration, and to recognise the same pattern
   Factor factor;
-  std::unique_ptr<SparseFactor> other_factor;  // used instead if there is one
   Preconditioner preconditioner;
   bool analyzed = false;
   bool direct = true;
@@ -72,10 +63,7 @@ bool SparseCholesky::factorize(const SparseMatrix& N) {
     if (s.direct) s.factor.analyzePattern(N);
     if (s.options.method == SparseMethod::automatic && s.factor.flops() > s.options.direct_flops) s.direct = false;
     s.analyzed = true;
-    s.other_factor = nullptr;
-    if (s.direct && maker_in_use && !inside_parallel_loop()) s.other_factor = maker_in_use(N);
   }
-  if (s.other_factor) return s.other_factor->factorize(N, known);
   if (s.direct) {
     s.factor.factorize(N);
     return s.factor.info() == Eigen::Success;
@@ -124,7 +112,6 @@ Index SparseCholesky::Impl::conjugate_gradients(const Eigen::VectorXd& b, Eigen:
 }
 
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::Ref<const Eigen::MatrixXd>& b) const {
-  if (impl_->other_factor) return impl_->other_factor->solve(b);
   if (impl_->direct) return impl_->factor.solve(b);
   Eigen::MatrixXd x(b.rows(), b.cols());
   for (Index j = 0; j < b.cols(); ++j) {

@@ -2,7 +2,6 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/core/shared_work.hpp"
 #include "csrbf/core/small_matrices.hpp"
 
 #include <numeric>
@@ -12,10 +11,9 @@ namespace csrbf {
 namespace {
 
 // All chosen by hand.
-constexpr double flat = 0.8;              // length of the mean unit normal above which points are a nearly flat sheet
-constexpr Index axes_sample = 512;        // points that the principal axes of a larger set are estimated from
-constexpr Index enough_parts = 256;       // to share among processes: more balance better, fewer need fewer messages
-constexpr Index fewest_shared = 1 << 14;  // points; with fewer it takes longer to exchange a partition than to make it
+constexpr double flat = 0.8;         // length of the mean unit normal above which points are a nearly flat sheet
+constexpr Index axes_sample = 512;   // points that the principal axes of a larger set are estimated from
+constexpr Index enough_parts = 256;  // for the threads: more balance better, fewer need fewer passes
 
 using Projected = std::pair<double, Index>;
 
@@ -192,8 +190,8 @@ std::vector<Part> cut(const Splitter<Dim>& splitter, const Part& whole, int leve
   return parts;
 }
 
-// Cuts all parts, independently of each other: once, until there are enough of them for many processes, then down to
-// the leaves.
+// Cuts all parts, independently of each other: once, until there are enough of them for all threads, then down to the
+// leaves.
 template <int Dim>
 std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>& parts, std::vector<Index>& order) {
   const auto count = std::ssize(parts);
@@ -202,39 +200,8 @@ std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>
   const auto compute = [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) smaller[i] = cut(splitter, parts[i], levels, order);
   };
-  const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-    for (Index i = begin; i < end; ++i) {
-      out.put(smaller[i].size());
-      for (const Part& part : smaller[i]) {
-        out.put(part.end);
-        out.put(part.leaf);
-      }
-      if (parts[i].leaf) continue;
-      const std::vector<std::uint32_t> ids(order.begin() + parts[i].begin, order.begin() + parts[i].end);
-      out.put(ids.data(), std::ssize(ids));
-    }
-  };
-  const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-    for (Index i = begin; i < end; ++i) {
-      smaller[i].resize(in.take<std::size_t>());
-      Index next = parts[i].begin;
-      for (Part& part : smaller[i]) {
-        part.begin = std::exchange(next, in.take<Index>());
-        part.end = next;
-        part.leaf = in.take<bool>();
-      }
-      if (parts[i].leaf) continue;
-      std::vector<std::uint32_t> ids(parts[i].end - parts[i].begin);
-      in.take(ids.data(), std::ssize(ids));
-      std::copy(ids.begin(), ids.end(), order.begin() + parts[i].begin);
-    }
-  };
   const Index grain = 1 + count / enough_parts;
-  if (std::ssize(order) < fewest_shared) {
-    parallel_for(count, grain, compute);
-  } else {
-    share_work({"partition", count, grain, compute, pack, unpack});
-  }
+  parallel_for(count, grain, compute);
   std::vector<Part> result;
   for (const std::vector<Part>& some : smaller) result.insert(result.end(), some.begin(), some.end());
   return result;

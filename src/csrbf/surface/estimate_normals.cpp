@@ -1,6 +1,6 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
@@ -89,10 +89,7 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
       for (Index i = first + begin; i < first + end; i += per_fit)
         fit_normals(points, i, std::min(first + end, i + per_fit), neighbors, near, fit.normals, fit.table);
     };
-    share_arrays(stage, last - first, grain, compute,
-                 {ResultArray::of(fit.normals.col(first).data(), 3),
-                  ResultArray::of(fit.table.index.data() + first * fit.table.k, fit.table.k),
-                  ResultArray::of(fit.table.reach.data() + (fit.table.k > 0 ? first : 0), fit.table.k > 0 ? 1 : 0)});
+    parallel_for(last - first, grain, compute);
   }
   return fit;
 }

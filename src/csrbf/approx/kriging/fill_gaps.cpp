@@ -8,7 +8,6 @@
 #include "csrbf/approx/unity/cell_constants.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 
 #include <cmath>
@@ -77,8 +76,7 @@ class GapFiller {
     Points<Dim> centers(Dim, cover_.size());
     for (Index i = 0; i < cover_.size(); ++i) centers.col(i) = cover_.cell(i).center();
     Eigen::MatrixXd errors(std::ssize(variances_), centers.cols());
-    for (Index c = 0; c < errors.rows(); ++c)
-      errors.row(c) = shared_evaluate(*variances_[c], centers).value.transpose();
+    for (Index c = 0; c < errors.rows(); ++c) errors.row(c) = variances_[c]->evaluate(centers).value.transpose();
     cells = finder_.doubtful(cells, samples_, errors);
     if (cells.empty()) return std::nullopt;
     const LocalKriging<Dim> kriging(samples_, finder_.points_in_gaps(cells, errors));

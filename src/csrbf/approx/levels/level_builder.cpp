@@ -1,6 +1,5 @@
 #include "csrbf/approx/levels/level_builder.hpp"
 
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
@@ -144,7 +143,7 @@ std::vector<Index> LevelBuilder<Dim>::violations(double tolerance) {
   // The sums of a fit and of an evaluation round differently.
   const LevelFit<Dim> fit = finish();
   for (Index c = 0; c < residual_.cols(); ++c)
-    residual_.col(c) = samples().values.col(c) - shared_evaluate(*fit.fields[c], samples().points).value;
+    residual_.col(c) = samples().values.col(c) - fit.fields[c]->evaluate(samples().points).value;
   std::vector<Index> ids;
   for (Index i = 0; i < samples().size(); ++i)
     if (error(i) > tolerance) ids.push_back(i);

@@ -1,7 +1,6 @@
 #include "csrbf/approx/moving/along_tracks.hpp"
 
 #include "csrbf/approx/unity/local_variance.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 
 #include <algorithm>
 
@@ -40,7 +39,7 @@ struct HeldOutErrors {
       const Points<Dim> at = points(Eigen::all, to);
       const auto fields = local_means<Dim>(points(Eigen::all, from), errors(from, Eigen::all).cwiseAbs2().transpose());
       for (Index c = 0; c < errors.cols(); ++c)
-        result(to, c) = shared_evaluate(*fields[static_cast<std::size_t>(c)], at).value.array();
+        result(to, c) = fields[static_cast<std::size_t>(c)]->evaluate(at).value.array();
     }
     return result;
   }
@@ -50,7 +49,7 @@ struct HeldOutErrors {
     const auto fields = local_means<Dim>(points, errors.cwiseAbs2().transpose());
     Eigen::ArrayXXd result(errors.rows(), errors.cols());
     for (Index c = 0; c < errors.cols(); ++c)
-      result.col(c) = shared_evaluate(*fields[static_cast<std::size_t>(c)], points).value.array();
+      result.col(c) = fields[static_cast<std::size_t>(c)]->evaluate(points).value.array();
     return result;
   }
 

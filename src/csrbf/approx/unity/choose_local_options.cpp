@@ -3,7 +3,7 @@
 #include "csrbf/approx/unity/local_fit.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/approx/unity/patch_samples.hpp"
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <array>
 #include <cmath>
@@ -104,17 +104,7 @@ class CrossValidation {
         }
       }
     };
-    const auto for_each_patch = [&](Index begin, Index end, const auto& action) {
-      for (Index k = batch_lanes * begin; k < std::min(count, batch_lanes * end); ++k)
-        action(error.col(chosen[k]).data());
-    };
-    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-      for_each_patch(begin, end, [&](const double* column) { out.put(column, targets); });
-    };
-    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-      for_each_patch(begin, end, [&](double* column) { in.take(column, targets); });
-    };
-    share_work({"choose options", (count + batch_lanes - 1) / batch_lanes, 1, compute, pack, unpack});
+    parallel_for((count + batch_lanes - 1) / batch_lanes, 1, compute);
     return error;
   }
 

@@ -1,7 +1,7 @@
 #include "csrbf/approx/unity/fit_patches.hpp"
 
 #include "csrbf/approx/unity/local_fit.hpp"
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <algorithm>
 #include <array>
@@ -62,31 +62,17 @@ std::shared_ptr<const typename PartitionOfUnity<Dim>::Data> fit_cover(Cover<Dim>
   const Index slice = std::max<Index>(1, count / 16);
   for (Index done = 0; done < count; done += slice) {
     report(progress, "fit", static_cast<double>(done) / static_cast<double>(count));
-    const auto for_each_batch = [&](Index begin, Index end, const auto& action) {
-      for (Index k = done + begin; k < done + end; ++k) {
-        const Index first = batch_lanes * batches[k];
-        action(first, std::min<Index>(batch_lanes, cover.size() - first));
-      }
-    };
     const auto compute = [&](Index begin, Index end) {
       LocalFitter<Dim> fitter(cover, values, weights, options);
-      for_each_batch(begin, end, [&](Index first, Index cells_at_once) {
+      for (Index k = done + begin; k < done + end; ++k) {
+        const Index first = batch_lanes * batches[k];
         std::array<Index, batch_lanes> batch;
         std::iota(batch.begin(), batch.end(), first);
-        fitter.fit(batch.data(), static_cast<int>(cells_at_once), data->models, first);
-      });
+        fitter.fit(batch.data(), static_cast<int>(std::min<Index>(batch_lanes, cover.size() - first)), data->models,
+                   first);
+      }
     };
-    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-      for_each_batch(begin, end, [&](Index first, Index n) {
-        for_each_array(data->models, first, n, [&](const double* array, Index size) { out.put(array, size); });
-      });
-    };
-    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-      for_each_batch(begin, end, [&](Index first, Index n) {
-        for_each_array(data->models, first, n, [&](double* array, Index size) { in.take(array, size); });
-      });
-    };
-    share_work({"fit", std::min(slice, count - done), 8, compute, pack, unpack});
+    parallel_for(std::min(slice, count - done), 8, compute);
   }
   return data;
 }

@@ -1,7 +1,6 @@
 #include "csrbf/approx/unity/held_out_error.hpp"
 
 #include "csrbf/approx/unity/fit_patches.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 
@@ -34,7 +33,7 @@ template <int Dim>
 Eigen::MatrixXd HeldOutSamples<Dim>::errors(const std::vector<std::shared_ptr<const Field<Dim>>>& fields) const {
   Eigen::MatrixXd error = held_out_.values;
   Index component = 0;
-  for (const auto& field : fields) error.col(component++) -= shared_evaluate(*field, held_out_.points).value;
+  for (const auto& field : fields) error.col(component++) -= field->evaluate(held_out_.points).value;
   return error;
 }
 

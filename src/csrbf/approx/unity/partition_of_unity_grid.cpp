@@ -2,7 +2,7 @@
 #include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/grid_tiles.hpp"
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/batched_cholesky.hpp"
 
 #include <algorithm>
@@ -202,20 +202,7 @@ Eigen::VectorXd PartitionOfUnity<Dim>::evaluate_grid(const GridAxes<Dim>& axes) 
     GridEvaluation<Dim> evaluation(*data_, component_, axes);
     for (Index i = begin; i < end; ++i) evaluation.evaluate(tiles, tiles[i], value.data());
   };
-  const auto for_each_row = [&](Index begin, Index end, const auto& row) {
-    for (Index i = begin; i < end; ++i) {
-      const GridTile<Dim> tile = tiles[i];
-      tiles.for_each_row(
-          tile, [&](const std::array<Index, Dim>& /*node*/, Index first) { row(value.data() + first, tile.size(0)); });
-    }
-  };
-  const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-    for_each_row(begin, end, [&](const double* at, Index n) { out.put(at, n); });
-  };
-  const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-    for_each_row(begin, end, [&](double* at, Index n) { in.take(at, n); });
-  };
-  share_work({"evaluate", tiles.size(), grain, compute, pack, unpack});
+  parallel_for(tiles.size(), grain, compute);
   return value;
 }
 

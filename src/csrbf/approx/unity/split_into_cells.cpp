@@ -2,7 +2,6 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
-#include "csrbf/core/shared_work.hpp"
 
 #include <array>
 #include <span>
@@ -15,8 +14,7 @@ namespace {
 constexpr double nearest_end = 0.3;         // least distance of a split from the ends of the side, as a share of it
 constexpr Index median_sample = 63;         // points that the median is estimated from
 constexpr double smallest_cell = 1e-9;      // least side of a cell to split, as a share of the extent
-constexpr Index enough_parts = 256;         // to share among processes: more balance better, fewer need fewer messages
-constexpr Index fewest_shared = 1 << 14;    // points; with fewer it takes longer to exchange cells than to make them
+constexpr Index enough_parts = 256;         // for the threads: more balance better, fewer need fewer passes
 constexpr Index points_per_task = 1 << 14;  // points per task
 
 constexpr std::size_t no_node = std::numeric_limits<std::size_t>::max();
@@ -119,7 +117,7 @@ void cut(std::vector<Located<Dim>>& points, Index leaf_size, double smallest, co
   part.middle = part.begin + move_lower_first(first, n, axis, split);
 }
 
-// Splits level by level until there are enough parts for many processes; the parts of a level are independent of each
+// Splits level by level until there are enough parts for all threads; the parts of a level are independent of each
 // other. Those of the last level may be cut further.
 template <int Dim>
 std::vector<std::vector<Part<Dim>>> split_roughly(std::vector<Located<Dim>>& points, const Box<Dim>& box,
@@ -156,23 +154,6 @@ void add(CellNodes& nodes, const Part<Dim>& part) {
   if (part.axis < 0) nodes.ends.push_back(part.end);
 }
 
-void pack(const CellNodes& nodes, ByteWriter& out) {
-  out.put(nodes.axis.size());
-  out.put(nodes.ends.size());
-  out.put(nodes.axis.data(), static_cast<Index>(nodes.axis.size()));
-  out.put(nodes.split.data(), static_cast<Index>(nodes.split.size()));
-  out.put(nodes.ends.data(), static_cast<Index>(nodes.ends.size()));
-}
-
-void unpack(CellNodes& nodes, ByteReader& in) {
-  nodes.axis.resize(in.take<std::size_t>());
-  nodes.split.resize(nodes.axis.size());
-  nodes.ends.resize(in.take<std::size_t>());
-  in.take(nodes.axis.data(), static_cast<Index>(nodes.axis.size()));
-  in.take(nodes.split.data(), static_cast<Index>(nodes.split.size()));
-  in.take(nodes.ends.data(), static_cast<Index>(nodes.ends.size()));
-}
-
 // The nodes below a part, itself the first.
 template <int Dim>
 CellNodes split_all(std::vector<Located<Dim>>& points, const Part<Dim>& whole, Index leaf_size, double smallest,
@@ -192,35 +173,14 @@ CellNodes split_all(std::vector<Located<Dim>>& points, const Part<Dim>& whole, I
 }
 
 template <int Dim>
-std::vector<CellNodes> split_all(std::vector<Located<Dim>>& located, const PointsRef<Dim>& points,
-                                 const std::vector<Part<Dim>>& parts, Index leaf_size, double smallest,
-                                 const CellNodes& sorted) {
+std::vector<CellNodes> split_all(std::vector<Located<Dim>>& located, const std::vector<Part<Dim>>& parts,
+                                 Index leaf_size, double smallest, const CellNodes& sorted) {
   std::vector<CellNodes> branches(parts.size());
   const auto compute = [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
       branches[i] = split_all(located, parts[i], leaf_size, smallest, sorted);
   };
-  const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      csrbf::pack(branches[i], out);
-      for (Index k = parts[i].begin; k < parts[i].end; ++k) out.put(located[k].id);
-    }
-  };
-  const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      csrbf::unpack(branches[i], in);
-      for (Index k = parts[i].begin; k < parts[i].end; ++k) {
-        const auto id = in.take<std::uint32_t>();
-        located[k] = {points.col(id), id};
-      }
-    }
-  };
-  const auto count = static_cast<Index>(parts.size());
-  if (points.cols() < fewest_shared || !sorted.axis.empty()) {  // little is left to do
-    parallel_for(count, 1, compute);
-  } else {
-    share_work({"cover", count, 1, compute, pack, unpack});
-  }
+  parallel_for(static_cast<Index>(parts.size()), 1, compute);
   return branches;
 }
 
@@ -254,7 +214,7 @@ CellNodes split_into_cells(const PointsRef<Dim>& points, const Box<Dim>& box, In
   const double coordinate = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
   const double smallest = std::max(smallest_cell * box.extent().maxCoeff(), 4 * smallest_side * coordinate);
   const auto levels = split_roughly(located, box, leaf_size, smallest, sorted);
-  const std::vector<CellNodes> branches = split_all<Dim>(located, points, levels.back(), leaf_size, smallest, sorted);
+  const std::vector<CellNodes> branches = split_all<Dim>(located, levels.back(), leaf_size, smallest, sorted);
 
   CellNodes nodes;
   std::vector<std::pair<std::size_t, std::size_t>> stack = {{0, 0}};  // level and part

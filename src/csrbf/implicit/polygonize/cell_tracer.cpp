@@ -1,6 +1,6 @@
 #include "csrbf/implicit/polygonize/cell_tracer.hpp"
 
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <utility>
 
@@ -157,19 +157,7 @@ void CellTracer::visit_cells() {
   const auto compute = [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) crossings[i] = crossings_of(*front_[i]);
   };
-  const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-    for (Index i = begin; i < end; ++i) {
-      out.put(crossings[i].cells);
-      if (crossings[i].cells != 0) out.put(crossings[i].faces);
-    }
-  };
-  const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-    for (Index i = begin; i < end; ++i) {
-      crossings[i].cells = in.take<Mask>();
-      if (crossings[i].cells != 0) in.take(&crossings[i].faces, 1);
-    }
-  };
-  share_work({"polygonize", count, bricks_per_range, compute, pack, unpack});
+  parallel_for(count, bricks_per_range, compute);
   for (std::size_t i = 0; i < front_.size(); ++i) {
     Brick& brick = *front_[i];
     brick.visited |= std::exchange(brick.pending, 0);

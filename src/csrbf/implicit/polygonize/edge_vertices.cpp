@@ -1,6 +1,6 @@
 #include "csrbf/implicit/polygonize/edge_vertices.hpp"
 
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 
 #include <utility>
 
@@ -201,24 +201,7 @@ void place_edge_vertices(const CellLattice& lattice, const std::vector<Brick*>& 
         place_vertices_of_brick(lattice, *bricks[i], demand.normals, mesh, block);
       block.flush();
     };
-    // The vertices of consecutive bricks are consecutive.
-    const auto vertices = [&](Index begin, Index end) {
-      constexpr int lowest = all_directions.front(), highest = all_directions.back();
-      const Brick& last = *bricks[first + end - 1];
-      const Index lo = bricks[first + begin]->vertex[lowest];
-      return std::pair{lo, last.vertex[highest] + std::popcount(last.edges[highest]) - lo};
-    };
-    const auto pack = [&](Index begin, Index end, ByteWriter& out) {
-      const auto [lo, count] = vertices(begin, end);
-      out.put(mesh.vertices.data() + 3 * lo, 3 * count);
-      if (demand.normals) out.put(mesh.normals.data() + 3 * lo, 3 * count);
-    };
-    const auto unpack = [&](Index begin, Index end, ByteReader& in) {
-      const auto [lo, count] = vertices(begin, end);
-      in.take(mesh.vertices.data() + 3 * lo, 3 * count);
-      if (demand.normals) in.take(mesh.normals.data() + 3 * lo, 3 * count);
-    };
-    share_work({"polygonize", std::min(part, total - first), edge_bricks, compute, pack, unpack});
+    parallel_for(std::min(part, total - first), edge_bricks, compute);
   }
 }
 

@@ -1,19 +1,18 @@
 #include "csrbf/implicit/polygonize/level_sampler.hpp"
 
 #include "csrbf/core/error.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 
 namespace csrbf::polygonization {
 
 Eigen::VectorXd LevelSampler::values(const PointsRef<3>& points) {
-  Jet<3> jet = shared_evaluate(field_, points);
+  Jet<3> jet = field_.evaluate(points);
   value_count_ += points.cols();
   subtract_level(points, jet.value.data());
   return std::move(jet.value);
 }
 
 Jet<3> LevelSampler::jet(const PointsRef<3>& points) {
-  Jet<3> jet = shared_evaluate(field_, points, Derivatives::gradient);
+  Jet<3> jet = field_.evaluate(points, Derivatives::gradient);
   gradient_count_ += points.cols();
   subtract_level(points, jet.value.data());
   return jet;

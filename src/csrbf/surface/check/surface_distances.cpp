@@ -1,6 +1,6 @@
 #include "csrbf/surface/check/surface_distances.hpp"
 
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 
 namespace csrbf {
 namespace {
@@ -19,7 +19,7 @@ std::vector<double> surface_distances(const Field<3>& field, const PointsRef<3>&
     for (Index i = begin; i < end; ++i)
       distance[i] = std::abs(value[i - begin]) / std::max(gradient.col(i - begin).norm(), smallest_slope) / diagonal;
   };
-  share_arrays("evaluate", points.cols(), grain, compute, {ResultArray::of(distance.data())});
+  parallel_for(points.cols(), grain, compute);
   return distance;
 }
 

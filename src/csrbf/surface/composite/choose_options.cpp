@@ -1,5 +1,6 @@
 #include "csrbf/surface/composite/choose_options.hpp"
 
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/composite/patch_fitter.hpp"
 
@@ -112,8 +113,7 @@ class CrossValidation {
         result.radius[i] = sum.radius / sum.samples;
       }
     };
-    share_arrays("choose options", n, 4, compute,
-                 {ResultArray::of(result.error.data()), ResultArray::of(result.radius.data())});
+    parallel_for(n, 4, compute);
     return result;
   }
 

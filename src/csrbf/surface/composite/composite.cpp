@@ -1,5 +1,6 @@
 #include "csrbf/surface/composite/composite.hpp"
 
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/partition.hpp"
 #include "csrbf/surface/composite/coverage_gaps.hpp"
 #include "csrbf/surface/composite/patch_fitter.hpp"
@@ -10,7 +11,7 @@ namespace csrbf {
 namespace {
 
 constexpr Index patches_per_task = 64;  // large enough to hide the cost of a task
-constexpr Index tasks_per_report = 64;  // tasks between two progress reports at least: enough for many processes ...
+constexpr Index tasks_per_report = 64;  // tasks between two progress reports at least ...
 constexpr Index most_reports = 32;      // ... and progress reports of one fit at most
 constexpr double far_from_region = 3;   // diagonals of a leaf: its patch, about two wide, does not reach the region
 constexpr Index fragment_ratio = 8;     // a leaf with less than this fraction, 1/8, of the usual points is a fragment
@@ -22,26 +23,6 @@ struct Leaf {
   SampleAreas areas;
   FittedPatch patch;
 };
-
-void pack(const std::vector<Leaf>& leaves, ByteWriter& out) {
-  out.put(leaves.size());
-  for (const Leaf& leaf : leaves) {
-    out.put(leaf.begin);
-    out.put(leaf.end);
-    out.put(leaf.areas);
-    leaf.patch.pack(out);
-  }
-}
-
-void unpack(std::vector<Leaf>& leaves, ByteReader& in) {
-  leaves.resize(in.take<std::size_t>());
-  for (Leaf& leaf : leaves) {
-    leaf.begin = in.take<Index>();
-    leaf.end = in.take<Index>();
-    leaf.areas = in.take<SampleAreas>();
-    leaf.patch.unpack(in);
-  }
-}
 
 // Whether a leaf is too far from the region for a patch.
 bool is_far(const OrientedPoints& cloud, const std::optional<Box<3>>& region, const Index* ids, Index n) {
@@ -131,13 +112,12 @@ void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, co
       }
     }
   };
-  share_arrays("fit", static_cast<Index>(fragments.size()), patches_per_task, compute,
-               {ResultArray::of(needed.data())});
+  parallel_for(static_cast<Index>(fragments.size()), patches_per_task, compute);
   for (std::size_t i = 0; i < fragments.size(); ++i)
     if (needed[i] != 0) append(fragments[i].patch, patches);
 }
 
-// Leaves between two progress reports: enough of them to occupy many processes.
+// Leaves between two progress reports.
 Index batch_size(Index leaves) {
   return patches_per_task * std::max(tasks_per_report, leaves / (patches_per_task * most_reports));
 }
@@ -154,22 +134,7 @@ std::vector<std::vector<Leaf>> fit_leaves(const OrientedPoints& cloud, Partition
       if (!is_far(cloud, options.region, parts.order.data() + from, to - from)) fitter.fit(from, to, fitted[i]);
     }
   };
-  // Halving a part for a tolerance changes the order within it.
-  const auto order = [&](Index begin, Index end) {
-    const Index from = parts.begin[first + begin], to = options.tolerance.size() > 0 ? parts.begin[first + end] : from;
-    return std::span(parts.order).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
-  };
-  const auto send = [&](Index begin, Index end, ByteWriter& out) {
-    const std::span<const Index> ids = order(begin, end);
-    out.put(ids.data(), static_cast<Index>(ids.size()));
-    for (Index i = begin; i < end; ++i) pack(fitted[i], out);
-  };
-  const auto receive = [&](Index begin, Index end, ByteReader& in) {
-    const std::span<Index> ids = order(begin, end);
-    in.take(ids.data(), static_cast<Index>(ids.size()));
-    for (Index i = begin; i < end; ++i) unpack(fitted[i], in);
-  };
-  share_work({"fit", count, patches_per_task, compute, send, receive});
+  parallel_for(count, patches_per_task, compute);
   return fitted;
 }
 
@@ -181,17 +146,7 @@ void cover(const std::vector<CoverageGap>& bare, const MakeFitter& make_fitter, 
     LeafFitter fitter = make_fitter();
     for (Index i = begin; i < end; ++i) fitted[i] = fitter.cover(bare[i]);
   };
-  const auto send = [&](Index begin, Index end, ByteWriter& out) {
-    for (Index i = begin; i < end; ++i) {
-      out.put(fitted[i].has_value());
-      if (fitted[i]) fitted[i]->pack(out);
-    }
-  };
-  const auto receive = [&](Index begin, Index end, ByteReader& in) {
-    for (Index i = begin; i < end; ++i)
-      if (in.take<bool>()) fitted[i].emplace().unpack(in);
-  };
-  share_work({"fit", static_cast<Index>(bare.size()), patches_per_task, compute, send, receive});
+  parallel_for(static_cast<Index>(bare.size()), patches_per_task, compute);
   for (const std::optional<FittedPatch>& patch : fitted)
     if (patch) append(*patch, patches);
 }

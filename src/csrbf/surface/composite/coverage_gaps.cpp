@@ -1,6 +1,6 @@
 #include "csrbf/surface/composite/coverage_gaps.hpp"
 
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 
 namespace csrbf {
 namespace {
@@ -37,23 +37,7 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
         if (W[d] < least_weight) gaps.push_back({probes.col(d), axes.col(2), onward(d), reach_factor * patch.radius});
     }
   };
-  const auto pack = [&](Index begin, Index /*end*/, ByteWriter& out) {
-    const std::vector<CoverageGap>& gaps = found[begin / gap_patches_per_task];
-    out.put(gaps.size());
-    for (const CoverageGap& gap : gaps) {
-      for (const Point<3>* vector : {&gap.middle, &gap.normal, &gap.onward}) out.put(vector->data(), 3);
-      out.put(gap.reach);
-    }
-  };
-  const auto unpack = [&](Index begin, Index /*end*/, ByteReader& in) {
-    std::vector<CoverageGap>& gaps = found[begin / gap_patches_per_task];
-    gaps.resize(in.take<std::size_t>());
-    for (CoverageGap& gap : gaps) {
-      for (Point<3>* vector : {&gap.middle, &gap.normal, &gap.onward}) in.take(vector->data(), 3);
-      gap.reach = in.take<double>();
-    }
-  };
-  share_work({"fit", patches.pieces(), gap_patches_per_task, compute, pack, unpack});
+  parallel_for(patches.pieces(), gap_patches_per_task, compute);
   std::vector<CoverageGap> all;
   for (const std::vector<CoverageGap>& gaps : found) all.insert(all.end(), gaps.begin(), gaps.end());
   return all;

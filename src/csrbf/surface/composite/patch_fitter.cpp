@@ -74,16 +74,6 @@ Point<3> FittedPatch::step_to_surface(const Point<3>& x) const {
   return (-f[0] * patch.radius * patch.radius / squared) * (patch.T.transpose() * slope);
 }
 
-void FittedPatch::pack(ByteWriter& out) const {
-  out.put(pieces.size());
-  for (const FittedPiece& piece : pieces) piece.pack(out);
-}
-
-void FittedPatch::unpack(ByteReader& in) {
-  pieces.resize(in.take<std::size_t>());
-  for (FittedPiece& piece : pieces) piece.unpack(in);
-}
-
 FittedPatch PatchFitter::fit(const Index* ids, Index n) {
   FittedPatch result;
   FittedPiece& piece = result.pieces.front();

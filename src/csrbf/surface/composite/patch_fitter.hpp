@@ -15,9 +15,6 @@ struct FittedPatch {
 
   /// The step -f grad f / |grad f|^2 from x to the surface of the patch, exact to first order; ignores the support.
   [[nodiscard]] Point<3> step_to_surface(const Point<3>& x) const;
-
-  void pack(ByteWriter& out) const;
-  void unpack(ByteReader& in);
 };
 
 /// Shares the area of a patch among the samples on it: equally, unless the density jumps. Then few samples stand for

@@ -48,35 +48,6 @@ Eigen::VectorXd FittedPiece::distances(const Eigen::MatrixX3d& q) const {
   return patch.radius * (height - t).array().abs() * cosine;
 }
 
-void FittedPiece::pack(ByteWriter& out) const {
-  out.put(patch.center.data(), patch.center.size());
-  out.put(patch.T.data(), patch.T.size());
-  out.put(patch.radius);
-  out.put(patch.flatness);
-  out.put(patch.quadric.data(), patch.quadric.size());
-  out.put(patch.join);
-  out.put(normal.data(), normal.size());
-  out.put(middle.data(), middle.size());
-  out.put(alpha.size());
-  out.put(centers.data(), centers.size());
-  out.put(alpha.data(), alpha.size());
-}
-
-void FittedPiece::unpack(ByteReader& in) {
-  in.take(patch.center.data(), patch.center.size());
-  in.take(patch.T.data(), patch.T.size());
-  patch.radius = in.take<double>();
-  patch.flatness = in.take<double>();
-  in.take(patch.quadric.data(), patch.quadric.size());
-  patch.join = in.take<Join>();
-  in.take(normal.data(), normal.size());
-  in.take(middle.data(), middle.size());
-  alpha.resize(in.take<Index>());
-  centers.resize(3, alpha.size());
-  in.take(centers.data(), centers.size());
-  in.take(alpha.data(), alpha.size());
-}
-
 void PieceFitter::fit(const OrientedPoints& cloud, std::span<const Index> ids, const CompositeOptions& options,
                       FittedPiece& piece) {
   samples_ = std::ssize(ids);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "csrbf/core/shared_work.hpp"
 #include "csrbf/surface/composite/composite.hpp"
 
 #include <Eigen/Cholesky>
@@ -24,9 +23,6 @@ struct FittedPiece {
   /// from the plane through its middle: the search does not start at q, so that q has no influence on which sheet is
   /// found.
   [[nodiscard]] Eigen::VectorXd distances(const Eigen::MatrixX3d& q) const;
-
-  void pack(ByteWriter& out) const;
-  void unpack(ByteReader& in);
 };
 
 /// Fits one piece (thesis 6.1.3 and 6.1.4) and keeps the system for the leverage of its samples. Reuses its work

@@ -2,7 +2,6 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
-#include "csrbf/core/shared_evaluate.hpp"
 #include "csrbf/spatial/farthest_points.hpp"
 #include "csrbf/surface/medial/quadric_fitter.hpp"
 #include "csrbf/surface/medial/slope_penalty.hpp"
@@ -46,7 +45,7 @@ std::vector<Index> choose_centers(const OrientedPoints& cloud, const MedialAxisO
 // exceeds that of the surface: areas are scaled down accordingly.
 WindingNumber calibrated_winding(WindingNumber::Data centers) {
   WindingNumber winding(centers);
-  Eigen::VectorXd u = shared_evaluate(winding, centers.points).value;
+  Eigen::VectorXd u = winding.evaluate(centers.points).value;
   const double usual = median(u);
   if (usual <= 0) return winding;
   centers.areas /= usual + 1;

@@ -1,6 +1,6 @@
 #include "csrbf/surface/normals/neighbor_table.hpp"
 
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 
 namespace csrbf {
 namespace {
@@ -25,8 +25,7 @@ void search(const PointsRef<3>& points, const KdTree<3>& tree, const Known& know
       table.set(i, {ids.data(), static_cast<std::size_t>(found)}, d2.data());
     }
   };
-  share_arrays("prepare", points.cols(), 1024, compute,
-               {ResultArray::of(table.index.data(), table.k), ResultArray::of(table.reach.data())});
+  parallel_for(points.cols(), 1024, compute);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include "csrbf/surface/normals/neighborhood.hpp"
 
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
-#include "csrbf/core/shared_work.hpp"
 
 namespace csrbf {
 namespace {
@@ -27,7 +27,7 @@ double thickness(const Points<3>& points, const KdTree<3>& tree, Index neighbors
       ratio[s] = l[1] > 0 ? std::sqrt(std::max(0.0, l[0]) / l[1]) : 1.0;
     }
   };
-  share_arrays("estimate normals", count, 32, compute, {ResultArray::of(ratio.data())});
+  parallel_for(count, 32, compute);
   return median(ratio);
 }
 

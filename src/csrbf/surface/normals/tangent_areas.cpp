@@ -1,6 +1,6 @@
 #include "csrbf/surface/normals/tangent_areas.hpp"
 
-#include "csrbf/core/shared_work.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
 #include <Eigen/Geometry>
@@ -101,7 +101,7 @@ Eigen::VectorXd tangent_areas(const PointsRef<3>& points, const PointsRef<3>& no
       areas[i] = cell.area();
     }
   };
-  share_arrays("fit", points.cols(), 64, compute, {ResultArray::of(areas.data())});
+  parallel_for(points.cols(), 64, compute);
   return areas;
 }
 
