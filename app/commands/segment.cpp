@@ -13,8 +13,10 @@
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/volume.hpp"
+#include "csrbf/io/volume_stream.hpp"
 #include "csrbf/levelset/objects.hpp"
 #include "csrbf/levelset/segment_json.hpp"
+#include "csrbf/levelset/segment_slices.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -202,19 +204,85 @@ Volume<float> with_channels(const SegmentCommand& command, Volume<float> image) 
   return result;
 }
 
+Json describe_image(const std::string& path, const VolumeLayout& image) {
+  const Grid& grid = image.grid;
+  return {{"file", path},
+          {"size", grid.size},
+          {"type", sample_name(image.type)},
+          {"spacing", {grid.spacing.x(), grid.spacing.y(), grid.spacing.z()}},
+          {"origin", {grid.origin.x(), grid.origin.y(), grid.origin.z()}}};
+}
+
+// The slices of a file, whose values must be numbers.
+class FileSlices final : public SliceSource {
+ public:
+  FileSlices(const std::string& path, VolumeStream& stream) : path_(path), stream_(stream) {}
+
+  std::span<const float> slices(Index begin, Index end) override {
+    values_ = stream_.read(begin, end);
+    const auto broken = std::find_if(values_.begin(), values_.end(), [](float v) { return !std::isfinite(v); });
+    const Grid& grid = stream_.layout().grid;
+    if (broken != values_.end())
+      refuse_voxel(path_, grid, begin * grid.size[0] * grid.size[1] + (broken - values_.begin()), *broken);
+    return values_;
+  }
+
+ private:
+  const std::string& path_;
+  VolumeStream& stream_;
+  std::vector<float> values_;
+};
+
+// A large image, some slices at a time, where nothing that is asked for needs all of it. False where it must be read
+// whole.
+bool run_by_slices(const SegmentCommand& command, SegmentOptions options, Session& session) {
+  const bool labels_only = command.mask.empty() && command.init == "auto" && command.seeds.empty() &&
+                           command.channels.empty() && !command.objects && command.preview.empty() &&
+                           !session.wants_page() && VolumeWriter::can_write(command.output);
+  if (!labels_only) return false;
+  std::optional<VolumeStream> stream = VolumeStream::open(command.input);
+  if (!stream || stream->layout().grid.dimension() != 3 || !is_large(options, stream->layout().grid.voxels()))
+    return false;
+  const Grid& grid = stream->layout().grid;
+  if (*std::min_element(grid.size.begin(), grid.size.end()) < 2) return false;
+  if (!command.contour.empty()) check_contour_file(command.contour, 3);
+  VolumeLayout layout = stream->layout();
+  layout.type = SampleType::uint8;
+  FileSlices image(command.input, *stream);
+  VolumeWriter writer(command.output, layout);
+  options.progress = session.progress();
+  const auto write = [&](Index, std::span<const std::uint8_t> labels) {
+    try {
+      writer.write({reinterpret_cast<const char*>(labels.data()), labels.size()});
+    } catch (const IoError& error) {
+      throw WriteFailure(error.what());
+    }
+  };
+  const std::optional<Segmentation<3>> segmentation =
+      session.timed("evolve", [&] { return segment_slices<3>(image, grid, options, write); });
+  if (!segmentation) return false;
+  session.input = describe_image(command.input, stream->layout());
+  add_options(command, segmentation->report.options, session);
+  add_result(command, segmentation->report, grid, session);
+  const SegmentContours<3> contours(*segmentation, grid, session);
+  session.write([&] {
+    if (!command.contour.empty()) session.warn(contours.write(command.contour));
+    if (!command.model.empty()) write_model(command.model, to_function(*segmentation));
+    writer.commit();
+  });
+  return true;
+}
+
 }  // namespace
 
 void run(const SegmentCommand& command, Session& session) {
   const SegmentOptions options = make_segment_options(command);
   expect_outputs(command, session);
+  if (run_by_slices(command, options, session)) return;
   Volume<float> image = session.timed("read", [&] { return with_channels(command, read_volume(command.input)); });
   check_image(command.input, image);
   const Grid grid = image.grid;
-  session.input = {{"file", command.input},
-                   {"size", grid.size},
-                   {"type", sample_name(image.type)},
-                   {"spacing", {grid.spacing.x(), grid.spacing.y(), grid.spacing.z()}},
-                   {"origin", {grid.origin.x(), grid.origin.y(), grid.origin.z()}}};
+  session.input = describe_image(command.input, image);
   if (grid.dimension() == 2)
     run_segment<2>(command, options, std::move(image), session);
   else

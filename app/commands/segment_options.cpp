@@ -139,13 +139,16 @@ void check_image(const std::string& path, const Volume<float>& image) {
         "the axes of space");
 }
 
+void refuse_voxel(const std::string& path, const Grid& grid, Index voxel, float value) {
+  throw UsageError(path + ": voxel " + voxel_text(grid, voxel) + " is " + rounded(static_cast<double>(value)) +
+                   "; fill such voxels with csrbf inpaint, or exclude them with --mask");
+}
+
 void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask) {
   const auto voxel_at = [&](std::size_t i) { return static_cast<Index>(i) / image.components; };
   for (std::size_t i = 0; i < image.values.size(); ++i) {
     if (std::isfinite(image.values[i]) || (!mask.empty() && mask[voxel_at(i)] == 0)) continue;
-    const std::string voxel = voxel_text(image.grid, voxel_at(i));
-    throw UsageError(path + ": voxel " + voxel + " is " + rounded(image.values[i]) +
-                     "; fill such voxels with csrbf inpaint, or exclude them with --mask");
+    refuse_voxel(path, image.grid, voxel_at(i), image.values[i]);
   }
 }
 

@@ -17,6 +17,9 @@ void add_segment_options(const SegmentFlags& flags, const SegmentSettings& used,
 /// messages.
 void check_image(const std::string& path, const Volume<float>& image);
 
+/// Throws UsageError for a voxel that is not a number, and says what to do.
+[[noreturn]] void refuse_voxel(const std::string& path, const Grid& grid, Index voxel, float value);
+
 /// Throws UsageError for a voxel in the mask (empty: everywhere) whose value is NaN or infinite.
 void check_finite(const std::string& path, const Volume<float>& image, const std::vector<std::uint8_t>& mask);
 

@@ -3,8 +3,11 @@
 usage: segment_test.py PROGRAM [unittest options]
 """
 
+import gzip
+import json
 import math
 import os
+import random
 import struct
 import sys
 import unittest
@@ -306,6 +309,61 @@ class Space(Segment):
         self.succeed("segment", image, "-o", self.path("a.mha"), "--init", "points:" + points, "--mode", "local")
         self.succeed("segment", image, "-o", self.path("b.mha"), "--init", "sphere:10,20,30,9", "--mode", "local")
         self.assertGreater(self.dice(self.path("a.mha"), self.path("b.mha")), 0.99)
+
+
+    def large(self, name, spoil=b""):
+        """A bright block in noise, of more than 8 million voxels, as bytes."""
+        nx, ny, nz = 216, 210, 190
+        header = bytearray(352)
+        struct.pack_into("<i", header, 0, 348)
+        struct.pack_into("<8h", header, 40, 3, nx, ny, nz, 1, 1, 1, 1)
+        struct.pack_into("<hh", header, 70, 2, 8)
+        struct.pack_into("<8f", header, 76, 1, 1, 1, 2, 1, 1, 1, 1)
+        struct.pack_into("<f", header, 108, 352)
+        header[344:348] = b"n+1\0"
+        dark, bright = (bytes(base + sum(i >> k & 1 for k in range(8)) * 8 for i in range(256)) for base in (40, 120))
+        chance = random.Random(1)
+        with open(self.path(name), "wb") as file:
+            file.write(header)
+            for row in range(ny * nz):
+                noise, (z, y) = chance.randbytes(nx), divmod(row, ny)
+                inside = 50 <= y < 160 and 30 <= z < 150
+                part = noise[60:150].translate(bright if inside else dark)
+                file.write(noise[:60].translate(dark) + part + noise[150:].translate(dark))
+        return self.path(name)
+
+    def test_large_images_are_the_same_slice_by_slice(self):
+        image, report = self.large("large.nii"), self.path("report.json")
+        results = []
+        for labels in (self.path("labels.nii"), self.path("labels.npy"), self.path("labels.nii.gz")):
+            self.succeed("segment", image, "-o", labels, "--model", self.path("model.csrbf"), "--report", report)
+            with open(report) as file:
+                results.append(json.load(file))
+            with (gzip.open(labels) if labels.endswith(".gz") else open(labels, "rb")) as file:
+                content = file.read()
+            results[-1]["labels"] = content[-216 * 210 * 190:]
+            with open(self.path("model.csrbf"), "rb") as file:
+                results[-1]["model"] = file.read()
+        whole = results.pop()  # compressed files are written whole
+        self.assertEqual(whole["labels"].count(1), 90 * 110 * 120)
+        self.assertEqual(whole["result"]["components"], 1)
+        for each in results:
+            self.assertLess(each["peak_memory_mb"], 0.9 * whole["peak_memory_mb"])
+            self.assertEqual(each["labels"], whole["labels"])
+            self.assertEqual(each["model"], whole["model"])
+            self.assertEqual(each["options"] | {"output": ""}, whole["options"] | {"output": ""})
+            self.assertEqual(each["input"], whole["input"])
+            for key in ("iterations", "converged", "components"):
+                self.assertEqual(each["result"][key], whole["result"][key])
+            for one, other in zip(each["result"]["regions"], whole["result"]["regions"]):
+                self.assertEqual(one["voxels"], other["voxels"])
+                for key in ("volume", "mean", "sd"):
+                    self.assertAlmostEqual(one[key], other[key], delta=1e-6 * other[key])
+
+    def test_large_images_that_end_early(self):
+        image = self.large("large.nii")
+        os.truncate(image, os.path.getsize(image) - 1)
+        self.fail_with(2, "the file is truncated", "segment", image, "-o", self.path("labels.nii"))
 
 
 class Errors(Segment):

@@ -18,6 +18,13 @@ class DisjointSets {
     return i;
   }
 
+  /// One more integer, in a set of its own.
+  std::uint32_t add() {
+    parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
+    return parent_.back();
+  }
+  [[nodiscard]] std::size_t size() const { return parent_.size(); }
+
   /// Merges the sets of i and j.
   void unite(std::uint32_t i, std::uint32_t j) {
     i = find(i);

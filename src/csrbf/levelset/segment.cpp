@@ -11,7 +11,6 @@
 #include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
 #include "csrbf/levelset/partition/blurred_classes.hpp"
-#include "csrbf/levelset/partition/large_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/partition/seed_prior.hpp"
 #include "csrbf/levelset/partition/two_means_price.hpp"
@@ -22,6 +21,7 @@
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
+#include "csrbf/levelset/segment_slices.hpp"
 
 #include <utility>
 
@@ -45,7 +45,7 @@ class Segmenter {
     values_ = repaired_.empty() ? std::span<const float>(image_.values) : repaired_;
     check_contrast(values_, options_.mask);
     report(options_.progress, "prepare", 0);
-    if (is_large() && partition_large()) return;
+    if (is_large(options_, grid_.voxels()) && partition_large()) return;
     prior_ = chooses_model() ? options_.prior : prior_of_seeds(options_, seeds_, is_local());
     regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
     if (options_.force) caller_.emplace(options_);
@@ -129,12 +129,6 @@ class Segmenter {
 
   [[nodiscard]] bool chooses_model() const { return used_.energy == SegmentEnergy::automatic; }
 
-  // Of the energy `automatic`, but of too many voxels for it.
-  [[nodiscard]] bool is_large() const {
-    return csrbf::chooses_model(options_) && !chooses_model() && used_.regions == 2 && options_.seeds.empty() &&
-           !used_.center_spacing && (used_.shading == Shading::automatic || used_.shading == Shading::none);
-  }
-
   ForceSource& source() {
     if (caller_) return *caller_;
     return *regions_;
@@ -146,20 +140,18 @@ class Segmenter {
 
   // Two means where voxels say clearly to which they belong; false where they do not.
   bool partition_large() {
-    std::optional<LargePartition<Dim>> found =
-        find_large_partition<Dim>(values_, grid_, options_.mask, contour_weight(grid_, contour_length), *used_.support,
-                                  used_.kernel, options_.progress);
+    SlicesInMemory image(values_, grid_.size[0] * grid_.size[1]);
+    std::vector<std::uint8_t> labels(values_.size());
+    std::optional<LargePartition<Dim>> found = find_large_partition<Dim>(
+        image, grid_, options_.mask, large_options(grid_, used_, options_.progress), labels, {});
     if (!found) return false;
     result_ = {{std::move(found->coefficients)},
-               std::move(found->labels),
+               std::move(labels),
                found->iterations,
                found->converged,
                std::move(found->energy)};
     choose_polarity(grid_, options_, values_, result_);
-    used_.shading = Shading::none;
-    used_.smoothness = found->smoothness;
-    used_.center_spacing = found->spacing;
-    used_.window = 0;
+    use_large(*found, used_);
     noise_.size = found->noise;
     fields_ = level_set_fields(found->lattice, result_.coefficients, found->blocks);
     return true;

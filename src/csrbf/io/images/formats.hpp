@@ -16,6 +16,10 @@ FileParts format_metaimage(const VolumeLayout& layout, std::string samples, cons
 /// floats. Axis 4 is time, axis 5 and RGB types are components. Throws IoError.
 RawVolume parse_nifti(std::string bytes, const std::string& name);
 
+/// What the header of a NIfTI file that is not compressed says, and where the samples begin; `head`: the first 540
+/// bytes at least, or the whole file. Their number is not checked. Throws IoError.
+RawVolume parse_nifti_head(std::string_view head, const std::string& name);
+
 /// A NIfTI-1 file (NIfTI-2 when an axis has more than 32767 voxels) from little-endian samples; positions in the space
 /// that NIfTI prescribes (RAS): x to the right, y to the front, z up.
 FileParts format_nifti(const VolumeLayout& layout, std::string samples);
@@ -23,6 +27,10 @@ FileParts format_nifti(const VolumeLayout& layout, std::string samples);
 /// Reads an array [x], [y, x], [z, y, x] or [t, z, y, x]. A last axis of length 3 or 4 after [y, x] of more than 4
 /// each, and one of 2 to 4 in an array of four axes or after [t, z, y, x], holds components. Throws IoError.
 RawVolume parse_npy_volume(std::string bytes, const std::string& name);
+
+/// What the header of a .npy file says, and where the samples begin; `head`: all of the header at least. Nothing when
+/// the samples are not in the order of Volume. Throws IoError.
+std::optional<RawVolume> parse_npy_volume_head(std::string_view head, const std::string& name);
 
 /// The .npy file of little-endian samples; a single frame has no time axis, a single component no axis of components.
 FileParts format_npy_volume(const VolumeLayout& layout, std::string samples);

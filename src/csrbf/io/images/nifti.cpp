@@ -237,12 +237,8 @@ void set_position(const NiftiHeader& header, VolumeLayout& layout, const std::st
 
 }  // namespace
 
-RawVolume parse_nifti(std::string bytes, const std::string& name) {
-  const bool compressed = bytes.starts_with(gzip_magic);
-  const std::string inflated = compressed ? inflate_head(bytes, size_2, name) : std::string();
-  const std::string_view head = compressed ? std::string_view(inflated) : std::string_view(bytes);
+RawVolume parse_nifti_head(std::string_view head, const std::string& name) {
   const NiftiHeader header = parse_nifti_header(head, name);
-
   RawVolume raw;
   raw.order = header.order;
   if (std::none_of(std::begin(datatypes), std::end(datatypes),
@@ -262,6 +258,13 @@ RawVolume parse_nifti(std::string bytes, const std::string& name) {
                    std::to_string(static_cast<int>(least)) + " bytes long");
   // Some writers leave the field 0: the samples follow the header and four bytes that announce extensions.
   raw.offset = static_cast<std::size_t>(header.data_offset != 0 ? header.data_offset : least + 4);
+  return raw;
+}
+
+RawVolume parse_nifti(std::string bytes, const std::string& name) {
+  const bool compressed = bytes.starts_with(gzip_magic);
+  const std::string inflated = compressed ? inflate_head(bytes, size_2, name) : std::string();
+  RawVolume raw = parse_nifti_head(compressed ? std::string_view(inflated) : std::string_view(bytes), name);
   if (compressed) {
     const std::size_t size = raw.offset + checked_deflated_bytes(raw.layout, bytes.size(), name);
     if (raw.offset / 1100 > bytes.size()) fail(name, "field vox_offset lies beyond the end of the file");

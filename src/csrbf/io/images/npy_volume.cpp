@@ -29,15 +29,29 @@ void set_shape(VolumeLayout& layout, std::vector<Index> shape, const std::string
   std::copy(shape.rbegin(), shape.rend(), layout.grid.size.begin());
 }
 
-}  // namespace
-
-RawVolume parse_npy_volume(std::string bytes, const std::string& name) {
-  std::string_view data = bytes;
-  const NpyHeader header = parse_npy_header(data, name);
+RawVolume head_of(const NpyHeader& header, const std::string& name) {
   RawVolume raw;
   set_shape(raw.layout, header.shape, name);
   raw.layout.type = header.type;
   raw.order = header.order;
+  return raw;
+}
+
+}  // namespace
+
+std::optional<RawVolume> parse_npy_volume_head(std::string_view head, const std::string& name) {
+  std::string_view data = head;
+  const NpyHeader header = parse_npy_header(data, name);
+  if (header.fortran && header.shape.size() > 1) return std::nullopt;
+  RawVolume raw = head_of(header, name);
+  raw.offset = head.size() - data.size();
+  return raw;
+}
+
+RawVolume parse_npy_volume(std::string bytes, const std::string& name) {
+  std::string_view data = bytes;
+  const NpyHeader header = parse_npy_header(data, name);
+  RawVolume raw = head_of(header, name);
   checked_sample_bytes(raw.layout, data.size(), name);
   if (header.fortran && header.shape.size() > 1) {
     raw.bytes = npy_bytes_in_c_order(header, data, name);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -45,29 +46,48 @@ Grid block_grid(const Grid& grid, const std::array<Index, 3>& block) {
   return blocks;
 }
 
-std::vector<float> block_means(const Grid& grid, const std::array<Index, 3>& block,
-                               const std::function<void(Index row, std::span<float> to)>& fill) {
-  const Index nx = blocks_along(grid, block, 0), ny = blocks_along(grid, block, 1), nz = blocks_along(grid, block, 2);
-  std::vector<float> means(static_cast<std::size_t>(nx * ny * nz), 0.0F);
-  parallel_for(ny * nz, 1, [&](Index begin, Index end) {
-    std::vector<float> row(static_cast<std::size_t>(grid.size[0]));
-    for (Index b = begin; b < end; ++b) {
-      float* to = means.data() + b * nx;
-      const Index y0 = b % ny * block[1], y1 = std::min(y0 + block[1], grid.size[1]);
-      const Index z0 = b / ny * block[2], z1 = std::min(z0 + block[2], grid.size[2]);
+BlockMeans::BlockMeans(const Grid& grid, const std::array<Index, 3>& block)
+    : grid_(grid),
+      block_(block),
+      count_{blocks_along(grid, block, 0), blocks_along(grid, block, 1), blocks_along(grid, block, 2)},
+      sums_(static_cast<std::size_t>(count_[0] * count_[1] * count_[2]), 0.0F) {}
+
+void BlockMeans::add(Index begin, Index end, const std::function<void(Index row, std::span<float> to)>& fill) {
+  const Index nx = count_[0], ny = count_[1];
+  const Index first = begin / block_[2] * ny, last = ((end - 1) / block_[2] + 1) * ny;  // rows of blocks
+  parallel_for(last - first, 1, [&](Index from, Index stop) {
+    std::vector<float> row(static_cast<std::size_t>(grid_.size[0]));
+    for (Index b = first + from; b < first + stop; ++b) {
+      float* to = sums_.data() + b * nx;
+      const Index y0 = b % ny * block_[1], y1 = std::min(y0 + block_[1], grid_.size[1]);
+      const Index z0 = std::max(begin, b / ny * block_[2]), z1 = std::min(end, (b / ny + 1) * block_[2]);
       for (Index z = z0; z < z1; ++z)
         for (Index y = y0; y < y1; ++y) {
-          fill(y + grid.size[1] * z, row);
+          fill(y + grid_.size[1] * z, row);
           for (Index i = 0, x = 0; i < nx; ++i)
-            for (const Index stop = std::min(x + block[0], grid.size[0]); x < stop; ++x) to[i] += row[x];
+            for (const Index to_x = std::min(x + block_[0], grid_.size[0]); x < to_x; ++x) to[i] += row[x];
         }
-      for (Index i = 0; i < nx; ++i) {
-        const Index along = std::min(block[0], grid.size[0] - i * block[0]);
-        to[i] /= static_cast<float>(along * (y1 - y0) * (z1 - z0));
-      }
     }
   });
-  return means;
+}
+
+std::vector<float> BlockMeans::take() {
+  const auto edge = [&](Index i, std::size_t a) { return std::min(block_[a], grid_.size[a] - i * block_[a]); };
+  const Index nx = count_[0], ny = count_[1];
+  parallel_for(ny * count_[2], 256, [&](Index begin, Index end) {
+    for (Index b = begin; b < end; ++b)
+      for (Index i = 0; i < nx; ++i)
+        sums_[static_cast<std::size_t>(b * nx + i)] /=
+            static_cast<float>(edge(i, 0) * edge(b % ny, 1) * edge(b / ny, 2));
+  });
+  return std::move(sums_);
+}
+
+std::vector<float> block_means(const Grid& grid, const std::array<Index, 3>& block,
+                               const std::function<void(Index row, std::span<float> to)>& fill) {
+  BlockMeans means(grid, block);
+  means.add(0, grid.size[2], fill);
+  return means.take();
 }
 
 }  // namespace csrbf

@@ -15,8 +15,25 @@ std::array<Index, 3> block_size(const Grid& grid, Index most);
 /// The grid of the blocks; those at the end of an axis may hold fewer voxels.
 Grid block_grid(const Grid& grid, const std::array<Index, 3>& block);
 
-/// The mean over each block of what `fill` writes for each row of voxels along x, counted over y, then z. O(voxels),
-/// without memory for the voxels.
+/// The mean over each block of an image that comes some slices at a time.
+class BlockMeans {
+ public:
+  BlockMeans(const Grid& grid, const std::array<Index, 3>& block);
+
+  /// Adds the slices [begin, end), which follow those before: `fill` writes the row of voxels along x with that number,
+  /// counted over y, then z, in the whole image. Parallel; without memory for the voxels.
+  void add(Index begin, Index end, const std::function<void(Index row, std::span<float> to)>& fill);
+
+  /// After all slices.
+  [[nodiscard]] std::vector<float> take();
+
+ private:
+  Grid grid_;
+  std::array<Index, 3> block_, count_;
+  std::vector<float> sums_;
+};
+
+/// The same of a whole image. O(voxels).
 std::vector<float> block_means(const Grid& grid, const std::array<Index, 3>& block,
                                const std::function<void(Index row, std::span<float> to)>& fill);
 

@@ -285,6 +285,11 @@ ContourWeight contour_weight(const Grid& grid, double length) {
 
 double contour_price(std::span<const std::uint8_t> labels, std::uint8_t label, const std::array<Index, 3>& size,
                      const ContourWeight& weight) {
+  return contour_price(labels, label, size, weight, size[2]);
+}
+
+double contour_price(std::span<const std::uint8_t> labels, std::uint8_t label, const std::array<Index, 3>& size,
+                     const ContourWeight& weight, Index slices) {
   const Index nx = size[0], nxy = nx * size[1];
   // By which of the differences are not 0.
   std::array<double, 8> norm{};
@@ -294,7 +299,7 @@ double contour_price(std::span<const std::uint8_t> labels, std::uint8_t label, c
       if ((k >> a & 1) != 0) sum += weight.along[a] * weight.along[a];
     norm[k] = weight.length * std::sqrt(sum);
   }
-  return parallel_sum(size[1] * size[2], 16, [&](Index begin, Index end) {
+  return parallel_sum(size[1] * slices, 16, [&](Index begin, Index end) {
     double sum = 0;
     for (Index row = begin; row < end; ++row) {
       const bool y = row % size[1] + 1 < size[1], z = row / size[1] + 1 < size[2];

@@ -20,6 +20,10 @@ ContourWeight contour_weight(const Grid& grid, double length);
 double contour_price(std::span<const std::uint8_t> labels, std::uint8_t label, const std::array<Index, 3>& size,
                      const ContourWeight& weight);
 
+/// The part of it of the first `slices` slices of these, which have neighbours in the next one.
+double contour_price(std::span<const std::uint8_t> labels, std::uint8_t label, const std::array<Index, 3>& size,
+                     const ContourWeight& weight, Index slices);
+
 /// What one contour leaves for the next on the same grid to go on from; empty at first.
 struct ContourState {
   std::vector<float> u;                     ///< of each voxel, in [0, 1]

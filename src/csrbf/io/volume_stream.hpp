@@ -1,0 +1,49 @@
+#pragma once
+
+#include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/open_file.hpp"
+#include "csrbf/io/images/sample_codec.hpp"
+
+namespace csrbf {
+
+/// Reads an image some slices at a time, so that it may be larger than memory: files .nii and .npy that are not
+/// compressed, of one component and one frame.
+class VolumeStream {
+ public:
+  /// Nothing for images that read_volume() must read whole. Throws IoError as it does.
+  static std::optional<VolumeStream> open(const std::string& path);
+
+  [[nodiscard]] const VolumeLayout& layout() const { return head_.layout; }
+
+  /// The slices [begin, end) along z, x fastest. Throws IoError.
+  [[nodiscard]] std::vector<float> read(Index begin, Index end);
+
+ private:
+  VolumeStream(std::string path, OpenFile file, RawVolume head)
+      : path_(std::move(path)), file_(std::move(file)), head_(std::move(head)) {}
+
+  std::string path_;
+  OpenFile file_;
+  RawVolume head_;  // without samples
+};
+
+/// Writes an image of one component some slices at a time: .nii and .npy, complete or not at all.
+class VolumeWriter {
+ public:
+  /// Whether the extension is one of these.
+  static bool can_write(const std::string& path);
+
+  /// Samples are of layout.type. Throws IoError.
+  VolumeWriter(const std::string& path, const VolumeLayout& layout);
+
+  /// The next voxels, as little-endian samples.
+  void write(std::string_view samples) { file_.write(samples); }
+
+  /// After all of them: gives the file its name.
+  void commit() { file_.commit(); }
+
+ private:
+  AtomicFile file_;
+};
+
+}  // namespace csrbf
