@@ -15,6 +15,7 @@
 #include "csrbf/io/volume.hpp"
 #include "csrbf/io/volume_stream.hpp"
 #include "csrbf/levelset/objects.hpp"
+#include "csrbf/levelset/segment_checks.hpp"
 #include "csrbf/levelset/segment_json.hpp"
 #include "csrbf/levelset/segment_slices.hpp"
 

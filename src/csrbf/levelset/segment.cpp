@@ -21,7 +21,6 @@
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
-#include "csrbf/levelset/segment_slices.hpp"
 
 #include <utility>
 

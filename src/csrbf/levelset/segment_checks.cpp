@@ -68,6 +68,26 @@ bool chooses_model(const SegmentOptions& given) {
          !given.window && !given.smoothness;
 }
 
+bool is_large(const SegmentOptions& given, Index voxels) {
+  return chooses_model(given) && voxels > most_chosen_voxels && given.regions == 2 && given.seeds.empty() &&
+         !given.center_spacing && (given.shading == Shading::automatic || given.shading == Shading::none);
+}
+
+LargePartitionOptions large_options(const Grid& grid, const SegmentSettings& settings, const Progress& progress) {
+  return {.weight = contour_weight(grid, contour_length),
+          .support = *settings.support,
+          .kernel = settings.kernel,
+          .progress = progress};
+}
+
+template <int Dim>
+void use_large(const LargePartition<Dim>& found, SegmentSettings& used) {
+  used.shading = Shading::none;
+  used.smoothness = found.smoothness;
+  used.center_spacing = found.spacing;
+  used.window = 0;
+}
+
 bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
   return given.energy == SegmentEnergy::automatic && given.mode == SegmentMode::local &&
          given.method == SegmentMethod::variational && !given.force && given.prior.empty() && !given.window &&
@@ -215,6 +235,8 @@ void check_contrast(std::span<const float> values, const std::vector<std::uint8_
   require(!constant, here, "image", values[first], "a constant image has no regions to tell apart");
 }
 
+template void use_large<2>(const LargePartition<2>&, SegmentSettings&);
+template void use_large<3>(const LargePartition<3>&, SegmentSettings&);
 template void check_segment_image<2>(const Volume<float>&, const SegmentOptions&);
 template void check_segment_image<3>(const Volume<float>&, const SegmentOptions&);
 

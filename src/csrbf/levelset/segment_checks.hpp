@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/core/grid.hpp"
+#include "csrbf/levelset/partition/large_partition.hpp"
 #include "csrbf/levelset/partition/partition.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/region_model.hpp"
@@ -24,6 +25,15 @@ inline constexpr Index most_chosen_voxels = 1 << 23;
 /// Whether the energy is chosen by the description length: it is `automatic`, and what else is given has a meaning
 /// there.
 bool chooses_model(const SegmentOptions& given);
+
+/// Whether segment() finds labels of single voxels and a level set on blocks of these (find_large_partition()): two
+/// regions, the energy `automatic`, and more voxels than the choice among models can take.
+bool is_large(const SegmentOptions& given, Index voxels);
+
+/// The options of find_large_partition(), and the settings that it chose.
+LargePartitionOptions large_options(const Grid& grid, const SegmentSettings& settings, const Progress& progress);
+template <int Dim>
+void use_large(const LargePartition<Dim>& found, SegmentSettings& used);
 
 /// Whether the energy of a contour that moves from its start is to be chosen: it is `automatic`, and nothing else that
 /// is given belongs to one of them.

@@ -10,26 +10,6 @@
 
 namespace csrbf {
 
-bool is_large(const SegmentOptions& options, Index voxels) {
-  return chooses_model(options) && voxels > most_chosen_voxels && options.regions == 2 && options.seeds.empty() &&
-         !options.center_spacing && (options.shading == Shading::automatic || options.shading == Shading::none);
-}
-
-LargePartitionOptions large_options(const Grid& grid, const SegmentSettings& settings, const Progress& progress) {
-  return {.weight = contour_weight(grid, contour_length),
-          .support = *settings.support,
-          .kernel = settings.kernel,
-          .progress = progress};
-}
-
-template <int Dim>
-void use_large(const LargePartition<Dim>& found, SegmentSettings& used) {
-  used.shading = Shading::none;
-  used.smoothness = found.smoothness;
-  used.center_spacing = found.spacing;
-  used.window = 0;
-}
-
 template <int Dim>
 std::optional<Segmentation<Dim>> segment_slices(SliceSource& image, const Grid& grid, const SegmentOptions& options,
                                                 const LabelsOfSlices& take) {
@@ -76,7 +56,6 @@ std::optional<Segmentation<Dim>> segment_slices(SliceSource& image, const Grid& 
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                                    \
-  template void use_large<Dim>(const LargePartition<Dim>&, SegmentSettings&);                                     \
   template std::optional<Segmentation<Dim>> segment_slices<Dim>(SliceSource&, const Grid&, const SegmentOptions&, \
                                                                 const LabelsOfSlices&);
 CSRBF_INSTANTIATE(2)
