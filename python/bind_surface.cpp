@@ -41,13 +41,14 @@ py::dict reconstruction_to_dict(const ReconstructReport& r) {
 
 py::dict reconstruct_in_tiles(const std::string& points, const std::string& mesh, const std::string& folder,
                               Index tile_points, Index rank, Index count, std::optional<double> smoothing,
-                              int resolution, const py::object& listener) {
+                              int resolution, const std::string& model, const py::object& listener) {
   using namespace py::literals;
   TileOptions options;
   options.tile_points = tile_points;
   options.folder = folder;
   options.surface.smoothing = smoothing;
   options.resolution = resolution;
+  options.model = model;
   options.share = {rank, count};
   const TileReport report = run(listener, [&](const Progress& progress) {
     options.surface.progress = progress;

@@ -72,7 +72,6 @@ void say_quality(const ReconstructReport& r, Session& session) {
 // What tiles do not do yet, or never will.
 void expect_tile_flags(const ReconstructCommand& command, const Session& session) {
   if (command.trim != "none") refuse_in_tiles("--trim", "leave it out: the mesh is watertight");
-  if (!command.model.empty()) refuse_in_tiles("--model", "leave it out: the mesh is all that is kept");
   if (command.tolerance > 0) refuse_in_tiles("--tolerance", "leave it out: each tile chooses its settings");
   if (command.centers > 0) refuse_in_tiles("--centers", "leave it out: each tile chooses its settings");
   if (!make_selection(command.points).is_all()) refuse_in_tiles("--class and --returns", "select the points first");
@@ -81,11 +80,21 @@ void expect_tile_flags(const ReconstructCommand& command, const Session& session
   expect_tile_files(command.input, command.output, session);
 }
 
+void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
+  expect_mesh_output(command.output, session);
+  if (command.model.empty()) return;
+  if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
+  const SurfaceMethod* method = find_surface_method(command.method);
+  if (method != nullptr && !method->has_model)
+    throw UsageError("--model " + command.model + ": surfaces of the method " + command.method + " cannot be saved");
+  session.expect_output(command.model);
+}
+
 constexpr double tile_bytes_per_point = 1600;  // measured: 900 to 1500
 
 void run_in_tiles(const ReconstructCommand& command, Session& session) {
   const TileShare share = tile_share(command.tiles);
-  expect_mesh_output(command.output, session);
+  expect_mesh_outputs(command, session);
   expect_tile_flags(command, session);
   TileOptions options;
   options.tile_points = tile_points(command.tiles, tile_bytes_per_point);
@@ -94,12 +103,14 @@ void run_in_tiles(const ReconstructCommand& command, Session& session) {
   options.resolution = command.resolution;
   if (command.sharp != "auto")
     options.mesh_method = command.sharp == "on" ? PolygonizeMethod::dual_contouring : PolygonizeMethod::marching_cubes;
+  options.model = command.model;
   options.share = share;
   const TileReport done = reconstruct_tiles(command.input, command.output, options);
   session.input = {{"file", command.input}, {"points", done.surface.points}};
   session.options = {
       {"output", command.output},       {"method", done.surface.method}, {"normals", name_of(done.surface.normals)},
-      {"smoothing", command.smoothing}, {"resolution", done.resolution}, {"sharp", command.sharp}};
+      {"smoothing", command.smoothing}, {"resolution", done.resolution}, {"sharp", command.sharp},
+      {"model", or_null(command.model)}};
   add_tile_options(options.tile_points, share, options.folder, session);
   add_report(done.surface, session);
   session.result["tiles"] = done.tiles;
@@ -125,16 +136,6 @@ void expect_no_point_flags(const ReconstructCommand& command) {
   if (command.normals != "auto") refuse("--normals");
   if (command.tolerance > 0) refuse("--tolerance");
   if (command.trim != "none") refuse("--trim");
-}
-
-void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
-  expect_mesh_output(command.output, session);
-  if (command.model.empty()) return;
-  if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
-  const SurfaceMethod* method = find_surface_method(command.method);
-  if (method != nullptr && !method->has_model)
-    throw UsageError("--model " + command.model + ": surfaces of the method " + command.method + " cannot be saved");
-  session.expect_output(command.model);
 }
 
 // The options as given, automatic ones replaced by what was chosen.

@@ -205,6 +205,7 @@ def reconstruct_tiles(
     count: int,
     smoothing: float | None,
     resolution: int,
+    model: str,
     listener: Listener,
 ) -> dict[str, Any]: ...
 def reconstruct_contours(

@@ -18,6 +18,7 @@ def reconstruct_tiles(
     share: tuple[int, int] = (0, 1),
     smoothing: Smoothing = "auto",
     resolution: int | None = None,
+    model: Path | None = None,
     progress: Progress = None,
 ) -> dict[str, Any]:
     """A mesh of more points than memory, tile by tile, from file to file.
@@ -43,6 +44,8 @@ def reconstruct_tiles(
         See `reconstruct`.
     resolution : int, optional
         Cells of the mesh along the longest side. Default: from the data.
+    model : file name, optional
+        For the surface itself, as `Surface.save` writes it; `load_surface` reads it tile by tile.
     progress : bool or callable, optional
         See `fit`.
 
@@ -81,5 +84,6 @@ def reconstruct_tiles(
             int(share[1]),
             smoothness,
             int(resolution or 0),
+            "" if model is None else os.fspath(model),
             listener,
         )

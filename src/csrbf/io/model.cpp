@@ -48,7 +48,7 @@ NamedFunction to_function(const Segmentation<3>& segmentation) {
 }
 
 void write_model(const std::string& path, const Field<3>& field) {
-  write_archive(path, surface_to_archive(field));
+  write_archive(path, surface_to_archive(field), tile_places(field));
 }
 
 std::shared_ptr<const Field<3>> read_model(const std::string& path) {

@@ -34,7 +34,8 @@ std::string options_text(const TileOptions& options) {
   text.precision(17);
   text << "tile_points " << options.tile_points << " normals " << static_cast<int>(options.surface.normals)
        << " smoothing " << options.surface.smoothing.value_or(-1) << " resolution " << options.resolution << " mesh "
-       << (options.mesh_method ? static_cast<int>(*options.mesh_method) : -1);
+       << (options.mesh_method ? static_cast<int>(*options.mesh_method) : -1)
+       << (options.model.empty() ? "" : " model");
   return text.str();
 }
 
@@ -103,7 +104,7 @@ class SurfaceInTiles {
     report_.continued = team_.for_own_tiles("fit", tiles(), [&](Index t) {
       ReconstructOptions here = options_.surface;
       here.progress = team_.part_of("fit", t, tiles());
-      fit_surface_tile(work_, folder_, t, here);
+      fit_surface_tile(work_, folder_, t, here, !options_.model.empty());
     });
     team_.wait_for_tiles("fit", tiles());
     for (Index t = 0; t < tiles(); ++t) fits_.push_back(read_tile_fit(folder_, t));
@@ -143,6 +144,8 @@ class SurfaceInTiles {
   void write() {
     const WeldedMesh welded = weld_parts(folder_, rounds_, mesh_, team_.progress());
     report_.topology = welded.topology;
+    if (!options_.model.empty())
+      write_surface(work_, folder_, mesh_work_.bounds, mesh_work_.feature_size, options_.model);
     if (welded.dropped > 0)
       report_.surface.warnings.push_back(std::to_string(welded.dropped) +
                                          " components of the mesh without data left out");

@@ -20,6 +20,8 @@ struct TileOptions {
   int resolution = 0;
   /// Edges and corners of the mesh: not set: dual contouring for clean samples, marching cubes for noisy ones.
   std::optional<PolygonizeMethod> mesh_method = {};
+  /// File for the model of the surface, which is read tile by tile; empty: none.
+  std::string model = {};
   TileShare share = {};
 };
 

@@ -6,6 +6,7 @@
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/io/models/surface_archive.hpp"
 
 namespace csrbf {
 namespace {
@@ -59,7 +60,10 @@ std::shared_ptr<const typename TileStore<Dim>::Tile> TileStore<Dim>::read(Index 
       std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
     throw IoError(place.path + ": the file is damaged: it ends in tile " + std::to_string(number));
   const std::string name = place.path + ": tile " + std::to_string(number);
-  const Function function = function_from(parse_archive(bytes, name)).function;
+  const Archive archive = parse_archive(bytes, name);
+  if constexpr (Dim == 3)
+    if (archive.kind != function_kind) return std::make_shared<const Tile>(Tile{{surface_from(archive)}, {}});
+  const Function function = function_from(archive).function;
   const Fit<Dim>& fit = function.fit<Dim>();
   return std::make_shared<const Tile>(Tile{fit.components, fit.variances});
 }
@@ -97,8 +101,14 @@ std::vector<TilePlace> tile_places(const Function& function) {
       function.any_fit());
 }
 
+std::vector<TilePlace> tile_places(const Field<3>& surface) {
+  return places_of(surface);
+}
+
 void write_archive(const std::string& path, const Archive& archive, const std::vector<TilePlace>& tiles) {
   std::error_code ignored;
+  if (archive.has(tile_sizes_entry) && tiles.empty())
+    throw InvalidInput("write_model: field: parts of it are in tiles of another file, which cannot be copied into it");
   for (const TilePlace& tile : tiles)
     require(!std::filesystem::equivalent(utf8_path(path), utf8_path(tile.path), ignored), "write_model", "path", path,
             "the tiles of the model are read from this file; choose another name");

@@ -17,8 +17,8 @@ struct TilePlace {
   std::int64_t begin = 0, size = 0;
 };
 
-/// The tiles of a model: models of their own, one behind the other after the archive of the whole, or each in a file.
-/// They are read when they are needed; those used last stay in memory, up to about 1 GB.
+/// The tiles of a model: models of functions or surfaces of their own, one behind the other after the archive of the
+/// whole, or each in a file. They are read when they are needed; those used last stay in memory, up to about 1 GB.
 template <int Dim>
 class TileStore {
  public:
@@ -60,6 +60,8 @@ class StoredField final : public Field<Dim> {
 
   void evaluate_block(const PointsRef<Dim>& x, const JetBlock& out) const override;
   [[nodiscard]] Box<Dim> bounds() const override { return field()->bounds(); }
+  [[nodiscard]] Points<Dim> seeds() const override { return field()->seeds(); }
+  [[nodiscard]] double feature_size() const override { return field()->feature_size(); }
 
   [[nodiscard]] const Part& part() const { return part_; }
   [[nodiscard]] double factor() const { return factor_; }
@@ -93,10 +95,11 @@ std::shared_ptr<const Field<Dim>> tiled_from(const Archive& archive, const Archi
 template <int Dim>
 void set_tile_sizes(Archive& archive, const TileStore<Dim>& tiles);
 
-/// The tiles of a function; none where it is not in tiles.
+/// The tiles of a function or of a surface; none where it is not in tiles.
 std::vector<TilePlace> tile_places(const Function& function);
+std::vector<TilePlace> tile_places(const Field<3>& surface);
 
-/// Writes the archive of a function and its tiles behind it, one at a time: complete or not at all (AtomicFile). Throws
+/// Writes the archive of a model and its tiles behind it, one at a time: complete or not at all (AtomicFile). Throws
 /// IoError; InvalidInput when a tile is in the file to be written.
 void write_archive(const std::string& path, const Archive& archive, const std::vector<TilePlace>& tiles);
 

@@ -4,10 +4,10 @@
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/core/error.hpp"
-#include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/models/function_archive.hpp"
 #include "csrbf/io/models/tile_store.hpp"
+#include "csrbf/tiles/folder/model_places.hpp"
 #include "csrbf/tiles/stages/gather_records.hpp"
 #include "csrbf/tiles/stages/sample_stream.hpp"
 
@@ -73,12 +73,7 @@ template <int Dim>
 void write_function(const TileWork<Dim>& work, const TileFolder& folder, const std::vector<FunctionTile>& tiles,
                     const FitReport& report, const Point<Dim>& scales, Extrapolation extrapolation,
                     const std::string& path) {
-  std::vector<TilePlace> places;
-  for (Index t = 0; t < work.plan.size(); ++t) {
-    const std::string file = folder.file("model", t);
-    places.push_back({file, 0, static_cast<std::int64_t>(std::filesystem::file_size(utf8_path(file)))});
-  }
-  const auto store = std::make_shared<const TileStore<Dim>>(std::move(places));
+  const auto store = std::make_shared<const TileStore<Dim>>(model_places(folder, work.plan.size()));
   typename FittedField<Dim>::Frame frame;
   frame.scales = scales;
   frame.box = {work.bounds.lo.cwiseProduct(scales), work.bounds.hi.cwiseProduct(scales)};

@@ -1,9 +1,13 @@
 #include "csrbf/tiles/stages/fit_surface_tile.hpp"
 
+#include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/model.hpp"
 #include "csrbf/io/models/function_archive.hpp"
+#include "csrbf/io/models/tile_store.hpp"
 #include "csrbf/surface/composite/crop_field.hpp"
 #include "csrbf/tiles/folder/field_file.hpp"
+#include "csrbf/tiles/folder/model_places.hpp"
 #include "csrbf/tiles/stages/cloud_records.hpp"
 #include "csrbf/tiles/stages/gather_records.hpp"
 #include "csrbf/tiles/stages/outline.hpp"
@@ -93,8 +97,8 @@ double bin_distance(Index bin) {
   return smallest_bin * std::pow(10.0, static_cast<double>(bin) / bins_per_factor);
 }
 
-void fit_surface_tile(const TileWork<3>& work, const TileFolder& folder, Index tile,
-                      const ReconstructOptions& options) {
+void fit_surface_tile(const TileWork<3>& work, const TileFolder& folder, Index tile, const ReconstructOptions& options,
+                      bool with_model) {
   const Box<3>& box = work.plan.box(tile);
   const double blend = work.plan.blend();
   TileFit fit;
@@ -117,7 +121,18 @@ void fit_surface_tile(const TileWork<3>& work, const TileFolder& folder, Index t
                 crop(*field, {box.inflated(blend), hole.empty() ? std::nullopt : std::optional(hole)}, work.halo));
   }
   write_field(folder.file("inside", tile), *field);
+  if (with_model) write_model(folder.file("model", tile), *field);
   write_fit(fit, folder.file("fit", tile));
+}
+
+void write_surface(const TileWork<3>& work, const TileFolder& folder, const Box<3>& bounds, double feature_size,
+                   const std::string& path) {
+  if (work.plan.size() == 1) return write_model(path, *read_model(folder.file("model", 0)));
+  const auto store = std::make_shared<const TileStore<3>>(model_places(folder, work.plan.size()));
+  std::vector<TiledField<3>::Tile> tiles;
+  for (Index t = 0; t < work.plan.size(); ++t)
+    tiles.push_back({std::make_shared<const StoredField<3>>(store, t, StoredField<3>::Part{}, 1.0), nullptr});
+  write_model(path, TiledField<3>(work.plan, std::move(tiles), bounds, feature_size));
 }
 
 TileFit read_tile_fit(const TileFolder& folder, Index tile) {

@@ -26,9 +26,14 @@ Index distance_bin(double distance);
 double bin_distance(Index bin);
 
 /// Reconstructs the surface in a tile and around it from all points there and ever fewer farther away, and writes it:
-/// "inside" where the tile is alone, "rim" where it blends with others, "fit" what is known. Memory and time are
-/// proportional to the points of a tile. Throws as reconstruct().
-void fit_surface_tile(const TileWork<3>& work, const TileFolder& folder, Index tile, const ReconstructOptions& options);
+/// "inside" where the tile is alone, "rim" where it blends with others, "fit" what is known, and, if wanted, "model"
+/// for write_surface(). Memory and time are proportional to the points of a tile. Throws as reconstruct().
+void fit_surface_tile(const TileWork<3>& work, const TileFolder& folder, Index tile, const ReconstructOptions& options,
+                      bool with_model);
+
+/// Writes the model of the surface, with those of all tiles in it.
+void write_surface(const TileWork<3>& work, const TileFolder& folder, const Box<3>& bounds, double feature_size,
+                   const std::string& path);
 
 /// Throws IoError.
 TileFit read_tile_fit(const TileFolder& folder, Index tile);
