@@ -195,7 +195,7 @@ class FitTiles(base.CommandLine):
             run = subprocess.run([PROGRAM, *self.arguments, *flags], capture_output=True, text=True)
             self.assertNotEqual(run.returncode, 0)
             self.assertIn(flags[0], run.stderr)
-            self.assertIn("--tile-points", run.stderr)
+            self.assertIn("does not go with tiles", run.stderr)
         self.assertFalse(os.path.exists(self.model + ".tiles"))
 
 

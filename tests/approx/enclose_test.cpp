@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::enclose_test {
 namespace {
 
 const Box<3> around = box_around(Point<3>::Zero(), Point<3>::Constant(1.2));
@@ -64,4 +64,4 @@ TEST(Enclose, IsNotClaimedWhereNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::enclose_test

@@ -7,7 +7,7 @@
 #include "core/error_testing.hpp"
 #include "csrbf/core/grid_tiles.hpp"
 
-namespace csrbf {
+namespace csrbf::evaluate_grid_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // of the sums, in another order
@@ -170,4 +170,4 @@ TEST(EvaluateGrid, IntoMemoryOfTheCallerGivesTheSameValuesInSlices) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::evaluate_grid_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::fit_arrays_test {
 namespace {
 
 TEST(FitArrays, TakesPointsAndValuesInVectors) {
@@ -46,4 +46,4 @@ TEST(FitArrays, SaysThatPointsAreColumns) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_arrays_test

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::fit_on_sphere_test {
 namespace {
 
 constexpr double to_radians = std::numbers::pi / 180;
@@ -129,4 +129,4 @@ TEST(FitOnSphere, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_on_sphere_test

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace csrbf {
+namespace csrbf::fit_sizes_test {
 namespace {
 
 TEST(Fit, TakesValuesOfAnySize) {
@@ -72,4 +72,4 @@ TEST(Fit, KnowsThatItIsNotExact) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_sizes_test

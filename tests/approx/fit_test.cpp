@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::fit_test {
 namespace {
 
 constexpr double solved = 1e-6;  // of values of size 1, through systems of condition up to about 1e9
@@ -360,4 +360,4 @@ TEST(Fit, WarnsWhereRoundingErrorsExceedTheTolerance) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_test

@@ -3,7 +3,7 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/fit.hpp"
 
-namespace csrbf {
+namespace csrbf::fit_values_test {
 namespace {
 
 // A smooth value beside one with steps.
@@ -34,4 +34,4 @@ TEST(FitValues, ThatAreAlikeShareTheirChoices) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_values_test

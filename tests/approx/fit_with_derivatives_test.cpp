@@ -3,7 +3,7 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/fit.hpp"
 
-namespace csrbf {
+namespace csrbf::fit_with_derivatives_test {
 namespace {
 
 // waves() and its gradients.
@@ -91,4 +91,4 @@ TEST(FitWithDerivatives, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_with_derivatives_test

@@ -3,7 +3,7 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/fit.hpp"
 
-namespace csrbf {
+namespace csrbf::fit_with_drift_test {
 namespace {
 
 constexpr double slope = -2.5;
@@ -78,4 +78,4 @@ TEST(FitWithDrift, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_with_drift_test

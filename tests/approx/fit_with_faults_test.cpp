@@ -3,7 +3,7 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/fit.hpp"
 
-namespace csrbf {
+namespace csrbf::fit_with_faults_test {
 namespace {
 
 // A bent fault through the unit square.
@@ -85,4 +85,4 @@ TEST(FitWithFaults, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_with_faults_test

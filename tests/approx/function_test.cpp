@@ -2,7 +2,7 @@
 
 #include "approx/approx_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::function_test {
 namespace {
 
 // sum of (a + 1) x_a and, in a second column, 5.
@@ -94,4 +94,4 @@ TEST(Function, RefusesOtherDimensions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::function_test

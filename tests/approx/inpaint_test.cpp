@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::inpaint_test {
 namespace {
 
 using Mask = std::vector<unsigned char>;
@@ -297,4 +297,4 @@ TEST(Inpaint, RefusesMasksOfAnotherSizeAndImagesOfWhichNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::inpaint_test

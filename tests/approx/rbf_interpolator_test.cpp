@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::rbf_interpolator_test {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
@@ -201,4 +201,4 @@ TEST(RbfInterpolator, SaysWhySystemsAreSingular) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::rbf_interpolator_test

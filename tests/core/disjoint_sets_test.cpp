@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::disjoint_sets_test {
 namespace {
 
 TEST(DisjointSets, AreRepresentedByTheirSmallestMember) {
@@ -36,4 +36,4 @@ TEST(DisjointSets, AgreeWithLabelsKeptByHand) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::disjoint_sets_test

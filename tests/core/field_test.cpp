@@ -5,7 +5,7 @@
 #include <atomic>
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::field_test {
 namespace {
 
 // x^2 y; counts blocks, and points of a block that are not next to each other in the order it asks for.
@@ -129,4 +129,4 @@ TEST(Field, HasNoOrderSeedsOrDetailUnlessItKnows) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::field_test

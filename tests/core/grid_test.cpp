@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::grid_test {
 namespace {
 
 constexpr double rounding = 1e-13;
@@ -102,4 +102,4 @@ TEST(Grid, RefusesDimensionsThatItDoesNotSpan) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::grid_test

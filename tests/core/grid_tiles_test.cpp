@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::grid_tiles_test {
 namespace {
 
 template <int Dim>
@@ -57,4 +57,4 @@ TEST(GridTiles, OfAnEmptyGridAreNone) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::grid_tiles_test

@@ -8,7 +8,7 @@
 #include <atomic>
 #include <thread>
 
-namespace csrbf {
+namespace csrbf::interruption_test {
 namespace {
 
 TEST(Interruptible, WorkGoesOnWhereNobodyAsks) {
@@ -86,4 +86,4 @@ TEST(InterruptionPoint, AsksEverySoManySteps) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::interruption_test

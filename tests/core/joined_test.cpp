@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::joined_test {
 namespace {
 
 TEST(EditDistance, CountsSlips) {
@@ -27,4 +27,4 @@ TEST(DidYouMean, NamesTheMostSimilarWordIfItIsSimilar) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::joined_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-namespace csrbf {
+namespace csrbf::lanes_test {
 namespace {
 
 constexpr int n = 8;
@@ -58,4 +58,4 @@ TEST(Lanes, TellWhereAConditionHolds) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::lanes_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-namespace csrbf {
+namespace csrbf::mesh_test {
 namespace {
 
 using Faces = std::vector<std::array<int, 3>>;
@@ -231,4 +231,4 @@ TEST(Topology, RefusesAnIndexWithoutVertex) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::mesh_test

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-namespace csrbf {
+namespace csrbf::number_text_test {
 namespace {
 
 std::string text_of(double value) {
@@ -96,4 +96,4 @@ TEST(NumberText, IsInfiniteOrZeroOutOfRange) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::number_text_test

@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::parallel_test {
 namespace {
 
 // Restores the default number of threads after each test.
@@ -275,4 +275,4 @@ TEST_F(Parallel, RefusesANegativeNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::parallel_test

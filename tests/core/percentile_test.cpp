@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::percentile_test {
 namespace {
 
 TEST(OrderStatistic, IsTheValueOfThatRank) {
@@ -39,4 +39,4 @@ TEST(Percentile, IsLinearBetweenTheOrderStatistics) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::percentile_test

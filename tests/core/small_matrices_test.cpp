@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::small_matrices_test {
 namespace {
 
 // Orthonormal, and different for every size: the product of reflections.
@@ -72,4 +72,4 @@ TEST(SmallMatrices, MayBePartsOfOthers) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::small_matrices_test

@@ -5,7 +5,7 @@
 #include <array>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::taylor_test {
 namespace {
 
 constexpr double rounding = 1e-13;  // of a few operations on numbers of order one
@@ -164,4 +164,4 @@ TEST(SmoothStep, HasTwoContinuousDerivatives) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::taylor_test

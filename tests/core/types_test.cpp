@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace csrbf {
+namespace csrbf::types_test {
 namespace {
 
 TEST(BoundingBox, HoldsAllPoints) {
@@ -32,4 +32,4 @@ TEST(BoundingBox, IgnoresNan) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::types_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::combine_enclose_test {
 namespace {
 
 const Solid a = std::make_shared<const EnclosedBall>(1, Point<3>(-0.6, 0, 0));
@@ -45,4 +45,4 @@ TEST(CombineEnclose, KnowsNothingWhenAPartDoesNot) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::combine_enclose_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::combine_test {
 namespace {
 
 constexpr double rounding = 1e-13;  // a dozen operations on numbers of order one
@@ -292,4 +292,4 @@ TEST(Combine, RefusesWhatItCannotCombine) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::combine_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::compare_test {
 namespace {
 
 constexpr double rounding = 1e-12;
@@ -180,4 +180,4 @@ TEST(Compare, RejectsWhatCannotBeCompared) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::compare_test

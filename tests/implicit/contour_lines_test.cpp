@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::contour_lines_test {
 namespace {
 
 using std::numbers::pi;
@@ -279,4 +279,4 @@ TEST(ContourLines, RefuseWhatTheyCannotUse) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::contour_lines_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::curvature_order_test {
 namespace {
 
 constexpr double shell = 0.25;  // samples lie this far from the surface at most
@@ -72,4 +72,4 @@ TEST(CurvatureOfFits, IsOfSecondOrderOnAnEllipsoid) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::curvature_order_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::curvature_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // a dozen operations on numbers of order one
@@ -167,4 +167,4 @@ TEST(CurvatureSlopes, NeedAStepAndADirectionForEachPoint) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::curvature_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::draw_contour_test {
 namespace {
 
 constexpr RgbColor white{255, 255, 255};
@@ -85,4 +85,4 @@ TEST(DrawContour, RefusesLinesWithoutWidth) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::draw_contour_test

@@ -2,7 +2,7 @@
 
 #include "implicit/analytic_fields.hpp"
 
-namespace csrbf {
+namespace csrbf::plane_section_test {
 namespace {
 
 constexpr double rounding = 1e-13;
@@ -58,4 +58,4 @@ TEST(PlaneSection, MeasuresDetailInItsOwnUnits) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::plane_section_test

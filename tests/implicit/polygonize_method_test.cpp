@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::polygonize_method_test {
 namespace {
 
 // What holds for every method.
@@ -378,4 +378,4 @@ TEST(MarchingTetrahedra, CutsAllFourteenEdgesOfALoneCorner) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::polygonize_method_test

@@ -4,7 +4,7 @@
 
 #include <map>
 
-namespace csrbf {
+namespace csrbf::polygonize_part_test {
 namespace {
 
 using polygonization::Cell;
@@ -204,4 +204,4 @@ TEST(PolygonizePartOptions, MethodsWithoutPartsAreRefused) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::polygonize_part_test

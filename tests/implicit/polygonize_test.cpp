@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::polygonize_test {
 namespace {
 
 TEST(Polygonize, HalfSpaceInABoxIsClosedByFlatCaps) {
@@ -318,4 +318,4 @@ TEST(Polygonize, FailsWithThePositionWhereTheFieldIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::polygonize_test

@@ -1,6 +1,6 @@
 #include "implicit/polygonize_fields.hpp"
 
-namespace csrbf {
+namespace csrbf::polygonize_topology_test {
 namespace {
 
 struct LatticeCount {
@@ -135,4 +135,4 @@ TEST(PolygonizeTopology, SeedsAFewCellsFromTheSurfaceAreEnough) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::polygonize_topology_test

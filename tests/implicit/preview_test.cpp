@@ -4,7 +4,7 @@
 #include "implicit/analytic_fields.hpp"
 #include "implicit/plane_fields.hpp"
 
-namespace csrbf {
+namespace csrbf::preview_test {
 namespace {
 
 using Image = Volume<float>;
@@ -173,4 +173,4 @@ TEST(Preview, RefusesWhatItCannotShow) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::preview_test

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::raycast_test {
 namespace {
 
 constexpr double exact = 1e-12;  // rounding of positions of order one
@@ -240,4 +240,4 @@ TEST(Raycast, RefusesInvalidRaysAndOptions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::raycast_test

@@ -9,7 +9,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::render_test {
 namespace {
 
 using Color = std::array<int, 3>;
@@ -319,4 +319,4 @@ TEST(Render, RejectsWhatItCannotShow) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::render_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::ridges_test {
 namespace {
 
 const Point<3> axes(3, 2, 1);
@@ -153,4 +153,4 @@ TEST(Ridges, NeedAMeshAndValidOptions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::ridges_test

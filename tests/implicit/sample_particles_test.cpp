@@ -6,7 +6,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 
-namespace csrbf {
+namespace csrbf::sample_particles_test {
 namespace {
 
 // Distance of each particle to the nearest other one.
@@ -103,4 +103,4 @@ TEST(SampleParticles, ReportsAndCanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::sample_particles_test

@@ -8,7 +8,7 @@
 
 #include <regex>
 
-namespace csrbf {
+namespace csrbf::contour_lines_test {
 namespace {
 
 using testing::content;
@@ -142,4 +142,4 @@ TEST(ContourFiles, AreKnownByTheirExtension) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::contour_lines_test

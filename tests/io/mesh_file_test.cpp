@@ -5,7 +5,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::mesh_file_test {
 namespace {
 
 using testing::content;
@@ -170,4 +170,4 @@ TEST(WritePng, RefusesOtherFormatsAndWrongSizes) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::mesh_file_test

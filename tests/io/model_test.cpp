@@ -6,7 +6,7 @@
 
 #include <functional>
 
-namespace csrbf {
+namespace csrbf::model_test {
 namespace {
 
 using csrbf::testing::content;
@@ -213,4 +213,4 @@ TEST_F(DamagedModel, WithNumbersThatMakeNoSenseIsRefused) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::model_test

@@ -9,7 +9,7 @@
 
 #include <filesystem>
 
-namespace csrbf {
+namespace csrbf::point_stream_test {
 namespace {
 
 PointCloud some_points(bool normals) {
@@ -72,4 +72,4 @@ TEST(PointStream, VerticesOfAMeshWithPropertiesArePoints) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::point_stream_test

@@ -5,7 +5,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::points_test {
 namespace {
 
 using testing::content;
@@ -238,4 +238,4 @@ TEST(ReadPoints, SaysWhyAFileCannotBeOpened) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::points_test

@@ -6,7 +6,7 @@
 #include "csrbf/io/points.hpp"
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::polylines_test {
 namespace {
 
 using testing::content;
@@ -151,4 +151,4 @@ TEST(ReadPointsOrPolylines, SaysAsReadPointsWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::polylines_test

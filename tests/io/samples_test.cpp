@@ -5,7 +5,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::samples_test {
 namespace {
 
 using testing::content;
@@ -236,4 +236,4 @@ TEST(WriteTable, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::samples_test

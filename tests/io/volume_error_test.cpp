@@ -3,7 +3,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::volume_error_test {
 namespace {
 
 using testing::content;
@@ -210,4 +210,4 @@ TEST(WriteVolume, SaysWhatAFormatCannotHold) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::volume_error_test

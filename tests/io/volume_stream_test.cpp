@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-namespace csrbf {
+namespace csrbf::volume_stream_test {
 namespace {
 
 class VolumeStreamTest : public testing::Test {
@@ -79,4 +79,4 @@ TEST_F(VolumeStreamTest, WritesWhatWriteVolumeWrites) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::volume_stream_test

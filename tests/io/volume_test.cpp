@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::volume_test {
 namespace {
 
 using testing::content;
@@ -332,4 +332,4 @@ TEST(ReadVolume, ReadsMedicalImagesAndConvertsThemWithoutLoss) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::volume_test

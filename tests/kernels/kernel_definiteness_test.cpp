@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::kernel_definiteness_test {
 namespace {
 
 // Distances of random points in the unit cube over a support that holds about 40 of them.
@@ -94,4 +94,4 @@ TEST(Kernel, OfOneOrderLessIsNotPositiveDefinite) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::kernel_definiteness_test

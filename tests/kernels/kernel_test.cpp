@@ -8,7 +8,7 @@
 #include <cmath>
 #include <functional>
 
-namespace csrbf {
+namespace csrbf::kernel_test {
 namespace {
 
 constexpr double rounding = 2e-14;  // some tens of roundings of numbers of order 1
@@ -277,4 +277,4 @@ TEST(Kernel, RejectsParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::kernel_test

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::wendland_test {
 namespace {
 
 struct Wendland : Kernel {
@@ -302,4 +302,4 @@ TEST(Wendland, WithTheMisprintedCoefficientWouldNotBePositiveDefinite) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::wendland_test

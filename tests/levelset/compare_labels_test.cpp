@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::compare_labels_test {
 namespace {
 
 using Labels = Volume<float>;
@@ -179,4 +179,4 @@ TEST(CompareLabels, RefusesImagesThatDoNotMatch) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::compare_labels_test

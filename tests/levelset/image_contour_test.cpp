@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::image_contour_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -151,4 +151,4 @@ TEST(ImageContour, RefusesOtherDimensionsAndResolutions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::image_contour_test

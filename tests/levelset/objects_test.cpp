@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::objects_test {
 namespace {
 
 struct Ball {
@@ -109,4 +109,4 @@ TEST(Objects, OfEmptyAndFullImagesAreNoneAndOne) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::objects_test

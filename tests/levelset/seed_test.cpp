@@ -8,7 +8,7 @@
 
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::seed_test {
 namespace {
 
 // 20 x 30 (x 10) voxels, turned and stretched.
@@ -101,4 +101,4 @@ TEST(Seed, RefusesShapesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::seed_test

@@ -1,7 +1,7 @@
 #include "core/error_testing.hpp"
 #include "levelset/segment_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::segment_seeds_test {
 namespace {
 
 constexpr Index n = 101;
@@ -135,4 +135,4 @@ TEST(SegmentSeeds, RefuseWhatHasNoMeaning) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::segment_seeds_test

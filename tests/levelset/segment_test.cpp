@@ -5,7 +5,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "levelset/speckle_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::segment_test {
 namespace {
 
 constexpr Index n = 201;
@@ -389,4 +389,4 @@ TEST(Segment, StopsWhenAsked) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::segment_test

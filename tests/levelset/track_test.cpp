@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::track_test {
 namespace {
 
 using std::numbers::pi;
@@ -357,4 +357,4 @@ TEST(Track, CanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::track_test

@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::batched_cholesky_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // condition numbers below stay under a few hundred
@@ -227,4 +227,4 @@ TEST(BatchedCholesky, DoesNotDependOnTheScaleOfTheSystems) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::batched_cholesky_test

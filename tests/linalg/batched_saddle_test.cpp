@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::batched_saddle_test {
 namespace {
 
 constexpr double rounding = 1e-11;  // condition numbers below stay under a few thousand
@@ -112,4 +112,4 @@ TEST(BatchSaddle, NamesTheLanesThatFailAndSolvesTheOthers) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::batched_saddle_test

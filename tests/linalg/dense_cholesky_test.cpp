@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::dense_cholesky_test {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
@@ -61,4 +61,4 @@ TEST(DenseCholesky, SubtractsProductsOfParts) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::dense_cholesky_test

@@ -4,7 +4,7 @@
 
 #include <Eigen/Dense>
 
-namespace csrbf {
+namespace csrbf::gram_test {
 namespace {
 
 constexpr double rounding = 1e-13;
@@ -43,4 +43,4 @@ TEST(Gram, OfNoRowsIsZero) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::gram_test

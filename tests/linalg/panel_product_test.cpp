@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::panel_product_test {
 namespace {
 
 TEST(PanelProduct, AddsTheProductForAnyNumberOfColumns) {
@@ -31,4 +31,4 @@ TEST(PanelProduct, PadsToWholePanels) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::panel_product_test

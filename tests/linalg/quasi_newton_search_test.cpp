@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace csrbf {
+namespace csrbf::quasi_newton_search_test {
 namespace {
 
 double rosenbrock(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
@@ -56,4 +56,4 @@ TEST(QuasiNewtonSearch, NeedsBoundsForEveryVariable) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::quasi_newton_search_test

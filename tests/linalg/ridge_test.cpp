@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::ridge_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // well conditioned systems of order one
@@ -307,4 +307,4 @@ TEST(Ridge, RejectsInputThatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::ridge_test

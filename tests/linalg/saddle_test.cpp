@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::saddle_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -267,4 +267,4 @@ TEST(Saddle, RejectsBadInput) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::saddle_test

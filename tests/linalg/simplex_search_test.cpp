@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace csrbf {
+namespace csrbf::simplex_search_test {
 namespace {
 
 TEST(SimplexSearch, FindsTheMinimumOfAQuadric) {
@@ -41,4 +41,4 @@ TEST(SimplexSearch, NeedsAStepPerVariable) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::simplex_search_test

@@ -8,7 +8,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::sparse_least_squares_test {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
@@ -179,4 +179,4 @@ TEST(SparseLeastSquares, RefusesWhatHasNoSolution) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::sparse_least_squares_test

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-namespace csrbf {
+namespace csrbf::toeplitz_system_test {
 namespace {
 
 constexpr double rounding = 1e-13;
@@ -132,4 +132,4 @@ TEST(ToeplitzSystem, RefusesWhatItCannotSolve) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::toeplitz_system_test

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::determinism_test {
 namespace {
 
 /// FNV-1a of bytes, in a row.
@@ -171,4 +171,4 @@ TEST(Determinism, OfSegment) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::determinism_test

@@ -6,7 +6,7 @@
 
 #include <limits>
 
-namespace csrbf {
+namespace csrbf::fit_test {
 namespace {
 
 // Places: in a box of any size anywhere, on a line, on a grid where distances tie, in clusters, many twice.
@@ -121,4 +121,4 @@ TEST(FitProperties, AnySamplesBecomeAFiniteFunctionOrAnError) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fit_test

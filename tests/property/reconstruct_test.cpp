@@ -6,7 +6,7 @@
 #include "csrbf/surface/baselines/method_fit.hpp"
 #include "property/random_cloud.hpp"
 
-namespace csrbf {
+namespace csrbf::reconstruct_test {
 namespace {
 
 constexpr Index most_points = 3000;
@@ -98,4 +98,4 @@ TEST(ReconstructProperties, EstimatedNormalsAreUnitOrZeroAndAreCounted) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::reconstruct_test

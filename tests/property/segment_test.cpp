@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-namespace csrbf {
+namespace csrbf::segment_test {
 namespace {
 
 // Small images of all kinds: noise, two levels, outliers, huge, tiny and negative values, a ramp, a checkerboard,
@@ -106,4 +106,4 @@ TEST(SegmentProperties, AnyImageIsPartedSoundlyOrAnErrorSaysWhyNot) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::segment_test

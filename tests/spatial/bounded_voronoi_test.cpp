@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-namespace csrbf {
+namespace csrbf::bounded_voronoi_test {
 namespace {
 
 constexpr double rounding = 1e-11;  // corners are solutions of small, at times nearly singular systems
@@ -151,4 +151,4 @@ TEST(BoundedVoronoi, RefusesCentresOutsideTheBox) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::bounded_voronoi_test

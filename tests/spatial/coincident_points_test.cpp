@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::coincident_points_test {
 namespace {
 
 TEST(CoincidentPoints, NameTheFirstPointAtTheSamePlace) {
@@ -55,4 +55,4 @@ TEST(CoincidentPoints, AgreesWithATableForManyPoints) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::coincident_points_test

@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::convex_hull_test {
 namespace {
 
 TEST(ConvexHull, OfASquareIsTheSquare) {
@@ -43,4 +43,4 @@ TEST(ConvexHull, RefusesPointsOnALine) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::convex_hull_test

@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::distance_transform_test {
 namespace {
 
 using Marks = std::vector<std::uint8_t>;
@@ -93,4 +93,4 @@ TEST(DistanceTransform, RefusesSizesThatDoNotMatchAndSpacingsThatAreNone) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::distance_transform_test

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace csrbf {
+namespace csrbf::farthest_points_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -143,4 +143,4 @@ TEST(FarthestPoints, RejectCoordinatesThatAreNotFiniteAndIndicesOutOfRange) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::farthest_points_test

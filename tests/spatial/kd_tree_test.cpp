@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace csrbf {
+namespace csrbf::kd_tree_test {
 namespace {
 
 constexpr double rounding = 1e-14;  // relative: the tree and the test may sum the squares in different orders
@@ -135,4 +135,4 @@ TEST(KdTree, CanBeMoved) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::kd_tree_test

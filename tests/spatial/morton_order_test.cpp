@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::morton_order_test {
 namespace {
 
 template <class T>
@@ -110,4 +110,4 @@ TYPED_TEST(MortonOrderIn, RoughIsExactForAClusterInAWideBox) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::morton_order_test

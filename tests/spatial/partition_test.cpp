@@ -12,7 +12,7 @@
 #include <numeric>
 #include <set>
 
-namespace csrbf {
+namespace csrbf::partition_test {
 namespace {
 
 template <class T>
@@ -352,4 +352,4 @@ TEST(Partition, RejectsEmptyLeavesAndArraysThatDoNotFitThePoints) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::partition_test

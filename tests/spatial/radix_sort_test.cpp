@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::radix_sort_test {
 namespace {
 
 std::vector<Keyed> random_items(std::size_t count, std::uint32_t limit) {
@@ -30,4 +30,4 @@ TEST(RadixSort, SortsAsTheStableSortOfTheLibrary) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::radix_sort_test

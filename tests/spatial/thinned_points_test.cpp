@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-namespace csrbf {
+namespace csrbf::thinned_points_test {
 namespace {
 
 Points<3> on_sphere(Index n) {
@@ -68,4 +68,4 @@ TEST(ThinnedPoints, LevelsDoubleTheirDistance) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::thinned_points_test

@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::tile_plan_test {
 namespace {
 
 Points<3> random_points(Index n) {
@@ -60,4 +60,4 @@ TEST(TilePlan, CutsThatAreNoTreeAreRefused) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::tile_plan_test

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::voronoi_poles_test {
 namespace {
 
 using std::numbers::pi;
@@ -128,4 +128,4 @@ TEST(VoronoiPoles, RefusePointsThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::voronoi_poles_test

@@ -10,7 +10,7 @@
 
 #include <string>
 
-namespace csrbf {
+namespace csrbf::estimate_normals_test {
 namespace {
 
 constexpr double rounding = 1e-9;
@@ -240,4 +240,4 @@ TEST(EstimateNormals, StopWhenTold) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::estimate_normals_test

@@ -4,7 +4,7 @@
 #include "surface/contour_testing.hpp"
 #include "surface/surface_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::reconstruct_contours_test {
 namespace {
 
 constexpr Index few_centers = 700;  // enough for these shapes, and quick
@@ -275,4 +275,4 @@ TEST(ReconstructContours, CanBeStopped) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::reconstruct_contours_test

@@ -6,7 +6,7 @@
 #include "surface/oriented_shapes.hpp"
 #include "surface/surface_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::reconstruct_shapes_test {
 namespace {
 
 Mesh mesh_of(const PointCloud& cloud, const ReconstructOptions& options = {}, int resolution = 96) {
@@ -343,4 +343,4 @@ TEST(ReconstructShapes, TheMethodIsTheCompositeOne) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::reconstruct_shapes_test

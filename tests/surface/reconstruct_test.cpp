@@ -13,7 +13,7 @@
 #include <numbers>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::reconstruct_test {
 namespace {
 
 // n points of a Fibonacci lattice on the unit sphere with outward normals.
@@ -310,4 +310,4 @@ TEST(Reconstruct, SaysWhenAToleranceCannotBeReached) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::reconstruct_test

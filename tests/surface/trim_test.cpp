@@ -10,7 +10,7 @@
 #include <map>
 #include <set>
 
-namespace csrbf {
+namespace csrbf::trim_test {
 namespace {
 
 // Two triangles for each of nx x ny squares of side h; x(u, v) places the corners.
@@ -293,4 +293,4 @@ TEST(KeepComponentsWithData, NeverDropsAll) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::trim_test

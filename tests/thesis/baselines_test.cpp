@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::baselines_test {
 namespace {
 
 TEST(BandLimited, MeetsTheValues) {
@@ -69,4 +69,4 @@ TEST(FrameIteration, RefusesAGapThatHidesAFunction) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::baselines_test

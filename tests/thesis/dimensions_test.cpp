@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::dimensions_test {
 namespace {
 
 template <int Dim>
@@ -34,4 +34,4 @@ TEST(Dimensions, EveryMethodLearnsFromMoreSamplesInThreeDimensions) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::dimensions_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_2_4_test {
 namespace {
 
 TEST(Figure_2_4, BelowHalfASampleDistanceNothingIsLeftBetweenTheSamples) {
@@ -28,4 +28,4 @@ TEST(Figure_2_4, TheShareOfNonzerosIsThatOfTheSupport) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_2_4_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_3_14_test {
 namespace {
 
 TEST(Figure_3_14, TheSliceHasThePublishedNumberOfPixelsAndSamples) {
@@ -46,4 +46,4 @@ TEST(Figure_3_15, BothErrorsFallWithTheBudgetOnTheBrain) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_3_14_test

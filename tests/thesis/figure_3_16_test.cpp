@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_3_16_test {
 namespace {
 
 constexpr double rounding = 1 + 1e-9;
@@ -31,4 +31,4 @@ TEST(Figure_3_16, LevelsLeaveFewerAndFewerSamplesAboveTheBound) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_3_16_test

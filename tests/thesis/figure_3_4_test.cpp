@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_3_4_test {
 namespace {
 
 constexpr double rounding = 1 + 1e-9;
@@ -56,4 +56,4 @@ TEST(Figure_3_6, WithTheBestThresholdTheErrorIsBelowTheNoise) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_3_4_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_3_9_test {
 namespace {
 
 TEST(Figure_3_9, PeaksHasItsKnownExtremes) {
@@ -30,4 +30,4 @@ TEST(Figure_3_9, TheDefaultFitIsBetterThanTheMultiresolution) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_3_9_test

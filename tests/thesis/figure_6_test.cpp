@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <set>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_6_test {
 namespace {
 
 TEST(Models, AreThereWithUnitNormals) {
@@ -104,4 +104,4 @@ TEST(Figures_6, DrawPictures) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_6_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_7_test {
 namespace {
 
 double share(const std::vector<std::uint8_t>& labels) {
@@ -65,4 +65,4 @@ TEST(LevelSets, DrawPictures) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_7_test

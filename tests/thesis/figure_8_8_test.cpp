@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_8_8_test {
 namespace {
 
 // 64 voxels: struts of 5 voxels; with 48 the smallest of them break.
@@ -21,4 +21,4 @@ TEST(Figure_8_8, CollocationFindsTheBoneToo) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_8_8_test

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::figure_8_test {
 namespace {
 
 constexpr double no_noise = std::numeric_limits<double>::infinity();
@@ -113,4 +113,4 @@ TEST(Figure_8_10, TheLawMakesTheDifferenceInSpeckleNotTheWindow) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::figure_8_test

@@ -6,7 +6,7 @@
 
 #include <set>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::gallery_test {
 namespace {
 
 TEST(Gallery, NamesAreDistinct) {
@@ -54,4 +54,4 @@ TEST(Gallery, MisprintsFail) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::gallery_test

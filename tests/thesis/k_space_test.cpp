@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::k_space_test {
 namespace {
 
 using std::numbers::pi;
@@ -64,4 +64,4 @@ TEST(KSpace, TheFitIsFiveTimesBetterThanGridding) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::k_space_test

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::table_2_4_test {
 namespace {
 
 // Times depend on the machine, numbers of entries do not.
@@ -37,4 +37,4 @@ TEST(Table_2_4, FastSumsMakeTheCostOfGlobalSupportsGrowAboutAsTheNumberOfSamples
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::table_2_4_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::thesis {
+namespace csrbf::thesis::table_8_test {
 namespace {
 
 // A support of 4 fill distances, h / sqrt 2 each on squares of side h: x^2 + y^2 < 8 h^2 holds for 21 nodes; 4 more are
@@ -28,4 +28,4 @@ TEST(Table_8_2, AllStepsTogetherTakeLessThanPublished) {
 }
 
 }  // namespace
-}  // namespace csrbf::thesis
+}  // namespace csrbf::thesis::table_8_test

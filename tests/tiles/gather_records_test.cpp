@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-namespace csrbf {
+namespace csrbf::gather_records_test {
 namespace {
 
 // Points in the unit square, but for a hole, each with its number.
@@ -100,4 +100,4 @@ TEST_F(GatherRecords, ThinnedPointsAreNoMoreThanAskedFor) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::gather_records_test

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <limits>
 
-namespace csrbf {
+namespace csrbf::sample_stream_test {
 namespace {
 
 constexpr Index rows = 500;
@@ -80,4 +80,4 @@ TEST(SampleStream, AFileThatEndsEarlyIsReadAsAWholeAndRefused) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::sample_stream_test

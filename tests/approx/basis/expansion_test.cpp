@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
-namespace csrbf {
+namespace csrbf::expansion_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // sums of some hundred terms of order one, in another order
@@ -282,4 +282,4 @@ TEST(Expansion, RefusesWhatItCannotRepresent) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::expansion_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::polynomial_test {
 namespace {
 
 constexpr double rounding = 1e-13;  // some roundings of products of few factors of order 1
@@ -134,4 +134,4 @@ TEST(Polynomials, RejectDegreesOutOfRange) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::polynomial_test

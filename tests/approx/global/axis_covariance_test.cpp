@@ -2,7 +2,7 @@
 
 #include "approx/approx_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::axis_covariance_test {
 namespace {
 
 TEST(AxisCovariance, HasLongLengthsOnAxesThatDoNotMatter) {
@@ -46,4 +46,4 @@ TEST(AxisCovariance, IsUnknownForConstantsAndFewSamples) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::axis_covariance_test

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace csrbf {
+namespace csrbf::choose_kernel_test {
 namespace {
 
 // The case peaks_500: SciPy's best kernel without a shape parameter has 1.2e-3.
@@ -54,4 +54,4 @@ TEST(ChooseKernel, GivesNeighbourhoodsTheSayOfAll) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::choose_kernel_test

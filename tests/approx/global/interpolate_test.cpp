@@ -12,7 +12,7 @@
 #include <numbers>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::interpolate_test {
 namespace {
 
 template <int Dim>
@@ -277,4 +277,4 @@ TEST(Interpolate, RejectsBadInput) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::interpolate_test

@@ -10,7 +10,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::iterative_system_test {
 namespace {
 
 template <int Dim>
@@ -138,4 +138,4 @@ TEST(InverseFactor, WithAllNeighboursIsTheInverse) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::iterative_system_test

@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-namespace csrbf {
+namespace csrbf::kriging_variance_test {
 namespace {
 
 constexpr double solved = 1e-9;  // of systems of condition below 1e6
@@ -164,4 +164,4 @@ TEST(PowerFunction, RefusesWeightsOfAnotherNumber) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::kriging_variance_test

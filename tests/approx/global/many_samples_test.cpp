@@ -8,7 +8,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::many_samples_test {
 namespace {
 
 template <int Dim>
@@ -186,4 +186,4 @@ TEST(InterpolateManySamples, InClustersOfVeryDifferentSize) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::many_samples_test

@@ -4,7 +4,7 @@
 
 #include <Eigen/Dense>
 
-namespace csrbf {
+namespace csrbf::restricted_likelihood_test {
 namespace {
 
 using Parameters = RestrictedLikelihood<2>::Parameters;
@@ -99,4 +99,4 @@ TEST(RestrictedLikelihood, HasNoLinearTrendOnALine) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::restricted_likelihood_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace csrbf {
+namespace csrbf::grid_spline_test {
 namespace {
 
 Grid grid_of(Index nx, Index ny, Index nz = 1) {
@@ -83,4 +83,4 @@ TEST(GridSpline, OfMuchTensionStaysBetweenTheKnownValues) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::grid_spline_test

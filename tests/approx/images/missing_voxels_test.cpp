@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::missing_voxels_test {
 namespace {
 
 constexpr Index width = 64;
@@ -66,4 +66,4 @@ TEST(MissingVoxels, ScatteredPixelsHaveNoTrialHoles) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::missing_voxels_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::sparse_blocks_test {
 namespace {
 
 using Size = std::array<Index, 3>;
@@ -139,4 +139,4 @@ TEST(SparseBlocks, HaveTheSameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::sparse_blocks_test

@@ -8,7 +8,7 @@
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/core/parallel.hpp"
 
-namespace csrbf {
+namespace csrbf::fill_gaps_test {
 namespace {
 
 template <class Keep>
@@ -219,4 +219,4 @@ TEST(FillGaps, DoesNotDependOnThreadsUnitsAndOffsets) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fill_gaps_test

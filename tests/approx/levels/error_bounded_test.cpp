@@ -4,7 +4,7 @@
 #include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/approx/levels/pca_multiresolution.hpp"
 
-namespace csrbf {
+namespace csrbf::error_bounded_test {
 namespace {
 
 constexpr double slack = 1e-12;  // of the range of the values: two sums of the same numbers
@@ -144,4 +144,4 @@ TEST(ErrorBounded, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::error_bounded_test

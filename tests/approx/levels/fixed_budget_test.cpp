@@ -3,7 +3,7 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/levels/level_sum.hpp"
 
-namespace csrbf {
+namespace csrbf::fixed_budget_test {
 namespace {
 
 TEST(FixedBudget, UsesAsManyCentresAsItMay) {
@@ -74,4 +74,4 @@ TEST(FixedBudget, RefusesSupportsThatLeaveGaps) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fixed_budget_test

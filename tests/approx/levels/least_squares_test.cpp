@@ -5,7 +5,7 @@
 #include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/kernels/kernel.hpp"
 
-namespace csrbf {
+namespace csrbf::least_squares_test {
 namespace {
 
 TEST(LeastSquares, IsTheInterpolantOfAFunctionOfItsOwnSpace) {
@@ -58,4 +58,4 @@ TEST(LeastSquares, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::least_squares_test

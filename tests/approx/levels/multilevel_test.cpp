@@ -7,7 +7,7 @@
 #include "csrbf/approx/levels/level_sum.hpp"
 #include "csrbf/kernels/kernel.hpp"
 
-namespace csrbf {
+namespace csrbf::multilevel_test {
 namespace {
 
 constexpr double met = 1e-10;  // interpolation conditions, relative to values of order one
@@ -185,4 +185,4 @@ TEST(Multilevel, RefusesBadSamplesAndOptions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::multilevel_test

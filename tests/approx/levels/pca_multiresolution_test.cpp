@@ -3,7 +3,7 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/levels/level_sum.hpp"
 
-namespace csrbf {
+namespace csrbf::pca_multiresolution_test {
 namespace {
 
 TEST(PcaMultiresolution, EndsWithinTheToleranceWhereThePublishedLoopDoesNot) {
@@ -43,4 +43,4 @@ TEST(PcaMultiresolution, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::pca_multiresolution_test

@@ -4,7 +4,7 @@
 #include "csrbf/approx/fit.hpp"
 #include "csrbf/approx/moving/moving_least_squares.hpp"
 
-namespace csrbf {
+namespace csrbf::along_tracks_test {
 namespace {
 
 // Waves of random directions whose amplitude falls as a power of their frequency.
@@ -135,4 +135,4 @@ TEST(FitAlongTracks, KnowsHowWrongItMayBe) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::along_tracks_test

@@ -2,7 +2,7 @@
 
 #include "approx/approx_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::moving_least_squares_test {
 namespace {
 
 constexpr double rounding = 1e-10;  // local fits of condition up to about 1e5
@@ -108,4 +108,4 @@ TEST(MovingLeastSquares, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::moving_least_squares_test

@@ -3,7 +3,7 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/approx/moving/moving_least_squares.hpp"
 
-namespace csrbf {
+namespace csrbf::blended_field_test {
 namespace {
 
 std::shared_ptr<const Field<2>> smooth(unsigned seed) {
@@ -34,4 +34,4 @@ TEST(BlendedField, IsOneFieldWhereTheShareIsOneAndTheOtherWhereItIsZero) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::blended_field_test

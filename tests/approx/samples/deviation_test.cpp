@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace csrbf {
+namespace csrbf::deviation_test {
 namespace {
 
 TEST(WeightedRms, CountsEachRowByItsWeight) {
@@ -21,4 +21,4 @@ TEST(WeightedDeviation, IsThatFromTheWeightedMeanOfEachColumn) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::deviation_test

@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::fitted_field_test {
 namespace {
 
 // y0^2 y1 + 3 y1 with all derivatives; remembers nothing and orders points backwards.
@@ -149,4 +149,4 @@ TEST(FittedField, EvaluatesInTheOrderOfTheInnerField) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fitted_field_test

@@ -2,7 +2,7 @@
 
 #include "approx/approx_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::merge_duplicates_test {
 namespace {
 
 Samples<1> three_at_one_point() {
@@ -49,4 +49,4 @@ TEST(MergeDuplicates, LeavesDistinctSamplesAlone) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::merge_duplicates_test

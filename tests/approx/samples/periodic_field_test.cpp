@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::periodic_field_test {
 namespace {
 
 constexpr double period = 2.5, lo = -.75;
@@ -127,4 +127,4 @@ TEST(RepeatPeriodically, BringsSamplesAtOnePlaceTogether) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::periodic_field_test

@@ -6,7 +6,7 @@
 
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::robust_weights_test {
 namespace {
 
 template <int Dim, class Function>
@@ -88,4 +88,4 @@ TEST(ValueBeyondAllOthers, IsNamedWhereItMeansNone) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::robust_weights_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::chebyshev_test {
 namespace {
 
 TEST(Chebyshev, LagrangePolynomialsAreOneAtTheirNodeAndZeroAtOthers) {
@@ -24,4 +24,4 @@ TEST(Chebyshev, InterpolatesPolynomialsAndTheirDerivativesExactly) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::chebyshev_test

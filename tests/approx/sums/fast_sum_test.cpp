@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::fast_sum_test {
 namespace {
 
 enum class Shape { cube, sphere, clusters, tracks, layer };
@@ -173,4 +173,4 @@ TEST(FastSum, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::fast_sum_test

@@ -3,7 +3,7 @@
 #include "approx/approx_testing.hpp"
 #include "csrbf/core/parallel.hpp"
 
-namespace csrbf {
+namespace csrbf::choose_local_options_test {
 namespace {
 
 Samples<2> noisy(Index count, double sigma) {
@@ -89,4 +89,4 @@ TEST(ChooseLocalOptions, DoesNotDependOnUnitsAndThreads) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::choose_local_options_test

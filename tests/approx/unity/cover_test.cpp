@@ -6,7 +6,7 @@
 
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::cover_test {
 namespace {
 
 // The number of cells that x lies in, borders counted on the upper side only, and one of them.
@@ -285,4 +285,4 @@ TEST(Cover, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::cover_test

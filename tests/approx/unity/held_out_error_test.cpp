@@ -6,7 +6,7 @@
 
 #include "approx/approx_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::held_out_error_test {
 namespace {
 
 TEST(HeldOutError, IsThatOfTheNoiseWhereTheFunctionIsKnown) {
@@ -54,4 +54,4 @@ TEST(FitPatches, AtSomePlacesAreThoseOfTheWholeFitThere) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::held_out_error_test

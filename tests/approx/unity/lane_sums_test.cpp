@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::lane_sums_test {
 namespace {
 
 constexpr int L = lane_sums::lanes;
@@ -222,4 +222,4 @@ TEST(LaneSums, SumRadialFunctionsAndTheirDerivatives) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::lane_sums_test

@@ -7,7 +7,7 @@
 
 #include <array>
 
-namespace csrbf {
+namespace csrbf::local_fit_test {
 namespace {
 
 constexpr double solved = 1e-7;  // normal equations of condition up to about 1e8, values of size 1
@@ -395,4 +395,4 @@ TEST(LocalFit, LooksFurtherWhereTheNearestSamplesAreLopsided) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::local_fit_test

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace csrbf {
+namespace csrbf::local_models_test {
 namespace {
 
 // Random local functions about the middle of the unit cube.
@@ -122,4 +122,4 @@ TEST(LocalModels, AreZeroWithoutTerms) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::local_models_test

@@ -2,7 +2,7 @@
 
 #include "approx/approx_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::local_variance_test {
 namespace {
 
 // Noise of standard deviation sigma on the left half, three times that on the right.
@@ -83,4 +83,4 @@ TEST(LocalVariance, TakesAFewSamplesAndConstantOnes) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::local_variance_test

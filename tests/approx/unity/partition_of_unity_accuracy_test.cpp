@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::partition_of_unity_accuracy_test {
 namespace {
 
 // One random point in every cell of a grid: the largest gap halves with the cells. Gaps of uniformly random points
@@ -132,4 +132,4 @@ TEST(PartitionOfUnityAccuracy, FollowsDensitiesThatDifferGreatly) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::partition_of_unity_accuracy_test

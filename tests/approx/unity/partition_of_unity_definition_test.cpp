@@ -3,7 +3,7 @@
 
 #include "approx/partition_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::partition_of_unity_definition_test {
 namespace {
 
 template <int Dim>
@@ -84,4 +84,4 @@ TEST(PartitionOfUnity, TakesOneSampleOfAnyWeight) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::partition_of_unity_definition_test

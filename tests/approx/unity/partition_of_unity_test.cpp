@@ -8,7 +8,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::partition_of_unity_test {
 namespace {
 
 constexpr double rounding = 1e-13;      // of values of size 1, summed with positive weights
@@ -357,4 +357,4 @@ TEST(PartitionOfUnity, CanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::partition_of_unity_test

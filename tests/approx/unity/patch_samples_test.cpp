@@ -4,7 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace csrbf {
+namespace csrbf::patch_samples_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // of ratios of size 1
@@ -86,4 +86,4 @@ TEST(PatchSamples, AtOnePointHaveTheEuclideanMetric) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::patch_samples_test

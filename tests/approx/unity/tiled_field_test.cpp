@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace csrbf {
+namespace csrbf::tiled_field_test {
 namespace {
 
 const TilePlan<3> two_tiles({{0, -1, -2, 0.5}}, 0.1);
@@ -63,4 +63,4 @@ TEST(TiledField, ATileWithoutFieldsHasNoValue) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::tiled_field_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::extend_distance_test {
 namespace {
 
 constexpr double feature_size = 0.03;
@@ -78,4 +78,4 @@ TEST(ExtendDistance, NeedsARangeAndAFieldThatKnowsItsDetail) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::extend_distance_test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::clip_mesh_test {
 namespace {
 
 double area(const Mesh& mesh) {
@@ -56,4 +56,4 @@ TEST(ClipMesh, NeedsAValuePerVertex) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::clip_mesh_test

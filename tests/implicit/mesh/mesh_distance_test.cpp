@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-namespace csrbf {
+namespace csrbf::mesh_distance_test {
 namespace {
 
 // The cube [-1, 1]^3.
@@ -93,4 +93,4 @@ TEST(MeshDistance, IsPolygonizedWithItsEdgesByDualContouring) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::mesh_distance_test

@@ -5,7 +5,7 @@
 #include "implicit/mesh_testing.hpp"
 #include "implicit/polygonize_fields.hpp"
 
-namespace csrbf {
+namespace csrbf::optimize_mesh_test {
 namespace {
 
 TEST(OptimizeMesh, MakesNeedlesRoundOnTheSurface) {
@@ -89,4 +89,4 @@ TEST(SmallestAngle, IsThatOfARightTriangle) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::optimize_mesh_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::sample_surface_test {
 namespace {
 
 constexpr double rounding = 1e-13;
@@ -71,4 +71,4 @@ TEST(SampleSurface, RejectsMeshesWithoutAreaAndCountsBelowOne) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::sample_surface_test

@@ -9,7 +9,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::triangle_tree_test {
 namespace {
 
 // Distances come out of a handful of products of numbers of order one.
@@ -241,4 +241,4 @@ TEST(TriangleTree, RejectsMeshesThatAreEmptyOrCorrupt) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::triangle_tree_test

@@ -5,7 +5,7 @@
 #include <map>
 #include <random>
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::brick_grid_test {
 namespace {
 
 CellLattice lattice_of(const Cell& cells) {
@@ -129,4 +129,4 @@ TEST(InsideCorners, AreThoseOfTheBrickAndItsUpperNeighbours) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::brick_grid_test

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::cell_loops_test {
 namespace {
 
 Point<3> corner_position(int corner) {
@@ -148,4 +148,4 @@ TEST(CellLoops, QuadrilateralsAreSplitByTheShorterDiagonal) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::cell_loops_test

@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace csrbf {
+namespace csrbf::cell_tetrahedra_test {
 namespace {
 
 PolygonizeOptions tetrahedra(PolygonizeOptions options) {
@@ -71,4 +71,4 @@ TEST(CellTetrahedra, CutQuadrilateralsAlongTheShorterDiagonal) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::cell_tetrahedra_test

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::cell_tracer_test {
 namespace {
 
 using Key = std::array<int, 3>;
@@ -187,4 +187,4 @@ TEST(CellTracer, ReportsAGrowingShareBelowFourFifths) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::cell_tracer_test

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::center_vertices_test {
 namespace {
 
 constexpr double side = 0.125;
@@ -101,4 +101,4 @@ TEST(CenterVertices, OnCapsStayAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::center_vertices_test

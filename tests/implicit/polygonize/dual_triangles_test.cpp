@@ -5,7 +5,7 @@
 
 #include <set>
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::dual_triangles_test {
 namespace {
 
 constexpr double rounding = 1e-12;
@@ -176,4 +176,4 @@ TEST(UnfoldQuads, DrawsLooseVerticesOfFoldedTrianglesToTheMeanOfTheirCrossings) 
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::dual_triangles_test

@@ -1,6 +1,6 @@
 #include "implicit/polygonize_fields.hpp"
 
-namespace csrbf {
+namespace csrbf::dual_vertices_test {
 namespace {
 
 PolygonizeOptions dual(PolygonizeOptions options, bool adaptive = false) {
@@ -75,4 +75,4 @@ TEST(MergeCells, KeepsABallWithinTheTolerance) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::dual_vertices_test

@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::edge_collapse_test {
 namespace {
 
 Mesh tetrahedron() {
@@ -176,4 +176,4 @@ TEST(EdgeCollapser, TurnsNoTriangleByMoreThan80DegreesAndMakesNoNeedles) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::edge_collapse_test

@@ -3,7 +3,7 @@
 #include "csrbf/implicit/polygonize/cell_tracer.hpp"
 #include "implicit/polygonize_fields.hpp"
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::edge_vertices_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // of positions of size 1
@@ -228,4 +228,4 @@ TEST(EdgeVertices, ReportFromFourFifthsOn) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::edge_vertices_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::quadric_test {
 namespace {
 
 const Box<3> unit_box{Point<3>::Zero(), Point<3>::Ones()};
@@ -114,4 +114,4 @@ TEST(Quadric, PutsThePointWhereTheSumCannotGetLessWithinTheBox) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::quadric_test

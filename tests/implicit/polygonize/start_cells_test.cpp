@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace csrbf::polygonization {
+namespace csrbf::polygonization::start_cells_test {
 namespace {
 
 using Key = std::array<int, 3>;
@@ -126,4 +126,4 @@ TEST(CellsNearSeeds, StayWhereTheGradientVanishes) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization
+}  // namespace csrbf::polygonization::start_cells_test

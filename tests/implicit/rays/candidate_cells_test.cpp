@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::candidate_cells_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -278,4 +278,4 @@ TEST(CandidateCells, ReportHowFarTheyAre) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::candidate_cells_test

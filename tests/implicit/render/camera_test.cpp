@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::camera_test {
 namespace {
 
 constexpr double rounding = 1e-12;
@@ -91,4 +91,4 @@ TEST(Camera, PointsBehindEachOtherAreInFrontOfTheCamera) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::camera_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::color_map_test {
 namespace {
 
 constexpr float rounding = 1e-5F;
@@ -60,4 +60,4 @@ TEST(ColorMap, ValuesOutsideTheScaleGetTheColorOfItsEnds) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::color_map_test

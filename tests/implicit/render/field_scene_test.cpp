@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::field_scene_test {
 namespace {
 
 constexpr double major = 1, minor = 0.4;
@@ -82,4 +82,4 @@ TEST(FieldScene, KnowsTheCurvaturesOfATorus) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::field_scene_test

@@ -7,7 +7,7 @@
 
 #include <set>
 
-namespace csrbf {
+namespace csrbf::light_pattern_test {
 namespace {
 
 constexpr double rounding = 1e-12;
@@ -70,4 +70,4 @@ TEST(LightPattern, TangentsCompleteARightHandedFrame) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::light_pattern_test

@@ -2,7 +2,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::atomic_file_test {
 namespace {
 
 using testing::content;
@@ -57,4 +57,4 @@ TEST(AtomicFile, NamesTheFileAndTheReasonOfAFailure) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::atomic_file_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::discard_bytes_test {
 namespace {
 
 constexpr std::size_t first = 100'001, last = 900'007, size = 1'000'000;
@@ -33,4 +33,4 @@ TEST(DiscardBytes, GivesPagesBack) {
 #endif
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::discard_bytes_test

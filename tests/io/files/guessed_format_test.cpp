@@ -8,7 +8,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::guessed_format_test {
 namespace {
 
 using testing::content;
@@ -72,4 +72,4 @@ TEST(GuessedFormat, AnAssumedFormatOverridesTheName) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::guessed_format_test

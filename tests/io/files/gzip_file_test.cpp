@@ -7,7 +7,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::gzip_file_test {
 namespace {
 
 using testing::content;
@@ -68,4 +68,4 @@ TEST(GzipFile, OfPointsSamplesAndMeshesIsWrittenAndRead) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::gzip_file_test

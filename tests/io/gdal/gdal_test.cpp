@@ -5,7 +5,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::gdal_test {
 namespace {
 
 using testing::content;
@@ -117,4 +117,4 @@ TEST_F(Gdal, DamagedFilesAreRefusedInWords) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::gdal_test

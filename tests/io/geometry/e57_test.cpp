@@ -7,7 +7,7 @@
 #include <E57Format.h>
 #endif
 
-namespace csrbf {
+namespace csrbf::e57_test {
 namespace {
 
 using testing::io_error;
@@ -131,4 +131,4 @@ TEST_F(E57, DamagedIsRefusedInWords) {
 #endif
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::e57_test

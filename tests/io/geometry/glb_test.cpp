@@ -3,7 +3,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::glb_test {
 namespace {
 
 using testing::io_error;
@@ -79,4 +79,4 @@ TEST(Glb, NeedsFiniteVertices) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::glb_test

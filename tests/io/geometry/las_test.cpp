@@ -3,7 +3,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::las_test {
 namespace {
 
 using testing::io_error;
@@ -104,4 +104,4 @@ TEST(Las, OfOtherKindsAndDamagedOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::las_test

@@ -2,7 +2,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::laz_test {
 namespace {
 
 using testing::io_error;
@@ -65,4 +65,4 @@ TEST(Laz, ThatIsDamagedIsRefusedInWords) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::laz_test

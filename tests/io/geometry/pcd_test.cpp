@@ -3,7 +3,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::pcd_test {
 namespace {
 
 using testing::io_error;
@@ -88,4 +88,4 @@ TEST(Pcd, ThatIsDamagedIsRefused) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::pcd_test

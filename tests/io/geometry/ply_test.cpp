@@ -5,7 +5,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::ply_test {
 namespace {
 
 using testing::io_error;
@@ -217,4 +217,4 @@ TEST(Ply, HoldsDoublesWhereFloatsWouldMoveCoordinates) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::ply_test

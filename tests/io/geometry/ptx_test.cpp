@@ -2,7 +2,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::ptx_test {
 namespace {
 
 using testing::io_error;
@@ -73,4 +73,4 @@ TEST(Ptx, OtherFormatsOfScannersNeedTheirLibraries) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::ptx_test

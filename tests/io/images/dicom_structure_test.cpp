@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf::dicom {
+namespace csrbf::dicom::dicom_structure_test {
 namespace {
 
 std::string tag(std::uint16_t group, std::uint16_t element) {
@@ -112,4 +112,4 @@ TEST(DicomStructure, LooksNoFurtherThanTheHeaderInOtherTransferSyntaxes) {
 }
 
 }  // namespace
-}  // namespace csrbf::dicom
+}  // namespace csrbf::dicom::dicom_structure_test

@@ -16,7 +16,7 @@
 #include <gdcmWriter.h>
 #endif
 
-namespace csrbf {
+namespace csrbf::dicom_test {
 namespace {
 
 using testing::io_error;
@@ -297,4 +297,4 @@ TEST(Dicom, RefusesColourDamageAndOtherFiles) {
 #endif
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::dicom_test

@@ -4,7 +4,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::geotiff_test {
 namespace {
 
 using testing::content;
@@ -185,4 +185,4 @@ TEST(GeoTiff, DamagedPlacesAreRefused) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::geotiff_test

@@ -3,7 +3,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::picture_formats_test {
 namespace {
 
 using testing::content;
@@ -118,4 +118,4 @@ TEST(Pictures, WhatTheyCannotHoldIsRefused) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::picture_formats_test

@@ -4,7 +4,7 @@
 
 #include "io/io_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::archive_test {
 namespace {
 
 using testing::io_error;
@@ -129,4 +129,4 @@ TEST(Archive, SurvivesHostileFilesWithAValidChecksum) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::archive_test

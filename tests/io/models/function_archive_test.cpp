@@ -11,7 +11,7 @@
 #include <functional>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::function_archive_test {
 namespace {
 
 using testing::content;
@@ -393,4 +393,4 @@ TEST(FunctionArchive, RefusesFieldsOfALaterVersion) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::function_archive_test

@@ -7,7 +7,7 @@
 
 #include <functional>
 
-namespace csrbf {
+namespace csrbf::lattice_archive_test {
 namespace {
 
 using testing::content;
@@ -126,4 +126,4 @@ TEST(LatticeArchive, EvaluatesSupportsWiderThanAnyLattice) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::lattice_archive_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::rough_gaps_archive_test {
 namespace {
 
 // Steps across many lines, around a square without samples.
@@ -46,4 +46,4 @@ TEST(FunctionArchive, KeepsTheSystemThatFillsRoughGaps) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::rough_gaps_archive_test

@@ -7,7 +7,7 @@
 #include "io/io_testing.hpp"
 #include "surface/composite_field_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::surface_archive_test {
 namespace {
 
 using csrbf::testing::content;
@@ -113,4 +113,4 @@ TEST(SurfaceArchive, RefusesFieldsWithoutFileForm) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::surface_archive_test

@@ -12,7 +12,7 @@
 
 #include <Eigen/Geometry>
 
-namespace csrbf {
+namespace csrbf::vtk_test {
 namespace {
 
 using testing::content;
@@ -273,4 +273,4 @@ TEST(VtkFiles, ListPointsAsVerticesAndCurvesAsLines) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::vtk_test

@@ -11,7 +11,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::collocation_test {
 namespace {
 
 template <int Dim>
@@ -334,4 +334,4 @@ TEST(Collocation, CanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::collocation_test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::dense_level_set_test {
 namespace {
 
 constexpr double whole = std::numeric_limits<double>::infinity();
@@ -226,4 +226,4 @@ TEST(DenseLevelSet, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::dense_level_set_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::finite_difference_test {
 namespace {
 
 // Discs in rows and columns, so that contours lie everywhere.
@@ -178,4 +178,4 @@ TEST(FiniteDifference, CanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::finite_difference_test

@@ -9,7 +9,7 @@
 
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::flow_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -354,4 +354,4 @@ TEST(Flow, CanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::flow_test

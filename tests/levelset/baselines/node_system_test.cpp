@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace csrbf {
+namespace csrbf::node_system_test {
 namespace {
 
 constexpr double solved = 1e-9;  // rounding times the condition of H
@@ -134,4 +134,4 @@ TEST(NodeSystem, RefusesWhatItCannotSolve) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::node_system_test

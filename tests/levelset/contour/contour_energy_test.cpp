@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::contour_energy_test {
 namespace {
 
 // A force that favours the disc of that radius about the middle, with noise.
@@ -191,4 +191,4 @@ TEST(UpdateLabels, CountsWhatChanged) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::contour_energy_test

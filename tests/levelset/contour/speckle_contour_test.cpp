@@ -3,7 +3,7 @@
 #include "csrbf/levelset/contour/contour_energy.hpp"
 #include "levelset/speckle_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::speckle_contour_test {
 namespace {
 
 constexpr std::array<double, 3> grain{1.6, 1.1, 0};
@@ -67,4 +67,4 @@ TEST(SpeckleContour, MovesToTheBorderOfTheCavity) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::speckle_contour_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace csrbf {
+namespace csrbf::spectral_descent_test {
 namespace {
 
 // sum of (1 + i) / 2 (x_i - i / 10)^2
@@ -61,4 +61,4 @@ TEST(SpectralDescent, StopsWhereStepsLowerLittle) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::spectral_descent_test

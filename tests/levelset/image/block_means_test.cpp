@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::block_means_test {
 namespace {
 
 using Block = std::array<Index, 3>;
@@ -58,4 +58,4 @@ TEST(BlockMeans, HaveAGridWhoseVoxelsAreInTheMiddleOfTheBlocks) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::block_means_test

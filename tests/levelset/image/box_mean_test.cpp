@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::box_mean_test {
 namespace {
 
 using Size = std::array<Index, 3>;
@@ -100,4 +100,4 @@ TEST(BoxMean, RejectsWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::box_mean_test

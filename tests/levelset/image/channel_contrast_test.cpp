@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::channel_contrast_test {
 namespace {
 
 // Channels of a noisy image: the first third of the voxels has mean `inside`, the others `outside`; the brightness of
@@ -85,4 +85,4 @@ TEST(RootChannels, LeavesChannelsWithNegativeValuesAlone) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::channel_contrast_test

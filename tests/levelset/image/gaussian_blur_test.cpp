@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::gaussian_blur_test {
 namespace {
 
 constexpr double rounding = 1e-6;  // of values up to 1
@@ -82,4 +82,4 @@ TEST(GaussianBlur, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::gaussian_blur_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::noise_law_test {
 namespace {
 
 // A disc of 200 on 20 with noise of variance(value).
@@ -97,4 +97,4 @@ TEST(NoiseLaw, IsToldBySegmentWhereNoiseGrows) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::noise_law_test

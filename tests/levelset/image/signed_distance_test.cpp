@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::signed_distance_test {
 namespace {
 
 constexpr double rounding = 1e-5;  // of float
@@ -57,4 +57,4 @@ TEST(SignedDistance, IsTheDiagonalWhereThereIsOneLabel) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::signed_distance_test

@@ -8,7 +8,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::lattice_field_test {
 namespace {
 
 // A lattice that is turned, stretched and moved in space, with random coefficients.
@@ -160,4 +160,4 @@ TEST(LatticeField, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::lattice_field_test

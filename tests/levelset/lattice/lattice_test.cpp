@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::lattice_test {
 namespace {
 
 constexpr double float_sums = 2e-6;  // rounding of the sums of a few hundred floats of size 1
@@ -205,4 +205,4 @@ TEST(Lattice, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::lattice_test

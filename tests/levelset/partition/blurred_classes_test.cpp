@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::blurred_classes_test {
 namespace {
 
 // Values from 0 to 1 with noise, and the classes of the values.
@@ -82,4 +82,4 @@ TEST(BlurredClasses, AreToldBySegmentOfTissues) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::blurred_classes_test

@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::convex_contour_test {
 namespace {
 
 Grid plane(Index nx, Index ny) {
@@ -123,4 +123,4 @@ TEST(ConvexContour, HasTheSameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::convex_contour_test

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::large_partition_test {
 namespace {
 
 struct Picture {
@@ -114,4 +114,4 @@ TEST(LargePartition, HasNoResultInMuchNoise) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::large_partition_test

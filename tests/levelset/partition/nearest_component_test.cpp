@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::nearest_component_test {
 namespace {
 
 Grid plane(Index nx, Index ny) {
@@ -56,4 +56,4 @@ TEST(NearestComponents, WithoutAnyAllVoxelsBelongToOne) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::nearest_component_test

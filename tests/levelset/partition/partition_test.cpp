@@ -5,7 +5,7 @@
 #include <functional>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::partition_test {
 namespace {
 
 constexpr Index n = 96;
@@ -201,4 +201,4 @@ TEST(Partition, ListsAPriceForEachModelAboveTheOneChosen) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::partition_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::region_moments_test {
 namespace {
 
 struct Picture {
@@ -79,4 +79,4 @@ TEST(MeanPolynomial, OfDegreeTwoIsExactForAQuadraticFromAnyOfItsVoxels) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::region_moments_test

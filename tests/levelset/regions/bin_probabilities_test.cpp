@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::bin_probabilities_test {
 namespace {
 
 BinProbabilities probabilities(const RegionModel& model, const IntensityBins& bins) {
@@ -112,4 +112,4 @@ TEST(BinProbabilities, OfOneBinAreOne) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::bin_probabilities_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::energy_table_test {
 namespace {
 
 TEST(EnergyTable, IsMinusTheLogDensityOverTheRange) {
@@ -115,4 +115,4 @@ TEST(EnergyTable, RejectsWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::energy_table_test

@@ -2,7 +2,7 @@
 
 #include "levelset/segment_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::force_noise_test {
 namespace {
 
 // A force of -1 in a disc and 1 outside, with noise.
@@ -39,4 +39,4 @@ TEST(ForceNoise, IsLargeWhereTheForceContradictsTheLabels) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::force_noise_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace csrbf {
+namespace csrbf::force_source_test {
 namespace {
 
 // The force is 6 in every voxel, and the other region costs 12.
@@ -31,4 +31,4 @@ TEST(ForceSource, AddsThePriorInUnitsOfTheScale) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::force_source_test

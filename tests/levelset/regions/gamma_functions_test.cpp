@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <numbers>
 
-namespace csrbf {
+namespace csrbf::gamma_functions_test {
 namespace {
 
 constexpr double rounding = 1e-14;
@@ -55,4 +55,4 @@ TEST(GammaShares, EndAtZero) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::gamma_functions_test

@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::intensity_classes_test {
 namespace {
 
 constexpr double rounding = 1e-9;
@@ -133,4 +133,4 @@ TEST(IntensityClasses, RejectMoreClassesThanLevels) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::intensity_classes_test

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::intensity_histogram_test {
 namespace {
 
 constexpr double rounding = 1e-12;
@@ -189,4 +189,4 @@ TEST(RegionHistograms, RejectWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::intensity_histogram_test

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::region_cores_test {
 namespace {
 
 using Size = std::array<Index, 3>;
@@ -113,4 +113,4 @@ TEST(RegionCores, RejectWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::region_cores_test

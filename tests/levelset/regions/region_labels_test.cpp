@@ -5,7 +5,7 @@
 #include <queue>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::region_labels_test {
 namespace {
 
 Grid grid_of(Index nx, Index ny, Index nz) {
@@ -129,4 +129,4 @@ TEST(MeasureRegions, GivesVolumesMeansAndDeviations) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::region_labels_test

@@ -8,7 +8,7 @@
 
 #include <functional>
 
-namespace csrbf {
+namespace csrbf::region_model_test {
 namespace {
 
 constexpr std::size_t many = 200000;
@@ -260,4 +260,4 @@ TEST(RegionModel, OfAnEmptyRegionIsItsStartOrSpreadsOverTheRange) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::region_model_test

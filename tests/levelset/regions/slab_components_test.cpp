@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::slab_components_test {
 namespace {
 
 TEST(SlabComponents, AreThoseOfTheWholeImage) {
@@ -35,4 +35,4 @@ TEST(SlabComponents, JoinPartsThatMeetLater) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::slab_components_test

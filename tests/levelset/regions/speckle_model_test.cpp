@@ -3,7 +3,7 @@
 #include "csrbf/levelset/regions/region_cores.hpp"
 #include "levelset/speckle_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::speckle_model_test {
 namespace {
 
 constexpr Index n = 200;
@@ -43,4 +43,4 @@ TEST(FindSpeckle, NeedsTwoRegionsOfSomeSize) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::speckle_model_test

@@ -11,7 +11,7 @@
 #include <set>
 #include <string>
 
-namespace csrbf {
+namespace csrbf::baselines_test {
 namespace {
 
 const Torus torus;
@@ -175,4 +175,4 @@ TEST(Interpolants, PassThroughTheirCentres) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::baselines_test

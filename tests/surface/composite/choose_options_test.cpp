@@ -3,7 +3,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "surface/surface_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::choose_options_test {
 namespace {
 
 constexpr Index samples = 8000;
@@ -113,4 +113,4 @@ TEST(ChooseOptions, GivesTheSameForEveryNumberOfThreadsAndUnit) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::choose_options_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <functional>
 
-namespace csrbf {
+namespace csrbf::composite_field_test {
 namespace {
 
 // The winding number's error, and its jumps from cube to cube, in units of the far value.
@@ -284,4 +284,4 @@ TEST(CompositeField, NeedsNoCoarseLevel) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::composite_field_test

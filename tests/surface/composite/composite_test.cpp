@@ -10,7 +10,7 @@
 #include <array>
 #include <set>
 
-namespace csrbf {
+namespace csrbf::composite_test {
 namespace {
 
 // The partition of unity f = S / W and its gradient; W = 0 where no patch reaches.
@@ -246,4 +246,4 @@ TEST(Composite, ReportsProgressAndCanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::composite_test

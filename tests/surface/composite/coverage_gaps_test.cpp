@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::coverage_gaps_test {
 namespace {
 
 // Where the finest patches have less weight, coarser ones take over (composite_field.cpp).
@@ -75,4 +75,4 @@ TEST(CoverageGaps, AreNotCoveredFromASheetToTheNext) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::coverage_gaps_test

@@ -2,7 +2,7 @@
 
 #include "surface/patch_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::join_pieces_test {
 namespace {
 
 // Samples of the faces of a box around 0, as dense everywhere, with exact normals.
@@ -84,4 +84,4 @@ TEST(JoinPieces, SeparatesSheetsThatFaceEachOther) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::join_pieces_test

@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::patch_fitter_test {
 namespace {
 
 // Distance of x to the surface of a patch of one piece.
@@ -296,4 +296,4 @@ TEST(PatchFitter, LeavesSamplesOutWithoutFittingAgain) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::patch_fitter_test

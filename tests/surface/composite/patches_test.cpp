@@ -8,7 +8,7 @@
 #include <array>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::patches_test {
 namespace {
 
 constexpr double rounding = 1e-12;  // sums of some hundred terms of order one
@@ -382,4 +382,4 @@ TEST(Patches, NoneSumToZero) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::patches_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::slices_test {
 namespace {
 
 Points<3> square(double half, double height, const Point<3>& center = Point<3>::Zero()) {
@@ -76,4 +76,4 @@ TEST(GatherSlices, RefusesContoursThatAreNotFlatOrHaveNoArea) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::slices_test

@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <numeric>
 
-namespace csrbf {
+namespace csrbf::medial_axis_test {
 namespace {
 
 MedialAxisFit fit(const OrientedPoints& cloud, const MedialAxisOptions& options) {
@@ -245,4 +245,4 @@ TEST(Reconstruct, NamesTheMethodsThatItKnows) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::medial_axis_test

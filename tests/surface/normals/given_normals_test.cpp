@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::given_normals_test {
 namespace {
 
 // Adds Gaussian noise to normals of length 1.
@@ -109,4 +109,4 @@ TEST(CorrectNormals, DoesNotDependOnTheThreads) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::given_normals_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace csrbf {
+namespace csrbf::neighbor_table_test {
 namespace {
 
 Points<3> random_points(Index n) {
@@ -60,4 +60,4 @@ TEST(NeighborTable, IsNarrowerWhenFewPointsAreLeft) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::neighbor_table_test

@@ -9,7 +9,7 @@
 
 #include <string>
 
-namespace csrbf {
+namespace csrbf::orient_normals_test {
 namespace {
 
 // Share of normals on the right side after exact normals with random signs were oriented.
@@ -246,4 +246,4 @@ TEST(OrientNormals, StopWhenTold) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::orient_normals_test

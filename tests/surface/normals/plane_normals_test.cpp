@@ -5,7 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace csrbf {
+namespace csrbf::plane_normals_test {
 namespace {
 
 // Those of planes through k points, on the side of the exact ones, in single precision as files have them.
@@ -71,4 +71,4 @@ TEST(PlaneNormals, GiveTheirSideToBetterOnes) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::plane_normals_test

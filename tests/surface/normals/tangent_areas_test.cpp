@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::tangent_areas_test {
 namespace {
 
 Eigen::VectorXd areas_of(const PointCloud& cloud, double reach) {
@@ -45,4 +45,4 @@ TEST(TangentAreas, DoNotDependOnTheOtherSheetOfAThinPlate) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::tangent_areas_test

@@ -5,7 +5,7 @@
 #include "csrbf/surface/estimate_normals.hpp"
 #include "surface/oriented_shapes.hpp"
 
-namespace csrbf {
+namespace csrbf::winding_consistency_test {
 namespace {
 
 Shape sorted(const Shape& shape) {
@@ -62,4 +62,4 @@ TEST(WindingConsistency, DoesNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::winding_consistency_test

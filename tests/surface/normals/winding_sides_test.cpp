@@ -2,7 +2,7 @@
 
 #include "surface/oriented_shapes.hpp"
 
-namespace csrbf {
+namespace csrbf::winding_sides_test {
 namespace {
 
 WindingSides sides(const Shape& shape, const Points<3>& normals) {
@@ -37,4 +37,4 @@ TEST(WindingSides, OfASheetHaveNoInside) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::winding_sides_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::clutter_test {
 namespace {
 
 // The samples of a shape, then points anywhere in its bounding box with random normals.
@@ -86,4 +86,4 @@ TEST(Clutter, LeavesSparsePartsOfTheSurface) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::clutter_test

@@ -3,7 +3,7 @@
 #include "csrbf/surface/prepare/prepare.hpp"
 #include "surface/surface_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::decimate_test {
 namespace {
 
 TEST(Decimate, KeepsOneSampleForUpToFour) {
@@ -23,4 +23,4 @@ TEST(Decimate, KeepsOneSampleForUpToFour) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::decimate_test

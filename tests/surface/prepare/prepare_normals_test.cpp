@@ -4,7 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace csrbf {
+namespace csrbf::prepare_normals_test {
 namespace {
 
 TEST(PrepareNormals, CorrectsNormalsWithErrors) {
@@ -193,4 +193,4 @@ TEST(PrepareNormals, EstimatesAllNormalsWhenMostAreMissing) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::prepare_normals_test

@@ -3,7 +3,7 @@
 #include "csrbf/core/parallel.hpp"
 #include "surface/prepare_testing.hpp"
 
-namespace csrbf {
+namespace csrbf::prepare_test {
 namespace {
 
 TEST(Prepare, BringsTheCloudToUnitCoordinatesInMortonOrder) {
@@ -215,4 +215,4 @@ TEST(Prepare, ReportsProgressAndCanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::prepare_test

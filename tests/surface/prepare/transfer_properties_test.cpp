@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-namespace csrbf {
+namespace csrbf::transfer_properties_test {
 namespace {
 
 Points<3> random_points(Index n, unsigned seed) {
@@ -100,4 +100,4 @@ TEST(TransferProperties, NeedsOneValuePerSample) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::transfer_properties_test

@@ -2,7 +2,7 @@
 
 #include "surface/oriented_shapes.hpp"
 
-namespace csrbf::winding {
+namespace csrbf::winding::dipole_sums_test {
 namespace {
 
 using Vectors = DipoleSums::Vectors;
@@ -78,4 +78,4 @@ TEST(DipoleSums, OfFewPointsAreExact) {
 }
 
 }  // namespace
-}  // namespace csrbf::winding
+}  // namespace csrbf::winding::dipole_sums_test

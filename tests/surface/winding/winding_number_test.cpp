@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace csrbf {
+namespace csrbf::winding_number_test {
 namespace {
 
 // Documented error of u: expansions and polynomials each err by half of it.
@@ -257,4 +257,4 @@ TEST(WindingNumber, RejectsSamplesThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace csrbf
+}  // namespace csrbf::winding_number_test
