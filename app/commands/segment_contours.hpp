@@ -25,6 +25,11 @@ class SegmentContours {
   std::vector<Contour> contours_;
 };
 
+template <>
+std::vector<std::string> SegmentContours<2>::write(const std::string& path) const;
+template <>
+std::vector<std::string> SegmentContours<3>::write(const std::string& path) const;
+
 /// Throws UsageError unless the extension is one that contours of that dimension are written to.
 void check_contour_file(const std::string& path, int dimension);
 

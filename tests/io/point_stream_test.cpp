@@ -19,11 +19,11 @@ PointCloud some_points(bool normals) {
   return cloud;
 }
 
-class PointStreamFormats : public testing::TestWithParam<const char*> {};
+class PointStreamFormats : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(PointStreamFormats, PiecesAreWhatTheWholeFileHas) {
   for (const bool normals : {false, true}) {
-    const std::string path = testing::TempDir() + "stream" + GetParam();
+    const std::string path = ::testing::TempDir() + "stream" + GetParam();
     write_points(path, some_points(normals));
     const PointCloud whole = read_points(path);
     PointStream stream(path);
@@ -40,11 +40,11 @@ TEST_P(PointStreamFormats, PiecesAreWhatTheWholeFileHas) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, PointStreamFormats, testing::Values(".ply", ".npy", ".xyz", ".csv"),
+INSTANTIATE_TEST_SUITE_P(Formats, PointStreamFormats, ::testing::Values(".ply", ".npy", ".xyz", ".csv"),
                          [](const auto& instance) { return std::string(instance.param + 1); });
 
 TEST(PointStream, AFileThatEndsEarlyIsAnError) {
-  const std::string path = testing::TempDir() + "short.ply";
+  const std::string path = ::testing::TempDir() + "short.ply";
   write_points(path, some_points(true));
   const std::string bytes = read_file(path);
   write_file(path, bytes.substr(0, bytes.size() - 100));
@@ -55,7 +55,7 @@ TEST(PointStream, AFileThatEndsEarlyIsAnError) {
 
 // Vertices of a mesh are points too; other properties follow.
 TEST(PointStream, VerticesOfAMeshWithPropertiesArePoints) {
-  const std::string path = testing::TempDir() + "mesh.ply";
+  const std::string path = ::testing::TempDir() + "mesh.ply";
   std::string bytes =
       "ply\nformat binary_little_endian 1.0\ncomment made by hand\nelement vertex 2\nproperty uchar red\n"
       "property float x\nproperty float y\nproperty float z\nelement face 0\n"

@@ -6,11 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <random>
 
 namespace csrbf::volume_stream_test {
 namespace {
 
-class VolumeStreamTest : public testing::Test {
+class VolumeStreamTest : public ::testing::Test {
  protected:
   void SetUp() override { std::filesystem::create_directory(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }

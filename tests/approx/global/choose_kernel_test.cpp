@@ -16,11 +16,11 @@ namespace {
 TEST(ChooseKernel, InterpolatesPeaksTo1e5WithoutBeingTold) {
   Samples<2> samples{6 * random_points<2>(500, 12345), Eigen::MatrixXd(500, 1), {}};
   samples.points.array() -= 3;
-  for (Index i = 0; i < 500; ++i) samples.values(i, 0) = peaks(samples.points.col(i));
+  for (Index i = 0; i < 500; ++i) samples.values(i, 0) = wide_peaks(samples.points.col(i));
   const Interpolation<2> fit = interpolate(samples);
   Points<2> x = 6 * .98 * random_points<2>(1000, 2);
   x.array() += .06 - 3;
-  EXPECT_LT(rmse<2>(*fit.components[0], peaks, x), 1e-5);
+  EXPECT_LT(rmse<2>(*fit.components[0], wide_peaks, x), 1e-5);
 }
 
 TEST(ChooseKernel, PrefersRoughKernelsForRoughData) {

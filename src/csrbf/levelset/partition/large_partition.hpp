@@ -33,7 +33,7 @@ struct LargePartitionOptions {
   double support = 0;    ///< of the lattice, in spacings of its centres
   std::string kernel;
   Index slab_voxels = 1 << 25;  ///< of the slices that are read at once, at least one; by hand: 170 MB
-  Progress progress;
+  Progress progress = {};
 };
 
 /// Takes the labels of the slices from `begin` on.
