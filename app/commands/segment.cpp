@@ -220,18 +220,18 @@ class FileSlices final : public SliceSource {
   FileSlices(const std::string& path, VolumeStream& stream) : path_(path), stream_(stream) {}
 
   std::span<const float> slices(Index begin, Index end) override {
-    values_ = stream_.read(begin, end);
-    const auto broken = std::find_if(values_.begin(), values_.end(), [](float v) { return !std::isfinite(v); });
+    const std::span<const float> values = stream_.read(begin, end);
+    if (!is_floating(stream_.layout().type)) return values;
+    const auto broken = std::find_if(values.begin(), values.end(), [](float v) { return !std::isfinite(v); });
     const Grid& grid = stream_.layout().grid;
-    if (broken != values_.end())
-      refuse_voxel(path_, grid, begin * grid.size[0] * grid.size[1] + (broken - values_.begin()), *broken);
-    return values_;
+    if (broken != values.end())
+      refuse_voxel(path_, grid, begin * grid.size[0] * grid.size[1] + (broken - values.begin()), *broken);
+    return values;
   }
 
  private:
   const std::string& path_;
   VolumeStream& stream_;
-  std::vector<float> values_;
 };
 
 // A large image, some slices at a time, where nothing that is asked for needs all of it. False where it must be read

@@ -80,7 +80,7 @@ class Launchers(base.CommandLine):
     def test_dask_makes_the_same_mesh(self):
         with dask.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
             with dask.Client(cluster) as client:
-                client.run(csrbf.set_thread_count, 1)
+                client.run(use_one_thread)
                 idle = sum(client.run(lambda: sum(os.times()[:2])).values())
                 reports = client.gather(client.map(share_of(self.cloud, self.mesh, self.path("steps")),
                                                    [(0, 2), (1, 2)], pure=False))
@@ -88,6 +88,12 @@ class Launchers(base.CommandLine):
         self.assertTrue(reports[0]["watertight"])
         self.assert_same()
         print(f"CPU seconds: {self.seconds:.2f} alone, {used:.2f} on two workers of Dask")
+
+
+def use_one_thread():
+    import csrbf
+
+    csrbf.set_thread_count(1)
 
 
 def share_of(cloud, mesh, folder):

@@ -125,7 +125,7 @@ class Tiles(base.CommandLine):
             values = [float(line.split(",")[-1]) for line in file.read().split("\n")[1:4]]
         self.assertGreater(min(values[:2]), 0)
         self.assertLess(values[2], 0)
-        self.succeed("render", model, "-o", self.path("model.png"), "--size", "80,60")
+        self.succeed("render", model, "-o", self.path("model.png"), "--size", "80x60")
         self.assertIn("model.csrbf", self.fail_with("combine", "union", model, model, "-o", self.path("both.csrbf")))
 
     def test_the_model_of_one_tile_is_the_usual_one(self):

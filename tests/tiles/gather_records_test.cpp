@@ -46,7 +46,12 @@ class GatherRecords : public testing::Test {
   }
   void TearDown() override { folder_.remove(); }
 
-  TileFolder folder_{testing::TempDir() + "gather_records"};
+  // One for each test: they may run at the same time.
+  static std::string path() {
+    return testing::TempDir() + "gather_records_" + testing::UnitTest::GetInstance()->current_test_info()->name();
+  }
+
+  TileFolder folder_{path()};
   RecordSource<2> source_;
   TileWork<2> work_;
 };
@@ -84,7 +89,7 @@ TEST_F(GatherRecords, GapsAreCubesAsWideAsTheHalo) {
   make(0);
   for (Index tile = 0; tile < 4; ++tile) EXPECT_FALSE(has_gaps(work_, tile, gather_near(work_, folder_, tile)));
   folder_.remove();
-  folder_ = TileFolder(testing::TempDir() + "gather_records");
+  folder_ = TileFolder(path());
   make(0.2);
   EXPECT_TRUE(has_gaps(work_, work_.plan.tile_of(Point<2>(0.25, 0.5)),
                        gather_near(work_, folder_, work_.plan.tile_of(Point<2>(0.25, 0.5)))));

@@ -5,6 +5,7 @@
 #include "csrbf/io/images/formats.hpp"
 
 #include <filesystem>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -33,20 +34,20 @@ std::optional<VolumeStream> VolumeStream::open(const std::string& path) {
   const std::uint64_t size = std::filesystem::file_size(utf8_path(path), error);
   if (error) return std::nullopt;
   checked_sample_bytes(raw->layout, size - std::min<std::uint64_t>(size, raw->offset), name);
-  return VolumeStream(name, std::move(file), *std::move(raw));
+  const auto first = static_cast<std::int64_t>(std::exchange(raw->offset, 0));
+  return VolumeStream(name, std::move(file), first, *std::move(raw));
 }
 
-std::vector<float> VolumeStream::read(Index begin, Index end) {
-  RawVolume some = head_;
-  some.layout.grid.size[2] = end - begin;
-  const auto slice = static_cast<std::int64_t>(some.byte_count()) / (end - begin);
-  some.bytes.resize(some.byte_count());
-  const auto offset = static_cast<std::int64_t>(head_.offset) + begin * slice;
-  some.offset = 0;
-  if (!seek_file(file_.get(), offset, SEEK_SET) ||
-      std::fread(some.bytes.data(), 1, some.bytes.size(), file_.get()) != some.bytes.size())
+std::span<const float> VolumeStream::read(Index begin, Index end) {
+  const std::size_t slice = head_.byte_count() / static_cast<std::size_t>(head_.layout.grid.size[2]);
+  const auto slices = static_cast<std::size_t>(end - begin);
+  head_.bytes.resize(slices * slice);
+  if (!seek_file(file_.get(), first_ + begin * static_cast<std::int64_t>(slice), SEEK_SET) ||
+      std::fread(head_.bytes.data(), 1, head_.bytes.size(), file_.get()) != head_.bytes.size())
     throw IoError(path_ + ": the file ends within slice " + std::to_string(end) + ", or cannot be read");
-  return decode_samples<float>(std::move(some)).values;
+  values_.resize(slices * slice / sample_size(head_.layout.type));
+  decode_samples(head_, values_);
+  return values_;
 }
 
 bool VolumeWriter::can_write(const std::string& path) {

@@ -15,16 +15,18 @@ class VolumeStream {
 
   [[nodiscard]] const VolumeLayout& layout() const { return head_.layout; }
 
-  /// The slices [begin, end) along z, x fastest. Throws IoError.
-  [[nodiscard]] std::vector<float> read(Index begin, Index end);
+  /// The slices [begin, end) along z, x fastest, until the next call. Throws IoError.
+  std::span<const float> read(Index begin, Index end);
 
  private:
-  VolumeStream(std::string path, OpenFile file, RawVolume head)
-      : path_(std::move(path)), file_(std::move(file)), head_(std::move(head)) {}
+  VolumeStream(std::string path, OpenFile file, std::int64_t first, RawVolume head)
+      : path_(std::move(path)), file_(std::move(file)), first_(first), head_(std::move(head)) {}
 
   std::string path_;
   OpenFile file_;
-  RawVolume head_;  // without samples
+  std::int64_t first_;  // byte of the samples
+  RawVolume head_;      // and the samples read last
+  std::vector<float> values_;
 };
 
 /// Writes an image of one component some slices at a time: .nii and .npy, complete or not at all.

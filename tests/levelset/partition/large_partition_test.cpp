@@ -91,7 +91,8 @@ TEST(LargePartition, IsTheSameSliceBySlice) {
     ASSERT_TRUE(whole && cut);
     EXPECT_EQ(cut_labels, labels);
     EXPECT_EQ(cut->coefficients, whole->coefficients);
-    EXPECT_NEAR(cut->energy.back(), whole->energy.back(), 1e-9);
+    constexpr double single = 1e-6;  // runs of voxels are summed in single precision
+    EXPECT_NEAR(cut->energy.back(), whole->energy.back(), single);
     // Labels that are not kept are made again.
     SlicesInMemory image(picture.values, 40 * 36);
     std::vector<std::uint8_t> passed_on;

@@ -64,6 +64,10 @@ Volume<Scalar> decode_samples(RawVolume raw) {
   return volume;
 }
 
+void decode_samples(const RawVolume& raw, std::span<float> to) {
+  with_sample_type(raw.layout.type, [&](auto sample) { decode_as<decltype(sample)>(raw, 0, to); });
+}
+
 template <class Scalar>
 std::string encode_samples(const Volume<Scalar>& volume, SampleType sample_type) {
   std::string bytes(volume.values.size() * sample_size(sample_type), '\0');

@@ -35,6 +35,9 @@ void write_parts(const std::string& path, const FileParts& parts);
 template <class Scalar>
 Volume<Scalar> decode_samples(RawVolume raw);
 
+/// Some of the values into an array, from the first one on; raw.bytes holds their samples.
+void decode_samples(const RawVolume& raw, std::span<float> to);
+
 /// Values as little-endian samples: integers are rounded and clamped, NaN becomes 0. Parallel.
 template <class Scalar>
 std::string encode_samples(const Volume<Scalar>& volume, SampleType type);

@@ -32,7 +32,7 @@ struct LargePartitionOptions {
   ContourWeight weight;  ///< price of a contour, in nats
   double support = 0;    ///< of the lattice, in spacings of its centres
   std::string kernel;
-  Index slab_voxels = 1 << 25;  ///< of the slices that are read at once, at least one; by hand: 170 MB
+  Index slab_voxels = 1 << 24;  ///< of the slices that are read at once, at least one; by hand: 100 MB
   Progress progress = {};
 };
 
