@@ -126,7 +126,7 @@ class Tiles(base.CommandLine):
         self.assertGreater(min(values[:2]), 0)
         self.assertLess(values[2], 0)
         self.succeed("render", model, "-o", self.path("model.png"), "--size", "80x60")
-        self.assertIn("model.csrbf", self.fail_with("combine", "union", model, model, "-o", self.path("both.csrbf")))
+        self.assertIn("in tiles of another file", self.fail_with("combine", "union", model, model, "-o", self.path("both.csrbf")))
 
     def test_the_model_of_one_tile_is_the_usual_one(self):
         self.arguments[-1] = "1000000"

@@ -2,10 +2,8 @@
 
 #include "core/error_testing.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/linalg/decompositions.hpp"
 #include "spatial/spatial_testing.hpp"
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <functional>
 #include <numbers>
@@ -57,7 +55,7 @@ Eigen::Matrix<double, Dim, Dim> random_rotation(unsigned seed) {
   std::normal_distribution<double> normal;
   using Matrix = Eigen::Matrix<double, Dim, Dim>;
   const Matrix G = Matrix::NullaryExpr([&] { return normal(random); });
-  return Eigen::HouseholderQR<Matrix>(G).householderQ();
+  return thin_q(Eigen::HouseholderQR<Eigen::MatrixXd>(G), Dim);
 }
 
 // Points of a unit square at height z, one in each cell of a grid of cells of side `spacing`.

@@ -18,7 +18,7 @@ NamedFunction function_of(const Segmentation<Dim>& segmentation) {
   Fit<Dim> fit{segmentation.fields, {}, {}};
   fit.report.method = "segment";
   fit.report.kernel = options.kernel;
-  fit.report.samples = std::ssize(segmentation.labels);
+  for (const RegionReport& region : segmentation.report.regions) fit.report.samples += region.voxels;
   fit.report.smoothing = options.smoothness.value_or(0);
   fit.report.axis_scales.assign(Dim, 1.0);
   for (const auto& field : segmentation.fields) {

@@ -152,10 +152,9 @@ class Chooser {
         validation_(samples, cover),
         size_(samples.size()),
         range_((samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff()),
-        cost_exponent_(given.accuracy > 0
-                           ? largest_exponent
-                           : std::clamp(2 * std::log10(static_cast<double>(samples.size()) / small_sample), 0.0,
-                                        largest_exponent)),
+        size_exponent_(
+            std::clamp(2 * std::log10(static_cast<double>(samples.size()) / small_sample), 0.0, largest_exponent)),
+        cost_exponent_(given.accuracy > 0 ? largest_exponent : size_exponent_),
         uneven_(validation_.lopsided_share(base_samples) > even_share),
         accuracy_(given.accuracy > 0 ? given.accuracy : (uneven_ ? exact_uneven : exact) * range_) {}
 
@@ -222,7 +221,7 @@ class Chooser {
     const double error = mean(errors, others);
     return error <= std::max(noticeable * range_, accuracy_)
                ? std::max(error, accuracy_) * std::pow(cost, cost_exponent_)
-               : error * std::pow(inaccurate_cost, cost_exponent_) * std::pow(cost, tie_exponent * cost_exponent_);
+               : error * std::pow(inaccurate_cost, cost_exponent_) * std::pow(cost, tie_exponent * size_exponent_);
   }
 
   static double mean(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others) {
@@ -347,6 +346,7 @@ class Chooser {
   CrossValidation<Dim> validation_;
   Index size_;
   double range_;
+  double size_exponent_;  // of the cost, by the number of samples
   double cost_exponent_;
   bool uneven_;
   double accuracy_;  // error below which more accuracy is not worth any time
