@@ -95,7 +95,7 @@ void expect_tile_flags(const FitCommand& command, const Session& session) {
   expect_tile_files(command.input, command.output, session);
 }
 
-constexpr double tile_bytes_per_sample = 1000;  // measured: 330 to 900
+constexpr double tile_bytes_per_sample = 800;  // measured: 250 to 700
 
 void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& session) {
   expect_tile_flags(command, session);
