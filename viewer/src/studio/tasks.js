@@ -45,7 +45,7 @@ export const SLIDERS = {
 };
 
 /** Flags that the page sets itself. */
-export const HIDDEN = new Set(["--output", "--report", "--model", "--contour", "--preview", "--seeds", "--table", "--refine", "--help", "--version"]);
+export const HIDDEN = new Set(["--output", "--report", "--model", "--contour", "--preview", "--seeds", "--table", "--refine", "--tile-folder", "--tile-share", "--help", "--version"]);
 
 /** Flags whose value is a file of the studio; which kinds may be chosen. */
 export const FILES = {"--mask": ["image", "volume"], "--like": ["image", "volume"], "--points": ["table", "points"]};
