@@ -357,7 +357,8 @@ class Space(Segment):
             for one, other in zip(each["result"]["regions"], whole["result"]["regions"]):
                 self.assertEqual(one["voxels"], other["voxels"])
                 for key in ("volume", "mean", "sd"):
-                    self.assertAlmostEqual(one[key], other[key], delta=1e-6 * other[key])
+                    single = 1e-4  # sums of slices are in single precision
+                    self.assertAlmostEqual(one[key], other[key], delta=single * other[key])
 
     def test_large_images_that_end_early(self):
         image = self.large("large.nii")
