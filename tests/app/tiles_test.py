@@ -91,13 +91,20 @@ class Tiles(base.CommandLine):
         self.assertIn("neither mpirun nor srun", self.fail_with(*self.arguments, "--tile-share", "auto"))
         self.succeed(*self.arguments)
         alone = self.kept("alone.ply")
-        for names in (("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), ("PMI_RANK", "PMI_SIZE"),
-                      ("SLURM_PROCID", "SLURM_NTASKS")):
-            runs = [subprocess.Popen([PROGRAM, *self.arguments, "--tile-share", "auto", "--quiet"],
-                                     env=dict(os.environ, **dict(zip(names, (str(rank), "2")))))
-                    for rank in range(2)]
-            self.assertEqual([run.wait() for run in runs], [0, 0])
-            self.assertTrue(filecmp.cmp(alone, self.mesh, shallow=False))
+        runs = [subprocess.Popen([PROGRAM, *self.arguments, "--tile-share", "auto", "--quiet"],
+                                 env=dict(os.environ, OMPI_COMM_WORLD_RANK=rank, OMPI_COMM_WORLD_SIZE="2"))
+                for rank in ("0", "1")]
+        self.assertEqual([run.wait() for run in runs], [0, 0])
+        self.assertTrue(filecmp.cmp(alone, self.mesh, shallow=False))
+        report = self.path("report.json")
+        for rank, count in (("PMI_RANK", "PMI_SIZE"), ("SLURM_PROCID", "SLURM_NTASKS")):
+            arguments = ["fit", self.path("few.csv"), "-o", self.path("few.csrbf"), "--tile-folder", self.path("few"),
+                         "--tile-share", "auto", "--quiet", "--report", report]
+            with open(self.path("few.csv"), "w") as file:
+                file.write("x,y,z\n" + "".join(f"{i % 7},{i // 7},{i * i % 11}\n" for i in range(49)))
+            subprocess.run([PROGRAM, *arguments], env=dict(os.environ, **{rank: "0", count: "1"}), check=True)
+            with open(report) as file:
+                self.assertEqual(json.load(file)["options"]["tile_share"], "1/1")
 
     def test_tiles_fit_together(self):
         for flags in ([], ["--sharp", "off"], ["--normals", "estimate"], ["--resolution", "80"]):
