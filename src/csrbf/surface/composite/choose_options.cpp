@@ -160,27 +160,26 @@ class CrossValidation {
     block.leaves.clear();
     std::vector<Index> ids = block.samples;
     if (leaf_size <= std::ssize(ids)) {
-      add_leaves(leaf_size, ids, block.leaves);
+      add_leaves(fitter, leaf_size, ids, block.leaves);
     } else {
       Point<3> center = Point<3>::Zero();
       for (const Index i : ids) center += cloud_.points.col(i) / static_cast<double>(ids.size());
       std::vector<Index> leaf(leaf_size);
       std::vector<double> distance(leaf.size());
       leaf.resize(tree_.nearest(center, leaf_size, leaf.data(), distance.data()));
-      block.leaves.push_back({std::move(leaf), std::move(ids), {}});
+      block.leaves.push_back({leaf, std::move(ids), fitter.around(leaf.data(), std::ssize(leaf))});
     }
-    for (Leaf& leaf : block.leaves) leaf.around = fitter.around(leaf.ids.data(), std::ssize(leaf.ids));
   }
 
-  void add_leaves(Index leaf_size, std::span<Index> ids, std::vector<Leaf>& leaves) const {
+  void add_leaves(PatchFitter& fitter, Index leaf_size, std::span<Index> ids, std::vector<Leaf>& leaves) const {
     const auto n = static_cast<Index>(ids.size());
     if (n > leaf_size) {
       const auto cut = static_cast<std::size_t>(halve<3>(cloud_.points, cloud_.normals, ids.data(), n));
-      add_leaves(leaf_size, ids.first(cut), leaves);
-      add_leaves(leaf_size, ids.subspan(cut), leaves);
+      add_leaves(fitter, leaf_size, ids.first(cut), leaves);
+      add_leaves(fitter, leaf_size, ids.subspan(cut), leaves);
       return;
     }
-    leaves.push_back({{ids.begin(), ids.end()}, {ids.begin(), ids.end()}, {}});
+    leaves.push_back({{ids.begin(), ids.end()}, {ids.begin(), ids.end()}, fitter.around(ids.data(), n)});
   }
 
   // Adds the errors of the patch over a leaf, and their share of its error at samples of other sheets.
