@@ -33,9 +33,11 @@ struct ValueAndSlope {
   }
 };
 
-CSRBF_ALWAYS_INLINE double bend(double d2) {
-  const double r = std::sqrt(inverse_support2 * d2), a = std::max(0.0, 1 - r), a2 = a * a;
-  return 560 * inverse_support2 * inverse_support2 * (a2 * a2);
+template <class Numbers>
+CSRBF_ALWAYS_INLINE Numbers bend(const Numbers& d2) {
+  const Numbers rest = 1.0 - sqrt(inverse_support2 * d2);
+  const Numbers a = choose(rest > 0.0, rest, Numbers(0.0)), a2 = a * a;
+  return (560 * inverse_support2 * inverse_support2) * (a2 * a2);
 }
 
 }  // namespace csrbf::patch_kernel

@@ -64,6 +64,40 @@ CSRBF_ALWAYS_INLINE void locate(const Patch& p, const Block& block, Inside& insi
   for (int i = count; i % width != 0; ++i) inside.q[0][i] = inside.q[1][i] = inside.q[2][i] = inside.s[i] = 0;
 }
 
+// Adds the radial functions of a patch at points first, ..., first + width - 1, whose sums stay in registers.
+template <int terms>
+CSRBF_ALWAYS_INLINE void add_radial(const PatchView& view, int first, const double (*q)[lanes],
+                                    double (*__restrict f)[lanes]) {
+  using Numbers = Lanes<double, width>;
+  const Numbers x(q[0] + first), y(q[1] + first), z(q[2] + first);
+  Numbers sum[terms];
+  for (int t = 0; t < terms; ++t) sum[t] = Numbers(f[t] + first);
+  for (Index j = 0; j < view.count; ++j) {
+    const double* center = view.centers + 3 * j;
+    const double alpha = view.alpha[j];
+    const Numbers dx = x - center[0], dy = y - center[1], dz = z - center[2];
+    const Numbers dx2 = dx * dx, dxy2 = dy * dy + dx2, d2 = dz * dz + dxy2;
+    const patch_kernel::ValueAndSlope<Numbers> phi(d2);
+    sum[0] += alpha * phi.value;
+    if constexpr (terms >= 4) {
+      const Numbers g = alpha * phi.slope;
+      sum[1] += g * dx;
+      sum[2] += g * dy;
+      sum[3] += g * dz;
+      if constexpr (terms == 10) {
+        const Numbers h = alpha * patch_kernel::bend(d2), hx = h * dx, hy = h * dy, hz = h * dz;
+        sum[4] += hx * dx + g;
+        sum[5] += hx * dy;
+        sum[6] += hx * dz;
+        sum[7] += hy * dy + g;
+        sum[8] += hy * dz;
+        sum[9] += hz * dz + g;
+      }
+    }
+  }
+  for (int t = 0; t < terms; ++t) sum[t].store(f[t] + first);
+}
+
 // Value, gradient and Hessian (1, 4 or 10 terms) of the local model in local coordinates, in units of the patch radius.
 template <int terms>
 CSRBF_ALWAYS_INLINE void local_model(const PatchView& view, int n, const double (*q)[lanes],
@@ -87,30 +121,7 @@ CSRBF_ALWAYS_INLINE void local_model(const PatchView& view, int n, const double 
       f[9][l] = 2 * b[9];
     }
   }
-  for (Index j = 0; j < view.count; ++j) {
-    const double cx = view.centers[3 * j], cy = view.centers[3 * j + 1], cz = view.centers[3 * j + 2];
-    const double alpha = view.alpha[j];
-    for (int l = 0; l < n; ++l) {
-      const double dx = q[0][l] - cx, dy = q[1][l] - cy, dz = q[2][l] - cz;
-      const double d2 = dx * dx + dy * dy + dz * dz;
-      f[0][l] += alpha * patch_kernel::value(d2);
-      if constexpr (terms >= 4) {
-        const double g = alpha * patch_kernel::slope(d2);
-        f[1][l] += g * dx;
-        f[2][l] += g * dy;
-        f[3][l] += g * dz;
-        if constexpr (terms == 10) {
-          const double h = alpha * patch_kernel::bend(d2);
-          f[4][l] += g + h * dx * dx;
-          f[5][l] += h * dx * dy;
-          f[6][l] += h * dx * dz;
-          f[7][l] += g + h * dy * dy;
-          f[8][l] += h * dy * dz;
-          f[9][l] += g + h * dz * dz;
-        }
-      }
-    }
-  }
+  for (int first = 0; first < n; first += width) add_radial<terms>(view, first, q, f);
 }
 
 // Weight (1 - d^2)^4 and its derivatives in local coordinates.
