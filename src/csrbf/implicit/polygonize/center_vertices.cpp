@@ -6,10 +6,12 @@ namespace csrbf::polygonization {
 namespace {
 
 // Chosen by hand.
-constexpr int newton_steps = 3;       // converges quadratically
-constexpr double range = 0.25;        // largest displacement, in shortest sides of a cell: keeps vertices in place
-constexpr double short_step = 1e-3;   // in the same unit; the error after such a step is about its square
-constexpr double same_normal = 0.95;  // cosine of 18 degrees: a normal that differs by less replaces the present one
+constexpr int newton_steps = 3;         // converges quadratically
+constexpr double range = 0.25;          // largest displacement, in shortest sides of a cell: keeps vertices in place
+constexpr double short_step = 1e-3;     // in the same unit; the error after such a step is about its square ...
+constexpr double smooth_step = 0.02;    // ... where the surface is smooth; at creases it may be as large
+constexpr double same_normal = 0.95;    // cosine of 18 degrees: a normal that differs by less replaces the present one
+constexpr double smooth_normal = 0.99;  // cosine of 8 degrees: the mean normal around a vertex of a smooth surface
 
 struct Moving {
   Index vertex;
@@ -27,8 +29,10 @@ bool advance(Moving& moving, double f, const Point<3>& gradient, double cell, bo
   }
   moving.value = std::abs(f);
   moving.best = vertex;
+  bool smooth = false;
   if (mesh.normals.cols() > 0) {
     const Point<3> normal = outward_normal(gradient), known = mesh.normals.col(moving.vertex);
+    smooth = normal.dot(known) > smooth_normal;
     if (known.isZero() || normal.dot(known) > same_normal) mesh.normals.col(moving.vertex) = normal;
   }
   const double slope = gradient.norm();
@@ -36,7 +40,7 @@ bool advance(Moving& moving, double f, const Point<3>& gradient, double cell, bo
   if (last || !step.allFinite()) return false;
   const Point<3> shift = moving.best + step - moving.start;
   vertex = moving.start + std::min(1.0, range * cell / shift.norm()) * shift;
-  return !(step.norm() <= short_step * cell);
+  return !(step.norm() <= (smooth ? smooth_step : short_step) * cell);
 }
 
 }  // namespace
