@@ -20,10 +20,6 @@ constexpr double mean_factor = 20;
 // are not trusted at all ...
 constexpr double conflict = 0.1;
 constexpr double full_conflict = 0.2;
-// ... (where |m| exceeds `clear_side` and W `clear_weight`, it did so at none of some hundred thousand points and is
-// not asked) ...
-constexpr double clear_side = 0.2;
-constexpr double clear_weight = 0.1;
 // ... and where the variance of the local models, in the same units, is below `agree`. Above `contradict` they are not
 // trusted at all. Larger: thin parts may get spurious sheets; smaller: the winding number shows through on noisy data.
 constexpr double agree = 0.005;
@@ -121,13 +117,13 @@ Scalar trust(const PatchSums& sums, int lane, const Winding<Scalar>& winding) {
   return result;
 }
 
-// Whether the finest patches are trusted entirely without a look at the winding number.
+// Whether the finest patches are trusted entirely whatever the winding number: trust() = 1.
 bool sure(const PatchSums& sums, int lane) {
   const double W = sums.W[0][lane];
   if (!(W > 0)) return false;
-  const double mean = sums.A[0][lane] / W, side = std::abs(mean);
-  if (sums.Q[0][lane] / W - mean * mean > agree) return false;
-  return side <= conflict ? W >= trusted_weight + certain_weight : side >= clear_side && W >= clear_weight;
+  const double mean = sums.A[0][lane] / W;
+  return W >= trusted_weight + certain_weight && std::abs(mean) <= conflict &&
+         sums.Q[0][lane] / W - mean * mean <= agree;
 }
 
 // The blended model F = S / W of a level.
