@@ -338,7 +338,8 @@ Index Patches::build_node(const std::vector<Box<3>>& boxes, Index begin, Index e
   return static_cast<Index>(index);
 }
 
-// Calls visit(first, pieces) for the patches whose ball meets the box, with their first piece and how many there are.
+// Calls visit(first, pieces) for the patches whose ball meets the box, with their first piece and how many there are,
+// until it returns false.
 template <class Visit>
 void Patches::visit(const Box<3>& box, const Visit& visit) const {
   if (nodes_.empty()) return;
@@ -356,7 +357,7 @@ void Patches::visit(const Box<3>& box, const Visit& visit) const {
     }
     for (Index i = node.begin; i < node.end; ++i)
       if (const std::size_t first = first_piece_[i]; reaches(patches_[first], box))
-        visit(first, first_piece_[i + 1] - first);
+        if (!visit(first, first_piece_[i + 1] - first)) return;
   }
 }
 
@@ -383,14 +384,18 @@ void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSu
     } else {
       add_jets(views.data(), count, block, sums);
     }
+    return true;
   });
 }
 
-void Patches::weights(const PointsRef<3>& x, double* W) const {
+void Patches::weights(const PointsRef<3>& x, double* W, double enough) const {
   std::fill_n(W, x.cols(), 0);
   if (x.cols() == 0) return;
   const Block block = block_of(x);
-  visit(bounding_box<3>(x), [&](std::size_t first, std::size_t) { add_weights(patches_[first], block, W); });
+  visit(bounding_box<3>(x), [&](std::size_t first, std::size_t) {
+    add_weights(patches_[first], block, W);
+    return *std::min_element(W, W + x.cols()) < enough;
+  });
 }
 
 }  // namespace csrbf
