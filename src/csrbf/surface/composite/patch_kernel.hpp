@@ -15,12 +15,7 @@ CSRBF_ALWAYS_INLINE double value(double d2) {
   return (1.0 / 3.0) * (a2 * a2 * a2) * (35 * r2 + 18 * r + 3);
 }
 
-CSRBF_ALWAYS_INLINE double slope(double d2) {
-  const double r = std::sqrt(inverse_support2 * d2), a = std::max(0.0, 1 - r), a2 = a * a;
-  return -(56.0 / 3.0) * inverse_support2 * (a2 * a2 * a) * (5 * r + 1);
-}
-
-/// The first two at once, lane by lane.
+/// phi and g, lane by lane.
 template <class Numbers>
 struct ValueAndSlope {
   Numbers value, slope;
@@ -33,6 +28,7 @@ struct ValueAndSlope {
   }
 };
 
+/// h, lane by lane.
 template <class Numbers>
 CSRBF_ALWAYS_INLINE Numbers bend(const Numbers& d2) {
   const Numbers rest = 1.0 - sqrt(inverse_support2 * d2);

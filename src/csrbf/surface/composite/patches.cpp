@@ -64,7 +64,7 @@ CSRBF_ALWAYS_INLINE void locate(const Patch& p, const Block& block, Inside& insi
   for (int i = count; i % width != 0; ++i) inside.q[0][i] = inside.q[1][i] = inside.q[2][i] = inside.s[i] = 0;
 }
 
-// Adds the radial functions of a patch at points first, ..., first + width - 1, whose sums stay in registers.
+// Adds the radial functions of a patch at `width` points, whose sums stay in registers.
 template <int terms>
 CSRBF_ALWAYS_INLINE void add_radial(const PatchView& view, int first, const double (*q)[lanes],
                                     double (*__restrict f)[lanes]) {
@@ -356,8 +356,9 @@ void Patches::visit(const Box<3>& box, const Visit& visit) const {
       continue;
     }
     for (Index i = node.begin; i < node.end; ++i)
-      if (const std::size_t first = first_piece_[i]; reaches(patches_[first], box))
-        if (!visit(first, first_piece_[i + 1] - first)) return;
+      if (const std::size_t first = first_piece_[i];
+          reaches(patches_[first], box) && !visit(first, first_piece_[i + 1] - first))
+        return;
   }
 }
 
@@ -370,20 +371,16 @@ void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSu
   if (x.cols() == 0) return;
   const Block block = block_of(x);
   std::vector<PatchView> views;
+  const auto add = derivatives == Derivatives::none       ? add_values
+                   : derivatives == Derivatives::gradient ? add_gradients
+                                                          : add_jets;
   visit(bounding_box<3>(x), [&](std::size_t head, std::size_t pieces) {
     views.clear();
     for (std::size_t p = head; p < head + pieces; ++p) {
       const Index first = center_begin_[p];
       views.push_back({&patches_[p], centers_.data() + 3 * first, alpha_.data() + first, center_begin_[p + 1] - first});
     }
-    const auto count = static_cast<int>(pieces);
-    if (derivatives == Derivatives::none) {
-      add_values(views.data(), count, block, sums);
-    } else if (derivatives == Derivatives::gradient) {
-      add_gradients(views.data(), count, block, sums);
-    } else {
-      add_jets(views.data(), count, block, sums);
-    }
+    add(views.data(), static_cast<int>(pieces), block, sums);
     return true;
   });
 }
