@@ -9,7 +9,7 @@ namespace {
 constexpr int newton_steps = 3;         // converges quadratically
 constexpr double range = 0.25;          // largest displacement, in shortest sides of a cell: keeps vertices in place
 constexpr double short_step = 1e-3;     // in the same unit; the error after such a step is about its square ...
-constexpr double smooth_step = 0.02;    // ... where the surface is smooth; at creases it may be as large
+constexpr double smooth_step = 0.01;    // ... and so may the first be on smooth surfaces; at creases it may be as large
 constexpr Index slice = 1 << 16;        // vertices moved together; more: memory, fewer: steps with few of them
 constexpr double same_normal = 0.95;    // cosine of 18 degrees: a normal that differs by less replaces the present one
 constexpr double smooth_normal = 0.99;  // cosine of 8 degrees: the mean normal around a vertex of a smooth surface
@@ -28,12 +28,13 @@ bool advance(Moving& moving, double f, const Point<3>& gradient, double cell, bo
     vertex = moving.best;
     return false;
   }
+  const bool first = std::isinf(moving.value);
   moving.value = std::abs(f);
   moving.best = vertex;
   bool smooth = false;
   if (mesh.normals.cols() > 0) {
     const Point<3> normal = outward_normal(gradient), known = mesh.normals.col(moving.vertex);
-    smooth = normal.dot(known) > smooth_normal;
+    smooth = first && normal.dot(known) > smooth_normal;
     if (known.isZero() || normal.dot(known) > same_normal) mesh.normals.col(moving.vertex) = normal;
   }
   const double slope = gradient.norm();
