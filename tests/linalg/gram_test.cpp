@@ -36,6 +36,18 @@ TEST(Gram, AgreesWithTheProductForEverySize) {
     }
 }
 
+TEST(Gram, OfTwoMatricesAgreesWithTheProductForEverySize) {
+  std::srand(2);
+  for (Index n = 1; n <= 13; ++n)
+    for (Index m = 1; m <= 11; ++m) {
+      const Index rows = 4 * n;
+      const Eigen::MatrixXd B = Eigen::MatrixXd::Random(rows, n), C = Eigen::MatrixXd::Random(rows, m);
+      Eigen::MatrixXd A = Eigen::MatrixXd::Constant(n, m, 7);
+      gram(B.data(), n, C.data(), m, rows, A.data());
+      EXPECT_LT((A - B.transpose() * C).cwiseAbs().maxCoeff(), rounding * static_cast<double>(rows));
+    }
+}
+
 TEST(Gram, OfNoRowsIsZero) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Constant(5, 5, 3);
   gram(nullptr, 0, 5, A.data());

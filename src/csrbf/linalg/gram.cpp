@@ -49,10 +49,31 @@ struct GramTiles {
   }
 };
 
+struct CrossTiles {
+  template <int Bytes>
+  CSRBF_ALWAYS_INLINE static void run(const double* B, Index n, const double* C, Index m, Index rows, double* A) {
+    const Index even_n = n - n % tile, even_m = m - m % tile;
+    for (Index j = 0; j < even_m; j += tile) {
+      for (Index i = 0; i < even_n; i += tile)
+        products<Bytes, tile, tile>(B + i * rows, C + j * rows, rows, n, A + j * n + i);
+      for (Index i = even_n; i < n; ++i) products<Bytes, 1, tile>(B + i * rows, C + j * rows, rows, n, A + j * n + i);
+    }
+    for (Index j = even_m; j < m; ++j) {
+      for (Index i = 0; i < even_n; i += tile)
+        products<Bytes, tile, 1>(B + i * rows, C + j * rows, rows, n, A + j * n + i);
+      for (Index i = even_n; i < n; ++i) products<Bytes, 1, 1>(B + i * rows, C + j * rows, rows, n, A + j * n + i);
+    }
+  }
+};
+
 }  // namespace
 
 void gram(const double* B, Index rows, Index n, double* A) {
   simd_call<GramTiles, 32>(B, rows, n, A);
+}
+
+void gram(const double* B, Index n, const double* C, Index m, Index rows, double* A) {
+  simd_call<CrossTiles, 32>(B, n, C, m, rows, A);
 }
 
 }  // namespace csrbf

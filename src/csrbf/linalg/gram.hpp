@@ -12,4 +12,7 @@ inline constexpr Index gram_rows = 4;
 /// O(rows n^2 / 2).
 void gram(const double* B, Index rows, Index n, double* A);
 
+/// A = B^T C for the column-major rows x n matrix B and rows x m matrix C; A is n x m, column-major. As above.
+void gram(const double* B, Index n, const double* C, Index m, Index rows, double* A);
+
 }  // namespace csrbf

@@ -49,6 +49,8 @@ struct CompositeSettings {
   double smoothing = 1e-6;
   /// Largest number of points a patch is fitted to; denser ones are thinned evenly. Bounds time.
   Index max_fit_points = 400;
+
+  bool operator==(const CompositeSettings&) const = default;
 };
 
 /// How reconstruct() turns a cloud into a surface. Lengths are relative to the data; results turn, move and scale with

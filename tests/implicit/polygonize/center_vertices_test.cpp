@@ -51,12 +51,13 @@ TEST(CenterVertices, BeforeTheFirstAndWithoutRefinementStayInPlace) {
   EXPECT_LT((mesh.normals.colwise() - outward).norm(), 1e-12);
 }
 
-// Once where refinement is not wanted, never where normals are not either; until a step is below 1e-3 of a cell.
+// Once where refinement is not wanted, never where normals are not either; until a step is below 1e-3 of a cell, or
+// below 1e-2 along a gradient that is the normal known before.
 TEST(CenterVertices, EvaluateNoMoreThanTheyNeed) {
   const Implicit ball = sphere(0.5, Point<3>::Zero());
-  const auto evaluations = [&](double cells, bool refine, bool normals) {
+  const auto evaluations = [&](double cells, bool refine, bool normals, const Point<3>& known = Point<3>::Zero()) {
     LevelSampler sampler(ball, 0);
-    Mesh mesh = around_sphere({cells}, Point<3>::Zero());
+    Mesh mesh = around_sphere({cells}, known);
     if (!normals) mesh.normals.resize(3, 0);
     place_center_vertices(lattice, sampler, 0, refine, mesh);
     return sampler.gradient_count();
@@ -66,6 +67,10 @@ TEST(CenterVertices, EvaluateNoMoreThanTheyNeed) {
   EXPECT_EQ(evaluations(0.0005, true, true), 1);
   EXPECT_EQ(evaluations(0.05, true, true), 2);
   EXPECT_EQ(evaluations(0.05, true, false), 2);
+  EXPECT_EQ(evaluations(0.008, true, true), 2);
+  EXPECT_EQ(evaluations(0.008, true, true, outward), 1);
+  EXPECT_EQ(evaluations(0.008, true, true, (outward + 0.2 * outward.unitOrthogonal()).normalized()), 2);
+  EXPECT_EQ(evaluations(0.015, true, true, outward), 2);
 }
 
 TEST(CenterVertices, KeepNormalsThatAreFarFromTheGradient) {

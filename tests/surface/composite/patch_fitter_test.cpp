@@ -295,5 +295,47 @@ TEST(PatchFitter, LeavesSamplesOutWithoutFittingAgain) {
   }
 }
 
+TEST(PatchFitter, FitsOtherSettingsToSamplesFoundBefore) {
+  const OrientedPoints cloud = oriented(sphere_cloud(2000), 4 * pi);
+  const KdTree<3> tree(cloud.points);
+  const std::vector<Index> ids = nearest(tree, Point<3>(0, 0, 1), 12);
+  CompositeOptions before, after;
+  after.normal_weight = 1;
+  after.centers_per_patch = 5;
+  PatchSamples around = PatchFitter(cloud, tree, before).around(ids.data(), std::ssize(ids));
+  PatchFitter fitter(cloud, tree, after);
+  const FittedPatch expected = PatchFitter(cloud, tree, after).fit(ids.data(), std::ssize(ids)),
+                    fitted = fitter.fit(ids.data(), std::ssize(ids), around);
+  EXPECT_EQ(fitted.frame().radius, expected.frame().radius);
+  EXPECT_EQ(fitted.frame().quadric, expected.frame().quadric);
+  EXPECT_EQ(fitted.pieces.front().alpha, expected.pieces.front().alpha);
+}
+
+TEST(PieceFitter, FindsTheNormalThatAPieceFollowsLeast) {
+  OrientedPoints cloud = oriented(sphere_cloud(500), 4 * pi);
+  const KdTree<3> tree(cloud.points);
+  const std::vector<Index> ids = nearest(tree, Point<3>(0, 0, 1), 30);
+  cloud.normals.col(ids[7]) = (cloud.normals.col(ids[7]) + Point<3>(0.5, 0.2, 0)).normalized();
+  for (const Index centers : {0, 16})
+    for (const NormalRows rows : {NormalRows::gradient, NormalRows::off_surface}) {
+      CompositeOptions options;
+      options.centers_per_patch = centers;
+      options.normal_rows = rows;
+      FittedPiece piece;
+      piece.patch = PatchFitter(cloud, tree, options).around(ids.data(), std::ssize(ids)).frame;
+      PieceFitter fitter;
+      fitter.fit(cloud, ids, options, piece);
+      const Patch& patch = piece.patch;
+      double largest = 0;
+      for (const Index i : ids) {
+        const Eigen::MatrixX3d q = (patch.T * (cloud.points.col(i) - patch.center)).transpose();
+        const Point<3> slope = piece.evaluate(q).rightCols<3>().transpose();
+        largest = std::max(largest, (slope + patch.radius * (patch.T * cloud.normals.col(i))).norm());
+      }
+      EXPECT_GT(largest, 0.1);
+      EXPECT_NEAR(fitter.largest_normal_residual(piece), largest, 1e-9);
+    }
+}
+
 }  // namespace
 }  // namespace csrbf::patch_fitter_test

@@ -273,6 +273,21 @@ TEST(Patches, GiveTheSameWeightsAlone) {
   for (std::size_t i = 0; i < W.size(); ++i) EXPECT_NEAR(W[i], sums.W[0][i], rounding);
 }
 
+TEST(Patches, GiveWeightsUntilAllAreEnough) {
+  const Patches patches = patches_of(random_models(60, 9));
+  mt19937_64 random(10);
+  for (int i = 0; i < 100; ++i) {
+    const Points<3> x = Points<3>::NullaryExpr(3, 5, [&] { return uniform(random); });
+    std::array<double, 5> all, W;
+    patches.weights(x, all.data());
+    patches.weights(x, W.data(), 0.1);
+    for (std::size_t k = 0; k < W.size(); ++k) {
+      EXPECT_LE(W[k], all[k]);
+      EXPECT_EQ(W[k] < 0.1, all[k] < 0.1);
+    }
+  }
+}
+
 TEST(Patches, BlendWithDerivativesOfSecondOrderAccurateDifferences) {
   const Patches patches = patches_of(random_models(100, 10));
   mt19937_64 random(11);

@@ -58,13 +58,29 @@ bool is_folded(const Eigen::Vector3i& v, const Mesh& mesh) {
   return area.norm() > sliver * longest && area.dot(normal) < 0;
 }
 
+// Whether some triangle on corners of a quad may be folded.
+bool may_fold(const Eigen::Vector4i& v, const Mesh& mesh) {
+  std::array<Point<3>, 4> q, n;
+  for (int i = 0; i < 4; ++i) {
+    q[i] = mesh.vertices.col(v[i]);
+    n[i] = mesh.normals.col(v[i]);
+  }
+  for (int i = 0; i < 4; ++i) {
+    const int j = (i + 1) % 4, k = (i + 2) % 4;
+    if (area_vector(q[i], q[j], q[k]).dot(n[i] + n[j] + n[k]) < 0) return true;
+  }
+  return false;
+}
+
 // The loose vertices of folded triangles.
 std::vector<char> folded_vertices(const DualSurface& surface, const Mesh& crossings, const Mesh& mesh) {
   std::vector<char> folded(surface.quads.cols());
   parallel_for(surface.quads.cols(), quads_per_range, [&](Index begin, Index end) {
-    for (Index e = begin; e < end; ++e)
+    for (Index e = begin; e < end; ++e) {
+      if (!may_fold(surface.quads.col(e), mesh)) continue;
       for (const Eigen::Vector3i& triangle : cut_quad(surface.quads, e, crossings, mesh))
         if (is_folded(triangle, mesh)) folded[e] = 1;
+    }
   });
   std::vector<char> vertices(mesh.vertices.cols());
   for (Index e = 0; e < surface.quads.cols(); ++e)

@@ -38,7 +38,7 @@ double Quadric::distance(const Point<3>& x) const {
 
 Point<3> Quadric::minimizer(const Box<3>& box) const {
   const Point<3> center = mean();
-  const SymmetricEigen eigen = symmetric_eigen(A_);
+  const SymmetricEigen eigen = symmetric_eigen_direct(A_);
   const Point<3> values = eigen.values;
   const Eigen::Matrix3d axes = eigen.vectors;
   const Point<3> inverse = (values.array() > smallest_eigenvalue * values[2]).select(values.cwiseInverse(), 0.0);

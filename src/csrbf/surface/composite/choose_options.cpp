@@ -38,13 +38,11 @@ class CrossValidation {
     const Index n = region ? std::ssize(inside) : cloud.size(), count = std::min(blocks, n / block_size);
     for (Index t = 0; t < count; ++t) {
       const Index middle = (2 * t + 1) * n / (2 * count);
-      begin_.push_back(size());
-      add_block(region ? inside[middle] : middle);
+      blocks_.push_back({block_around(region ? inside[middle] : middle)});
     }
-    begin_.push_back(size());
   }
 
-  [[nodiscard]] Index size() const { return std::ssize(samples_); }
+  [[nodiscard]] bool empty() const { return blocks_.empty(); }
 
   // Mean errors and patch radii per block.
   struct Prediction {
@@ -57,31 +55,57 @@ class CrossValidation {
     }
   };
 
-  // Predicts every `screening_stride`-th block.
-  [[nodiscard]] Prediction screen(const CompositeOptions& options) const {
-    std::vector<Index> chosen;
-    for (Index t = 0; t < count(); t += screening_stride) chosen.push_back(t);
-    return predict(options, chosen);
-  }
+  // Of every `screening_stride`-th block.
+  const Prediction& screen(const CompositeOptions& options) { return tried(options).screened; }
 
-  // Predicts all blocks, given those already screened.
-  [[nodiscard]] Prediction complete(const CompositeOptions& options, const Prediction& screened) const {
+  // Of all blocks.
+  const Prediction& complete(const CompositeOptions& options) {
+    Tried& done = tried(options);
+    if (done.complete) return *done.complete;
     std::vector<Index> others;
     for (Index t = 0; t < count(); ++t)
       if (t % screening_stride != 0) others.push_back(t);
     const Prediction rest = predict(options, others);
     Prediction all{Eigen::ArrayXd(count()), Eigen::ArrayXd(count())};
     const auto first = Eigen::seq(0, count() - 1, Eigen::fix<screening_stride>);
-    all.error(first) = screened.error;
-    all.radius(first) = screened.radius;
+    all.error(first) = done.screened.error;
+    all.radius(first) = done.screened.radius;
     all.error(others) = rest.error;
     all.radius(others) = rest.radius;
-    return all;
+    return done.complete.emplace(std::move(all));
   }
 
  private:
+  // A leaf of a block, which is left out, and the samples around it.
+  struct Leaf {
+    std::vector<Index> ids;
+    std::vector<Index> predicted;  // of the block
+    PatchSamples around;
+  };
+
+  struct Block {
+    std::vector<Index> samples;
+    Index leaf_size = 0;  // of the leaves
+    std::vector<Leaf> leaves = {};
+  };
+
+  // What was predicted with some settings.
+  struct Tried {
+    CompositeSettings settings;
+    Prediction screened;
+    std::optional<Prediction> complete = {};
+  };
+
+  Tried& tried(const CompositeOptions& options) {
+    for (Tried& t : tried_)
+      if (t.settings == options) return t;
+    std::vector<Index> chosen;
+    for (Index t = 0; t < count(); t += screening_stride) chosen.push_back(t);
+    return tried_.emplace_back(Tried{options, predict(options, chosen)});
+  }
+
   // The samples nearest to sample `middle` along the sheet, whatever their noise across it.
-  void add_block(Index middle) {
+  [[nodiscard]] std::vector<Index> block_around(Index middle) const {
     std::vector<Index> near(std::min(around_block, cloud_.size()));
     std::vector<double> squared(near.size());
     const Point<3> center = cloud_.points.col(middle);
@@ -97,18 +121,20 @@ class CrossValidation {
     }
     std::sort(along.begin(), along.end());
     along.resize(std::min(along.size(), static_cast<std::size_t>(block_size)));
-    for (const auto& [distance, i] : along) samples_.push_back(i);
+    std::vector<Index> block;
+    for (const auto& [distance, i] : along) block.push_back(i);
+    return block;
   }
 
-  [[nodiscard]] Index count() const { return std::ssize(begin_) - 1; }
+  [[nodiscard]] Index count() const { return std::ssize(blocks_); }
 
-  [[nodiscard]] Prediction predict(const CompositeOptions& options, const std::vector<Index>& chosen) const {
+  [[nodiscard]] Prediction predict(const CompositeOptions& options, const std::vector<Index>& chosen) {
     const Index n = std::ssize(chosen);
     Prediction result{Eigen::ArrayXd(n), Eigen::ArrayXd(n)};
     const auto compute = [&](Index first, Index last) {
       PatchFitter fitter(cloud_, tree_, options);
       for (Index i = first; i < last; ++i) {
-        const Sum sum = predict(fitter, options.leaf_size, begin_[chosen[i]], begin_[chosen[i] + 1]);
+        const Sum sum = predict(fitter, options.leaf_size, blocks_[chosen[i]]);
         result.error[i] = sum.error / sum.samples;
         result.radius[i] = sum.radius / sum.samples;
       }
@@ -121,48 +147,57 @@ class CrossValidation {
     double error = 0, radius = 0, samples = 0;
   };
 
-  // A block is split into leaves, or is the middle of a larger leaf.
-  Sum predict(PatchFitter& fitter, Index leaf_size, Index begin, Index end) const {
-    std::vector<Index> ids(samples_.begin() + begin, samples_.begin() + end);
+  Sum predict(PatchFitter& fitter, Index leaf_size, Block& block) const {
+    if (block.leaf_size != leaf_size) find_leaves(fitter, leaf_size, block);
     Sum sum;
-    if (leaf_size <= end - begin) {
-      predict(fitter, leaf_size, ids, sum);
-      return sum;
-    }
-    Point<3> center = Point<3>::Zero();
-    for (const Index i : ids) center += cloud_.points.col(i) / static_cast<double>(ids.size());
-    std::vector<Index> leaf(leaf_size);
-    std::vector<double> distance(leaf.size());
-    const Index found = tree_.nearest(center, leaf_size, leaf.data(), distance.data());
-    add(fitter, fitter.fit(leaf.data(), found), found, ids, sum);
+    for (Leaf& leaf : block.leaves) add(fitter, leaf, sum);
     return sum;
   }
 
-  void predict(PatchFitter& fitter, Index leaf_size, std::span<Index> ids, Sum& sum) const {
+  // A block is split into leaves, or is the middle of a larger leaf.
+  void find_leaves(PatchFitter& fitter, Index leaf_size, Block& block) const {
+    block.leaf_size = leaf_size;
+    block.leaves.clear();
+    std::vector<Index> ids = block.samples;
+    if (leaf_size <= std::ssize(ids)) {
+      add_leaves(fitter, leaf_size, ids, block.leaves);
+    } else {
+      Point<3> center = Point<3>::Zero();
+      for (const Index i : ids) center += cloud_.points.col(i) / static_cast<double>(ids.size());
+      std::vector<Index> leaf(leaf_size);
+      std::vector<double> distance(leaf.size());
+      leaf.resize(tree_.nearest(center, leaf_size, leaf.data(), distance.data()));
+      block.leaves.push_back({leaf, std::move(ids), fitter.around(leaf.data(), std::ssize(leaf))});
+    }
+  }
+
+  void add_leaves(PatchFitter& fitter, Index leaf_size, std::span<Index> ids, std::vector<Leaf>& leaves) const {
     const auto n = static_cast<Index>(ids.size());
     if (n > leaf_size) {
       const auto cut = static_cast<std::size_t>(halve<3>(cloud_.points, cloud_.normals, ids.data(), n));
-      predict(fitter, leaf_size, ids.first(cut), sum);
-      predict(fitter, leaf_size, ids.subspan(cut), sum);
+      add_leaves(fitter, leaf_size, ids.first(cut), leaves);
+      add_leaves(fitter, leaf_size, ids.subspan(cut), leaves);
       return;
     }
-    add(fitter, fitter.fit(ids.data(), n), n, ids, sum);
+    leaves.push_back({{ids.begin(), ids.end()}, {ids.begin(), ids.end()}, fitter.around(ids.data(), n)});
   }
 
-  // Adds the errors of the patch over a leaf of n samples at `ids`, which are among them, and their share of its error
-  // at samples of other sheets.
-  static void add(PatchFitter& fitter, const FittedPatch& patch, Index n, std::span<const Index> ids, Sum& sum) {
-    std::vector<double> distance(ids.size());
-    fitter.left_out_distances(patch, ids, distance.data());
+  // Adds the errors of the patch over a leaf, and their share of its error at samples of other sheets.
+  static void add(PatchFitter& fitter, Leaf& leaf, Sum& sum) {
+    const FittedPatch patch = fitter.fit(leaf.ids.data(), std::ssize(leaf.ids), leaf.around);
+    const auto predicted = static_cast<double>(leaf.predicted.size());
+    std::vector<double> distance(leaf.predicted.size());
+    fitter.left_out_distances(patch, leaf.predicted, distance.data());
     for (const double d : distance) sum.error += d;
-    sum.error += fitter.error_on_other_sheets(patch) * static_cast<double>(ids.size()) / static_cast<double>(n);
-    sum.radius += patch.frame().radius * static_cast<double>(ids.size());
-    sum.samples += static_cast<double>(ids.size());
+    sum.error += fitter.error_on_other_sheets(patch) * predicted / static_cast<double>(leaf.ids.size());
+    sum.radius += patch.frame().radius * predicted;
+    sum.samples += predicted;
   }
 
   const OrientedPoints& cloud_;
   const KdTree<3>& tree_;
-  std::vector<Index> samples_, begin_;
+  std::vector<Block> blocks_;
+  std::vector<Tried> tried_;
 };
 
 // Chooses among values, smoothest first. Under noise: the first whose errors do not differ significantly from the
@@ -191,23 +226,21 @@ std::size_t choose(const std::vector<Eigen::ArrayXd>& errors, bool noisy) {
 // Tries each value of one option, smoothest first, and sets the chosen one; returns its errors. Values that are much
 // worse than the best on a few blocks are not tried on the others.
 template <class Value, class Values>
-Eigen::ArrayXd choose(const CrossValidation& validation, CompositeOptions& options, Value CompositeSettings::*member,
+Eigen::ArrayXd choose(CrossValidation& validation, CompositeOptions& options, Value CompositeSettings::*member,
                       const Values& values, bool noisy) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Eigen::ArrayXd screened = Eigen::ArrayXd::Constant(static_cast<Index>(values.size()), infinity);
-  std::vector<CrossValidation::Prediction> predictions(values.size());
   int worse = 0;                                                // values in a row
   for (std::size_t i = values.size(); i-- > 0 && worse < 2;) {  // least smooth first, which are also the cheapest
     options.*member = values[i];
-    predictions[i] = validation.screen(options);
-    screened[static_cast<Index>(i)] = predictions[i].checked_errors().mean();
+    screened[static_cast<Index>(i)] = validation.screen(options).checked_errors().mean();
     worse = screened[static_cast<Index>(i)] > give_up_ratio * screened.minCoeff() ? worse + 1 : 0;
   }
   std::vector<Eigen::ArrayXd> errors(values.size(), Eigen::ArrayXd::Constant(1, infinity));
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!(screened[static_cast<Index>(i)] <= reject_ratio * screened.minCoeff())) continue;
     options.*member = values[i];
-    errors[i] = validation.complete(options, predictions[i]).checked_errors();
+    errors[i] = validation.complete(options).checked_errors();
   }
   const std::size_t chosen = choose(errors, noisy);
   options.*member = values[chosen];
@@ -223,8 +256,8 @@ ChosenOptions choose_options(const OrientedPoints& cloud, const KdTree<3>& tree,
   options.region = given.region;
   options.smoothing = given.smoothing.value_or(options.smoothing);
   options.leaf_size = given.leaf_size.value_or(options.leaf_size);
-  const CrossValidation validation(cloud, tree, given.region);
-  if (validation.size() == 0) return result;
+  CrossValidation validation(cloud, tree, given.region);
+  if (validation.empty()) return result;
 
   // Large leaves first, provided a body has enough of them.
   const Index body = std::max(given.body_size.value_or(cloud.size()), leaves_of_body * leaf_sizes.front());

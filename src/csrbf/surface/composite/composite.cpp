@@ -107,7 +107,7 @@ void add_needed(const OrientedPoints& cloud, const std::vector<Index>& order, co
     for (Index i = begin; i < end; ++i) {
       const Leaf& leaf = fragments[i];
       for (Index k = leaf.begin; k < leaf.end; ++k) {
-        patches.weights(cloud.points.col(order[k]), &W);
+        patches.weights(cloud.points.col(order[k]), &W, sufficient_weight);
         if (W < sufficient_weight) needed[i] = 1;
       }
     }

@@ -217,15 +217,27 @@ template <Derivatives derivatives>
 void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const JetBlock& out) {
   PatchSums finest;
   data.levels.front().accumulate(y, derivatives, finest);
-  Pending pending;
+  Pending doubtful;
   for (int lane = 0; lane < static_cast<int>(y.cols()); ++lane) {
     if (sure(finest, lane)) {
       store_blend(finest, lane, data.scale, out);
     } else {
-      pending.add(lane, y.col(lane));
+      doubtful.add(lane, y.col(lane));
     }
   }
-  if (pending.count > 0) complete<derivatives>(data, finest, pending, out);
+  if (doubtful.count == 0) return;
+  // The winding number takes most doubts away; its derivatives do not count then.
+  const std::array<Winding<double>, PatchSums::lanes> winding = evaluate<double>(data, doubtful);
+  Pending open;
+  for (Index p = 0; p < doubtful.count; ++p) {
+    const int lane = doubtful.lane[p];
+    if (trust<double>(finest, lane, winding[p]) >= 1) {
+      store_blend(finest, lane, data.scale, out);
+    } else {
+      open.add(lane, doubtful.points.col(p));
+    }
+  }
+  if (open.count > 0) complete<derivatives>(data, finest, open, out);
 }
 
 }  // namespace

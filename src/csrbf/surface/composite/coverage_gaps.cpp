@@ -32,7 +32,7 @@ std::vector<CoverageGap> find_coverage_gaps(const Patches& patches) {
         return directions[d][0] * axes.col(0) + directions[d][1] * axes.col(1);
       };
       for (Index d = 0; d < probes.cols(); ++d) probes.col(d) = patch.center + patch.radius * onward(d);
-      patches.weights(probes, W);
+      patches.weights(probes, W, least_weight);
       for (Index d = 0; d < probes.cols(); ++d)
         if (W[d] < least_weight) gaps.push_back({probes.col(d), axes.col(2), onward(d), reach_factor * patch.radius});
     }

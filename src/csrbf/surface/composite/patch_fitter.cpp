@@ -75,16 +75,31 @@ Point<3> FittedPatch::step_to_surface(const Point<3>& x) const {
 }
 
 FittedPatch PatchFitter::fit(const Index* ids, Index n) {
+  gather(ids, n);
+  return fit_samples(ids, n);
+}
+
+FittedPatch PatchFitter::fit(const Index* ids, Index n, PatchSamples& around) {
+  samples_ = around;
+  FittedPatch result = fit_samples(ids, n);
+  if (!around.groups) around.groups = samples_.groups;
+  return result;
+}
+
+PatchSamples PatchFitter::around(const Index* ids, Index n) {
+  gather(ids, n);
+  return samples_;
+}
+
+FittedPatch PatchFitter::fit_samples(const Index* ids, Index n) {
   FittedPatch result;
   FittedPiece& piece = result.pieces.front();
-  frame(ids, n, piece.patch);
-  gather(ids, n, piece.patch);
-  thin();
-  fitters_[0].fit(cloud_, support_, options_, piece);
-  groups_.assign(1, support_);
+  piece.patch = samples_.frame;
+  fitters_[0].fit(cloud_, samples_.support, options_, piece);
+  groups_.assign(1, samples_.support);
   fitter_of_.assign(1, 0);
   main_ = 0;
-  if (std::ssize(foreign_) >= fewest_on_piece || fitters_[0].largest_normal_residual(piece) > crease_residual)
+  if (std::ssize(samples_.foreign) >= fewest_on_piece || fitters_[0].largest_normal_residual(piece) > crease_residual)
     split(ids, n, result);
   return result;
 }
@@ -102,7 +117,8 @@ double SampleAreas::share(double spacing) const {
 }
 
 // Centre, axes and radius of the patch over the leaf `ids`.
-void PatchFitter::frame(const Index* ids, Index n, Patch& patch) const {
+void PatchFitter::frame(const Index* ids, Index n) {
+  Patch& patch = samples_.frame;
   Point<3> center = Point<3>::Zero(), normal = Point<3>::Zero();
   double area = 0;
   for (Index i = 0; i < n; ++i) {
@@ -133,56 +149,67 @@ void PatchFitter::frame(const Index* ids, Index n, Patch& patch) const {
 
 // Points of the support with compatible normals. The support grows by 1.25 until there are enough of them, twice if
 // they determine a plane (larger ones reach past small faces and spoil their neighbours), else 12 times: 15-fold.
-void PatchFitter::gather(const Index* ids, Index n, Patch& patch) {
+void PatchFitter::gather(const Index* ids, Index n) {
+  frame(ids, n);
+  auto& [patch, support, foreign, stride, areas, groups] = samples_;
+  groups.reset();
   const Point<3> normal = patch.T.row(2).transpose();
   const Index wanted = std::min<Index>(fewest_fit_points, cloud_.size());
   for (int growths = 0; growths < 12; ++growths) {
-    tree_.within(patch.center, patch.radius, support_);
+    tree_.within(patch.center, patch.radius, support);
     const auto same_sheet = [&](Index i) { return cloud_.normals.col(i).dot(normal) > compatible_normals; };
-    const auto foreign = std::stable_partition(support_.begin(), support_.end(), same_sheet);
-    foreign_.assign(foreign, support_.end());
-    support_.erase(foreign, support_.end());
-    if (static_cast<Index>(support_.size()) >= (growths < 2 ? wanted : CompositeOptions::smallest_leaf)) break;
+    const auto first_foreign = std::stable_partition(support.begin(), support.end(), same_sheet);
+    foreign.assign(first_foreign, support.end());
+    support.erase(first_foreign, support.end());
+    if (static_cast<Index>(support.size()) >= (growths < 2 ? wanted : CompositeOptions::smallest_leaf)) break;
     patch.radius *= 1.25;
   }
-  if (support_.empty()) support_.assign(ids, ids + n);
-  areas_ = SampleAreas(cloud_, support_, std::numbers::pi * patch.radius * patch.radius);
+  if (support.empty()) support.assign(ids, ids + n);
+  areas = SampleAreas(cloud_, support, std::numbers::pi * patch.radius * patch.radius);
   double height = 0;
-  for (const Index i : support_) height = std::max(height, std::abs(normal.dot(cloud_.points.col(i) - patch.center)));
+  for (const Index i : support) height = std::max(height, std::abs(normal.dot(cloud_.points.col(i) - patch.center)));
   patch.flatness = 1.0 / std::clamp(1.5 * height / patch.radius, least_height, 1.0);
   patch.T /= patch.radius;
+  thin();
 }
 
 // Every stride-th point, and all candidates for centres.
 void PatchFitter::thin() {
-  const auto count = static_cast<Index>(support_.size());
-  stride_ = (count + options_.max_fit_points - 1) / options_.max_fit_points;
-  if (stride_ <= 1) {
-    stride_ = 1;
-    return;
-  }
+  std::vector<Index>& support = samples_.support;
+  const auto count = static_cast<Index>(support.size());
+  samples_.stride = std::max<Index>(1, (count + options_.max_fit_points - 1) / options_.max_fit_points);
+  if (samples_.stride == 1) return;
   std::size_t kept = 0;
   for (Index k = 0; k < count; ++k) {
-    const Index i = support_[k];
-    if (k % stride_ == 0 || std::binary_search(options_.centers.begin(), options_.centers.end(), i))
-      support_[kept++] = i;
+    const Index i = support[k];
+    if (k % samples_.stride == 0 || std::binary_search(options_.centers.begin(), options_.centers.end(), i))
+      support[kept++] = i;
   }
-  support_.resize(kept);
+  support.resize(kept);
+}
+
+// The samples of the patch on smooth pieces, that of the leaf first.
+std::vector<std::vector<Index>> PatchFitter::smooth_groups(std::span<const Index> leaf) const {
+  const auto& [frame, support, foreign, stride, areas, known] = samples_;
+  std::vector<Index> all = support;
+  for (Index k = 0; k < std::ssize(foreign); k += stride) all.push_back(foreign[k]);
+  const double stretch = std::sqrt(static_cast<double>(stride));
+  std::vector<std::vector<Index>> groups =
+      split_samples(cloud_, all, frame.T.row(2).normalized(), stretch, fewest_on_piece);
+  if (groups.size() < 2) return groups;
+  leaf_first(groups, leaf);
+  add_stragglers(cloud_, support, groups);
+  std::stable_sort(groups.begin() + 1, groups.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  groups.resize(std::min(groups.size(), most_pieces));
+  return groups;
 }
 
 // Samples of other sheets, or beyond a crease, get a piece of their own, if the pieces agree on a solid.
 void PatchFitter::split(const Index* ids, Index n, FittedPatch& patch) {
-  const Patch frame = patch.frame();
-  std::vector<Index> all = support_;
-  for (Index k = 0; k < std::ssize(foreign_); k += stride_) all.push_back(foreign_[k]);
-  const double stretch = std::sqrt(static_cast<double>(stride_));
-  std::vector<std::vector<Index>> groups =
-      split_samples(cloud_, all, frame.T.row(2).normalized(), stretch, fewest_on_piece);
+  const Patch& frame = samples_.frame;
+  if (!samples_.groups) samples_.groups = smooth_groups(std::span(ids, static_cast<std::size_t>(n)));
+  const std::vector<std::vector<Index>>& groups = *samples_.groups;
   if (groups.size() < 2) return;
-  leaf_first(groups, std::span(ids, static_cast<std::size_t>(n)));
-  add_stragglers(cloud_, support_, groups);
-  std::stable_sort(groups.begin() + 1, groups.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  groups.resize(std::min(groups.size(), most_pieces));
 
   std::vector<FittedPiece> pieces(groups.size());
   std::vector<Points<3>> samples(groups.size());
@@ -206,10 +233,11 @@ void PatchFitter::split(const Index* ids, Index n, FittedPatch& patch) {
     if (patch.pieces[p].normal.dot(patch.pieces[main_].normal) > opposite_normals)
       beside.insert(beside.end(), groups[kept[p]].begin(), groups[kept[p]].end());
     fitter_of_.push_back(kept[p] + 1);
-    groups_.push_back(std::move(groups[kept[p]]));
+    groups_.push_back(groups[kept[p]]);
   }
-  areas_ = SampleAreas(cloud_, beside, std::numbers::pi * frame.radius * frame.radius / static_cast<double>(stride_));
-  std::erase_if(foreign_, [&](Index i) {
+  samples_.areas = SampleAreas(cloud_, beside,
+                               std::numbers::pi * frame.radius * frame.radius / static_cast<double>(samples_.stride));
+  std::erase_if(samples_.foreign, [&](Index i) {
     return std::any_of(groups_.begin(), groups_.end(), [&](const std::vector<Index>& group) {
       return std::find(group.begin(), group.end(), i) != group.end();
     });
@@ -222,13 +250,14 @@ bool PatchFitter::within_tolerance(const FittedPatch& patch) const {
     return weight_variable(patch.frame(), cloud_.points.col(i)) >= inner_weight_variable ||
            patch.step_to_surface(cloud_.points.col(i)).norm() <= options_.tolerance[i];
   };
-  return std::all_of(support_.begin(), support_.end(), meets) && std::all_of(foreign_.begin(), foreign_.end(), meets);
+  return std::all_of(samples_.support.begin(), samples_.support.end(), meets) &&
+         std::all_of(samples_.foreign.begin(), samples_.foreign.end(), meets);
 }
 
 double PatchFitter::error_on_other_sheets(const FittedPatch& patch) const {
   const Point<3> normal = patch.frame().T.row(2).normalized();
   double sum = 0;
-  for (const Index i : foreign_) {
+  for (const Index i : samples_.foreign) {
     if (cloud_.normals.col(i).dot(normal) > opposite_normals) continue;  // possibly the same sheet under noise
     const double weight = std::pow(std::max(0.0, 1 - weight_variable(patch.frame(), cloud_.points.col(i))), 4);
     const double distance = std::min(patch.step_to_surface(cloud_.points.col(i)).norm(), patch.frame().radius);

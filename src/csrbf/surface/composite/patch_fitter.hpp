@@ -3,6 +3,8 @@
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/surface/composite/piece_fitter.hpp"
 
+#include <optional>
+
 namespace csrbf {
 
 /// A patch: one smooth piece, or several that meet in creases or are sheets beside each other, in the order in which
@@ -34,6 +36,17 @@ class SampleAreas {
   double unit_ = 0;   // area per squared spacing
 };
 
+/// The samples around a leaf that its patch is fitted to. Of the settings, only the overlap and the largest number of
+/// points play a part.
+struct PatchSamples {
+  Patch frame;                 ///< centre, axes and support
+  std::vector<Index> support;  ///< samples with a normal near that of the patch
+  std::vector<Index> foreign;  ///< in the ball of the support, but of another sheet
+  Index stride = 1;            ///< of the samples that are used
+  SampleAreas areas;
+  std::optional<std::vector<std::vector<Index>>> groups = {};  ///< on smooth pieces, once they were looked for
+};
+
 /// Fits patches to leaves of a cloud (thesis 6.1.3 and 6.1.4). Reuses its work arrays: one fitter per thread. The
 /// cloud, its tree and the options must outlive it.
 class PatchFitter {
@@ -43,6 +56,12 @@ class PatchFitter {
 
   /// The patch over the n points `ids`.
   FittedPatch fit(const Index* ids, Index n);
+
+  /// The same, given what around() returned for these points; keeps there what other settings can use.
+  FittedPatch fit(const Index* ids, Index n, PatchSamples& around);
+
+  /// The samples around the n points `ids`.
+  [[nodiscard]] PatchSamples around(const Index* ids, Index n);
 
   /// Whether the last patch meets the tolerance of every sample in the inner part of its support.
   [[nodiscard]] bool within_tolerance(const FittedPatch& patch) const;
@@ -56,26 +75,25 @@ class PatchFitter {
   void left_out_distances(const FittedPatch& patch, std::span<const Index> ids, double* distance) const;
 
   /// The areas of the samples of the last patch.
-  [[nodiscard]] const SampleAreas& areas() const { return areas_; }
+  [[nodiscard]] const SampleAreas& areas() const { return samples_.areas; }
 
  private:
-  void frame(const Index* ids, Index n, Patch& patch) const;
-  void gather(const Index* ids, Index n, Patch& patch);
+  void frame(const Index* ids, Index n);
+  void gather(const Index* ids, Index n);
   void thin();
+  FittedPatch fit_samples(const Index* ids, Index n);
   void split(const Index* ids, Index n, FittedPatch& patch);
+  [[nodiscard]] std::vector<std::vector<Index>> smooth_groups(std::span<const Index> leaf) const;
 
   const OrientedPoints& cloud_;
   const KdTree<3>& tree_;
   const CompositeOptions& options_;
-  std::vector<Index> support_;  // samples with a normal near that of the patch
-  std::vector<Index> foreign_;  // in the ball of the support, but of another sheet
+  PatchSamples samples_;  // of the last patch
   // One entry per piece of the last patch: its samples, and what fitted it.
   std::vector<std::vector<Index>> groups_;
   std::vector<PieceFitter> fitters_ = std::vector<PieceFitter>(1);
   std::vector<std::size_t> fitter_of_;
   std::size_t main_ = 0;  // the piece of the leaf
-  Index stride_ = 1;      // of the samples that are used
-  SampleAreas areas_;
 };
 
 }  // namespace csrbf

@@ -1,5 +1,6 @@
 #include "csrbf/surface/composite/patch_rows.hpp"
 
+#include "csrbf/linalg/gram.hpp"
 #include "csrbf/surface/composite/patch_kernel.hpp"
 
 namespace csrbf {
@@ -50,64 +51,107 @@ CSRBF_SIMD_CLONES void quadric_columns(const double* q, Index K, const double* r
   }
 }
 
-CSRBF_SIMD_CLONES void kernel_columns(const double* __restrict q, Index K, const double* __restrict root_w,
-                                      const double* __restrict root_g, const double* __restrict centers, Index M,
-                                      double* __restrict columns) {
-  for (Index j = 0; j < M; ++j) {
-    const double cx = centers[3 * j], cy = centers[3 * j + 1], cz = centers[3 * j + 2];
-    double* __restrict value = columns + 4 * K * j;
-    double* __restrict gx = value + K;
-    double* __restrict gy = gx + K;
-    double* __restrict gz = gy + K;
-    for (Index k = 0; k < K; ++k) {
-      const double dx = q[k] - cx, dy = q[K + k] - cy, dz = q[2 * K + k] - cz;
-      const double d2 = dx * dx + dy * dy + dz * dz, slope = root_g[k] * patch_kernel::slope(d2);
-      value[k] = root_w[k] * patch_kernel::value(d2);
-      gx[k] = slope * dx;
-      gy[k] = slope * dy;
-      gz[k] = slope * dz;
+namespace {
+
+// Eight points at a time, whose sums stay in registers.
+struct PieceJets {
+  template <int Bytes>
+  CSRBF_ALWAYS_INLINE static void run(const double* q, Index K, const double* b, const double* centers,
+                                      const double* alpha, Index M, double* jets) {
+    using Numbers = Lanes<double, 8, Bytes>;
+    constexpr Index size = Numbers::size;
+    for (Index k = 0; k < K; k += size) {
+      const Index count = std::min(size, K - k);
+      double point[3][size], jet[4][size];
+      for (Index c = 0; c < 3; ++c)
+        for (Index l = 0; l < size; ++l) point[c][l] = q[c * K + k + std::min(l, count - 1)];
+      const Numbers x(point[0]), y(point[1]), z(point[2]);
+      const Numbers px = b[4] * x + b[1], py = b[7] * y + b[2], pz = b[9] * z + b[3];
+      Numbers f = x * (px + (b[5] * y + b[6] * z)) + b[0];
+      f += y * (b[8] * z + py);
+      f += z * pz;
+      Numbers fx = b[6] * z + (b[5] * y + (b[4] * x + px));
+      Numbers fy = b[8] * z + (b[5] * x + (b[7] * y + py));
+      Numbers fz = b[8] * y + (b[6] * x + (b[9] * z + pz));
+      for (Index j = 0; j < M; ++j) {
+        const Numbers dx = x - centers[3 * j], dy = y - centers[3 * j + 1], dz = z - centers[3 * j + 2];
+        const Numbers dx2 = dx * dx, dxy2 = dy * dy + dx2, d2 = dz * dz + dxy2;
+        const patch_kernel::ValueAndSlope<Numbers> phi(d2);
+        const Numbers slope = alpha[j] * phi.slope;
+        f += alpha[j] * phi.value;
+        fx += slope * dx;
+        fy += slope * dy;
+        fz += slope * dz;
+      }
+      f.store(jet[0]);
+      fx.store(jet[1]);
+      fy.store(jet[2]);
+      fz.store(jet[3]);
+      for (Index c = 0; c < 4; ++c) std::copy_n(jet[c], count, jets + c * K + k);
     }
   }
+};
+
+// Four samples at a time: their number is a multiple of it.
+struct KernelColumns {
+  template <int Bytes>
+  CSRBF_ALWAYS_INLINE static void run(const double* q, Index K, const double* root_w, const double* root_g,
+                                      const double* centers, Index M, double* columns) {
+    using Numbers = Lanes<double, gram_rows, Bytes>;
+    for (Index j = 0; j < M; ++j) {
+      const double cx = centers[3 * j], cy = centers[3 * j + 1], cz = centers[3 * j + 2];
+      double* value = columns + 4 * K * j;
+      for (Index k = 0; k < K; k += Numbers::size, value += Numbers::size) {
+        const Numbers dx = Numbers(q + k) - cx, dy = Numbers(q + K + k) - cy, dz = Numbers(q + 2 * K + k) - cz;
+        const Numbers dx2 = dx * dx, dxy2 = dy * dy + dx2, d2 = dz * dz + dxy2;
+        const patch_kernel::ValueAndSlope<Numbers> phi(d2);
+        const Numbers slope = Numbers(root_g + k) * phi.slope;
+        (Numbers(root_w + k) * phi.value).store(value);
+        (slope * dx).store(value + K);
+        (slope * dy).store(value + 2 * K);
+        (slope * dz).store(value + 3 * K);
+      }
+    }
+  }
+};
+
+// Entries above the diagonal may change, too.
+struct KernelMatrix {
+  template <int Bytes>
+  CSRBF_ALWAYS_INLINE static void run(const double* centers, Index M, double factor, double* A, Index stride) {
+    using Numbers = Lanes<double, 4, Bytes>;
+    const double *x = centers, *y = centers + M, *z = centers + 2 * M;
+    for (Index j = 0; j < M; ++j) {
+      double* column = A + j * stride;
+      Index i = std::max<Index>(0, M - (M - j + Numbers::size - 1) / Numbers::size * Numbers::size);
+      for (; i + Numbers::size <= M; i += Numbers::size) {
+        const Numbers dx = Numbers(x + i) - x[j], dy = Numbers(y + i) - y[j], dz = Numbers(z + i) - z[j];
+        const Numbers dx2 = dx * dx, dxy2 = dy * dy + dx2, d2 = dz * dz + dxy2;
+        const patch_kernel::ValueAndSlope<Numbers> phi(d2);
+        (Numbers(column + i) + factor * phi.value).store(column + i);
+      }
+      for (; i < M; ++i) {
+        const double dx = x[i] - x[j], dy = y[i] - y[j], dz = z[i] - z[j];
+        column[i] += factor * patch_kernel::value(dx * dx + dy * dy + dz * dz);
+      }
+    }
+  }
+};
+
+}  // namespace
+
+void kernel_columns(const double* q, Index K, const double* root_w, const double* root_g, const double* centers,
+                    Index M, double* columns) {
+  simd_call<KernelColumns, 32>(q, K, root_w, root_g, centers, M, columns);
 }
 
-CSRBF_SIMD_CLONES void piece_jets(const double* __restrict q, Index K, const double* __restrict b,
-                                  const double* __restrict centers, const double* __restrict alpha, Index M,
-                                  double* __restrict jets) {
-  double* __restrict f = jets;
-  double* __restrict fx = f + K;
-  double* __restrict fy = fx + K;
-  double* __restrict fz = fy + K;
-  for (Index k = 0; k < K; ++k) {
-    const double x = q[k], y = q[K + k], z = q[2 * K + k];
-    f[k] =
-        b[0] + x * (b[1] + b[4] * x + b[5] * y + b[6] * z) + y * (b[2] + b[7] * y + b[8] * z) + z * (b[3] + b[9] * z);
-    fx[k] = b[1] + 2 * b[4] * x + b[5] * y + b[6] * z;
-    fy[k] = b[2] + b[5] * x + 2 * b[7] * y + b[8] * z;
-    fz[k] = b[3] + b[6] * x + b[8] * y + 2 * b[9] * z;
-  }
-  for (Index j = 0; j < M; ++j) {
-    const double cx = centers[3 * j], cy = centers[3 * j + 1], cz = centers[3 * j + 2], a = alpha[j];
-    for (Index k = 0; k < K; ++k) {
-      const double dx = q[k] - cx, dy = q[K + k] - cy, dz = q[2 * K + k] - cz;
-      const double d2 = dx * dx + dy * dy + dz * dz, slope = a * patch_kernel::slope(d2);
-      f[k] += a * patch_kernel::value(d2);
-      fx[k] += slope * dx;
-      fy[k] += slope * dy;
-      fz[k] += slope * dz;
-    }
-  }
+void piece_jets(const double* q, Index K, const double* b, const double* centers, const double* alpha, Index M,
+                double* jets) {
+  simd_call<PieceJets>(q, K, b, centers, alpha, M, jets);
 }
 
-CSRBF_SIMD_CLONES void add_kernel_matrix(const double* __restrict centers, Index M, double factor, double* __restrict A,
-                                         Index stride) {
-  const double* x = centers;
-  const double* y = centers + M;
-  const double* z = centers + 2 * M;
-  for (Index j = 0; j < M; ++j)
-    for (Index i = j; i < M; ++i) {
-      const double dx = x[i] - x[j], dy = y[i] - y[j], dz = z[i] - z[j];
-      A[j * stride + i] += factor * patch_kernel::value(dx * dx + dy * dy + dz * dz);
-    }
+void add_kernel_matrix(const double* centers, Index M, double factor, double* A, Index stride) {
+  simd_call<KernelMatrix, 32>(centers, M, factor, A, stride);
 }
 
 }  // namespace csrbf

@@ -18,7 +18,7 @@ void piece_jets(const double* q, Index K, const double* quadric, const double* c
                 double* jets);
 
 /// Adds `factor` times the kernel matrix of M such functions around `centers` (M x 3, column-major) to the lower
-/// triangle of A (column-major, columns `stride` apart).
+/// triangle of A (column-major, columns `stride` apart); its upper triangle has no meaning afterwards.
 void add_kernel_matrix(const double* centers, Index M, double factor, double* A, Index stride);
 
 }  // namespace csrbf

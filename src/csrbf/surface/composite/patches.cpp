@@ -64,6 +64,40 @@ CSRBF_ALWAYS_INLINE void locate(const Patch& p, const Block& block, Inside& insi
   for (int i = count; i % width != 0; ++i) inside.q[0][i] = inside.q[1][i] = inside.q[2][i] = inside.s[i] = 0;
 }
 
+// Adds the radial functions of a patch at `width` points, whose sums stay in registers.
+template <int terms>
+CSRBF_ALWAYS_INLINE void add_radial(const PatchView& view, int first, const double (*q)[lanes],
+                                    double (*__restrict f)[lanes]) {
+  using Numbers = Lanes<double, width>;
+  const Numbers x(q[0] + first), y(q[1] + first), z(q[2] + first);
+  Numbers sum[terms];
+  for (int t = 0; t < terms; ++t) sum[t] = Numbers(f[t] + first);
+  for (Index j = 0; j < view.count; ++j) {
+    const double* center = view.centers + 3 * j;
+    const double alpha = view.alpha[j];
+    const Numbers dx = x - center[0], dy = y - center[1], dz = z - center[2];
+    const Numbers dx2 = dx * dx, dxy2 = dy * dy + dx2, d2 = dz * dz + dxy2;
+    const patch_kernel::ValueAndSlope<Numbers> phi(d2);
+    sum[0] += alpha * phi.value;
+    if constexpr (terms >= 4) {
+      const Numbers g = alpha * phi.slope;
+      sum[1] += g * dx;
+      sum[2] += g * dy;
+      sum[3] += g * dz;
+      if constexpr (terms == 10) {
+        const Numbers h = alpha * patch_kernel::bend(d2), hx = h * dx, hy = h * dy, hz = h * dz;
+        sum[4] += hx * dx + g;
+        sum[5] += hx * dy;
+        sum[6] += hx * dz;
+        sum[7] += hy * dy + g;
+        sum[8] += hy * dz;
+        sum[9] += hz * dz + g;
+      }
+    }
+  }
+  for (int t = 0; t < terms; ++t) sum[t].store(f[t] + first);
+}
+
 // Value, gradient and Hessian (1, 4 or 10 terms) of the local model in local coordinates, in units of the patch radius.
 template <int terms>
 CSRBF_ALWAYS_INLINE void local_model(const PatchView& view, int n, const double (*q)[lanes],
@@ -87,30 +121,7 @@ CSRBF_ALWAYS_INLINE void local_model(const PatchView& view, int n, const double 
       f[9][l] = 2 * b[9];
     }
   }
-  for (Index j = 0; j < view.count; ++j) {
-    const double cx = view.centers[3 * j], cy = view.centers[3 * j + 1], cz = view.centers[3 * j + 2];
-    const double alpha = view.alpha[j];
-    for (int l = 0; l < n; ++l) {
-      const double dx = q[0][l] - cx, dy = q[1][l] - cy, dz = q[2][l] - cz;
-      const double d2 = dx * dx + dy * dy + dz * dz;
-      f[0][l] += alpha * patch_kernel::value(d2);
-      if constexpr (terms >= 4) {
-        const double g = alpha * patch_kernel::slope(d2);
-        f[1][l] += g * dx;
-        f[2][l] += g * dy;
-        f[3][l] += g * dz;
-        if constexpr (terms == 10) {
-          const double h = alpha * patch_kernel::bend(d2);
-          f[4][l] += g + h * dx * dx;
-          f[5][l] += h * dx * dy;
-          f[6][l] += h * dx * dz;
-          f[7][l] += g + h * dy * dy;
-          f[8][l] += h * dy * dz;
-          f[9][l] += g + h * dz * dz;
-        }
-      }
-    }
-  }
+  for (int first = 0; first < n; first += width) add_radial<terms>(view, first, q, f);
 }
 
 // Weight (1 - d^2)^4 and its derivatives in local coordinates.
@@ -327,7 +338,8 @@ Index Patches::build_node(const std::vector<Box<3>>& boxes, Index begin, Index e
   return static_cast<Index>(index);
 }
 
-// Calls visit(first, pieces) for the patches whose ball meets the box, with their first piece and how many there are.
+// Calls visit(first, pieces) for the patches whose ball meets the box, with their first piece and how many there are,
+// until it returns false.
 template <class Visit>
 void Patches::visit(const Box<3>& box, const Visit& visit) const {
   if (nodes_.empty()) return;
@@ -344,8 +356,9 @@ void Patches::visit(const Box<3>& box, const Visit& visit) const {
       continue;
     }
     for (Index i = node.begin; i < node.end; ++i)
-      if (const std::size_t first = first_piece_[i]; reaches(patches_[first], box))
-        visit(first, first_piece_[i + 1] - first);
+      if (const std::size_t first = first_piece_[i];
+          reaches(patches_[first], box) && !visit(first, first_piece_[i + 1] - first))
+        return;
   }
 }
 
@@ -358,28 +371,28 @@ void Patches::accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSu
   if (x.cols() == 0) return;
   const Block block = block_of(x);
   std::vector<PatchView> views;
+  const auto add = derivatives == Derivatives::none       ? add_values
+                   : derivatives == Derivatives::gradient ? add_gradients
+                                                          : add_jets;
   visit(bounding_box<3>(x), [&](std::size_t head, std::size_t pieces) {
     views.clear();
     for (std::size_t p = head; p < head + pieces; ++p) {
       const Index first = center_begin_[p];
       views.push_back({&patches_[p], centers_.data() + 3 * first, alpha_.data() + first, center_begin_[p + 1] - first});
     }
-    const auto count = static_cast<int>(pieces);
-    if (derivatives == Derivatives::none) {
-      add_values(views.data(), count, block, sums);
-    } else if (derivatives == Derivatives::gradient) {
-      add_gradients(views.data(), count, block, sums);
-    } else {
-      add_jets(views.data(), count, block, sums);
-    }
+    add(views.data(), static_cast<int>(pieces), block, sums);
+    return true;
   });
 }
 
-void Patches::weights(const PointsRef<3>& x, double* W) const {
+void Patches::weights(const PointsRef<3>& x, double* W, double enough) const {
   std::fill_n(W, x.cols(), 0);
   if (x.cols() == 0) return;
   const Block block = block_of(x);
-  visit(bounding_box<3>(x), [&](std::size_t first, std::size_t) { add_weights(patches_[first], block, W); });
+  visit(bounding_box<3>(x), [&](std::size_t first, std::size_t) {
+    add_weights(patches_[first], block, W);
+    return *std::min_element(W, W + x.cols()) < enough;
+  });
 }
 
 }  // namespace csrbf

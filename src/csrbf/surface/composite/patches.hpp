@@ -81,8 +81,8 @@ class Patches {
   /// Sums over all patches at up to PatchSums::lanes points (3 x count, close together).
   void accumulate(const PointsRef<3>& x, Derivatives derivatives, PatchSums& sums) const;
 
-  /// The sums of weights W alone, which cost far less.
-  void weights(const PointsRef<3>& x, double* W) const;
+  /// The sums of weights W alone, which cost far less; some may be missing where all of W are `enough`.
+  void weights(const PointsRef<3>& x, double* W, double enough = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Node {

@@ -60,8 +60,19 @@ void PieceFitter::fit(const OrientedPoints& cloud, std::span<const Index> ids, c
 }
 
 double PieceFitter::largest_normal_residual(const FittedPiece& piece) const {
-  const Eigen::MatrixX4d f = piece.evaluate(q_);
-  return std::sqrt((f.rightCols<3>() - target_).topRows(samples_).rowwise().squaredNorm().maxCoeff());
+  const Index K = q_.rows(), M = piece.alpha.size();
+  if (!gradient_rows_ && M > 0) {
+    const Eigen::MatrixX4d f = piece.evaluate(q_);
+    return std::sqrt((f.rightCols<3>() - target_).topRows(samples_).rowwise().squaredNorm().maxCoeff());
+  }
+  // What the rows of the gradients leave, without their weights.
+  Eigen::VectorXd rest = M > 0 ? columns_.col(M).tail(3 * K) : quadric_columns_.col(10).tail(3 * K);
+  if (M > 0)
+    rest.noalias() -= columns_.leftCols(M).bottomRows(3 * K) * piece.alpha;
+  else
+    rest.noalias() -= quadric_columns_.leftCols(10).bottomRows(3 * K) * piece.patch.quadric;
+  const auto squares = rest.reshaped(K, 3).topRows(samples_).rowwise().squaredNorm().array();
+  return std::sqrt((squares / root_g_.head(samples_).array().square()).maxCoeff());
 }
 
 // The fit is linear in the samples: leaving sample k out divides its residual by 1 - h_k, h_k = df_k / ds_k (its
@@ -74,7 +85,8 @@ Eigen::VectorXd PieceFitter::leverage(const FittedPiece& piece, std::span<const 
   const Index M = gradient_rows_ ? piece.alpha.size() : 0;
   if (M > 0) {
     const Eigen::MatrixXd b = columns_(chosen, Eigen::seqN(0, M)).transpose();
-    const Eigen::MatrixXd cross = columns_.leftCols(M).transpose() * quadric_columns_.leftCols(10);
+    Eigen::MatrixXd cross(M, 10);
+    gram(columns_.data(), M, quadric_columns_.data(), 10, columns_.rows(), cross.data());
     h += residual_matrix_.solve(b).cwiseProduct(b - cross * solved).colwise().sum().transpose();
   }
   return h;

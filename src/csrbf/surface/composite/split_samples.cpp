@@ -56,16 +56,25 @@ std::vector<std::vector<Index>> split_samples(const OrientedPoints& cloud, std::
   std::vector<std::uint32_t> sorted(n);  // by x, so that only few pairs are looked at
   std::iota(sorted.begin(), sorted.end(), 0U);
   std::sort(sorted.begin(), sorted.end(), [&](auto a, auto b) { return points(0, a) < points(0, b); });
+  struct Sample {
+    Point<3> point;
+    double reach;
+    bool compatible;
+  };
+  std::vector<Sample> samples;
+  samples.reserve(n);
+  for (const std::uint32_t a : sorted)
+    samples.push_back({points.col(a), reach[a], normals.col(a).dot(normal) > compatible_normals});
   DisjointSets sets(n);
-  std::vector<char> compatible(n);
-  for (std::uint32_t a = 0; a < n; ++a) compatible[a] = normals.col(a).dot(normal) > compatible_normals ? 1 : 0;
   for (std::uint32_t s = 0; s < n; ++s)
     for (std::uint32_t t = s + 1; t < n; ++t) {
-      const std::uint32_t a = sorted[s], b = sorted[t];
-      const Point<3> step = points.col(b) - points.col(a);
+      const Sample &first = samples[s], &second = samples[t];
+      const Point<3> step = second.point - first.point;
       if (step[0] > longest) break;
-      const double length = std::max(reach[a], reach[b]);
-      if (compatible[a] != compatible[b] || step.squaredNorm() > length * length) continue;
+      const double length = std::max(first.reach, second.reach);
+      if (first.compatible != second.compatible || step.squaredNorm() > length * length) continue;
+      const std::uint32_t a = sorted[s], b = sorted[t];
+      if (sets.find(a) == sets.find(b)) continue;
       if (continues(step, normals.col(a), normals.col(b), link_height / link_length * length)) sets.unite(a, b);
     }
   std::vector<std::vector<Index>> groups = groups_of(sets, ids);

@@ -23,6 +23,11 @@ struct Cell {
   double half = 0;
   Coefficients far{};
   std::vector<Range> near;
+
+  /// Whether Cubes::find() leads here from the cubes around.
+  [[nodiscard]] bool contains(const Point<3>& x) const {
+    return (x.array() > center.array() - half).all() && (x.array() <= center.array() + half).all();
+  }
 };
 
 /// u + 1 at one point, its 3 first and 6 second derivatives.

@@ -86,6 +86,7 @@ Box<3> WindingNumber::bounds() const {
 }
 
 void WindingNumber::evaluate_block(const PointsRef<3>& x, const JetBlock& out) const {
+  const winding::Cell* cell = nullptr;
   for (Index i = 0; i < x.cols(); ++i) {
     winding::Sums sums{};
     double unit = 1;
@@ -93,7 +94,7 @@ void WindingNumber::evaluate_block(const PointsRef<3>& x, const JetBlock& out) c
       const winding::Tree& tree = impl_->tree;
       unit = tree.unit;
       const Point<3> y = ((x.col(i) - tree.origin) / unit).cwiseMax(-horizon).cwiseMin(horizon);
-      const winding::Cell* cell = impl_->cubes.find(y);
+      if (cell == nullptr || !cell->contains(y)) cell = impl_->cubes.find(y);
       sums = cell != nullptr ? sum_cell(tree, *cell, y, out.derivatives()) : sum_node(tree.nodes.front(), y);
     }
     out.value[i] = sums[0] - 1;
