@@ -34,10 +34,6 @@ constexpr double inaccurate_cost = 1e5;  // above all others, of options whose e
 constexpr double largest_exponent = 4;
 constexpr double small_sample = 1e4;  // samples up to which time does not matter
 
-// Errors above `noticeable` hardly count the cost: the exponent, times the one above. Of a million samples, options
-// of ten times the cost must be better by 4 %. Chosen by hand: differences of 1 % are those of chance.
-constexpr double tie_exponent = 0.005;
-
 // Trials use fewer patches the longer these take; chosen by hand.
 constexpr double little_work = 4e8;  // flops of a trial that may use all patches
 constexpr double most_work = 2e9;    // flops of a trial on one patch in usual_stride; on fewer if it takes more
@@ -212,6 +208,7 @@ class Chooser {
     }
     const double before = score(best_.errors, errors, best_.cost), now = score(errors, best_.errors, cost);
     if (!(now < before)) return false;
+    if (size_exponent_ > 0 && cost > best_.cost && is_chance(errors)) return false;
     best_ = {options, errors, work, cost};
     return true;
   }
@@ -221,7 +218,24 @@ class Chooser {
     const double error = mean(errors, others);
     return error <= std::max(noticeable * range_, accuracy_)
                ? std::max(error, accuracy_) * std::pow(cost, cost_exponent_)
-               : error * std::pow(inaccurate_cost, cost_exponent_) * std::pow(cost, tie_exponent * size_exponent_);
+               : error * std::pow(inaccurate_cost, cost_exponent_);
+  }
+
+  // Whether the trial may be better than the best by chance: by less than the standard error of the difference, patch
+  // by patch, of errors that noise dominates. Options that cost more must show more than that.
+  [[nodiscard]] bool is_chance(const Eigen::ArrayXXd& errors) const {
+    const Eigen::ArrayXXd& others = best_.errors;
+    if (mean(errors, others) <= std::max(noticeable * range_, accuracy_)) return false;
+    const Index targets = std::min(errors.rows(), others.rows());
+    double count = 0, sum = 0, squares = 0;
+    for (Index patch = 0; patch < errors.cols(); ++patch) {
+      const double gain = (others.col(patch).head(targets) - errors.col(patch).head(targets)).mean();
+      if (std::isnan(gain)) continue;
+      count += 1;
+      sum += gain;
+      squares += gain * gain;
+    }
+    return sum * sum < squares - sum * sum / count;
   }
 
   static double mean(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others) {
