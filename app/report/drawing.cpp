@@ -130,6 +130,14 @@ void Drawing::add_line(const PointsRef<2>& points, std::string_view style, bool 
   add("<path class=\"" + std::string(style) + "\" d=\"" + path + (closed ? "Z" : "") + "\"/>");
 }
 
+void Drawing::add_segments(const PointsRef<2>& ends, std::string_view style) {
+  if (ends.cols() == 0) return;
+  std::string path;
+  for (Index i = 0; i < ends.cols(); ++i)
+    path += (i % 2 == 0 ? "M" : "L") + coordinate(x(ends(0, i))) + " " + coordinate(y(ends(1, i)));
+  add("<path class=\"" + std::string(style) + "\" d=\"" + path + "\"/>");
+}
+
 void Drawing::add_dots(const PointsRef<2>& points, double radius, std::string_view style) {
   if (points.cols() == 0) return;
   // Lines of zero length with round caps: one short element for all dots.
