@@ -255,7 +255,17 @@ class Commands(Reports):
         frames = [10.0 if math.dist((x, y), (10 + t, 10)) < 5 else 1.0
                   for t in range(2) for y in range(20) for x in range(24)]
         movie = self.write_bytes("movie.npy", npy_bytes((2, 20, 24), frames, "<f4"))
-        self.page("track", movie, "-o", self.path("movie"), "--slices-are-frames")
+        text, document = self.page("track", movie, "-o", self.path("movie"), "--slices-are-frames")
+        self.assertEqual([a["data-frame"] for tag, a in document.elements if "data-frame" in a], ["0", "1"])
+
+    def test_what_was_not_chosen_is_folded(self):
+        cloud = self.write("cloud.xyz", xyz(sphere(100)))
+        text, _ = self.page("reconstruct", cloud, "-o", self.path("mesh.ply"), "--resolution", "16")
+        shown, folded = text.split('<details class="folded">')[:2]
+        folded = folded.split("</details>")[0]
+        self.assertNotIn('<tr class="default">', shown)
+        self.assertIn('<tr class="default">', folded)
+        self.assertNotIn('<tr class="given">', folded)
 
 
 class Contents(Reports):
