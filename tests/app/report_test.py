@@ -29,7 +29,7 @@ class Document(HTMLParser):
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
         self.open, self.elements, self.ids, self.text, self.scripts = [], [], [], [], []
-        self.feed(text)
+        self.feed(text.replace("<wbr>", ""))  # where lines may break; belongs to no word
         self.close()
         assert not self.open, "not closed: %s" % self.open
 

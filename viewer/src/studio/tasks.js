@@ -64,7 +64,8 @@ const imageExtension = (name) => WRITTEN_IMAGES.find((extension) => name.toLower
  * @param {(name: string) => string} free makes a name unused
  */
 export function outputsOf(command, item, free) {
-  const base = stem(item.name);
+  // Of frames the name without their numbers.
+  const base = command === "track" ? stem(item.name).replace(/[-_ ]?\d+$/, "") || stem(item.name) : stem(item.name);
   const surface = {points: "-surface", table: "-surface"}[item.kind] || "";
   const outputs = {
     reconstruct: [["-o", `${base}${surface || "-surface"}.ply`], ["--model", `${base}.csrbf`]],
@@ -80,7 +81,7 @@ export function outputsOf(command, item, free) {
       ["-o", `${base}-labels${imageExtension(item.name)}`],
       ["--contour", item.kind === "volume" ? `${base}-contour.ply` : `${base}-contour.svg`],
     ],
-    track: [["-o", `${base.replace(/[-_ ]?\d+$/, "") || base}-track`]],
+    track: [["-o", `${base}-track`]],
     compare: [],
     info: [],
   }[command];
