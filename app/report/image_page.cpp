@@ -157,7 +157,7 @@ void show_track(const std::vector<TrackedMeasure>& measures, const std::string& 
     for (const auto& [number, frame] : frames)
       pictures += "<figure data-frame=\"" + std::to_string(number) + "\">" +
                   picture_element(frame, "Frame " + std::to_string(number) + " with the contour") + "</figure>";
-    page.figures.push_back({"Frames with their contours", pictures + "</div>", "", true});
+    page.figures.push_back({"Frames with their contours", pictures + "</div>", ""});
   }
   for (const TrackedMeasure& measure : measures)
     if (measure.sizes.size() > 1)

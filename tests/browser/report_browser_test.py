@@ -79,7 +79,10 @@ class Browser(unittest.TestCase):
             file.write(head.encode() + struct.pack("<%dh" % len(values), *values))
         run_program("segment", cls.path("volume.mha"), "-o", cls.path("labels.mha"), "--report",
                     cls.path("volume.html"))
-        run_program("track", cls.path("volume.mha"), "-o", cls.path("frames"), "--slices-are-frames", "--report",
+        values = [100 if math.dist((x, y), (7 + z, 12)) < 5 else 20 for x, y, z in voxels if z < 10]
+        with open(cls.path("movie.mha"), "wb") as file:
+            file.write(head.replace(f"{n} {n} {n}", f"{n} {n} 10").encode() + struct.pack("<%dh" % len(values), *values))
+        run_program("track", cls.path("movie.mha"), "-o", cls.path("frames"), "--slices-are-frames", "--report",
                     cls.path("frames.html"))
 
     def open(self, name, dark=False, width=WIDTH, fragment=""):
