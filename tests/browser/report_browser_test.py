@@ -268,7 +268,7 @@ class View(Browser):
     def test_the_place_under_the_mouse_is_told(self):
         self.choose("color", "1")
         ActionChains(self.browser).move_to_element(self.canvas()).perform()
-        WebDriverWait(self.browser, 60).until(lambda browser: self.view("!view.readout.hidden"))
+        WebDriverWait(self.browser, 60).until(lambda browser: self.view("view.readout.textContent.includes('curvature')"))
         told = self.browser.find_element(By.CSS_SELECTOR, ".readout").text
         self.assertRegex(told, r"^x \S+ .* y \S+ .* z \S+ .* normal \S+, \S+, \S+ .* mean curvature \S+$")
         ActionChains(self.browser).move_to_element_with_offset(self.canvas(), -500, -200).perform()

@@ -127,6 +127,9 @@ export class View {
     this.canvas.setAttribute("aria-label", this.description());
     for (const [name, thing] of [["points", picture.points && picture.mesh], ["lines", picture.lines], ["cut", picture.mesh || picture.points]])
       this.controls[name].node.hidden = !thing;
+    // What there is nothing of has no controls.
+    for (const [names, thing] of [[["map", "low", "high", "isolines"], picture.scales.length > 0], [["pointSize", "pointOpacity"], picture.points], [["surface", "opacity", "edges"], picture.mesh]])
+      for (const name of names) this.controls[name].node.hidden = !thing;
     this.clearMeasure();
     if (keep && before) {
       // The same quantity, where there is one; the usual colours where a surface is new.
@@ -449,7 +452,7 @@ export class View {
       const normal = blend(found, mesh.normals, 3);
       const length = Math.hypot(...normal) || 1;
       if (!this.picture.axisRanges) parts.push(`normal ${normal.map((value) => readable(value / length, 2)).join(", ")}`);
-      const value = scale && scale.values ? blend(found, scale.values) : NaN;
+      const value = scale && scale.values ? blend(found, scale.values)[0] : NaN;
       if (Number.isFinite(value)) parts.push(`${scale.name} ${readable(value)}`);
     } else if (found.kind === "cap") {
       if (Number.isFinite(found.value)) parts.push(`${inside.title} ${readable(found.value)}`);
