@@ -1,6 +1,6 @@
 # Writes a source file with what every HTML report embeds: style sheet, script (when there is one) and licences.
 # The same for the studio's page, which is one file with all of it.
-# usage: cmake -D SOURCE_DIR=... -D OUTPUT=... [-D SCRIPT=... -D STUDIO=...] -P embed_page.cmake
+# usage: cmake -D SOURCE_DIR=... -D OUTPUT=... [-D SCRIPT=... -D PLOTS=... -D STUDIO=...] -P embed_page.cmake
 cmake_minimum_required(VERSION 3.25)
 
 # Sets `variable` to a C++ literal of the file; no sensible file contains the delimiter.
@@ -13,6 +13,10 @@ file(READ ${SOURCE_DIR}/viewer/viewer.css viewer_style)
 file(READ ${SOURCE_DIR}/viewer/report.css report_style)
 set(style "R\"csrbf_page(${viewer_style}${report_style})csrbf_page\"")
 set(script "\"\"")
+set(plots "\"\"")
+if(PLOTS)
+  read_literal(${PLOTS} plots)
+endif()
 set(licence "This page and the program that made it:\n\n")
 if(SCRIPT)
   read_literal(${SCRIPT} script)
@@ -33,6 +37,8 @@ namespace csrbf::app {
 const std::string_view page_style = ${style};
 
 const std::string_view page_script = ${script};
+
+const std::string_view page_plots_script = ${plots};
 
 const std::string_view studio_page = ${studio};
 

@@ -1,6 +1,6 @@
 # Bundles the interactive view of reports (viewer/) with three.js into one script. CSRBF_VIEWER_SCRIPT is its path and
-# the target csrbf-viewer makes it; or it is empty: then reports and notebooks show still pictures. CSRBF_STUDIO_PAGE is
-# the page of the studio, likewise. three.js and esbuild come from Debian (libjs-three, esbuild) or, after
+# the target csrbf-viewer makes it; or it is empty: then reports and notebooks show still pictures. CSRBF_PLOTS_SCRIPT is
+# that of pages without such a view, CSRBF_STUDIO_PAGE the page of the studio, likewise. three.js and esbuild come from Debian (libjs-three, esbuild) or, after
 # `npm install` in viewer/, from there.
 find_file(CSRBF_THREE_MODULE three.module.js
           PATHS ${PROJECT_SOURCE_DIR}/viewer/node_modules/three/build /usr/share/javascript/three
@@ -24,10 +24,13 @@ function(csrbf_bundle entry output)
 endfunction()
 
 set(CSRBF_VIEWER_SCRIPT "")
+set(CSRBF_PLOTS_SCRIPT "")
 set(CSRBF_STUDIO_PAGE "")
 if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE AND CSRBF_ESBUILD)
   set(CSRBF_VIEWER_SCRIPT ${PROJECT_BINARY_DIR}/viewer/report_viewer.js)
   csrbf_bundle(main.js ${CSRBF_VIEWER_SCRIPT})
+  set(CSRBF_PLOTS_SCRIPT ${PROJECT_BINARY_DIR}/viewer/report_plots.js)
+  csrbf_bundle(plots.js ${CSRBF_PLOTS_SCRIPT})
   set(studio_script ${PROJECT_BINARY_DIR}/viewer/studio.js)
   csrbf_bundle(studio.js ${studio_script})
   set(CSRBF_STUDIO_PAGE ${PROJECT_BINARY_DIR}/viewer/studio.html)
@@ -39,7 +42,7 @@ if(CSRBF_BUILD_VIEWER AND CSRBF_THREE_MODULE AND CSRBF_ESBUILD)
     DEPENDS ${composer} ${studio_script} ${PROJECT_SOURCE_DIR}/viewer/studio.html
             ${PROJECT_SOURCE_DIR}/viewer/studio.css ${PROJECT_SOURCE_DIR}/viewer/viewer.css
     VERBATIM)
-  add_custom_target(csrbf-viewer DEPENDS ${CSRBF_VIEWER_SCRIPT} ${CSRBF_STUDIO_PAGE})
+  add_custom_target(csrbf-viewer DEPENDS ${CSRBF_VIEWER_SCRIPT} ${CSRBF_PLOTS_SCRIPT} ${CSRBF_STUDIO_PAGE})
 else()
   message(STATUS "HTML reports show still pictures, and there is no studio: three.js (libjs-three) and esbuild make them")
 endif()

@@ -35,6 +35,11 @@ std::string describe(const Topology& t) {
          (t.manifold() ? "manifold, " : "not manifold, ") + counted(t.components, "component");
 }
 
+std::string part_of_diagonal(double fraction) {
+  constexpr double percent = 100;
+  return readable(percent * fraction, 2) + " %";
+}
+
 void compare_meshes(const Mesh& mesh, const Mesh& reference, Session& session) {
   const CompareOptions options{.progress = session.progress()};
   session.options = {{"samples", options.samples}, {"seed", options.seed}};
@@ -53,7 +58,12 @@ void compare_meshes(const Mesh& mesh, const Mesh& reference, Session& session) {
   session.say("B to A:              mean " + rounded(c.completeness.mean) + ", largest " + rounded(c.completeness.max));
   session.say("normals:             " + rounded(c.normal_error_deg) + " degrees");
   session.say(describe(c.topology));
-  session.add_to_page([&](Page& page) { show_distances(mesh, reference, page); });
+  session.add_to_page([&](Page& page) {
+    page.facts = {{part_of_diagonal(c.chamfer_mean), "mean distance, of the diagonal"},
+                  {part_of_diagonal(c.hausdorff99), "99 % are nearer than this"},
+                  {readable(c.normal_error_deg, 3) + "°", "mean angle between normals"}};
+    show_distances(mesh, reference, page);
+  });
 }
 
 void compare_points(const Mesh& mesh, const PointCloud& points, Session& session) {
@@ -73,7 +83,12 @@ void compare_points(const Mesh& mesh, const PointCloud& points, Session& session
   session.say("largest:             " + rounded(c.distance.max));
   if (points.has_normals()) session.say("normals:             " + rounded(c.normal_error_deg) + " degrees");
   session.say(describe(c.topology));
-  session.add_to_page([&](Page& page) { show_distances(mesh, points, page); });
+  session.add_to_page([&](Page& page) {
+    page.facts = {{part_of_diagonal(c.distance.mean), "mean distance, of the diagonal"},
+                  {part_of_diagonal(c.distance.p99), "99 % of the points are nearer than this"},
+                  {part_of_diagonal(c.distance.max), "largest distance"}};
+    show_distances(mesh, points, page);
+  });
 }
 
 Json described_difference(const std::string& path, const Volume<float>& image) {
@@ -136,7 +151,10 @@ void compare_images(const CompareCommand& command, Session& session) {
   session.say("dice:                " + rounded(c.dice));
   session.say("jaccard:             " + rounded(c.jaccard));
   session.say("hausdorff 95 %:      " + rounded(c.hausdorff95) + " (units of the voxel size)");
-  session.add_to_page([&](Page& page) { show_agreement(a, b, page); });
+  session.add_to_page([&](Page& page) {
+    page.facts = {{readable(c.dice, 4), "Dice"}, {readable(c.jaccard, 4), "Jaccard"}};
+    show_agreement(a, b, page);
+  });
   constexpr std::size_t most_lines = 6;  // of the summary; the report has every label
   if (c.labels.size() < 2) return;
   for (std::size_t i = 0; i < std::min(c.labels.size(), most_lines); ++i)

@@ -227,12 +227,11 @@ std::vector<TrackedMeasure> sizes_of(const std::vector<Row>& rows) {
   return measures;
 }
 
-// Every few frames are shown with their contours.
+// Frames that are shown with their contours: all, or every few, and the last one.
 bool is_shown(Index frame, Index frames) {
-  constexpr Index most = 6;
-  for (Index k = 0; k < most; ++k)
-    if (frame == k * (frames - 1) / (most - 1)) return true;
-  return false;
+  constexpr Index most = 40;  // pictures of some 10,000 bytes each
+  const Index stride = (frames + most - 1) / most;
+  return frame % stride == 0 || frame == frames - 1;
 }
 
 template <int Dim>
@@ -274,11 +273,8 @@ void run_track(const TrackCommand& command, TrackOptions options, const Frames& 
     return a.frame != b.frame ? a.frame < b.frame : a.region.label < b.region.label;
   });
   add_track_result(command, rows, frames.count(), grid, report, session);
-  session.add_to_page([&](Page& page) {
-    std::vector<RgbImage> shown;
-    for (const auto& [t, picture] : pictures) shown.push_back(picture);
-    show_track(sizes_of(rows), grid.dimension() == 3 ? "volume" : "area", shown, page);
-  });
+  session.add_to_page(
+      [&](Page& page) { show_track(sizes_of(rows), grid.dimension() == 3 ? "volume" : "area", pictures, page); });
   session.write([&] {
     write_measures(folder.draft("measures.csv"), rows);
     folder.publish();

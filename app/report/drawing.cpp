@@ -77,7 +77,13 @@ void Drawing::add_text(double x, double y, std::string_view style, std::string_v
 void Drawing::add_labels() {
   constexpr double gap = 8, half_letter = 4.5, number_line = 17, name_line = 37;  // pixels, by eye
   const double low = top + height_;
-  for (const double tick : x_.ticks) add_text(x(tick), low + number_line, "tick middle", x_.text(tick));
+  for (const double tick : x_.ticks) {
+    const std::string text = x_.text(tick);
+    constexpr double letter = 7;  // pixels, about
+    const auto letters = std::count_if(text.begin(), text.end(), [](char c) { return (c & '\xc0') != '\x80'; });
+    const double half = letter * static_cast<double>(letters) / 2, end = left + width_ + right;
+    add_text(std::min(x(tick), end - half), low + number_line, "tick middle", text);
+  }
   for (const double tick : y_.ticks) add_text(left - gap, y(tick) + half_letter, "tick end", y_.text(tick));
   if (!x_.label.empty()) add_text(left + width_ / 2, low + name_line, "name middle", x_.label);
   if (!y_.label.empty()) add_text(left - gap, top - gap, "name", y_.label);
@@ -128,6 +134,14 @@ void Drawing::add_line(const PointsRef<2>& points, std::string_view style, bool 
   }
   if (path.empty()) return;
   add("<path class=\"" + std::string(style) + "\" d=\"" + path + (closed ? "Z" : "") + "\"/>");
+}
+
+void Drawing::add_segments(const PointsRef<2>& ends, std::string_view style) {
+  if (ends.cols() == 0) return;
+  std::string path;
+  for (Index i = 0; i < ends.cols(); ++i)
+    path += (i % 2 == 0 ? "M" : "L") + coordinate(x(ends(0, i))) + " " + coordinate(y(ends(1, i)));
+  add("<path class=\"" + std::string(style) + "\" d=\"" + path + "\"/>");
 }
 
 void Drawing::add_dots(const PointsRef<2>& points, double radius, std::string_view style) {

@@ -106,18 +106,11 @@ Eigen::MatrixXd plane_values(const Domain& domain, Index a, Index b, const Eigen
   return Eigen::Map<const Eigen::MatrixXd>(values.data(), x.size(), y.size()).transpose();
 }
 
-PlaneMap plane_map(const Domain& domain, Index a, Index b) {
-  constexpr Index longest = 260;  // nodes along the longer axis; more: sharper, larger pages
-  const bool to_scale = domain.to_scale(a, b);
-  const double longer = std::max(domain.extent(a), domain.extent(b));
-  const auto nodes = [&](Index axis) {
-    return to_scale ? std::max<Index>(2, std::lround(longest * domain.extent(axis) / longer)) : longest;
-  };
-  PlaneMap map{.values = plane_values(domain, a, b, Eigen::VectorXd::LinSpaced(nodes(a), domain.lo(a), domain.hi(a)),
-                                      Eigen::VectorXd::LinSpaced(nodes(b), domain.lo(b), domain.hi(b))),
+PlaneMap plane_map(const Domain& domain, Index a, Index b, Eigen::MatrixXd values) {
+  PlaneMap map{.values = std::move(values),
                .x_label = domain.name(a),
                .y_label = domain.name(b),
-               .to_scale = to_scale,
+               .to_scale = domain.to_scale(a, b),
                .description = domain.value() + " by " + domain.name(a) + " and " + domain.name(b)};
   map.box.lo << domain.lo(a), domain.lo(b);
   map.box.hi << domain.hi(a), domain.hi(b);
@@ -131,8 +124,10 @@ void set_range(const std::string& label, std::vector<PlaneMap>& maps) {
   for (PlaneMap& map : maps) map.scale = {lo, hi, false, label};
 }
 
-Figure map_of_plane(const Domain& domain, const SampleTable& samples, const std::vector<Index>& chosen) {
-  std::vector<PlaneMap> maps{plane_map(domain, 0, 1)};
+// `values`: of the function on a grid over the plane.
+Figure map_of_plane(const Domain& domain, const Eigen::MatrixXd& values, const SampleTable& samples,
+                    const std::vector<Index>& chosen) {
+  std::vector<PlaneMap> maps{plane_map(domain, 0, 1, values)};
   set_range(domain.value(), maps);
   constexpr Index most = 3000;  // dots, beyond which they hide the map
   maps[0].dots = samples.coordinates(Eigen::all, spread(chosen, most));
@@ -145,7 +140,10 @@ Figure map_of_plane(const Domain& domain, const SampleTable& samples, const std:
 Figure maps_of_space(const Domain& domain) {
   std::vector<PlaneMap> maps;
   for (const auto& [a, b] : {std::pair<Index, Index>{0, 1}, {0, 2}, {1, 2}}) {
-    maps.push_back(plane_map(domain, a, b));
+    constexpr Index nodes = 150;  // along each axis, one for two pixels
+    maps.push_back(plane_map(domain, a, b,
+                             plane_values(domain, a, b, Eigen::VectorXd::LinSpaced(nodes, domain.lo(a), domain.hi(a)),
+                                          Eigen::VectorXd::LinSpaced(nodes, domain.lo(b), domain.hi(b)))));
     maps.back().width = 250;
   }
   set_range(domain.value(), maps);
@@ -167,6 +165,7 @@ class Landscape {
       axes_[a] = Eigen::VectorXd::LinSpaced(nodes, domain.lo(a), domain.hi(a));
     }
     values_ = plane_values(domain, 0, 1, axes_[0], axes_[1]);
+    if (!is_finite()) return;
     lo_ = values_.minCoeff();
     hi_ = values_.maxCoeff();
     constexpr double height = 0.4;  // of the longer side, chosen by eye
@@ -216,6 +215,9 @@ class Landscape {
       }
     return result;
   }
+
+  // Rows along y.
+  [[nodiscard]] const Eigen::MatrixXd& grid() const { return values_; }
 
   // In the order of the vertices.
   [[nodiscard]] Eigen::VectorXd values() const { return values_.transpose().reshaped(); }
@@ -340,11 +342,10 @@ void show(const NamedFunction& model, const SampleTable& samples, const FitOptio
     const Landscape landscape(domain);
     if (landscape.is_finite() && landscape.hi() > landscape.lo())
       page.figures.push_back(landscape_view(landscape, domain, samples, chosen, error));
+    page.figures.push_back(map_of_plane(domain, landscape.grid(), samples, chosen));
+  } else if (has_extent) {
+    page.figures.push_back(dimension == 1 ? curve(domain, samples, chosen) : maps_of_space(domain));
   }
-  if (has_extent)
-    page.figures.push_back(dimension == 1   ? curve(domain, samples, chosen)
-                           : dimension == 2 ? map_of_plane(domain, samples, chosen)
-                                            : maps_of_space(domain));
   page.figures.push_back(error_histogram(error, r, domain));
   if (dimension == 2 && has_extent && !passes_through(r, samples.values))
     page.figures.push_back(residual_map(domain, samples, chosen, error));

@@ -26,14 +26,18 @@ std::string escaped(std::string_view text) {
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string result;
-  result.reserve(4 * (bytes.size() / 3 + 1));
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k) result += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63U] : '=';
+  const auto byte = [&](std::size_t i) { return std::uint32_t{static_cast<std::uint8_t>(bytes[i])}; };
+  std::string result((bytes.size() + 2) / 3 * 4, '=');
+  char* out = result.data();
+  std::size_t i = 0;
+  for (; i + 2 < bytes.size(); i += 3) {
+    const std::uint32_t group = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
+    for (int shift = 18; shift >= 0; shift -= 6) *out++ = digits[group >> shift & 63U];
   }
+  const std::size_t rest = bytes.size() - i;
+  if (rest == 0) return result;
+  const std::uint32_t group = byte(i) << 16 | (rest == 2 ? byte(i + 1) << 8 : 0U);
+  for (std::size_t k = 0; k <= rest; ++k) *out++ = digits[group >> (18 - 6 * k) & 63U];
   return result;
 }
 
@@ -53,13 +57,10 @@ std::string picture_element(const RgbImage& picture, std::string_view descriptio
 }
 
 std::string script_text(const nlohmann::ordered_json& data) {
-  std::string text;
-  for (const char c : data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
-  }
+  std::string text = data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  constexpr std::string_view escape = "\\u003c";
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + escape.size()))
+    text.replace(at, 1, escape);
   return text;
 }
 

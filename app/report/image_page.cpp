@@ -140,12 +140,24 @@ void show_values(const Eigen::Ref<const Eigen::RowVectorXd>& values, const std::
 }
 
 void show_track(const std::vector<TrackedMeasure>& measures, const std::string& size_name,
-                const std::vector<RgbImage>& frames, Page& page) {
+                const std::map<Index, RgbImage>& frames, Page& page) {
+  const auto [least, most] = [&] {
+    std::pair<double, double> range{std::numeric_limits<double>::infinity(), 0};
+    for (const TrackedMeasure& measure : measures)
+      if (measure.label == 1)
+        for (const double size : measure.sizes) range = {std::min(range.first, size), std::max(range.second, size)};
+    return range;
+  }();
+  if (least <= most)
+    page.facts = {{std::to_string(measures.front().sizes.size()), "frames"},
+                  {readable(least, 4), "smallest " + size_name + " of label 1"},
+                  {readable(most, 4), "largest " + size_name + " of label 1"}};
   if (!frames.empty()) {
-    std::vector<std::string> pictures;
-    for (const RgbImage& frame : frames)
-      pictures.push_back("<figure>" + picture_element(frame, "A frame with the contour") + "</figure>");
-    page.figures.push_back({"Frames with their contours", in_columns(pictures), "", true});
+    std::string pictures = "<div class=\"pictures series\">";
+    for (const auto& [number, frame] : frames)
+      pictures += "<figure data-frame=\"" + std::to_string(number) + "\">" +
+                  picture_element(frame, "Frame " + std::to_string(number) + " with the contour") + "</figure>";
+    page.figures.push_back({"Frames with their contours", pictures + "</div>", ""});
   }
   for (const TrackedMeasure& measure : measures)
     if (measure.sizes.size() > 1)

@@ -5,6 +5,8 @@
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/image.hpp"
 
+#include <map>
+
 namespace csrbf::app {
 
 /// An image before and after its holes were filled; `missing`: not 0 where there was one.
@@ -24,8 +26,8 @@ struct TrackedMeasure {
   std::vector<double> sizes;  ///< volumes, or areas
 };
 
-/// Sizes of regions over time, and some frames with their contours.
+/// Sizes of regions over time, and frames, by their numbers, with their contours: one at a time with a slider.
 void show_track(const std::vector<TrackedMeasure>& measures, const std::string& size_name,
-                const std::vector<RgbImage>& frames, Page& page);
+                const std::map<Index, RgbImage>& frames, Page& page);
 
 }  // namespace csrbf::app

@@ -31,6 +31,8 @@ std::string file_name(const Json& path) {
 
 std::string input_name(const Json& report) {
   const Json& input = report["input"];
+  if (input.contains("a") && input.contains("b"))
+    return file_name(input["a"].value("file", Json())) + " and " + file_name(input["b"].value("file", Json()));
   for (const char* key : {"file", "first", "files", "inputs"})
     if (input.contains(key)) return input[key].is_array() ? file_name(input[key].front()) : file_name(input[key]);
   return "";
@@ -68,14 +70,20 @@ std::string summary_text(const Page& page, const std::vector<std::string>& lines
   return text.empty() ? "" : "<ul class=\"lines\">\n" + text + "</ul>\n";
 }
 
-std::string figures(const Page& page) {
+// The summary follows the first picture, which the first screen is for.
+std::string figures(const Page& page, const std::string& summary) {
+  const std::string words = summary.empty() ? "" : "<div class=\"panel wide summary\">\n" + summary + "</div>\n";
   std::string text;
+  const bool picture_first = !page.figures.empty() && page.figures.front().wide;
+  if (!picture_first) text += words;
   for (const Figure& figure : page.figures) {
+    if (picture_first && &figure == &page.figures.front() + 1) text += words;
     text += std::string("<div class=\"panel") + (figure.wide ? " wide" : "") + "\">\n<h2>" + escaped(figure.title) +
             "</h2>\n" + figure.body + "\n";
     if (!figure.caption.empty()) text += "<p class=\"caption\">" + escaped(figure.caption) + "</p>\n";
     text += "</div>\n";
   }
+  if (picture_first && page.figures.size() == 1) text += words;
   return text.empty() ? "" : "<div class=\"panels\">\n" + text + "</div>\n";
 }
 
@@ -100,9 +108,7 @@ std::string html_page(const Json& report, const CommonOptions& common, const std
   html += "<style>\n" + std::string(page_style) + "</style>\n</head>\n<body>\n<header>\n<p class=\"command\">csrbf " +
           escaped(subcommand) + "</p>\n<h1>" + escaped(title) + "</h1>\n</header>\n<main>\n";
   html += facts(report, page) + warnings(report);
-  const std::string summary_html = summary_text(page, summary);
-  if (!summary_html.empty()) html += "<div class=\"summary\">\n" + summary_html + "</div>\n";
-  html += figures(page);
+  html += figures(page, summary_text(page, summary));
   html += section("Options", option_table(report, common.flags));
   html += "<div class=\"columns\">\n" + section("Results", value_table(report["result"])) + "<div>\n" +
           section("Time and memory", time_table(report)) + section("Input", value_table(report["input"])) +
@@ -113,7 +119,8 @@ std::string html_page(const Json& report, const CommonOptions& common, const std
   html += "</main>\n<footer>Made by csrbf " + escaped(report["csrbf"].get<std::string>()) +
           ". This file needs no network and no other file.</footer>\n";
   html += "<script type=\"application/json\" id=\"report\">" + script_text(report) + "</script>\n";
-  if (has_surface) html += "<script>\n" + std::string(page_script) + "</script>\n";
+  const std::string_view script = has_surface ? page_script : page_plots_script;
+  if (!script.empty() && !page.figures.empty()) html += "<script>\n" + std::string(script) + "</script>\n";
   return html + "</body>\n</html>\n";
 }
 

@@ -203,8 +203,7 @@ std::string draw(const PlaneMap& map) {
   drawing.add("<image href=\"" + picture_address(map.values, map.scale) + "\" x=\"" + coordinate(Drawing::left) +
               "\" y=\"" + coordinate(Drawing::top) + "\" width=\"" + coordinate(width) + "\" height=\"" +
               coordinate(height) + "\" preserveAspectRatio=\"none\"/>");
-  for (const ContourLine& line : map.lines.lines)
-    drawing.add_line(map.lines.points.middleCols(line.begin, line.size), "contour", line.closed);
+  drawing.add_segments(map.segments, "contour");
   constexpr Index many = 1500;  // dots, from which they are smaller
   drawing.add_dots(map.dots, map.dots.cols() > many ? 0.7 : 1.4, "samples");
   drawing.add_values("map", map_values(map));

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "csrbf/core/image.hpp"
-#include "csrbf/implicit/contour_lines.hpp"
 #include "csrbf/implicit/render/color_map.hpp"
 
 #include <string>
@@ -64,16 +63,16 @@ void extend(const Eigen::VectorXd& values, double& lo, double& hi);
 /// Evenly spaced colours of a colour map as "#rrggbb".
 std::vector<std::string> color_stops(bool diverging);
 
-/// Values on a plane as colours, with lines and dots on top.
+/// Values on a plane as colours, with segments and dots on top.
 struct PlaneMap {
   Eigen::MatrixXd values = {};  ///< columns along x, ascending; rows along y; NaN: none
   Box<2> box = {};
   std::string x_label = {}, y_label = {};
   ColorScale scale = {};
   Points<2> dots{2, 0};
-  ContourLines lines = {};
-  bool to_scale = true;  ///< both axes have the same unit
-  double width = 410;    ///< of the plot
+  Points<2> segments{2, 0};  ///< pairs of ends
+  bool to_scale = true;      ///< both axes have the same unit
+  double width = 410;        ///< of the plot
   std::string description = {};
 };
 std::string draw(const PlaneMap& map);

@@ -5,7 +5,6 @@
 #include "report/surface_view.hpp"
 
 #include "csrbf/core/percentile.hpp"
-#include "csrbf/implicit/curvature.hpp"
 #include "csrbf/implicit/plane_section.hpp"
 #include "csrbf/surface/check/surface_distances.hpp"
 
@@ -54,33 +53,52 @@ void add_findings(const ReconstructionShown& shown, double diagonal, Page& page)
         "inside out, and does not bridge gaps that should be open.");
 }
 
+// Half the divergence of the normals, which are linear on each triangle: means over the triangles around a vertex, by
+// their areas. The normals are those of the function, so that this is as fine as the mesh, and costs next to nothing.
+Eigen::VectorXd mean_curvature(const Mesh& mesh) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.vertices.cols()), area = sum;
+  for (const auto& t : mesh.triangles.colwise()) {
+    const Point<3> a = mesh.vertices.col(t[0]), b = mesh.vertices.col(t[1]), c = mesh.vertices.col(t[2]);
+    const Point<3> across = (b - a).cross(c - a);
+    const double twice = across.norm();
+    if (!(twice > 0)) continue;
+    const Point<3> n = across / twice;
+    const double divergence = mesh.normals.col(t[0]).dot(n.cross(c - b)) + mesh.normals.col(t[1]).dot(n.cross(a - c)) +
+                              mesh.normals.col(t[2]).dot(n.cross(b - a));  // times `twice`
+    for (const std::int32_t corner : t) {
+      sum[corner] += divergence / 2;
+      area[corner] += twice;
+    }
+  }
+  return sum.cwiseQuotient(area);
+}
+
 // Curvature is shown in units of 1 / diagonal: 2 is that of a ball whose diameter is the diagonal.
-SurfaceColors curvature_colors(const Field<3>& field, const Mesh& mesh, double diagonal) {
-  const Eigen::VectorXd mean = diagonal * curvature(field, mesh.vertices).mean();
+SurfaceColors curvature_colors(const Mesh& mesh, double diagonal) {
+  const Eigen::VectorXd mean = diagonal * mean_curvature(mesh);
   constexpr double shown = 0.95;  // percentile at the ends of the scale: sharp edges do not set it
   const double limit = share_below(mean, shown);
   return {"mean curvature", "Mean curvature × diagonal: blue concave, red convex", -limit, limit, true, mean};
 }
 
-SurfaceColors distance_colors(const ReconstructionShown& shown, const Eigen::VectorXd& distance, const Mesh& mesh,
-                              const std::vector<Index>& points) {
+SurfaceColors distance_colors(const Points<3>& points, const Eigen::VectorXd& distance, const Mesh& mesh) {
   constexpr double most = 0.99;  // percentile at the end of the scale: outliers do not set it
   return {"distance of the points",
           "Distance of the points, % of the diagonal (grey: no points)",
           0,
           share_below(distance, most),
           false,
-          values_near(shown.used.points, distance, mesh.vertices),
-          distance(points)};
+          values_near(points, distance, mesh.vertices),
+          distance};
 }
 
-Figure view(const ReconstructionShown& shown, const Eigen::VectorXd& distance, double diagonal) {
+Figure view(const ReconstructionShown& shown, const Points<3>& points, const Eigen::VectorXd& distance,
+            double diagonal) {
   SurfaceView view;
   view.mesh = mesh_to_show(shown.mesh);
-  const std::vector<Index> points = spread_indices(shown.used.size(), SurfaceView::most_points);
-  view.points = shown.used.points(Eigen::all, points);
-  view.colors.push_back(distance_colors(shown, distance, view.mesh, points));
-  view.colors.push_back(curvature_colors(*shown.surface.field, view.mesh, diagonal));
+  view.points = points;
+  view.colors.push_back(distance_colors(points, distance, view.mesh));
+  view.colors.push_back(curvature_colors(view.mesh, diagonal));
   view.inside = inside_values(*shown.surface.field, view.mesh, "f, zero on the surface");
   view.caption = reduction_note(view.mesh, shown.mesh);
   if (view.points.cols() < shown.used.size())
@@ -88,15 +106,30 @@ Figure view(const ReconstructionShown& shown, const Eigen::VectorXd& distance, d
   return surface_figure(view);
 }
 
-Figure distance_histogram(const ReconstructReport& r, const Eigen::VectorXd& distance) {
+Figure distance_histogram(const ReconstructReport& r, const Eigen::VectorXd& distance, Index points) {
   constexpr double most = 1.25;  // end of the axis, relative to the 99th percentile: outliers do not set it
   Histogram histogram{.values = {distance.begin(), distance.end()},
                       .hi = most * as_percent * r.p99_distance,
                       .label = "distance to the surface, % of the diagonal",
                       .counted = "points"};
   histogram.marks = {{as_percent * r.rms_distance, "root mean square"}, {as_percent * r.p99_distance, "99 %"}};
-  return {"Distance of the points to the surface", draw(histogram),
-          "The last bar includes all points that are further away."};
+  std::string caption = "The last bar includes all points that are further away.";
+  if (distance.size() < points) caption += " Shows " + counted(distance.size(), "point") + ", evenly chosen.";
+  return {"Distance of the points to the surface", draw(histogram), caption};
+}
+
+// Where the mesh meets the plane across an axis, in the other two coordinates: pairs of ends.
+Points<2> mesh_section(const Mesh& mesh, int across, double place, const std::array<int, 2>& axes) {
+  std::vector<double> ends;
+  for (const auto& t : mesh.triangles.colwise())
+    for (int k = 0; k < 3; ++k) {
+      const auto p = mesh.vertices.col(t[k]), q = mesh.vertices.col(t[(k + 1) % 3]);
+      const double from = p[across] - place, to = q[across] - place;
+      if ((from >= 0) == (to >= 0)) continue;
+      const double part = from / (from - to);
+      for (const int axis : axes) ends.push_back(p[axis] + part * (q[axis] - p[axis]));
+    }
+  return Eigen::Map<const Points<2>>(ends.data(), 2, std::ssize(ends) / 2);
 }
 
 // The function on the plane through the centre of the box, normal to an axis.
@@ -112,7 +145,7 @@ PlaneMap reconstruct_section(const ReconstructionShown& shown, const Box<3>& box
     columns(axes[k], k) = 1;
   }
   const PlaneSection<3> field(*shown.surface.field, origin, columns, plane);
-  constexpr Index longest = 220;  // cells along the longer side; more: sharper, larger pages
+  constexpr Index longest = 125;  // nodes along the longer side, one for two pixels
   const double cell = plane.extent().maxCoeff() / longest;
   GridAxes<2> grid;
   for (int k = 0; k < 2; ++k)
@@ -125,7 +158,7 @@ PlaneMap reconstruct_section(const ReconstructionShown& shown, const Box<3>& box
                .y_label = std::string(1, "xyz"[axes[1]]),
                .width = 250,
                .description = "The function on the plane across " + std::string(1, "xyz"[across])};
-  map.lines = contour_lines(field, {.resolution = static_cast<int>(longest)});
+  map.segments = mesh_section(shown.mesh, across, origin[across], axes);
   std::vector<Index> near;
   const double thickness = 0.004 * box.diagonal();  // of points shown as dots, to either side; about a pixel
   for (Index i = 0; i < shown.used.size(); ++i)
@@ -160,13 +193,14 @@ Figure sections(const ReconstructionShown& shown, const Box<3>& box) {
 void show(const ReconstructionShown& shown, Page& page) {
   const Box<3> box = bounding_box<3>(shown.used.points);
   const double diagonal = box.diagonal();
-  const std::vector<double> fractions = surface_distances(*shown.surface.field, shown.used.points, diagonal);
+  const Points<3> points = shown.used.points(Eigen::all, spread_indices(shown.used.size(), SurfaceView::most_points));
+  const std::vector<double> fractions = surface_distances(*shown.surface.field, points, diagonal);
   const Eigen::VectorXd distance =
       as_percent * Eigen::Map<const Eigen::VectorXd>(fractions.data(), std::ssize(fractions));
   add_reconstruct_facts(shown, page);
   add_findings(shown, diagonal, page);
-  if (shown.mesh.triangles.cols() > 0) page.figures.push_back(view(shown, distance, diagonal));
-  page.figures.push_back(distance_histogram(shown.surface.report, distance));
+  if (shown.mesh.triangles.cols() > 0) page.figures.push_back(view(shown, points, distance, diagonal));
+  page.figures.push_back(distance_histogram(shown.surface.report, distance, shown.used.size()));
   page.figures.push_back(sections(shown, box));
 }
 

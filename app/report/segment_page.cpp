@@ -73,6 +73,18 @@ Figure descent(const SegmentReport& r) {
           r.converged ? "It ends where the labels stopped changing." : "The labels were still changing at the end."};
 }
 
+// The slice across an axis with most voxels inside; the labels tell, without the function.
+Index fullest_slice(const Grid& grid, const std::vector<std::uint8_t>& labels, int axis) {
+  std::vector<Index> inside(static_cast<std::size_t>(grid.size[axis]), 0);
+  std::size_t voxel = 0;
+  std::array<Index, 3> at{};
+  for (at[2] = 0; at[2] < grid.size[2]; ++at[2])
+    for (at[1] = 0; at[1] < grid.size[1]; ++at[1])
+      for (at[0] = 0; at[0] < grid.size[0]; ++at[0])
+        if (labels[voxel++] != 0) ++inside[static_cast<std::size_t>(at[axis])];
+  return std::max_element(inside.begin(), inside.end()) - inside.begin();
+}
+
 template <int Dim>
 Figure pictures(const Volume<float>& image, const Segmentation<Dim>& segmentation) {
   const std::vector<const Field<Dim>*> fields = inside_fields(segmentation);
@@ -83,9 +95,12 @@ Figure pictures(const Volume<float>& image, const Segmentation<Dim>& segmentatio
   }
   std::vector<std::string> slices;
   constexpr int size = 420;  // pixels: three side by side
-  for (const int axis : {2, 1, 0})
-    slices.push_back(picture_element(preview<Dim>(image, fields, {.axis = axis, .size = size}),
+  for (const int axis : {2, 1, 0}) {
+    const PreviewOptions options{
+        .axis = axis, .slice = fullest_slice(image.grid, segmentation.labels, axis), .size = size};
+    slices.push_back(picture_element(preview<Dim>(image, fields, options),
                                      "Slice across " + std::string(1, "xyz"[axis]) + " with the contour"));
+  }
   return {"The contour on slices of the image", side_by_side(slices),
           "Slices across z, y and x, each where the area inside is largest.", true};
 }

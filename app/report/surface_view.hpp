@@ -52,8 +52,9 @@ struct SurfaceView {
 /// Does the program contain the interactive viewer, or only still pictures?
 bool has_interactive_view();
 
-/// A mesh of at most SurfaceView::most_vertices: `mesh` itself, or one whose vertices are the means of those in cubes
-/// of a grid, and whose triangles the ones that are left. Good enough to be looked at, and quick. O(v log v).
+/// A mesh of at most SurfaceView::most_vertices, with normals: `mesh` itself, or one whose vertices are the means of
+/// those in cubes of a grid, and whose triangles the ones that are left. Good enough to be looked at, and quick. O(v
+/// log v).
 Mesh mesh_to_show(const Mesh& mesh);
 
 /// "Shown with 20,000 triangles; the file has 80,000." Empty when they are as many.

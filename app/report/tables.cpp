@@ -15,8 +15,9 @@ bool is_list_of_records(const Json& value) {
 }
 
 std::string number_text(const Json& value) {
-  if (value.is_number_integer()) return escaped(pretty_number(grouped(value.get<Index>())));
-  return "<span title=\"" + value.dump() + "\">" + escaped(readable(value, shown_digits)) + "</span>";
+  if (value.is_number_integer())
+    return "<span class=\"number\">" + escaped(pretty_number(grouped(value.get<Index>()))) + "</span>";
+  return "<span class=\"number\" title=\"" + value.dump() + "\">" + escaped(readable(value, shown_digits)) + "</span>";
 }
 
 std::string words(std::string key) {
@@ -24,11 +25,21 @@ std::string words(std::string key) {
   return key;
 }
 
+// Long names may be broken after these, and nowhere else.
+std::string breakable(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    result += escaped({&c, 1});
+    if (std::string_view("/_-,:").find(c) != std::string_view::npos) result += "<wbr>";
+  }
+  return result;
+}
+
 std::string value_text(const Json& value) {
   if (value.is_null()) return "<span class=\"none\">–</span>";
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number()) return number_text(value);
-  if (value.is_string()) return escaped(value.get<std::string>());
+  if (value.is_string()) return breakable(value.get<std::string>());
   if (!value.is_array()) return escaped(value.dump());
   constexpr std::size_t many = 8;  // values, that no longer fit a cell
   if (value.empty()) return "<span class=\"none\">–</span>";
@@ -142,6 +153,13 @@ std::string option_meaning(const std::string& subcommand, const std::string& opt
                option);
 }
 
+std::string rows_table(const std::string& rows) {
+  return "<div class=\"scroll\"><table class=\"options\">\n<thead><tr><th scope=\"col\">Option</th><th "
+         "scope=\"col\">Value "
+         "used</th><th scope=\"col\">Why</th><th scope=\"col\">What it means</th></tr></thead>\n<tbody>\n" +
+         rows + "</tbody></table></div>\n";
+}
+
 const FlagUse* flag_of(const std::string& option, const std::vector<FlagUse>& flags) {
   std::string name = option;
   std::replace(name.begin(), name.end(), '_', '-');
@@ -189,7 +207,8 @@ std::string time_table(const Json& report) {
 }
 
 std::string option_table(const Json& report, const std::vector<FlagUse>& flags) {
-  std::string rows;
+  std::string rows, defaults;
+  Index default_count = 0;
   for (const auto& [option, value] : report["options"].items()) {
     const FlagUse* flag = flag_of(option, flags);
     const bool given = flag != nullptr && flag->given;
@@ -197,15 +216,18 @@ std::string option_table(const Json& report, const std::vector<FlagUse>& flags) 
     const std::string why = given ? "given" : reason.empty() ? "default" : "chosen: " + reason;
     const char* kind = given ? "given" : reason.empty() ? "default" : "chosen";
     const std::string meaning = flag != nullptr ? flag->what : option_meaning(report["command"], option);
-    rows += "<tr class=\"" + std::string(kind) + "\"><th scope=\"row\">" + escaped(words(option)) + "</th><td>" +
-            value_text(value) + "</td><td>" + escaped(why) + "</td><td class=\"meaning\"><span title=\"" +
-            escaped(meaning) + "\">" + escaped(meaning) + "</span></td></tr>\n";
+    const bool is_default = !given && reason.empty();
+    default_count += is_default ? 1 : 0;
+    (is_default ? defaults : rows) += "<tr class=\"" + std::string(kind) + "\"><th scope=\"row\">" +
+                                      escaped(words(option)) + "</th><td>" + value_text(value) + "</td><td>" +
+                                      escaped(why) + "</td><td class=\"meaning\"><span title=\"" + escaped(meaning) +
+                                      "\">" + escaped(meaning) + "</span></td></tr>\n";
   }
-  if (rows.empty()) return "";
-  return "<div class=\"scroll\"><table class=\"options\">\n<thead><tr><th scope=\"col\">Option</th><th "
-         "scope=\"col\">Value "
-         "used</th><th scope=\"col\">Why</th><th scope=\"col\">What it means</th></tr></thead>\n<tbody>\n" +
-         rows + "</tbody></table></div>\n";
+  const std::string folded = defaults.empty()
+                                 ? ""
+                                 : "<details class=\"folded\">\n<summary>" + counted(default_count, "default") +
+                                       "</summary>\n" + rows_table(defaults) + "</details>\n";
+  return (rows.empty() ? "" : rows_table(rows)) + folded;
 }
 
 }  // namespace csrbf::app

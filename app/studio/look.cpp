@@ -221,11 +221,13 @@ Looker::Image Looker::image(const fs::path& file) {
   return image;
 }
 
-Look Looker::slice(const fs::path& file, int axis, Index index) {
+Look Looker::slice(const fs::path& file, int axis, Index index, Index frame) {
   const Image image = this->image(file);
   require(axis >= 0 && axis < 3, "slice", "axis", axis, "must be 0, 1 or 2");
   const auto& size = image->grid.size;
   require(index >= 0 && index < size[axis], "slice", "index", index, "must be a slice of the image");
+  require(frame >= 0 && frame < image->frames, "slice", "frame", frame, "must be a frame of the image");
+  const float* voxels = image->values.data() + frame * image->values_per_frame();
   const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
   const Index components = image->components;
   std::vector<float> values;
@@ -234,7 +236,7 @@ Look Looker::slice(const fs::path& file, int axis, Index index) {
   at[axis] = index;
   for (at[v] = 0; at[v] < size[v]; ++at[v])
     for (at[u] = 0; at[u] < size[u]; ++at[u]) {
-      const float* voxel = image->values.data() + components * image->grid.index(at[0], at[1], at[2]);
+      const float* voxel = voxels + components * image->grid.index(at[0], at[1], at[2]);
       values.insert(values.end(), voxel, voxel + components);
     }
   Look look;

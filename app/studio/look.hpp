@@ -38,7 +38,7 @@ class Looker {
   Look look(const std::filesystem::path& file, Index most);
 
   /// Slice `index` across `axis` of an image: the array "values". Throws InvalidInput outside of it.
-  Look slice(const std::filesystem::path& file, int axis, Index index);
+  Look slice(const std::filesystem::path& file, int axis, Index index, Index frame = 0);
 
  private:
   using Image = std::shared_ptr<const Volume<float>>;

@@ -133,7 +133,7 @@ std::string Studio::exact_kind(const std::string& name, std::string& problem) {
     const fs::file_time_type time = fs::last_write_time(path);
     const auto known = kinds_.find(name);
     if (known != kinds_.end() && known->second.first == time) return known->second.second;
-    if (kind_by_name(name) == "other") return "other";
+    if (name.find('/') != std::string::npos || kind_by_name(name) == "other") return kind_by_name(name);
     std::string kind = looker_.look(path, 1).header["kind"];
     kinds_[name] = {time, kind};
     return kind;
@@ -244,9 +244,10 @@ Index whole_number(const httplib::Request& request, const char* name, Index othe
 
 void Studio::send_look(const Request& request, Response& response) {
   const fs::path path = find(request.matches[1]);
-  const Look look = request.has_param("axis") ? looker_.slice(path, static_cast<int>(whole_number(request, "axis", 0)),
-                                                              whole_number(request, "index", 0))
-                                              : looker_.look(path, whole_number(request, "most", most_points));
+  const auto number = [&](const char* name) { return whole_number(request, name, 0); };
+  const Look look = request.has_param("axis")
+                        ? looker_.slice(path, static_cast<int>(number("axis")), number("index"), number("frame"))
+                        : looker_.look(path, whole_number(request, "most", most_points));
   response.set_content(look.bytes(), binary);
 }
 

@@ -31,6 +31,15 @@ bool is_within(const fs::path& path, const fs::path& folder) {
   throw Refused(400, "\"" + argument + "\" leads out of the studio's folder; give the name of a file in it");
 }
 
+// Of a file in a folder that a command made: "beat/labels_0003.png".
+const std::string& checked_path(const std::string& name) {
+  const std::size_t slash = name.find('/');
+  if (slash == std::string::npos) return checked_name(name);
+  checked_name(name.substr(0, slash));
+  checked_name(name.substr(slash + 1));
+  return name;
+}
+
 // The first part of a name, and its extensions: "scan.nii.gz" is "scan" and ".nii.gz".
 std::pair<std::string, std::string> split_name(const std::string& name) {
   const std::size_t dot = name.find('.');
@@ -111,7 +120,7 @@ void WorkFolder::keep(const std::string& name) {
 fs::path WorkFolder::find(const std::string& name) const {
   const bool is_preview = name.starts_with(preview_prefix);
   const std::string plain = is_preview ? name.substr(preview_prefix.size()) : name;
-  checked_name(plain);
+  checked_path(plain);
   if (!is_preview && std::find(names_.begin(), names_.end(), plain) == names_.end())
     throw Refused(404, "there is no \"" + name + "\" in the studio");
   const fs::path path = (is_preview ? preview_ : path_) / plain;
@@ -183,8 +192,12 @@ WorkFolder::Snapshot WorkFolder::snapshot(bool preview) const {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(preview ? preview_ : path_, error)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with('.') && entry.is_regular_file(error))
-      all[name] = {entry.last_write_time(error), entry.file_size(error)};
+    if (name.starts_with('.')) continue;
+    if (entry.is_regular_file(error)) all[name] = {entry.last_write_time(error), entry.file_size(error)};
+    if (preview || !entry.is_directory(error) || entry.is_symlink(error)) continue;
+    for (const fs::directory_entry& file : fs::directory_iterator(entry.path(), error))  // of track
+      if (!file.path().filename().string().starts_with('.') && file.is_regular_file(error))
+        all[name + "/" + file.path().filename().string()] = {file.last_write_time(error), file.file_size(error)};
   }
   return all;
 }

@@ -29,7 +29,7 @@ class Document(HTMLParser):
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
         self.open, self.elements, self.ids, self.text, self.scripts = [], [], [], [], []
-        self.feed(text)
+        self.feed(text.replace("<wbr>", ""))  # where lines may break; belongs to no word
         self.close()
         assert not self.open, "not closed: %s" % self.open
 
@@ -157,6 +157,11 @@ class Commands(Reports):
                 outward = sum(a * b for a, b in zip(vertex, normals[3 * i:3 * i + 3]))
                 self.assertGreater(outward, 120)
             self.assertEqual([scale["name"] for scale in data["scales"]], ["distance of the points", "mean curvature"])
+            curvature = data["scales"][1]  # times the diagonal: 2 sqrt(3) everywhere
+            values = sorted(curvature["lo"] + (curvature["hi"] - curvature["lo"]) * byte / 254
+                            for byte in numbers(curvature["values"], "B"))
+            for share in (0.1, 0.5, 0.9):
+                self.assertAlmostEqual(values[int(share * len(values))], 2 * math.sqrt(3), delta=0.15)
             self.assertEqual(len(numbers(data["points"]["positions"], "H")), 3 * 600)
 
     def test_large_surfaces_are_shown_with_fewer_triangles(self):
@@ -229,9 +234,16 @@ class Commands(Reports):
         self.page("estimate-normals", cloud, "-o", self.path("oriented.ply"))
         self.page("polygonize", model, "-o", self.path("fine.ply"), "--resolution", "24")
         self.page("render", mesh, "-o", self.path("mesh.png"), "--size", "40x30")
-        self.page("curvature", model, "-o", self.path("curved.ply"), "--resolution", "24")
-        self.page("combine", "union", model, model, "-o", self.path("both.csrbf"))
+        _, document = self.page("curvature", model, "-o", self.path("curved.ply"), "--resolution", "24")
+        self.surface(document)
+        _, document = self.page("combine", "union", model, model, "-o", self.path("both.csrbf"))
+        self.surface(document)
         _, document = self.page("compare", mesh, mesh)
+        data = self.surface(document)  # the file has no normals, the picture has
+        if data:
+            for vertex, at in zip(data["vertices"], range(0, 18, 3)):
+                normal = numbers(data["normals"], "b")[at:at + 3]
+                self.assertGreater(sum(a * b for a, b in zip(vertex, normal)), 120)
         self.assertIn("chamfer mean", document.words())
         self.page("info", cloud)
         samples = self.write("samples.csv", csv(rows_of(wave, 100)))
@@ -243,7 +255,17 @@ class Commands(Reports):
         frames = [10.0 if math.dist((x, y), (10 + t, 10)) < 5 else 1.0
                   for t in range(2) for y in range(20) for x in range(24)]
         movie = self.write_bytes("movie.npy", npy_bytes((2, 20, 24), frames, "<f4"))
-        self.page("track", movie, "-o", self.path("movie"), "--slices-are-frames")
+        text, document = self.page("track", movie, "-o", self.path("movie"), "--slices-are-frames")
+        self.assertEqual([a["data-frame"] for tag, a in document.elements if "data-frame" in a], ["0", "1"])
+
+    def test_what_was_not_chosen_is_folded(self):
+        cloud = self.write("cloud.xyz", xyz(sphere(100)))
+        text, _ = self.page("reconstruct", cloud, "-o", self.path("mesh.ply"), "--resolution", "16")
+        shown, folded = text.split('<details class="folded">')[:2]
+        folded = folded.split("</details>")[0]
+        self.assertNotIn('<tr class="default">', shown)
+        self.assertIn('<tr class="default">', folded)
+        self.assertNotIn('<tr class="given">', folded)
 
 
 class Contents(Reports):

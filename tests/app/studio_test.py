@@ -272,6 +272,46 @@ class Commands(Studio):
         with open(self.name("ball.ply"), "rb") as file:
             self.assertEqual(file.read(), self.ask("GET", "api/files/ball.ply")[1])
 
+    def test_frames_are_tracked_and_their_labels_can_be_asked_for(self):
+        n, frames = 16, 3
+        values = [100 if math.dist((x, y), (5 + 2 * t, 8)) < 4 else 10 for t in range(frames) for y in range(n)
+                  for x in range(n)]
+        head = f"ObjectType = Image\nNDims = 3\nDimSize = {n} {n} {frames}\nElementType = MET_SHORT\n"
+        head += "ElementDataFile = LOCAL\n"
+        self.json("PUT", "api/files/movie.mha", head.encode() + struct.pack("<%dh" % len(values), *values))
+        done = self.run_command("track", "movie.mha", "-o", "movie-track", "--slices-are-frames", "--report",
+                                "movie.html")
+        self.assertEqual(done["status"], 0, done)
+        kinds = {i["name"]: i["kind"] for i in done["items"]}
+        self.assertEqual(kinds, {**{"movie-track/labels_%04d.mha" % t: "volume" for t in range(frames)},
+                                 "movie-track/measures.csv": "table", "movie.html": "other"})
+        for t in range(frames):
+            header, arrays = decode(self.ask("GET", "api/look/movie-track%%2flabels_%04d.mha?axis=2&index=0" % t)[1])
+            self.assertEqual((header["width"], header["height"]), (n, n))
+            self.assertEqual([arrays["values"][8 * n + x] for x in (5 + 2 * t, 15)], [1, 0])
+        self.assertIn(b"frame,region", self.ask("GET", "api/files/movie-track%2fmeasures.csv")[1])
+        for path in ("movie-track%2f..%2fmovie.mha", "movie-track%2fmodels%2fframe_0000.csrbf", "movie-track",
+                     "movie-track%2f.hidden", "%2fmovie.mha"):
+            self.assertIn(self.ask("GET", "api/files/" + path)[0], (400, 404), path)
+        self.refused(409, "was there before", "POST", "api/run", json.dumps(
+            {"command": "track", "args": ["movie.mha", "-o", "movie-track", "--slices-are-frames"]}))
+
+    def test_frames_of_an_image_with_a_time_axis_are_sent(self):
+        nii = bytearray(352)
+        struct.pack_into("<i", nii, 0, 348)
+        struct.pack_into("<8h", nii, 40, 4, 3, 2, 1, 2, 1, 1, 1)
+        struct.pack_into("<2h", nii, 70, 4, 16)  # short
+        struct.pack_into("<8f", nii, 76, 1, 1, 1, 1, 1, 0, 0, 0)
+        struct.pack_into("<2f", nii, 108, 352, 1)
+        nii[344:348] = b"n+1\0"
+        self.json("PUT", "api/files/t.nii", bytes(nii) + struct.pack("<12h", *range(12)))
+        header, _ = decode(self.ask("GET", "api/look/t.nii")[1])
+        self.assertEqual(header["frames"], 2)
+        for frame, first in ((0, 0), (1, 6)):
+            _, arrays = decode(self.ask("GET", "api/look/t.nii?axis=2&index=0&frame=%d" % frame)[1])
+            self.assertEqual(arrays["values"], tuple(range(first, first + 6)))
+        self.assertEqual(self.ask("GET", "api/look/t.nii?axis=2&index=0&frame=2")[0], 400)
+
     def test_previews_run_on_few_samples_and_are_not_listed(self):
         self.json("PUT", "api/files/many.xyz", xyz(4000).encode()[:LARGEST].rsplit(b"\n", 1)[0])
         done = self.run_command("reconstruct", "many.xyz", "-o", "many.ply", preview=True)

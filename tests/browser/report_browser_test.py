@@ -79,6 +79,11 @@ class Browser(unittest.TestCase):
             file.write(head.encode() + struct.pack("<%dh" % len(values), *values))
         run_program("segment", cls.path("volume.mha"), "-o", cls.path("labels.mha"), "--report",
                     cls.path("volume.html"))
+        values = [100 if math.dist((x, y), (7 + z, 12)) < 5 else 20 for x, y, z in voxels if z < 10]
+        with open(cls.path("movie.mha"), "wb") as file:
+            file.write(head.replace(f"{n} {n} {n}", f"{n} {n} 10").encode() + struct.pack("<%dh" % len(values), *values))
+        run_program("track", cls.path("movie.mha"), "-o", cls.path("frames"), "--slices-are-frames", "--report",
+                    cls.path("frames.html"))
 
     def open(self, name, dark=False, width=WIDTH, fragment=""):
         set_window(self.browser, width, HEIGHT, dark)
@@ -143,6 +148,31 @@ class Pages(Browser):
             color = self.browser.execute_script("return getComputedStyle(document.body).backgroundColor")
             red = int(color[color.index("(") + 1:].split(",")[0])
             self.assertEqual(red < 128, dark, color)
+
+
+class Series(Browser):
+    def shown(self):
+        figures = self.browser.find_elements(By.CSS_SELECTOR, ".series figure")
+        return [f.get_attribute("data-frame") for f in figures if f.is_displayed()]
+
+    def test_frames_are_shown_one_at_a_time(self):
+        for width, dark in ((WIDTH, False), (390, True)):
+            self.open("frames.html", dark, width)
+            self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), width)
+            self.assertEqual(self.shown(), ["0"])
+            self.browser.execute_script(
+                "arguments[0].value = 7; arguments[0].dispatchEvent(new Event('input'))", self.control("frame"))
+            self.assertEqual(self.shown(), ["7"])
+            Pages.save_screenshot(self, "frames.html", dark, width)
+        self.control("play").click()
+        WebDriverWait(self.browser, 60).until(lambda browser: self.shown() not in ([], ["7"]))
+
+    def test_plots_tell_their_values_without_a_picture_in_space(self):
+        self.open("frames.html")
+        plot = self.browser.find_element(By.CSS_SELECTOR, ".plot svg")
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", plot)
+        ActionChains(self.browser).move_to_element(plot).perform()
+        self.assertTrue(self.browser.find_element(By.CSS_SELECTOR, ".plot-tip").is_displayed())
 
 
 class View(Browser):
@@ -234,6 +264,31 @@ class View(Browser):
         self.assertEqual(len(places), 2)
         shown = float(self.view("view.measure.text"))
         self.assertAlmostEqual(shown, math.dist(*places), delta=0.001 * shown)
+
+    def test_the_place_under_the_mouse_is_told(self):
+        self.choose("color", "1")
+        ActionChains(self.browser).move_to_element(self.canvas()).perform()
+        WebDriverWait(self.browser, 60).until(lambda browser: self.view("view.readout.textContent.includes('curvature')"))
+        told = self.browser.find_element(By.CSS_SELECTOR, ".readout").text
+        self.assertRegex(told, r"^x \S+ .* y \S+ .* z \S+ .* normal \S+, \S+, \S+ .* mean curvature \S+$")
+        ActionChains(self.browser).move_to_element_with_offset(self.canvas(), -500, -200).perform()
+        WebDriverWait(self.browser, 60).until(lambda browser: self.view("view.readout.hidden"))
+
+    def test_a_ruler_and_an_angle_are_made_of_clicks(self):
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", self.canvas())
+        click = lambda x, y: ActionChains(self.browser).move_to_element_with_offset(self.canvas(), x, y).click().perform()
+        self.choose("measure", "distance")
+        click(-40, 0)
+        self.assertEqual(self.view("view.measure.text"), "")
+        click(40, 10)
+        p, q = self.view("view.measure.places.map((p) => view.toData(p))")
+        self.assertAlmostEqual(float(self.view("view.measure.text")), math.dist(p, q), delta=0.001)
+        self.choose("measure", "angle")
+        for place in ((-60, 0), (0, 0), (0, 50)):
+            click(*place)
+        self.assertRegex(self.view("view.measure.text"), r"^\d+\.\d°$")
+        self.canvas().send_keys(Keys.ESCAPE)
+        self.assertEqual(self.view("view.state.measure"), "none")
 
     def test_pictures_have_the_size_asked_for(self):
         size = self.browser.execute_async_script(

@@ -106,6 +106,15 @@ class Studio(unittest.TestCase):
             """, name, base64.b64encode(data).decode())
         self.until("studio.item && studio.runButton && studio.item.name.startsWith('%s')" % name.split(".")[0])
 
+    def drop_all(self, files):
+        """Drops several files at once: pairs of name and data."""
+        self.browser.execute_script("""
+            const transfer = new DataTransfer();
+            for (const [name, text] of arguments[0])
+              transfer.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name));
+            document.body.dispatchEvent(new DragEvent("drop", {bubbles: true, cancelable: true, dataTransfer: transfer}));
+            """, [(name, base64.b64encode(data).decode()) for name, data in files])
+
     def find(self, selector):
         return self.browser.find_element(By.CSS_SELECTOR, selector)
 
@@ -282,6 +291,113 @@ class Volume(Studio):
         self.assertEqual(self.fetched("body-labels.mha")[:10], b"ObjectType")
 
 
+    def test_the_value_under_the_mouse_is_told_and_seeds_are_erased(self):
+        self.drop("probe.mha", volume())
+        self.until("studio.slices_ && studio.slices_.image")
+        canvas = self.find("canvas.slice")
+
+        def at(x, y):
+            place = self.js("(() => { const at = studio.slices().placement(); return [at.toX(%d), at.toY(%d)]; })()" % (x, y))
+            box = canvas.rect
+            return round(place[0] - box["width"] / 2), round(place[1] - box["height"] / 2)
+
+        ActionChains(self.browser).move_to_element_with_offset(canvas, *at(9, 10)).perform()
+        readout = self.find(".pane.slices .readout").text
+        self.assertIn("voxel 9, 10, 10", readout)
+        self.assertIn("at 4.5, 5, 5", readout)
+        self.assertIn("value 100", readout)
+        self.choose("brush", "2")
+        for index in (10, 12):
+            self.slide("slice", index)
+            self.until("studio.slices().state.index === %d" % index)
+            ActionChains(self.browser).move_to_element_with_offset(canvas, *at(9, 10)).click().perform()
+        self.assertEqual(self.js("[...new Set([...studio.slices().seeds.keys()].map((k) => k.split(',')[2]))].sort()"),
+                         ["10", "12"])
+        self.choose("brush", "-1")
+        ActionChains(self.browser).move_to_element_with_offset(canvas, *at(9, 10)).click().perform()
+        self.assertEqual(self.js("[...new Set([...studio.slices().seeds.keys()].map((k) => k.split(',')[2]))]"), ["10"])
+        self.click("clear-seeds")
+        self.assertEqual(self.js("studio.slices().seeds.size"), 0)
+
+
+def disc(t, n=24):
+    """A frame of a disc that moves, as .mha."""
+    head = f"ObjectType = Image\nNDims = 2\nDimSize = {n} {n}\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+    values = [100 if math.dist((x, y), (7 + 2 * t, 12)) < 4.5 else 10 + (x * y) % 3 for y in range(n) for x in range(n)]
+    return head.encode() + struct.pack("<%dh" % len(values), *values)
+
+
+class Frames(Studio):
+    def test_a_series_is_dropped_and_its_contour_followed(self):
+        frames = 5
+        self.drop_all([("beat_%d.mha" % t, disc(t)) for t in range(frames)])
+        self.until("studio.task_ === 'track' && studio.slices_ && studio.slices_.image && studio.slices_.frames === 5")
+        self.assertTrue(self.find("[name='frame']").is_displayed())
+        line = self.find(".command-line").text
+        self.assertIn("csrbf track beat_0.mha beat_1.mha beat_2.mha beat_3.mha beat_4.mha -o beat-track", line)
+        self.run_command()
+        self.until("studio.slices().labels")
+        for t in (0, 3, 4):
+            self.slide("frame", t)
+            self.until(f"studio.slices().state.frame === {t} && studio.slices().labels.values[12 * 24 + {7 + 2 * t}] === 1")
+            self.assertEqual(self.js("studio.slices().labels.values[12 * 24 + %d]" % (7 + 2 * t - 6 if t else 20)), 0)
+            self.assertEqual(self.js("studio.slices().image.values[12 * 24 + %d]" % (7 + 2 * t)), 100)
+        self.screenshot("track")
+        self.click("play")
+        self.until("studio.slices().state.frame === 2")
+        self.click("play")
+        names = [b.get_attribute("data-name") for b in self.browser.find_elements(By.NAME, "download")]
+        self.assertEqual(sorted(names), ["beat-track.html", "beat-track/measures.csv"])
+        self.assertIn("5 label images", self.find("[name='download-frames']").text)
+        self.click("tab-report")
+        self.assertTrue(self.find(".pane.report .series [name='frame']").is_displayed())
+        self.screenshot("track_report")
+
+    def test_the_third_axis_of_a_volume_may_be_time(self):
+        head = b"ObjectType = Image\nNDims = 3\nDimSize = 24 24 4\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+        self.drop("movie.mha", head + b"".join(disc(t).split(b"LOCAL\n", 1)[1] for t in range(4)))
+        self.until("studio.slices_ && studio.slices_.image")
+        self.choose("command", "track")
+        self.until("studio.slices_.frames === 4")
+        self.assertIn("--slices-are-frames", self.find(".command-line").text)
+        self.run_command()
+        self.slide("frame", 3)
+        self.until("studio.slices().state.frame === 3 && studio.slices().labels.values[12 * 24 + 13] === 1")
+        self.choose("command", "segment")
+        self.until("studio.slices_.frames === 1")
+
+
+class Large(Studio):
+    def test_a_mesh_of_a_million_triangles_is_coarse_while_it_moves(self):
+        self.drop("torus.xyz", "".join("%.6g %.6g %.6g\n" % p for p in ball(200)).encode())
+        self.until("studio.view_ && studio.view_.picture")
+        self.browser.execute_script("""
+            const n = 720, positions = new Float32Array(3 * n * n), triangles = new Uint32Array(6 * n * n);
+            for (let j = 0, v = 0; j < n; ++j)
+              for (let i = 0; i < n; ++i, ++v) {
+                const [a, b] = [(2 * Math.PI * i) / n, (2 * Math.PI * j) / n];
+                positions.set([(0.6 + 0.25 * Math.cos(b)) * Math.cos(a), (0.6 + 0.25 * Math.cos(b)) * Math.sin(a), 0.25 * Math.sin(b)], 3 * v);
+                const right = j * n + ((i + 1) % n), up = ((j + 1) % n) * n;
+                triangles.set([v, right, up + ((i + 1) % n), v, up + ((i + 1) % n), up + i], 6 * v);
+              }
+            const view = studio.view();
+            view.show({...view.picture, points: null, scales: [], mesh: {positions, normals: null, triangles, tint: null}});
+            view.draw();
+            window.drawn = () => view.scene.renderer.info.render.triangles;""")
+        full = self.js("drawn()")
+        self.assertGreater(full, 1e6)
+        canvas = self.find(".pane.space canvas")
+        ActionChains(self.browser).move_to_element(canvas).click_and_hold().move_by_offset(40, 10).perform()
+        self.browser.execute_script("studio.view().moved(); studio.view().draw();")
+        moving = self.js("drawn()")
+        self.assertLess(moving, 0.5 * full)
+        self.assertGreater(moving, 20000)
+        self.screenshot("large_moving")
+        ActionChains(self.browser).release().perform()
+        self.until(f"drawn() === {full}")
+        self.screenshot("large")
+
+
 class Stop(Studio):
     def test_a_command_is_cancelled(self):
         rows = ["x,y,v"] + ["%g,%g,%g" % (math.sin(i), math.cos(2.3 * i), math.sin(0.7 * i)) for i in range(3000)]
@@ -343,6 +459,24 @@ class Pictures(Studio):
         self.choose("cut", "view")
         self.slide("depth", 62)
         self.screenshot("studio_cut")
+
+    def test_frames(self):
+        n, count, source = 128, 20, random.Random(7)
+
+        def frame(t):
+            beat = 1 + 0.3 * math.sin(2 * math.pi * t / count)
+            head = f"ObjectType = Image\nNDims = 2\nDimSize = {n} {n}\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
+            values = [int((150 if math.hypot((x - 62) / 1.2, y - 60) < 26 * beat * (1 + 0.15 * math.cos(3 * math.atan2(y - 60, x - 62)))
+                           else 60) + source.gauss(0, 22)) for y in range(n) for x in range(n)]
+            return head.encode() + struct.pack("<%dh" % len(values), *values)
+
+        self.drop_all([("heart_%02d.mha" % t, frame(t)) for t in range(count)])
+        self.until("studio.task_ === 'track' && studio.slices_ && studio.slices_.image")
+        self.run_command()
+        self.until("studio.slices().labels")
+        self.slide("frame", 5)
+        self.until("studio.slices().state.frame === 5 && studio.slices().labels")
+        self.screenshot("studio_track")
 
     def test_a_table_and_an_image(self):
         subprocess.run([sys.executable, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts",

@@ -61,6 +61,7 @@
  * @property {number[]} [spacing],[origin] of the voxels; centre of the first
  * @property {number[]} [direction] nine numbers, by rows: the axes of the voxels
  * @property {number} [components] values per voxel
+ * @property {number} [frames] of an image with a time axis
  * @property {string} [type] "uint8", "float32", ...
  * @property {number[]} [range] lowest and highest value
  * @property {string} [unit] of lengths, where the file says: "mm"
@@ -104,7 +105,7 @@
  * @property {((file: File|Blob, name: string, progress?: (part: number) => void) => Promise<Item>)} open keeps a file;
  *   changes the name when it is taken
  * @property {((name: string, most?: number) => Promise<Look>)} look at most `most` points, evenly chosen (default 2e6)
- * @property {((name: string, axis: 0|1|2, index: number) => Promise<Slice>)} slice
+ * @property {((name: string, axis: 0|1|2, index: number, frame?: number) => Promise<Slice>)} slice
  * @property {((request: Request, progress?: (stage: string, part: number) => void, signal?: AbortSignal) =>
  *   Promise<Result>)} run throws EngineError with what the program says; after `signal` an AbortError. One run at a
  *   time: a second one waits, but a preview does not wait for a run that is not one.

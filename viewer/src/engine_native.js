@@ -88,8 +88,8 @@ export async function nativeEngine() {
       const response = await ask(`api/look/${path(name)}${most ? `?most=${most}` : ""}`);
       return decodeLook(await response.arrayBuffer());
     },
-    slice: async (name, axis, index) =>
-      decodeLook(await (await ask(`api/look/${path(name)}?axis=${axis}&index=${index}`)).arrayBuffer()),
+    slice: async (name, axis, index, frame = 0) =>
+      decodeLook(await (await ask(`api/look/${path(name)}?axis=${axis}&index=${index}&frame=${frame}`)).arrayBuffer()),
     download: async (name) => (await ask(`api/files/${path(name)}`)).blob(),
     remove: async (name) => void (await ask(`api/files/${path(name)}`, {method: "DELETE"})),
 

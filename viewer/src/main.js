@@ -2,6 +2,7 @@
 
 import {picture} from "./decode.js";
 import {watchPlots} from "./hover.js";
+import {watchSeries} from "./series.js";
 import {View} from "./viewer.js";
 
 for (const figure of document.querySelectorAll("figure.surface")) {
@@ -26,4 +27,5 @@ for (const figure of document.querySelectorAll("figure.surface")) {
     why.textContent = `No interactive view here: ${error.message}`;
   }
 }
+watchSeries(document);
 watchPlots(document);

@@ -21,15 +21,15 @@ export function aboutAxis(axis, angle) {
   return new Quaternion().setFromAxisAngle(axis, angle);
 }
 
-// The rotation from the camera's own axes (y up, looking along -z) to a view from the front and slightly above, for
+// The rotation from the camera's own axes (y up, looking along -z) to a view from the front and above (degrees), for
 // each axis that may point upwards.
-function start(up) {
+function start(up, above) {
   const toUp = {
     x: aboutAxis(Z, -Math.PI / 2).multiply(aboutAxis(Y, Math.PI / 2)),
     y: new Quaternion(),
     z: aboutAxis(X, Math.PI / 2),
   }[up];
-  const [azimuth, elevation] = [25, 15].map(radians);
+  const [azimuth, elevation] = [25, above].map(radians);
   return toUp.multiply(aboutAxis(Y, azimuth)).multiply(aboutAxis(X, -elevation));
 }
 
@@ -39,12 +39,13 @@ export class Orbit {
     this.fieldOfView = 30;
     this.orthographic = false;
     this.seen = null;
+    this.above = 15; // degrees of the first view over the horizon
     this.reset(up);
   }
 
   reset(up = this.up) {
     this.up = up;
-    this.rotation = start(up);
+    this.rotation = start(up, this.above);
     this.target = new Vector3();
     this.zoomed = 1;
   }

@@ -5,6 +5,7 @@
 import * as THREE from "three";
 
 import {palette, parse} from "./colors.js";
+import {coarseTriangles} from "./coarse.js";
 import {across} from "./section.js";
 
 const SURFACE_VERTEX = `
@@ -135,6 +136,7 @@ void main() {
   gl_FragColor = vec4(mix(color * 0.72, color, smoothstep(0.5, 1.3, off)), 1.0);
 }`;
 
+const LARGE = 1e6; // triangles, from which a coarse level is drawn while the picture moves
 const NO_CUT = [0, 0, 0, 1];
 const COUNT_FRAGMENT = `
 uniform vec4 cut;
@@ -226,15 +228,17 @@ export class Scene {
   /** @param {{positions: Float32Array, normals: Float32Array|null, triangles: ArrayLike<number>}|null} mesh */
   setMesh(mesh) {
     this.remove(this.front, this.back, this.wires, this.creases, ...(this.counters || []));
-    this.front = this.back = this.wires = this.creases = this.counters = null;
+    this.front = this.back = this.wires = this.creases = this.counters = this.coarse = null;
     this.mesh = mesh;
     if (!mesh) return;
     const geometry = this.geometry(mesh.positions, mesh.tint);
-    geometry.setIndex(new THREE.BufferAttribute(mesh.triangles, 1));
+    this.full = new THREE.BufferAttribute(mesh.triangles, 1);
+    geometry.setIndex(this.full);
     if (mesh.normals) geometry.setAttribute("normal", new THREE.BufferAttribute(mesh.normals, 3));
     else geometry.computeVertexNormals();
     mesh.normals = mesh.normals || geometry.attributes.normal.array;
     this.surface = geometry;
+    this.coarse = mesh.triangles.length > 3 * LARGE ? new THREE.BufferAttribute(coarseTriangles(mesh.positions, mesh.triangles), 1) : null;
     const material = (side) =>
       new THREE.ShaderMaterial({
         vertexShader: SURFACE_VERTEX,
@@ -251,6 +255,13 @@ export class Scene {
     this.counters = [THREE.BackSide, THREE.FrontSide].map((side) => this.addCounter(geometry, side));
     this.setOpacity(this.surfaceLook.opacity.value);
     this.updateCounters();
+  }
+
+  /** Whether the coarse level of a large mesh is drawn, as while the picture moves; false where there is none. */
+  showCoarse(on) {
+    if (!this.coarse) return false;
+    this.surface.setIndex(on ? this.coarse : this.full);
+    return true;
   }
 
   addCounter(geometry, side) {

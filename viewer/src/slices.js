@@ -1,12 +1,13 @@
 // Slices of images and volumes: grey values or colours, labels and contours on top, seeds painted with the mouse.
 
-import {choice, element, oncePerFrame, panel, save, slider, toggle} from "./dom.js";
+import {button, choice, element, oncePerFrame, panel, save, slider, toggle} from "./dom.js";
 import {LABELS, MAPS, parse, at as colorAt} from "./colors.js";
 import {readable, roundStep} from "./ticks.js";
 import {section} from "./section.js";
+import {player} from "./series.js";
 
 const AXES = ["x", "y", "z"];
-const MOST_KEPT = 32; // slices
+const MOST_KEPT = 64; // slices
 
 /** The axes of a slice across `axis`: to the right and down or up. */
 export const planeOf = (axis) => [axis === 0 ? 1 : 0, axis === 2 ? 1 : 2];
@@ -57,7 +58,7 @@ export class Slices {
     this.theme.addEventListener("change", () => this.draw());
     this.seeds = new Map();
     this.changed = oncePerFrame(() => this.draw());
-    this.state = {axis: 2, index: 0, labels: 0.4, contour: true, low: 0, high: 1, map: "grey", brush: 0, size: 5, zoom: 1, shift: [0, 0]};
+    this.state = {axis: 2, index: 0, frame: 0, labels: 0.4, contour: true, low: 0, high: 1, map: "grey", brush: 0, size: 5, zoom: 1, shift: [0, 0]};
     this.kept = new Map();
     this.addControls();
     this.listen();
@@ -65,11 +66,12 @@ export class Slices {
   }
 
   addControls() {
-    const brushes = [["0", "move"], ["1", "outside (label 0)"], ["2", "inside (label 1)"], ["3", "label 2"], ["4", "label 3"], ["-1", "erase"]];
+    const brushes = [["0", "move"], ["1", "outside (0)"], ["2", "inside (1)"], ["3", "label 2"], ["4", "label 3"], ["-1", "erase"]];
     const shown = (i) => String(i);
     const c = {
       axis: choice("Across", "axis", AXES.map((a, i) => [String(i), a]), "2", (axis) => this.turn(Number(axis))),
       index: slider("Slice", "slice", {lo: 0, hi: 0, step: 1, value: 0, shown}, (index) => this.go(index)),
+      frame: slider("Frame", "frame", {lo: 0, hi: 0, step: 1, value: 0, shown}, (frame) => this.goToFrame(frame)),
       labels: slider("Labels", "labels", {lo: 0, hi: 100, step: 1, value: 40, shown: (n) => `${n} %`}, (n) => this.set({labels: n / 100})),
       contour: toggle("Contour", "contour", (contour) => this.set({contour}), true),
       low: slider("Black", "black", {lo: 0, hi: 100, step: 0.5, value: 0}, (n) => this.set({low: n / 100})),
@@ -79,6 +81,11 @@ export class Slices {
       size: slider("Brush", "brush-size", {lo: 1, hi: 40, step: 1, value: 5, shown: (n) => `${n} px`}, (size) => this.set({size})),
     };
     this.controls = c;
+    const play = player(() => this.goToFrame((this.state.frame + 1) % this.frames));
+    c.play = button("Play", "play", () => {
+      this.playing = play();
+      c.play.button.textContent = this.playing ? "Pause" : "Play";
+    });
     const clear = element("button", {type: "button", name: "clear-seeds"}, "Clear seeds");
     clear.addEventListener("click", () => this.clearSeeds());
     const reset = element("button", {type: "button", name: "reset-slice"}, "Reset");
@@ -86,24 +93,27 @@ export class Slices {
     const picture = element("button", {type: "button", name: "slice-picture"}, "Save PNG");
     picture.addEventListener("click", () => this.canvas.toBlob((blob) => save(blob, `${this.name || "slice"}.png`)));
     this.paintingControls = element("div", {className: "group"}, c.brush.node, c.size.node, element("div", {className: "control"}, clear));
-    this.row.append(c.axis.node, c.index.node, c.labels.node, c.contour.node,
+    this.row.append(c.play.node, c.frame.node, c.axis.node, c.index.node, c.labels.node, c.contour.node,
       panel("Window", "window", c.low.node, c.high.node, c.map.node).node, this.paintingControls,
       element("div", {className: "control"}, reset), element("div", {className: "control"}, picture));
   }
 
   /**
    * @param {object} look of the image
-   * @param {(axis: number, index: number) => Promise<object>} read a slice of it
+   * @param {(axis: number, index: number, frame: number) => Promise<object>} read a slice of it
    * @param {{labels?: (axis: number, index: number) => Promise<object>, labelsLook?: object, contour?: object|null,
-   *   keep?: boolean, name?: string, paintable?: boolean}} more labels: slices of a label image; contour: a mesh in
+   *   keep?: boolean, name?: string, paintable?: boolean, frames?: number}} more labels: slices of a label image; contour: a mesh in
    *   physical coordinates
    */
-  show(look, read, {labels = null, labelsLook = null, contour = null, keep = false, name = "", paintable = true} = {}) {
+  show(look, read, {labels = null, labelsLook = null, contour = null, keep = false, name = "", paintable = true, frames = look.frames || 1} = {}) {
     const same = keep && this.look && this.look.size.every((n, a) => n === look.size[a]);
-    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, name});
+    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, name, frames});
     this.kept.clear();
     const flat = look.kind === "image";
     for (const control of [this.controls.axis, this.controls.index]) control.node.hidden = flat;
+    for (const control of [this.controls.play, this.controls.frame]) control.node.hidden = frames < 2;
+    if (this.playing && frames < 2) this.controls.play.button.click();
+    this.state.frame = same ? Math.min(this.state.frame, frames - 1) : 0;
     this.controls.labels.node.hidden = !labels;
     this.controls.contour.node.hidden = !labels && !contour;
     this.paintingControls.hidden = !paintable;
@@ -120,6 +130,8 @@ export class Slices {
     const input = this.controls.index.node.querySelector("input");
     input.max = this.look.size[this.state.axis] - 1;
     this.controls.index.set(this.state.index);
+    this.controls.frame.node.querySelector("input").max = this.frames - 1;
+    this.controls.frame.set(this.state.frame);
     this.controls.axis.set(String(this.state.axis));
     this.controls.brush.set(String(this.state.brush));
   }
@@ -138,6 +150,12 @@ export class Slices {
     return this.load();
   }
 
+  goToFrame(frame) {
+    this.state.frame = frame;
+    this.controls.frame.set(frame);
+    return this.load();
+  }
+
   set(change) {
     Object.assign(this.state, change);
     this.controls.low.set(100 * this.state.low);
@@ -147,10 +165,11 @@ export class Slices {
   }
 
   async slice(kind, read, axis, index) {
-    const key = `${kind} ${axis} ${index}`;
+    const {frame} = this.state;
+    const key = `${kind} ${axis} ${index} ${frame}`;
     if (!this.kept.has(key)) {
       if (this.kept.size > MOST_KEPT) this.kept.delete(this.kept.keys().next().value);
-      this.kept.set(key, read(axis, index));
+      this.kept.set(key, read(axis, index, frame));
     }
     return this.kept.get(key);
   }

@@ -19,6 +19,7 @@ const PLAIN = "plain";
 const BEYOND_BOX = 1.001; // scales the depth of the cut, so that rounding spares nothing at its ends
 const ROOM_FOR_SCALES = 1.06; // of the box: numbers and names stand beside it
 const MOST_HOVERED = 400000; // triangles that are searched whenever the cursor moves
+const REST = 200; // milliseconds without movement, after which a large mesh is drawn in full
 const GIZMO_REACH = 10; // pixels around the end of an axis
 const KEYS = [
   ["drag, arrows", "turn"],
@@ -79,7 +80,7 @@ export class View {
     this.addControls();
     listen(this.canvas, this.orbit, {
       free,
-      changed: () => this.changed(),
+      changed: () => this.moved(),
       clicked: (x, y) => this.clicked(x, y),
       hovered: (x, y) => ((this.cursor = [x, y]), this.hover()),
       left: () => ((this.cursor = null), (this.readout.hidden = true)),
@@ -88,6 +89,18 @@ export class View {
     this.theme.addEventListener("change", () => this.picture && this.recolor());
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     window.addEventListener("beforeprint", () => this.draw());
+  }
+
+  // Large meshes are coarse while they move.
+  moved() {
+    if (this.scene.showCoarse(true)) {
+      clearTimeout(this.rest);
+      this.rest = setTimeout(() => {
+        this.scene.showCoarse(false);
+        this.changed();
+      }, REST);
+    }
+    this.changed();
   }
 
   get colors() {
@@ -104,7 +117,8 @@ export class View {
     this.frame = frame(picture.low, picture.high);
     const {halfSides} = this.frame;
     this.scene.setMesh(picture.mesh);
-    this.scene.setTwoSided(Boolean(picture.axisRanges)); // a landscape has no inside
+    this.scene.setTwoSided(Boolean(picture.axisRanges)); // a landscape has no inside, and is seen from above
+    this.orbit.above = picture.axisRanges ? 32 : 15;
     this.scene.setPoints(picture.points);
     this.scene.setLines(picture.lines || null);
     if (!picture.colors) picture.colors = DEFAULT_COLORS;
@@ -113,6 +127,9 @@ export class View {
     this.canvas.setAttribute("aria-label", this.description());
     for (const [name, thing] of [["points", picture.points && picture.mesh], ["lines", picture.lines], ["cut", picture.mesh || picture.points]])
       this.controls[name].node.hidden = !thing;
+    // What there is nothing of has no controls.
+    for (const [names, thing] of [[["map", "low", "high", "isolines"], picture.scales.length > 0], [["pointSize", "pointOpacity"], picture.points], [["surface", "opacity", "edges"], picture.mesh]])
+      for (const name of names) this.controls[name].node.hidden = !thing;
     this.clearMeasure();
     if (keep && before) {
       // The same quantity, where there is one; the usual colours where a surface is new.
@@ -435,7 +452,7 @@ export class View {
       const normal = blend(found, mesh.normals, 3);
       const length = Math.hypot(...normal) || 1;
       if (!this.picture.axisRanges) parts.push(`normal ${normal.map((value) => readable(value / length, 2)).join(", ")}`);
-      const value = scale && scale.values ? blend(found, scale.values) : NaN;
+      const value = scale && scale.values ? blend(found, scale.values)[0] : NaN;
       if (Number.isFinite(value)) parts.push(`${scale.name} ${readable(value)}`);
     } else if (found.kind === "cap") {
       if (Number.isFinite(found.value)) parts.push(`${inside.title} ${readable(found.value)}`);
@@ -523,6 +540,7 @@ export class View {
   async takePicture(width, clear = false) {
     const [shownWidth, shownHeight] = [this.canvas.clientWidth, this.canvas.clientHeight];
     const ratio = width / shownWidth;
+    this.scene.showCoarse(false);
     this.scene.resize(shownWidth, shownHeight, ratio);
     this.scene.draw();
     const result = element("canvas", {width: Math.round(width), height: Math.round(shownHeight * ratio)});

@@ -10,11 +10,13 @@ import {decodeLook, decodeNpy, guessUp, pictureOf} from "../src/look.js";
 import {aboutAxis, Orbit} from "../src/orbit.js";
 import {blend, pickPoint, pickTriangle} from "../src/pick.js";
 import {allEdges, creaseEdges} from "../src/scene.js";
+import {coarseTriangles} from "../src/coarse.js";
 import {across, areaOf, section, valueAt} from "../src/section.js";
 import {labelEdges, physical, planeOf, seedTable} from "../src/slices.js";
 import {landscape, previewArgs} from "../src/studio/app.js";
 import {roleFlags, usualRoles} from "../src/studio/columns.js";
 import {sliderScale} from "../src/studio/options.js";
+import {framesOf, isSeries, labelFiles, seriesOf} from "../src/studio/series.js";
 import {commandLine, outputsOf, pythonLines, unused} from "../src/studio/tasks.js";
 import {bytesText, counted, pretty, readable, roundStep, ticks} from "../src/ticks.js";
 import {Vector3} from "three";
@@ -389,4 +391,42 @@ test("a function on a grid becomes a landscape within its box", () => {
   const {halfSides} = decode.frame(picture.low, picture.high);
   picture.mesh.positions.forEach((value, i) => assert.ok(Math.abs(value) <= halfSides[i % 3] + 1e-6));
   assert.equal(picture.mesh.triangles.length / 3, 4);
+});
+
+test("coarse levels of closed surfaces are closed, and lie within a cell", () => {
+  const n = 60, positions = new Float32Array(3 * n * n), triangles = [];
+  for (let j = 0, v = 0; j < n; ++j)
+    for (let i = 0; i < n; ++i, ++v) {
+      const [a, b] = [(2 * Math.PI * i) / n, (2 * Math.PI * j) / n];
+      positions.set([(2 + Math.cos(b)) * Math.cos(a), (2 + Math.cos(b)) * Math.sin(a), Math.sin(b)], 3 * v);
+      const right = j * n + ((i + 1) % n), up = ((j + 1) % n) * n;
+      triangles.push(v, right, up + ((i + 1) % n), v, up + ((i + 1) % n), up + i);
+    }
+  const coarse = coarseTriangles(positions, triangles, 16);
+  assert.ok(coarse.length > 900 && coarse.length < triangles.length / 3, String(coarse.length));
+  const count = new Map(); // edges in one direction less those in the other
+  for (let t = 0; t < coarse.length; t += 3)
+    for (let k = 0; k < 3; ++k) {
+      const a = coarse[t + k], b = coarse[t + ((k + 1) % 3)];
+      const [key, sign] = a < b ? [`${a} ${b}`, 1] : [`${b} ${a}`, -1];
+      count.set(key, (count.get(key) || 0) + sign);
+    }
+  assert.ok([...count.values()].every((value) => value === 0));
+});
+
+test("files with numbered names are a series, in the order of the numbers", () => {
+  const image = (name, more = {}) => ({name, kind: "image", made: false, ...more});
+  const items = ["f_10.png", "f_2.png", "f_1.png"].map((name) => image(name));
+  const all = [...items, image("other.png"), image("f_3.png", {made: true})];
+  assert.deepEqual(seriesOf(items[0], all).map(({name}) => name), ["f_1.png", "f_2.png", "f_10.png"]);
+  assert.ok(isSeries(items));
+  assert.ok(!isSeries(items.slice(1)));
+  assert.ok(!isSeries([...items, image("other.png")]));
+  assert.equal(framesOf(items[1], all, {}).count, 3);
+  const volume = {name: "v.mha", kind: "volume", made: false};
+  const {count, flags, look} = framesOf(volume, [volume], {kind: "volume", size: [4, 5, 6], frames: 1});
+  assert.deepEqual([count, flags, look.size, look.kind], [6, [["--slices-are-frames", true]], [4, 5, 1], "image"]);
+  assert.equal(framesOf(volume, [volume], {size: [4, 5, 6], frames: 9}).count, 9);
+  assert.deepEqual(labelFiles([{name: "v-track/labels_0001.mha"}, {name: "v-track/measures.csv"}, {name: "v-track/labels_0000.mha"}]),
+    ["v-track/labels_0000.mha", "v-track/labels_0001.mha"]);
 });

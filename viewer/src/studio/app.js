@@ -8,6 +8,7 @@ import {View} from "../viewer.js";
 import {columnsChooser, roleFlags, usualRoles} from "./columns.js";
 import {commandControls} from "./options.js";
 import {parseReport, showReport} from "./report.js";
+import {frameReader, framesOf, isSeries, labelFiles} from "./series.js";
 import {commandLine, outputsOf, PREVIEWED, pythonLines, TASKS, unused} from "./tasks.js";
 
 const MOST_SHOWN = 400000; // points that are drawn
@@ -139,11 +140,13 @@ export class Studio {
 
   async openAll(files) {
     let last = null;
+    const opened = [];
     for (const file of files) {
       try {
         this.say(`Opening ${file.name} …`);
         last = await this.engine.open(file, file.name.replace(/^[.-]+/, "").replace(/[:\\/]/g, "_"), (part) => this.say(`Opening ${file.name}: ${Math.round(100 * part)} %`));
         this.items.push(last);
+        opened.push(last);
         if (last.problem) throw new Error(last.problem);
         this.say("");
       } catch (error) {
@@ -152,11 +155,17 @@ export class Studio {
     }
     this.chooser.value = "";
     this.showFiles();
-    if (last && !last.problem) await this.select(last.name);
+    if (!last || last.problem) return;
+    if (isSeries(opened) && this.canTrack()) {
+      [this.kindOfTask, this.task_] = [last.kind, "track"];
+      last = opened[0];
+    }
+    await this.select(last.name);
   }
 
   showFiles() {
-    this.files.replaceChildren(...this.items.map((item) => {
+    // What track writes for each frame is shown on the stage.
+    this.files.replaceChildren(...this.items.filter(({name}) => !name.includes("/")).map((item) => {
       const open = element("button", {type: "button", className: "file", title: `${item.name}: ${item.kind}, ${bytesText(item.bytes)}`, dataset: {name: item.name}},
         icon(SHAPES[item.kind] || SHAPES.other), element("span", {className: "name"}, item.name), element("span", {className: "size"}, bytesText(item.bytes)));
       if (item.name === (this.item && this.item.name)) open.setAttribute("aria-current", "true");
@@ -169,7 +178,7 @@ export class Studio {
 
   async download(name) {
     try {
-      save(await this.engine.download(name), name.replace(/^preview:/, ""));
+      save(await this.engine.download(name), name.replace(/^preview:/, "").replace(/\//g, "-"));
     } catch (error) {
       this.complain(error);
     }
@@ -273,11 +282,31 @@ export class Studio {
       case "image":
       case "volume":
         this.offer("slices");
-        await this.slices().show(look, (axis, index) => this.engine.slice(item.name, axis, index), {name: item.name});
+        if (this.task_ === "track") await this.showFrames(item, look);
+        else await this.slices().show(look, (...place) => this.engine.slice(item.name, ...place), {name: item.name});
         break;
       default:
         await this.showModel(item, look);
     }
+  }
+
+  canTrack() {
+    return this.engine.name === "native" && this.commands.has("track");
+  }
+
+  /** The frames of a series, with the labels of each where they are known. */
+  async showFrames(item, look, labels = []) {
+    const frames = framesOf(item, this.items, look);
+    this.offer("slices", ...(this.shownResult ? ["report"] : []));
+    const labelsLook = labels.length > 0 ? await this.engine.look(labels[0]) : null;
+    await this.slices().show(frames.look, frameReader(frames, this.engine), {
+      name: item.name,
+      frames: frames.count,
+      keep: labels.length > 0,
+      paintable: false,
+      labels: labels.length > 0 ? (axis, index, frame) => this.engine.slice(labels[frame], axis, index) : null,
+      labelsLook,
+    });
   }
 
   // Columns in the order of their roles span the picture; the value goes upwards.
@@ -342,12 +371,14 @@ export class Studio {
       return;
     }
     this.task.hidden = false;
-    const names = TASKS[item.kind].filter((name) => this.commands.has(name));
+    const names = TASKS[item.kind].filter((name) => this.commands.has(name) && (name !== "track" || this.canTrack()));
     const select = element("select", {name: "command"}, ...names.map((name) => element("option", {value: name}, name)));
     select.value = this.task_;
     select.addEventListener("change", () => {
+      const tracked = this.task_ === "track";
       this.task_ = select.value;
       this.showTask();
+      if (tracked !== (this.task_ === "track")) this.showItem(item, this.looks.get(item.name)).catch((error) => this.complain(error));
     });
     const command = this.commands.get(this.task_);
     const values = (this.values[this.task_] = this.values[this.task_] || new Map());
@@ -405,13 +436,14 @@ export class Studio {
 
   inputs() {
     if (this.task_ === "combine") return [this.operation, this.item.name, ...(this.operation !== "complement" && this.other ? [this.other] : [])];
+    if (this.task_ === "track") return framesOf(this.item, this.items, this.looks.get(this.item.name)).files;
     if (this.task_ === "compare") return [this.item.name, ...(this.other ? [this.other] : [])];
     return [this.item.name];
   }
 
   /** The command as it stands: parts, and the words of the command line. */
   request() {
-    const taken = new Set(this.items.map((item) => item.name));
+    const taken = new Set(this.items.map((item) => item.name.split("/")[0]));
     const outputs = outputsOf(this.task_, this.item, (name) => {
       const free = unused(name, taken);
       taken.add(free);
@@ -421,6 +453,7 @@ export class Studio {
     const look = this.looks.get(this.item.name);
     const isTable = this.roles && this.task_ === "fit";
     if (isTable) flags.unshift(...roleFlags(look.columns, this.roles));
+    if (this.task_ === "track") flags.unshift(...framesOf(this.item, this.items, look).flags);
     if (this.task_ === "segment" && this.hasSeeds()) flags.push(["--seeds", this.seedsName()]);
     const inputs = this.inputs();
     const words = (pairs) => pairs.flatMap(([flag, value]) => (value === true ? [flag] : [flag, String(value)]));
@@ -613,6 +646,9 @@ export class Studio {
       const contour = entry.item.kind === "volume" ? await this.look(file(/-contour.*\.ply$/)) : null;
       tabs.unshift("slices");
       await this.showLabels(entry.item.name, look, file(/-labels/), contour);
+    } else if (command === "track") {
+      tabs.unshift("slices");
+      await this.showFrames(entry.item, await this.look(entry.item.name), labelFiles(made.items));
     } else if (command === "inpaint") {
       const name = made.items[0].name;
       const look = await this.look(name);
@@ -640,7 +676,8 @@ export class Studio {
     const facts = report ? report.facts.slice(0, 4) : [];
     const list = element("dl", {className: "facts"}, ...facts.map(([value, what]) => element("div", {}, element("dd", {}, value), element("dt", {}, what))));
     const warnings = (report && report.warnings.length ? report.warnings : made.report.warnings || []).map((text) => element("li", {}, text));
-    const files = made.items.map((item) => {
+    const each = made.items.filter(({name}) => name.includes("/") && !name.endsWith("/measures.csv"));
+    const files = made.items.filter((item) => !each.includes(item)).map((item) => {
       const button = element("button", {type: "button", name: "download", dataset: {name: item.name}}, icon(ICONS.save), ` ${item.name} `, element("span", {className: "size"}, bytesText(item.bytes)));
       button.addEventListener("click", () => this.download(item.name));
       return button;
@@ -648,7 +685,18 @@ export class Studio {
     this.result.hidden = false;
     this.result.replaceChildren(element("h2", {}, "Result"), element("p", {className: "quiet"}, `${command} took ${readable(made.seconds, 2)} s`),
       facts.length ? list : element("pre", {className: "summary-lines"}, made.summary || ""),
-      warnings.length ? element("ul", {className: "warning-list"}, ...warnings) : "", element("div", {className: "downloads"}, ...files));
+      warnings.length ? element("ul", {className: "warning-list"}, ...warnings) : "", element("div", {className: "downloads"}, ...files, ...this.framesButton(each)));
+  }
+
+  // Labels of frames are saved together, one file each.
+  framesButton(items) {
+    const labels = labelFiles(items);
+    if (labels.length === 0) return [];
+    const button = element("button", {type: "button", name: "download-frames"}, icon(ICONS.save), ` ${counted(labels.length, "label image")}`);
+    button.addEventListener("click", async () => {
+      for (const name of labels) await this.download(name);
+    });
+    return [button];
   }
 
   // ---- history

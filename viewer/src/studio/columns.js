@@ -4,7 +4,7 @@ import {element} from "../dom.js";
 import {readable} from "../ticks.js";
 
 const ROLES = [["coordinate", "coordinate"], ["value", "value"], ["weight", "weight"], ["", "unused"]];
-const ROWS = 5;
+const FIRST = 4; // values of a column that are shown
 
 /** The roles that the program takes by default: the last column is the value, all others are coordinates. */
 export function usualRoles(columns) {
@@ -23,9 +23,9 @@ export function roleFlags(columns, roles) {
   return flags.filter(([, value]) => value);
 }
 
-/** The table's first rows with a choice of roles above them. */
+/** The columns with a choice of roles and their first values: a row for each, so that any number of them can be read. */
 export function columnsChooser(look, roles, changed) {
-  const head = look.columns.map((column, i) => {
+  const rows = look.columns.map((column, i) => {
     const select = element("select", {name: `role-${i}`}, ...ROLES.map(([value, text]) => element("option", {value}, text)));
     select.setAttribute("aria-label", `Role of the column ${column.name}`);
     select.value = roles[i];
@@ -33,11 +33,10 @@ export function columnsChooser(look, roles, changed) {
       roles[i] = select.value;
       changed();
     });
-    return element("th", {}, element("div", {className: "column-name", title: column.name}, column.name), select);
+    const first = Array.from(column.values.slice(0, FIRST), (value) => (Number.isNaN(value) ? "–" : readable(value, 4))).join(", ");
+    return element("tr", {}, element("th", {scope: "row", title: column.name}, column.name), element("td", {className: "role"}, select),
+      element("td", {className: "first", title: first}, first));
   });
-  const rows = Array.from({length: Math.min(ROWS, look.columns.length ? look.columns[0].values.length : 0)}, (_, r) =>
-    element("tr", {}, ...look.columns.map((column) => element("td", {}, Number.isNaN(column.values[r]) ? "–" : readable(column.values[r], 6)))));
-  return element("div", {className: "columns-chooser"},
-    element("div", {className: "scroll"}, element("table", {}, element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...rows))),
-    element("p", {className: "quiet"}, `The first rows of ${look.total.toLocaleString("en")}.`));
+  return element("div", {className: "columns-chooser"}, element("table", {}, element("tbody", {}, ...rows)),
+    element("p", {className: "quiet"}, `Columns with the first of ${look.total.toLocaleString("en")} values.`));
 }

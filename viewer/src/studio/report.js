@@ -3,6 +3,7 @@
 import {picture} from "../decode.js";
 import {element} from "../dom.js";
 import {watchPlots} from "../hover.js";
+import {watchSeries} from "../series.js";
 
 /** What a report holds. */
 export function parseReport(html) {
@@ -30,5 +31,6 @@ export function showReport(host, report) {
     }
   }
   host.replaceChildren(...nodes);
+  watchSeries(host);
   watchPlots(host);
 }

@@ -6,8 +6,8 @@ export const TASKS = {
   points: ["reconstruct", "fit", "estimate-normals", "info"],
   mesh: ["render", "compare", "reconstruct", "info"],
   table: ["fit", "reconstruct", "info"],
-  image: ["segment", "inpaint", "compare", "info"],
-  volume: ["segment", "inpaint", "compare", "info"],
+  image: ["segment", "track", "inpaint", "compare", "info"],
+  volume: ["segment", "track", "inpaint", "compare", "info"],
   function: ["evaluate", "polygonize", "info"],
   surface: ["polygonize", "curvature", "combine", "render", "info"],
   other: [],
@@ -24,6 +24,7 @@ export const MAIN = {
   fit: ["--coordinates", "--values", "--smoothing", "--method", "--kernel", "--tolerance", "--loss"],
   evaluate: ["--grid", "--bounds", "--gradient", "--standard-deviation"],
   inpaint: ["--mask", "--missing", "--smoothing", "--method"],
+  track: ["--regions", "--smoothness", "--mode", "--init", "--sweeps", "--persistence", "--motion"],
   segment: ["--regions", "--smoothness", "--energy", "--center-spacing", "--mode", "--init", "--mask", "--objects", "--min-size"],
 };
 
@@ -45,7 +46,8 @@ export const SLIDERS = {
 };
 
 /** Flags that the page sets itself. */
-export const HIDDEN = new Set(["--output", "--report", "--model", "--contour", "--preview", "--seeds", "--table", "--refine", "--tile-folder", "--tile-share", "--help", "--version"]);
+export const HIDDEN = new Set(["--output", "--report", "--model", "--contour", "--preview", "--seeds", "--table", "--refine", "--tile-folder",
+  "--tile-share", "--slices-are-frames", "--help", "--version"]);
 
 /** Flags whose value is a file of the studio; which kinds may be chosen. */
 export const FILES = {"--mask": ["image", "volume"], "--like": ["image", "volume"], "--points": ["table", "points"]};
@@ -63,7 +65,8 @@ const imageExtension = (name) => WRITTEN_IMAGES.find((extension) => name.toLower
  * @param {(name: string) => string} free makes a name unused
  */
 export function outputsOf(command, item, free) {
-  const base = stem(item.name);
+  // Of frames the name without their numbers.
+  const base = command === "track" ? stem(item.name).replace(/[-_ ]?\d+$/, "") || stem(item.name) : stem(item.name);
   const surface = {points: "-surface", table: "-surface"}[item.kind] || "";
   const outputs = {
     reconstruct: [["-o", `${base}${surface || "-surface"}.ply`], ["--model", `${base}.csrbf`]],
@@ -79,6 +82,7 @@ export function outputsOf(command, item, free) {
       ["-o", `${base}-labels${imageExtension(item.name)}`],
       ["--contour", item.kind === "volume" ? `${base}-contour.ply` : `${base}-contour.svg`],
     ],
+    track: [["-o", `${base}-track`]],
     compare: [],
     info: [],
   }[command];
@@ -88,7 +92,7 @@ export function outputsOf(command, item, free) {
 
 /** A name that is not taken: with a number where it is. */
 export function unused(name, taken) {
-  const dot = name.indexOf(".");
+  const dot = name.includes(".") ? name.indexOf(".") : name.length;
   const [first, rest] = [name.slice(0, dot), name.slice(dot)];
   let result = name;
   for (let i = 2; taken.has(result); ++i) result = `${first}-${i}${rest}`;
@@ -157,6 +161,10 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
       const seeds = flags.find(([flag]) => flag === "--seeds");
       return ["import csrbf", "", `g = ${call("segment", [python(input), ...(seeds ? [`seeds=${python(seeds[1])}`] : []), ...except([])])}`,
         `g.save(${python(output("-o"))})`];
+    }
+    case "track": {
+      const frames = inputs.length > 1 ? JSON.stringify(inputs) : python(input);
+      return ["import csrbf", "", `t = ${call("track", [frames, ...except([])])}`, "t[0].labels, t.measures"];
     }
     case "inpaint":
       return ["import csrbf", "", `filled = ${call("inpaint", [python(input), ...except([])])}`, `filled.save(${python(output("-o"))})`];
