@@ -339,8 +339,10 @@ class Frames(Studio):
         self.until("studio.slices().labels")
         for t in (0, 3, 4):
             self.slide("frame", t)
-            self.until(f"studio.slices().state.frame === {t} && studio.slices().labels.values[12 * 24 + {7 + 2 * t}] === 1")
-            self.assertEqual(self.js("studio.slices().labels.values[12 * 24 + %d]" % (7 + 2 * t - 6 if t else 20)), 0)
+            # Labels arrive after the frame is shown.
+            inside, outside = 12 * 24 + 7 + 2 * t, 12 * 24 + (7 + 2 * t - 6 if t else 20)
+            self.until(f"studio.slices().state.frame === {t} && studio.slices().labels.values[{inside}] === 1 && "
+                       f"studio.slices().labels.values[{outside}] === 0")
             self.assertEqual(self.js("studio.slices().image.values[12 * 24 + %d]" % (7 + 2 * t)), 100)
         self.screenshot("track")
         self.click("play")
