@@ -30,6 +30,7 @@ sys.dont_write_bytecode = True  # leave no files in the folder of the sources
 from chromium import SKIPPED, missing_browser, set_window, start_browser
 
 try:
+    from selenium.common.exceptions import StaleElementReferenceException
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
     from selenium.webdriver.support.ui import Select, WebDriverWait
@@ -122,7 +123,12 @@ class Studio(unittest.TestCase):
         self.find(f"[name='{name}']").click()
 
     def choose(self, name, value):
-        Select(self.find(f"[name='{name}']")).select_by_value(value)
+        for _ in range(50):
+            try:
+                return Select(self.find(f"[name='{name}']")).select_by_value(value)
+            except StaleElementReferenceException:  # the page made its controls again
+                time.sleep(0.1)
+        self.fail(f"the control {name} does not stay")
 
     def slide(self, name, value, event="input"):
         self.browser.execute_script(
