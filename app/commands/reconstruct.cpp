@@ -90,7 +90,7 @@ void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
   session.expect_output(command.model);
 }
 
-constexpr double tile_bytes_per_point = 1600;  // measured: 900 to 1500
+constexpr double tile_bytes_per_point = 1900;  // measured: 900 to 1800
 
 void run_in_tiles(const ReconstructCommand& command, Session& session) {
   const TileShare share = tile_share(command.tiles);

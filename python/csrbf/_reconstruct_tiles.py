@@ -35,7 +35,7 @@ def reconstruct_tiles(
     mesh : file name
         Written by the first process.
     tile_points : int
-        Points per tile, about; memory grows with it: about 1.5 GB for a million.
+        Points per tile, about; memory grows with it: about 1.8 GB for a million.
     folder : file name, optional
         For finished steps; emptied at the end. Default: that of the mesh with ".tiles" behind it.
     share : (int, int)

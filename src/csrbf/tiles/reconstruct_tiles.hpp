@@ -10,7 +10,7 @@ namespace csrbf {
 
 /// How reconstruct_tiles() works. What is not said here is chosen from the data.
 struct TileOptions {
-  /// Points per tile at most, about; memory grows with it: 1.2 to 1.6 kB for each point of a tile.
+  /// Points per tile at most, about; memory grows with it: 0.9 to 1.8 kB for each point of a tile.
   Index tile_points = 1'000'000;
   /// Where finished steps are kept. A folder with steps of the same work is continued, to the same result.
   std::string folder;
