@@ -148,9 +148,10 @@ class Chooser {
         validation_(samples, cover),
         size_(samples.size()),
         range_((samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff()).maxCoeff()),
-        size_exponent_(
-            std::clamp(2 * std::log10(static_cast<double>(samples.size()) / small_sample), 0.0, largest_exponent)),
-        cost_exponent_(given.accuracy > 0 ? largest_exponent : size_exponent_),
+        cost_exponent_(given.accuracy > 0
+                           ? largest_exponent
+                           : std::clamp(2 * std::log10(static_cast<double>(samples.size()) / small_sample), 0.0,
+                                        largest_exponent)),
         uneven_(validation_.lopsided_share(base_samples) > even_share),
         accuracy_(given.accuracy > 0 ? given.accuracy : (uneven_ ? exact_uneven : exact) * range_) {}
 
@@ -208,7 +209,6 @@ class Chooser {
     }
     const double before = score(best_.errors, errors, best_.cost), now = score(errors, best_.errors, cost);
     if (!(now < before)) return false;
-    if (size_exponent_ > 0 && cost > best_.cost && is_chance(errors)) return false;
     best_ = {options, errors, work, cost};
     return true;
   }
@@ -219,23 +219,6 @@ class Chooser {
     return error <= std::max(noticeable * range_, accuracy_)
                ? std::max(error, accuracy_) * std::pow(cost, cost_exponent_)
                : error * std::pow(inaccurate_cost, cost_exponent_);
-  }
-
-  // Whether the trial may be better than the best by chance: by less than the standard error of the difference, patch
-  // by patch, of errors that noise dominates. Options that cost more must show more than that.
-  [[nodiscard]] bool is_chance(const Eigen::ArrayXXd& errors) const {
-    const Eigen::ArrayXXd& others = best_.errors;
-    if (mean(errors, others) <= std::max(noticeable * range_, accuracy_)) return false;
-    const Index targets = std::min(errors.rows(), others.rows());
-    double count = 0, sum = 0, squares = 0;
-    for (Index patch = 0; patch < errors.cols(); ++patch) {
-      const double gain = (others.col(patch).head(targets) - errors.col(patch).head(targets)).mean();
-      if (std::isnan(gain)) continue;
-      count += 1;
-      sum += gain;
-      squares += gain * gain;
-    }
-    return sum * sum < squares - sum * sum / count;
   }
 
   static double mean(const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& others) {
@@ -360,7 +343,6 @@ class Chooser {
   CrossValidation<Dim> validation_;
   Index size_;
   double range_;
-  double size_exponent_;  // of the cost, by the number of samples
   double cost_exponent_;
   bool uneven_;
   double accuracy_;  // error below which more accuracy is not worth any time
