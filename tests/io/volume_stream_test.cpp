@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <random>
 
 namespace csrbf::volume_stream_test {
@@ -46,6 +47,23 @@ TEST_F(VolumeStreamTest, ReadsSlicesInAnyOrder) {
         EXPECT_TRUE(std::ranges::equal(stream->read(begin, end), std::vector<float>(whole.values.begin() + 12 * begin,
                                                                                     whole.values.begin() + 12 * end)));
     }
+}
+
+TEST_F(VolumeStreamTest, SaysTheTypeOfScaledValues) {
+  write_volume(path("image.nii"), image(SampleType::int16));
+  {
+    std::fstream file(path("image.nii"), std::ios::binary | std::ios::in | std::ios::out);
+    constexpr std::streamoff slope_field = 112;
+    const float slope = 0.5F;
+    file.seekp(slope_field);
+    file.write(reinterpret_cast<const char*>(&slope), sizeof slope);
+  }
+  const Volume<float> whole = read_volume(path("image.nii"));
+  std::optional<VolumeStream> stream = VolumeStream::open(path("image.nii"));
+  ASSERT_TRUE(stream);
+  EXPECT_EQ(stream->layout().type, whole.type);
+  EXPECT_EQ(whole.type, SampleType::float32);
+  EXPECT_TRUE(std::ranges::equal(stream->read(0, 5), whole.values));
 }
 
 TEST_F(VolumeStreamTest, LeavesOtherFilesToReadVolume) {

@@ -13,19 +13,22 @@ class VolumeStream {
   /// Nothing for images that read_volume() must read whole. Throws IoError as it does.
   static std::optional<VolumeStream> open(const std::string& path);
 
-  [[nodiscard]] const VolumeLayout& layout() const { return head_.layout; }
+  [[nodiscard]] const VolumeLayout& layout() const { return layout_; }
 
   /// The slices [begin, end) along z, x fastest, until the next call. Throws IoError.
   std::span<const float> read(Index begin, Index end);
 
  private:
   VolumeStream(std::string path, OpenFile file, std::int64_t first, RawVolume head)
-      : path_(std::move(path)), file_(std::move(file)), first_(first), head_(std::move(head)) {}
+      : path_(std::move(path)), file_(std::move(file)), first_(first), head_(std::move(head)), layout_(head_.layout) {
+    layout_.type = value_type(head_);
+  }
 
   std::string path_;
   OpenFile file_;
-  std::int64_t first_;  // byte of the samples
-  RawVolume head_;      // and the samples read last
+  std::int64_t first_;   // byte of the samples
+  RawVolume head_;       // and the samples read last
+  VolumeLayout layout_;  // of the values
   std::vector<float> values_;
 };
 

@@ -39,6 +39,13 @@ void decode_as(const RawVolume& raw, Index first, std::span<Scalar> to) {
 
 }  // namespace
 
+SampleType value_type(const RawVolume& raw) {
+  const SampleType type = raw.layout.type;
+  const bool has_gaps = raw.no_data.has_value() && sample_name(type).starts_with("int");
+  const bool keeps = is_floating(type) || (raw.slope == 1 && raw.intercept == 0 && !has_gaps);
+  return keeps ? type : sample_size(type) < 4 ? SampleType::float32 : SampleType::float64;
+}
+
 template <class Scalar>
 Volume<Scalar> decode_samples(RawVolume raw) {
   Volume<Scalar> volume;
@@ -57,10 +64,7 @@ Volume<Scalar> decode_samples(RawVolume raw) {
     const auto size = static_cast<Index>(sample_size(raw.layout.type));
     if (!raw.planar) discard_bytes(samples + first * size, samples + end * size);
   }
-  // Scaled samples, and those among which are NaN, are no longer integers of their type.
-  const bool has_gaps = raw.no_data.has_value() && sample_name(volume.type).starts_with("int");
-  if ((raw.slope != 1 || raw.intercept != 0 || has_gaps) && !is_floating(volume.type))
-    volume.type = sample_size(volume.type) < 4 ? SampleType::float32 : SampleType::float64;
+  volume.type = value_type(raw);
   return volume;
 }
 

@@ -35,6 +35,9 @@ void write_parts(const std::string& path, const FileParts& parts);
 template <class Scalar>
 Volume<Scalar> decode_samples(RawVolume raw);
 
+/// The type of the values: scaled samples, and those among which are NaN, are no longer integers.
+SampleType value_type(const RawVolume& raw);
+
 /// Some of the values into an array, from the first one on; raw.bytes holds their samples.
 void decode_samples(const RawVolume& raw, std::span<float> to);
 
