@@ -114,10 +114,7 @@ class Segmenter {
     found.speckle = speckle_;
     found.blur = blur_;
     found.prices = price_list(prices_);
-    for (const RegionReport& region : found.regions)
-      if (region.voxels == 0)
-        found.warnings.push_back("label " + std::to_string(region.label) +
-                                 " is empty: start elsewhere, or take another energy");
+    warn_of_empty(found.regions, found.warnings);
     found.options = std::move(used_);
     return {std::move(labels), std::move(fields_), std::move(found)};
   }

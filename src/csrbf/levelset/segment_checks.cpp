@@ -88,6 +88,13 @@ void use_large(const LargePartition<Dim>& found, SegmentSettings& used) {
   used.window = 0;
 }
 
+void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::string>& warnings) {
+  for (const RegionReport& region : regions)
+    if (region.voxels == 0)
+      warnings.push_back("label " + std::to_string(region.label) +
+                         " is empty: start elsewhere, or take another energy");
+}
+
 bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
   return given.energy == SegmentEnergy::automatic && given.mode == SegmentMode::local &&
          given.method == SegmentMethod::variational && !given.force && given.prior.empty() && !given.window &&

@@ -35,6 +35,9 @@ LargePartitionOptions large_options(const Grid& grid, const SegmentSettings& set
 template <int Dim>
 void use_large(const LargePartition<Dim>& found, SegmentSettings& used);
 
+/// A warning for each region without voxels.
+void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::string>& warnings);
+
 /// Whether the energy of a contour that moves from its start is to be chosen: it is `automatic`, and nothing else that
 /// is given belongs to one of them.
 bool chooses_local_energy(const SegmentOptions& given, Index voxels);

@@ -49,6 +49,7 @@ std::optional<Segmentation<Dim>> segment_slices(SliceSource& image, const Grid& 
                              .mean = partition->means[k],
                              .sd = partition->deviations[k]});
   }
+  warn_of_empty(found.regions, found.warnings);
   return Segmentation<Dim>{
       {},
       level_set_fields(partition->lattice, {std::move(partition->coefficients)}, partition->blocks),

@@ -4,6 +4,7 @@
 #include "csrbf/levelset/contour/contour_energy.hpp"
 #include "csrbf/levelset/image/block_means.hpp"
 #include "csrbf/levelset/regions/intensity_classes.hpp"
+#include "csrbf/levelset/regions/region_labels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +66,7 @@ class LargeSearch {
         const std::span<const std::uint8_t> labels = label(begin, end);
         sums.add(sums_of(labels, begin, end));
         price += contour_price(labels, 1, size_of(end + 1 - begin, begin), options_.weight, end - begin);
-        count_border(labels, begin, end);
+        count_border(labels, grid_, mask_, begin, end, border_);
       });
       ++rounds_;
       converged_ = update(sums);
@@ -144,7 +145,8 @@ class LargeSearch {
     for_each_slab([&](Index begin, Index end) {
       values_ = image_.slices(begin, end);
       first_ = begin;
-      std::vector<std::uint8_t> labels(values_.size());
+      std::vector<std::uint8_t>& labels = scratch_;
+      labels.resize(values_.size());
       parallel_for(std::ssize(labels), voxels_per_task, [&](Index from, Index to) {
         for (Index i = from; i < to; ++i) labels[i] = values_[i] > threshold ? 1 : 0;
       });
@@ -251,36 +253,24 @@ class LargeSearch {
 
   // Means and deviation of the regions; true when they hardly change.
   bool update(const Sums& sums) {
-    if (sums.count[0] == 0 || sums.count[1] == 0) return true;
     const auto about = static_cast<double>(static_cast<float>(now_.middle()));
     TwoMeans next;
     double within = 0, moved = 0;
     sums_ = sums;
     for (std::size_t k = 0; k < 2; ++k) {
+      if (sums.count[k] == 0) continue;
       const double off = sums.sum[k] / sums.count[k];
-      within += sums.squares[k] - sums.sum[k] * off;
       next.means[k] = about + off;
       moved = std::max(moved, std::abs(next.means[k] - now_.means[k]));
-      // About the mean.
-      sums_.squares[k] = std::max(0.0, sums.squares[k] - sums.sum[k] * off);
       sums_.sum[k] = sums.count[k] * next.means[k];
+      sums_.squares[k] = std::max(0.0, sums.squares[k] - sums.sum[k] * off);
+      within += sums.squares[k] - sums.sum[k] * off;
     }
+    if (sums.count[0] == 0 || sums.count[1] == 0) return true;
     const double count = sums.count[0] + sums.count[1], least = next.contrast() / 512;
     next.variance = std::max(within / count, least * least);
     now_ = next;
     return moved <= means_at_rest * now_.contrast();
-  }
-
-  // As border_region().
-  void count_border(std::span<const std::uint8_t> labels, Index begin, Index end) {
-    const auto [nx, ny, nz] = grid_.size;
-    for (Index z = begin; z < end; ++z)
-      for (Index y = 0; y < ny; ++y) {
-        const bool side = (ny > 1 && (y == 0 || y == ny - 1)) || (nz > 1 && (z == 0 || z == nz - 1));
-        const Index step = side ? 1 : std::max<Index>(1, nx - 1);
-        for (Index x = 0; x < nx; x += step)
-          ++border_[labels[static_cast<std::size_t>(((z - begin) * ny + y) * nx + x)]];
-      }
   }
 
   SliceSource& image_;
@@ -292,7 +282,7 @@ class LargeSearch {
   Index first_ = 0;
   std::vector<std::uint8_t> scratch_;
   TwoMeans now_, labelled_;  // and those of the labels
-  Sums sums_;                // of the labels: counts, sums and squares about the means
+  Sums sums_;                // of the labels: counts and sums of values, squares about the means
   std::array<Index, 2> border_{0, 0};
   std::vector<double> energy_;
   int rounds_ = 0;

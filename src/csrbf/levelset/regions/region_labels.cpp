@@ -56,19 +56,25 @@ int seeded_region(std::span<const std::uint8_t> labels, std::span<const std::uin
   return b > a ? 1 : 0;
 }
 
-int border_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
-                  int regions) {
-  std::vector<Index> counts(regions, 0);
+void count_border(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
+                  Index begin, Index end, std::span<Index> counts) {
   const auto [nx, ny, nz] = grid.size;
-  for (Index z = 0; z < nz; ++z)
+  for (Index z = begin; z < end; ++z)
     for (Index y = 0; y < ny; ++y) {
       const bool side = (ny > 1 && (y == 0 || y == ny - 1)) || (nz > 1 && (z == 0 || z == nz - 1));
       const Index step = side ? 1 : std::max<Index>(1, nx - 1);
       for (Index x = 0; x < nx; x += step) {
-        const auto i = static_cast<std::size_t>(grid.index(x, y, z));
-        if (takes_part(mask, i)) ++counts[std::min<std::size_t>(labels[i], counts.size() - 1)];
+        const auto i = static_cast<std::size_t>(grid.index(x, y, z - begin));
+        if (takes_part(mask, static_cast<std::size_t>(grid.index(x, y, z))))
+          ++counts[std::min<std::size_t>(labels[i], counts.size() - 1)];
       }
     }
+}
+
+int border_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
+                  int regions) {
+  std::vector<Index> counts(regions, 0);
+  count_border(labels, grid, mask, 0, grid.size[2], counts);
   return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 

@@ -18,6 +18,11 @@ Index fill_enclosed(std::span<std::uint8_t> labels, const Grid& grid);
 int seeded_region(std::span<const std::uint8_t> labels, std::span<const std::uint8_t> seed,
                   std::span<const std::uint8_t> mask);
 
+/// Adds the voxels of each label at the border of the image, in its slices [begin, end), whose labels these are; labels
+/// beyond the last count as the last. `mask`: of the whole image; may be empty.
+void count_border(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
+                  Index begin, Index end, std::span<Index> counts);
+
 /// The region that holds most of the voxels at the border of the image, or of the mask where that has a border.
 int border_region(std::span<const std::uint8_t> labels, const Grid& grid, std::span<const std::uint8_t> mask,
                   int regions);
