@@ -37,13 +37,14 @@ Classes split(const Eigen::MatrixXd& samples, const Eigen::VectorXd& direction) 
   for (Index i = 0; i < f.size(); ++i) sorted.emplace_back(f[i], i);
   std::sort(sorted.begin(), sorted.end());
   const auto n = static_cast<double>(f.size());
+  const double all = f.sum();
   double sum = 0, best = -1;
   std::size_t cut = 0;
   for (std::size_t i = 0; i + 1 < sorted.size(); ++i) {
     sum += sorted[i].first;
     if (sorted[i].first == sorted[i + 1].first) continue;
     const double below = static_cast<double>(i + 1);
-    const double between = std::pow(sum * n - f.sum() * below, 2) / (below * (n - below));
+    const double between = std::pow(sum * n - all * below, 2) / (below * (n - below));
     if (between > best) {
       best = between;
       cut = i + 1;
