@@ -1,5 +1,7 @@
 #include "csrbf/approx/inpaint.hpp"
 
+#include "csrbf/approx/images/grid_spline.hpp"
+
 #include "core/error_testing.hpp"
 
 #include <gtest/gtest.h>
@@ -162,6 +164,37 @@ TEST(Inpaint, DoesNotOvershootInHolesOfTextures) {
     variance += std::pow(truth.values[i] - 100, 2);
   }
   EXPECT_LE(errors, 2 * variance);
+}
+
+// Waves of all lengths and directions, whose amplitudes are their lengths: between few pixels neither blocks nor a thin
+// plate are best.
+TEST(Inpaint, OfFewRoughPixelsTakesAMeanWithAThinPlate) {
+  double squares = 0, squares_of_plate = 0;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    std::vector<std::array<double, 3>> waves;
+    for (int k = 0; k < 300; ++k) {
+      const double length = 3 * std::pow(30, uniform(random)), angle = 6.3 * uniform(random);
+      waves.push_back({std::cos(angle) / length, std::sin(angle) / length, uniform(random)});
+    }
+    const Volume<double> truth = picture_of(layout(96, 96), [&](const Point<3>& p) {
+      double sum = 0;
+      for (const auto& [x, y, phase] : waves)
+        sum += std::sin(6.283185307179586 * (x * p.x() + y * p.y() + phase)) / std::hypot(x, y);
+      return sum;
+    });
+    const Mask mask = random_mask(truth.grid, .9, seed);
+    Volume<double> filled = spoiled(truth, mask);
+    inpaint(filled, mask);
+    Eigen::MatrixXd plate = Eigen::Map<const Eigen::VectorXd>(truth.values.data(), std::ssize(truth.values));
+    fill_by_grid_spline(truth.grid, mask, 0, plate);
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      squares += std::pow(filled.values[i] - truth.values[i], 2);
+      squares_of_plate += std::pow(plate(static_cast<Index>(i), 0) - truth.values[i], 2);
+    }
+  }
+  EXPECT_LT(std::sqrt(squares / squares_of_plate), 1);
 }
 
 TEST(Inpaint, TakesNaNForMissing) {

@@ -70,6 +70,7 @@ struct Plan {
   FitOptions fit;
   std::optional<double> tension = {};  // of the spline
   Index width = 0;                     // of the blocks; 0: none
+  double plate = 0;                    // share of a thin plate in the mean with what all this says
   std::vector<double> errors = {};     // before the blocks, root mean squares of the components; of a trial
 };
 
@@ -138,6 +139,18 @@ class Trial {
   [[nodiscard]] bool has_holes() const { return has_holes_; }
   [[nodiscard]] const Plan& best() const { return best_; }
 
+  // The share of a thin plate in a mean with the best plan, whose errors cancel in part: what suits the hidden voxels,
+  // and one more hole that would say a half.
+  void choose_mean() {
+    if (plate_.size() == 0 || (best_.tension == 0.0 && best_.width == 0)) return;
+    const Eigen::MatrixXd off = refined_ - truth_, step = plate_ - refined_;
+    const double trials = std::max(1.0, static_cast<double>(hidden_.size()) / std::pow(2 * depth_in_voxels() - 1, Dim));
+    const double squares = step.squaredNorm();
+    if (!(squares > 0)) return;
+    const double share = -off.cwiseProduct(step).sum() / squares;  // of the least squares
+    best_.plate = std::clamp((trials * share + 0.5) / (trials + 1), 0.0, 1.0);
+  }
+
   // Splines on the grid from thin plates, which follow slopes, to membranes, which overshoot nowhere, while that helps.
   void try_splines() {
     const auto unknowns = std::ssize(unknown_) - std::count(unknown_.begin(), unknown_.end(), 0);
@@ -181,10 +194,16 @@ class Trial {
     double least = static_cast<double>(part_.count);
     for (Index width = 8; width <= (!has_holes_ ? 8 : is_deep ? 32 : 16); width *= 2) {
       double sum = 0;
-      for (Index c = 0; c < part_.count; ++c) sum += error_with(width, c);
+      Eigen::MatrixXd found = truth_;
+      for (Index c = 0; c < part_.count; ++c) {
+        found.col(c) = refined_at(width, c);
+        sum += (found.col(c) - truth_.col(c)).squaredNorm() / static_cast<double>(hidden_.size()) /
+               std::pow(best_.errors[c], 2);
+      }
       if (sum >= least) continue;
       least = sum;
       best_.width = width;
+      refined_ = found;
     }
   }
 
@@ -205,17 +224,18 @@ class Trial {
     best_.errors.clear();
     for (const double sum : squares) best_.errors.push_back(std::sqrt(sum / static_cast<double>(hidden_.size())));
     values_ = std::move(values);
+    refined_ = values_(hidden_, Eigen::all);
+    if (plan.tension == 0.0) plate_ = refined_;
     return true;
   }
 
-  // Mean square at the hidden voxels after blocks of that width, over that before.
-  [[nodiscard]] double error_with(Index width, Index c) const {
+  // Values of the hidden voxels after blocks of that width.
+  [[nodiscard]] Eigen::VectorXd refined_at(Index width, Index c) const {
     Mask unknown = grown(hidden_mask_, part_.grid, width);
     for (std::size_t i = 0; i < unknown.size(); ++i) unknown[i] &= unknown_[i];
     Eigen::VectorXd values = values_.col(c);
     refine(values, unknown, part_.grid, width, best_.errors[c]);
-    const double sum = (values(hidden_) - truth_.col(c)).squaredNorm();
-    return sum / static_cast<double>(hidden_.size()) / std::pow(best_.errors[c], 2);
+    return values(hidden_);
   }
 
   const Part<Scalar>& part_;
@@ -224,7 +244,8 @@ class Trial {
   Mask hidden_mask_, unknown_;  // the hidden voxels; with the missing ones
   Eigen::MatrixXd truth_;       // of the hidden voxels
   Plan best_;
-  Eigen::MatrixXd values_;  // by the best plan without blocks
+  Eigen::MatrixXd values_;           // by the best plan without blocks
+  Eigen::MatrixXd refined_, plate_;  // of the hidden voxels, by the best plan and by a thin plate
   double least_ = std::numeric_limits<double>::infinity();
 };
 
@@ -248,6 +269,7 @@ Plan choose_plan(const Part<Scalar>& part, const InpaintOptions& options) {
     trial.try_kernels({fit.kernel});
   }
   if (may_refine) trial.choose_blocks(options.blocks);
+  if (is_free) trial.choose_mean();
   return trial.best();
 }
 
@@ -258,9 +280,12 @@ InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
   Eigen::MatrixXd values = filled<Dim>(part, part.missing, plan, report.fit);
   report.blocks = plan.width;
   if (plan.tension) report.fit.cross_validation_rmse = plan.errors[0];
+  Eigen::MatrixXd plate = values;
+  if (plan.plate > 0) fill_by_grid_spline(part.grid, part.missing, 0, plate);
   for (Index c = 0; c < part.count; ++c) {
     if (plan.width > 0) refine(values.col(c), part.missing, part.grid, plan.width, plan.errors[c]);
-    for (const Index i : marked(part.missing)) part.frame(part.first + c, i) = static_cast<Scalar>(values(i, c));
+    for (const Index i : marked(part.missing))
+      part.frame(part.first + c, i) = static_cast<Scalar>((1 - plan.plate) * values(i, c) + plan.plate * plate(i, c));
   }
   return report;
 }

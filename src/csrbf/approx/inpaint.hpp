@@ -44,7 +44,8 @@ struct InpaintReport {
 /// budget is given. In holes of images that are not smooth only splines are tried: there the fit is no better and takes
 /// seconds. The report then says grid-spline.
 ///
-/// What the fit says is then refined by blocks, which continue edges and textures (see InpaintOptions::blocks).
+/// What the fit says is then refined by blocks, which continue edges and textures (see InpaintOptions::blocks). The
+/// result is a mean of this and a thin plate on the grid, with the weights that suit the hidden voxels.
 ///
 /// Throws InvalidInput when `missing` has another size, a frame has no known value or the width of the blocks is out of
 /// its range, and what fit() throws.

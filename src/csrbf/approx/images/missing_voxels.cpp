@@ -17,7 +17,7 @@ constexpr double useful_share = .5;  // of the known voxels: with more of them i
 
 constexpr double deep = 1.5;  // mean depth of missing voxels, in spacings of known ones, above which they form holes
 constexpr double shift_depths = 4;  // how far holes are shifted to test kernels on them, in depths of the deepest one
-constexpr Index least_trial_step = 16, most_trial_voxels = 1000;  // of known voxels, to test the fit on
+constexpr Index least_trial_step = 5, most_trial_voxels = 1000;  // of known voxels, to test the fit on
 
 // The missing voxels shifted along an axis, where they land on known ones.
 Mask shifted(const Mask& missing, const Grid& grid, int axis, Index by) {

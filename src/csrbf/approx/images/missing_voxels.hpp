@@ -27,7 +27,8 @@ std::vector<Index> sample_voxels(const Mask& missing, const Grid& grid, Index kn
 
 /// Holes of the same shape among the known voxels, to test fits on; empty when the missing voxels are scattered.
 Mask trial_holes(const Mask& missing, const Grid& grid, Index known);
-/// Some of the known voxels near missing ones: one of each run of about 16, not always at the same place in it.
+/// Some of the known voxels near missing ones, at most about 1000: one of each run of 5 or more, not always at the same
+/// place in it.
 Mask trial_voxels(const std::vector<Index>& known, std::size_t voxels);
 
 }  // namespace csrbf
