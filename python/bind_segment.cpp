@@ -226,7 +226,7 @@ const auto& field_of(const Fields& fields, Index label) {
 }
 
 // The labels, and the measures of each.
-py::tuple objects_of(const Image& image, const Segments& s, Index min_size, const py::object& listener) {
+py::tuple objects_of(const Image& image, const Segments& s, std::optional<Index> min_size, const py::object& listener) {
   using namespace py::literals;
   const Objects found = run(listener, [&](const Progress& progress) {
     return std::visit(

@@ -24,7 +24,7 @@ struct VoxelArrays {
 struct Wanted {
   SegmentOptions options;
   bool contour = true, model = false, objects = false;
-  Index min_size = 1;
+  std::optional<Index> min_size;
 };
 
 std::vector<std::uint8_t> voxels_of(const std::uint8_t* array, Index count) {
@@ -148,7 +148,8 @@ void add_contour(const Segmentation<3>& found, const Grid& grid, Answer& answer)
   answer.add("regions", std::move(labels));
 }
 
-void add_objects(const Volume<float>& image, const std::vector<std::uint8_t>& labels, Index min_size, Answer& answer) {
+void add_objects(const Volume<float>& image, const std::vector<std::uint8_t>& labels, std::optional<Index> min_size,
+                 Answer& answer) {
   const Objects objects = find_objects(image, labels, {.min_size = min_size, .progress = progress()});
   Json table = Json::array();
   for (const ObjectMeasure& each : objects.table)

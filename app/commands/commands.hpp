@@ -143,7 +143,7 @@ struct SegmentCommand : SegmentFlags {
   std::string input, output;
   std::string contour, model, preview;
   bool objects = false;
-  Index min_size = 1;
+  std::optional<Index> min_size;
   std::string table;
   std::string channels;
   std::string seeds, seed_confidence;

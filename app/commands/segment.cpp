@@ -31,7 +31,7 @@ namespace {
 
 void check_object_flags(const SegmentCommand& command, Session& session) {
   if (!command.objects) {
-    const char* flag = !command.table.empty() ? "--table" : command.min_size > 1 ? "--min-size" : nullptr;
+    const char* flag = !command.table.empty() ? "--table" : command.min_size ? "--min-size" : nullptr;
     if (flag != nullptr) throw UsageError(std::string(flag) + ": is about objects: add --objects");
     return;
   }
@@ -47,7 +47,10 @@ std::optional<Objects> find_objects(const SegmentCommand& command, const Volume<
     return csrbf::find_objects(image, labels, {.min_size = command.min_size, .progress = session.progress()});
   });
   session.result["objects"] = objects.table.size();
-  session.say(counted(std::ssize(objects.table), "object"));
+  session.result["objects_left_out"] = objects.left_out;
+  std::string said = counted(std::ssize(objects.table), "object");
+  if (objects.left_out > 0) said += "; " + std::to_string(objects.left_out) + " smaller ones left out (--min-size)";
+  session.say(said);
   return objects;
 }
 
@@ -102,7 +105,7 @@ void add_options(const SegmentCommand& command, const SegmentSettings& used, Ses
                           {"seed_confidence", or_null(command.seed_confidence)},
                           {"objects", command.objects},
                           {"table", or_null(command.table)},
-                          {"min_size", command.min_size}});
+                          {"min_size", or_null(command.min_size)}});
 }
 
 void add_result(const SegmentCommand& command, const SegmentReport& r, const Grid& grid, Session& session) {

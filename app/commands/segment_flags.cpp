@@ -78,7 +78,8 @@ void declare(CommandFlags& v, SegmentCommand& c) {
   v.toggle("--objects", c.objects,
            "split what is inside into objects, touching ones too, and write their numbers, 1 to n, as labels");
   v.flag("table", c.table, "FILE", "", "size, place, shape and mean of every object: .csv");
-  v.flag("min-size", c.min_size, "N", "1", "leave out objects, and fill holes, of fewer voxels")
+  v.flag("min-size", c.min_size, "N", "a tenth of the median of the objects, and no holes",
+         "leave out objects, and fill holes, of fewer voxels")
       ->check(CLI::Range(1, 2147483647));
 }
 

@@ -147,7 +147,7 @@ def segment(
     listener: Listener,
 ) -> Segments: ...
 def find_objects(
-    image: Volume, segments: Segments, min_size: int, listener: Listener
+    image: Volume, segments: Segments, min_size: int | None, listener: Listener
 ) -> tuple[NDArray[np.int32], list[dict[str, Any]]]: ...
 def track(
     images: Sequence[Volume],

@@ -49,7 +49,7 @@ def segment(
     seed_confidence: float | ImageLike = 1.0,
     channels: Sequence[int] | None = None,
     objects: bool = False,
-    min_size: int = 1,
+    min_size: int | None = None,
     iterations: int = 100,
     progress: Progress = None,
 ) -> Segmentation:
@@ -109,8 +109,9 @@ def segment(
         length 3 or 4.
     objects : bool
         Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
-    min_size : int
-        Objects of fewer voxels are left out, and holes filled.
+    min_size : int, optional
+        Objects of fewer voxels are left out, and holes filled. When not given, objects smaller than a tenth of the
+        median of all are left out.
     iterations : int
         Largest number of iterations.
     progress : bool or callable, optional
@@ -138,7 +139,7 @@ def segment(
     """
     if objects and regions > 2:
         raise ValueError("objects: needs two regions, of which label 1 has the objects")
-    if min_size != 1 and not objects:
+    if min_size is not None and not objects:
         raise ValueError("min_size: is about objects: add objects=True")
     image = as_image(image, voxel_size)
     volume = volume_of(image, channels)
@@ -163,7 +164,7 @@ def segment(
         confidences = np.ascontiguousarray(numbers(given, "seed_confidence"), np.float32)
     with listening(progress) as listener:
         found = _csrbf.segment(volume, start, voxels, known, confidences, options, force, listener)
-        parts = _csrbf.find_objects(volume, found, int(min_size), listener) if objects else None
+        parts = _csrbf.find_objects(volume, found, min_size, listener) if objects else None
     return Segmentation(found, parts, image)
 
 

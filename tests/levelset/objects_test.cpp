@@ -100,6 +100,18 @@ TEST(Objects, SmallerThanMinSizeAreLeftOutAndSuchHolesFilled) {
   EXPECT_EQ(large.labels[static_cast<std::size_t>(picture.image.grid.index(50, 40))], 0);
 }
 
+TEST(Objects, ThatAreSpecksBesideTheOthersAreLeftOut) {
+  const std::vector<Ball> balls{{15, 15, 0, 8}, {45, 15, 0, 8}, {15, 40, 0, 8}, {45, 40, 0, 1.2}};
+  const Picture picture({60, 55, 1}, balls);
+  const Objects found = find_objects(picture.image, picture.labels);
+  EXPECT_EQ(found.table.size(), 3U);
+  EXPECT_EQ(found.left_out, 1);
+  EXPECT_EQ(find_objects(picture.image, picture.labels, {.min_size = 1}).table.size(), 4U);
+  // Where most are small, so is what is usual.
+  const Picture dots({60, 55, 1}, {{15, 15, 0, 8}, {45, 15, 0, 1.2}, {15, 40, 0, 1.2}, {45, 40, 0, 1.2}});
+  EXPECT_EQ(find_objects(dots.image, dots.labels).table.size(), 4U);
+}
+
 TEST(Objects, OfEmptyAndFullImagesAreNoneAndOne) {
   const Picture empty({20, 20, 1}, {});
   EXPECT_TRUE(find_objects(empty.image, empty.labels).table.empty());

@@ -184,7 +184,7 @@ export interface SegmentOptions {
   model?: boolean;
   /** Whether the result has the objects that label 1 consists of. */
   objects?: boolean;
-  /** Smaller objects, in voxels, are left out. */
+  /** Smaller objects, in voxels, are left out; by default those below a tenth of the median of all. */
   minSize?: number;
   progress?: Listener;
 }

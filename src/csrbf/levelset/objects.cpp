@@ -49,19 +49,38 @@ std::vector<std::int32_t> connected_parts(const std::vector<std::uint8_t>& insid
   return labels;
 }
 
-// Leaves out objects of fewer voxels and numbers the others in the order of their first voxels.
-void number(std::vector<std::int32_t>& labels, Index min_size) {
+// A tenth of the median size. Where small objects are many they are the usual ones; by hand: with .05 to .2 more of the
+// objects that people drew are found than with 0.
+Index size_of_specks(std::vector<Index> sizes) {
+  std::erase(sizes, 0);
+  if (sizes.empty()) return 0;
+  const auto middle = sizes.begin() + (std::ssize(sizes) - 1) / 2;
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle / 10;
+}
+
+// Leaves out small objects and numbers the others in the order of their first voxels. How many are left out.
+Index number(std::vector<std::int32_t>& labels, std::optional<Index> min_size) {
   const std::int32_t most = *std::max_element(labels.begin(), labels.end());
   std::vector<Index> sizes(static_cast<std::size_t>(most) + 1, 0);
-  for (const std::int32_t label : labels) ++sizes[label];
+  for (const std::int32_t label : labels)
+    if (label != 0) ++sizes[label];
+  const Index least = min_size ? *min_size : size_of_specks(sizes);
   std::vector<std::int32_t> numbers(sizes.size(), 0);
   std::int32_t count = 0;
+  Index left_out = 0;
   for (std::int32_t& label : labels) {
     if (label == 0) continue;
     std::int32_t& to = numbers[label];
-    if (to == 0) to = sizes[label] < min_size ? -1 : ++count;
+    if (to == 0 && sizes[label] < least) {
+      to = -1;
+      ++left_out;
+    } else if (to == 0) {
+      to = ++count;
+    }
     label = std::max(to, 0);
   }
+  return left_out;
 }
 
 struct Sums {
@@ -133,14 +152,15 @@ std::vector<ObjectMeasure> measure_objects(const Volume<float>& image, std::span
 
 Objects find_objects(const Volume<float>& image, std::span<const std::uint8_t> labels, const ObjectOptions& options) {
   const Grid& grid = image.grid;
-  require(options.min_size >= 1, "find_objects", "min_size", options.min_size, "must be at least 1");
+  if (options.min_size)
+    require(*options.min_size >= 1, "find_objects", "min_size", *options.min_size, "must be at least 1");
   require(std::ssize(labels) == grid.voxels(), "find_objects", "number of labels", labels.size(),
           "must be that of the voxels, " + std::to_string(grid.voxels()));
   require(image.frames == 1 && std::ssize(image.values) == image.values_per_frame(), "find_objects", "number of values",
           image.values.size(), "must be that of the voxels of one frame");
   std::vector<std::uint8_t> inside(labels.size());
   for (std::size_t i = 0; i < inside.size(); ++i) inside[i] = labels[i] != 0 ? 1 : 0;
-  if (options.min_size > 1) fill_small_holes(inside, grid, options.min_size);
+  if (options.min_size) fill_small_holes(inside, grid, *options.min_size);
   Objects result;
   report(options.progress, "objects", 0);
   if (options.split) {
@@ -151,7 +171,7 @@ Objects find_objects(const Volume<float>& image, std::span<const std::uint8_t> l
     result.labels = connected_parts(inside, grid);
   }
   report(options.progress, "objects", 0.8);
-  number(result.labels, options.min_size);
+  result.left_out = number(result.labels, options.min_size);
   result.table = measure_objects(image, result.labels);
   return result;
 }

@@ -3,14 +3,17 @@
 #include "csrbf/core/grid.hpp"
 #include "csrbf/core/progress.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace csrbf {
 
 struct ObjectOptions {
-  bool split = true;   ///< touching objects; false: the connected parts (by faces) are the objects
-  Index min_size = 1;  ///< voxels; smaller objects are left out, smaller holes filled
+  bool split = true;  ///< touching objects; false: the connected parts (by faces) are the objects
+  /// Voxels: smaller objects are left out, smaller holes filled. Unset: objects smaller than a tenth of the median of
+  /// all are specks, and left out; no holes are filled.
+  std::optional<Index> min_size = {};
   Progress progress = {};
 };
 
@@ -29,6 +32,7 @@ struct ObjectMeasure {
 struct Objects {
   std::vector<std::int32_t> labels;  ///< 1 to n in the order of the first voxels; 0 outside
   std::vector<ObjectMeasure> table;  ///< one for each label
+  Index left_out = 0;                ///< number of objects that are too small
 };
 
 /// The objects that labels other than 0 mark. Touching ones are split: basins of the distance to the outside are joined
