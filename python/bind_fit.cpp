@@ -185,7 +185,7 @@ py::dict to_dict(const FitReport& r) {
       "patches"_a = partition.patches, "samples_per_patch"_a = partition.samples_per_patch, "degree"_a = r.degree,
       "support"_a = r.support, "anisotropy"_a = partition.anisotropy, "smoothing"_a = r.smoothing, "rmse"_a = r.rmse,
       "max_error"_a = r.max_error, "cross_validation_rmse"_a = r.cross_validation_rmse, "axis_scales"_a = r.axis_scales,
-      "missing"_a = r.missing, "gross_errors"_a = r.gross_errors, "noise"_a = r.noise,
+      "axes"_a = r.axes, "missing"_a = r.missing, "gross_errors"_a = r.gross_errors, "noise"_a = r.noise,
       "value_kernels"_a = r.value_kernels, "drift"_a = r.drift, "drift_deviations"_a = r.drift_deviations,
       "choose_seconds"_a = r.choose_seconds, "fit_seconds"_a = r.fit_seconds, "warnings"_a = r.warnings);
 }

@@ -32,6 +32,7 @@ Json to_json(const FitReport& r) {
           {"maxError", or_null(r.max_error)},
           {"crossValidationRmse", or_null(r.cross_validation_rmse)},
           {"axisScales", r.axis_scales},
+          {"axes", r.axes},
           {"drift", r.drift},
           {"driftDeviations", r.drift_deviations},
           {"noise", r.noise},

@@ -56,6 +56,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                          {"degree", r.degree},
                          {"support", r.support},
                          {"axis_scales", r.axis_scales},
+                         {"axes", r.axes},
                          {"noise", r.noise},
                          {"anisotropy", partition.anisotropy},
                          {"smoothing", r.smoothing},

@@ -268,6 +268,20 @@ TEST(Fit, ScalesAxesOfDifferentUnits) {
   }
 }
 
+TEST(Fit, FindsTheDirectionsInWhichValuesChange) {
+  const Point<2> u(std::cos(0.6), std::sin(0.6)), v(-u.y(), u.x());
+  const auto function = [&](const Point<2>& p) { return std::sin(40 * u.dot(p)) + .3 * std::cos(2 * v.dot(p)); };
+  const Samples<2> data = sample<2>(random_points<2>(900, 1), function);
+  const Fit<2> result = fit<2>(data);
+  ASSERT_EQ(result.report.axes.size(), 2U);
+  EXPECT_NEAR(std::abs(result.report.axes[1][0]), std::cos(0.6), 0.01);
+  EXPECT_GT(result.report.axis_scales[0], 10 * result.report.axis_scales[1]);
+  EXPECT_LE(inner_error<2>(*result.components[0], function), 1e-4);  // along the coordinates 1e-2
+  EXPECT_LE(largest_error<2>(*result.components[0], data), 1e-5);
+  expect_true_derivatives<2>(*result.components[0], random_points<2>(5, 4), 1e-4, 1);
+  EXPECT_TRUE(fit<2>(data, {.scale_axes = false}).report.axes.empty());
+}
+
 TEST(Fit, LeavesAxesOfOneUnitAlone) {
   Samples<2> data = sample<2>(random_points<2>(300, 1), franke);
   EXPECT_NEAR(fit<2>(data).report.axis_scales[1] / fit<2>(data).report.axis_scales[0], 1, .1);

@@ -74,6 +74,8 @@ export interface FitReport {
   maxError: number | null;
   crossValidationRmse: number | null;
   axisScales: number[];
+  /** Unit vectors along which these are; empty: along the axes of the coordinates. */
+  axes: number[][];
   drift: number[];
   driftDeviations: number[];
   noise: number[];

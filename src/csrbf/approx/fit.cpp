@@ -10,9 +10,11 @@
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
 #include "csrbf/approx/samples/periodic_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
+#include "csrbf/approx/samples/variance_growth.hpp"
 #include "csrbf/approx/unity/choose_local_options.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
@@ -176,39 +178,6 @@ void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitR
                                 "leave it out by missing");
 }
 
-// How values differ with the distance, without their noise: of pairs of samples at two distances.
-template <int Dim>
-typename FittedField<Dim>::Growth variance_outside(const Samples<Dim>& samples, Index component,
-                                                   const Field<Dim>& variance) {
-  constexpr Index at_most = 400;                          // samples
-  constexpr double near = 0.04, far = 0.16, width = 1.5;  // in extents, and factors about these; chosen by hand
-  const Index n = samples.size(), stride = std::max<Index>(1, n / at_most);
-  const Points<Dim> x = samples.points(Eigen::all, Eigen::seq(0, n - 1, stride));
-  const Eigen::VectorXd v = samples.values.col(component)(Eigen::seq(0, n - 1, stride));
-  const double extent = bounding_box<Dim>(samples.points).extent().maxCoeff();
-  const double noise = 2 * variance.evaluate(x).value.cwiseMax(0).mean();
-  double squares[2] = {}, count[2] = {};
-  for (Index j = 0; j < x.cols(); ++j)
-    for (Index i = j + 1; i < x.cols(); ++i) {
-      const double distance = (x.col(i) - x.col(j)).norm() / extent;
-      for (const int k : {0, 1}) {
-        const double middle = k == 0 ? near : far;
-        if (distance < middle / width || distance > middle * width) continue;
-        squares[k] += (v[i] - v[j]) * (v[i] - v[j]);
-        count[k] += 1;
-      }
-    }
-  const double spread = (v.array() - v.mean()).square().mean();
-  if (!(extent > 0) || !(spread > 0)) return {};
-  const double beyond_noise = 0.05;  // share that is left, at least
-  const auto at = [&](int k) {
-    const double mean = count[k] > 0 ? squares[k] / count[k] : spread;
-    return std::max(mean - noise, beyond_noise * mean);
-  };
-  const double exponent = std::clamp(std::log(at(1) / at(0)) / std::log(far / near), 0.5, 2.0);
-  return {at(1) / std::pow(far * extent, exponent), exponent, 2 * spread};
-}
-
 // A power of two by which numbers have a usual size; 1 if they have one.
 double unit_of(double largest) {
   constexpr double usual = 1e100;  // products of several neither overflow nor vanish
@@ -307,21 +276,32 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   } else {
     frame.scales = choose_scales(scaled, options, chosen);
   }
-  if ((frame.scales.array() != 1).any()) scaled.points.array().colwise() /= frame.scales.array();
   report.axis_scales.assign(frame.scales.data(), frame.scales.data() + Dim);
+  std::optional<typename MappedField<Dim>::Map> map;  // instead of the scales
+  if (covariance && covariance->axes) {
+    for (const auto& axis : covariance->axes->colwise()) report.axes.emplace_back(axis.begin(), axis.end());
+    map = frame.scales.cwiseInverse().asDiagonal() * covariance->axes->transpose();
+    scaled.points = *map * scaled.points;
+    frame.scales.setOnes();
+  } else if ((frame.scales.array() != 1).any()) {
+    scaled.points.array().colwise() /= frame.scales.array();
+  }
+  const auto placed = [&](std::shared_ptr<const Field<Dim>>& field) -> std::shared_ptr<const Field<Dim>> {
+    if (map) field = std::make_shared<MappedField<Dim>>(std::move(field), *map);
+    return std::make_shared<FittedField<Dim>>(std::move(field), frame);
+  };
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
   MethodFields<Dim> fields = fit_by_method(scaled, options, chosen, learned ? &*learned : nullptr, report);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
     frame.extrapolation = Extrapolation::linear;
-  for (auto& field : fields.components)
-    result.components.push_back(std::make_shared<FittedField<Dim>>(std::move(field), frame));
+  for (auto& field : fields.components) result.components.push_back(placed(field));
   if (options.extrapolation != Extrapolation::nan)
     frame.extrapolation = fields.method == FitMethod::interpolate ? Extrapolation::trend : Extrapolation::constant;
   for (std::size_t c = 0; c < fields.variances.size(); ++c) {
     if (fields.method != FitMethod::interpolate)
-      frame.growth = variance_outside<Dim>(scaled, static_cast<Index>(c), *fields.variances[c]);
-    result.variances.push_back(std::make_shared<FittedField<Dim>>(std::move(fields.variances[c]), frame));
+      frame.growth = variance_growth<Dim>(scaled, static_cast<Index>(c), *fields.variances[c]);
+    result.variances.push_back(placed(fields.variances[c]));
   }
   report.fit_seconds = seconds_since(start);
   measure_errors(samples, result);

@@ -103,6 +103,8 @@ struct FitReport {
   double cross_validation_rmse = std::numeric_limits<double>::quiet_NaN();
   std::optional<PartitionReport> partition = {};
   std::vector<double> axis_scales;  ///< what the coordinates were divided by
+  /// Unit vectors along which they were, first turned to them: one per axis scale; empty: the coordinates' own axes.
+  std::vector<std::vector<double>> axes;
   std::vector<std::string>
       value_kernels;                    ///< of each value, where they were fitted on their own; `kernel` is the first
   std::vector<int> sphere, drift_axes;  ///< FitOptions::sphere and drift

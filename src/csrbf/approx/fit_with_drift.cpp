@@ -89,6 +89,11 @@ Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, co
   std::vector<double> scales(Dim, 1.0);
   for (std::size_t k = 0; k < others.size(); ++k) scales[static_cast<std::size_t>(others[k])] = report.axis_scales[k];
   report.axis_scales = std::move(scales);
+  for (std::vector<double>& axis : report.axes) {
+    std::vector<double> embedded(Dim, 0.0);
+    for (std::size_t k = 0; k < others.size(); ++k) embedded[static_cast<std::size_t>(others[k])] = axis[k];
+    axis = std::move(embedded);
+  }
   const Box<Dim> box = bounding_box<Dim>(given.points);
   AnyFit covariates;
   if (!residual.variances.empty()) {

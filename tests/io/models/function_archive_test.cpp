@@ -104,7 +104,8 @@ Function function_with_a_gap() {
   std::vector<Index> kept;
   for (Index i = 0; i < all.size(); ++i)
     if (all.points.col(i).sum() < 1) kept.push_back(i);
-  return Function(fit(Samples<2>{all.points(Eigen::all, kept), all.values(kept, Eigen::all), {}}));
+  return Function(fit(Samples<2>{all.points(Eigen::all, kept), all.values(kept, Eigen::all), {}},
+                      {.method = "partition-of-unity"}));
 }
 
 TEST(FunctionArchive, KeepsWhatIsInGaps) {
@@ -142,6 +143,15 @@ TEST(FunctionArchive, KeepsScaledPeriodicAndUndefinedAxes) {
 
   const Function periodic(fit(wavy_samples<2>(400), {.method = "partition-of-unity", .periods = {1, 0}}));
   expect_same_function(round_trip(periodic), periodic, probes<2>());
+}
+
+TEST(FunctionArchive, KeepsTurnedAxes) {
+  Samples<2> samples = wavy_samples<2>(400);
+  for (Index i = 0; i < samples.size(); ++i) samples.values(i, 0) = std::sin(30 * samples.points.col(i).sum());
+  const Function turned(fit(samples));
+  ASSERT_EQ(turned.report().axes.size(), 2U);
+  expect_same_function(round_trip(turned), turned, probes<2>());
+  EXPECT_EQ(round_trip(turned).report().axes, turned.report().axes);
 }
 
 TEST(FunctionArchive, KeepsMetricsSupportsAndTailsOfExpansions) {

@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/basis/polynomial_block.hpp"
 #include "csrbf/approx/global/restricted_likelihood.hpp"
+#include "csrbf/approx/global/slope_directions.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/quasi_newton_search.hpp"
@@ -77,10 +78,10 @@ class Search {
     double smallest = largest;
     for (const double extent : box.extent())
       if (extent > 0) smallest = std::min(smallest, extent);
-    const bool own_units = !one_length && largest > different_units * smallest;
+    has_own_units_ = !one_length && largest > different_units * smallest;
     for (Index a = 0; a < Dim; ++a) {
       const double extent = box.extent()[a];
-      units_[a] = own_units && extent > 0 ? extent : (largest > 0 ? largest : 1);
+      units_[a] = has_own_units_ && extent > 0 ? extent : (largest > 0 ? largest : 1);
       if (extent > 0) axes_.push_back(a);
     }
     center_ = box.center();
@@ -89,6 +90,10 @@ class Search {
       if (likelihoods_.empty() || likelihoods_.back().size() < samples.size())
         likelihoods_.push_back(part(samples, replicates, even_pairs<Dim>(order, size)));
   }
+
+  // Whether all coordinates are lengths in one unit.
+  [[nodiscard]] bool has_one_unit() const { return !has_own_units_; }
+  [[nodiscard]] double score() const { return score_; }
 
   [[nodiscard]] std::optional<AxisCovariance<Dim>> find() {
     if (std::ssize(axes_) == 0 || likelihoods_.back().size() < fewest * (parameters() + 1)) return std::nullopt;
@@ -101,12 +106,15 @@ class Search {
     if (value(best.model, exact, last) < value(best.model, best.x, last)) best.x = exact;
     const auto at = unpack(best.x);
     AxisCovariance<Dim> result{kernels_[best.model], at.log_lengths.array().exp().matrix().cwiseProduct(units_),
-                               std::exp(at.log_nugget), 0};
+                               std::exp(at.log_nugget)};
     if (result.nugget < 10 * least_nugget) result.nugget = 0;
     const double constant = score(likelihood.with_derivatives(kernels_[best.model], 0, at), likelihood.observations());
-    if (likelihood.largest_degree() == 1 &&
-        score(likelihood.with_derivatives(kernels_[best.model], 1, at), likelihood.observations()) < constant)
-      result.degree = 1;
+    const double linear =
+        likelihood.largest_degree() == 1
+            ? score(likelihood.with_derivatives(kernels_[best.model], 1, at), likelihood.observations())
+            : no_likelihood;
+    if (linear < constant) result.degree = 1;
+    score_ = std::min(linear, constant);
     return result;
   }
 
@@ -273,7 +281,8 @@ class Search {
     return last.value < no_likelihood ? last : winner;
   }
 
-  bool one_length_;
+  bool one_length_, has_own_units_ = false;
+  double score_ = no_likelihood;  // of what was found
   Point<Dim> units_, center_;
   std::vector<Index> axes_;
   std::vector<Kernel> kernels_;
@@ -287,7 +296,18 @@ std::optional<AxisCovariance<Dim>> estimate_axis_covariance(const Samples<Dim>& 
                                                             bool one_length) {
   const auto spread = samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff();
   if (!(spread.maxCoeff() > 0)) return std::nullopt;
-  return Search<Dim>(samples, replicates, one_length).find();
+  Search<Dim> search(samples, replicates, one_length);
+  std::optional<AxisCovariance<Dim>> found = search.find();
+  if (!found || one_length || !search.has_one_unit()) return found;
+  const std::optional<Eigen::Matrix<double, Dim, Dim>> axes = slope_directions(samples);
+  if (!axes) return found;
+  Samples<Dim> turned = samples;
+  turned.points = axes->transpose() * samples.points;
+  Search<Dim> along(turned, replicates, false);
+  std::optional<AxisCovariance<Dim>> other = along.has_one_unit() ? along.find() : std::nullopt;
+  if (!other || !(along.score() < search.score())) return found;
+  other->axes = axes;
+  return other;
 }
 
 template <int Dim>
@@ -295,6 +315,7 @@ double left_out_error(const Samples<Dim>& samples, const AxisCovariance<Dim>& co
   constexpr Index at_once = 800, block = 400, blocks = 4;  // samples; chosen by hand
   const Index n = samples.size(), size = n <= at_once ? n : block, core = n <= at_once ? n : block / 2;
   Samples<Dim> scaled = samples;
+  if (covariance.axes) scaled.points = covariance.axes->transpose() * samples.points;
   scaled.points.array().colwise() /= covariance.lengths.array();
   const std::vector<Index> order = morton_order<Dim>(scaled.points);
   double sum = 0;

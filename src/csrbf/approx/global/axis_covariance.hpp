@@ -15,12 +15,15 @@ struct AxisCovariance {
   Point<Dim> lengths;
   double nugget = 0;  ///< variance of the noise of a sample of weight 1 over sigma^2; 0 where only rounding bounds it
   int degree = 0;     ///< of the trend
+  /// The axes that the lengths are along, its columns; unset: those of the coordinates.
+  std::optional<Eigen::Matrix<double, Dim, Dim>> axes = {};
 };
 
 /// The covariance of largest restricted likelihood, from at most some hundreds of the samples; kernels from rough to
-/// smooth are compared by likelihood and leave-one-out errors. `one_length`: for all axes. None for fewer than twice as
-/// many samples as it has parameters, and for values without any variation. `samples`: distinct points with positive
-/// weights.
+/// smooth are compared by likelihood and leave-one-out errors. Where values change along other directions than the
+/// coordinates (slope_directions()), these are axes if that is better. `one_length`: for all axes. None for fewer than
+/// twice as many samples as it has parameters, and for values without any variation. `samples`: distinct points with
+/// positive weights.
 template <int Dim>
 std::optional<AxisCovariance<Dim>> estimate_axis_covariance(const Samples<Dim>& samples, const Replicates& replicates,
                                                             bool one_length = false);

@@ -6,6 +6,7 @@
 #include "csrbf/approx/samples/blended_field.hpp"
 #include "csrbf/approx/samples/drift_field.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/approx/samples/sphere_field.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/approx/unity/tiled_field.hpp"
@@ -26,6 +27,7 @@ constexpr const char* moving_kind = "moving least squares";
 constexpr const char* track_kind = "moving least squares along tracks";
 constexpr const char* blended_kind = "blended fields";
 constexpr const char* fitted_kind = "fitted field";
+constexpr const char* mapped_kind = "mapped field";
 constexpr const char* variance_kind = "kriging variance";
 constexpr const char* power_kind = "power function";
 constexpr const char* largest_kind = "largest level set";
@@ -121,7 +123,7 @@ bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
          kind == track_kind || kind == blended_kind || kind == fitted_kind || kind == lattice_kind ||
          kind == largest_kind || kind == sphere_kind || kind == drift_kind || kind == derivatives_kind ||
-         kind == divided_kind || kind == tiled_kind;
+         kind == divided_kind || kind == tiled_kind || kind == mapped_kind;
 }
 
 template <int Dim>
@@ -137,6 +139,10 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
   if (const auto* fitted = dynamic_cast<const FittedField<Dim>*>(&field)) {
     archive = frame_to_archive<Dim>(fitted->frame());
     archive.set("inner", this->field(fitted->inner()));
+  } else if (const auto* mapped = dynamic_cast<const MappedField<Dim>*>(&field)) {
+    archive.kind = mapped_kind;
+    archive.set("map", mapped->map());
+    archive.set("inner", this->field(mapped->inner()));
   } else if (const auto* expansion = dynamic_cast<const Expansion<Dim>*>(&field)) {
     archive = expansion_to_archive(*expansion);
     const RadialBasis<Dim>& basis = expansion->basis();
@@ -267,6 +273,13 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     const Archive inner = archive.part("inner");
     if (inner.kind == fitted_kind) archive.fail("a fitted field is inside another one");
     return std::make_shared<const FittedField<Dim>>(field(inner), frame_from<Dim>(archive));
+  }
+  if (archive.kind == mapped_kind) {
+    const typename MappedField<Dim>::Map map = archive.numbers("map", Dim, Dim);
+    const Archive inner = archive.part("inner");
+    if (inner.kind == mapped_kind || inner.kind == fitted_kind) archive.fail("a field is mapped twice");
+    if (!map.allFinite() || map.determinant() == 0) archive.fail("the map is damaged");
+    return std::make_shared<const MappedField<Dim>>(field(inner), map);
   }
   const auto expansion = [this](const Archive& part) {
     return expansion_from<Dim>(part, shared<RadialBasis<Dim>>(part, "basis", basis_kind, basis_from<Dim>));

@@ -124,6 +124,11 @@ Archive report_to_archive(const FitReport& report) {
   for_each_member(report, partition, [&](const char* name, const auto& member) { archive.set(name, member); });
   archive.set("anisotropy", partition.anisotropy);
   archive.set("axis_scales", report.axis_scales);
+  if (!report.axes.empty()) {
+    std::vector<double> entries;
+    for (const std::vector<double>& axis : report.axes) entries.insert(entries.end(), axis.begin(), axis.end());
+    archive.set("axes", entries);
+  }
   archive.set("missing", report.missing);
   archive.set("gross_errors", std::vector<double>(report.gross_errors.begin(), report.gross_errors.end()));
   archive.set("noise", report.noise);
@@ -143,6 +148,12 @@ FitReport report_from(const Archive& archive) {
   if (archive.has("anisotropy")) partition.anisotropy = archive.number("anisotropy");  // older models have none
   if (partition.patches > 0) report.partition = partition;
   report.axis_scales = archive.column("axis_scales");
+  if (archive.has("axes")) {
+    const std::vector<double> entries = archive.column("axes");
+    const auto dim = static_cast<std::ptrdiff_t>(report.axis_scales.size());
+    if (dim == 0 || std::ssize(entries) % dim != 0) archive.fail("the axes are damaged");
+    for (auto axis = entries.begin(); axis != entries.end(); axis += dim) report.axes.emplace_back(axis, axis + dim);
+  }
   if (archive.has("gross_errors")) {  // older models have none of these
     report.missing = archive.integer("missing");
     for (const double row : archive.column("gross_errors")) {
