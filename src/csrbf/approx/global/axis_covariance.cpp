@@ -94,6 +94,11 @@ class Search {
   // Whether all coordinates are lengths in one unit.
   [[nodiscard]] bool has_one_unit() const { return !has_own_units_; }
   [[nodiscard]] double score() const { return score_; }
+  // What angles must gain in score (Schwarz 1978).
+  [[nodiscard]] double price_of_angles() const {
+    const auto n = static_cast<double>(likelihoods_.back().observations());
+    return 0.5 * Dim * (Dim - 1) * std::log(n) / n;
+  }
 
   [[nodiscard]] std::optional<AxisCovariance<Dim>> find() {
     if (std::ssize(axes_) == 0 || likelihoods_.back().size() < fewest * (parameters() + 1)) return std::nullopt;
@@ -305,7 +310,7 @@ std::optional<AxisCovariance<Dim>> estimate_axis_covariance(const Samples<Dim>& 
   turned.points = axes->transpose() * samples.points;
   Search<Dim> along(turned, replicates, false);
   std::optional<AxisCovariance<Dim>> other = along.has_one_unit() ? along.find() : std::nullopt;
-  if (!other || !(along.score() < search.score())) return found;
+  if (!other || !(along.score() + along.price_of_angles() < search.score())) return found;
   other->axes = axes;
   return other;
 }
