@@ -122,7 +122,7 @@ template <int Dim>
 struct Selected {
   std::optional<Samples<Dim>> samples = {};
   Index missing = 0;
-  std::vector<Index> gross_errors = {};
+  std::vector<Index> gross_errors = {}, suspects = {};
 };
 
 template <int Dim>
@@ -146,15 +146,19 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   const bool interpolates = options.smoothing && *options.smoothing == 0;
   if (options.loss == "auto" && (has_bound || interpolates)) return selected;  // all samples are to be met
   RobustWeights robust = robust_weights(*samples, options.loss);
+  const auto given_rows = [&](std::vector<Index>& found) {
+    for (Index& row : found)
+      if (selected.missing > 0) row = rows[static_cast<std::size_t>(row)];
+    return std::move(found);
+  };
+  selected.suspects = given_rows(robust.suspects);
   if (robust.factors.size() == 0) return selected;
   if (!selected.samples) selected.samples = given;
   selected.samples->weights = selected.samples->all_weights().cwiseProduct(robust.factors);
   const bool had_weights = given.weights.size() > 0;
   if (options.loss == "auto") selected.samples = without_zero_weights(*selected.samples);
   if (options.loss == "auto" && !had_weights) selected.samples->weights.resize(0);
-  for (Index& row : robust.gross_errors)
-    if (selected.missing > 0) row = rows[static_cast<std::size_t>(row)];
-  selected.gross_errors = std::move(robust.gross_errors);
+  selected.gross_errors = given_rows(robust.gross_errors);
   return selected;
 }
 
@@ -162,15 +166,17 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
 template <int Dim>
 void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitReport& report) {
   constexpr std::size_t most_named = 10;
-  const std::vector<Index>& rows = report.gross_errors;
-  if (!rows.empty() && options.loss == "auto") {
+  const auto say = [&](const std::vector<Index>& rows, const char* what, const char* instead) {
+    if (rows.empty() || options.loss != "auto") return;
     std::string names;
     for (std::size_t k = 0; k < std::min(most_named, rows.size()); ++k)
       names += (k > 0 ? ", " : "") + std::to_string(rows[k] + 1);
     report.warnings.push_back(std::to_string(rows.size()) + " of " + std::to_string(samples.size()) +
-                              " samples are far from what those around them say, and left out (number " + names +
-                              (rows.size() > most_named ? ", ..." : "") + "); loss squares keeps them");
-  }
+                              " samples are far from what those around them say, " + what + " (number " + names +
+                              (rows.size() > most_named ? ", ..." : "") + "); " + instead);
+  };
+  say(report.gross_errors, "and left out", "loss squares keeps them");
+  say(report.suspects, "but so few cannot tell errors from peaks: kept", "loss huber gives them less weight");
   for (Index c = 0; c < samples.components(); ++c)
     if (const std::optional<double> value = value_beyond_all_others(samples.values.col(c), options.missing))
       report.warnings.push_back((std::ostringstream() << *value).str() +
@@ -185,13 +191,17 @@ double unit_of(double largest) {
   return std::ldexp(1.0, std::ilogb(largest));
 }
 
-// fit() of points whose dimension is known at run time only.
+// fit() but for the warnings that name samples, as parts of another fit have numbers of their own.
+template <int Dim>
+Fit<Dim> fit_anywhere(const Samples<Dim>& samples, const FitOptions& options);
+
+// The same of points whose dimension is known at run time only.
 AnyFit fit_any(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, const Eigen::VectorXd& weights,
                const FitOptions& options) {
   switch (points.rows()) {
 #define CSRBF_CASE(Dim) \
   case Dim:             \
-    return any_fit(fit<Dim>(Samples<Dim>{points, values, weights}, options));
+    return any_fit(fit_anywhere<Dim>(Samples<Dim>{points, values, weights}, options));
     CSRBF_FOR_EACH_DIM(CSRBF_CASE)
 #undef CSRBF_CASE
     default:
@@ -199,10 +209,12 @@ AnyFit fit_any(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, con
   }
 }
 
-// What sees the samples in other coordinates, and fits them by fit() there.
+// What sees the samples in other coordinates, and fits them there.
 template <int Dim>
 Fit<Dim> fit_elsewhere(const Samples<Dim>& samples, const FitOptions& options) {
-  const auto fit_there = []<int D>(const Samples<D>& there, const FitOptions& given) { return fit<D>(there, given); };
+  const auto fit_there = []<int D>(const Samples<D>& there, const FitOptions& given) {
+    return fit_anywhere<D>(there, given);
+  };
   Fit<Dim> result = !options.drift.empty() ? fit_with_drift<Dim>(samples, options, fit_any)
                                            : fit_on_sphere<Dim>(samples, options, FitSamples<Dim>(fit_there),
                                                                 FitSamples<SphereField<Dim>::space_dim>(fit_there));
@@ -245,6 +257,7 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   FitReport& report = result.report;
   report.missing = selected.missing;
   report.gross_errors = std::move(selected.gross_errors);
+  report.suspects = std::move(selected.suspects);
   typename FittedField<Dim>::Frame frame;
   frame.box = bounding_box<Dim>(samples.points);
   frame.extrapolation = options.extrapolation;
@@ -347,10 +360,8 @@ Fit<Dim> fit_in_units(Samples<Dim> samples, FitOptions options, double unit, dou
   return result;
 }
 
-}  // namespace
-
 template <int Dim>
-Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
+Fit<Dim> fit_anywhere(const Samples<Dim>& samples, const FitOptions& options) {
   check<Dim>(options);
   require_valid(samples, "fit");
   double coordinates = 1;
@@ -363,13 +374,21 @@ Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
       unit_of(samples.values.unaryExpr([&](double v) { return options.missing == v ? 0.0 : std::abs(v); }).maxCoeff());
   Fit<Dim> result = coordinates == 1 && values == 1 ? fit_all_values(samples, options)
                                                     : fit_in_units(samples, options, coordinates, values);
-  warn_of_errors(samples, options, result.report);
   result.report.sphere = options.sphere;
   result.report.drift_axes = options.drift;
   result.places = places_of(samples, result.report);
   // Whatever it was called.
   if (result.report.kernel == options.kernel && options.kernel != "auto")
     result.report.kernel = Kernel(options.kernel, Dim).name();
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+Fit<Dim> fit(const Samples<Dim>& samples, const FitOptions& options) {
+  Fit<Dim> result = fit_anywhere(samples, options);
+  warn_of_errors(samples, options, result.report);
   return result;
 }
 

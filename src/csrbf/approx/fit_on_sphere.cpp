@@ -194,6 +194,8 @@ class SphereFit {
         report_.warnings.push_back(warning);
     report_.gross_errors = old.gross_errors;
     for (const Index row : part.gross_errors) report_.gross_errors.push_back(rows[row]);
+    report_.suspects = old.suspects;
+    for (const Index row : part.suspects) report_.suspects.push_back(rows[row]);
     if (std::isfinite(part.cross_validation_rmse)) {
       squares_ += static_cast<double>(part.samples) * std::pow(part.cross_validation_rmse, 2);
       squared_ += static_cast<double>(part.samples);
@@ -202,9 +204,10 @@ class SphereFit {
   }
 
   void finish_report() {
-    std::sort(report_.gross_errors.begin(), report_.gross_errors.end());
-    report_.gross_errors.erase(std::unique(report_.gross_errors.begin(), report_.gross_errors.end()),
-                               report_.gross_errors.end());
+    for (std::vector<Index>* found : {&report_.gross_errors, &report_.suspects}) {
+      std::sort(found->begin(), found->end());
+      found->erase(std::unique(found->begin(), found->end()), found->end());
+    }
     if (squared_ > 0) report_.cross_validation_rmse = std::sqrt(squares_ / squared_);
     if (!noise_known_) report_.noise.clear();
     const Samples<3> places{u_, Eigen::MatrixXd::Zero(u_.cols(), 1), {}};

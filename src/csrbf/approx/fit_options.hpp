@@ -93,6 +93,7 @@ struct FitReport {
   Index merged_duplicates = 0;      ///< samples that were merged with others at the same place
   Index missing = 0;                ///< samples left out because they had the value for none
   std::vector<Index> gross_errors;  ///< samples left out or given less than half their weight, by number from 0
+  std::vector<Index> suspects;      ///< of few samples those that are far from the others around them, but kept
   Index centers = 0;                ///< radial functions
   Index levels = 1;
   int degree = -1;

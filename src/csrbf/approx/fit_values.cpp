@@ -84,14 +84,16 @@ Fit<Dim> fit_groups(const Samples<Dim>& samples, const FitOptions& options,
     report.choose_seconds += one.report.choose_seconds;
     report.fit_seconds += one.report.fit_seconds;
     for (const Index row : one.report.gross_errors) report.gross_errors.push_back(row);
+    for (const Index row : one.report.suspects) report.suspects.push_back(row);
     for (const std::string& warning : one.report.warnings)
       if (std::find(report.warnings.begin(), report.warnings.end(), warning) == report.warnings.end())
         report.warnings.push_back(warning);
   }
   FitReport& report = result.report;
-  std::sort(report.gross_errors.begin(), report.gross_errors.end());
-  report.gross_errors.erase(std::unique(report.gross_errors.begin(), report.gross_errors.end()),
-                            report.gross_errors.end());
+  for (std::vector<Index>* rows : {&report.gross_errors, &report.suspects}) {
+    std::sort(rows->begin(), rows->end());
+    rows->erase(std::unique(rows->begin(), rows->end()), rows->end());
+  }
   if (!all_variances) result.variances.clear();
   report.noise = all_noise ? std::move(noise) : std::vector<double>();
   report.value_kernels = std::move(kernels);

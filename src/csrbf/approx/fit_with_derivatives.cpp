@@ -86,6 +86,7 @@ class DerivativeFit {
     for (Index i = 0; i < some.size(); ++i)
       if (robust.factors.size() == 0 || robust.factors[i] > 0) kept.push_back(i);
     for (const Index row : robust.gross_errors) report_.gross_errors.push_back(rows[static_cast<std::size_t>(row)]);
+    for (const Index row : robust.suspects) report_.suspects.push_back(rows[static_cast<std::size_t>(row)]);
     x_ = chosen_points<Dim>(some.points, kept);
     y_ = some.values(kept, Eigen::all);
     weights_ = some.all_weights()(kept);

@@ -85,7 +85,8 @@ Fit<Dim> fit_with_drift(const Samples<Dim>& given, const FitOptions& options, co
   result.report = std::move(residual.report);
   FitReport& report = result.report;
   report.missing = given.size() - std::ssize(rows);
-  for (Index& row : report.gross_errors) row = rows[static_cast<std::size_t>(row)];
+  for (std::vector<Index>* found : {&report.gross_errors, &report.suspects})
+    for (Index& row : *found) row = rows[static_cast<std::size_t>(row)];
   std::vector<double> scales(Dim, 1.0);
   for (std::size_t k = 0; k < others.size(); ++k) scales[static_cast<std::size_t>(others[k])] = report.axis_scales[k];
   report.axis_scales = std::move(scales);

@@ -46,6 +46,18 @@ TEST(RobustWeights, TakesNothingForAnErrorWhereThereAreNone) {
   }
 }
 
+TEST(RobustWeights, KeepsThePeaksOfFewSamplesAndNamesThem) {
+  const Points<1> x = Eigen::RowVectorXd::LinSpaced(12, 0, 1);
+  const RobustWeights found =
+      robust_weights(sample<1>(x, [](const Point<1>& p) { return std::exp(6 * p[0]); }), "auto");
+  EXPECT_EQ(found.factors.size(), 0);
+  EXPECT_TRUE(found.gross_errors.empty());
+  EXPECT_EQ(found.suspects.back(), 11);
+  Samples<2> wild = noisy<2>(60, franke, .01);
+  wild.values(17) = 30;
+  EXPECT_EQ(robust_weights(wild, "auto").gross_errors, std::vector<Index>{17});
+}
+
 TEST(RobustWeights, LooksAtAllOfManySamplesWhereSomeAreErrors) {
   Samples<2> data = noisy<2>(20'000, franke, .02);
   EXPECT_EQ(robust_weights(data, "auto").factors.size(), 0);

@@ -12,10 +12,8 @@ namespace csrbf {
 namespace {
 
 template <int Dim>
-constexpr Index neighbors = 4 * (Dim + 1) + 4;
-template <int Dim>
-constexpr Index supporters = neighbors<Dim> / 5;  // of these that agree, for a sample to be like others
-constexpr int rounds = 4;                         // of reweighting
+constexpr Index supporters = local_neighbors<Dim> / 5;  // of these that agree, for a sample to be like others
+constexpr int rounds = 4;                               // of reweighting
 constexpr double cutoff = 4.685;           // deviations beyond which a neighbour has no weight (Tukey's biweight)
 constexpr double most = 0.75;              // share of the neighbours whose differences are their noise, and slopes
 constexpr double most_of_normal = 1.1503;  // the same of |x| for normal x of standard deviation 1
@@ -63,7 +61,7 @@ template <int Dim>
 Eigen::VectorXd local_deviations(const Samples<Dim>& samples, const std::vector<Index>& targets) {
   const auto count = std::ssize(targets);
   Eigen::VectorXd result = Eigen::VectorXd::Zero(count);
-  const Index k = std::min(neighbors<Dim>, samples.size() - 1), C = samples.components();
+  const Index k = std::min(local_neighbors<Dim>, samples.size() - 1), C = samples.components();
   if (k < 2 * (Dim + 1)) return result;
   const KdTree<Dim> tree(samples.points);
   Eigen::MatrixXd difference(count, C), scale(count, C);

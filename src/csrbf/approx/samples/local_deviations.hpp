@@ -4,6 +4,10 @@
 
 namespace csrbf {
 
+/// Samples that a local fit of local_deviations() is made of.
+template <int Dim>
+constexpr Index local_neighbors = 4 * (Dim + 1) + 4;
+
 /// How far each of the samples `targets` is from what the samples around it say: the difference to a robust local
 /// linear fit to them, without it, in units of the differences of those; the largest over the components. At most about
 /// 5 for nearly all samples of a function with noise of one distribution, whatever its size; 0 where the samples around

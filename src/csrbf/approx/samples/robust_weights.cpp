@@ -18,6 +18,7 @@ constexpr double gross = 8;               // deviations of a gross error
 constexpr double few_errors = 0.01;       // share below which they may be the tail of the distribution
 constexpr double gross_alone = 100;       // deviations of one of so few
 constexpr double most_errors = 0.2;       // share of the samples
+constexpr Index least_dense = 8;          // samples over those of a local fit, below which peaks look like errors
 constexpr Index all_at_once = 2000;       // samples that are all looked at
 constexpr Index blocks = 8, block = 256;  // of neighbours, beyond
 constexpr double huber = 1.345;           // deviation up to which samples have their weight (Huber 1981)
@@ -44,6 +45,24 @@ bool any_in_blocks(const Samples<Dim>& samples) {
   return false;
 }
 
+// Which of the suspects are farther from all samples that are none than ten times the range of these.
+std::vector<char> far_from_all_others(const Eigen::MatrixXd& values, const std::vector<char>& is_suspect) {
+  constexpr double far = 10;  // chosen by hand
+  std::vector<char> is_far(is_suspect.size(), 0);
+  for (const auto& column : values.colwise()) {
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    for (Index i = 0; i < column.size(); ++i) {
+      if (is_suspect[i] != 0) continue;
+      lo = std::min(lo, column[i]);
+      hi = std::max(hi, column[i]);
+    }
+    const double reach = far * (hi - lo);
+    for (Index i = 0; i < column.size(); ++i)
+      if (is_suspect[i] != 0 && (column[i] > hi + reach || column[i] < lo - reach)) is_far[i] = 1;
+  }
+  return is_far;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -59,7 +78,17 @@ RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& los
     const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
     const double limit = share(gross) < few_errors ? gross_alone : gross;
     if (share(limit) == 0 || share(limit) > most_errors) return {};
-    result.factors = (deviation <= limit).template cast<double>();
+    std::vector<char> is_error(static_cast<std::size_t>(n));
+    for (Index i = 0; i < n; ++i) is_error[i] = deviation[i] > limit ? 1 : 0;
+    if (n < least_dense * local_neighbors<Dim>) {
+      const std::vector<char> is_suspect = is_error;
+      is_error = far_from_all_others(samples.values, is_suspect);
+      for (Index i = 0; i < n; ++i)
+        if (is_suspect[i] > is_error[i]) result.suspects.push_back(i);
+      if (std::find(is_error.begin(), is_error.end(), 1) == is_error.end()) return result;
+    }
+    result.factors = Eigen::Map<Eigen::Array<char, Eigen::Dynamic, 1>>(is_error.data(), n).template cast<double>();
+    result.factors = 1 - result.factors.array();
   } else if (loss == "huber") {
     result.factors = huber / deviation.max(huber);
   } else {

@@ -11,13 +11,15 @@ namespace csrbf {
 struct RobustWeights {
   Eigen::VectorXd factors;          ///< of the weights of the samples; empty: all 1
   std::vector<Index> gross_errors;  ///< samples with a factor below 1/2, in ascending order
+  std::vector<Index> suspects;      ///< of few samples those that would be gross errors of many, in ascending order
 };
 
 /// What samples count for, by how far they are from what the samples around them say (see local_deviations()): "auto" 0
 /// for gross errors and 1 for all others, "huber" and "student" less and less, "squares" 1. auto looks at some
 /// thousands of the samples, and at all where these have gross errors; a fifth of all samples that deviate are no
-/// errors but how the values are distributed, and so are a few that are not very far off. Samples may be at the same
-/// points.
+/// errors but how the values are distributed, and so are a few that are not very far off. Few samples, less than eight
+/// times as many as a local fit takes, do not tell a gross error from a peak: of these auto leaves out what is ten
+/// times the range of the others off, and names what it would leave out of more. Samples may be at the same points.
 template <int Dim>
 RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& loss);
 
