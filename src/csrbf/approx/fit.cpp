@@ -8,6 +8,7 @@
 #include "csrbf/approx/fit_with_faults.hpp"
 #include "csrbf/approx/global/axis_covariance.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/kriging/left_out_planes.hpp"
 #include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
@@ -155,9 +156,8 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   if (robust.factors.size() == 0) return selected;
   if (!selected.samples) selected.samples = given;
   selected.samples->weights = selected.samples->all_weights().cwiseProduct(robust.factors);
-  const bool had_weights = given.weights.size() > 0;
   if (options.loss == "auto") selected.samples = without_zero_weights(*selected.samples);
-  if (options.loss == "auto" && !had_weights) selected.samples->weights.resize(0);
+  if (options.loss == "auto" && given.weights.size() == 0) selected.samples->weights.resize(0);
   selected.gross_errors = given_rows(robust.gross_errors);
   return selected;
 }
@@ -285,7 +285,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   if (covariance) {
     const double support = covariance->lengths.minCoeff();
     frame.scales = covariance->lengths / support;
-    learned = {covariance->kernel, support, covariance->nugget, covariance->degree};
+    learned = {covariance->kernel, support, covariance->nugget, covariance->degree,
+               variance_by_planes(without_zero_weights(scaled), *covariance)};
   } else {
     frame.scales = choose_scales(scaled, options, chosen);
   }

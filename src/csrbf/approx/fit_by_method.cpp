@@ -310,13 +310,20 @@ class Fitter {
       report_.warnings.push_back(text.str());
     }
     report_.centers = best.components.front()->basis().size();
+    for (std::size_t c = 0; c < best.variances.size(); ++c) {
+      const KrigingVariance<Dim>& variance = *best.variances[c];
+      noise_.push_back(std::sqrt(variance.sigma2() * variance.power().smoothing()));
+      const double by_planes = learned_ != nullptr && learned_->sigma2.size() > 0 ? learned_->sigma2[c] : 0;
+      if (by_planes > clearly_more * variance.sigma2())
+        best.variances[c] =
+            std::make_shared<const KrigingVariance<Dim>>(variance.shared_power(), by_planes, variance.bounds());
+    }
     variances_ = {best.variances.begin(), best.variances.end()};
-    for (const auto& variance : best.variances)
-      noise_.push_back(std::sqrt(variance->sigma2() * variance->power().smoothing()));
     return {best.components.begin(), best.components.end()};
   }
 
   static constexpr Index tested_first = 10'000, fewest_for_tracks = 1000, enough_to_tell = 50;  // samples
+  static constexpr double clearly_more = 2;      // variance between the planes of a lattice than between its samples
   static constexpr double smoother_gain = 0.95;  // of the leave-one-out error, that makes smoothing worth it
   static constexpr double least_nugget = 1e-14;  // some roundings; systems that just pass without may be all rounding
   static constexpr double explained = 0.9;       // of the deviation of the values; above, samples need not be met

@@ -27,6 +27,7 @@ struct LearnedCovariance {
   double support = 1;
   double nugget = 0;
   int degree = 0;
+  Eigen::VectorXd sigma2 = {};  ///< by planes of a lattice, see variance_by_planes(); empty: no lattice
 };
 
 /// A fit in scaled coordinates.

@@ -63,6 +63,7 @@ class KrigingVariance : public Field<Dim> {
   [[nodiscard]] Box<Dim> bounds() const override { return bounds_; }
 
   [[nodiscard]] const PowerFunction<Dim>& power() const { return *power_; }
+  [[nodiscard]] const std::shared_ptr<const PowerFunction<Dim>>& shared_power() const { return power_; }
   [[nodiscard]] double sigma2() const { return sigma2_; }
 
  private:

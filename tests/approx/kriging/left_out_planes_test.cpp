@@ -1,0 +1,34 @@
+#include "csrbf/approx/kriging/left_out_planes.hpp"
+
+#include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
+
+namespace csrbf::left_out_planes_test {
+namespace {
+
+// A step along x between planes of a lattice, the same for all y.
+double step(const Point<2>& p) {
+  return std::tanh(20 * (p[0] - .52));
+}
+
+TEST(LeftOutPlanes, AreNoneWithoutALattice) {
+  const AxisCovariance<2> covariance{Kernel("matern-c2", 2), Point<2>(.3, .3)};
+  EXPECT_EQ(variance_by_planes(sample<2>(random_points<2>(200, 1), step), covariance).size(), 0);
+}
+
+TEST(LeftOutPlanes, SayHowWrongAFunctionIsBetweenThem) {
+  const Samples<2> lattice = sample<2>(unit_grid(12), step);
+  const AxisCovariance<2> covariance{Kernel("matern-c2", 2), Point<2>(.3, 100)};
+  EXPECT_GT(variance_by_planes(lattice, covariance)[0], .01);
+  const Fit<2> found = fit<2>(lattice);
+  const Points<2> x = random_points<2>(500, 3);
+  const Eigen::VectorXd value = found.components[0]->evaluate(x).value,
+                        variance = found.variances[0]->evaluate(x).value;
+  Index within = 0;
+  for (Index i = 0; i < x.cols(); ++i)
+    within += std::abs(value[i] - step(x.col(i))) < 2 * std::sqrt(variance[i]) ? 1 : 0;
+  EXPECT_GT(within, 350);  // with the variance by leave-one-out a tenth of them
+}
+
+}  // namespace
+}  // namespace csrbf::left_out_planes_test
