@@ -1,6 +1,7 @@
 #include "program.hpp"
 
 #include "command_line.hpp"
+#include "process/allocation.hpp"
 #include "process/interrupt.hpp"
 
 #include "csrbf/io/files/process_files.hpp"
@@ -85,6 +86,7 @@ int run(const CommandLine& line) {
 
 int run_program(int argc, char** argv) {
   catch_interrupts();
+  keep_freed_memory();
   try {
     const std::optional<CommandLine> line = parse_command_line(argc, argv);
     return line ? run(*line) : success;

@@ -198,7 +198,7 @@ class Tiles(base.CommandLine):
         other = self.start(2, 2)
         time.sleep(0.2)
         os.makedirs(self.path("work"), exist_ok=True)
-        with open(self.path("work/failed.tiles"), "w") as file:
+        with open(self.path("work/process_failed.tiles"), "w") as file:
             file.write("reconstruct: the first gave up")
         message = other.communicate(timeout=60)[1]
         self.assertNotEqual(other.returncode, 0)

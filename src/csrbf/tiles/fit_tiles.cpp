@@ -3,13 +3,11 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
-#include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/models/function_archive.hpp"
-#include "csrbf/tiles/folder/tile_team.hpp"
 #include "csrbf/tiles/stages/fit_function_tile.hpp"
+#include "csrbf/tiles/stages/prepare_tiles.hpp"
 #include "csrbf/tiles/stages/sample_stream.hpp"
 
-#include <map>
 #include <set>
 #include <sstream>
 
@@ -66,14 +64,13 @@ class FunctionInTiles {
     report_.coordinate_names = stream_.head().coordinate_names;
     report_.value_names = stream_.head().value_names;
     team_.run([this] {
-      start();
       prepare();
       fit();
       if (team_.leads()) {
         report(team_.progress(), "write", 0);
         write_function<Dim>(work_, folder_, tiles_, report_.fit, scales_, options_.fit.extrapolation, model_);
       }
-      team_.finish();
+      team_.finish("work");
     });
     return report_;
   }
@@ -111,56 +108,40 @@ class FunctionInTiles {
     return scales;
   }
 
-  void start() {
-    const std::string print = tile_fingerprint(samples_, options_.share, fit_options_text(options_));
-    const std::string file = folder_.file("work");
-    if (team_.leads() && !exists(file)) {
-      scales_ = choose_scales();
-      const TileRules rules{.tile_points = options_.tile_points,
-                            .dimension = Dim,
-                            .blend = [](double spacing, double) { return blend_spacings * spacing; },
-                            .reach = patch_spacings,
-                            .boxed = true};  // fits take the empty corners of other shapes for gaps
-      TileWork<Dim> work = plan_work<Dim>(source(), rules, 1, print, team_.progress());
-      work.notes.kind = "function";
-      work.notes.set("scales", scales_);
-      work.notes.set("components", stream_.head().values.cols());
-      work.notes.set("weights", has_weights() ? 1 : 0);
-      set_texts(work.notes, "coordinate_name", report_.coordinate_names);
-      set_texts(work.notes, "value_name", report_.value_names);
-      work.notes.set("crs", stream_.head().crs);
-      write_work(folder_, work);
-    }
-    team_.wait(file);
-    work_ = read_work<Dim>(folder_);
-    require_same_work(work_.fingerprint, print, options_.folder);
-    scales_ = work_.notes.numbers("scales", Dim, 1);
+  void prepare() {
+    scales_ = choose_scales();
+    const TileRules rules{.tile_points = options_.tile_points,
+                          .dimension = Dim,
+                          .blend = [](double spacing, double) { return blend_spacings * spacing; },
+                          .reach = patch_spacings,
+                          .boxed = true};  // fits take the empty corners of other shapes for gaps
+    work_ = prepare_tiles<Dim>(team_, {.open = [this] { return source(); },
+                                       .rules = rules,
+                                       .fingerprint = tile_fingerprint(samples_, fit_options_text(options_)),
+                                       .notes = [this] { return notes(); }});
     report_.tiles = count();
     report_.dropped = work_.non_finite;
   }
 
-  void prepare() {
-    const auto dealt = [&](Index process) { return folder_.file("dealt", process); };
-    if (!exists(dealt(team_.rank()))) {
-      deal_records<Dim>(source(), work_, folder_, team_.rank(), team_.processes(), team_.progress());
-      write_file(dealt(team_.rank()), "");
-    }
-    for (Index p = 0; p < team_.processes(); ++p) team_.wait(dealt(p));
-    team_.for_own_tiles("points", count(), [&](Index t) {
-      report(team_.progress(), "prepare", static_cast<double>(t) / static_cast<double>(count()));
-      sort_records(work_, folder_, t, team_.processes());
-    });
-    team_.wait_for_tiles("points", count());
+  [[nodiscard]] Archive notes() const {
+    Archive notes;
+    notes.kind = "function";
+    notes.set("components", stream_.head().values.cols());
+    notes.set("weights", has_weights() ? 1 : 0);
+    set_texts(notes, "coordinate_name", report_.coordinate_names);
+    set_texts(notes, "value_name", report_.value_names);
+    notes.set("crs", stream_.head().crs);
+    return notes;
   }
 
   void fit() {
     const auto start = std::chrono::steady_clock::now();
-    report_.continued = team_.for_own_tiles("fit", count(), [&](Index t) {
+    report_.continued = team_.for_own("fit", count(), [&](Index t) {
       FitOptions here = options_.fit;
       here.progress = team_.part_of("fit", t, count());
       fit_function_tile(work_, folder_, t, here);
     });
-    team_.wait_for_tiles("fit", count());
+    team_.wait_for_all("fit", count());
     for (Index t = 0; t < count(); ++t) tiles_.push_back(read_function_tile(folder_, t));
     summarise();
     report_.fit.fit_seconds = seconds_since(start);
@@ -170,7 +151,7 @@ class FunctionInTiles {
   void summarise() {
     FitReport& out = report_.fit;
     std::set<std::string> methods, kernels;
-    std::map<std::string, Index> warnings;
+    TileWarnings warnings;
     out.partition.emplace();
     double squares = 0, left_out = 0, smoothing = 0;
     Index gross_errors = 0;
@@ -192,7 +173,7 @@ class FunctionInTiles {
       gross_errors += std::ssize(r.gross_errors);
       noise_known = noise_known && r.noise.size() == noise.size();
       for (std::size_t c = 0; c < noise.size() && noise_known; ++c) noise[c] += share * r.noise[c] * r.noise[c];
-      for (const std::string& warning : r.warnings) ++warnings[warning];
+      warnings.add(r.warnings);
     }
     out.method = joined({methods.begin(), methods.end()});
     out.kernel = joined({kernels.begin(), kernels.end()});
@@ -206,8 +187,7 @@ class FunctionInTiles {
     if (gross_errors > 0)
       out.warnings.push_back(std::to_string(gross_errors) +
                              " gross errors left out, or given less weight, in all tiles");
-    for (const auto& [text, times] : warnings)
-      out.warnings.push_back((times > 1 ? "in " + std::to_string(times) + " tiles: " : "in one tile: ") + text);
+    warnings.append_to(out.warnings);
   }
 
   const std::string& samples_;

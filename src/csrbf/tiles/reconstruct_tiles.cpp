@@ -2,13 +2,11 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/seconds_since.hpp"
-#include "csrbf/io/files/atomic_file.hpp"
-#include "csrbf/tiles/folder/tile_team.hpp"
 #include "csrbf/tiles/stages/cloud_records.hpp"
 #include "csrbf/tiles/stages/outline.hpp"
+#include "csrbf/tiles/stages/prepare_tiles.hpp"
 #include "csrbf/tiles/stages/weld_parts.hpp"
 
-#include <map>
 #include <set>
 #include <sstream>
 
@@ -51,12 +49,11 @@ class SurfaceInTiles {
 
   TileReport run() {
     team_.run([this] {
-      start();
       prepare();
       fit();
       polygonize();
       if (team_.leads()) write();
-      team_.finish();
+      team_.finish("work");
     });
     return report_;
   }
@@ -64,49 +61,34 @@ class SurfaceInTiles {
  private:
   [[nodiscard]] Index tiles() const { return work_.plan.size(); }
 
-  void start() {
-    const std::string print = tile_fingerprint(points_, options_.share, options_text(options_));
-    const std::string file = folder_.file("work");
-    if (team_.leads() && !exists(file)) {
-      stream_.emplace(points_);
-      write_work(folder_, plan_surface(*stream_, options_.tile_points, options_.resolution, print, team_.progress()));
-    }
-    team_.wait(file);
-    work_ = read_work<3>(folder_);
-    require_same_work(work_.fingerprint, print, options_.folder);
-    report_.tiles = tiles();
-  }
-
   void prepare() {
     const auto start = std::chrono::steady_clock::now();
-    const auto dealt = [&](Index process) { return folder_.file("dealt", process); };
-    if (!exists(dealt(team_.rank()))) {
-      if (!stream_) stream_.emplace(points_);
-      deal_records(cloud_source(*stream_), work_, folder_, team_.rank(), team_.processes(), team_.progress());
-      write_file(dealt(team_.rank()), "");
-    }
-    stream_.reset();
-    for (Index p = 0; p < team_.processes(); ++p) team_.wait(dealt(p));
-    team_.for_own_tiles("points", tiles(), [&](Index t) {
-      report(team_.progress(), "prepare", static_cast<double>(t) / static_cast<double>(tiles()));
-      sort_records(work_, folder_, t, team_.processes());
-    });
+    std::optional<PointStream> stream;
+    const auto opened = [&]() -> PointStream& {
+      if (!stream) stream.emplace(points_);
+      return *stream;
+    };
+    work_ = prepare_tiles<3>(team_, {.open = [&] { return cloud_source(opened()); },
+                                     .rules = surface_rules(options_.tile_points, options_.resolution),
+                                     .fewest = 4,
+                                     .fingerprint = tile_fingerprint(points_, options_text(options_)),
+                                     .notes = [&] { return surface_notes(opened()); }});
+    report_.tiles = tiles();
     report_.surface.prepare_seconds = seconds_since(start);
   }
 
   void fit() {
     const auto start = std::chrono::steady_clock::now();
-    team_.wait_for_tiles("points", tiles());
     if (tiles() > 1) {
       if (team_.leads() && !exists(folder_.file("outline"))) make_outline(work_, folder_, options_.surface);
       team_.wait(folder_.file("outline"));
     }
-    report_.continued = team_.for_own_tiles("fit", tiles(), [&](Index t) {
+    report_.continued = team_.for_own("fit", tiles(), [&](Index t) {
       ReconstructOptions here = options_.surface;
       here.progress = team_.part_of("fit", t, tiles());
       fit_surface_tile(work_, folder_, t, here, !options_.model.empty());
     });
-    team_.wait_for_tiles("fit", tiles());
+    team_.wait_for_all("fit", tiles());
     for (Index t = 0; t < tiles(); ++t) fits_.push_back(read_tile_fit(folder_, t));
     report_.surface.fit_seconds = seconds_since(start);
     summarise();
@@ -121,7 +103,7 @@ class SurfaceInTiles {
     std::set<Index> open;  // tiles to be made in this round
     for (Index t = 0; t < tiles(); ++t) open.insert(t);
     for (int round = 0; !open.empty(); ++round) {
-      team_.for_own_tiles(border_kind(round), tiles(), [&](Index t) {
+      team_.for_own(border_kind(round), tiles(), [&](Index t) {
         if (open.count(t) == 0) return;
         mesh_tile(work_, mesh_work_, folder_, t, round, starts[t], team_.part_of("polygonize", t, tiles()));
       });
@@ -159,7 +141,7 @@ class SurfaceInTiles {
     out.composite.emplace();
     std::vector<std::int64_t> distances;
     double squares = 0, predicted = 0;  // squared distances, distances of points left out
-    std::map<std::string, Index> warnings;
+    TileWarnings warnings;
     for (const TileFit& fit : fits_) {
       out.points_used += fit.points;
       out.centers += fit.centers;
@@ -171,7 +153,7 @@ class SurfaceInTiles {
       out.max_distance = std::max(out.max_distance, fit.largest_distance);
       distances.resize(fit.distances.size());
       for (std::size_t b = 0; b < distances.size(); ++b) distances[b] += fit.distances[b];
-      for (const std::string& warning : fit.warnings) ++warnings[warning];
+      warnings.add(fit.warnings);
     }
     const auto n = static_cast<double>(out.points_used);
     out.rms_distance = std::sqrt(squares / n);
@@ -187,8 +169,7 @@ class SurfaceInTiles {
       out.warnings.push_back(std::to_string(work_.non_finite) + " points with NaN or infinite coordinates dropped");
     if (const std::string names = left_out(work_); !names.empty())
       out.warnings.push_back("properties of points (" + names + ") are not carried over by tiles");
-    for (const auto& [text, count] : warnings)
-      out.warnings.push_back((count > 1 ? "in " + std::to_string(count) + " tiles: " : "in one tile: ") + text);
+    warnings.append_to(out.warnings);
   }
 
   const std::string& points_;
@@ -196,7 +177,6 @@ class SurfaceInTiles {
   const TileOptions& options_;
   TileTeam team_;
   const TileFolder& folder_;
-  std::optional<PointStream> stream_;
   TileWork<3> work_;
   std::vector<TileFit> fits_;
   MeshWork mesh_work_;

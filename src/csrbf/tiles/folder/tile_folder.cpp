@@ -2,12 +2,11 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/open_file.hpp"
-#include "csrbf/io/files/read_file.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <thread>
-#include <vector>
 
 namespace csrbf {
 namespace {
@@ -35,21 +34,30 @@ std::string TileFolder::file(const std::string& kind, Index tile) const {
   return file(kind + "_" + std::to_string(tile));
 }
 
-void TileFolder::remove() const {
+void TileFolder::clear(const std::vector<std::string>& kept) const {
   std::error_code ignored;
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(utf8_path(path_), ignored))
-    if (utf8_name(entry.path().filename()).find(suffix) != std::string::npos) files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(utf8_path(path_), ignored)) {
+    const std::string name = utf8_name(entry.path().filename());
+    const auto begins = [&](const std::string& kind) { return name.rfind(kind, 0) == 0; };
+    if (name.find(suffix) != std::string::npos && std::none_of(kept.begin(), kept.end(), begins))
+      files.push_back(entry.path());
+  }
   for (const std::filesystem::path& path : files) std::filesystem::remove(path, ignored);
+}
+
+void TileFolder::remove(const std::string& last) const {
+  clear({last + suffix});
+  std::error_code ignored;
+  std::filesystem::remove(utf8_path(file(last)), ignored);
   std::filesystem::remove(utf8_path(path_), ignored);  // fails where other files are left
 }
 
-void wait_for(const std::string& path, const std::string& failure, const std::function<void()>& alive) {
+void wait_for(const std::string& path, const std::function<void()>& check) {
   auto pause = std::chrono::milliseconds(5);
   constexpr auto longest = std::chrono::milliseconds(500);
   while (!exists(path)) {
-    if (exists(failure)) throw SolverFailure(read_file(failure));
-    alive();
+    check();
     std::this_thread::sleep_for(pause);
     pause = std::min(2 * pause, longest);
   }

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace csrbf {
 
@@ -14,12 +15,15 @@ class TileFolder {
   /// Creates the folder if need be. Throws IoError.
   explicit TileFolder(std::string path);
 
+  [[nodiscard]] const std::string& path() const { return path_; }
   /// Path of a file: `kind` of the whole work, or of one tile.
   [[nodiscard]] std::string file(const std::string& kind) const;
   [[nodiscard]] std::string file(const std::string& kind, Index tile) const;
 
-  /// Removes all files that this version writes, and the folder if nothing else is in it.
-  void remove() const;
+  /// Removes all files that this version writes, the one of this kind last, and the folder if nothing else is in it.
+  void remove(const std::string& last) const;
+  /// Removes those whose kinds do not begin with one of `kept`.
+  void clear(const std::vector<std::string>& kept) const;
 
  private:
   std::string path_;
@@ -27,8 +31,7 @@ class TileFolder {
 
 bool exists(const std::string& path);
 
-/// Returns once `path` exists. Throws Cancelled when `alive`, called now and then, does; SolverFailure with its text
-/// when the file `failure` appears: another process gave up.
-void wait_for(const std::string& path, const std::string& failure, const std::function<void()>& alive);
+/// Returns once `path` exists. `check`, called now and then, may throw.
+void wait_for(const std::string& path, const std::function<void()>& check);
 
 }  // namespace csrbf

@@ -4,12 +4,18 @@
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/open_file.hpp"
+#include "csrbf/io/files/read_file.hpp"
 #include "csrbf/version.hpp"
 
 #include <chrono>
-#include <filesystem>
 
 namespace csrbf {
+namespace {
+
+constexpr const char* own_kind = "process";  // what a process writes about itself
+constexpr std::size_t longest_message = 4000;
+
+}  // namespace
 
 TileTeam::TileTeam(const std::string& folder, const TileShare& share, Progress progress)
     : folder_((require(!folder.empty(), "tiles", "folder", folder, "must be named"), folder)),
@@ -19,21 +25,40 @@ TileTeam::TileTeam(const std::string& folder, const TileShare& share, Progress p
           "must be from 0 to the number of processes less one");
 }
 
+std::string TileTeam::failure() const {
+  return folder_.file(own_kind + std::string("_failed"));
+}
+
+std::string TileTeam::own_file() const {
+  return folder_.file(own_kind, share_.rank);
+}
+
+// A message from before this process started is one of an earlier run.
+void TileTeam::check_others() const {
+  report(progress_, "wait", 0);
+  std::error_code none;
+  const auto time = std::filesystem::last_write_time(utf8_path(failure()), none);
+  if (none || time < started_) return;
+  std::string message = read_file(failure());
+  message.erase(message.find_last_not_of(' ') + 1);
+  throw SolverFailure(message);
+}
+
 void TileTeam::wait(const std::string& path) const {
-  wait_for(path, failure(), [this] { report(progress_, "wait", 0); });
+  wait_for(path, [this] { check_others(); });
 }
 
-void TileTeam::wait_for_tiles(const std::string& kind, Index tiles) const {
-  for (Index t = 0; t < tiles; ++t) wait(folder_.file(kind, t));
+void TileTeam::wait_for_all(const std::string& kind, Index count) const {
+  for (Index i = 0; i < count; ++i) wait(folder_.file(kind, i));
 }
 
-Index TileTeam::for_own_tiles(const std::string& kind, Index tiles, const std::function<void(Index)>& make) const {
+Index TileTeam::for_own(const std::string& kind, Index count, const std::function<void(Index)>& make) const {
   Index found = 0;
-  for (Index t = share_.rank; t < tiles; t += share_.count) {
-    if (exists(folder_.file(kind, t)))
+  for (Index i = share_.rank; i < count; i += share_.count) {
+    if (exists(folder_.file(kind, i)))
       ++found;
     else
-      make(t);
+      make(i);
   }
   return found;
 }
@@ -44,29 +69,43 @@ Progress TileTeam::part_of(const char* stage, Index done, Index total) const {
              std::string_view, double fraction) { return whole(stage, (before + fraction) / all); };
 }
 
-void TileTeam::run(const std::function<void()>& work) const {
+void TileTeam::run(const std::function<void()>& work) {
   try {
-    if (leads()) {
-      std::error_code ignored;
-      std::filesystem::remove(utf8_path(failure()), ignored);
-    }
+    write_file(own_file(), std::string(longest_message, ' '));
+    started_ = std::filesystem::last_write_time(utf8_path(own_file()));
     work();
   } catch (const Cancelled&) {
     throw;  // the same command goes on
   } catch (const std::exception& error) {
-    if (share_.count > 1) write_file(failure(), error.what());
+    if (share_.count > 1) tell(error.what());
     throw;
   }
 }
 
-void TileTeam::finish() const {
-  write_file(folder_.file("left", share_.rank), "");
-  if (!leads()) return;
-  for (Index p = 0; p < share_.count; ++p) wait(folder_.file("left", p));
-  folder_.remove();
+// In place, for the disk may be full.
+void TileTeam::tell(const std::string& message) const {
+  {
+    const OpenFile file(open_file(own_file(), "r+b"));
+    if (file == nullptr) return;
+    const std::size_t length = std::min(message.size(), longest_message);
+    if (std::fwrite(message.data(), 1, length, file.get()) != length || std::fflush(file.get()) != 0) return;
+  }
+  std::error_code ignored;
+  std::filesystem::rename(utf8_path(own_file()), utf8_path(failure()), ignored);
 }
 
-std::string tile_fingerprint(const std::string& input, const TileShare& share, const std::string& options) {
+void TileTeam::clear() const {
+  folder_.clear({own_kind, survey_kind});
+}
+
+void TileTeam::finish(const std::string& last) const {
+  write_file(folder_.file("left", share_.rank), "");
+  if (!leads()) return;
+  wait_for_all("left", share_.count);
+  folder_.remove(last);
+}
+
+std::string tile_fingerprint(const std::string& input, const std::string& options) {
   const auto path = utf8_path(input);
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw IoError(input + ": must be a file, for it is read twice");
@@ -74,7 +113,7 @@ std::string tile_fingerprint(const std::string& input, const TileShare& share, c
   const auto changed =
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::filesystem::last_write_time(path).time_since_epoch());
   return std::string("csrbf ") + CSRBF_VERSION + " size " + std::to_string(std::filesystem::file_size(path)) +
-         " changed " + std::to_string(changed.count()) + " processes " + std::to_string(share.count) + " " + options;
+         " changed " + std::to_string(changed.count()) + " " + options;
 }
 
 void require_same_work(const std::string& found, const std::string& expected, const std::string& folder) {

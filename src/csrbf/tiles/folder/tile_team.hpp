@@ -4,7 +4,12 @@
 #include "csrbf/tiles/folder/tile_folder.hpp"
 #include "csrbf/tiles/tile_share.hpp"
 
+#include <filesystem>
+
 namespace csrbf {
+
+/// The kind of files that processes make before the work has started.
+inline constexpr const char* survey_kind = "survey";
 
 /// One process of those that share the work in a folder: tiles are dealt to them in turn, and each waits for the files
 /// that it needs of others.
@@ -21,31 +26,39 @@ class TileTeam {
 
   /// Returns once the file is there. Throws SolverFailure when another process gave up.
   void wait(const std::string& path) const;
-  /// For the files of a kind of all tiles.
-  void wait_for_tiles(const std::string& kind, Index tiles) const;
+  /// For the files of a kind with the numbers 0, 1, ...
+  void wait_for_all(const std::string& kind, Index count) const;
 
-  /// Calls make(tile) for the own of so many tiles that lack a file of a kind; returns how many have it.
-  Index for_own_tiles(const std::string& kind, Index tiles, const std::function<void(Index)>& make) const;
+  /// Calls make(number) for the own of so many files of a kind that are missing, in turn those of each process; returns
+  /// how many are there.
+  Index for_own(const std::string& kind, Index count, const std::function<void(Index)>& make) const;
 
   /// Progress of step `done` of `total` in a stage.
   [[nodiscard]] Progress part_of(const char* stage, Index done, Index total) const;
 
   /// Does the work; when that fails, the others are told, and fail as well.
-  void run(const std::function<void()>& work) const;
+  void run(const std::function<void()>& work);
 
-  /// Waits until all processes have come here; the leading one then removes the files.
-  void finish() const;
+  /// For the leading process when it starts the work: removes steps of earlier work that were left behind.
+  void clear() const;
+
+  /// Waits until all processes have come here; the leading one then removes the files, that of this kind last.
+  void finish(const std::string& last) const;
 
  private:
-  [[nodiscard]] std::string failure() const { return folder_.file("failed"); }
+  [[nodiscard]] std::string failure() const;
+  [[nodiscard]] std::string own_file() const;
+  void check_others() const;
+  void tell(const std::string& message) const;
 
   TileFolder folder_;
   TileShare share_;
   Progress progress_;
+  std::filesystem::file_time_type started_ = {};  // by the clock of the folder
 };
 
 /// What tells whether the steps in a folder belong to this version, this input and these options.
-std::string tile_fingerprint(const std::string& input, const TileShare& share, const std::string& options);
+std::string tile_fingerprint(const std::string& input, const std::string& options);
 
 /// Throws InvalidInput when the steps in a folder are of other work.
 void require_same_work(const std::string& found, const std::string& expected, const std::string& folder);

@@ -2,6 +2,8 @@
 
 #include "csrbf/io/models/tile_store.hpp"
 
+#include <limits>
+
 namespace csrbf {
 namespace {
 
@@ -17,6 +19,7 @@ void write_work(const TileFolder& folder, const TileWork<Dim>& work) {
   archive.set("fingerprint", work.fingerprint);
   archive.set("points", work.points);
   archive.set("non_finite", work.non_finite);
+  archive.set("shares", work.shares);
   archive.set("payload", work.payload);
   set_box(archive, work.bounds);
   archive.set("spacing", work.spacing);
@@ -39,6 +42,7 @@ TileWork<Dim> read_work(const TileFolder& folder) {
   work.fingerprint = archive.text("fingerprint");
   work.points = archive.integer("points");
   work.non_finite = archive.integer("non_finite");
+  work.shares = archive.integer("shares", 1, std::numeric_limits<std::int32_t>::max());
   work.payload = static_cast<std::size_t>(archive.integer("payload", 0, 1 << 20));
   work.bounds = box_of<Dim>(archive);
   work.spacing = archive.number("spacing");

@@ -13,6 +13,7 @@ struct TileWork {
   std::string fingerprint;  ///< of the input and the options
   Index points = 0;         ///< finite ones in the input
   Index non_finite = 0;     ///< others, left out
+  Index shares = 1;         ///< of the input, which are dealt to tiles one by one
   std::size_t payload = 0;  ///< bytes that belong to each point: its normal, or its values
   Box<Dim> bounds;          ///< of the finite points
   double spacing = 0;       ///< typical distance between neighbouring points

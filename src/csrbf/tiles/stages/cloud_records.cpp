@@ -47,9 +47,8 @@ RecordSource<3> cloud_source(PointStream& stream) {
   return source;
 }
 
-TileWork<3> plan_surface(PointStream& stream, Index tile_points, int resolution, const std::string& fingerprint,
-                         const Progress& progress) {
-  const TileRules rules{
+TileRules surface_rules(Index tile_points, int resolution) {
+  return {
       .tile_points = tile_points,
       .dimension = 2,
       .blend =
@@ -60,12 +59,15 @@ TileWork<3> plan_surface(PointStream& stream, Index tile_points, int resolution,
           },
       .reach = patch_reach,
   };
-  TileWork<3> work = plan_work(cloud_source(stream), rules, 4, fingerprint, progress);
+}
+
+Archive surface_notes(PointStream& stream) {
   std::vector<std::string> names;
-  for (const Property& p : stream.read(0, 1).properties) names.push_back(p.name);
-  work.notes.kind = "surface";
-  work.notes.set("left_out", joined(names));
-  return work;
+  for (const Property& p : stream.read(0, std::min<Index>(1, stream.size())).properties) names.push_back(p.name);
+  Archive notes;
+  notes.kind = "surface";
+  notes.set("left_out", joined(names));
+  return notes;
 }
 
 std::string left_out(const TileWork<3>& work) {

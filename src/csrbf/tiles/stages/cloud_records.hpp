@@ -12,9 +12,11 @@ PointCloud cloud_of(const Records<3>& records);
 /// The points of a file. `stream` must outlive it.
 RecordSource<3> cloud_source(PointStream& stream);
 
-/// Decides on tiles of up to `tile_points` for a mesh of that resolution (0: automatic). See plan_work().
-TileWork<3> plan_surface(PointStream& stream, Index tile_points, int resolution, const std::string& fingerprint,
-                         const Progress& progress);
+/// Tiles of up to `tile_points` for a mesh of that resolution (0: automatic).
+TileRules surface_rules(Index tile_points, int resolution);
+
+/// What work on a surface adds to the notes.
+Archive surface_notes(PointStream& stream);
 
 /// Names of properties of the points, such as colours, which tiles leave out.
 std::string left_out(const TileWork<3>& work);

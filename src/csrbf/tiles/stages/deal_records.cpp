@@ -2,6 +2,7 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/open_file.hpp"
+#include "csrbf/io/models/archive.hpp"
 
 #include <filesystem>
 
@@ -21,36 +22,71 @@ void for_each_piece(const RecordSource<Dim>& source, Index begin, Index end, con
   }
 }
 
-std::string raw_kind(Index process, Index processes) {
-  return "raw" + std::to_string(process) + "of" + std::to_string(processes);
+Index share_begin(Index size, Index share, Index shares) {
+  return size / shares * share + size % shares * share / shares;
+}
+
+std::string raw_kind(Index share) {
+  return "raw" + std::to_string(share);
 }
 
 }  // namespace
 
 template <int Dim>
-TileWork<Dim> plan_work(const RecordSource<Dim>& source, const TileRules& rules, Index fewest,
-                        const std::string& fingerprint, const Progress& progress) {
-  TileWork<Dim> work;
-  work.fingerprint = fingerprint;
-  work.payload = source.payload;
+Survey<Dim> survey_records(const RecordSource<Dim>& source, Index share, Index shares, const Progress& progress) {
+  Survey<Dim> survey;
   const Index stride = std::max<Index>(1, (source.size + sample_size - 1) / sample_size);
-  std::vector<double> chosen;
-  for_each_piece(source, 0, source.size, progress, [&](Index first, const Records<Dim>& records) {
+  const Index begin = share_begin(source.size, share, shares), end = share_begin(source.size, share + 1, shares);
+  for_each_piece(source, begin, end, progress, [&](Index first, const Records<Dim>& records) {
     const auto points = records.matrix();
     for (Index i = 0; i < points.cols(); ++i) {
       const Point<Dim> p = points.col(i);
       if (!p.allFinite()) {
-        ++work.non_finite;
+        ++survey.non_finite;
         continue;
       }
-      work.bounds.add(p);
-      ++work.points;
-      if ((first + i) % stride == 0) chosen.insert(chosen.end(), p.begin(), p.end());
+      survey.bounds.add(p);
+      ++survey.points;
+      if ((first + i) % stride == 0) survey.sample.insert(survey.sample.end(), p.begin(), p.end());
     }
   });
+  return survey;
+}
+
+template <int Dim>
+void write_survey(const std::string& path, const Survey<Dim>& survey) {
+  Archive archive;
+  archive.kind = "survey";
+  archive.set("points", survey.points);
+  archive.set("non_finite", survey.non_finite);
+  set_box(archive, survey.bounds);
+  archive.set("sample", survey.sample);
+  write_archive(path, archive);
+}
+
+template <int Dim>
+Survey<Dim> read_survey(const std::string& path) {
+  const Archive archive = read_archive(path);
+  return {archive.integer("points"), archive.integer("non_finite"), box_of<Dim>(archive), archive.column("sample")};
+}
+
+template <int Dim>
+void add_survey(const Survey<Dim>& next, Survey<Dim>& survey) {
+  survey.points += next.points;
+  survey.non_finite += next.non_finite;
+  if (next.points > 0) survey.bounds.add(next.bounds);
+  survey.sample.insert(survey.sample.end(), next.sample.begin(), next.sample.end());
+}
+
+template <int Dim>
+TileWork<Dim> plan_work(const Survey<Dim>& survey, const TileRules& rules, Index fewest) {
+  TileWork<Dim> work;
+  work.points = survey.points;
+  work.non_finite = survey.non_finite;
+  work.bounds = survey.bounds;
   require(work.points >= fewest, "tiles", "points", work.points,
           "too few finite points; at least " + std::to_string(fewest) + " are needed");
-  const Eigen::Map<const Points<Dim>> sample(chosen.data(), Dim, std::ssize(chosen) / Dim);
+  const Eigen::Map<const Points<Dim>> sample(survey.sample.data(), Dim, std::ssize(survey.sample) / Dim);
   work.spacing = typical_spacing<Dim>(sample, work.points, rules.dimension);
   const double blend = rules.blend(work.spacing, work.bounds.extent().maxCoeff());
   work.halo = blend + rules.reach * work.spacing;
@@ -62,12 +98,13 @@ TileWork<Dim> plan_work(const RecordSource<Dim>& source, const TileRules& rules,
 }
 
 template <int Dim>
-void deal_records(const RecordSource<Dim>& source, const TileWork<Dim>& work, const TileFolder& folder, Index process,
-                  Index processes, const Progress& progress) {
+void deal_records(const RecordSource<Dim>& source, const TileWork<Dim>& work, const TileFolder& folder, Index share,
+                  const Progress& progress) {
   std::vector<std::string> paths;
-  for (Index t = 0; t < work.plan.size(); ++t) paths.push_back(folder.file(raw_kind(process, processes), t));
+  for (Index t = 0; t < work.plan.size(); ++t) paths.push_back(folder.file(raw_kind(share), t));
   RecordDealer dealer(paths);
-  const Index begin = source.size * process / processes, end = source.size * (process + 1) / processes;
+  const Index begin = share_begin(source.size, share, work.shares);
+  const Index end = share_begin(source.size, share + 1, work.shares);
   for_each_piece(source, begin, end, progress, [&](Index, const Records<Dim>& records) {
     const auto points = records.matrix();
     for (Index i = 0; i < points.cols(); ++i) {
@@ -79,21 +116,24 @@ void deal_records(const RecordSource<Dim>& source, const TileWork<Dim>& work, co
 }
 
 template <int Dim>
-void sort_records(const TileWork<Dim>& work, const TileFolder& folder, Index tile, Index processes) {
+void sort_records(const TileWork<Dim>& work, const TileFolder& folder, Index tile) {
   std::vector<std::string> raw;
-  for (Index p = 0; p < processes; ++p) raw.push_back(folder.file(raw_kind(p, processes), tile));
+  for (Index s = 0; s < work.shares; ++s) raw.push_back(folder.file(raw_kind(s), tile));
   const Records<Dim> records = read_raw_records<Dim>(raw, work.payload);
   write_tile(folder.file("points", tile), records, thin<Dim>(records.matrix(), work.grid));
   std::error_code ignored;
   for (const std::string& path : raw) std::filesystem::remove(utf8_path(path), ignored);
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                     \
-  template TileWork<Dim> plan_work<Dim>(const RecordSource<Dim>&, const TileRules&, Index, const std::string&,     \
-                                        const Progress&);                                                          \
-  template void deal_records<Dim>(const RecordSource<Dim>&, const TileWork<Dim>&, const TileFolder&, Index, Index, \
-                                  const Progress&);                                                                \
-  template void sort_records<Dim>(const TileWork<Dim>&, const TileFolder&, Index, Index);
+#define CSRBF_INSTANTIATE(Dim)                                                                              \
+  template Survey<Dim> survey_records<Dim>(const RecordSource<Dim>&, Index, Index, const Progress&);        \
+  template void write_survey<Dim>(const std::string&, const Survey<Dim>&);                                  \
+  template Survey<Dim> read_survey<Dim>(const std::string&);                                                \
+  template void add_survey<Dim>(const Survey<Dim>&, Survey<Dim>&);                                          \
+  template TileWork<Dim> plan_work<Dim>(const Survey<Dim>&, const TileRules&, Index);                       \
+  template void deal_records<Dim>(const RecordSource<Dim>&, const TileWork<Dim>&, const TileFolder&, Index, \
+                                  const Progress&);                                                         \
+  template void sort_records<Dim>(const TileWork<Dim>&, const TileFolder&, Index);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

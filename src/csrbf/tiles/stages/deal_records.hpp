@@ -26,19 +26,40 @@ struct TileRules {
   bool boxed = false;  ///< see TileWork
 };
 
-/// Reads all points once and decides on tiles. Memory: a piece of the input and a sample of it. Throws InvalidInput for
-/// fewer than `fewest` finite points.
+/// What planning needs to know of a part of the input.
 template <int Dim>
-TileWork<Dim> plan_work(const RecordSource<Dim>& source, const TileRules& rules, Index fewest,
-                        const std::string& fingerprint, const Progress& progress);
+struct Survey {
+  Index points = 0, non_finite = 0;
+  Box<Dim> bounds;             ///< of the finite points
+  std::vector<double> sample;  ///< some of these, the same of the whole input whatever its parts are
+};
 
-/// Deals the share of the input of one process, of so many, to raw files of the tiles.
+/// Reads the share of the input, of so many, once. Memory: a piece of the input and the sample.
 template <int Dim>
-void deal_records(const RecordSource<Dim>& source, const TileWork<Dim>& work, const TileFolder& folder, Index process,
-                  Index processes, const Progress& progress);
+Survey<Dim> survey_records(const RecordSource<Dim>& source, Index share, Index shares, const Progress& progress);
 
-/// Makes the file "points" of a tile from the raw ones of all processes, and removes these.
 template <int Dim>
-void sort_records(const TileWork<Dim>& work, const TileFolder& folder, Index tile, Index processes);
+void write_survey(const std::string& path, const Survey<Dim>& survey);
+/// Throws IoError.
+template <int Dim>
+Survey<Dim> read_survey(const std::string& path);
+
+/// Decides on tiles, by the surveys of all parts in one: see add_survey(). Throws InvalidInput for fewer than `fewest`
+/// finite points.
+template <int Dim>
+TileWork<Dim> plan_work(const Survey<Dim>& survey, const TileRules& rules, Index fewest);
+
+/// The survey of what follows.
+template <int Dim>
+void add_survey(const Survey<Dim>& next, Survey<Dim>& survey);
+
+/// Deals a share of the input, of work.shares, to raw files of the tiles.
+template <int Dim>
+void deal_records(const RecordSource<Dim>& source, const TileWork<Dim>& work, const TileFolder& folder, Index share,
+                  const Progress& progress);
+
+/// Makes the file "points" of a tile from the raw ones of all shares, and removes these.
+template <int Dim>
+void sort_records(const TileWork<Dim>& work, const TileFolder& folder, Index tile);
 
 }  // namespace csrbf

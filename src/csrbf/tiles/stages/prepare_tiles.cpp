@@ -1,0 +1,78 @@
+#include "csrbf/tiles/stages/prepare_tiles.hpp"
+
+#include "csrbf/io/files/atomic_file.hpp"
+
+namespace csrbf {
+namespace {
+
+// Surveys of other input have another name (FNV-1a hash).
+std::string survey_name(const std::string& fingerprint, Index processes) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : fingerprint) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return survey_kind + std::to_string(hash) + "of" + std::to_string(processes);
+}
+
+template <int Dim>
+TileWork<Dim> plan(const TileTeam& team, const TileInput<Dim>& input, const std::string& surveys) {
+  Survey<Dim> whole;
+  for (Index p = 0; p < team.processes(); ++p) {
+    const std::string path = team.folder().file(surveys, p);
+    team.wait(path);
+    add_survey(read_survey<Dim>(path), whole);
+  }
+  TileWork<Dim> work = plan_work(whole, input.rules, input.fewest);
+  work.fingerprint = input.fingerprint;
+  work.shares = team.processes();
+  work.payload = input.open().payload;
+  work.notes = input.notes();
+  return work;
+}
+
+}  // namespace
+
+template <int Dim>
+TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input) {
+  const TileFolder& folder = team.folder();
+  const std::string file = folder.file("work");
+  if (!exists(file)) {
+    const std::string surveys = survey_name(input.fingerprint, team.processes());
+    team.for_own(surveys, team.processes(), [&](Index p) {
+      write_survey(folder.file(surveys, p), survey_records(input.open(), p, team.processes(), team.progress()));
+    });
+    if (team.leads()) {
+      team.clear();
+      write_work(folder, plan(team, input, surveys));
+    }
+  }
+  team.wait(file);
+  const TileWork<Dim> work = read_work<Dim>(folder);
+  require_same_work(work.fingerprint, input.fingerprint, team.folder().path());
+
+  team.for_own("dealt", work.shares, [&](Index share) {
+    deal_records(input.open(), work, folder, share, team.progress());
+    write_file(folder.file("dealt", share), "");
+  });
+  team.wait_for_all("dealt", work.shares);
+  const Index tiles = work.plan.size();
+  team.for_own("points", tiles, [&](Index t) {
+    report(team.progress(), "prepare", static_cast<double>(t) / static_cast<double>(tiles));
+    sort_records(work, folder, t);
+  });
+  team.wait_for_all("points", tiles);
+  return work;
+}
+
+void TileWarnings::add(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) ++times_[warning];
+}
+
+void TileWarnings::append_to(std::vector<std::string>& warnings) const {
+  for (const auto& [text, times] : times_)
+    warnings.push_back((times > 1 ? "in " + std::to_string(times) + " tiles: " : "in one tile: ") + text);
+}
+
+#define CSRBF_INSTANTIATE(Dim) template TileWork<Dim> prepare_tiles<Dim>(const TileTeam&, const TileInput<Dim>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf
