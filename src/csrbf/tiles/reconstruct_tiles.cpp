@@ -52,7 +52,7 @@ class SurfaceInTiles {
       prepare();
       fit();
       polygonize();
-      if (team_.leads()) write();
+      write();
       team_.finish("work");
     });
     return report_;
@@ -103,30 +103,30 @@ class SurfaceInTiles {
     std::set<Index> open;  // tiles to be made in this round
     for (Index t = 0; t < tiles(); ++t) open.insert(t);
     for (int round = 0; !open.empty(); ++round) {
+      for (const Index t : open) rounds_[t] = round;
       team_.for_own(border_kind(round), tiles(), [&](Index t) {
         if (open.count(t) == 0) return;
         mesh_tile(work_, mesh_work_, folder_, t, round, starts[t], team_.part_of("polygonize", t, tiles()));
       });
-      for (const Index t : open) {
-        team_.wait(folder_.file(border_kind(round), t));
-        rounds_[t] = round;
-      }
-      std::vector<TileBorder> borders;
-      for (Index t = 0; t < tiles(); ++t) borders.push_back(read_border(folder_, t, rounds_[t]));
-      const std::vector<std::vector<polygonization::Cell>> missing = missing_starts(mesh_work_, work_.plan, borders);
+      team_.for_own(missing_kind(round), tiles(), [&](Index t) {
+        for (const Index other : tiles_around(mesh_work_, work_.plan, t))
+          team_.wait(folder_.file(border_kind(rounds_[other]), other));
+        find_missing(mesh_work_, work_.plan, folder_, t, rounds_, round);
+      });
+      team_.wait_for_all(missing_kind(round), tiles());
       open.clear();
       for (Index t = 0; t < tiles(); ++t) {
-        if (missing[t].empty()) continue;
-        open.insert(t);
-        starts[t].insert(starts[t].end(), missing[t].begin(), missing[t].end());
+        const std::vector<polygonization::Cell> missing = read_missing(folder_, t, round);
+        if (!missing.empty()) open.insert(t);
+        starts[t].insert(starts[t].end(), missing.begin(), missing.end());
       }
     }
   }
 
   void write() {
-    const WeldedMesh welded = weld_parts(folder_, rounds_, mesh_, team_.progress());
+    const WeldedMesh welded = weld_parts(team_, rounds_, mesh_);
     report_.topology = welded.topology;
-    if (!options_.model.empty())
+    if (!options_.model.empty() && team_.leads())
       write_surface(work_, folder_, mesh_work_.bounds, mesh_work_.feature_size, options_.model);
     if (welded.dropped > 0)
       report_.surface.warnings.push_back(std::to_string(welded.dropped) +

@@ -109,6 +109,24 @@ void AtomicFile::write(std::string_view bytes) {
   }
 }
 
+void AtomicFile::take(const std::string& complete) {
+  if (!temporary_.empty()) {
+    std::fclose(file_);
+    std::error_code error;
+    fs::remove(utf8_path(temporary_), error);
+    fs::create_hard_link(utf8_path(complete), utf8_path(temporary_), error);
+    file_ = open_file(temporary_, error ? "wbx" : "r+b");
+    if (file_ == nullptr) fail("write");
+    if (!error) return;
+  }
+  const OpenFile source(open_file(complete, "rb"));
+  if (source == nullptr) throw IoError(complete + ": cannot be read: " + reason(errno));
+  std::string bytes(std::size_t{1} << 22, '\0');
+  while (const std::size_t read = std::fread(bytes.data(), 1, bytes.size(), source.get()))
+    write(std::string_view(bytes).substr(0, read));
+  if (std::ferror(source.get()) != 0) throw IoError(complete + ": cannot be read: " + reason(errno));
+}
+
 void AtomicFile::commit() {
   std::FILE* file = file_;
   file_ = nullptr;

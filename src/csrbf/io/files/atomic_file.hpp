@@ -19,6 +19,8 @@ class AtomicFile {
   ~AtomicFile();
 
   void write(std::string_view bytes);
+  /// Takes the content of a complete file, without copying it where the file system can.
+  void take(const std::string& complete);
   void commit();
 
  private:

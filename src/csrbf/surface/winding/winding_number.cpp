@@ -60,7 +60,7 @@ struct WindingNumber::Impl {
   winding::Tree tree;
   winding::Cubes cubes;
 
-  explicit Impl(const winding::SamplesRef& data) : tree(winding::make_tree(data)), cubes(tree) {}
+  explicit Impl(winding::Tree made) : tree(std::move(made)), cubes(tree) {}
 };
 
 WindingNumber::WindingNumber(const Data& data) : WindingNumber(data.points, data.normals, data.areas, data.eps) {}
@@ -70,7 +70,16 @@ WindingNumber::WindingNumber(const PointsRef<3>& points, const PointsRef<3>& nor
                              const Eigen::Ref<const Eigen::VectorXd>& eps) {
   const winding::SamplesRef data{points, normals, areas, eps};
   check(data);
-  if (points.cols() > 0) impl_ = std::make_shared<const Impl>(data);
+  if (points.cols() > 0) impl_ = std::make_shared<const Impl>(winding::make_tree(data));
+}
+
+WindingNumber::WindingNumber(winding::Tree tree) {
+  if (!tree.nodes.empty()) impl_ = std::make_shared<const Impl>(std::move(tree));
+}
+
+const winding::Tree& WindingNumber::tree() const {
+  static const winding::Tree none;
+  return impl_ ? impl_->tree : none;
 }
 
 WindingNumber::Data WindingNumber::data() const {

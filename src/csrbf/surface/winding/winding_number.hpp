@@ -33,6 +33,8 @@ class WindingNumber final : public Field<3> {
   /// Throws InvalidInput if sizes differ, an entry is not finite, an area is negative or a smoothing length is not
   /// positive.
   explicit WindingNumber(const Data& data);
+  /// Of a tree that was made before, see tree().
+  explicit WindingNumber(winding::Tree tree);
   WindingNumber(const PointsRef<3>& points, const PointsRef<3>& normals, const Eigen::Ref<const Eigen::VectorXd>& areas,
                 const Eigen::Ref<const Eigen::VectorXd>& eps);
 
@@ -46,6 +48,8 @@ class WindingNumber final : public Field<3> {
   /// The samples in the order of the tree; normals, areas and smoothing lengths rounded to single precision. A field
   /// built from them is bit-identical.
   [[nodiscard]] Data data() const;
+  /// The samples and what has been made of them, for a field that is bit-identical too.
+  [[nodiscard]] const winding::Tree& tree() const;
 
  private:
   struct Impl;

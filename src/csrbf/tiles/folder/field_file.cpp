@@ -85,6 +85,22 @@ class FieldReader {
   std::size_t left_ = 0;
 };
 
+// The tree of a winding number; building it again would cost more.
+winding::Tree read_tree(FieldReader& file) {
+  winding::Tree tree;
+  file.take(tree.origin.data(), 3);
+  tree.unit = file.take<double>();
+  tree.nodes = file.vector<winding::Node>();
+  tree.points = file.points();
+  for (auto& axis : tree.x) axis = file.vector<std::int32_t>();
+  for (auto& axis : tree.strength) axis = file.vector<float>();
+  tree.eps2 = file.vector<float>();
+  const auto padded = static_cast<std::size_t>(tree.points.cols() + winding::lanes);
+  for (int k = 0; k < 3 && !tree.nodes.empty(); ++k)
+    if (tree.x[k].size() != padded || tree.strength[k].size() != padded || tree.eps2.size() != padded) file.fail();
+  return tree;
+}
+
 }  // namespace
 
 void write_field(const std::string& path, const CompositeField& field) {
@@ -101,11 +117,14 @@ void write_field(const std::string& path, const CompositeField& field) {
     file.put_array(level.center_coordinates());
     file.put_array(level.alpha());
   }
-  const WindingNumber::Data samples = data.winding.data();
-  file.put_array(samples.points);
-  file.put_array(samples.normals);
-  file.put_array(samples.areas);
-  file.put_array(samples.eps);
+  const winding::Tree& tree = data.winding.tree();
+  file.put(tree.origin.data(), 3);
+  file.put(tree.unit);
+  file.put_array(tree.nodes);
+  file.put_array(tree.points);
+  for (const auto& axis : tree.x) file.put_array(axis);
+  for (const auto& axis : tree.strength) file.put_array(axis);
+  file.put_array(tree.eps2);
   file.commit();
 }
 
@@ -126,13 +145,7 @@ std::shared_ptr<const CompositeField> read_field(const std::string& path) {
     if (begin.size() != patches.size() + 1 || centers.size() != 3 * alpha.size()) file.fail();
     data.levels.emplace_back(std::move(patches), std::move(begin), std::move(centers), std::move(alpha));
   }
-  WindingNumber::Data samples;
-  samples.points = file.points();
-  samples.normals = file.points();
-  samples.areas = file.numbers();
-  samples.eps = file.numbers();
-  if (samples.normals.cols() != samples.points.cols()) file.fail();
-  data.winding = WindingNumber(samples);
+  data.winding = WindingNumber(read_tree(file));
   return std::make_shared<const CompositeField>(std::move(data));
 }
 

@@ -45,46 +45,36 @@ std::vector<Cell> cells_from(const Archive& archive, const std::string& name) {
   return cells;
 }
 
-void write_part(const MeshPart& part, const std::vector<DataSupport>& supports, const std::string& path) {
-  Archive archive;
-  archive.kind = "part of a mesh";
-  archive.set("vertices", part.mesh.vertices);
-  archive.set("normals", part.mesh.normals.cast<float>());
-  archive.set("triangles", part.mesh.triangles);
-  Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1> vertex(std::ssize(part.shared));
-  Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1> key(vertex.size());
-  for (Index i = 0; i < vertex.size(); ++i) {
-    vertex[i] = part.shared[i].vertex;
-    key[i] = part.shared[i].key;
-  }
-  archive.set("shared", vertex);
-  archive.set("keys", key);
-  Eigen::Matrix<double, 3, Eigen::Dynamic> data(3, std::ssize(supports));
-  for (Index c = 0; c < data.cols(); ++c) data.col(c) << supports[c].area, supports[c].samples, supports[c].sample_area;
-  archive.set("supports", data);
-  write_archive(path, archive);
-}
+// Where surfaces cross from tile to tile.
+struct TileBorder {
+  std::vector<Cell> border;  // see MeshPart
+  std::vector<Cell> beyond;
+};
 
-void write_border(const MeshPart& part, const std::vector<Cell>& starts, const std::string& path) {
+void write_border(const MeshPart& part, const std::string& path) {
   Archive archive;
   archive.kind = "border of a tile";
-  set_cells(archive, "starts", starts);
   set_cells(archive, "border", part.border);
   set_cells(archive, "beyond", part.beyond);
   write_archive(path, archive);
 }
 
-// The data of each component, by the points of the tile.
-std::vector<DataSupport> find_supports(const Mesh& mesh, const TileWork<3>& work, const TileFolder& folder,
-                                       Index tile) {
-  if (mesh.triangles.cols() == 0) return {};
+TileBorder read_border(const TileFolder& folder, Index tile, int round) {
+  const Archive archive = read_archive(folder.file(border_kind(round), tile));
+  return {cells_from(archive, "border"), cells_from(archive, "beyond")};
+}
+
+PartSeam seam_of(const TilePart& part, const TileWork<3>& work, const TileFolder& folder, Index tile) {
   Index count = 0;
-  const std::vector<Index> label = component_labels(mesh, count);
+  const std::vector<Index> component = component_labels(part.mesh, count);
+  PartSeam seam = make_seam(part, component);
+  if (count == 0) return seam;
   Records<3> points;
   points.each = work.payload;
   const auto all = [](const auto&) { return true; };
   read_tile<3>(folder.file("points", tile), 0, all, all, points);
-  return data_support(mesh, label, count, points.matrix());
+  seam.supports = data_support(part.mesh, component, count, points.matrix());
+  return seam;
 }
 
 std::tuple<int, int, int> sortable(const Cell& cell) {
@@ -146,8 +136,10 @@ void mesh_tile(const TileWork<3>& work, const MeshWork& mesh, const TileFolder& 
     const TiledField<3> field(work.plan, std::move(tiles), mesh.bounds, mesh.feature_size);
     part = polygonize_part(field, mesh.lattice, range, starts, {.method = mesh.method, .progress = progress});
   }
-  write_part(part, find_supports(part.mesh, work, folder, tile), folder.file(part_kind(round), tile));
-  write_border(part, starts, folder.file(border_kind(round), tile));
+  const TilePart own{std::move(part.mesh), std::move(part.shared)};
+  write_part(folder.file(part_kind(round), tile), own);
+  write_seam(folder.file(seam_kind(round), tile), seam_of(own, work, folder, tile));
+  write_border(part, folder.file(border_kind(round), tile));
 }
 
 std::string part_kind(int round) {
@@ -158,39 +150,39 @@ std::string border_kind(int round) {
   return "border" + std::to_string(round);
 }
 
-TileBorder read_border(const TileFolder& folder, Index tile, int round) {
-  const Archive archive = read_archive(folder.file(border_kind(round), tile));
-  return {cells_from(archive, "starts"), cells_from(archive, "border"), cells_from(archive, "beyond")};
+std::string seam_kind(int round) {
+  return "seam" + std::to_string(round);
 }
 
-TilePart read_part(const TileFolder& folder, Index tile, int round) {
-  const Archive archive = read_archive(folder.file(part_kind(round), tile));
-  TilePart part;
-  part.mesh.vertices = archive.numbers("vertices", 3);
-  part.mesh.normals = archive.array<float>("normals", 3).cast<double>();
-  part.mesh.triangles = archive.array<std::int32_t>("triangles", 3);
-  const auto& vertex = archive.array<std::int32_t>("shared", -1, 1);
-  const auto& key = archive.array<std::int64_t>("keys", vertex.rows(), 1);
-  for (Index i = 0; i < vertex.rows(); ++i) part.shared.push_back({vertex(i, 0), key(i, 0)});
-  const auto& data = archive.numbers("supports", 3);
-  for (Index c = 0; c < data.cols(); ++c) part.supports.push_back({data(0, c), data(1, c), data(2, c)});
-  return part;
+std::string missing_kind(int round) {
+  return "missing" + std::to_string(round);
 }
 
-std::vector<std::vector<Cell>> missing_starts(const MeshWork& mesh, const TilePlan<3>& plan,
-                                              const std::vector<TileBorder>& borders) {
+std::vector<Index> tiles_around(const MeshWork& mesh, const TilePlan<3>& plan, Index tile) {
+  const CellRange range = cells_of_tile(mesh, plan, tile);
+  const Box<3> box{mesh.lattice.position(range.first), mesh.lattice.position(range.last)};
+  return plan.tiles_in(box.inflated(looked_at * mesh.lattice.spacing.maxCoeff()));
+}
+
+void find_missing(const MeshWork& mesh, const TilePlan<3>& plan, const TileFolder& folder, Index tile,
+                  const std::vector<int>& rounds, int round) {
   std::set<std::tuple<int, int, int>> known;
-  for (const TileBorder& border : borders)
-    for (const Cell& cell : border.border) known.insert(sortable(cell));
-  std::vector<std::vector<Cell>> missing(borders.size());
-  for (const TileBorder& border : borders)
-    for (const Cell& cell : border.beyond) {
-      if (!known.insert(sortable(cell)).second) continue;
-      const Box<3> box{mesh.lattice.position(cell), mesh.lattice.position(cell + 1)};
-      for (const Index tile : plan.tiles_in(box))
-        if (cells_of_tile(mesh, plan, tile).contains(cell)) missing[tile].push_back(cell);
-    }
-  return missing;
+  for (const Cell& cell : read_border(folder, tile, rounds[tile]).border) known.insert(sortable(cell));
+  const CellRange range = cells_of_tile(mesh, plan, tile);
+  std::vector<Cell> missing;
+  for (const Index other : tiles_around(mesh, plan, tile)) {
+    if (other == tile) continue;
+    for (const Cell& cell : read_border(folder, other, rounds[other]).beyond)
+      if (range.contains(cell) && known.insert(sortable(cell)).second) missing.push_back(cell);
+  }
+  Archive archive;
+  archive.kind = "missing cells";
+  set_cells(archive, "cells", missing);
+  write_archive(folder.file(missing_kind(round), tile), archive);
+}
+
+std::vector<Cell> read_missing(const TileFolder& folder, Index tile, int round) {
+  return cells_from(read_archive(folder.file(missing_kind(round), tile)), "cells");
 }
 
 }  // namespace csrbf

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/tiles/folder/tile_team.hpp"
 #include "csrbf/tiles/stages/mesh_tile.hpp"
 
 namespace csrbf {
@@ -10,9 +11,10 @@ struct WeldedMesh {
   Index dropped = 0;  ///< components without points
 };
 
-/// Joins the parts of all tiles, in the given rounds, and writes the mesh: .ply in pieces, other formats at once.
-/// Memory: one part, and what parts share; for other formats the whole mesh. Throws IoError.
-WeldedMesh weld_parts(const TileFolder& folder, const std::vector<int>& rounds, const std::string& output,
-                      const Progress& progress);
+/// Joins the parts of all tiles, made in the given rounds, and writes the mesh. All processes call it: the leading one
+/// numbers the vertices, by what parts share, and each writes the bytes of its tiles, where the output is .ply; other
+/// formats the leading one writes at once. Memory: one part, and in the leading process what parts share; for other
+/// formats the whole mesh. Throws IoError; SolverFailure for a mesh without triangles.
+WeldedMesh weld_parts(const TileTeam& team, const std::vector<int>& rounds, const std::string& output);
 
 }  // namespace csrbf
