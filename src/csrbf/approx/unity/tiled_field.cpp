@@ -70,6 +70,7 @@ template <int Dim>
 TiledField<Dim>::TiledField(TilePlan<Dim> plan, std::vector<Tile> tiles, const Box<Dim>& bounds, double feature_size)
     : plan_(std::move(plan)), tiles_(std::move(tiles)), bounds_(bounds), feature_size_(feature_size) {
   require(std::ssize(tiles_) == plan_.size(), "TiledField", "tiles", tiles_.size(), "must be those of the plan");
+  whole_tiles_ = std::count_if(tiles_.begin(), tiles_.end(), [](const Tile& t) { return t.inside != nullptr; });
 }
 
 template <int Dim>
@@ -88,6 +89,7 @@ Points<Dim> TiledField<Dim>::seeds() const {
 
 template <int Dim>
 std::vector<Index> TiledField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
+  if (whole_tiles_ < 2) return {};
   const std::vector<Index> along_curve = rough_morton_order<Dim>(x);
   std::vector<std::vector<Index>> by_tile(static_cast<std::size_t>(plan_.size()));
   for (const Index i : along_curve) by_tile[static_cast<std::size_t>(plan_.tile_of(x.col(i)))].push_back(i);
@@ -118,6 +120,10 @@ void TiledField<Dim>::evaluate_block(const PointsRef<Dim>& x, const JetBlock& ou
     if (fields.inside == nullptr && fields.rim == nullptr) {
       store_nothing(question, out);
       continue;
+    }
+    if (std::ssize(question.ids) == x.cols()) {
+      (fields.inside != nullptr ? *fields.inside : *fields.rim).evaluate_block(x, out);
+      return;
     }
     question.ask(fields.inside != nullptr ? *fields.inside : *fields.rim, x, out.derivatives());
     for (std::size_t k = 0; k < question.ids.size(); ++k)

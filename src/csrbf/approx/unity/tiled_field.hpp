@@ -28,7 +28,7 @@ class TiledField final : public Field<Dim> {
   /// Those of the fields `inside`, each in its own tile.
   [[nodiscard]] Points<Dim> seeds() const override;
   [[nodiscard]] double feature_size() const override { return feature_size_; }
-  /// Tile by tile, so that few are needed at a time.
+  /// Tile by tile, so that few are needed at a time; any where only one tile has a field inside.
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<Dim>& x) const override;
 
   [[nodiscard]] const TilePlan<Dim>& plan() const { return plan_; }
@@ -39,6 +39,7 @@ class TiledField final : public Field<Dim> {
   std::vector<Tile> tiles_;
   Box<Dim> bounds_;
   double feature_size_;
+  Index whole_tiles_ = 0;  // that have a field inside
 };
 
 }  // namespace csrbf

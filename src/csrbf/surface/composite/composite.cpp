@@ -14,6 +14,7 @@ constexpr Index patches_per_task = 64;  // large enough to hide the cost of a ta
 constexpr Index tasks_per_report = 64;  // tasks between two progress reports at least ...
 constexpr Index most_reports = 32;      // ... and progress reports of one fit at most
 constexpr double far_from_region = 3;   // diagonals of a leaf: its patch, about two wide, does not reach the region
+constexpr double covering_reach = 4;    // patches over gaps are at most this much wider than the gap
 constexpr Index fragment_ratio = 8;     // a leaf with less than this fraction, 1/8, of the usual points is a fragment
 constexpr double sufficient_weight = 0.1;  // sum of weights above which a fragment needs no patch; both chosen by hand
 
@@ -30,6 +31,11 @@ bool is_far(const OrientedPoints& cloud, const std::optional<Box<3>>& region, co
   Box<3> box;
   for (Index i = 0; i < n; ++i) box.add(Point<3>(cloud.points.col(ids[i])));
   return !box.inflated(far_from_region * std::max(box.diagonal(), cloud.spacing[ids[0]])).intersects(*region);
+}
+
+// Whether a ball does not reach the region.
+bool is_beside(const Box<3>& region, const Point<3>& center, double radius) {
+  return (center - center.cwiseMax(region.lo).cwiseMin(region.hi)).norm() >= radius;
 }
 
 // Fits leaves; halves them while a tolerance is missed. The smallest leaves then nearly interpolate the positions.
@@ -49,7 +55,14 @@ class LeafFitter {
 
   void fit(Index begin, Index end, std::vector<Leaf>& leaves) {
     Index* ids = order_.data() + begin;
-    FittedPatch patch = fitter_.fit(ids, end - begin);
+    FittedPatch patch;
+    if (options_.region) {
+      PatchSamples samples = fitter_.around(ids, end - begin);
+      if (is_beside(*options_.region, samples.frame.center, samples.frame.radius)) return;
+      patch = fitter_.fit(ids, end - begin, samples);
+    } else {
+      patch = fitter_.fit(ids, end - begin);
+    }
     if (options_.tolerance.size() > 0 && !fitter_.within_tolerance(patch)) {
       if (end - begin >= 2 * CompositeOptions::smallest_leaf) {
         const Index middle = begin + halve<3>(cloud_.points, cloud_.normals, ids, end - begin);
@@ -189,7 +202,11 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
     add_needed(cloud, parts.order, fragments, result.patches);
     result.patches.build();
   }
-  const std::vector<CoverageGap> bare = find_coverage_gaps(result.patches);
+  std::vector<CoverageGap> bare = find_coverage_gaps(result.patches);
+  if (options.region)
+    std::erase_if(bare, [&](const CoverageGap& gap) {
+      return is_beside(*options.region, gap.middle, covering_reach * gap.reach);
+    });
   if (!bare.empty()) {
     cover(
         bare, [&] { return LeafFitter(cloud, tree, options, parts.order); }, result.patches);
