@@ -39,17 +39,18 @@ void TileFolder::clear(const std::vector<std::string>& kept) const {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(utf8_path(path_), ignored)) {
     const std::string name = utf8_name(entry.path().filename());
-    const auto begins = [&](const std::string& kind) { return name.rfind(kind, 0) == 0; };
+    const std::size_t start = name[0] == '.' ? 1 : 0;  // of the kind, also in incomplete files
+    const auto begins = [&](const std::string& kind) { return name.compare(start, kind.size(), kind) == 0; };
     if (name.find(suffix) != std::string::npos && std::none_of(kept.begin(), kept.end(), begins))
       files.push_back(entry.path());
   }
   for (const std::filesystem::path& path : files) std::filesystem::remove(path, ignored);
 }
 
-void TileFolder::remove(const std::string& last) const {
-  clear({last + suffix});
+void TileFolder::remove(const std::string& first) const {
   std::error_code ignored;
-  std::filesystem::remove(utf8_path(file(last)), ignored);
+  std::filesystem::remove(utf8_path(file(first)), ignored);
+  clear({});
   std::filesystem::remove(utf8_path(path_), ignored);  // fails where other files are left
 }
 

@@ -20,8 +20,8 @@ class TileFolder {
   [[nodiscard]] std::string file(const std::string& kind) const;
   [[nodiscard]] std::string file(const std::string& kind, Index tile) const;
 
-  /// Removes all files that this version writes, the one of this kind last, and the folder if nothing else is in it.
-  void remove(const std::string& last) const;
+  /// Removes all files that this version writes, the one of this kind first, and the folder if nothing else is in it.
+  void remove(const std::string& first) const;
   /// Removes those whose kinds do not begin with one of `kept`.
   void clear(const std::vector<std::string>& kept) const;
 

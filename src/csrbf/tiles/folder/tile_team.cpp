@@ -98,11 +98,11 @@ void TileTeam::clear() const {
   folder_.clear({own_kind, survey_kind});
 }
 
-void TileTeam::finish(const std::string& last) const {
+void TileTeam::finish(const std::string& first) const {
   write_file(folder_.file("left", share_.rank), "");
   if (!leads()) return;
   wait_for_all("left", share_.count);
-  folder_.remove(last);
+  folder_.remove(first);
 }
 
 std::string tile_fingerprint(const std::string& input, const std::string& options) {

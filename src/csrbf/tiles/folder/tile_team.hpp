@@ -42,8 +42,8 @@ class TileTeam {
   /// For the leading process when it starts the work: removes steps of earlier work that were left behind.
   void clear() const;
 
-  /// Waits until all processes have come here; the leading one then removes the files, that of this kind last.
-  void finish(const std::string& last) const;
+  /// Waits until all processes have come here; the leading one then removes the files, that of this kind first.
+  void finish(const std::string& first) const;
 
  private:
   [[nodiscard]] std::string failure() const;
