@@ -4,22 +4,23 @@
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_code.hpp"
 
+#include <algorithm>
 #include <numbers>
-#include <numeric>
 
 namespace csrbf {
 namespace {
 
-// Of the entries [begin, end) of a curve, the one nearest to their mean.
+// Of the points [begin, end), the one nearest to their mean.
 template <int Dim>
-Index most_central(const PointsRef<Dim>& points, const std::vector<Index>& order, Index begin, Index end) {
+Index most_central(const Points<Dim>& points, Index begin, Index end) {
+  if (end - begin == 1) return begin;
   Point<Dim> mean = Point<Dim>::Zero();
-  for (Index i = begin; i < end; ++i) mean += points.col(order[i]);
+  for (Index i = begin; i < end; ++i) mean += points.col(i);
   mean /= static_cast<double>(end - begin);
   Index best = begin;
   double least = std::numeric_limits<double>::infinity();
   for (Index i = begin; i < end; ++i) {
-    const double distance = (points.col(order[i]) - mean).squaredNorm();
+    const double distance = (points.col(i) - mean).squaredNorm();
     if (distance < least) {
       least = distance;
       best = i;
@@ -54,18 +55,19 @@ std::uint64_t ThinningGrid<Dim>::key(const Point<Dim>& x) const {
 template <int Dim>
 ThinnedPoints thin(const PointsRef<Dim>& points, const ThinningGrid<Dim>& grid) {
   const Index n = points.cols();
-  std::vector<std::uint64_t> key(n);
-  for (Index i = 0; i < n; ++i) key[i] = grid.key(points.col(i));
+  std::vector<std::pair<std::uint64_t, Index>> key(n);
+  for (Index i = 0; i < n; ++i) key[i] = {grid.key(points.col(i)), i};
+  std::sort(key.begin(), key.end());
   ThinnedPoints result;
-  result.order.resize(n);
-  std::iota(result.order.begin(), result.order.end(), Index{0});
-  std::stable_sort(result.order.begin(), result.order.end(), [&](Index a, Index b) { return key[a] < key[b]; });
+  result.order.reserve(n);
+  for (const auto& [code, i] : key) result.order.push_back(i);
+  const Points<Dim> sorted = points(Eigen::all, result.order);
   for (int level = 1; level < grid.levels(); ++level) {
     const int shift = std::min(63, Dim * (grid.spacing_bits + level));
     std::vector<Index> chosen;
     for (Index begin = 0, end = 0; begin < n; begin = end) {
-      while (end < n && key[result.order[end]] >> shift == key[result.order[begin]] >> shift) ++end;
-      chosen.push_back(most_central<Dim>(points, result.order, begin, end));
+      while (end < n && key[end].first >> shift == key[begin].first >> shift) ++end;
+      chosen.push_back(most_central<Dim>(sorted, begin, end));
     }
     result.levels.push_back(std::move(chosen));
   }

@@ -6,6 +6,7 @@
 #include "csrbf/io/files/open_file.hpp"
 
 #include <cerrno>
+#include <cstring>
 
 namespace csrbf {
 namespace {
@@ -58,9 +59,13 @@ void append_level(const Records<Dim>& records, const std::vector<Index>& ids, st
     append_point<Dim>(out, box.lo);
     append_point<Dim>(out, box.hi);
   }
+  const std::size_t each = Dim * sizeof(double) + records.each, before = out.size();
+  out.resize(before + each * ids.size());
+  char* at = out.data() + before;
   for (const Index i : ids) {
-    append_point<Dim>(out, points.col(i));
-    out += records.payload_of(i);
+    std::memcpy(at, points.col(i).data(), Dim * sizeof(double));
+    std::memcpy(at + Dim * sizeof(double), records.payload_of(i).data(), records.each);
+    at += each;
   }
 }
 
@@ -108,8 +113,15 @@ Records<Dim> read_raw_records(const std::vector<std::string>& paths, std::size_t
     if (file == nullptr) continue;
     const std::size_t size = std::filesystem::file_size(utf8_path(path));
     const std::string bytes = read_bytes(file.get(), path, size);
-    for (const char* at = bytes.data(); at + each <= bytes.data() + size; at += each)
-      records.add(load_point<Dim>(at), {at + Dim * sizeof(double), payload});
+    const std::size_t count = size / each, before = records.points.size();
+    records.points.resize(before + Dim * count);
+    records.payload.resize(records.payload.size() + payload * count);
+    char* points = reinterpret_cast<char*>(records.points.data() + before);
+    char* rest = records.payload.data() + records.payload.size() - payload * count;
+    for (std::size_t i = 0; i < count; ++i) {
+      std::memcpy(points + Dim * sizeof(double) * i, bytes.data() + each * i, Dim * sizeof(double));
+      std::memcpy(rest + payload * i, bytes.data() + each * i + Dim * sizeof(double), payload);
+    }
   }
   return records;
 }
