@@ -3,12 +3,13 @@
 functions as accurate; large images slice by slice; and plans a billion points from what was measured. Writes a page.
 
 usage: scaling.py [--program CSRBF] [--points N,...] [--tile-points N] [--processes P,...] [--weak N] [--samples N,...]
-                  [--image EDGE,...] [--large POINTS,SAMPLES] [--large-memory SIZE] [--folder DIR] [--page FILE]
+                  [--image EDGE,...] [--large POINTS,SAMPLES] [--large-memory SIZE] [--mpirun] [--folder DIR] [--page FILE]
 
 Runs with one thread per process, but for the large ones. Processes share the cores of this machine, so judge CPU seconds:
-those of the busiest process stand for the time on as many cores as processes. Strong runs use the last number of --points,
-weak runs N points for each process. Points are made by make_cloud.py, samples are of a smooth function in space, images
-are gyroids with noise. --large: so many points and samples once, with --memory; files and folders of 0.6 kB per point.
+those of the busiest process stand for the time on as many cores as processes. They are started here, or by mpirun. Strong
+runs use the last number of --points, weak runs N points for each process. Points are made by make_cloud.py, samples are
+of a smooth function in space, images are gyroids with noise. --large: so many points and samples once, with --memory;
+files and folders of 0.6 kB per point.
 """
 
 import argparse
@@ -46,10 +47,34 @@ class Run:
         self.wall = time.monotonic() - begin
 
 
+class MpiRun:
+    """The same by mpirun."""
+
+    def __init__(self, command, processes, folder):
+        name = os.path.join(folder, "rank")
+        script = 'exec /usr/bin/time -o "$0.$OMPI_COMM_WORLD_RANK" -f "%U %S %M %O" "$@"'
+        mpirun = ["mpirun", "-n", str(processes), "--oversubscribe", "--quiet", "--bind-to", "none"]
+        if os.geteuid() == 0:
+            mpirun.append("--allow-run-as-root")
+        begin = time.monotonic()
+        done = subprocess.run([*mpirun, "sh", "-c", script, name, *command, "--tile-share", "auto"],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.wall = time.monotonic() - begin
+        if done.returncode != 0:
+            sys.exit(done.stderr)
+        self.cpu, self.memory, self.written = [], [], 0
+        for rank in range(processes):
+            with open(f"{name}.{rank}") as file:
+                user, system, memory, blocks = (float(word) for word in file.read().split()[-4:])
+            self.cpu.append(user + system)
+            self.memory.append(memory / 1024)
+            self.written += 512 * blocks
+
+
 class Bench:
     def __init__(self, arguments):
         self.program, self.folder = arguments.program, arguments.folder
-        self.tile = arguments.tile_points
+        self.tile, self.mpirun = arguments.tile_points, arguments.mpirun
         os.makedirs(self.folder, exist_ok=True)
 
     def cloud(self, n):
@@ -68,10 +93,14 @@ class Bench:
     def tiled(self, n, processes, name):
         mesh = os.path.join(self.folder, name)
         flags = ["--tile-points", str(self.tile)]
-        commands = [self.command(n, mesh, *flags, "--tile-share", f"{k}/{processes}") for k in range(1, processes + 1)]
         report = os.path.join(self.folder, "report.json")
-        commands[0] += ["--report", report]
-        run = Run(commands)
+        if self.mpirun and processes > 1:
+            run = MpiRun(self.command(n, mesh, *flags, "--report", report), processes, self.folder)
+        else:
+            commands = [self.command(n, mesh, *flags, "--tile-share", f"{k}/{processes}")
+                        for k in range(1, processes + 1)]
+            commands[0] += ["--report", report]
+            run = Run(commands)
         with open(report) as file:
             run.result = json.load(file)["result"]
         run.mesh = mesh
@@ -235,7 +264,7 @@ CORES, NETWORK, DISKS = 16, 1e9, 10e9  # of a node: cores, bytes/s; bytes/s of t
 RATIO = 4  # threads of one process on a tile against one thread: measured gains are near the number of threads up to here
 
 
-def plan(alone, shared, weak):
+def plan(weak):
     """What a billion points need, by the costs of a tile."""
     largest = weak[-1]
     points = np.array([WEAK_POINTS[0] * len(run.cpu) for run in weak], float)
@@ -249,8 +278,9 @@ def plan(alone, shared, weak):
     traffic = largest.written / points[-1]
     page = "\n## A plan for 1,000,000,000 points\n\n"
     page += (f"From the weak run with {len(largest.cpu)} processes: {per_point * 1e6:.1f} us of CPU time per point in any "
-             f"process, {constant:.1f} s and {serial * 1e6:.2f} us per point in the first one alone, which plans the tiles and joins the mesh, and "
-             f"{traffic:.0f} bytes per point to the folder and as many from it. A node has {CORES} cores and "
+             f"process, {constant:.1f} s and {serial * 1e6:.2f} us per point in the first one "
+             f"alone, which plans the tiles and numbers the vertices, and {traffic:.0f} bytes per "
+             f"point to the folder and as many from it. A node has {CORES} cores and "
              f"{NETWORK / 1e9:.0f} GB/s of network, the shared folder {DISKS / 1e9:.0f} GB/s; processes of {RATIO} threads "
              f"each hold a tile of 1,000,000 points (1.6 GB).\n\n")
     page += row("nodes", "GB per node", "CPU minutes of a core", "first process, minutes", "folder, minutes", "minutes in all")
@@ -280,6 +310,7 @@ def main():
     parser.add_argument("--image", default="256,512,1024")
     parser.add_argument("--large", default="")
     parser.add_argument("--large-memory", default="4GB")
+    parser.add_argument("--mpirun", action="store_true")
     parser.add_argument("--folder", default="tiles-benchmark")
     parser.add_argument("--page")
     arguments = parser.parse_args()
@@ -291,12 +322,16 @@ def main():
     page = "# Beyond memory and one machine\n\n"
     page += f"* {datetime.date.today()}, load {os.getloadavg()[0]:.1f} at the start, one thread per process\n"
     page += f"* Tiles of up to {arguments.tile_points:,} points. **busiest s** is the CPU time of the busiest process.\n\n"
-    page += "```sh\nbenchmarks/scaling.py --page benchmarks/SCALING.md\n```\n\n"
+    words = sys.argv[1:]
+    for flag in ("--program", "--folder"):
+        if flag in words:
+            del words[words.index(flag):words.index(flag) + 2]
+    page += "```sh\nbenchmarks/scaling.py " + " ".join(words) + "\n```\n\n"
     page += "## All at once and in tiles\n\n"
     page += row("points", "CPU s at once", "in tiles", "ratio", "MB at once", "in tiles", "tiles", "watertight")
     page += row(*["---:"] * 8)
     for n in sizes:
-        whole, tiled = bench.whole(n), bench.tiled(n, 1, "alone.ply")
+        whole, tiled = bench.whole(n), bench.tiled(n, 1, "mesh1.ply")
         page += row(f"{n:,}", f"{whole.cpu[0]:.1f}", f"{tiled.cpu[0]:.1f}", f"{tiled.cpu[0] / whole.cpu[0]:.2f}",
                     f"{whole.memory[0]:.0f}", f"{tiled.memory[0]:.0f}", tiled.result["tiles"],
                     "yes" if tiled.result["watertight"] else "NO")
@@ -305,11 +340,9 @@ def main():
     page += f"\n## {sizes[-1]:,} points by several processes\n\n"
     page += row("processes", "busiest s", "sum s", "busiest / (alone / processes)", "peak MB", "same bytes")
     page += row(*["---:"] * 6)
-    alone, shared, weak = None, [], []
+    alone, weak = tiled, []
     for count in counts:
-        run = bench.tiled(sizes[-1], count, f"mesh{count}.ply")
-        alone = alone or run
-        shared.append(run)
+        run = alone if count == 1 else bench.tiled(sizes[-1], count, f"mesh{count}.ply")
         same = filecmp.cmp(alone.mesh, run.mesh, shallow=False)
         page += row(count, f"{max(run.cpu):.1f}", f"{sum(run.cpu):.1f}",
                     f"{max(run.cpu) * count / sum(alone.cpu):.2f}", f"{max(run.memory):.0f}", "yes" if same else "NO")
@@ -332,7 +365,7 @@ def main():
                 "in tiles", "evaluation s at once", "in tiles")
     page += row(*["---:"] * 11)
     functions = FunctionBench(arguments)
-    for n in [int(n) for n in arguments.samples.split(",")]:
+    for n in [int(n) for n in arguments.samples.split(",") if n]:
         for noise in (0, 0.01):
             whole = functions.fit(n, noise)
             tiled = functions.fit(n, noise, "--tile-points", str(arguments.tile_points))
@@ -343,7 +376,7 @@ def main():
             print(page.splitlines()[-1], flush=True)
     page += image_table(arguments)
     page += large_table(arguments)
-    page += plan(alone, shared, weak)
+    page += plan(weak)
     if arguments.page:
         with open(arguments.page, "w") as file:
             file.write(page)

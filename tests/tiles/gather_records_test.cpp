@@ -40,11 +40,12 @@ class GatherRecords : public testing::Test {
                           .blend = [](double spacing, double) { return 3 * spacing; },
                           .reach = 5,
                           .boxed = true};
-    work_ = plan_work<2>(source_, rules, 1, "test", {});
-    deal_records<2>(source_, work_, folder_, 0, 1, {});
-    for (Index t = 0; t < work_.plan.size(); ++t) sort_records<2>(work_, folder_, t, 1);
+    work_ = plan_work<2>(survey_records<2>(source_, 0, 1, {}), rules, 1);
+    work_.payload = source_.payload;
+    deal_records<2>(source_, work_, folder_, 0, {});
+    for (Index t = 0; t < work_.plan.size(); ++t) sort_records<2>(work_, folder_, t);
   }
-  void TearDown() override { folder_.remove(); }
+  void TearDown() override { folder_.remove("work"); }
 
   // One for each test: they may run at the same time.
   static std::string path() {
@@ -74,6 +75,24 @@ TEST_F(GatherRecords, NearPointsAreAllUpToTheHaloWithWhatBelongsToThem) {
   }
 }
 
+TEST_F(GatherRecords, SurveysOfPartsAreThatOfTheWhole) {
+  make(0);
+  const Survey<2> whole = survey_records<2>(source_, 0, 1, {});
+  for (const Index parts : {2, 7}) {
+    Survey<2> sum;
+    for (Index part = 0; part < parts; ++part) {
+      const std::string file = folder_.file("survey", part);
+      write_survey(file, survey_records<2>(source_, part, parts, {}));
+      add_survey(read_survey<2>(file), sum);
+    }
+    EXPECT_EQ(sum.points, whole.points);
+    EXPECT_EQ(sum.non_finite, whole.non_finite);
+    EXPECT_EQ(sum.bounds.lo, whole.bounds.lo);
+    EXPECT_EQ(sum.bounds.hi, whole.bounds.hi);
+    EXPECT_EQ(sum.sample, whole.sample);
+  }
+}
+
 TEST_F(GatherRecords, FarPointsAreFewAndEverywhere) {
   make(0);
   Records<2> records = gather_near(work_, folder_, 0);
@@ -88,7 +107,7 @@ TEST_F(GatherRecords, FarPointsAreFewAndEverywhere) {
 TEST_F(GatherRecords, GapsAreCubesAsWideAsTheHalo) {
   make(0);
   for (Index tile = 0; tile < 4; ++tile) EXPECT_FALSE(has_gaps(work_, tile, gather_near(work_, folder_, tile)));
-  folder_.remove();
+  folder_.remove("work");
   folder_ = TileFolder(path());
   make(0.2);
   EXPECT_TRUE(has_gaps(work_, work_.plan.tile_of(Point<2>(0.25, 0.5)),
