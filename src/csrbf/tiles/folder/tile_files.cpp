@@ -74,12 +74,8 @@ void append_level(const Records<Dim>& records, const std::vector<Index>& ids, st
 RecordDealer::RecordDealer(std::vector<std::string> paths)
     : paths_(std::move(paths)),
       buffers_(paths_.size()),
-      most_(std::max<std::size_t>(1 << 14, buffered / std::max<std::size_t>(1, paths_.size()))) {
-  for (const std::string& path : paths_) {
-    errno = 0;
-    if (OpenFile(open_file(path, "wb")) == nullptr) fail(path, "cannot be written");
-  }
-}
+      begun_(paths_.size()),
+      most_(std::max<std::size_t>(1 << 14, buffered / std::max<std::size_t>(1, paths_.size()))) {}
 
 template <int Dim>
 void RecordDealer::add(Index tile, const Point<Dim>& point, std::string_view payload) {
@@ -96,10 +92,11 @@ void RecordDealer::flush(Index tile) {
   std::string& buffer = buffers_[tile];
   if (buffer.empty()) return;
   errno = 0;
-  const OpenFile file(open_file(paths_[tile], "ab"));
+  const OpenFile file(open_file(paths_[tile], begun_[tile] != 0 ? "ab" : "wb"));
   if (file == nullptr || std::fwrite(buffer.data(), 1, buffer.size(), file.get()) != buffer.size() ||
       std::fflush(file.get()) != 0)
     fail(paths_[tile], "cannot be written");
+  begun_[tile] = 1;
   buffer.clear();
 }
 

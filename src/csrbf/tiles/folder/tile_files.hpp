@@ -28,7 +28,7 @@ struct Records {
 };
 
 /// Appends the records of one tile after another to files, in buffers: any number of files, little memory. The files
-/// are raw: the coordinates of each point as doubles, then its payload.
+/// are raw: the coordinates of each point as doubles, then its payload. Those of tiles without records are not made.
 class RecordDealer {
  public:
   explicit RecordDealer(std::vector<std::string> paths);
@@ -43,7 +43,8 @@ class RecordDealer {
 
   std::vector<std::string> paths_;
   std::vector<std::string> buffers_;
-  std::size_t most_;  // bytes in a buffer
+  std::vector<char> begun_;  // files that were begun; what an earlier run left is overwritten
+  std::size_t most_;         // bytes in a buffer
 };
 
 /// The records of raw files, one after the other, with so many bytes of payload each; missing files have none.

@@ -5,24 +5,26 @@
 namespace csrbf {
 namespace {
 
+constexpr Index most_shares = 64;  // of the input: each makes a file for every tile
+
 // Surveys of other input have another name (FNV-1a hash).
-std::string survey_name(const std::string& fingerprint, Index processes) {
+std::string survey_name(const std::string& fingerprint, Index shares) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const char c : fingerprint) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return survey_kind + std::to_string(hash) + "of" + std::to_string(processes);
+  return survey_kind + std::to_string(hash) + "of" + std::to_string(shares);
 }
 
 template <int Dim>
-TileWork<Dim> plan(const TileTeam& team, const TileInput<Dim>& input, const std::string& surveys) {
+TileWork<Dim> plan(const TileTeam& team, const TileInput<Dim>& input, const std::string& surveys, Index shares) {
   Survey<Dim> whole;
-  for (Index p = 0; p < team.processes(); ++p) {
-    const std::string path = team.folder().file(surveys, p);
+  for (Index share = 0; share < shares; ++share) {
+    const std::string path = team.folder().file(surveys, share);
     team.wait(path);
     add_survey(read_survey<Dim>(path), whole);
   }
   TileWork<Dim> work = plan_work(whole, input.rules, input.fewest);
   work.fingerprint = input.fingerprint;
-  work.shares = team.processes();
+  work.shares = shares;
   work.payload = input.open().payload;
   work.notes = input.notes();
   return work;
@@ -35,13 +37,14 @@ TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input) {
   const TileFolder& folder = team.folder();
   const std::string file = folder.file("work");
   if (!exists(file)) {
-    const std::string surveys = survey_name(input.fingerprint, team.processes());
-    team.for_own(surveys, team.processes(), [&](Index p) {
-      write_survey(folder.file(surveys, p), survey_records(input.open(), p, team.processes(), team.progress()));
+    const Index shares = std::min(team.processes(), most_shares);
+    const std::string surveys = survey_name(input.fingerprint, shares);
+    team.for_own(surveys, shares, [&](Index share) {
+      write_survey(folder.file(surveys, share), survey_records(input.open(), share, shares, team.progress()));
     });
     if (team.leads()) {
       team.clear();
-      write_work(folder, plan(team, input, surveys));
+      write_work(folder, plan(team, input, surveys, shares));
     }
   }
   team.wait(file);
