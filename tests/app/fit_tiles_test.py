@@ -137,6 +137,33 @@ class FitTiles(base.CommandLine):
         self.assertEqual(report["result"]["tiles"], 3)
         self.assertLess(self.rms(self.model, [row[:2] for row in samples(500, 9)]), 1e-3)
 
+    def test_gross_errors_are_named_by_their_numbers(self):
+        rows = samples(12000, 2, 0.01)
+        wrong = range(5, 12000, 210)  # several in every tile
+        for row in wrong:
+            rows[row][2] += 30
+        for row in (700, 5000):
+            rows[row][2] = -9999.0  # missing: counted, but no sample
+        rows[3][2] = math.nan  # lacks a number: not counted
+        self.give(rows)
+        whole = self.path("report.json")
+        self.whole("--missing", "-9999", "--report", whole)
+        with open(whole) as file:
+            expected = json.load(file)["result"]["gross_errors"]
+        self.assertEqual(expected, [row - (row > 3) + 1 for row in wrong])  # from 1
+        for shares in (1, 3):
+            runs = [self.start("--missing", "-9999", "--tile-share", f"{k}/{shares}", "--report", self.path(f"r{k}.json"))
+                    for k in range(1, shares + 1)]
+            for run in runs:
+                message = run.communicate()[1]
+                self.assertEqual(run.returncode, 0, message)
+            with open(self.path("r1.json")) as file:
+                report = json.load(file)
+            self.assertEqual(report["result"]["gross_errors"], expected)
+            named = [text for text in report["warnings"] if "far from what those around them say" in text]
+            self.assertEqual(len(named), 1)
+            self.assertIn(", ".join(str(row) for row in expected[:10]), named[0])
+
     def test_missing_values_are_left_out(self):
         rows = samples(5000, 6)
         for row in rows[::10]:

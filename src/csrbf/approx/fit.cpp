@@ -165,18 +165,10 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
 // Says what may be wrong with the values.
 template <int Dim>
 void warn_of_errors(const Samples<Dim>& samples, const FitOptions& options, FitReport& report) {
-  constexpr std::size_t most_named = 10;
-  const auto say = [&](const std::vector<Index>& rows, const char* what, const char* instead) {
-    if (rows.empty() || options.loss != "auto") return;
-    std::string names;
-    for (std::size_t k = 0; k < std::min(most_named, rows.size()); ++k)
-      names += (k > 0 ? ", " : "") + std::to_string(rows[k] + 1);
-    report.warnings.push_back(std::to_string(rows.size()) + " of " + std::to_string(samples.size()) +
-                              " samples are far from what those around them say, " + what + " (number " + names +
-                              (rows.size() > most_named ? ", ..." : "") + "); " + instead);
-  };
-  say(report.gross_errors, "and left out", "loss squares keeps them");
-  say(report.suspects, "but so few cannot tell errors from peaks: kept", "loss huber gives them less weight");
+  if (!report.gross_errors.empty() && options.loss == "auto")
+    report.warnings.push_back(warning_of_gross_errors(report.gross_errors, samples.size()));
+  if (!report.suspects.empty() && options.loss == "auto")
+    report.warnings.push_back(warning_of_suspects(report.suspects, samples.size()));
   for (Index c = 0; c < samples.components(); ++c)
     if (const std::optional<double> value = value_beyond_all_others(samples.values.col(c), options.missing))
       report.warnings.push_back((std::ostringstream() << *value).str() +

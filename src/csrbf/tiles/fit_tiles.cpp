@@ -1,5 +1,6 @@
 #include "csrbf/tiles/fit_tiles.hpp"
 
+#include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/joined.hpp"
 #include "csrbf/core/seconds_since.hpp"
@@ -117,6 +118,7 @@ class FunctionInTiles {
                           .boxed = true};  // fits take the empty corners of other shapes for gaps
     work_ = prepare_tiles<Dim>(team_, {.open = [this] { return source(); },
                                        .rules = rules,
+                                       .numbered = true,
                                        .fingerprint = tile_fingerprint(samples_, fit_options_text(options_)),
                                        .notes = [this] { return notes(); }});
     report_.tiles = count();
@@ -154,7 +156,6 @@ class FunctionInTiles {
     TileWarnings warnings;
     out.partition.emplace();
     double squares = 0, left_out = 0, smoothing = 0;
-    Index gross_errors = 0;
     std::vector<double> noise(report_.value_names.size(), 0.0);
     bool noise_known = true;
     for (const FunctionTile& tile : tiles_) {
@@ -170,7 +171,7 @@ class FunctionInTiles {
       out.max_error = std::max(out.max_error, r.max_error);
       left_out += share * r.cross_validation_rmse * r.cross_validation_rmse;
       smoothing += share * r.smoothing;
-      gross_errors += std::ssize(r.gross_errors);
+      out.gross_errors.insert(out.gross_errors.end(), r.gross_errors.begin(), r.gross_errors.end());
       noise_known = noise_known && r.noise.size() == noise.size();
       for (std::size_t c = 0; c < noise.size() && noise_known; ++c) noise[c] += share * r.noise[c] * r.noise[c];
       warnings.add(r.warnings);
@@ -184,9 +185,9 @@ class FunctionInTiles {
     if (noise_known)
       for (const double n : noise) out.noise.push_back(std::sqrt(n));
     out.axis_scales.assign(scales_.begin(), scales_.end());
-    if (gross_errors > 0)
-      out.warnings.push_back(std::to_string(gross_errors) +
-                             " gross errors left out, or given less weight, in all tiles");
+    std::sort(out.gross_errors.begin(), out.gross_errors.end());
+    if (!out.gross_errors.empty() && options_.fit.loss == "auto")
+      out.warnings.push_back(warning_of_gross_errors(out.gross_errors, work_.points));
     warnings.append_to(out.warnings);
   }
 

@@ -161,6 +161,26 @@ TEST(Composite, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(parallel.patches.patch(i).quadric, serial.patches.patch(i).quadric);
 }
 
+TEST(Composite, InARegionIsThatOfTheWholeAndHasNoPatchesBesideIt) {
+  const OrientedPoints cloud = oriented(Torus().cloud(20000), Torus().area());
+  CompositeOptions options;
+  const Patches whole = fit_composite(cloud, options).patches;
+  const Box<3> all = bounding_box<3>(cloud.points);
+  options.region = Box<3>{all.lo, Point<3>(0.25 * all.lo[0] + 0.75 * all.hi[0], all.hi[1], all.hi[2])};
+  const Patches part = fit_composite(cloud, options).patches;
+  EXPECT_GT(part.pieces(), whole.pieces() / 2);
+  for (Index i = 0; i < part.pieces(); ++i) {
+    const Patch& patch = part.patch(i);
+    const Point<3> nearest = patch.center.cwiseMax(options.region->lo).cwiseMin(options.region->hi);
+    EXPECT_LT((patch.center - nearest).norm(), patch.radius);
+  }
+  const Box<3> deep = options.region->inflated(-0.1);
+  for (Index i = 0; i < cloud.size(); i += 7) {
+    const Point<3> x = cloud.points.col(i);
+    if (x[0] < deep.hi[0]) EXPECT_NEAR(blend_at(part, x).value, blend_at(whole, x).value, 1e-12);
+  }
+}
+
 TEST(Composite, UsesNoCentresBeyondTheBudget) {
   const OrientedPoints cloud = oriented(Torus().cloud(8000), Torus().area());
   CompositeOptions options;

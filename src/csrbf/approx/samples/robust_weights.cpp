@@ -63,6 +63,16 @@ std::vector<char> far_from_all_others(const Eigen::MatrixXd& values, const std::
   return is_far;
 }
 
+std::string far_samples(const std::vector<Index>& rows, Index samples, const char* what, const char* instead) {
+  constexpr std::size_t most_named = 10;
+  std::string names;
+  for (std::size_t k = 0; k < std::min(most_named, rows.size()); ++k)
+    names += (k > 0 ? ", " : "") + std::to_string(rows[k] + 1);
+  return std::to_string(rows.size()) + " of " + std::to_string(samples) +
+         " samples are far from what those around them say, " + what + " (number " + names +
+         (rows.size() > most_named ? ", ..." : "") + "); " + instead;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -127,6 +137,15 @@ std::optional<double> value_beyond_all_others(const Eigen::Ref<const Eigen::Vect
     if (others_differ && (is_usual || count > 1)) return value;
   }
   return std::nullopt;
+}
+
+std::string warning_of_gross_errors(const std::vector<Index>& rows, Index samples) {
+  return far_samples(rows, samples, "and left out", "loss squares keeps them");
+}
+
+std::string warning_of_suspects(const std::vector<Index>& rows, Index samples) {
+  return far_samples(rows, samples, "but so few cannot tell errors from peaks: kept",
+                     "loss huber gives them less weight");
 }
 
 #define CSRBF_INSTANTIATE(Dim) template RobustWeights robust_weights<Dim>(const Samples<Dim>&, const std::string&);

@@ -23,6 +23,11 @@ struct RobustWeights {
 template <int Dim>
 RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& loss);
 
+/// Says which samples, by number from 0, were left out of so many; names the first ones, counting from 1.
+std::string warning_of_gross_errors(const std::vector<Index>& rows, Index samples);
+/// The same of suspects, which were kept.
+std::string warning_of_suspects(const std::vector<Index>& rows, Index samples);
+
 /// A value that files have where there is none, such as -9999: of several samples, or a usual one, and farther from all
 /// others than three times their range. `known`: one that is not meant.
 std::optional<double> value_beyond_all_others(const Eigen::Ref<const Eigen::VectorXd>& values,

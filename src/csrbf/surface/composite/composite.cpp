@@ -79,7 +79,10 @@ class LeafFitter {
   std::optional<FittedPatch> cover(const CoverageGap& gap) {
     samples_around(cloud_, tree_, gap, around_);
     if (around_.empty()) return std::nullopt;
-    FittedPatch patch = covering_fitter_.fit(around_.data(), static_cast<Index>(around_.size()));
+    const auto count = static_cast<Index>(around_.size());
+    PatchSamples samples = covering_fitter_.around(around_.data(), count);
+    if (options_.region && is_beside(*options_.region, samples.frame.center, samples.frame.radius)) return std::nullopt;
+    FittedPatch patch = covering_fitter_.fit(around_.data(), count, samples);
     if (options_.tolerance.size() > 0 && !covering_fitter_.within_tolerance(patch)) return std::nullopt;
     return patch;
   }

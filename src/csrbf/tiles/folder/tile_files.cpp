@@ -71,6 +71,20 @@ void append_level(const Records<Dim>& records, const std::vector<Index>& ids, st
 
 }  // namespace
 
+template <int Dim>
+std::vector<Index> take_numbers(Records<Dim>& records) {
+  const std::size_t all = records.each, left = all - sizeof(std::int64_t);
+  std::vector<Index> numbers(records.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const char* payload = records.payload.data() + all * i;
+    numbers[i] = load_scalar<std::int64_t>(payload + left);
+    std::memmove(records.payload.data() + left * i, payload, left);
+  }
+  records.payload.resize(left * numbers.size());
+  records.each = left;
+  return numbers;
+}
+
 RecordDealer::RecordDealer(std::vector<std::string> paths)
     : paths_(std::move(paths)),
       buffers_(paths_.size()),
@@ -181,6 +195,7 @@ void read_tile(const std::string& path, int level, const std::function<bool(cons
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                       \
+  template std::vector<Index> take_numbers<Dim>(Records<Dim>&);                                      \
   template void RecordDealer::add<Dim>(Index, const Point<Dim>&, std::string_view);                  \
   template Records<Dim> read_raw_records<Dim>(const std::vector<std::string>&, std::size_t);         \
   template void write_tile<Dim>(const std::string&, const Records<Dim>&, const ThinnedPoints&);      \

@@ -27,6 +27,10 @@ struct Records {
   }
 };
 
+/// Takes the numbers at the ends of payloads off.
+template <int Dim>
+std::vector<Index> take_numbers(Records<Dim>& records);
+
 /// Appends the records of one tile after another to files, in buffers: any number of files, little memory. The files
 /// are raw: the coordinates of each point as doubles, then its payload. Those of tiles without records are not made.
 class RecordDealer {

@@ -20,6 +20,7 @@ void write_work(const TileFolder& folder, const TileWork<Dim>& work) {
   archive.set("points", work.points);
   archive.set("non_finite", work.non_finite);
   archive.set("shares", work.shares);
+  archive.set("first_numbers", work.first_numbers);
   archive.set("payload", work.payload);
   set_box(archive, work.bounds);
   archive.set("spacing", work.spacing);
@@ -43,6 +44,8 @@ TileWork<Dim> read_work(const TileFolder& folder) {
   work.points = archive.integer("points");
   work.non_finite = archive.integer("non_finite");
   work.shares = archive.integer("shares", 1, std::numeric_limits<std::int32_t>::max());
+  const auto& first = archive.array<std::int64_t>("first_numbers", -1, 1);
+  work.first_numbers.assign(first.data(), first.data() + first.size());
   work.payload = static_cast<std::size_t>(archive.integer("payload", 0, 1 << 20));
   work.bounds = box_of<Dim>(archive);
   work.spacing = archive.number("spacing");

@@ -10,15 +10,17 @@ namespace csrbf {
 /// What all tiles have in common.
 template <int Dim>
 struct TileWork {
-  std::string fingerprint;  ///< of the input and the options
-  Index points = 0;         ///< finite ones in the input
-  Index non_finite = 0;     ///< others, left out
-  Index shares = 1;         ///< of the input, which are dealt to tiles one by one
-  std::size_t payload = 0;  ///< bytes that belong to each point: its normal, or its values
-  Box<Dim> bounds;          ///< of the finite points
-  double spacing = 0;       ///< typical distance between neighbouring points
-  double halo = 0;          ///< a tile sees all points up to that distance
-  bool boxed = false;       ///< distances from a tile are the largest of those along the axes
+  std::string fingerprint;                ///< of the input and the options
+  Index points = 0;                       ///< finite ones in the input
+  Index non_finite = 0;                   ///< others, left out
+  Index shares = 1;                       ///< of the input, which are dealt to tiles one by one
+  std::vector<Index> first_numbers = {};  ///< of the points of each share; empty: points have no numbers
+  std::size_t payload =
+      0;               ///< bytes that belong to each point: its normal, or its values, then its number, if it has one
+  Box<Dim> bounds;     ///< of the finite points
+  double spacing = 0;  ///< typical distance between neighbouring points
+  double halo = 0;     ///< a tile sees all points up to that distance
+  bool boxed = false;  ///< distances from a tile are the largest of those along the axes
   ThinningGrid<Dim> grid;
   TilePlan<Dim> plan;
   Archive notes;  ///< what one kind of work adds

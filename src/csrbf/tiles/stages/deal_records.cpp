@@ -1,6 +1,7 @@
 #include "csrbf/tiles/stages/deal_records.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/files/bytes.hpp"
 #include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/models/archive.hpp"
 
@@ -9,8 +10,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index piece = 1 << 18;        // points read at a time
-constexpr Index sample_size = 1 << 18;  // points that decide on cuts and spacing
+constexpr Index piece = 1 << 18;           // points read at a time
+constexpr Index sampled_points = 1 << 18;  // points that decide on cuts and spacing
 
 // Calls visit(first, records) for pieces of the input [begin, end).
 template <int Dim, class Visit>
@@ -35,12 +36,13 @@ std::string raw_kind(Index share) {
 template <int Dim>
 Survey<Dim> survey_records(const RecordSource<Dim>& source, Index share, Index shares, const Progress& progress) {
   Survey<Dim> survey;
-  const Index stride = std::max<Index>(1, (source.size + sample_size - 1) / sample_size);
+  const Index stride = std::max<Index>(1, (source.size + sampled_points - 1) / sampled_points);
   const Index begin = share_begin(source.size, share, shares), end = share_begin(source.size, share + 1, shares);
   for_each_piece(source, begin, end, progress, [&](Index first, const Records<Dim>& records) {
     const auto points = records.matrix();
     for (Index i = 0; i < points.cols(); ++i) {
       const Point<Dim> p = points.col(i);
+      if (!p.hasNaN()) ++survey.numbers;
       if (!p.allFinite()) {
         ++survey.non_finite;
         continue;
@@ -59,6 +61,7 @@ void write_survey(const std::string& path, const Survey<Dim>& survey) {
   archive.kind = "survey";
   archive.set("points", survey.points);
   archive.set("non_finite", survey.non_finite);
+  archive.set("numbers", survey.numbers);
   set_box(archive, survey.bounds);
   archive.set("sample", survey.sample);
   write_archive(path, archive);
@@ -67,13 +70,15 @@ void write_survey(const std::string& path, const Survey<Dim>& survey) {
 template <int Dim>
 Survey<Dim> read_survey(const std::string& path) {
   const Archive archive = read_archive(path);
-  return {archive.integer("points"), archive.integer("non_finite"), box_of<Dim>(archive), archive.column("sample")};
+  return {archive.integer("points"), archive.integer("non_finite"), archive.integer("numbers"), box_of<Dim>(archive),
+          archive.column("sample")};
 }
 
 template <int Dim>
 void add_survey(const Survey<Dim>& next, Survey<Dim>& survey) {
   survey.points += next.points;
   survey.non_finite += next.non_finite;
+  survey.numbers += next.numbers;
   if (next.points > 0) survey.bounds.add(next.bounds);
   survey.sample.insert(survey.sample.end(), next.sample.begin(), next.sample.end());
 }
@@ -103,13 +108,23 @@ void deal_records(const RecordSource<Dim>& source, const TileWork<Dim>& work, co
   std::vector<std::string> paths;
   for (Index t = 0; t < work.plan.size(); ++t) paths.push_back(folder.file(raw_kind(share), t));
   RecordDealer dealer(paths);
+  const bool numbered = !work.first_numbers.empty();
+  Index number = numbered ? work.first_numbers[static_cast<std::size_t>(share)] : 0;
+  std::string payload;
   const Index begin = share_begin(source.size, share, work.shares);
   const Index end = share_begin(source.size, share + 1, work.shares);
   for_each_piece(source, begin, end, progress, [&](Index, const Records<Dim>& records) {
     const auto points = records.matrix();
     for (Index i = 0; i < points.cols(); ++i) {
       const Point<Dim> p = points.col(i);
-      if (p.allFinite()) dealer.add<Dim>(work.plan.tile_of(p), p, records.payload_of(i));
+      if (p.hasNaN()) continue;
+      if (!numbered) {
+        if (p.allFinite()) dealer.add<Dim>(work.plan.tile_of(p), p, records.payload_of(i));
+        continue;
+      }
+      payload = records.payload_of(i);
+      append_scalar(payload, static_cast<std::int64_t>(number++));
+      if (p.allFinite()) dealer.add<Dim>(work.plan.tile_of(p), p, payload);
     }
   });
   dealer.flush();

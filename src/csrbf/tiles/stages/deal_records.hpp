@@ -11,7 +11,8 @@ template <int Dim>
 struct RecordSource {
   Index size = 0;
   std::size_t payload = 0;  ///< bytes of each point
-  /// The records [begin, end). Points that are not finite are left out of the work.
+  /// The records [begin, end). Points that are not finite are left out of the work; those that are NaN have no number
+  /// either.
   std::function<Records<Dim>(Index begin, Index end)> read;
 };
 
@@ -30,6 +31,7 @@ struct TileRules {
 template <int Dim>
 struct Survey {
   Index points = 0, non_finite = 0;
+  Index numbers = 0;           ///< points that are not NaN
   Box<Dim> bounds;             ///< of the finite points
   std::vector<double> sample;  ///< some of these, the same of the whole input whatever its parts are
 };
@@ -53,7 +55,7 @@ TileWork<Dim> plan_work(const Survey<Dim>& survey, const TileRules& rules, Index
 template <int Dim>
 void add_survey(const Survey<Dim>& next, Survey<Dim>& survey);
 
-/// Deals a share of the input, of work.shares, to raw files of the tiles.
+/// Deals a share of the input, of work.shares, to raw files of the tiles. Points get numbers if the work says so.
 template <int Dim>
 void deal_records(const RecordSource<Dim>& source, const TileWork<Dim>& work, const TileFolder& folder, Index share,
                   const Progress& progress);

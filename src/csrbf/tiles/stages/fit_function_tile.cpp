@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/fit.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
+#include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/model.hpp"
@@ -29,6 +30,16 @@ std::shared_ptr<const Field<Dim>> field_of_tiles(const TileWork<Dim>& work,
   return std::make_shared<const TiledField<Dim>>(work.plan, std::move(fields), work.bounds, work.spacing);
 }
 
+// Gross errors of the tile itself, by their numbers in the input; all tiles together warn of them.
+template <int Dim>
+void keep_own_errors(const TileWork<Dim>& work, Index tile, const Samples<Dim>& samples,
+                     const std::vector<Index>& numbers, FitReport& report) {
+  std::erase(report.warnings, warning_of_gross_errors(report.gross_errors, samples.size()));
+  std::erase(report.warnings, warning_of_suspects(report.suspects, samples.size()));
+  std::erase_if(report.gross_errors, [&](Index i) { return work.plan.tile_of(samples.points.col(i)) != tile; });
+  for (Index& i : report.gross_errors) i = numbers[static_cast<std::size_t>(i)];
+}
+
 }  // namespace
 
 template <int Dim>
@@ -36,9 +47,11 @@ void fit_function_tile(const TileWork<Dim>& work, const TileFolder& folder, Inde
   FunctionTile found;
   {
     Samples<Dim> samples;
+    std::vector<Index> numbers;
     {
       Records<Dim> records = gather_near(work, folder, tile);
       if (work.plan.size() > 1 && has_gaps(work, tile, records)) add_far(work, folder, tile, records);
+      numbers = take_numbers(records);
       samples = samples_of(records, work.notes.integer("weights") != 0);
     }
     for (Index i = 0; i < samples.size(); ++i)
@@ -48,8 +61,9 @@ void fit_function_tile(const TileWork<Dim>& work, const TileFolder& folder, Inde
     here.missing = {};
     if (work.plan.size() > 1) here.scale_axes = false;  // what the shape of a tile says about axes means nothing
     Fit<Dim> fit = csrbf::fit<Dim>(samples, here);
-    samples = {};
     fit.places = {};
+    keep_own_errors(work, tile, samples, numbers, fit.report);
+    samples = {};
     found.report = fit.report;
     found.has_variances = !fit.variances.empty();
     found.variance_unit = fit.variance_unit;

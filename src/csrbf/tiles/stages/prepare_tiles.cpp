@@ -17,15 +17,21 @@ std::string survey_name(const std::string& fingerprint, Index shares) {
 template <int Dim>
 TileWork<Dim> plan(const TileTeam& team, const TileInput<Dim>& input, const std::string& surveys, Index shares) {
   Survey<Dim> whole;
+  std::vector<Index> first_numbers;
   for (Index share = 0; share < shares; ++share) {
     const std::string path = team.folder().file(surveys, share);
     team.wait(path);
+    first_numbers.push_back(whole.numbers);
     add_survey(read_survey<Dim>(path), whole);
   }
   TileWork<Dim> work = plan_work(whole, input.rules, input.fewest);
   work.fingerprint = input.fingerprint;
   work.shares = shares;
   work.payload = input.open().payload;
+  if (input.numbered) {
+    work.first_numbers = std::move(first_numbers);
+    work.payload += sizeof(std::int64_t);
+  }
   work.notes = input.notes();
   return work;
 }

@@ -13,7 +13,8 @@ template <int Dim>
 struct TileInput {
   std::function<RecordSource<Dim>()> open;  ///< called when the input is read; not where earlier steps suffice
   TileRules rules;
-  Index fewest = 1;  ///< finite points that are needed
+  Index fewest = 1;       ///< finite points that are needed
+  bool numbered = false;  ///< points keep their number in the input
   std::string fingerprint;
   std::function<Archive()> notes;  ///< see TileWork
 };

@@ -80,11 +80,12 @@ Records<Dim> SampleStream::read(Index begin, Index end, const Point<Dim>& scales
     records.add(point, {reinterpret_cast<const char*>(payload.data()), records.each});
   };
   const Point<Dim> nowhere = Point<Dim>::Constant(std::numeric_limits<double>::quiet_NaN());
+  const Point<Dim> elsewhere = Point<Dim>::Constant(std::numeric_limits<double>::infinity());
   for (Index i = 0; i < n; ++i) {
     for (Index c = 0; c < k; ++c) payload[static_cast<std::size_t>(c)] = part.values(i, c);
     if (weighted) payload.back() = part.weights[i];
     const bool has_value = !missing_ || (part.values.row(i).array() != *missing_).any();
-    add(has_value ? Point<Dim>(part.coordinates.col(i).cwiseQuotient(scales)) : nowhere);
+    add(has_value ? Point<Dim>(part.coordinates.col(i).cwiseQuotient(scales)) : elsewhere);
   }
   for (Index i = 0; i < part.dropped; ++i) add(nowhere);
   return records;
