@@ -19,9 +19,11 @@ import gzip
 import hashlib
 import json
 import os
+import shlex
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 
 import numpy as np
@@ -29,25 +31,38 @@ import numpy as np
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
+def timed(name):
+    """What writes to a file what a program took."""
+    return ["/usr/bin/time", "-o", name, "-f", "%U %S %M %O"]
+
+
 class Run:
     """Some processes that do one command together."""
 
     def __init__(self, commands):
         begin = time.monotonic()
-        processes = [subprocess.Popen(c, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) for c in commands]
-        self.cpu, self.memory = [], []
-        for process in processes:
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-            if process.returncode != 0:
-                sys.exit(process.stderr.read().decode())
-            self.cpu.append(usage.ru_utime + usage.ru_stime)
-            self.memory.append(usage.ru_maxrss / 1024)
-            self.written = getattr(self, "written", 0) + 512 * usage.ru_oublock
+        self.cpu, self.memory, self.written = [], [], 0
+        # By way of a small process, for the memory of the one that starts another counts as that of the other.
+        with tempfile.TemporaryDirectory() as folder:
+            names = [os.path.join(folder, str(k)) for k in range(len(commands))]
+            processes = [subprocess.Popen([*timed(name), *command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+                         for name, command in zip(names, commands)]
+            for process, name in zip(processes, names):
+                message = process.communicate()[1]
+                if process.returncode != 0:
+                    sys.exit(message.decode())
+                self.add(name)
         self.wall = time.monotonic() - begin
 
+    def add(self, name):
+        with open(name) as file:
+            user, system, memory, blocks = (float(word) for word in file.read().split()[-4:])
+        self.cpu.append(user + system)
+        self.memory.append(memory / 1024)
+        self.written += 512 * blocks
 
-class MpiRun:
+
+class MpiRun(Run):
     """The same by mpirun."""
 
     def __init__(self, command, processes, folder):
@@ -64,11 +79,7 @@ class MpiRun:
             sys.exit(done.stderr)
         self.cpu, self.memory, self.written = [], [], 0
         for rank in range(processes):
-            with open(f"{name}.{rank}") as file:
-                user, system, memory, blocks = (float(word) for word in file.read().split()[-4:])
-            self.cpu.append(user + system)
-            self.memory.append(memory / 1024)
-            self.written += 512 * blocks
+            self.add(f"{name}.{rank}")
 
 
 class Bench:
@@ -273,7 +284,7 @@ def plan(weak):
     # What the first process does alone grows with the points, but not from 0.
     extra = np.array([run.cpu[0] - other for run, other in zip(weak, others)])
     several = [k for k, run in enumerate(weak) if len(run.cpu) > 1]
-    serial, constant = np.polyfit(points[several], extra[several], 1) if len(several) > 1 else (0, extra[-1])
+    serial, constant = np.polyfit(points[several], extra[several], 1) if len(several) > 1 else (extra[-1] / points[-1], 0)
     serial, constant = max(serial, 0.0), max(constant, 0.0)
     traffic = largest.written / points[-1]
     page = "\n## A plan for 1,000,000,000 points\n\n"
@@ -299,35 +310,10 @@ def plan(weak):
 WEAK_POINTS = [0]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default="csrbf")
-    parser.add_argument("--points", default="1000000,4000000")
-    parser.add_argument("--tile-points", type=int, default=250000)
-    parser.add_argument("--processes", default="1,2,3,8")
-    parser.add_argument("--weak", type=int, default=500000)
-    parser.add_argument("--samples", default="1000000,4000000")
-    parser.add_argument("--image", default="256,512,1024")
-    parser.add_argument("--large", default="")
-    parser.add_argument("--large-memory", default="4GB")
-    parser.add_argument("--mpirun", action="store_true")
-    parser.add_argument("--folder", default="tiles-benchmark")
-    parser.add_argument("--page")
-    arguments = parser.parse_args()
-    WEAK_POINTS[0] = arguments.weak
+def point_tables(arguments, sizes, counts):
+    """Meshes at once, in tiles, by several processes; and the runs of the last table."""
     bench = Bench(arguments)
-    sizes = [int(n) for n in arguments.points.split(",")]
-    counts = [int(p) for p in arguments.processes.split(",")]
-
-    page = "# Beyond memory and one machine\n\n"
-    page += f"* {datetime.date.today()}, load {os.getloadavg()[0]:.1f} at the start, one thread per process\n"
-    page += f"* Tiles of up to {arguments.tile_points:,} points. **busiest s** is the CPU time of the busiest process.\n\n"
-    words = sys.argv[1:]
-    for flag in ("--program", "--folder"):
-        if flag in words:
-            del words[words.index(flag):words.index(flag) + 2]
-    page += "```sh\nbenchmarks/scaling.py " + " ".join(words) + "\n```\n\n"
-    page += "## All at once and in tiles\n\n"
+    page = "## All at once and in tiles\n\n"
     page += row("points", "CPU s at once", "in tiles", "ratio", "MB at once", "in tiles", "tiles", "watertight")
     page += row(*["---:"] * 8)
     for n in sizes:
@@ -359,6 +345,40 @@ def main():
         page += row(count, f"{arguments.weak * count:,}", f"{max(run.cpu):.1f}", f"{max(run.cpu) / first:.2f}",
                     f"{max(run.memory):.0f}")
         print(page.splitlines()[-1], flush=True)
+    return page, weak
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default="csrbf")
+    parser.add_argument("--points", default="1000000,4000000")
+    parser.add_argument("--tile-points", type=int, default=250000)
+    parser.add_argument("--processes", default="1,2,3,8")
+    parser.add_argument("--weak", type=int, default=500000)
+    parser.add_argument("--samples", default="1000000,4000000")
+    parser.add_argument("--image", default="256,512,1024")
+    parser.add_argument("--large", default="")
+    parser.add_argument("--large-memory", default="4GB")
+    parser.add_argument("--mpirun", action="store_true")
+    parser.add_argument("--folder", default="tiles-benchmark")
+    parser.add_argument("--page")
+    arguments = parser.parse_args()
+    WEAK_POINTS[0] = arguments.weak
+    sizes = [int(n) for n in arguments.points.split(",") if n]
+    counts = [int(p) for p in arguments.processes.split(",")]
+
+    page = "# Beyond memory and one machine\n\n"
+    page += f"* {datetime.date.today()}, load {os.getloadavg()[0]:.1f} at the start, one thread per process\n"
+    page += f"* Tiles of up to {arguments.tile_points:,} points. **busiest s** is the CPU time of the busiest process.\n\n"
+    words = sys.argv[1:]
+    for flag in ("--program", "--folder"):
+        if flag in words:
+            del words[words.index(flag):words.index(flag) + 2]
+    page += "```sh\nbenchmarks/scaling.py " + shlex.join(words) + "\n```\n\n"
+    weak = []
+    if sizes:
+        points, weak = point_tables(arguments, sizes, counts)
+        page += points
     page += "\n## Functions, at once and in tiles\n\n"
     page += "Errors and times of evaluation are those at 200,000 other places in the cube of the samples.\n\n"
     page += row("samples", "noise", "CPU s at once", "in tiles", "ratio", "MB at once", "in tiles", "rms error at once",
@@ -376,7 +396,8 @@ def main():
             print(page.splitlines()[-1], flush=True)
     page += image_table(arguments)
     page += large_table(arguments)
-    page += plan(weak)
+    if weak:
+        page += plan(weak)
     if arguments.page:
         with open(arguments.page, "w") as file:
             file.write(page)

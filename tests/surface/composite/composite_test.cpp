@@ -177,7 +177,9 @@ TEST(Composite, InARegionIsThatOfTheWholeAndHasNoPatchesBesideIt) {
   const Box<3> deep = options.region->inflated(-0.1);
   for (Index i = 0; i < cloud.size(); i += 7) {
     const Point<3> x = cloud.points.col(i);
-    if (x[0] < deep.hi[0]) EXPECT_NEAR(blend_at(part, x).value, blend_at(whole, x).value, 1e-12);
+    if (x[0] < deep.hi[0]) {
+      EXPECT_NEAR(blend_at(part, x).value, blend_at(whole, x).value, 1e-12);
+    }
   }
 }
 
