@@ -311,7 +311,7 @@ WEAK_POINTS = [0]
 
 
 def point_tables(arguments, sizes, counts):
-    """Meshes at once, in tiles, by several processes; and the runs of the last table."""
+    """Meshes at once, in tiles, and by several processes."""
     bench = Bench(arguments)
     page = "## All at once and in tiles\n\n"
     page += row("points", "CPU s at once", "in tiles", "ratio", "MB at once", "in tiles", "tiles", "watertight")
@@ -326,7 +326,7 @@ def point_tables(arguments, sizes, counts):
     page += f"\n## {sizes[-1]:,} points by several processes\n\n"
     page += row("processes", "busiest s", "sum s", "busiest / (alone / processes)", "peak MB", "same bytes")
     page += row(*["---:"] * 6)
-    alone, weak = tiled, []
+    alone = tiled
     for count in counts:
         run = alone if count == 1 else bench.tiled(sizes[-1], count, f"mesh{count}.ply")
         same = filecmp.cmp(alone.mesh, run.mesh, shallow=False)
@@ -334,7 +334,13 @@ def point_tables(arguments, sizes, counts):
                     f"{max(run.cpu) * count / sum(alone.cpu):.2f}", f"{max(run.memory):.0f}", "yes" if same else "NO")
         print(page.splitlines()[-1], flush=True)
 
-    page += f"\n## {arguments.weak:,} points for each process\n\n"
+    return page
+
+
+def weak_table(arguments, counts):
+    """The same number of points for each process; and the runs."""
+    bench, weak = Bench(arguments), []
+    page = f"\n## {arguments.weak:,} points for each process\n\n"
     page += row("processes", "points", "busiest s", "against one", "peak MB")
     page += row(*["---:"] * 5)
     first = None
@@ -346,6 +352,29 @@ def point_tables(arguments, sizes, counts):
                     f"{max(run.memory):.0f}")
         print(page.splitlines()[-1], flush=True)
     return page, weak
+
+
+def function_table(arguments):
+    """Functions at once and in tiles."""
+    samples = [int(n) for n in arguments.samples.split(",") if n]
+    if not samples:
+        return ""
+    page = "\n## Functions, at once and in tiles\n\n"
+    page += "Errors and times of evaluation are those at 200,000 other places in the cube of the samples.\n\n"
+    page += row("samples", "noise", "CPU s at once", "in tiles", "ratio", "MB at once", "in tiles", "rms error at once",
+                "in tiles", "evaluation s at once", "in tiles")
+    page += row(*["---:"] * 11)
+    functions = FunctionBench(arguments)
+    for n in samples:
+        for noise in (0, 0.01):
+            whole = functions.fit(n, noise)
+            tiled = functions.fit(n, noise, "--tile-points", str(arguments.tile_points))
+            page += row(f"{n:,}", noise, f"{whole.cpu[0]:.1f}", f"{tiled.cpu[0]:.1f}",
+                        f"{tiled.cpu[0] / whole.cpu[0]:.2f}", f"{whole.memory[0]:.0f}", f"{tiled.memory[0]:.0f}",
+                        f"{whole.error:.2e}", f"{tiled.error:.2e}", f"{whole.evaluation.cpu[0]:.1f}",
+                        f"{tiled.evaluation.cpu[0]:.1f}")
+            print(page.splitlines()[-1], flush=True)
+    return page
 
 
 def main():
@@ -377,23 +406,11 @@ def main():
     page += "```sh\nbenchmarks/scaling.py " + shlex.join(words) + "\n```\n\n"
     weak = []
     if sizes:
-        points, weak = point_tables(arguments, sizes, counts)
-        page += points
-    page += "\n## Functions, at once and in tiles\n\n"
-    page += "Errors and times of evaluation are those at 200,000 other places in the cube of the samples.\n\n"
-    page += row("samples", "noise", "CPU s at once", "in tiles", "ratio", "MB at once", "in tiles", "rms error at once",
-                "in tiles", "evaluation s at once", "in tiles")
-    page += row(*["---:"] * 11)
-    functions = FunctionBench(arguments)
-    for n in [int(n) for n in arguments.samples.split(",") if n]:
-        for noise in (0, 0.01):
-            whole = functions.fit(n, noise)
-            tiled = functions.fit(n, noise, "--tile-points", str(arguments.tile_points))
-            page += row(f"{n:,}", noise, f"{whole.cpu[0]:.1f}", f"{tiled.cpu[0]:.1f}",
-                        f"{tiled.cpu[0] / whole.cpu[0]:.2f}", f"{whole.memory[0]:.0f}", f"{tiled.memory[0]:.0f}",
-                        f"{whole.error:.2e}", f"{tiled.error:.2e}", f"{whole.evaluation.cpu[0]:.1f}",
-                        f"{tiled.evaluation.cpu[0]:.1f}")
-            print(page.splitlines()[-1], flush=True)
+        page += point_tables(arguments, sizes, counts)
+    if arguments.weak:
+        table, weak = weak_table(arguments, counts)
+        page += table
+    page += function_table(arguments)
     page += image_table(arguments)
     page += large_table(arguments)
     if weak:
