@@ -215,7 +215,8 @@ def image_table(arguments):
         return ""
     bench = ImageBench(arguments)
     page = "\n## Images slice by slice\n\n"
-    page += "Gyroids of 8-bit voxels whose noise is a tenth of the contrast. Written compressed, labels are made from the whole image.\n\n"
+    page += ("Gyroids of 8-bit voxels whose noise is a tenth of the contrast. Written compressed, labels are made from "
+             "the whole image.\n\n")
     page += row("edge", "CPU s by slices", "whole", "MB by slices", "whole", "Dice by slices", "whole", "same labels")
     page += row(*["---:"] * 8)
     for edge in edges:
@@ -288,10 +289,10 @@ def plan(weak):
     serial, constant = max(serial, 0.0), max(constant, 0.0)
     traffic = largest.written / points[-1]
     page = "\n## A plan for 1,000,000,000 points\n\n"
-    page += (f"From the weak run with {len(largest.cpu)} processes: {per_point * 1e6:.1f} us of CPU time per point in any "
-             f"process, {constant:.1f} s and {serial * 1e6:.2f} us per point in the first one "
-             f"alone, which plans the tiles and numbers the vertices, and {traffic:.0f} bytes per "
-             f"point to the folder and as many from it. A node has {CORES} cores and "
+    page += (f"From the weak run with {len(largest.cpu)} processes, to a mesh of {largest.vertices / points[-1]:.2f} "
+             f"vertices per point: {per_point * 1e6:.1f} us of CPU time per point in any process, {constant:.1f} s and "
+             f"{serial * 1e6:.2f} us per point in the first one alone, which plans the tiles and numbers the vertices, and "
+             f"{traffic:.0f} bytes per point to the folder and as many from it. A node has {CORES} cores and "
              f"{NETWORK / 1e9:.0f} GB/s of network, the shared folder {DISKS / 1e9:.0f} GB/s; processes of {RATIO} threads "
              f"each hold a tile of 1,000,000 points (1.6 GB).\n\n")
     page += row("nodes", "GB per node", "CPU minutes of a core", "first process, minutes", "folder, minutes", "minutes in all")
@@ -346,6 +347,8 @@ def weak_table(arguments, counts):
     first = None
     for count in counts:
         run = bench.tiled(arguments.weak * count, count, "weak.ply")
+        with open(run.mesh, "rb") as file:
+            run.vertices = int(file.read(300).split(b"element vertex ")[1].split()[0])
         weak.append(run)
         first = first or max(run.cpu)
         page += row(count, f"{arguments.weak * count:,}", f"{max(run.cpu):.1f}", f"{max(run.cpu) / first:.2f}",
