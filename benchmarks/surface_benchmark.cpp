@@ -179,7 +179,7 @@ BENCHMARK(kd_tree_nearest)->ArgName("points")->Arg(many / 10)->Arg(many)->Unit(b
 void partition(benchmark::State& state) {
   const csrbf::OrientedPoints& cloud = prepared_torus(state.range(0));
   for (auto _ : state) {
-    csrbf::Partition parts = csrbf::partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = 8});
+    csrbf::PointPartition parts = csrbf::partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = 8});
     benchmark::DoNotOptimize(parts.order.data());
   }
   count_items(state, cloud.size());

@@ -20,24 +20,24 @@ using OneToSixDimensions =
 TYPED_TEST_SUITE(PartitionIn, OneToSixDimensions);
 
 template <int Dim>
-Partition partition_of(const Points<Dim>& points, Index leaf_size) {
+PointPartition partition_of(const Points<Dim>& points, Index leaf_size) {
   return partition<Dim>(points, Points<Dim>(Dim, 0), Eigen::VectorXd(0), {.leaf_size = leaf_size});
 }
 
-std::vector<Index> leaf(const Partition& parts, Index i) {
+std::vector<Index> leaf(const PointPartition& parts, Index i) {
   const auto at = [&](Index leaf) { return parts.order.begin() + parts.begin[leaf]; };
   std::vector<Index> ids(at(i), at(i + 1));
   std::sort(ids.begin(), ids.end());
   return ids;
 }
 
-std::set<std::vector<Index>> leaf_sets(const Partition& parts) {
+std::set<std::vector<Index>> leaf_sets(const PointPartition& parts) {
   std::set<std::vector<Index>> sets;
   for (Index i = 0; i < parts.leaves(); ++i) sets.insert(leaf(parts, i));
   return sets;
 }
 
-void expect_every_index_once(const Partition& parts, Index n) {
+void expect_every_index_once(const PointPartition& parts, Index n) {
   std::vector<Index> sorted = parts.order, all(static_cast<std::size_t>(n));
   std::sort(sorted.begin(), sorted.end());
   std::iota(all.begin(), all.end(), Index{0});
@@ -88,7 +88,7 @@ TwoSheets two_sheets(Index side, double gap, double upper_normal, unsigned seed)
   return sheets;
 }
 
-Index leaves_with_both_sheets(const Partition& parts, Index n) {
+Index leaves_with_both_sheets(const PointPartition& parts, Index n) {
   Index both = 0;
   for (Index i = 0; i < parts.leaves(); ++i) {
     const std::vector<Index> ids = leaf(parts, i);
@@ -127,7 +127,7 @@ TEST(Partition, CutsAcrossTheLongSide) {
 
 TEST(Partition, InOneDimensionSortsTheLeaves) {
   const Points<1> points = uniform_points<1>(1000, 3);
-  const Partition parts = partition_of<1>(points, 7);
+  const PointPartition parts = partition_of<1>(points, 7);
   std::vector<std::pair<double, double>> ranges;
   for (Index i = 0; i < parts.leaves(); ++i) {
     std::pair<double, double> range(2, -2);
@@ -157,7 +157,7 @@ TYPED_TEST(PartitionIn, HasLeavesOfEqualSizeGiveOrTakeOnePoint) {
   for (const Index n : {1, 17, 101, 777, 3001})
     for (const auto& [name, points] : point_sets<Dim>(n))
       for (const Index leaf_size : {1, 4, 10, 33}) {
-        const Partition parts = partition_of<Dim>(points, leaf_size);
+        const PointPartition parts = partition_of<Dim>(points, leaf_size);
         Index smallest = n, largest = 0;
         for (std::size_t i = 1; i < parts.begin.size(); ++i) {
           smallest = std::min(smallest, parts.begin[i] - parts.begin[i - 1]);
@@ -198,10 +198,10 @@ TEST(Partition, WithNormalsAndSpacingTurnsWithTheCloud) {
 TEST(Partition, DoesNotDependOnTheNumberOfThreads) {
   const OrientedSphere sphere = random_sphere(20000, 6);
   set_thread_count(1);
-  const Partition serial = partition<3>(sphere.points, sphere.points, sphere.spacing, {.leaf_size = 12});
+  const PointPartition serial = partition<3>(sphere.points, sphere.points, sphere.spacing, {.leaf_size = 12});
   for (const int threads : {2, 5}) {
     set_thread_count(threads);
-    const Partition parallel = partition<3>(sphere.points, sphere.points, sphere.spacing, {.leaf_size = 12});
+    const PointPartition parallel = partition<3>(sphere.points, sphere.points, sphere.spacing, {.leaf_size = 12});
     EXPECT_EQ(parallel.order, serial.order);
     EXPECT_EQ(parallel.begin, serial.begin);
   }
@@ -212,7 +212,8 @@ TEST(Partition, NeverBridgesAGapBetweenParallelSheets) {
   for (const Index leaf_size : {4, 8, 16, 40})
     for (unsigned seed = 1; seed <= 5; ++seed) {
       const TwoSheets sheets = two_sheets(40, 3, 1, seed);
-      const Partition parts = partition<3>(sheets.points, sheets.normals, sheets.spacing, {.leaf_size = leaf_size});
+      const PointPartition parts =
+          partition<3>(sheets.points, sheets.normals, sheets.spacing, {.leaf_size = leaf_size});
       EXPECT_EQ(leaves_with_both_sheets(parts, 1600), 0) << leaf_size << " " << seed;
     }
 }
@@ -222,7 +223,8 @@ TEST(Partition, NeverHoldsMuchOfBothSidesOfAThinSheet) {
     for (const double gap : {0.0, 0.1, 1.0})
       for (unsigned seed = 1; seed <= 3; ++seed) {
         const TwoSheets sheets = two_sheets(40, gap, -1, seed);
-        const Partition parts = partition<3>(sheets.points, sheets.normals, sheets.spacing, {.leaf_size = leaf_size});
+        const PointPartition parts =
+            partition<3>(sheets.points, sheets.normals, sheets.spacing, {.leaf_size = leaf_size});
         for (Index i = 0; i < parts.leaves(); ++i) {
           const std::vector<Index> ids = leaf(parts, i);
           const auto lower = std::count_if(ids.begin(), ids.end(), [](Index id) { return id < 1600; });
@@ -238,14 +240,14 @@ TEST(Partition, LeavesOneSheetWhole) {
   const Points<3> points = jittered_square(64, 0, random);
   const Points<3> normals = Point<3>::UnitZ().replicate(1, 4096);
   const Eigen::VectorXd spacing = Eigen::VectorXd::Constant(4096, 1.0 / 64);
-  const Partition parts = partition<3>(points, normals, spacing, {.leaf_size = 16});
+  const PointPartition parts = partition<3>(points, normals, spacing, {.leaf_size = 16});
   EXPECT_EQ(parts.leaves(), 256);
 }
 
 TEST(Partition, OfACurvedSurfaceHasNoLongGapAndNoSharpBendInALeaf) {
-  const PartitionOptions options{.leaf_size = 20};
+  const PointPartitionOptions options{.leaf_size = 20};
   const OrientedSphere sphere = random_sphere(400, 12);  // leaves that reach far around
-  const Partition parts = partition<3>(sphere.points, sphere.points, sphere.spacing, options);
+  const PointPartition parts = partition<3>(sphere.points, sphere.points, sphere.spacing, options);
   for (Index i = 0; i < parts.leaves(); ++i) {
     const std::vector<Index> ids = leaf(parts, i);
     const Points<3> points = sphere.points(Eigen::all, ids);
@@ -263,7 +265,7 @@ TEST(Partition, OfACurvedSurfaceHasNoLongGapAndNoSharpBendInALeaf) {
 
 TEST(Partition, PutsNeighbouringLeavesNextToEachOther) {
   const OrientedSphere sphere = random_sphere(8192, 13);
-  const Partition parts = partition<3>(sphere.points, sphere.points, sphere.spacing, {.leaf_size = 8});
+  const PointPartition parts = partition<3>(sphere.points, sphere.points, sphere.spacing, {.leaf_size = 8});
   double sum = 0;
   Point<3> previous = Point<3>::Zero();
   for (Index i = 0; i < parts.leaves(); ++i) {
@@ -276,7 +278,7 @@ TEST(Partition, PutsNeighbouringLeavesNextToEachOther) {
 }
 
 TEST(Partition, OfNothingHasNoLeaf) {
-  const Partition parts = partition_of<3>(Points<3>(3, 0), 16);
+  const PointPartition parts = partition_of<3>(Points<3>(3, 0), 16);
   EXPECT_EQ(parts.leaves(), 0);
   EXPECT_TRUE(parts.order.empty());
 }
@@ -284,7 +286,7 @@ TEST(Partition, OfNothingHasNoLeaf) {
 TEST(Partition, OfIdenticalPointsStillHasSmallLeaves) {
   const Points<3> points = Points<3>::Constant(3, 100, 0.3);
   const Points<3> normals = Point<3>::UnitX().replicate(1, 100);
-  const Partition parts = partition<3>(points, normals, Eigen::VectorXd::Zero(100), {.leaf_size = 10});
+  const PointPartition parts = partition<3>(points, normals, Eigen::VectorXd::Zero(100), {.leaf_size = 10});
   expect_every_index_once(parts, 100);
   EXPECT_EQ(parts.leaves(), 10);
 }
@@ -320,7 +322,7 @@ TEST(Partition, CutsANoisySheetAcrossNotAlong) {
   Points<3> points(3, 4096);
   for (Index i = 0; i < points.cols(); ++i) points.col(i) << uniform(random), uniform(random), 0.2 * uniform(random);
   const Points<3> up = Point<3>::UnitZ().replicate(1, points.cols());
-  const Partition parts = partition<3>(points, up, Eigen::VectorXd(0), {.leaf_size = 16});
+  const PointPartition parts = partition<3>(points, up, Eigen::VectorXd(0), {.leaf_size = 16});
   ASSERT_EQ(parts.leaves(), 256);
   for (std::size_t leaf = 0; leaf < 256; ++leaf) {
     Box<3> box;

@@ -90,7 +90,7 @@ class Splitter {
   using Matrix = Eigen::Matrix<double, Dim, Dim>;
 
   Splitter(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
-           const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options)
+           const Eigen::Ref<const Eigen::VectorXd>& spacing, const PointPartitionOptions& options)
       : points_(points), normals_(normals), spacing_(spacing), options_(options) {}
 
   // Cuts [begin, end) of `order` in two and returns where, or `end` when it is a leaf.
@@ -161,7 +161,7 @@ class Splitter {
   const PointsRef<Dim>& points_;
   const PointsRef<Dim>& normals_;
   const Eigen::Ref<const Eigen::VectorXd>& spacing_;
-  const PartitionOptions& options_;
+  const PointPartitionOptions& options_;
 };
 
 // A range of the order: a leaf, or to be cut further.
@@ -210,14 +210,14 @@ std::vector<Part> cut_all(const Splitter<Dim>& splitter, const std::vector<Part>
 }  // namespace
 
 template <int Dim>
-Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
-                    const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options) {
+PointPartition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
+                         const Eigen::Ref<const Eigen::VectorXd>& spacing, const PointPartitionOptions& options) {
   require(options.leaf_size >= 1, "partition", "leaf_size", options.leaf_size, "must be at least 1");
   const Index n = points.cols();
   require(std::int64_t{n} < (std::int64_t{1} << 32), "partition", "points", n, "must be fewer than 2^32");
   require(normals.cols() == 0 || normals.cols() == n, "partition", "normals", normals.cols(), "one per point or none");
   require(spacing.size() == 0 || spacing.size() == n, "partition", "spacing", spacing.size(), "one per point or none");
-  Partition result;
+  PointPartition result;
   result.order.resize(n);
   std::iota(result.order.begin(), result.order.end(), Index{0});
   result.begin = {0};
@@ -238,8 +238,8 @@ Index halve(const PointsRef<Dim>& points, const PointsRef<Dim>& normals, Index* 
 
 #define CSRBF_INSTANTIATE(Dim)                                                            \
   template Index halve<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&, Index*, Index); \
-  template Partition partition<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&,         \
-                                    const Eigen::Ref<const Eigen::VectorXd>&, const PartitionOptions&);
+  template PointPartition partition<Dim>(const PointsRef<Dim>&, const PointsRef<Dim>&,    \
+                                         const Eigen::Ref<const Eigen::VectorXd>&, const PointPartitionOptions&);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

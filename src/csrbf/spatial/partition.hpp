@@ -7,7 +7,7 @@
 namespace csrbf {
 
 /// How partition() splits. The defaults were chosen by hand.
-struct PartitionOptions {
+struct PointPartitionOptions {
   /// Largest number of points in a leaf. At least 1.
   Index leaf_size = 16;
   /// A leaf whose points leave a gap wider than this many local spacings along one of its principal axes bridges two
@@ -20,7 +20,7 @@ struct PartitionOptions {
 
 /// Points grouped in leaves: leaf i holds order[begin[i]] ... order[begin[i + 1] - 1]. Consecutive leaves are
 /// neighbours in space.
-struct Partition {
+struct PointPartition {
   std::vector<Index> order;
   std::vector<Index> begin;
 
@@ -28,12 +28,12 @@ struct Partition {
 };
 
 /// Splits points without overlap by recursive cuts across the principal axis, into leaves of nearly equal size, then
-/// cuts every leaf that bridges two sheets (see PartitionOptions). Cuts follow the points, not the coordinate axes, so
-/// the leaves rotate with the cloud. `normals` (Dim x n) and `spacing` (n) may be empty: their tests are then skipped.
-/// O(n log n). Replaces the overlapping cover of the thesis (Algorithm 4), which copies points at every level.
+/// cuts every leaf that bridges two sheets (see PointPartitionOptions). Cuts follow the points, not the coordinate
+/// axes, so the leaves rotate with the cloud. `normals` (Dim x n) and `spacing` (n) may be empty: their tests are then
+/// skipped. O(n log n). Replaces the overlapping cover of the thesis (Algorithm 4), which copies points at every level.
 template <int Dim>
-Partition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
-                    const Eigen::Ref<const Eigen::VectorXd>& spacing, const PartitionOptions& options = {});
+PointPartition partition(const PointsRef<Dim>& points, const PointsRef<Dim>& normals,
+                         const Eigen::Ref<const Eigen::VectorXd>& spacing, const PointPartitionOptions& options = {});
 
 /// Halves the n points `ids` as partition() does (`normals` may be empty): reorders them and returns the size of the
 /// first half (n / 2).

@@ -140,7 +140,7 @@ Index batch_size(Index leaves) {
 
 // Fits `count` parts of the partition from part `first` on; returns the leaves of each part.
 template <class MakeFitter>
-std::vector<std::vector<Leaf>> fit_leaves(const OrientedPoints& cloud, Partition& parts, Index first, Index count,
+std::vector<std::vector<Leaf>> fit_leaves(const OrientedPoints& cloud, PointPartition& parts, Index first, Index count,
                                           const CompositeOptions& options, const MakeFitter& make_fitter) {
   std::vector<std::vector<Leaf>> fitted(count);
   const auto compute = [&](Index begin, Index end) {
@@ -176,7 +176,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const CompositeOptions& 
 CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, const CompositeOptions& options,
                            const Progress& progress) {
   report(progress, "fit", 0);
-  Partition parts = partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = options.leaf_size});
+  PointPartition parts = partition<3>(cloud.points, cloud.normals, cloud.spacing, {.leaf_size = options.leaf_size});
   CompositeFit result;
   result.areas = cloud.spacing.cwiseAbs2();
   const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;

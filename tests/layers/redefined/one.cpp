@@ -1,0 +1,7 @@
+namespace csrbf {
+
+struct Partition {
+  int order = 0;
+};
+
+}  // namespace csrbf

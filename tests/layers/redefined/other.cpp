@@ -1,0 +1,7 @@
+namespace csrbf {
+
+struct Partition {
+  double labels = 0;
+};
+
+}  // namespace csrbf
