@@ -147,6 +147,7 @@ void write_tile(const std::string& path, const Records<Dim>& records, const Thin
   file.write(out);
   for (const std::vector<Index>& level : thinned.levels) {
     std::vector<Index> ids;
+    ids.reserve(level.size());
     for (const Index i : level) ids.push_back(thinned.order[i]);
     out.clear();
     append_level(records, ids, out);
