@@ -107,6 +107,7 @@ void write_function(const TileWork<Dim>& work, const TileFolder& folder, const s
   }
   if (have_variances) {
     std::vector<double> factors;
+    factors.reserve(tiles.size());
     for (const FunctionTile& tile : tiles) factors.push_back(std::pow(tile.variance_unit / fit.variance_unit, 2));
     // Tiles know how variances grow outside of their samples.
     if (frame.extrapolation != Extrapolation::nan) frame.extrapolation = Extrapolation::trend;
