@@ -164,7 +164,7 @@ std::shared_ptr<const Field<Dim>> tiled_from(const Archive& archive, const Archi
   }
   TilePlan<Dim> plan = plan_of<Dim>(archive);
   if (plan.size() != tiles->size()) archive.fail("the plan is not that of the tiles");
-  const typename StoredField<Dim>::Part part{archive.integer("component", 0, most_components),
+  const typename StoredField<Dim>::Part part{static_cast<Index>(archive.integer("component", 0, most_components)),
                                              archive.integer("is_variance", 0, 1) == 1};
   const std::vector<double> factors = archive.column("factors", plan.size());
   std::vector<typename TiledField<Dim>::Tile> fields;
