@@ -16,6 +16,11 @@ TEST(LeftOutPlanes, AreNoneWithoutALattice) {
   EXPECT_EQ(variance_by_planes(sample<2>(random_points<2>(200, 1), step), covariance).size(), 0);
 }
 
+TEST(LeftOutPlanes, TakeSystemsWithoutAFactor) {
+  const AxisCovariance<2> smooth{Kernel("gaussian", 2), Point<2>(2, 100)};
+  EXPECT_TRUE(variance_by_planes(sample<2>(unit_grid(14), step), smooth).allFinite());
+}
+
 TEST(LeftOutPlanes, SayHowWrongAFunctionIsBetweenThem) {
   const Samples<2> lattice = sample<2>(unit_grid(12), step);
   const AxisCovariance<2> covariance{Kernel("matern-c2", 2), Point<2>(.3, 100)};

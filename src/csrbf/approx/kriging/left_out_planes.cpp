@@ -10,6 +10,7 @@ namespace {
 
 constexpr Index planes = 4, held = 12, others = 200, least_in_plane = 4;  // chosen by hand
 constexpr double same = 1e-9;                                             // coordinates, in the extent of their axis
+constexpr double rounding = 1e-14;                                        // the least nugget; see KrigingPatch
 
 // The samples in the order of a coordinate, and where its values change.
 struct Planes {
@@ -57,7 +58,7 @@ Eigen::VectorXd variance_by_planes(const Samples<Dim>& samples, const AxisCovari
   scaled.points.array().colwise() /= covariance.lengths.array();
   const Index n = samples.size(), C = samples.components();
   const Covariance model{.kernel = covariance.kernel,
-                         .nugget = covariance.nugget,
+                         .nugget = std::max(covariance.nugget, rounding),
                          .degree = covariance.degree,
                          .sigma2 = Eigen::VectorXd::Ones(C)};
   Eigen::VectorXd largest;

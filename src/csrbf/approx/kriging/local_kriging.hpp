@@ -11,7 +11,7 @@ namespace csrbf {
 template <int Dim>
 class KrigingPatch {
  public:
-  /// `chosen`: indices of the samples. O(n^3 / 3).
+  /// `chosen`: indices of the samples. The nugget must be positive: it grows until the matrix has a factor. O(n^3 / 3).
   KrigingPatch(const Samples<Dim>& samples, const Covariance& covariance, const Point<Dim>& center,
                const std::vector<Index>& chosen);
 
