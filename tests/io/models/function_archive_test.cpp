@@ -145,15 +145,6 @@ TEST(FunctionArchive, KeepsScaledPeriodicAndUndefinedAxes) {
   expect_same_function(round_trip(periodic), periodic, probes<2>());
 }
 
-TEST(FunctionArchive, KeepsTurnedAxes) {
-  Samples<2> samples = wavy_samples<2>(400);
-  for (Index i = 0; i < samples.size(); ++i) samples.values(i, 0) = std::sin(30 * samples.points.col(i).sum());
-  const Function turned(fit(samples));
-  ASSERT_EQ(turned.report().axes.size(), 2U);
-  expect_same_function(round_trip(turned), turned, probes<2>());
-  EXPECT_EQ(round_trip(turned).report().axes, turned.report().axes);
-}
-
 TEST(FunctionArchive, KeepsMetricsSupportsAndTailsOfExpansions) {
   Points<2> centers(2, 3);
   centers << .1, .5, .9, .2, .8, .3;
