@@ -70,8 +70,8 @@ void write_survey(const std::string& path, const Survey<Dim>& survey) {
 template <int Dim>
 Survey<Dim> read_survey(const std::string& path) {
   const Archive archive = read_archive(path);
-  return {archive.integer("points"), archive.integer("non_finite"), archive.integer("numbers"), box_of<Dim>(archive),
-          archive.column("sample")};
+  const auto count = [&](const char* name) { return static_cast<Index>(archive.integer(name)); };
+  return {count("points"), count("non_finite"), count("numbers"), box_of<Dim>(archive), archive.column("sample")};
 }
 
 template <int Dim>

@@ -80,8 +80,8 @@ void fit_function_tile(const TileWork<Dim>& work, const TileFolder& folder, Inde
 
 FunctionTile read_function_tile(const TileFolder& folder, Index tile) {
   const Archive archive = read_archive(folder.file("fit", tile));
-  return {archive.integer("samples"), report_from(archive.part("report")), archive.integer("has_variances") != 0,
-          archive.number("variance_unit")};
+  return {static_cast<Index>(archive.integer("samples")), report_from(archive.part("report")),
+          archive.integer("has_variances") != 0, archive.number("variance_unit")};
 }
 
 template <int Dim>

@@ -133,7 +133,8 @@ void write_dropped(const std::string& path, const DroppedComponents& dropped) {
 
 DroppedComponents read_dropped(const std::string& path, Index parts) {
   const Archive archive = read_archive(path);
-  DroppedComponents dropped{archive.integer("kept"), archive.integer("dropped")};
+  DroppedComponents dropped{static_cast<Index>(archive.integer("kept")),
+                            static_cast<Index>(archive.integer("dropped"))};
   dropped.of_part.resize(static_cast<std::size_t>(parts));
   const auto& part = archive.array<std::int64_t>("part", -1, 1);
   const auto& component = archive.array<std::int32_t>("component", part.rows(), 1);
@@ -181,7 +182,8 @@ WholeMesh number_parts(const std::vector<std::string>& seams, Index components, 
 
 PartNumbers read_numbers(const TileFolder& folder, Index tile) {
   const Archive archive = read_archive(folder.file("numbers", tile));
-  PartNumbers numbers{archive.integer("first"), archive.integer("first_triangle"), {}};
+  PartNumbers numbers{
+      static_cast<Index>(archive.integer("first")), static_cast<Index>(archive.integer("first_triangle")), {}};
   const auto& shared = archive.array<std::int32_t>("shared", -1, 1);
   numbers.shared.assign(shared.data(), shared.data() + shared.size());
   return numbers;
