@@ -23,6 +23,7 @@ Json to_json(const FitReport& r) {
           {"mergedDuplicates", r.merged_duplicates},
           {"missing", r.missing},
           {"grossErrors", r.gross_errors},
+          {"suspects", r.suspects},
           {"centers", r.centers},
           {"levels", r.levels},
           {"patches", partition.patches},

@@ -46,6 +46,7 @@ void add_fit_report(const FitFlags& flags, const FitReport& r, Session& session)
                          {"samples_fitted", r.samples_fitted},
                          {"merged_duplicates", r.merged_duplicates},
                          {"gross_errors", rows_of(r.gross_errors)},
+                         {"suspects", rows_of(r.suspects)},
                          {"method", r.method},
                          {"kernel", or_null(r.kernel)},
                          {"value_kernels", r.value_kernels},

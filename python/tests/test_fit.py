@@ -242,6 +242,12 @@ class Options(unittest.TestCase):
         self.assertGreater(csrbf.fit(x, v, **QUICK).report["axis_scales"][1], 100)
         self.assertEqual(csrbf.fit(x, v, scale_axes=False, **QUICK).report["axis_scales"], [1, 1])
 
+    def test_few_samples_keep_their_peaks(self):
+        x = np.linspace(0, 1, 12)
+        report = csrbf.fit(x[:, None], np.exp(6 * x)).report
+        self.assertEqual((report["gross_errors"], report["suspects"][-1]), ([], 11))
+        self.assertTrue(any("tell errors from peaks" in text for text in report["warnings"]))
+
     def test_progress_is_told_and_may_end_the_fit(self):
         x, v = samples(2000)
         told = []

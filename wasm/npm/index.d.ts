@@ -65,6 +65,8 @@ export interface FitReport {
   mergedDuplicates: number;
   missing: number;
   grossErrors: number[];
+  /** Of few samples those far from what those around them say, but kept. */
+  suspects: number[];
   centers: number;
   levels: number;
   patches: number;
