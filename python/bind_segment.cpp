@@ -225,7 +225,7 @@ const auto& field_of(const Fields& fields, Index label) {
   return *fields[k];
 }
 
-// The labels, and the measures of each.
+// The labels, the measures of each, and how many are too small.
 py::tuple objects_of(const Image& image, const Segments& s, std::optional<Index> min_size, const py::object& listener) {
   using namespace py::literals;
   const Objects found = run(listener, [&](const Progress& progress) {
@@ -254,7 +254,7 @@ py::tuple objects_of(const Image& image, const Segments& s, std::optional<Index>
     row["sphericity"] = each.sphericity;
     table.append(row);
   }
-  return py::make_tuple(labels, table);
+  return py::make_tuple(labels, table, found.left_out);
 }
 
 // Arrays of the points of each line, and its measures.

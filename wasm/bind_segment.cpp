@@ -161,6 +161,7 @@ void add_objects(const Volume<float>& image, const std::vector<std::uint8_t>& la
                      {"mean", each.mean},
                      {"sphericity", each.sphericity}});
   answer.json["objects"] = std::move(table);
+  answer.json["objectsLeftOut"] = objects.left_out;
   answer.add("objectLabels", std::vector<std::uint32_t>(objects.labels.begin(), objects.labels.end()));
 }
 

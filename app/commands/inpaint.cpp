@@ -91,7 +91,7 @@ void run(const InpaintCommand& command, Session& session) {
                      {"mask", or_null(command.mask)},
                      {"missing", or_null(!std::isnan(value), value)},
                      {"blocks", report.blocks}};
-  session.result = {{"missing", report.missing}, {"known", report.known}};
+  session.result = {{"missing", report.missing}, {"known", report.known}, {"thin_plate", report.thin_plate}};
   session.say(command.output + ": " + size_text(image) + " pixels, " + counted(report.missing, "value") + " filled");
   if (report.missing > 0) {
     add_fit_report(command.fit, report.fit, session);

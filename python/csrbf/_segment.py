@@ -111,7 +111,7 @@ def segment(
         Find the objects inside, splitting touching ones: `Segmentation.objects` and `Segmentation.table`.
     min_size : int, optional
         Objects of fewer voxels are left out, and holes filled. When not given, objects smaller than a tenth of the
-        median of all are left out.
+        median of all are left out; `report["objects_left_out"]` says how many.
     iterations : int
         Largest number of iterations.
     progress : bool or callable, optional

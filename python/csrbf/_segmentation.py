@@ -63,14 +63,16 @@ class Segmentation(Shown):
     def __init__(
         self,
         segments: _csrbf.Segments,
-        objects: tuple[NDArray[np.int32], list[dict[str, Any]]] | None = None,
+        objects: tuple[NDArray[np.int32], list[dict[str, Any]], int] | None = None,
         image: Image | None = None,
     ) -> None:
         self._segments = segments
         self.labels = segments.labels
         self.report = segments.report
         self.field = Function(segments.function())
-        self.objects, self.table = objects or (None, None)
+        self.objects, self.table = objects[:2] if objects else (None, None)
+        if objects:
+            self.report["objects_left_out"] = objects[2]
         self._image = image if image is not None and image.values.nbytes <= _MOST_KEPT else None
         if image is not None:
             self.labels = image._labels_like(self.labels, "labels")
@@ -195,6 +197,8 @@ class Segmentation(Shown):
         facts["components"] = f"{self.report['components']:,}"
         if self.table is not None:
             facts["objects"] = f"{len(self.table):,}"
+            if self.report["objects_left_out"] > 0:
+                facts["smaller ones left out"] = f"{self.report['objects_left_out']:,}"
         facts |= {f"mean of {region['label']}": f"{region['mean']:.4g}" for region in regions[:4]}
         panels = [] if self._image is None else [Panel(self._preview(large))]
         if self._segments.labels.ndim == 3:

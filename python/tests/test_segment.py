@@ -102,6 +102,9 @@ class Plane(unittest.TestCase):
         g = csrbf.segment(10.0 * two + 1, objects=True, min_size=20)
         self.assertEqual((g.objects[24, 20], g.objects[24, 40], g.objects[0, 0]), (1, 2, 0))
         self.assertEqual([row["label"] for row in g.table], [1, 2])
+        two[5:7, 5:7] = True
+        g = csrbf.segment(10.0 * two + 1, objects=True)
+        self.assertEqual((len(g.table), g.report["objects_left_out"]), (2, 1))
         np.testing.assert_allclose(g.table[1]["centroid"], (40, 24), atol=0.6)
         self.assertIsNone(csrbf.segment(disc()).objects)
         for arguments in ({"min_size": 3}, {"objects": True, "regions": 3}):

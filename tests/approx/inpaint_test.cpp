@@ -197,6 +197,17 @@ TEST(Inpaint, OfFewRoughPixelsTakesAMeanWithAThinPlate) {
   EXPECT_LT(std::sqrt(squares / squares_of_plate), 0.995);
 }
 
+TEST(Inpaint, WithoutBlocksIsNoMeanEither) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  Volume<double> image = picture_of(layout(64, 64), [&](const Point<3>& p) { return smooth(p) + 30 * normal(random); });
+  const Mask mask = random_mask(image.grid, .9, 1);
+  Volume<double> other = image;
+  EXPECT_GT(inpaint(image, mask).thin_plate, 0);
+  EXPECT_EQ(inpaint(other, mask, InpaintOptions{{}, 0}).thin_plate, 0);
+  EXPECT_NE(image.values, other.values);
+}
+
 TEST(Inpaint, TakesNaNForMissing) {
   const Volume<double> truth = picture_of(layout(40, 30), smooth);
   const Mask mask = random_mask(truth.grid, .2, 5);

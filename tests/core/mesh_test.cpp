@@ -2,6 +2,8 @@
 
 #include "csrbf/core/error.hpp"
 
+#include "core/topology_testing.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -110,18 +112,6 @@ Topology brute_force(const Mesh& mesh) {
   }
   result.euler = result.vertices - result.edges + result.triangles;
   return result;
-}
-
-void expect_equal(const Topology& a, const Topology& b) {
-  EXPECT_EQ(a.vertices, b.vertices);
-  EXPECT_EQ(a.edges, b.edges);
-  EXPECT_EQ(a.triangles, b.triangles);
-  EXPECT_EQ(a.components, b.components);
-  EXPECT_EQ(a.boundary_edges, b.boundary_edges);
-  EXPECT_EQ(a.nonmanifold_edges, b.nonmanifold_edges);
-  EXPECT_EQ(a.nonmanifold_vertices, b.nonmanifold_vertices);
-  EXPECT_EQ(a.inconsistent_edges, b.inconsistent_edges);
-  EXPECT_EQ(a.euler, b.euler);
 }
 
 TEST(Topology, TetrahedronIsAClosedManifoldSphere) {

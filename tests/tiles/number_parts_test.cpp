@@ -1,5 +1,7 @@
 #include "csrbf/tiles/stages/number_parts.hpp"
 
+#include "core/topology_testing.hpp"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -102,14 +104,7 @@ TEST_F(NumberParts, CountsAreThoseOfTheWholeMesh) {
     EXPECT_EQ(dropped.kept, expected.components);
     EXPECT_EQ(dropped.dropped, 0);
     const Topology found = number_parts(files, dropped.kept, folder_).topology;
-    EXPECT_EQ(found.vertices, expected.vertices);
-    EXPECT_EQ(found.edges, expected.edges);
-    EXPECT_EQ(found.triangles, expected.triangles);
-    EXPECT_EQ(found.boundary_edges, expected.boundary_edges);
-    EXPECT_EQ(found.nonmanifold_edges, expected.nonmanifold_edges);
-    EXPECT_EQ(found.nonmanifold_vertices, expected.nonmanifold_vertices);
-    EXPECT_EQ(found.inconsistent_edges, expected.inconsistent_edges);
-    EXPECT_EQ(found.euler, expected.euler);
+    expect_equal(found, expected);
   }
 }
 

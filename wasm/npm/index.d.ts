@@ -220,6 +220,8 @@ export interface Segmentation {
   /** Length and area (in space: area and volume) of each label. */
   measures?: {label: number; length?: number; area: number; volume?: number}[];
   objects?: SegmentedObject[];
+  /** How many were too small. */
+  objectsLeftOut?: number;
   /** The number of its object for each voxel, or 0. */
   objectLabels?: Uint32Array;
   model?: Model;

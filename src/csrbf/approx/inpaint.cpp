@@ -130,6 +130,8 @@ class Trial {
     unknown_ = part.missing;
     for (const Index i : hidden_) unknown_[i] = 1;
     truth_ = part.frame(Eigen::seqN(part.first, part.count), hidden_).transpose().template cast<double>();
+    const std::vector<float> depth = distance_to(false, unknown_, part.grid);
+    depth_ = static_cast<double>(*std::max_element(depth.begin(), depth.end())) / mean_spacing(part.grid);
   }
 
   // Whether there is enough to choose by.
@@ -144,7 +146,7 @@ class Trial {
   void choose_mean() {
     if (plate_.size() == 0 || (best_.tension == 0.0 && best_.width == 0)) return;
     const Eigen::MatrixXd off = refined_ - truth_, step = plate_ - refined_;
-    const double trials = std::max(1.0, static_cast<double>(hidden_.size()) / std::pow(2 * depth_in_voxels() - 1, Dim));
+    const double trials = std::max(1.0, static_cast<double>(hidden_.size()) / std::pow(2 * depth_ - 1, Dim));
     const double squares = step.squaredNorm();
     if (!(squares > 0)) return;
     const double share = -off.cwiseProduct(step).sum() / squares;  // of the least squares
@@ -155,10 +157,9 @@ class Trial {
   void try_splines() {
     const auto unknowns = std::ssize(unknown_) - std::count(unknown_.begin(), unknown_.end(), 0);
     if (unknowns > (Dim == 2 ? most_in_plane : most_in_space)) return;
-    const double depth = depth_in_voxels();
     for (const double c : {0.0, 4.0, 100.0}) {
       Plan plan = best_;
-      plan.tension = c / (depth * depth);
+      plan.tension = c / (depth_ * depth_);
       if (!consider(plan)) break;
     }
   }
@@ -190,7 +191,7 @@ class Trial {
       best_.width = *wanted;
       return;
     }
-    const bool is_deep = depth_in_voxels() > 8;
+    const bool is_deep = depth_ > 8;
     double least = static_cast<double>(part_.count);
     for (Index width = 8; width <= (!has_holes_ ? 8 : is_deep ? 32 : 16); width *= 2) {
       double sum = 0;
@@ -208,11 +209,6 @@ class Trial {
   }
 
  private:
-  [[nodiscard]] double depth_in_voxels() const {
-    const std::vector<float> depth = distance_to(false, unknown_, part_.grid);
-    return static_cast<double>(*std::max_element(depth.begin(), depth.end())) / mean_spacing(part_.grid);
-  }
-
   // Whether the plan is the best one so far.
   bool consider(const Plan& plan) {
     FitReport report;
@@ -240,6 +236,7 @@ class Trial {
 
   const Part<Scalar>& part_;
   bool has_holes_ = false;
+  double depth_ = 0;  // of the deepest hole, in voxels
   std::vector<Index> hidden_;
   Mask hidden_mask_, unknown_;  // the hidden voxels; with the missing ones
   Eigen::MatrixXd truth_;       // of the hidden voxels
@@ -269,7 +266,7 @@ Plan choose_plan(const Part<Scalar>& part, const InpaintOptions& options) {
     trial.try_kernels({fit.kernel});
   }
   if (may_refine) trial.choose_blocks(options.blocks);
-  if (is_free) trial.choose_mean();
+  if (is_free && may_refine) trial.choose_mean();
   return trial.best();
 }
 
@@ -280,12 +277,16 @@ InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
   Eigen::MatrixXd values = filled<Dim>(part, part.missing, plan, report.fit);
   report.blocks = plan.width;
   if (plan.tension) report.fit.cross_validation_rmse = plan.errors[0];
-  Eigen::MatrixXd plate = values;
-  if (plan.plate > 0) fill_by_grid_spline(part.grid, part.missing, 0, plate);
-  for (Index c = 0; c < part.count; ++c) {
+  report.thin_plate = plan.plate;
+  for (Index c = 0; c < part.count; ++c)
     if (plan.width > 0) refine(values.col(c), part.missing, part.grid, plan.width, plan.errors[c]);
-    for (const Index i : marked(part.missing))
-      part.frame(part.first + c, i) = static_cast<Scalar>((1 - plan.plate) * values(i, c) + plan.plate * plate(i, c));
+  if (plan.plate > 0) {
+    Eigen::MatrixXd plate = values;
+    fill_by_grid_spline(part.grid, part.missing, 0, plate);
+    values = (1 - plan.plate) * values + plan.plate * plate;
+  }
+  for (Index c = 0; c < part.count; ++c) {
+    for (const Index i : marked(part.missing)) part.frame(part.first + c, i) = static_cast<Scalar>(values(i, c));
   }
   return report;
 }
@@ -357,6 +358,7 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
         if (report.missing == 0) {
           report.fit = std::move(filled.fit);
           report.blocks = filled.blocks;
+          report.thin_plate = filled.thin_plate;
         }
       }
       report.missing += unknown * part.count;

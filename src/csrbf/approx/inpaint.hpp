@@ -20,7 +20,8 @@ struct InpaintReport {
   Index missing = 0;  ///< replaced
   Index known = 0;
   Index blocks = 0;  ///< width of the blocks that refined the first component and frame with missing values; 0: none
-  FitReport fit;     ///< of the first component and frame with missing values; its `samples` are the known voxels used
+  double thin_plate = 0;  ///< its share in the mean that the result is; of the same
+  FitReport fit;  ///< of the first component and frame with missing values; its `samples` are the known voxels used
 };
 
 /// Fills missing or unreliable voxels of an image of up to 3 axes, every frame and component separately, by a function
@@ -45,7 +46,8 @@ struct InpaintReport {
 /// seconds. The report then says grid-spline.
 ///
 /// What the fit says is then refined by blocks, which continue edges and textures (see InpaintOptions::blocks). The
-/// result is a mean of this and a thin plate on the grid, with the weights that suit the hidden voxels.
+/// result is a mean of this and a thin plate on the grid, with the weights that suit the hidden voxels, unless
+/// blocks are none.
 ///
 /// Throws InvalidInput when `missing` has another size, a frame has no known value or the width of the blocks is out of
 /// its range, and what fit() throws.

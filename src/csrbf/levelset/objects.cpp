@@ -1,6 +1,7 @@
 #include "csrbf/levelset/objects.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/levelset/objects/distance_basins.hpp"
 #include "csrbf/levelset/objects/join_basins.hpp"
@@ -49,14 +50,12 @@ std::vector<std::int32_t> connected_parts(const std::vector<std::uint8_t>& insid
   return labels;
 }
 
-// A tenth of the median size. Where small objects are many they are the usual ones; by hand: with .05 to .2 more of the
-// objects that people drew are found than with 0.
+// A tenth of the median size, the smaller one of two. Where small objects are many they are the usual ones; by hand:
+// with .05 to .2 more of the objects that people drew are found than with 0.
 Index size_of_specks(std::vector<Index> sizes) {
   std::erase(sizes, 0);
   if (sizes.empty()) return 0;
-  const auto middle = sizes.begin() + (std::ssize(sizes) - 1) / 2;
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle / 10;
+  return order_statistic(sizes, (std::ssize(sizes) - 1) / 2) / 10;
 }
 
 // Leaves out small objects and numbers the others in the order of their first voxels. How many are left out.

@@ -1,6 +1,7 @@
 #include "csrbf/spatial/thinned_points.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_code.hpp"
 
@@ -99,9 +100,7 @@ double typical_spacing(const PointsRef<Dim>& sample, Index n, int dimension) {
       volume[i] = unit_ball * std::pow(squared[found - 1], dimension / 2.0) / static_cast<double>(near);
     }
   });
-  const auto middle = volume.begin() + asked / 2;
-  std::nth_element(volume.begin(), middle, volume.end());
-  return std::pow(*middle * static_cast<double>(m) / static_cast<double>(n), 1.0 / dimension);
+  return std::pow(median(volume) * static_cast<double>(m) / static_cast<double>(n), 1.0 / dimension);
 }
 
 #define CSRBF_INSTANTIATE(Dim)                                                                   \

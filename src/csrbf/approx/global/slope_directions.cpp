@@ -1,5 +1,6 @@
 #include "csrbf/approx/global/slope_directions.hpp"
 
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/linalg/decompositions.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
@@ -44,8 +45,7 @@ std::optional<Eigen::Matrix<double, Dim, Dim>> slope_directions(const Samples<Di
   }
   Eigen::VectorXd lengths = steps.leftCols(count).colwise().squaredNorm();
   if (count == 0) return std::nullopt;
-  std::nth_element(lengths.begin(), lengths.begin() + count / 2, lengths.end());
-  const double usual = lengths[count / 2];
+  const double usual = median(lengths);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns), row(unknowns);
   for (Index k = 0; k < count; ++k) {
@@ -58,7 +58,7 @@ std::optional<Eigen::Matrix<double, Dim, Dim>> slope_directions(const Samples<Di
     normal += weight * row * row.transpose();
     right += weight * squares[k] * row;
   }
-  const Eigen::VectorXd solution = Eigen::LDLT<Eigen::MatrixXd>(normal).solve(right);
+  const Eigen::VectorXd solution = solve(Eigen::LDLT<Eigen::MatrixXd>(normal), right);
   if (!solution.allFinite()) return std::nullopt;
   Matrix slopes;
   for (int a = 0, entry = 1; a < Dim; ++a)

@@ -19,7 +19,8 @@ class AtomicFile {
   ~AtomicFile();
 
   void write(std::string_view bytes);
-  /// Takes the content of a complete file, without copying it where the file system can.
+  /// Takes the content of a complete file, without copying it where the file system can: the two are then one file, so
+  /// that nothing may be written before or after.
   void take(const std::string& complete);
   void commit();
 
