@@ -8,6 +8,7 @@
 #include "csrbf/approx/fit_with_faults.hpp"
 #include "csrbf/approx/global/axis_covariance.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/kriging/confirm_errors.hpp"
 #include "csrbf/approx/kriging/left_out_planes.hpp"
 #include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
@@ -147,6 +148,7 @@ Selected<Dim> select(const Samples<Dim>& given, const FitOptions& options) {
   const bool interpolates = options.smoothing && *options.smoothing == 0;
   if (options.loss == "auto" && (has_bound || interpolates)) return selected;  // all samples are to be met
   RobustWeights robust = robust_weights(*samples, options.loss);
+  confirm_errors(*samples, robust);
   const auto given_rows = [&](std::vector<Index>& found) {
     for (Index& row : found)
       if (selected.missing > 0) row = rows[static_cast<std::size_t>(row)];

@@ -1,6 +1,7 @@
 #include "csrbf/approx/fit_with_derivatives.hpp"
 
 #include "csrbf/approx/hermite/hermite_field.hpp"
+#include "csrbf/approx/kriging/confirm_errors.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/robust_weights.hpp"
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
@@ -82,6 +83,7 @@ class DerivativeFit {
     const bool interpolates = options_.smoothing && *options_.smoothing == 0;
     RobustWeights robust;
     if (!(options_.loss == "auto" && interpolates)) robust = robust_weights(some, options_.loss);
+    confirm_errors(some, robust);
     std::vector<Index> kept;
     for (Index i = 0; i < some.size(); ++i)
       if (robust.factors.size() == 0 || robust.factors[i] > 0) kept.push_back(i);

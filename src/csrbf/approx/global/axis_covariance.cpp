@@ -319,20 +319,18 @@ template <int Dim>
 double left_out_error(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance) {
   constexpr Index at_once = 800, block = 400, blocks = 4;  // samples; chosen by hand
   const Index n = samples.size(), size = n <= at_once ? n : block, core = n <= at_once ? n : block / 2;
-  Samples<Dim> scaled = samples;
-  if (covariance.axes) scaled.points = covariance.axes->transpose() * samples.points;
-  scaled.points.array().colwise() /= covariance.lengths.array();
-  const std::vector<Index> order = morton_order<Dim>(scaled.points);
+  const Points<Dim> scaled = in_lengths<Dim>(samples.points, covariance);
+  const std::vector<Index> order = morton_order<Dim>(scaled);
   double sum = 0;
   Index count = 0;
   for (Index k = 0; k < (n <= at_once ? 1 : blocks); ++k) {
     std::vector<Index> near = order;
-    const Point<Dim> middle = scaled.points.col(order[(2 * k + 1) * n / (2 * blocks)]);
-    const auto distance = [&](Index i) { return (scaled.points.col(i) - middle).squaredNorm(); };
+    const Point<Dim> middle = scaled.col(order[(2 * k + 1) * n / (2 * blocks)]);
+    const auto distance = [&](Index i) { return (scaled.col(i) - middle).squaredNorm(); };
     std::partial_sort(near.begin(), near.begin() + size, near.end(),
                       [&](Index a, Index b) { return distance(a) < distance(b); });
     near.resize(static_cast<std::size_t>(size));
-    const Points<Dim> x = chosen_points<Dim>(scaled.points, near);
+    const Points<Dim> x = chosen_points<Dim>(scaled, near);
     Eigen::VectorXd w(size), r2(size);
     for (Index i = 0; i < size; ++i) w[i] = samples.weight(near[static_cast<std::size_t>(i)]);
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);

@@ -19,6 +19,15 @@ struct AxisCovariance {
   std::optional<Eigen::Matrix<double, Dim, Dim>> axes = {};
 };
 
+/// Points turned to the axes of a covariance, in units of its lengths.
+template <int Dim>
+Points<Dim> in_lengths(const PointsRef<Dim>& points, const AxisCovariance<Dim>& covariance) {
+  Points<Dim> result = points;
+  if (covariance.axes) result = covariance.axes->transpose() * points;
+  result.array().colwise() /= covariance.lengths.array();
+  return result;
+}
+
 /// The covariance of largest restricted likelihood, from at most some hundreds of the samples; kernels from rough to
 /// smooth are compared by likelihood and leave-one-out errors. Where values change along other directions than the
 /// coordinates (slope_directions()), these are axes if that is better. `one_length`: for all axes. None for fewer than

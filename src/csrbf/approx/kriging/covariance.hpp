@@ -1,5 +1,6 @@
 #pragma once
 
+#include "csrbf/approx/global/axis_covariance.hpp"
 #include "csrbf/approx/kriging/thinned_levels.hpp"
 #include "csrbf/approx/samples/samples.hpp"
 #include "csrbf/kernels/kernel.hpp"
@@ -19,6 +20,16 @@ struct Covariance {
   double growth = 1;               ///< power of the share of sigma^2 that is expected
   Eigen::VectorXd inflation = {};  ///< factor, one per component; empty: 1
 };
+
+/// That of points in the lengths of a covariance (in_lengths()), with sigma^2 = 1 and a nugget above rounding.
+template <int Dim>
+Covariance in_lengths(const AxisCovariance<Dim>& covariance, Index components) {
+  constexpr double rounding = 1e-14;
+  return {.kernel = covariance.kernel,
+          .nugget = std::max(covariance.nugget, rounding),
+          .degree = covariance.degree,
+          .sigma2 = Eigen::VectorXd::Ones(components)};
+}
 
 /// Expected square of the error of a prediction: `share` by the covariance, over sigma^2; `scale`: sigma^2 of the
 /// samples around.

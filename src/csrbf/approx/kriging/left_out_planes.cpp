@@ -10,7 +10,6 @@ namespace {
 
 constexpr Index planes = 4, held = 12, others = 200, least_in_plane = 4;  // chosen by hand
 constexpr double same = 1e-9;                                             // coordinates, in the extent of their axis
-constexpr double rounding = 1e-14;                                        // the least nugget; see KrigingPatch
 
 // The samples in the order of a coordinate, and where its values change.
 struct Planes {
@@ -54,13 +53,9 @@ void keep_nearest(std::vector<Index>& rows, const Points<Dim>& x, const Point<Di
 template <int Dim>
 Eigen::VectorXd variance_by_planes(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance) {
   Samples<Dim> scaled = samples;
-  if (covariance.axes) scaled.points = covariance.axes->transpose() * samples.points;
-  scaled.points.array().colwise() /= covariance.lengths.array();
+  scaled.points = in_lengths<Dim>(samples.points, covariance);
   const Index n = samples.size(), C = samples.components();
-  const Covariance model{.kernel = covariance.kernel,
-                         .nugget = std::max(covariance.nugget, rounding),
-                         .degree = covariance.degree,
-                         .sigma2 = Eigen::VectorXd::Ones(C)};
+  const Covariance model = in_lengths(covariance, C);
   Eigen::VectorXd largest;
   for (int a = 0; a < Dim; ++a) {
     const Planes along = planes_along(samples.points.row(a));

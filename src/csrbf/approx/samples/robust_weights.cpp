@@ -45,24 +45,6 @@ bool any_in_blocks(const Samples<Dim>& samples) {
   return false;
 }
 
-// Which of the suspects are farther from all samples that are none than ten times the range of these.
-std::vector<char> far_from_all_others(const Eigen::MatrixXd& values, const std::vector<char>& is_suspect) {
-  constexpr double far = 10;  // chosen by hand
-  std::vector<char> is_far(is_suspect.size(), 0);
-  for (const auto& column : values.colwise()) {
-    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-    for (Index i = 0; i < column.size(); ++i) {
-      if (is_suspect[i] != 0) continue;
-      lo = std::min(lo, column[i]);
-      hi = std::max(hi, column[i]);
-    }
-    const double reach = far * (hi - lo);
-    for (Index i = 0; i < column.size(); ++i)
-      if (is_suspect[i] != 0 && (column[i] > hi + reach || column[i] < lo - reach)) is_far[i] = 1;
-  }
-  return is_far;
-}
-
 std::string far_samples(const std::vector<Index>& rows, Index samples, const char* what, const char* instead) {
   constexpr std::size_t most_named = 10;
   std::string names;
@@ -88,17 +70,12 @@ RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& los
     const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
     const double limit = share(gross) < few_errors ? gross_alone : gross;
     if (share(limit) == 0 || share(limit) > most_errors) return {};
-    std::vector<char> is_error(static_cast<std::size_t>(n));
-    for (Index i = 0; i < n; ++i) is_error[i] = deviation[i] > limit ? 1 : 0;
     if (n < least_dense * local_neighbors<Dim>) {
-      const std::vector<char> is_suspect = is_error;
-      is_error = far_from_all_others(samples.values, is_suspect);
       for (Index i = 0; i < n; ++i)
-        if (is_suspect[i] > is_error[i]) result.suspects.push_back(i);
-      if (std::find(is_error.begin(), is_error.end(), 1) == is_error.end()) return result;
+        if (deviation[i] > limit) result.suspects.push_back(i);
+      return result;
     }
-    result.factors = Eigen::Map<Eigen::Array<char, Eigen::Dynamic, 1>>(is_error.data(), n).template cast<double>();
-    result.factors = 1 - result.factors.array();
+    result.factors = (deviation <= limit).template cast<double>();
   } else if (loss == "huber") {
     result.factors = huber / deviation.max(huber);
   } else {
@@ -144,8 +121,7 @@ std::string warning_of_gross_errors(const std::vector<Index>& rows, Index sample
 }
 
 std::string warning_of_suspects(const std::vector<Index>& rows, Index samples) {
-  return far_samples(rows, samples, "but so few cannot tell errors from peaks: kept",
-                     "loss huber gives them less weight");
+  return far_samples(rows, samples, "but not from what all others do: kept", "loss huber gives them less weight");
 }
 
 #define CSRBF_INSTANTIATE(Dim) template RobustWeights robust_weights<Dim>(const Samples<Dim>&, const std::string&);
