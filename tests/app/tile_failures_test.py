@@ -20,6 +20,8 @@ SURFACE_STEPS = ("survey", "work", "raw0", "dealt", "points_1", "outline", "rim_
                  "seam0_1", "border0_2", "missing0_0", "dropped", "numbers_0", "whole", "mesh", "written_1", "left")
 FUNCTION_STEPS = ("survey", "work", "raw0", "dealt", "points_2", "model_0", "fit_1", "fit_4", "left")
 
+ALONE = {}  # what undisturbed processes make of the inputs
+
 
 class TileFailures(base.CommandLine):
     def setUp(self):
@@ -28,11 +30,11 @@ class TileFailures(base.CommandLine):
         self.steps = self.path("steps")
         cloud, table = self.path("cloud.ply"), self.path("samples.npy")
         with open(cloud, "wb") as file:
-            file.write(ply(two_balls(16000)))
+            file.write(ply(two_balls(8000)))
         with open(table, "wb") as file:
             file.write(npy(samples(12000, 1)))
         self.works = (
-            (["reconstruct", cloud, "-o", self.path("mesh.ply"), "--tile-points", "3000"], SURFACE_STEPS),
+            (["reconstruct", cloud, "-o", self.path("mesh.ply"), "--tile-points", "1500"], SURFACE_STEPS),
             (["fit", table, "-o", self.path("model.csrbf"), "--tile-points", "2000"], FUNCTION_STEPS))
 
     def start(self, arguments, *flags, folder=None):
@@ -44,9 +46,15 @@ class TileFailures(base.CommandLine):
         return [process.communicate(timeout=120)[1] for process in processes]
 
     def alone(self, arguments):
-        """The output of one undisturbed process, moved away."""
-        self.assertEqual(self.finish([self.start(arguments)]), [""])
-        os.replace(arguments[3], arguments[3] + ".alone")
+        """The output of one undisturbed process, made once for all tests."""
+        name = os.path.basename(arguments[1])
+        if name not in ALONE:
+            self.assertEqual(self.finish([self.start(arguments)]), [""])
+            with open(arguments[3], "rb") as file:
+                ALONE[name] = file.read()
+            os.remove(arguments[3])
+        with open(arguments[3] + ".alone", "wb") as file:
+            file.write(ALONE[name])
         return arguments[3] + ".alone"
 
     def run_until(self, wanted, processes):
@@ -72,19 +80,21 @@ class TileFailures(base.CommandLine):
     def test_a_kill_in_any_step(self):
         for arguments, steps in self.works:
             alone = self.alone(arguments)
-            kills = 0
-            for step in steps:
-                with self.subTest(command=arguments[0], step=step):
-                    kills += self.run_until(step, [self.start(arguments)])
-                    if os.path.exists(arguments[3]):  # complete or not there
-                        self.assertTrue(filecmp.cmp(alone, arguments[3], shallow=False))
+            kills, chains = 0, 3
+            for first in range(chains):  # of every third step, one after the other
+                for step in steps[first::chains]:
+                    with self.subTest(command=arguments[0], step=step):
+                        kills += self.run_until(step, [self.start(arguments)])
+                        if os.path.exists(arguments[3]):  # complete or not there
+                            self.assertTrue(filecmp.cmp(alone, arguments[3], shallow=False))
+                with self.subTest(command=arguments[0], first=steps[first]):
                     self.assert_goes_on(arguments, alone)
             self.assertGreater(kills, len(steps) // 2)
 
     def test_another_number_of_processes_goes_on(self):
         for arguments, steps in self.works:
             alone = self.alone(arguments)
-            for step, before, after in (("raw0", 3, 2), ("dealt", 3, 1), ("points", 2, 3), ("fit", 3, 2), ("fit", 1, 3)):
+            for step, before, after in (("raw0", 3, 2), ("points", 2, 3), ("fit", 3, 1), ("fit", 1, 3)):
                 with self.subTest(command=arguments[0], step=step, before=before, after=after):
                     self.run_until(step, [self.start(arguments, "--tile-share", f"{k}/{before}")
                                           for k in range(1, before + 1)])
@@ -119,7 +129,7 @@ class TileFailures(base.CommandLine):
         os.remove(os.path.join(self.steps, "work.tiles"))
         surface[1] = self.path("other.ply")
         with open(surface[1], "wb") as file:
-            file.write(ply([[2 * x for x in row[:3]] + row[3:] for row in two_balls(16000)]))
+            file.write(ply([[2 * x for x in row[:3]] + row[3:] for row in two_balls(8000)]))
         other = self.alone(surface)
         self.assertEqual(self.finish([self.start(surface, folder=self.path("fresh"))]), [""])
         self.assertTrue(filecmp.cmp(other, surface[3], shallow=False))
@@ -155,7 +165,7 @@ ls -A {disk} > {self.path("left")}
         for arguments, _ in self.works:
             alone = self.alone(arguments)
             full = 0
-            for kilobytes, count in ((8, 1), (300, 1), (1500, 1), (1500, 2), (4000, 1), (6000, 2), (10000, 1), (14000, 2)):
+            for kilobytes, count in ((8, 1), (300, 1), (1000, 2), (2000, 1), (3000, 2), (5000, 1)):
                 with self.subTest(command=arguments[0], kilobytes=kilobytes, count=count):
                     for name in ("first", "second"):
                         if os.path.exists(self.path(name)):

@@ -38,9 +38,9 @@ class Tiles(base.CommandLine):
     def setUp(self):
         super().setUp()
         base.PROGRAM = PROGRAM
-        self.cloud = self.binary("cloud.ply", ply(two_balls(16000)))
+        self.cloud = self.binary("cloud.ply", ply(two_balls(8000)))
         self.mesh = self.path("mesh.ply")
-        self.arguments = ["reconstruct", self.cloud, "-o", self.mesh, "--tile-points", "3000"]
+        self.arguments = ["reconstruct", self.cloud, "-o", self.mesh, "--tile-points", "1500"]
 
     def binary(self, name, content):
         with open(self.path(name), "wb") as file:
@@ -74,6 +74,7 @@ class Tiles(base.CommandLine):
         self.assertTrue(filecmp.cmp(tiled, self.mesh, shallow=False))
 
     def test_memory_says_how_large_tiles_are(self):
+        self.binary("cloud.ply", ply(two_balls(16000)))
         self.arguments[-2:] = ["--memory", "80MB"]
         options = self.result()["options"]
         self.assertGreaterEqual(options["tile_points"], 10000)
@@ -152,8 +153,8 @@ class Tiles(base.CommandLine):
 
     def test_noise_and_outliers(self):
         noise = random.Random(2)
-        rows = [[x + noise.gauss(0, 0.01) for x in row[:3]] for row in two_balls(16000)]
-        rows += [[noise.uniform(-1, 3.2), noise.uniform(-1, 1), noise.uniform(-1, 1)] for _ in range(400)]
+        rows = [[x + noise.gauss(0, 0.01) for x in row[:3]] for row in two_balls(8000)]
+        rows += [[noise.uniform(-1, 3.2), noise.uniform(-1, 1), noise.uniform(-1, 1)] for _ in range(200)]
         self.arguments[1] = self.binary("noisy.ply", ply(rows))
         report = self.result()
         self.assertTrue(report["result"]["watertight"])

@@ -99,6 +99,7 @@ void TileTeam::clear() const {
 }
 
 void TileTeam::finish(const std::string& first) const {
+  if (!leads()) wait(folder_.file("left", 0));  // else all that failed in writing start again, but one has left
   write_file(folder_.file("left", share_.rank), "");
   if (!leads()) return;
   wait_for_all("left", share_.count);
