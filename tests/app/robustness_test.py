@@ -207,7 +207,7 @@ class Kill(Robustness):
         return process.wait() == -signal.SIGKILL
 
     def test_a_killed_run_leaves_the_old_result_or_the_new_one(self):
-        kills, seed = (400, 1) if SLOW else (20, 1)
+        kills, seed = (400, 1) if SLOW else (12, 1)
         print("kill -9: %d times, seed %d" % (kills, seed), file=sys.stderr)
         moments = random.Random(seed)
         cloud = self.write("cloud.ply", ply(sphere(3000)))

@@ -122,7 +122,7 @@ TEST(Inpaint, FillsScatteredVoxelsInThreeDimensions) {
 
 TEST(Inpaint, OfAHoleTakesTheKnownPixelsAroundItOnly) {
   const Volume<double> truth = picture_of(layout(200, 200), smooth);
-  const Mask mask = hole(truth.grid, Point<3>(100, 90, 0), 6);
+  const Mask mask = hole(truth.grid, Point<3>(100, 90, 0), 4);
   Volume<double> image = spoiled(truth, mask);
   const InpaintReport report = inpaint(image, mask);
   EXPECT_LT(report.fit.samples, 1500);

@@ -101,7 +101,7 @@ def write_pictures():
     v, u = np.mgrid[:90, :120].astype(float)
     photo = 128 + 60 * np.sin(u / 15) * np.cos(v / 20)
     scratches = np.zeros(photo.shape)
-    scratches[30:33, 20:90] = scratches[10:60, 70:72] = 255
+    scratches[30:32, 20:50] = scratches[10:40, 40:42] = 255
     write_png("scratches.png", scratches)
     for name in ("photo.png", "scratched.png"):
         write_png(name, np.where(scratches > 0, 255, photo))

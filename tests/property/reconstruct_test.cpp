@@ -57,7 +57,7 @@ void expect_sound(const Reconstruction& surface) {
 }
 
 TEST(ReconstructProperties, AnyCloudBecomesAClosedManifoldOrAnError) {
-  for_each_case(60, 4, [](Random& random) {
+  for_each_case(40, 4, [](Random& random) {
     const PointCloud cloud = random_cloud(random, most_points);
     const Reconstruction surface = reconstruct(cloud, random_options(random, false));
     expect_sound(surface);

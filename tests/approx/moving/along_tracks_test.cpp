@@ -80,10 +80,10 @@ TEST(MovingLeastSquaresAlongTracks, ReproducesConstantsAndRefusesOtherDegrees) {
 }
 
 TEST(FitAlongTracks, IsChosenWhereTracksDisagree) {
-  EXPECT_EQ(fit<2>(soundings(12000, 0.4)).report.method, "along-tracks");
-  Samples<2> even = soundings(12000, 0.4);
-  even.points = random_points<2>(12000, 7);
-  EXPECT_EQ(fit<2>(even).report.method, "partition-of-unity");
+  Samples<2> data = soundings(7000, 0.4);
+  EXPECT_EQ(fit<2>(data).report.method, "along-tracks");
+  data.points = random_points<2>(7000, 7);
+  EXPECT_EQ(fit<2>(data).report.method, "partition-of-unity");
 }
 
 TEST(FitAlongTracks, IsNotChosenForRoundingErrors) {
@@ -96,8 +96,8 @@ TEST(FitAlongTracks, IsNotChosenForRoundingErrors) {
 
 // Every fifth sounding predicted by the others.
 double mean_error_over_that_of_patches(double offset) {
-  const Samples<2> all = soundings(15000, offset);
-  const auto kept = Eigen::seqN(0, 12000), rest = Eigen::seqN(12000, 3000);
+  const Samples<2> all = soundings(8000, offset);
+  const auto kept = Eigen::seqN(0, 6400), rest = Eigen::seqN(6400, 1600);
   const Samples<2> data{all.points(Eigen::all, kept), all.values(kept, Eigen::all), {}};
   const Points<2> x = all.points(Eigen::all, rest);
   const auto mean_error = [&](const FitOptions& options) {
@@ -114,7 +114,7 @@ TEST(FitAlongTracks, PredictsSoundingsBetterThanPatches) {
 
 // Deviations of left-out soundings, and of the ground in a gap that was left out.
 TEST(FitAlongTracks, KnowsHowWrongItMayBe) {
-  const Samples<2> all = soundings(15000, 0.4);
+  const Samples<2> all = soundings(10000, 0.4);
   const Point<2> middle(.5, .5);
   std::vector<Index> kept, near, gap;
   for (Index i = 0; i < all.size(); ++i)
