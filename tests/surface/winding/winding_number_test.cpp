@@ -2,6 +2,7 @@
 
 #include "core/error_testing.hpp"
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/surface/winding/winding_cubes.hpp"
 #include "surface/oriented_shapes.hpp"
 
 #include <gtest/gtest.h>
@@ -179,6 +180,32 @@ TEST(WindingNumber, IsTheSameWhenBuiltFromItsData) {
   EXPECT_EQ(u.seeds().cols(), torus.size());
   EXPECT_EQ(u.seeds(), u.data().points);
   EXPECT_EQ(u.bounds().lo, bounding_box<3>(torus.points).lo);
+}
+
+TEST(WindingNumber, KeepsTheCubesThatWereMade) {
+  const Shape shape = random_torus(20000, 4);
+  const WindingNumber field(samples(shape));
+  (void)field.evaluate(queries(shape, 500, 1));
+  const winding::MadeCubes made = field.made_cubes();
+  ASSERT_GT(made.children.size(), 100U);
+  const WindingNumber again(field.tree(), made);
+  EXPECT_EQ(again.made_cubes().far, made.far);
+  EXPECT_EQ(again.made_cubes().near, made.near);
+  const Points<3> x = queries(shape, 600, 2);
+  const Jet<3> expected = field.evaluate(x, Derivatives::hessian), found = again.evaluate(x, Derivatives::hessian);
+  EXPECT_EQ(found.value, expected.value);
+  EXPECT_EQ(found.gradient, expected.gradient);
+  EXPECT_EQ(found.hessian, expected.hessian);
+  EXPECT_EQ(field.made_cubes().near, again.made_cubes().near);
+
+  for (int damage = 0; damage < 4; ++damage) {
+    winding::MadeCubes bad = made;
+    if (damage == 0) bad.far.resize(bad.far.size() / 2);
+    if (damage == 1) bad.near.back() = 1 << 30;
+    if (damage == 2) bad.children.back() = 255;
+    if (damage == 3) bad.near.push_back(0);
+    EXPECT_THROW(WindingNumber(field.tree(), bad), InvalidInput) << damage;
+  }
 }
 
 TEST(WindingNumber, IsInvariantUnderSimilarities) {

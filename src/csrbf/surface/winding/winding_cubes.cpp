@@ -1,5 +1,7 @@
 #include "csrbf/surface/winding/winding_cubes.hpp"
 
+#include "csrbf/core/error.hpp"
+
 #include <Eigen/LU>
 
 #include <numbers>
@@ -64,7 +66,95 @@ const Matrix& restriction(bool upper) {
   return matrices[upper ? 1 : 0];
 }
 
+bool is_upper(std::size_t octant, int axis) {
+  return (octant >> axis & 1) != 0;
+}
+
 }  // namespace
+
+// Takes cubes from the lists of MadeCubes, in their order.
+class Cubes::Reader {
+ public:
+  Reader(const Tree& tree, const MadeCubes& made) : tree_(tree), made_(made) {}
+
+  void take(Cube& cube) {
+    check(cubes_ < made_.children.size() && made_.far.size() / cube.cell.far.size() > cubes_ &&
+          cube.depth <= max_depth);
+    const unsigned children = made_.children[cubes_];
+    std::copy_n(made_.far.begin() + static_cast<std::ptrdiff_t>(cube.cell.far.size() * cubes_), cube.cell.far.size(),
+                cube.cell.far.begin());
+    ++cubes_;
+    take_near(cube);
+    check(cube.divided || children == 0);
+    for (std::size_t octant = 0; octant < cube.children.size(); ++octant) {
+      if ((children >> octant & 1) == 0) continue;
+      std::unique_ptr<Cube> child = place_child(cube, octant);
+      take(*child);
+      cube.children[octant] = child.release();
+    }
+  }
+  void expect_end() const { check(cubes_ == made_.children.size() && near_ == made_.near.size()); }
+
+ private:
+  static void check(bool holds) { require(holds, "winding::Cubes", "made", "(given)", "must be of this tree"); }
+
+  std::int32_t next() {
+    check(near_ < made_.near.size());
+    return made_.near[near_++];
+  }
+  // Divided cubes have nodes, others, told by a negative number, ranges of samples.
+  void take_near(Cube& cube) {
+    const std::int32_t told = next();
+    cube.divided = told >= 0;
+    for (std::int32_t i = 0; i < (cube.divided ? told : -1 - told); ++i) {
+      const std::int32_t first = next();
+      if (cube.divided) {
+        check(first >= 0 && static_cast<std::size_t>(first) < tree_.nodes.size());
+        cube.near.push_back(first);
+      } else {
+        const std::int32_t end = next();
+        check(0 <= first && first <= end && end <= tree_.points.cols());
+        cube.cell.near.push_back({first, end});
+      }
+    }
+  }
+
+  const Tree& tree_;
+  const MadeCubes& made_;
+  std::size_t cubes_ = 0, near_ = 0;
+};
+
+Cubes::Cubes(const Tree& tree, const MadeCubes& made) : Cubes(tree) {
+  if (made.children.empty()) return;
+  root_.near.clear();
+  root_.cell.near.clear();
+  Reader reader(tree, made);
+  reader.take(root_);
+  reader.expect_end();
+}
+
+MadeCubes Cubes::made() const {
+  MadeCubes made;
+  tell(root_, made);
+  return made;
+}
+
+void Cubes::tell(const Cube& cube, MadeCubes& made) {
+  unsigned children = 0;
+  for (std::size_t octant = 0; octant < cube.children.size(); ++octant)
+    if (cube.children[octant].load() != nullptr) children |= 1U << octant;
+  made.children.push_back(static_cast<std::uint8_t>(children));
+  made.far.insert(made.far.end(), cube.cell.far.begin(), cube.cell.far.end());
+  if (cube.divided) {
+    made.near.push_back(static_cast<std::int32_t>(cube.near.size()));
+    made.near.insert(made.near.end(), cube.near.begin(), cube.near.end());
+  } else {
+    made.near.push_back(-1 - static_cast<std::int32_t>(cube.cell.near.size()));
+    for (const Range& range : cube.cell.near) made.near.insert(made.near.end(), {range.begin, range.end});
+  }
+  for (const auto& slot : cube.children)
+    if (const Cube* child = slot.load()) tell(*child, made);
+}
 
 Cubes::Cube::~Cube() {
   for (const auto& child : children) delete child.load();
@@ -117,14 +207,19 @@ Cubes::Sources Cubes::classify(const Cell& cell, const std::vector<std::int32_t>
   return sources;
 }
 
-std::unique_ptr<Cubes::Cube> Cubes::make_child(const Cube& parent, std::size_t octant) const {
+std::unique_ptr<Cubes::Cube> Cubes::place_child(const Cube& parent, std::size_t octant) {
   auto cube = std::make_unique<Cube>();
   Cell& cell = cube->cell;
-  const bool upper[3] = {(octant & 1) != 0, (octant & 2) != 0, (octant & 4) != 0};
   cell.half = 0.5 * parent.cell.half;
   for (int axis = 0; axis < 3; ++axis)
-    cell.center[axis] = parent.cell.center[axis] + (upper[axis] ? cell.half : -cell.half);
+    cell.center[axis] = parent.cell.center[axis] + (is_upper(octant, axis) ? cell.half : -cell.half);
   cube->depth = parent.depth + 1;
+  return cube;
+}
+
+std::unique_ptr<Cubes::Cube> Cubes::make_child(const Cube& parent, std::size_t octant) const {
+  std::unique_ptr<Cube> cube = place_child(parent, octant);
+  Cell& cell = cube->cell;
   Sources sources = classify(cell, parent.near);
   set_near(*cube, std::move(sources.near));
 
@@ -142,7 +237,8 @@ std::unique_ptr<Cubes::Cube> Cubes::make_child(const Cube& parent, std::size_t o
     std::copy_n(at.sum, layer, values.data() + layer * i);
   }
   const Coefficients added = apply(interpolation(), interpolation(), interpolation(), values);
-  cell.far = apply(restriction(upper[0]), restriction(upper[1]), restriction(upper[2]), parent.cell.far);
+  cell.far = apply(restriction(is_upper(octant, 0)), restriction(is_upper(octant, 1)), restriction(is_upper(octant, 2)),
+                   parent.cell.far);
   for (std::size_t k = 0; k < added.size(); ++k) cell.far[k] += added[k];
   return cube;
 }

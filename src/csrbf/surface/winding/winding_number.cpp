@@ -61,6 +61,7 @@ struct WindingNumber::Impl {
   winding::Cubes cubes;
 
   explicit Impl(winding::Tree made) : tree(std::move(made)), cubes(tree) {}
+  Impl(winding::Tree made, const winding::MadeCubes& parts) : tree(std::move(made)), cubes(tree, parts) {}
 };
 
 WindingNumber::WindingNumber(const Data& data) : WindingNumber(data.points, data.normals, data.areas, data.eps) {}
@@ -75,6 +76,14 @@ WindingNumber::WindingNumber(const PointsRef<3>& points, const PointsRef<3>& nor
 
 WindingNumber::WindingNumber(winding::Tree tree) {
   if (!tree.nodes.empty()) impl_ = std::make_shared<const Impl>(std::move(tree));
+}
+
+WindingNumber::WindingNumber(winding::Tree tree, const winding::MadeCubes& cubes) {
+  if (!tree.nodes.empty()) impl_ = std::make_shared<const Impl>(std::move(tree), cubes);
+}
+
+winding::MadeCubes WindingNumber::made_cubes() const {
+  return impl_ ? impl_->cubes.made() : winding::MadeCubes{};
 }
 
 const winding::Tree& WindingNumber::tree() const {

@@ -7,6 +7,10 @@
 
 namespace csrbf {
 
+namespace winding {
+struct MadeCubes;
+}
+
 /// The generalised winding number of oriented samples of a surface, regularised near the samples:
 ///   w(x) = sum_i a_i n_i . (p_i - x) / (4 pi (|p_i - x|^2 + eps_i^2)^(3/2)),   u = 2 w - 1,
 /// so that u -> 1 inside a closed surface, -1 outside, and u = t / sqrt(t^2 + eps^2) at the depth t below a nearly flat
@@ -35,6 +39,8 @@ class WindingNumber final : public Field<3> {
   explicit WindingNumber(const Data& data);
   /// Of a tree that was made before, see tree().
   explicit WindingNumber(winding::Tree tree);
+  /// ... with cubes made before. Throws InvalidInput if they are not of this tree.
+  WindingNumber(winding::Tree tree, const winding::MadeCubes& cubes);
   WindingNumber(const PointsRef<3>& points, const PointsRef<3>& normals, const Eigen::Ref<const Eigen::VectorXd>& areas,
                 const Eigen::Ref<const Eigen::VectorXd>& eps);
 
@@ -50,6 +56,8 @@ class WindingNumber final : public Field<3> {
   [[nodiscard]] Data data() const;
   /// The samples and what has been made of them, for a field that is bit-identical too.
   [[nodiscard]] const winding::Tree& tree() const;
+  /// What evaluation has added to it so far; not while the field is evaluated.
+  [[nodiscard]] winding::MadeCubes made_cubes() const;
 
  private:
   struct Impl;

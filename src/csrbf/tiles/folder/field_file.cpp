@@ -3,6 +3,7 @@
 #include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/open_file.hpp"
+#include "csrbf/surface/winding/winding_cubes.hpp"
 
 namespace csrbf {
 namespace {
@@ -125,6 +126,10 @@ void write_field(const std::string& path, const CompositeField& field) {
   for (const auto& axis : tree.x) file.put_array(axis);
   for (const auto& axis : tree.strength) file.put_array(axis);
   file.put_array(tree.eps2);
+  const winding::MadeCubes cubes = data.winding.made_cubes();
+  file.put_array(cubes.children);
+  file.put_array(cubes.near);
+  file.put_array(cubes.far);
   file.commit();
 }
 
@@ -145,7 +150,16 @@ std::shared_ptr<const CompositeField> read_field(const std::string& path) {
     if (begin.size() != patches.size() + 1 || centers.size() != 3 * alpha.size()) file.fail();
     data.levels.emplace_back(std::move(patches), std::move(begin), std::move(centers), std::move(alpha));
   }
-  data.winding = WindingNumber(read_tree(file));
+  winding::Tree tree = read_tree(file);
+  winding::MadeCubes cubes;
+  cubes.children = file.vector<std::uint8_t>();
+  cubes.near = file.vector<std::int32_t>();
+  cubes.far = file.vector<float>();
+  try {
+    data.winding = WindingNumber(std::move(tree), cubes);
+  } catch (const InvalidInput&) {
+    file.fail();
+  }
   return std::make_shared<const CompositeField>(std::move(data));
 }
 
