@@ -9,6 +9,8 @@
 
 #include <zlib.h>
 
+#include <functional>
+
 namespace csrbf {
 namespace {
 
@@ -27,22 +29,65 @@ void append_text(std::string& out, const std::string& text) {
   out += text;
 }
 
+// Of one entry, in pieces, so that arrays need no copy.
 struct ValueWriter {
-  std::string& out;
+  const std::function<void(std::string_view)>& put;
 
-  void operator()(double value) const { append_scalar(out, value); }
-  void operator()(std::int64_t value) const { append_scalar(out, value); }
-  void operator()(const std::string& value) const { append_text(out, value); }
+  void operator()(double value) const { put_scalar(value); }
+  void operator()(std::int64_t value) const { put_scalar(value); }
+  void operator()(const std::string& value) const {
+    std::string bytes;
+    append_text(bytes, value);
+    put(bytes);
+  }
   template <class T>
   void operator()(const ArchiveArray<T>& array) const {
-    append_scalar(out, static_cast<std::uint64_t>(array.rows()));
-    append_scalar(out, static_cast<std::uint64_t>(array.cols()));
+    put_scalar(static_cast<std::uint64_t>(array.rows()));
+    put_scalar(static_cast<std::uint64_t>(array.cols()));
     if constexpr (std::endian::native == std::endian::little)
-      out.append(reinterpret_cast<const char*>(array.data()), sizeof(T) * array.size());
+      put({reinterpret_cast<const char*>(array.data()), sizeof(T) * static_cast<std::size_t>(array.size())});
     else
-      for (Index i = 0; i < array.size(); ++i) append_scalar(out, array.data()[i]);
+      for (Index i = 0; i < array.size(); ++i) put_scalar(array.data()[i]);
+  }
+  template <class T>
+  void put_scalar(T value) const {
+    std::string bytes;
+    append_scalar(bytes, value);
+    put(bytes);
   }
 };
+
+// All bytes but the checksum.
+void put_archive(const Archive& archive, std::uint64_t size, const std::function<void(std::string_view)>& put) {
+  std::string bytes(magic);
+  append_scalar(bytes, static_cast<std::uint32_t>(archive_format));
+  append_scalar(bytes, size);
+  append_text(bytes, archive.kind);
+  append_scalar(bytes, static_cast<std::uint64_t>(archive.values().size()));
+  put(bytes);
+  for (const auto& [name, value] : archive.values()) {
+    bytes.clear();
+    append_text(bytes, name);
+    append_scalar(bytes, static_cast<std::uint8_t>(value.index()));
+    put(bytes);
+    std::visit(ValueWriter{put}, value);
+  }
+}
+
+// The same with the checksum.
+void put_all(const Archive& archive, const std::function<void(std::string_view)>& put) {
+  std::uint64_t size = checksum_size;
+  put_archive(archive, 0, [&](std::string_view bytes) { size += bytes.size(); });
+  uLong sum = 0;
+  put_archive(archive, size, [&](std::string_view bytes) {
+    if (bytes.empty()) return;
+    sum = crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+    put(bytes);
+  });
+  std::string end;
+  append_scalar(end, static_cast<std::uint32_t>(sum));
+  put(end);
+}
 
 // Reads values, never beyond the end.
 class Reader {
@@ -188,20 +233,8 @@ void Archive::check_shape(const std::string& name, Index rows, Index cols, Index
 }
 
 std::string format_archive(const Archive& archive) {
-  std::string out(magic);
-  append_scalar(out, static_cast<std::uint32_t>(archive_format));
-  append_scalar(out, std::uint64_t{0});
-  append_text(out, archive.kind);
-  append_scalar(out, static_cast<std::uint64_t>(archive.values().size()));
-  for (const auto& [name, value] : archive.values()) {
-    append_text(out, name);
-    append_scalar(out, static_cast<std::uint8_t>(value.index()));
-    std::visit(ValueWriter{out}, value);
-  }
-  std::string size;
-  append_scalar(size, static_cast<std::uint64_t>(out.size() + checksum_size));
-  out.replace(size_offset, size.size(), size);
-  append_scalar(out, checksum(out));
+  std::string out;
+  put_all(archive, [&](std::string_view bytes) { out += bytes; });
   return out;
 }
 
@@ -222,7 +255,10 @@ Archive parse_archive(std::string_view bytes, const std::string& name) {
 }
 
 void write_archive(const std::string& path, const Archive& archive) {
-  write_file(path, format_archive(archive));
+  if (path == "-") return write_file(path, format_archive(archive));
+  AtomicFile file(path);
+  put_all(archive, [&](std::string_view bytes) { file.write(bytes); });
+  file.commit();
 }
 
 Archive read_archive(const std::string& path) {
