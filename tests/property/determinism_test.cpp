@@ -9,28 +9,29 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <numeric>
+#include <string>
 
 namespace csrbf::determinism_test {
 namespace {
 
-/// FNV-1a of bytes, in a row.
+/// Of bytes, in a row.
 class Hash {
  public:
   template <class Matrix>
   Hash& of(const Matrix& matrix) {
     return of_bytes(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(*matrix.data()));
   }
-  [[nodiscard]] std::uint64_t value() const { return value_; }
+  [[nodiscard]] std::uint64_t value() const { return std::hash<std::string>{}(bytes_); }
 
  private:
   Hash& of_bytes(const void* data, std::size_t count) {
-    const auto* byte = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < count; ++i) value_ = (value_ ^ byte[i]) * 0x100000001b3U;
+    bytes_.append(static_cast<const char*>(data), count);
     return *this;
   }
 
-  std::uint64_t value_ = 0xcbf29ce484222325U;
+  std::string bytes_;
 };
 
 // Runs `work` with six numbers of threads, four times each with the numbers 0 to 3, and expects the same bits.

@@ -2,16 +2,17 @@
 
 #include "csrbf/io/files/atomic_file.hpp"
 
+#include <zlib.h>
+
 namespace csrbf {
 namespace {
 
 constexpr Index most_shares = 64;  // of the input: each makes a file for every tile
 
-// Surveys of other input have another name (FNV-1a hash).
+// Surveys of other input have another name.
 std::string survey_name(const std::string& fingerprint, Index shares) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char c : fingerprint) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return survey_kind + std::to_string(hash) + "of" + std::to_string(shares);
+  const auto checksum = crc32_z(0, reinterpret_cast<const Bytef*>(fingerprint.data()), fingerprint.size());
+  return survey_kind + std::to_string(checksum) + "of" + std::to_string(shares);
 }
 
 template <int Dim>
