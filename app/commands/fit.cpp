@@ -1,4 +1,5 @@
 #include "commands/fit_summary.hpp"
+#include "inputs/bytes.hpp"
 #include "inputs/describe_table.hpp"
 #include "inputs/tile_flags.hpp"
 #include "report/fit_page.hpp"
@@ -95,12 +96,13 @@ void expect_tile_flags(const FitCommand& command, const Session& session) {
   expect_tile_files(command.input, command.output, session);
 }
 
-constexpr double tile_bytes_per_sample = 800;  // measured: 250 to 700
-
 void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& session) {
   expect_tile_flags(command, session);
   FitTileOptions options;
-  options.tile_points = tile_points(command.tiles, tile_bytes_per_sample);
+  if (command.tiles.points == 0 && !command.tiles.memory.empty())
+    options.memory = static_cast<double>(parse_bytes(command.tiles.memory, "--memory"));
+  else
+    options.tile_points = tile_points(command.tiles, 0);
   options.folder = tile_folder(command.tiles, command.output);
   options.columns = {.coordinates = command.coordinates, .values = command.values, .weights = command.weights};
   options.fit = fit;
@@ -115,7 +117,7 @@ void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& ses
                      {"values", done.value_names},
                      {"weights", or_null(command.weights)},
                      {"missing", or_null(command.missing)}};
-  add_tile_options(options.tile_points, options.share, options.folder, session);
+  add_tile_options(done.tile_points, options.share, options.folder, session);
   session.result = {{"dimension", done.coordinate_names.size()},
                     {"components", done.value_names.size()},
                     {"tiles", done.tiles},

@@ -174,6 +174,20 @@ class FitTiles(base.CommandLine):
         self.assertEqual(report["input"]["dropped"], 500)
         self.assertLess(self.rms(self.model, [row[:2] for row in samples(500, 9)]), 1e-3)
 
+    def test_memory_says_how_large_tiles_are(self):
+        self.give(samples(300000, 4, 0.05))
+        self.arguments[-2:] = ["--memory", "185MB"]
+        report = self.result()
+        self.assertIn(report["result"]["tiles"], (3, 4))
+        self.assertEqual(report["options"]["tile_points"], -(-300000 // report["result"]["tiles"]))
+        self.assertLess(report["peak_memory_mb"] * 2**20, 185e6)
+        self.assertGreater(report["peak_memory_mb"] * 2**20, 92e6)  # and uses it
+        self.arguments[-1] = "80MB"
+        run = self.run_program(*self.arguments)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("is too little; give at least", run.stderr)
+        self.assertFalse(os.path.exists(self.model + ".tiles"))
+
     def start(self, *flags):
         return subprocess.Popen([PROGRAM, *self.arguments, *flags], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                 text=True)

@@ -23,6 +23,33 @@ constexpr Index looks = 64, rows_per_look = 1024;  // at the input, for the exte
 constexpr double blend_spacings = 3;
 constexpr double patch_spacings = 6;
 
+// Memory as measured with two threads for three kinds of functions (smooth, rough, noisy), 1 to 4 variables and 1 to 3
+// values: of the program, and for each sample that a tile sees. It says nothing of threads, which must not change
+// tiles.
+constexpr double program_bytes = 150e6, sample_bytes = 100, variable_bytes = 70, value_bytes = 60;
+
+// Peak memory of n samples in so many tiles, which see those of others beyond one face for each cut.
+double bytes_of_tiles(double n, Index tiles, int variables, Index values) {
+  const double samples = n / static_cast<double>(tiles), side = std::pow(samples, 1.0 / variables);
+  const double faces = std::min(2.0 * variables, std::ceil(std::log2(static_cast<double>(tiles))));
+  const double seen = samples * std::pow(1 + (blend_spacings + patch_spacings) / side, faces);
+  return program_bytes + std::min(seen, n) * (sample_bytes + variable_bytes * variables +
+                                              value_bytes * static_cast<double>(values - 1));
+}
+
+// Samples of each of the fewest tiles that fit in the memory.
+Index samples_within(double memory, Index n, int variables, Index values) {
+  constexpr double mega = 1e6;
+  constexpr Index fewest = 10 * fewest_tile_samples;  // with fewer, tiles see more samples around them than in them
+  const Index most = std::max<Index>(1, n / fewest);
+  for (Index tiles = 1; tiles <= most; tiles = std::max(tiles + 1, tiles * 17 / 16))
+    if (bytes_of_tiles(static_cast<double>(n), tiles, variables, values) <= memory) return (n + tiles - 1) / tiles;
+  const double least = bytes_of_tiles(static_cast<double>(n), most, variables, values);
+  throw InvalidInput("fit_tiles: memory = " + std::to_string(static_cast<Index>(memory / mega)) +
+                     " MB: is too little; give at least " +
+                     std::to_string(static_cast<Index>(std::ceil(least / mega))) + " MB");
+}
+
 void check_fit_tiles(const FitTileOptions& options) {
   constexpr auto where = "fit_tiles";
   const FitOptions& fit = options.fit;
@@ -36,15 +63,15 @@ void check_fit_tiles(const FitTileOptions& options) {
   require(fit.faults.empty(), where, "faults", fit.faults.size(), "tiles do not know them");
 }
 
-std::string fit_options_text(const FitTileOptions& options) {
+std::string fit_options_text(const FitTileOptions& options, Index tile_points) {
   const FitOptions& fit = options.fit;
   std::ostringstream text;
   text.precision(17);
-  text << "tile_points " << options.tile_points << " columns " << options.columns.coordinates << "|"
-       << options.columns.values << "|" << options.columns.weights << " method " << fit.method << " kernel "
-       << fit.kernel << " " << fit.kernel_parameter << " tolerance " << fit.tolerance << " smoothing "
-       << fit.smoothing.value_or(-1) << " degree " << fit.degree.value_or(-2) << " loss " << fit.loss << " missing "
-       << fit.missing.value_or(0) << (fit.missing ? "" : " none") << " extrapolation " << name_of(fit.extrapolation);
+  text << "tile_points " << tile_points << " columns " << options.columns.coordinates << "|" << options.columns.values
+       << "|" << options.columns.weights << " method " << fit.method << " kernel " << fit.kernel << " "
+       << fit.kernel_parameter << " tolerance " << fit.tolerance << " smoothing " << fit.smoothing.value_or(-1)
+       << " degree " << fit.degree.value_or(-2) << " loss " << fit.loss << " missing " << fit.missing.value_or(0)
+       << (fit.missing ? "" : " none") << " extrapolation " << name_of(fit.extrapolation);
   return text.str();
 }
 
@@ -57,11 +84,15 @@ class FunctionInTiles {
       : samples_(samples),
         model_(model),
         options_(options),
+        tile_points_(options.memory > 0
+                         ? samples_within(options.memory, stream.size(), Dim, stream.head().values.cols())
+                         : options.tile_points),
         team_(options.folder, options.share, options.fit.progress),
         folder_(team_.folder()),
         stream_(stream) {}
 
   FitTileReport run() {
+    report_.tile_points = tile_points_;
     report_.coordinate_names = stream_.head().coordinate_names;
     report_.value_names = stream_.head().value_names;
     team_.run([this] {
@@ -111,16 +142,17 @@ class FunctionInTiles {
 
   void prepare() {
     scales_ = choose_scales();
-    const TileRules rules{.tile_points = options_.tile_points,
+    const TileRules rules{.tile_points = tile_points_,
                           .dimension = Dim,
                           .blend = [](double spacing, double) { return blend_spacings * spacing; },
                           .reach = patch_spacings,
                           .boxed = true};  // fits take the empty corners of other shapes for gaps
-    work_ = prepare_tiles<Dim>(team_, {.open = [this] { return source(); },
-                                       .rules = rules,
-                                       .numbered = true,
-                                       .fingerprint = tile_fingerprint(samples_, fit_options_text(options_)),
-                                       .notes = [this] { return notes(); }});
+    work_ =
+        prepare_tiles<Dim>(team_, {.open = [this] { return source(); },
+                                   .rules = rules,
+                                   .numbered = true,
+                                   .fingerprint = tile_fingerprint(samples_, fit_options_text(options_, tile_points_)),
+                                   .notes = [this] { return notes(); }});
     report_.tiles = count();
     report_.dropped = work_.non_finite;
   }
@@ -194,6 +226,7 @@ class FunctionInTiles {
   const std::string& samples_;
   const std::string& model_;
   const FitTileOptions& options_;
+  const Index tile_points_;
   TileTeam team_;
   const TileFolder& folder_;
   SampleStream& stream_;

@@ -10,6 +10,7 @@ namespace csrbf {
 struct FitTileOptions {
   /// Samples per tile at most, about; memory grows with it: some 300 bytes for each sample of a tile.
   Index tile_points = 2'000'000;
+  double memory = 0;  ///< bytes for each process, from which the size of tiles follows; 0: `tile_points` is the size
   /// Where finished steps are kept. A folder with steps of the same work is continued, to the same result.
   std::string folder;
   SampleColumns columns = {};  ///< coordinates, values and weights
@@ -23,6 +24,7 @@ struct FitTileReport {
   /// Over all tiles: errors and noise are means, or the largest; methods and kernels those of the tiles.
   FitReport fit;
   Index tiles = 0;
+  Index tile_points = 0;  ///< samples per tile at most, about
   Index continued = 0;  ///< tiles that an earlier run, or another process, had fitted
   Index dropped = 0;    ///< rows left out because they lack a number, or a value
   std::vector<std::string> coordinate_names, value_names;
