@@ -309,6 +309,31 @@ def plan(weak):
 
 
 WEAK_POINTS = [0]
+POINT_REACH, SAMPLE_REACH = 14, 9  # spacings that tiles see of others: of a surface, of samples in space
+
+
+def copied_per_second():
+    """Bytes that one core writes to files in the page cache, or reads from there."""
+    piece = bytes(64 << 20)
+    with tempfile.NamedTemporaryFile() as file:
+        begin = time.process_time()
+        for _ in range(4):
+            file.write(piece)
+        file.flush()
+        return 4 * len(piece) / (time.process_time() - begin)
+
+
+def floors(what, dimension, reach, count, tiles, written, whole, tiled):
+    """What tiles cost at least: points around them are worked on again, and all steps go through files."""
+    side = (count / tiles) ** (1 / dimension)
+    faces = min(2 * dimension, int(np.ceil(np.log2(tiles))))
+    again = (1 + reach / side) ** faces
+    speed = copied_per_second()
+    files = 2 * written * count / speed
+    return (f"\nFloor of tiles for {what}: tiles of {side:.0f}{'²' if dimension == 2 else '³'} points see {reach} spacings "
+            f"beyond up to {faces} faces, {again:.2f} times their points, so arithmetic takes {again:.2f} times as long; "
+            f"{written:.0f} bytes per point are written and read again, at {speed / 1e9:.1f} GB/s of one core in "
+            f"{files:.1f} s. Together {again + files / whole:.2f} times at once; {tiled / whole:.2f} were measured.\n")
 
 
 def point_tables(arguments, sizes, counts):
@@ -324,6 +349,8 @@ def point_tables(arguments, sizes, counts):
                     "yes" if tiled.result["watertight"] else "NO")
         print(page.splitlines()[-1], flush=True)
 
+    page += floors(f"{sizes[-1]:,} points", 2, POINT_REACH, sizes[-1], tiled.result["tiles"], tiled.written / sizes[-1],
+                   whole.cpu[0], tiled.cpu[0])
     page += f"\n## {sizes[-1]:,} points by several processes\n\n"
     page += row("processes", "busiest s", "sum s", "busiest / (alone / processes)", "peak MB", "same bytes")
     page += row(*["---:"] * 6)
@@ -377,7 +404,8 @@ def function_table(arguments):
                         f"{whole.error:.2e}", f"{tiled.error:.2e}", f"{whole.evaluation.cpu[0]:.1f}",
                         f"{tiled.evaluation.cpu[0]:.1f}")
             print(page.splitlines()[-1], flush=True)
-    return page
+    return page + floors(f"{n:,} samples", 3, SAMPLE_REACH, n, -(-n // arguments.tile_points), tiled.written / n,
+                         whole.cpu[0], tiled.cpu[0])
 
 
 def main():
