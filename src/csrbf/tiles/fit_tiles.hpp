@@ -25,8 +25,8 @@ struct FitTileReport {
   FitReport fit;
   Index tiles = 0;
   Index tile_points = 0;  ///< samples per tile at most, about
-  Index continued = 0;  ///< tiles that an earlier run, or another process, had fitted
-  Index dropped = 0;    ///< rows left out because they lack a number, or a value
+  Index continued = 0;    ///< tiles that an earlier run, or another process, had fitted
+  Index dropped = 0;      ///< rows left out because they lack a number, or a value
   std::vector<std::string> coordinate_names, value_names;
 };
 
