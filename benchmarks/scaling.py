@@ -4,12 +4,13 @@ functions as accurate; large images slice by slice; and plans a billion points f
 
 usage: scaling.py [--program CSRBF] [--points N,...] [--tile-points N] [--processes P,...] [--weak N] [--samples N,...]
                   [--image EDGE,...] [--large POINTS,SAMPLES] [--large-memory SIZE] [--mpirun] [--folder DIR] [--page FILE]
+       scaling.py --merge NEWER --page FILE
 
 Runs with one thread per process, but for the large ones. Processes share the cores of this machine, so judge CPU seconds:
 those of the busiest process stand for the time on as many cores as processes. They are started here, or by mpirun. Strong
 runs use the last number of --points, weak runs N points for each process. Points are made by make_cloud.py, samples are
 of a smooth function in space, images are gyroids with noise. --large: so many points and samples once, with --memory;
-files and folders of 0.6 kB per point.
+files and folders of 0.6 kB per point. --merge: no runs, but sections of a newer page instead of those of the same name.
 """
 
 import argparse
@@ -248,7 +249,8 @@ def large_table(arguments):
         with open(report) as file:
             content = json.load(file)
         result = content["result"]
-        text = [f"{result[key]:,} {key}" for key in ("tiles", "vertices", "components") if isinstance(result.get(key), int)]
+        keys = ("tiles", "vertices", "components") if "vertices" in result else ("tiles",)
+        text = [f"{result[key]:,} {key}" for key in keys if isinstance(result.get(key), int)]
         text += ["watertight"] if result.get("watertight") else []
         line = row(name, f"{run.cpu[0] / 60:.1f}", f"{run.wall / 60:.1f}", f"{run.memory[0]:.0f}", ", ".join(text))
         print(line, flush=True)
@@ -351,6 +353,8 @@ def point_tables(arguments, sizes, counts):
 
     page += floors(f"{sizes[-1]:,} points", 2, POINT_REACH, sizes[-1], tiled.result["tiles"], tiled.written / sizes[-1],
                    whole.cpu[0], tiled.cpu[0])
+    if counts == [1]:
+        return page
     page += f"\n## {sizes[-1]:,} points by several processes\n\n"
     page += row("processes", "busiest s", "sum s", "busiest / (alone / processes)", "peak MB", "same bytes")
     page += row(*["---:"] * 6)
@@ -408,6 +412,19 @@ def function_table(arguments):
                          whole.cpu[0], tiled.cpu[0])
 
 
+def merged(page, newer):
+    """The page with the sections of a newer one, each of which says when and how it was measured."""
+    head, *sections = newer.split("\n## ")
+    told = "\n".join([line for line in head.splitlines() if line.startswith("* ")][:1] + ["", head[head.index("```"):].strip()])
+    parts = page.split("\n## ")
+    for section in sections:
+        title, rest = section.split("\n", 1)
+        part = f"{title}\n\n{told}\n{rest.rstrip()}\n"
+        same = [k for k, old in enumerate(parts) if k > 0 and old.split("\n", 1)[0] == title]
+        parts[same[0] if same else len(parts):(same[0] + 1) if same else len(parts)] = [part]
+    return "\n## ".join(parts)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default="csrbf")
@@ -422,16 +439,24 @@ def main():
     parser.add_argument("--mpirun", action="store_true")
     parser.add_argument("--folder", default="tiles-benchmark")
     parser.add_argument("--page")
+    parser.add_argument("--merge")
     arguments = parser.parse_args()
+    if arguments.merge:
+        with open(arguments.page) as file, open(arguments.merge) as newer:
+            page = merged(file.read(), newer.read())
+        with open(arguments.page, "w") as file:
+            file.write(page)
+        return
     WEAK_POINTS[0] = arguments.weak
     sizes = [int(n) for n in arguments.points.split(",") if n]
     counts = [int(p) for p in arguments.processes.split(",")]
 
     page = "# Beyond memory and one machine\n\n"
-    page += f"* {datetime.date.today()}, load {os.getloadavg()[0]:.1f} at the start, one thread per process\n"
+    threads = "all threads" if arguments.large and not sizes else "one thread per process"
+    page += f"* {datetime.date.today()}, load {os.getloadavg()[0]:.1f} at the start, {threads}\n"
     page += f"* Tiles of up to {arguments.tile_points:,} points. **busiest s** is the CPU time of the busiest process.\n\n"
     words = sys.argv[1:]
-    for flag in ("--program", "--folder"):
+    for flag in ("--program", "--folder", "--page"):
         if flag in words:
             del words[words.index(flag):words.index(flag) + 2]
     page += "```sh\nbenchmarks/scaling.py " + shlex.join(words) + "\n```\n\n"
