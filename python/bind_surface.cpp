@@ -149,8 +149,8 @@ py::tuple raycast_arrays(const Surface& surface, const Array& origins, const Arr
 }
 
 py::tuple polygonize_arrays(const Surface& surface, int resolution, double level, const std::string& method,
-                            double tolerance, bool refine, std::optional<double> trim_distance,
-                            const py::object& listener) {
+                            double tolerance, std::optional<double> persistence, bool refine,
+                            std::optional<double> trim_distance, const py::object& listener) {
   const std::optional<PolygonizeMethod> wanted =
       method == "auto" ? mesh_method(*surface.field) : polygonize_method_named(method);
   require(wanted.has_value(), "polygonize", "method", method,
@@ -162,6 +162,7 @@ py::tuple polygonize_arrays(const Surface& surface, int resolution, double level
                                              .method = *wanted,
                                              .tolerance = tolerance,
                                              .level = level,
+                                             .persistence = persistence,
                                              .refine = refine,
                                              .progress = progress});
     if (trim_distance) found = trim(found, surface.points, *trim_distance, surface.normals);

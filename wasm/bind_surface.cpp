@@ -106,6 +106,7 @@ void polygonize_model(const Model& model, const char* options, Answer& answer) {
   given.read("resolution", o.resolution);
   given.read("level", o.level);
   given.read("tolerance", o.tolerance);
+  given.read("persistence", o.persistence);
   given.read("refine", o.refine);
   given.read("bounds", bounds);
   read_trim(given, wanted.trim);

@@ -38,6 +38,7 @@ struct PolygonizeCommand {
   int resolution = 0;
   double level = 0;
   double tolerance = 0;
+  std::optional<double> persistence;
   bool refine = true;
 };
 

@@ -219,7 +219,11 @@ PolygonizeMethod method_of(const ReconstructCommand& command, const Field<3>& fi
 
 Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOptions& options,
                std::optional<double> trim_distance, Session& session) {
-  Mesh mesh = session.timed("polygonize", [&] { return polygonize(field, options); });
+  PolygonizeStatistics statistics;
+  PolygonizeOptions counting = options;
+  counting.statistics = &statistics;
+  Mesh mesh = session.timed("polygonize", [&] { return polygonize(field, counting); });
+  add_weak_features(statistics, session);
   session.timed("evaluate", [&] {
     DataComponents kept = with_data(std::move(mesh), used, trim_distance);
     if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");

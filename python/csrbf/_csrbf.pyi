@@ -175,6 +175,7 @@ class Surface:
         level: float,
         method: str,
         tolerance: float,
+        persistence: float | None,
         refine: bool,
         trim: float | None,
         listener: Listener,

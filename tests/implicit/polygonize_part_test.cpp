@@ -170,6 +170,30 @@ TEST_P(PolygonizePart, PartsOfNoiseAreAClosedManifold) {
   }
 }
 
+// Bridges are cut and holes filled inside parts only: where parts meet, they stay the same bits.
+TEST_P(PolygonizePart, PartsOfNoiseWithoutWeakFeaturesAreAClosedManifold) {
+  constexpr int n = 24;
+  Index euler_of_all = 0, euler = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Implicit values = noise(n, seed);
+    const Box<3> box = values.bounds();
+    Points<3> everywhere(3, n * n * n);
+    for (Index i = 0; i < everywhere.cols(); ++i)
+      everywhere.col(i) << static_cast<double>(i % n), static_cast<double>(i / n % n), static_cast<double>(i / n / n);
+    const Implicit field([&](const Point<3>& p, Point<3>& g) { return g.setZero(), values(p); }, box, everywhere);
+    PolygonizeOptions options = lattice_of_noise(n);
+    options.method = GetParam();
+    const CellLattice lattice = polygonization::lattice_in(options.bounds, box.extent().maxCoeff() / (n - 1));
+    const std::vector<CellRange> ranges = cut(lattice, {{{12}, {10}, {13}}});
+    euler_of_all += topology(weld(field, lattice, ranges, options)).euler;
+    options.persistence = 0.3;
+    const Mesh mesh = weld(field, lattice, ranges, options);
+    expect_closed_manifold(mesh);
+    euler += topology(mesh).euler;
+  }
+  EXPECT_GT(euler, euler_of_all);
+}
+
 // The only seed is in one part: others learn from their neighbours where the surface goes on.
 TEST_P(PolygonizePart, ASurfaceIsFollowedThroughPartsWithoutSeeds) {
   const Implicit field = lopsided();

@@ -123,6 +123,7 @@ export interface PolygonizeOptions {
   resolution?: number;
   level?: number;
   tolerance?: number;
+  persistence?: number;
   refine?: boolean;
   /** The lowest x, y, z, then the highest: the solid is cut off there. */
   bounds?: ArrayLike<number>;

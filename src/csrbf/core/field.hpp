@@ -89,6 +89,10 @@ class Field {
   /// Length of the smallest detail the field can hold, for choosing a cell size; 0 when nothing is known.
   [[nodiscard]] virtual double feature_size() const { return 0; }
 
+  /// Bridges and holes of the zero set that are gone once the level moves by less than this may be errors: meshes are
+  /// made without them (PolygonizeOptions::persistence). 0: none of them are.
+  [[nodiscard]] virtual double least_persistence() const { return 0; }
+
   /// An order in which points are fast to evaluate; empty when the given one will do.
   [[nodiscard]] virtual std::vector<Index> evaluation_order(const PointsRef<Dim>& /*x*/) const { return {}; }
 

@@ -31,6 +31,8 @@ void validate(const PolygonizeOptions& options) {
           static_cast<int>(options.method), "must be one of PolygonizeMethod");
   require(options.tolerance >= 0 && std::isfinite(options.tolerance), "polygonize", "tolerance", options.tolerance,
           "must be a fraction of the diagonal above 0, or 0 for a tenth of a cell");
+  require(!options.persistence || (*options.persistence >= 0 && std::isfinite(*options.persistence)), "polygonize",
+          "persistence", options.persistence.value_or(0), "must be a value of the field of at least 0");
   require(std::isfinite(options.level), "polygonize", "level", options.level, "must be finite");
   require(options.seeds.allFinite(), "polygonize", "seeds", "(not finite)", "every seed must be finite");
   const bool has_volume = usable(options.bounds) && options.bounds.extent().minCoeff() > 0;
@@ -100,6 +102,8 @@ Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options) {
   LevelSampler sampler(field, options.level);
   CellTracer tracer(lattice, sampler);
   trace(field, lattice, sampler, tracer, options);
+  const double persistence = options.persistence.value_or(field.least_persistence());
+  const Index weak_features = persistence > 0 ? tracer.remove_weak_features(persistence, options.progress) : 0;
   const double tolerance = options.tolerance > 0 ? options.tolerance * measured_box(field, options).diagonal()
                                                  : default_tolerance * lattice.spacing.minCoeff();
   Mesh mesh;
@@ -120,8 +124,8 @@ Mesh polygonize(const Field<3>& field, const PolygonizeOptions& options) {
       break;
   }
   if (options.statistics != nullptr)
-    *options.statistics = {tracer.active_cells(), sampler.value_count(), sampler.gradient_count(), tracer.waves(),
-                           center_vertices};
+    *options.statistics = {tracer.active_cells(), sampler.value_count(), sampler.gradient_count(),
+                           tracer.waves(),        center_vertices,       weak_features};
   report(options.progress, "polygonize", 1.0);
   return mesh;
 }

@@ -4,6 +4,8 @@
 #include "csrbf/core/mesh.hpp"
 #include "csrbf/core/progress.hpp"
 
+#include <optional>
+
 namespace csrbf {
 
 /// How cells become triangles.
@@ -31,6 +33,7 @@ struct PolygonizeStatistics {
   Index waves = 0;            ///< batches in which the surface was followed
   Index center_vertices = 0;  ///< vertices added inside cells or, by dual contouring, on their faces, to keep the mesh
                               ///< manifold
+  Index weak_features = 0;    ///< bridges cut and holes filled
 };
 
 struct PolygonizeOptions {
@@ -43,6 +46,10 @@ struct PolygonizeOptions {
   double tolerance = 0;
   /// The surface f = level is extracted.
   double level = 0;
+  /// Bridges are cut and holes filled where they are gone once the level moves by less than this (their persistence, in
+  /// values of the field); 0 leaves all. Default: what the field says (Field::least_persistence). Only what the cells
+  /// of the mesh show is found; there the mesh is not on the surface, but within about a cell.
+  std::optional<double> persistence{};
   /// The solid is cut off at this box and closed by flat caps there. Each side is then divided into equal parts so that
   /// cells are as close to cubes as possible. Default (an empty box): the field's bounds plus at least four cells on
   /// every side, with exactly cubic cells.

@@ -24,6 +24,9 @@ MeshPart polygonize_part(const Field<3>& field, const CellLattice& lattice, cons
   from.insert(from.end(), starts.begin(), starts.end());
   tracer.run_from(from, options.progress);
 
+  const double persistence = options.persistence.value_or(field.least_persistence());
+  if (persistence > 0) tracer.remove_weak_features(persistence, options.progress);
+
   MeshPart part;
   const CellRange around{range.first - 1, range.last + 1};
   for (const Cell& cell : tracer.beyond())

@@ -88,6 +88,15 @@ Points<Dim> TiledField<Dim>::seeds() const {
 }
 
 template <int Dim>
+double TiledField<Dim>::least_persistence() const {
+  double largest = 0;
+  for (const Tile& tile : tiles_)
+    for (const auto* field : {&tile.inside, &tile.rim})
+      if (*field != nullptr) largest = std::max(largest, (*field)->least_persistence());
+  return largest;
+}
+
+template <int Dim>
 std::vector<Index> TiledField<Dim>::evaluation_order(const PointsRef<Dim>& x) const {
   if (whole_tiles_ < 2) return {};
   const std::vector<Index> along_curve = rough_morton_order<Dim>(x);

@@ -28,6 +28,8 @@ class TiledField final : public Field<Dim> {
   /// Those of the fields `inside`, each in its own tile.
   [[nodiscard]] Points<Dim> seeds() const override;
   [[nodiscard]] double feature_size() const override { return feature_size_; }
+  /// The largest of the fields.
+  [[nodiscard]] double least_persistence() const override;
   /// Tile by tile, so that few are needed at a time; any where only one tile has a field inside.
   [[nodiscard]] std::vector<Index> evaluation_order(const PointsRef<Dim>& x) const override;
 

@@ -164,6 +164,8 @@ struct alignas(64) Brick {
   Cell first = Cell::Zero();      ///< its lowest corner
   std::array<int, 8> vertex{};    ///< number of the first vertex on an edge in each direction
   Octet edges{};                  ///< crossed edges of active cells, by direction, at their lower corners
+  Mask grown = 0;                 ///< see weak_bridges
+  Mask moved = 0;                 ///< corners whose side is not that of the field
   std::array<double, 64> value;   ///< field minus level at the known corners; 0 on the boundary of the lattice
 
   [[nodiscard]] Cell corner(int bit) const { return first + Cell(bit & 3, bit >> 2 & 3, bit >> 4); }

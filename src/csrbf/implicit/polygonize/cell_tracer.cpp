@@ -7,6 +7,7 @@
 namespace csrbf::polygonization {
 namespace {
 
+constexpr int cells_to_end = 3;          // from moved corners: vertices of other ranges stay what they are
 constexpr Index bricks_per_range = 256;  // large enough to hide the cost of a task
 
 int bit_of(const Cell& cell) {
@@ -90,6 +91,43 @@ void CellTracer::run_from(const std::vector<Cell>& starts, const Progress& progr
       if (range_.contains(neighbour)) add(neighbour);
     }
   run(progress);
+}
+
+// Its value changes sign, so that the surface runs between it and its neighbours of the same side as before. The cells
+// around it are visited again.
+void CellTracer::move_to_other_side(const BrickCorner& corner, double persistence) {
+  Brick& brick = *corner.brick;
+  const Mask bit = Mask{1} << corner.bit;
+  double& value = brick.value[corner.bit];
+  value = (brick.inside & bit) != 0 ? -persistence : persistence;
+  brick.inside ^= bit;
+  brick.moved ^= bit;
+  for (int k = 0; k < 8; ++k) {
+    const Cell cell = brick.corner(corner.bit) - offset(k);
+    Brick& holder = grid_.at(cell);
+    const Mask cell_bit = Mask{1} << bit_of(cell);
+    if ((holder.active & cell_bit) != 0) --active_cells_;
+    holder.active &= ~cell_bit;
+    holder.visited &= ~cell_bit;
+    queue(holder, cell_bit);
+  }
+}
+
+Index CellTracer::remove_weak_features(double persistence, const Progress& progress) {
+  Index count = 0;
+  for (const bool inside : {true, false}) {
+    for (const std::vector<BrickCorner>& bridge : weak_bridges(grid_, inside, persistence)) {
+      const bool movable = std::all_of(bridge.begin(), bridge.end(), [&](const BrickCorner& corner) {
+        const Cell cell = corner.brick->corner(corner.bit);
+        return (cell >= range_.first + cells_to_end).all() && (cell <= range_.last - cells_to_end).all();
+      });
+      if (!movable) continue;
+      for (const BrickCorner& corner : bridge) move_to_other_side(corner, persistence);
+      ++count;
+    }
+    run(progress);
+  }
+  return count;
 }
 
 void CellTracer::queue(Brick& brick, Mask cells) {

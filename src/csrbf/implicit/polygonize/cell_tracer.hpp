@@ -3,6 +3,7 @@
 #include "csrbf/core/progress.hpp"
 #include "csrbf/implicit/polygonize/brick_grid.hpp"
 #include "csrbf/implicit/polygonize/level_sampler.hpp"
+#include "csrbf/implicit/polygonize/weak_features.hpp"
 
 #include <bit>
 
@@ -38,6 +39,10 @@ class CellTracer {
   /// The same from some cells of the range, and from the neighbours of those that are not crossed.
   void run_from(const std::vector<Cell>& starts, const Progress& progress);
 
+  /// Cuts bridges and fills holes that are gone where the level moves by less than `persistence`, by moving corners to
+  /// the other side, but none near the ends of the range. Returns the number of bridges and holes.
+  Index remove_weak_features(double persistence, const Progress& progress);
+
   /// Whether a cell was visited and is crossed by the surface.
   [[nodiscard]] bool active(const Cell& cell) const;
 
@@ -62,6 +67,7 @@ class CellTracer {
   static constexpr Index slice_bricks = 4096;  // bricks whose corners are sampled at a time: bounds memory
 
   void queue(Brick& brick, Mask cells);
+  void move_to_other_side(const BrickCorner& corner, double persistence);
   void begin_wave();
   void sample_corners();
   void sample(std::span<Brick*> bricks);

@@ -169,6 +169,13 @@ void place_vertices_of_brick(const CellLattice& lattice, const Brick& brick, boo
       const double f_lo = brick.value[bit];
       const double f_hi = corner_at(brick, bit, d).value();
       const double secant = std::clamp(f_lo / (f_lo - f_hi), edge_margin, 1 - edge_margin);
+      const CornerRef upper = corner_at(brick, bit, d);
+      if (((brick.moved >> bit | upper.brick.moved >> upper.bit) & 1) != 0) {
+        // The field has no root there.
+        mesh.vertices.col(vertex) = lattice.position(corner) + secant * edge;
+        if (normals) mesh.normals.col(vertex).setZero();
+        continue;
+      }
       block.add({vertex, lattice.position(corner), edge, secant, 0, 1, f_lo, f_hi});
     }
   }

@@ -33,6 +33,7 @@ class CompositeField final : public Field<3> {
   void evaluate_block(const PointsRef<3>& x, const JetBlock& out) const override;
   [[nodiscard]] Box<3> bounds() const override { return data_.bounds; }
   [[nodiscard]] double feature_size() const override { return data_.scale * data_.feature_size; }
+  [[nodiscard]] double least_persistence() const override;
   /// Centres of the finest patches.
   [[nodiscard]] Points<3> seeds() const override;
 
