@@ -1,11 +1,11 @@
 #include "csrbf/implicit/polygonize/extraction.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/implicit/mesh/edge_collapse.hpp"
 #include "csrbf/implicit/polygonize/cell_tetrahedra.hpp"
 #include "csrbf/implicit/polygonize/cell_triangles.hpp"
 #include "csrbf/implicit/polygonize/center_vertices.hpp"
 #include "csrbf/implicit/polygonize/dual_triangles.hpp"
-#include "csrbf/implicit/polygonize/edge_collapse.hpp"
 #include "csrbf/implicit/polygonize/edge_vertices.hpp"
 #include "csrbf/implicit/polygonize/merge_cells.hpp"
 

@@ -1,6 +1,6 @@
 #include "csrbf/implicit/polygonize/merge_cells.hpp"
 
-#include "csrbf/implicit/polygonize/edge_collapse.hpp"
+#include "csrbf/implicit/mesh/edge_collapse.hpp"
 
 #include <bit>
 

@@ -1,4 +1,4 @@
-#include "csrbf/implicit/polygonize/edge_collapse.hpp"
+#include "csrbf/implicit/mesh/edge_collapse.hpp"
 
 #include "implicit/mesh_testing.hpp"
 #include "implicit/polygonize_fields.hpp"
@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace csrbf::polygonization::edge_collapse_test {
+namespace csrbf::edge_collapse_test {
 namespace {
 
 Mesh tetrahedron() {
@@ -176,4 +176,4 @@ TEST(EdgeCollapser, TurnsNoTriangleByMoreThan80DegreesAndMakesNoNeedles) {
 }
 
 }  // namespace
-}  // namespace csrbf::polygonization::edge_collapse_test
+}  // namespace csrbf::edge_collapse_test

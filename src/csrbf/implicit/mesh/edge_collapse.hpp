@@ -2,7 +2,7 @@
 
 #include "csrbf/core/mesh.hpp"
 
-namespace csrbf::polygonization {
+namespace csrbf {
 
 /// Simplifies a closed manifold mesh by collapsing edges, one at a time. It remains a closed manifold with the same
 /// topology: an edge is collapsed only if its ends have no common neighbours but the two opposite it (the link
@@ -40,4 +40,4 @@ class EdgeCollapser {
 /// vertex; empty: none). Returns the old number of each vertex; empty: nothing changed.
 std::vector<int> collapse_short_edges(double length, Mesh& mesh, const std::vector<char>& pinned = {});
 
-}  // namespace csrbf::polygonization
+}  // namespace csrbf

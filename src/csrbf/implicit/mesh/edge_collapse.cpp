@@ -1,11 +1,11 @@
-#include "csrbf/implicit/polygonize/edge_collapse.hpp"
+#include "csrbf/implicit/mesh/edge_collapse.hpp"
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/implicit/mesh/triangle_geometry.hpp"
 
 #include <utility>
 
-namespace csrbf::polygonization {
+namespace csrbf {
 namespace {
 
 // Chosen by hand.
@@ -140,4 +140,4 @@ std::vector<int> collapse_short_edges(double length, Mesh& mesh, const std::vect
   return collapser.finish();
 }
 
-}  // namespace csrbf::polygonization
+}  // namespace csrbf
