@@ -114,9 +114,10 @@ void CellTracer::move_to_other_side(const BrickCorner& corner, double persistenc
 }
 
 Index CellTracer::remove_weak_features(double persistence, const Progress& progress) {
+  const std::vector<Brick*> doubtful = doubtful_bricks(grid_, persistence);
   Index count = 0;
   for (const bool inside : {true, false}) {
-    for (const std::vector<BrickCorner>& bridge : weak_bridges(grid_, inside, persistence)) {
+    for (const std::vector<BrickCorner>& bridge : weak_bridges(grid_, doubtful, inside, persistence)) {
       const bool movable = std::all_of(bridge.begin(), bridge.end(), [&](const BrickCorner& corner) {
         const Cell cell = corner.brick->corner(corner.bit);
         return (cell >= range_.first + cells_to_end).all() && (cell <= range_.last - cells_to_end).all();

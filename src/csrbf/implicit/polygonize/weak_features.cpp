@@ -1,8 +1,10 @@
 #include "csrbf/implicit/polygonize/weak_features.hpp"
 
 #include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/polygonize/cell_loops.hpp"
 
+#include <bit>
 #include <queue>
 #include <unordered_map>
 
@@ -11,6 +13,7 @@ namespace {
 
 // The corners around one, and itself: x + 3 y + 9 z.
 constexpr int around = 27, middle = 13;
+constexpr Index bricks_per_task = 256;  // large enough to hide the cost of a task
 using Around = std::array<double, around>;
 
 constexpr std::array<int, 3> direction(int k) {
@@ -53,6 +56,100 @@ int euler_around(const Around& value) {
   return vertices - cut_ends / 4 + loops;  // two cells have a face, two ends a cut
 }
 
+// Of the cubes around one in the middle, by bits.
+using Cubes = std::uint32_t;
+
+// What cubes have in common with the one in the middle, as bits: faces, edges and vertices by their directions.
+auto closure_tables() {
+  std::array<std::array<Cubes, 512>, 3> tables{};
+  for (int third = 0; third < 3; ++third)
+    for (Cubes cubes = 0; cubes < 512; ++cubes)
+      for (int bit = 0; bit < 9; ++bit) {
+        const auto d = direction(9 * third + bit);
+        if ((cubes >> bit & 1) == 0 || 9 * third + bit == middle) continue;
+        for (int k = 0; k < around; ++k) {
+          const auto e = direction(k);
+          bool bounds = true;
+          for (int axis = 0; axis < 3; ++axis) bounds = bounds && (d[axis] == 0 || d[axis] == e[axis]);
+          if (bounds) tables[third][cubes] |= Cubes{1} << k;
+        }
+      }
+  return tables;
+}
+
+constexpr Cubes parts_of_dimension(int dimension) {
+  Cubes parts = 0;
+  for (int k = 0; k < around; ++k) {
+    const auto [x, y, z] = direction(k);
+    if (x * x + y * y + z * z == 3 - dimension) parts |= Cubes{1} << k;
+  }
+  return parts;
+}
+
+// Euler characteristic of what cubes have in common with the one in the middle.
+int euler_of_contact(Cubes cubes) {
+  static const auto closure = closure_tables();
+  const Cubes parts = closure[0][cubes & 511] | closure[1][cubes >> 9 & 511] | closure[2][cubes >> 18];
+  constexpr Cubes vertices = parts_of_dimension(0), edges = parts_of_dimension(1), faces = parts_of_dimension(2);
+  return std::popcount(parts & vertices) - std::popcount(parts & edges) + std::popcount(parts & faces);
+}
+
+// The values at the corners of a brick and around it, from one below its first: x + 6 y + 36 z; NaN where not known.
+constexpr int padded_side = brick_side + 2;
+using Padded = std::array<double, padded_side * padded_side * padded_side>;
+
+Padded values_of(const std::array<Brick*, around>& bricks) {
+  Padded values;
+  for (int z = 0, i = 0; z < padded_side; ++z)
+    for (int y = 0; y < padded_side; ++y)
+      for (int x = 0; x < padded_side; ++x, ++i) {
+        const Brick* holder = bricks[(x + 3) / 4 + 3 * ((y + 3) / 4) + 9 * ((z + 3) / 4)];
+        const int bit = ((x + 3) & 3) | ((y + 3) & 3) << 2 | ((z + 3) & 3) << 4;
+        const bool known = holder != nullptr && (holder->known >> bit & 1) != 0;
+        values[i] = known ? holder->value[bit] : std::numeric_limits<double>::quiet_NaN();
+      }
+  return values;
+}
+
+// Whether the topology changes where the level passes a corner; whichever corners across faces and edges of cells the
+// surface joins.
+bool is_critical(const Padded& values, int bit) {
+  const int at = (bit & 3) + 1 + padded_side * ((bit >> 2 & 3) + 1 + padded_side * ((bit >> 4) + 1));
+  const double own = std::abs(values[at]), sign = std::signbit(values[at]) ? -1 : 1;
+  Cubes higher = 0;
+  for (int k = 0; k < around; ++k) {
+    if (k == middle) continue;
+    const auto [x, y, z] = direction(k);
+    const double other = sign * values[at + x + padded_side * (y + padded_side * z)];
+    if (!(other < own || (other == own && k < middle))) higher |= Cubes{1} << k;
+  }
+  constexpr Cubes all = (Cubes{1} << around) - 1 - (Cubes{1} << middle);
+  return euler_of_contact(higher) != 1 || euler_of_contact(all & ~higher) != 1;
+}
+
+// The bricks around one, and itself; null where there is none.
+std::array<Brick*, around> bricks_around(const BrickGrid& grid, const Brick& brick) {
+  std::array<Brick*, around> bricks{};
+  for (int k = 0; k < around; ++k) {
+    const auto [x, y, z] = direction(k);
+    const Cell first = brick.first + brick_side * Cell(x, y, z);
+    if ((first >= 0).all()) bricks[k] = grid.find(first);
+  }
+  return bricks;
+}
+
+// The corners nearer to the level than the persistence, but for the ends of the lattice.
+Mask near_level(const CellLattice& lattice, const Brick& brick, double persistence) {
+  const bool at_end = lattice.on_boundary(brick.first) || lattice.on_boundary(brick.first + brick_side);
+  Mask near = 0;
+  for (Mask left = brick.known; left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    if (std::abs(brick.value[bit]) < persistence && !(at_end && lattice.on_boundary(brick.corner(bit))))
+      near |= Mask{1} << bit;
+  }
+  return near;
+}
+
 // Corners that are left when a side has grown.
 struct Group {
   std::vector<BrickCorner> corners;
@@ -63,19 +160,13 @@ struct Group {
 // One side of the surface.
 class Side {
  public:
-  Side(const BrickGrid& grid, bool inside, double persistence)
+  Side(const BrickGrid& grid, const std::vector<Brick*>& doubtful, bool inside, double persistence)
       : grid_(grid), bricks_(grid.sorted()), inside_(inside), persistence_(persistence) {
-    const CellLattice& lattice = grid.lattice();
-    for (Brick* brick : bricks_) {
-      const bool at_end = lattice.on_boundary(brick->first) || lattice.on_boundary(brick->first + brick_side);
-      brick->grown = 0;
-      for (Mask left = mine(*brick); left != 0; left &= left - 1) {
-        const int bit = std::countr_zero(left);
-        if (distance({brick, bit}) >= persistence || (at_end && lattice.on_boundary(brick->corner(bit))))
-          add({brick, bit});
-        else
-          band_.push_back({brick, bit});
-      }
+    for (Brick* brick : bricks_) brick->grown = mine(*brick);
+    for (Brick* brick : doubtful) {
+      const Mask near = mine(*brick) & near_level(grid.lattice(), *brick, persistence);
+      brick->grown &= ~near;
+      for (Mask left = near; left != 0; left &= left - 1) band_.push_back({brick, std::countr_zero(left)});
     }
   }
 
@@ -217,17 +308,41 @@ class Side {
   std::vector<Brick*> bricks_;
   bool inside_;
   double persistence_;
-  std::vector<BrickCorner> band_;  // nearer to the level than the persistence, along the Morton curve
+  std::vector<BrickCorner> band_;  // nearer to the level than the persistence, where there are critical corners
   std::unordered_map<const Brick*, std::uint32_t> number_;
   DisjointSets parts_{0};
 };
 
 }  // namespace
 
-std::vector<std::vector<BrickCorner>> weak_bridges(const BrickGrid& grid, bool inside, double persistence) {
-  Side side(grid, inside, persistence);
-  side.grow();
+std::vector<Brick*> doubtful_bricks(const BrickGrid& grid, double persistence) {
+  const std::vector<Brick*> bricks = grid.sorted();
+  std::vector<char> critical(bricks.size());
+  parallel_for(std::ssize(bricks), bricks_per_task, [&](Index begin, Index end) {
+    for (Index b = begin; b < end; ++b) {
+      const Mask near = near_level(grid.lattice(), *bricks[b], persistence);
+      if (near == 0) continue;
+      const Padded values = values_of(bricks_around(grid, *bricks[b]));
+      for (Mask left = near; left != 0 && critical[b] == 0; left &= left - 1)
+        critical[b] = is_critical(values, std::countr_zero(left)) ? 1 : 0;
+    }
+  });
+  std::vector<Brick*> doubtful;
+  for (std::size_t b = 0; b < bricks.size(); ++b)
+    if (critical[b] != 0)
+      for (Brick* brick : bricks_around(grid, *bricks[b]))
+        if (brick != nullptr) doubtful.push_back(brick);
+  std::sort(doubtful.begin(), doubtful.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
+  doubtful.erase(std::unique(doubtful.begin(), doubtful.end()), doubtful.end());
+  return doubtful;
+}
+
+std::vector<std::vector<BrickCorner>> weak_bridges(const BrickGrid& grid, const std::vector<Brick*>& doubtful,
+                                                   bool inside, double persistence) {
   std::vector<std::vector<BrickCorner>> bridges;
+  if (doubtful.empty()) return bridges;
+  Side side(grid, doubtful, inside, persistence);
+  side.grow();
   std::vector<Group> groups = side.groups();
   if (groups.empty()) return bridges;
   side.find_parts();
