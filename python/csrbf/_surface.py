@@ -228,7 +228,8 @@ class Surface(Shown):
             tenth of a cell when not given.
         persistence : float, optional
             Bridges are cut and holes filled that are gone once the level moves by less than this, a value of f; 0 leaves
-            all. A fifth of the smallest details when not given, but 0 for surfaces of other methods than composite.
+            all. When not given, a fifth of the smallest details, three tenths where the points are noisy; 0 for surfaces
+            of other methods than composite.
         refine : bool
             Whether vertices are moved onto the surface.
         trim : float, optional
