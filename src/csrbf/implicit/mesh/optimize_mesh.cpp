@@ -11,7 +11,7 @@ namespace {
 constexpr double largest_tilt = 0.7;   // cosine of 45 degrees: with a triangle tilted further, vertices are on edges
 constexpr double longest_step = 0.25;  // Newton step onto the surface, in mean distances to the neighbours
 
-double roundness(const Point<3>& a, const Point<3>& b, const Point<3>& c, const Point<3>& normal) {
+double signed_roundness(const Point<3>& a, const Point<3>& b, const Point<3>& c, const Point<3>& normal) {
   const double longest = std::max({(a - b).squaredNorm(), (b - c).squaredNorm(), (c - a).squaredNorm()});
   return longest > 0 ? area_vector(a, b, c).dot(normal) / longest : 0.0;
 }
@@ -79,7 +79,7 @@ class Optimizer {
   [[nodiscard]] double least_roundness(Index v, const Point<3>& p) const {
     double least = std::numeric_limits<double>::infinity();
     for_each_triangle(v, [&](int b, int c) {
-      least = std::min(least, roundness(p, mesh_.vertices.col(b), mesh_.vertices.col(c), normals_.col(v)));
+      least = std::min(least, signed_roundness(p, mesh_.vertices.col(b), mesh_.vertices.col(c), normals_.col(v)));
     });
     return least;
   }
