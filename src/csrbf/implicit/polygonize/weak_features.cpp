@@ -205,17 +205,19 @@ class Side {
   void find_parts() {
     for (std::size_t b = 0; b < bricks_.size(); ++b) number_.emplace(bricks_[b], static_cast<std::uint32_t>(b));
     parts_ = DisjointSets(64 * bricks_.size());
-    for (Brick* brick : bricks_)
+    for (std::uint32_t b = 0; b < bricks_.size(); ++b)
       for (int axis = 0; axis < 3; ++axis) {
-        Brick* above = brick->upper[1 << axis];
-        const Mask grown_above = above != nullptr ? above->grown : 0;
-        const Mask next = moved_down(brick->grown, axis) | carried_down(grown_above, axis);
-        for (Mask left = brick->grown & next; left != 0; left &= left - 1) {
-          const int bit = std::countr_zero(left);
-          const bool within = (last_layer(axis) >> bit & 1) == 0;
-          const int stride = bit_stride(axis);
-          parts_.unite(id({brick, bit}), within ? id({brick, bit + stride}) : id({above, bit - 3 * stride}));
+        const Brick& brick = *bricks_[b];
+        const Brick* above = brick.upper[1 << axis];
+        const std::uint32_t stride = bit_stride(axis);
+        for (Mask left = brick.grown & moved_down(brick.grown, axis); left != 0; left &= left - 1) {
+          const std::uint32_t corner = 64 * b + std::countr_zero(left);
+          parts_.unite(corner, corner + stride);
         }
+        if (above == nullptr) continue;
+        const std::uint32_t first = 64 * number_.at(above) - 3 * stride;
+        for (Mask left = brick.grown & carried_down(above->grown, axis); left != 0; left &= left - 1)
+          parts_.unite(64 * b + std::countr_zero(left), first + std::countr_zero(left));
       }
   }
 
