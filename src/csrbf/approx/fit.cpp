@@ -1,15 +1,14 @@
 #include "csrbf/approx/fit.hpp"
 
+#include "csrbf/approx/fit_by_covariances.hpp"
 #include "csrbf/approx/fit_by_method.hpp"
 #include "csrbf/approx/fit_on_sphere.hpp"
 #include "csrbf/approx/fit_values.hpp"
 #include "csrbf/approx/fit_with_derivatives.hpp"
 #include "csrbf/approx/fit_with_drift.hpp"
 #include "csrbf/approx/fit_with_faults.hpp"
-#include "csrbf/approx/global/axis_covariance.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/kriging/confirm_errors.hpp"
-#include "csrbf/approx/kriging/left_out_planes.hpp"
 #include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
@@ -102,21 +101,22 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
 // For one system of all samples, when the kernel is left to choose: of few samples, and of more where it predicts
 // samples left out better than a partition of unity.
 template <int Dim>
-std::optional<AxisCovariance<Dim>> learn(const Samples<Dim>& samples, const Replicates& replicates,
-                                         const FitOptions& options, FitMethod method) {
+CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
+                              FitMethod method) {
   const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing;
   const bool compare = method == FitMethod::partition_of_unity && options.method == "auto" && !options.degree &&
                        samples.size() <= one_system;
-  if (!is_free || !(compare || method == FitMethod::interpolate)) return std::nullopt;
-  if (samples.size() > InterpolateOptions{}.dense_limit) return std::nullopt;
+  if (!is_free || !(compare || method == FitMethod::interpolate)) return {};
+  if (samples.size() > InterpolateOptions{}.dense_limit) return {};
   const Samples<Dim> used = without_zero_weights(samples);
   auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
-  if (!covariance || !compare) return covariance;
+  if (!covariance.best || !compare) return covariance;
   Samples<Dim> scaled = used;
   const Point<Dim> scales = choose_scales(used, options, method);
   scaled.points.array().colwise() /= scales.array();
   const double of_patches = choose_local_options(scaled, partition_options(options)).error;
-  return left_out_error(used, *covariance) < much_better * of_patches ? std::move(covariance) : std::nullopt;
+  if (!(left_out_error(used, *covariance.best) < much_better * of_patches)) covariance = {};
+  return covariance;
 }
 
 // The samples to fit, when they are not all of those given as they are.
@@ -273,14 +273,15 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   require(std::isnan(options.kernel_parameter) || method.kernel_parameter, "fit", "kernel_parameter",
           options.kernel_parameter,
           std::string("is for the method interpolate; ") + method.name + " uses the default of the kernel");
-  const std::optional<AxisCovariance<Dim>> covariance = learn(scaled, merged.replicates, options, method.method);
+  const CovarianceEstimate<Dim> estimate = learn(scaled, merged.replicates, options, method.method);
+  const std::vector<AxisCovariance<Dim>>& likely = estimate.likely;
+  const bool has_one = likely.size() < 2;
+  const std::optional<AxisCovariance<Dim>> covariance = likely.empty() ? estimate.best : likely.front();
   const FitMethod chosen = covariance ? FitMethod::interpolate : method.method;
   std::optional<LearnedCovariance> learned;
   if (covariance) {
-    const double support = covariance->lengths.minCoeff();
-    frame.scales = covariance->lengths / support;
-    learned = {covariance->kernel, support, covariance->nugget, covariance->degree,
-               variance_by_planes(without_zero_weights(scaled), *covariance)};
+    frame.scales = covariance->lengths / covariance->lengths.minCoeff();
+    if (has_one) learned = learned_covariance(scaled, *covariance);
   } else {
     frame.scales = choose_scales(scaled, options, chosen);
   }
@@ -288,19 +289,21 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   std::optional<typename MappedField<Dim>::Map> map;  // instead of the scales
   if (covariance && covariance->axes) {
     for (const auto& axis : covariance->axes->colwise()) report.axes.emplace_back(axis.begin(), axis.end());
-    map = frame.scales.cwiseInverse().asDiagonal() * covariance->axes->transpose();
-    scaled.points = *map * scaled.points;
-    frame.scales.setOnes();
-  } else if ((frame.scales.array() != 1).any()) {
-    scaled.points.array().colwise() /= frame.scales.array();
+    if (has_one) map = frame.scales.cwiseInverse().asDiagonal() * covariance->axes->transpose();
   }
+  if (map) scaled.points = *map * scaled.points;
+  if (map || !has_one)  // several have scales of their own
+    frame.scales.setOnes();
+  else if ((frame.scales.array() != 1).any())
+    scaled.points.array().colwise() /= frame.scales.array();
   const auto placed = [&](std::shared_ptr<const Field<Dim>>& field) -> std::shared_ptr<const Field<Dim>> {
     if (map) field = std::make_shared<MappedField<Dim>>(std::move(field), *map);
     return std::make_shared<FittedField<Dim>>(std::move(field), frame);
   };
   report.choose_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  MethodFields<Dim> fields = fit_by_method(scaled, options, chosen, learned ? &*learned : nullptr, report);
+  MethodFields<Dim> fields = has_one ? fit_by_method(scaled, options, chosen, learned ? &*learned : nullptr, report)
+                                     : fit_by_covariances(scaled, options, likely, report);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
     frame.extrapolation = Extrapolation::linear;
   for (auto& field : fields.components) result.components.push_back(placed(field));

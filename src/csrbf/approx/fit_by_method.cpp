@@ -271,6 +271,12 @@ class Fitter {
     return interpolate(samples_, options);
   }
 
+  // Over that of a normal law: sigma itself is estimated, with so many degrees of freedom.
+  static double variance_of_student(Index degrees) {
+    const auto f = static_cast<double>(std::max<Index>(degrees, 4));
+    return f / (f - 2);
+  }
+
   // Without noise the samples are met; whether there is any, leave-one-out tells.
   Fields interpolant() {
     InterpolateOptions options;
@@ -313,10 +319,11 @@ class Fitter {
     for (std::size_t c = 0; c < best.variances.size(); ++c) {
       const KrigingVariance<Dim>& variance = *best.variances[c];
       noise_.push_back(std::sqrt(variance.sigma2() * variance.power().smoothing()));
-      const double by_planes = learned_ != nullptr && learned_->sigma2.size() > 0 ? learned_->sigma2[c] : 0;
-      if (by_planes > clearly_more * variance.sigma2())
-        best.variances[c] =
-            std::make_shared<const KrigingVariance<Dim>>(variance.shared_power(), by_planes, variance.bounds());
+      if (learned_ == nullptr) continue;
+      const double by_planes = learned_->sigma2.size() > 0 ? learned_->sigma2[static_cast<Index>(c)] : 0;
+      const double sigma2 = by_planes > clearly_more * variance.sigma2() ? by_planes : variance.sigma2();
+      best.variances[c] = std::make_shared<const KrigingVariance<Dim>>(
+          variance.shared_power(), variance_of_student(samples_.size() - 1) * sigma2, variance.bounds());
     }
     variances_ = {best.variances.begin(), best.variances.end()};
     return {best.components.begin(), best.components.end()};

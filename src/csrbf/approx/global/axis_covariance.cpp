@@ -1,15 +1,13 @@
 #include "csrbf/approx/global/axis_covariance.hpp"
 
-#include "csrbf/approx/basis/polynomial_block.hpp"
+#include "csrbf/approx/global/kernel_ladder.hpp"
+#include "csrbf/approx/global/posterior_points.hpp"
 #include "csrbf/approx/global/restricted_likelihood.hpp"
 #include "csrbf/approx/global/slope_directions.hpp"
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/linalg/quasi_newton_search.hpp"
-#include "csrbf/linalg/saddle.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
 #include "csrbf/spatial/morton_order.hpp"
-#include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <array>
@@ -22,37 +20,14 @@ namespace {
 constexpr double no_likelihood = std::numeric_limits<double>::infinity();
 // Chosen by hand; lengths in extents of the samples.
 constexpr double shortest = 1e-4, longest = 1e3;
-constexpr double largest_axis_jitter = 1e-9;            // see InterpolateOptions
-constexpr double least_nugget = 1e-12;                  // some thousand roundings
-constexpr double largest_nugget = 1e3;                  // noise alone
-constexpr double different_units = 10;                  // ratio of the extents of axes that are units of their own
-constexpr double usual_length = 0.5, usual_spread = 2;  // of the logarithms about the usual one
+constexpr double least_nugget = 1e-12;                   // some thousand roundings
+constexpr double largest_nugget = 1e3;                   // noise alone
+constexpr double different_units = 10;                   // ratio of the extents of axes that are units of their own
+constexpr double usual_width = 0.4, usual_spread = 1.2;  // see prior()
 // Searches on more and more samples, with so many evaluations: of the first kernel, of all, of the best, of the last.
 constexpr std::array<Index, 4> sizes = {100, 160, 256, 400};
 constexpr std::array<int, 4> steps = {24, 14, 10, 5};
 constexpr std::size_t finalists = 2;
-
-struct Model {
-  const char* kernel;
-  double parameter = std::numeric_limits<double>::quiet_NaN();
-};
-// From rough to smooth.
-constexpr std::array<Model, 7> models = {{{"powered-exponential", 0.7},
-                                          {"matern-c0"},
-                                          {"matern-c2"},
-                                          {"matern-c4"},
-                                          {"matern-c6"},
-                                          {"inverse-multiquadric"},
-                                          {"gaussian"}}};
-constexpr std::size_t middle_model = 2;
-
-// The distance at which a kernel is one half.
-double half_width(const Kernel& kernel) {
-  double lo = 0, hi = 1;
-  while (kernel.value(hi) > .5) hi *= 2;
-  for (int k = 0; k < 50; ++k) (kernel.value(.5 * (lo + hi)) > .5 ? lo : hi) = .5 * (lo + hi);
-  return hi;
-}
 
 // Every k-th pair of samples that are neighbours along a curve: even, and with short distances.
 template <int Dim>
@@ -101,7 +76,7 @@ class Search {
   }
 
   [[nodiscard]] std::optional<AxisCovariance<Dim>> find() {
-    if (std::ssize(axes_) == 0 || likelihoods_.back().size() < fewest * (parameters() + 1)) return std::nullopt;
+    if (std::ssize(axes_) == 0 || likelihoods_.back().size() < parameters() + fewest_more) return std::nullopt;
     Found best = climb();
     if (!(best.value < no_likelihood)) return std::nullopt;
     const auto& likelihood = likelihoods_.back();
@@ -110,9 +85,7 @@ class Search {
     exact[parameters() - 1] = std::log(least_nugget);
     if (value(best.model, exact, last) < value(best.model, best.x, last)) best.x = exact;
     const auto at = unpack(best.x);
-    AxisCovariance<Dim> result{kernels_[best.model], at.log_lengths.array().exp().matrix().cwiseProduct(units_),
-                               std::exp(at.log_nugget)};
-    if (result.nugget < 10 * least_nugget) result.nugget = 0;
+    AxisCovariance<Dim> result = covariance(best.model, best.x, 0);
     const double constant = score(likelihood.with_derivatives(kernels_[best.model], 0, at), likelihood.observations());
     const double linear =
         likelihood.largest_degree() == 1
@@ -123,8 +96,54 @@ class Search {
     return result;
   }
 
+  // Few samples leave lengths, noise and kernel open: those that stand for all that are likely, after find(). None
+  // where so many samples are there that the best one will do.
+  [[nodiscard]] std::vector<AxisCovariance<Dim>> likely() const {
+    const auto& likelihood = likelihoods_.back();
+    const auto n = static_cast<double>(likelihood.size());
+    const auto most = static_cast<Index>(std::min(static_cast<double>(most_likely), affordable / (n * n * n)));
+    if (most < 2) return {};
+    struct Candidate {
+      std::size_t model;
+      Eigen::VectorXd x;
+      int degree;
+    };
+    std::vector<Candidate> candidates;
+    std::vector<double> log_weights;
+    double best = no_likelihood;
+    for (const Found& found : tried_) best = std::min(best, value(found.model, found.x, last_stage));
+    for (const Found& found : tried_) {
+      const double mode = value(found.model, found.x, last_stage);
+      if (!(mode < best + hardly_likely)) continue;
+      const PosteriorPoints around = posterior_points(found.x, hessian(found), lower(), upper());
+      for (std::size_t k = 0; k < around.points.size(); ++k)
+        for (int degree = 0; degree <= likelihood.largest_degree(); ++degree) {
+          const Eigen::VectorXd& x = around.points[k];
+          const double here =
+              likelihood.value(kernels_[found.model], degree, unpack(x)) + prior(found.model, x, nullptr);
+          if (!(here < best + hardly_likely)) continue;
+          candidates.push_back({found.model, x, degree});
+          log_weights.push_back(around.log_volumes[static_cast<Index>(k)] - here);
+        }
+    }
+    std::vector<AxisCovariance<Dim>> result;
+    if (candidates.empty()) return result;
+    for (const Share& share :
+         even_shares(Eigen::Map<Eigen::VectorXd>(log_weights.data(), std::ssize(log_weights)), most)) {
+      const Candidate& one = candidates[share.number];
+      result.push_back(covariance(one.model, one.x, one.degree));
+      result.back().weight = share.weight;
+    }
+    return result;
+  }
+
  private:
-  static constexpr Index fewest = 2;  // samples for every parameter
+  static constexpr Index fewest_more = 3;  // samples than parameters
+  // Chosen by hand.
+  static constexpr Index most_likely = 12;    // covariances
+  static constexpr double affordable = 6e7;   // of these, times the third power of the number of samples
+  static constexpr double hardly_likely = 6;  // below the likelihood of the best, as a logarithm
+  static constexpr std::size_t last_stage = sizes.size() - 1;
 
   struct Found {
     std::size_t model = 0;
@@ -162,17 +181,20 @@ class Search {
     return at;
   }
 
-  // Minus the logarithm of a weak prior of lengths, that of Cauchy: noise is no function of short length.
-  [[nodiscard]] double prior(const Eigen::VectorXd& x, Eigen::VectorXd* gradient) const {
+  // Minus the logarithm of a prior of the distances where covariances are one half, Student's law of the logarithms
+  // about a usual one: noise is no function of short length, and what few samples leave open is not extreme.
+  [[nodiscard]] double prior(std::size_t model, const Eigen::VectorXd& x, Eigen::VectorXd* gradient) const {
+    constexpr double degrees = 4;
     const Index p = lengths();
-    const Eigen::ArrayXd off = (x.head(p).array() - std::log(usual_length)) / usual_spread;
-    if (gradient != nullptr) gradient->head(p).array() += 2 * off / (1 + off.square()) / usual_spread;
-    return (1 + off.square()).log().sum();
+    const double usual = std::log(usual_width * std::sqrt(static_cast<double>(axes_.size())) / half_widths_[model]);
+    const Eigen::ArrayXd off = (x.head(p).array() - usual) / usual_spread;
+    if (gradient != nullptr) gradient->head(p).array() += (degrees + 1) * off / (degrees + off.square()) / usual_spread;
+    return (degrees + 1) / 2 * (1 + off.square() / degrees).log().sum();
   }
 
   [[nodiscard]] double value(std::size_t model, const Eigen::VectorXd& x, std::size_t stage) const {
     return likelihoods_[std::min(stage, likelihoods_.size() - 1)].value(kernels_[model], 0, unpack(x)) +
-           prior(x, nullptr);
+           prior(model, x, nullptr);
   }
 
   // Both the mean log density of a sample given those before it, and the errors of samples given all others.
@@ -181,20 +203,62 @@ class Search {
     return v.value / static_cast<double>(n) + std::log(std::max(v.leave_one_out, least));
   }
 
+  [[nodiscard]] Eigen::VectorXd slopes(const typename RestrictedLikelihood<Dim>::Value& v) const {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(parameters());
+    for (Index k = 0; k < std::ssize(axes_); ++k) gradient[one_length_ ? 0 : k] += v.d_log_lengths[axes_[k]];
+    gradient[parameters() - 1] = v.d_log_nugget;
+    return gradient;
+  }
+
+  [[nodiscard]] Eigen::VectorXd lower() const {
+    Eigen::VectorXd x = Eigen::VectorXd::Constant(parameters(), std::log(shortest));
+    x[parameters() - 1] = std::log(least_nugget);
+    return x;
+  }
+  [[nodiscard]] Eigen::VectorXd upper() const {
+    Eigen::VectorXd x = Eigen::VectorXd::Constant(parameters(), std::log(longest));
+    x[parameters() - 1] = std::log(largest_nugget);
+    return x;
+  }
+
+  // Of value(), by differences of its slopes for the fewest samples: it grows with their number.
+  [[nodiscard]] Eigen::MatrixXd hessian(const Found& found) const {
+    constexpr double step = 0.1;
+    const auto& few = likelihoods_.front();
+    const double more = static_cast<double>(likelihoods_.back().size()) / static_cast<double>(few.size());
+    const Index p = parameters();
+    const auto at = [&](const Eigen::VectorXd& x) {
+      Eigen::VectorXd gradient = more * slopes(few.with_derivatives(kernels_[found.model], 0, unpack(x)));
+      (void)prior(found.model, x, &gradient);
+      return gradient;
+    };
+    const Eigen::VectorXd center = at(found.x);
+    Eigen::MatrixXd result(p, p);
+    for (Index k = 0; k < p; ++k) {
+      Eigen::VectorXd x = found.x;
+      x[k] += step;
+      result.col(k) = (at(x) - center) / step;
+    }
+    if (!result.allFinite()) return Eigen::MatrixXd::Identity(p, p);
+    return 0.5 * (result + result.transpose());
+  }
+
+  [[nodiscard]] AxisCovariance<Dim> covariance(std::size_t model, const Eigen::VectorXd& x, int degree) const {
+    const auto at = unpack(x);
+    AxisCovariance<Dim> result{kernels_[model], at.log_lengths.array().exp().matrix().cwiseProduct(units_),
+                               std::exp(at.log_nugget), degree};
+    if (result.nugget < 10 * least_nugget) result.nugget = 0;
+    return result;
+  }
+
   // With the samples and evaluations of a stage, the last one there is or before.
   [[nodiscard]] Found search(std::size_t model, const Eigen::VectorXd& start, std::size_t stage) const {
     const auto& likelihood = likelihoods_[std::min(stage, likelihoods_.size() - 1)];
     Found found{model, start};
-    Eigen::VectorXd lower = Eigen::VectorXd::Constant(parameters(), std::log(shortest)), upper = lower;
-    upper.setConstant(std::log(longest));
-    lower[parameters() - 1] = std::log(least_nugget);
-    upper[parameters() - 1] = std::log(largest_nugget);
     const auto f = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
       const auto v = likelihood.with_derivatives(kernels_[model], 0, unpack(x));
-      gradient.setZero();
-      for (Index k = 0; k < std::ssize(axes_); ++k) gradient[one_length_ ? 0 : k] += v.d_log_lengths[axes_[k]];
-      gradient[parameters() - 1] = v.d_log_nugget;
-      const double total = v.value + prior(x, &gradient);
+      gradient = slopes(v);
+      const double total = v.value + prior(model, x, &gradient);
       if (total < found.value) {
         found.x = x;
         found.value = total;
@@ -219,7 +283,7 @@ class Search {
       x.head(lengths()).array() += step;
       attempt(x);
     }
-    (void)quasi_newton_search(f, best, lower, upper,
+    (void)quasi_newton_search(f, best, lower(), upper(),
                               {.evaluations = steps[stage], .tolerance = 0.05, .first_step = 0.3});
     return found;
   }
@@ -233,7 +297,7 @@ class Search {
     const auto add = [&](const Eigen::VectorXd& widths) {
       for (const double nugget : nuggets) {
         Eigen::VectorXd x(parameters());
-        x << (widths / half_width(kernels_[model])).array().log().matrix(), std::log(nugget);
+        x << (widths / half_widths_[model]).array().log().matrix(), std::log(nugget);
         guesses.push_back(x);
       }
     };
@@ -254,22 +318,21 @@ class Search {
 
   [[nodiscard]] Eigen::VectorXd for_other(const Found& found, std::size_t model) const {
     Eigen::VectorXd x = found.x;
-    x.head(lengths()).array() += std::log(half_width(kernels_[found.model]) / half_width(kernels_[model]));
+    x.head(lengths()).array() += std::log(half_widths_[found.model] / half_widths_[model]);
     return x;
   }
 
   // From a kernel of middle smoothness to smoother or rougher ones as long as they are better; then the best ones
   // again.
   [[nodiscard]] Found climb() {
-    for (const Model& model : models) kernels_.emplace_back(model.kernel, Dim, model.parameter);
-    std::vector<Found> tried = {search(middle_model, search(middle_model, start(middle_model), 0).x, 1)};
+    std::vector<Found> tried = {search(middle_of_ladder, search(middle_of_ladder, start(middle_of_ladder), 0).x, 1)};
     double best = tried.front().score;
     for (const int step : {1, -1}) {
       Found last = tried.front();
       int misses = 0;
       while (misses < 2) {
         const auto next = static_cast<std::ptrdiff_t>(last.model) + step;
-        if (next < 0 || next >= std::ssize(models)) break;
+        if (next < 0 || next >= std::ssize(kernels_)) break;
         last = search(static_cast<std::size_t>(next), for_other(last, static_cast<std::size_t>(next)), 1);
         misses = last.score < best ? 0 : misses + 1;
         best = std::min(best, last.score);
@@ -279,8 +342,9 @@ class Search {
     }
     const auto by_score = [](const Found& a, const Found& b) { return a.score < b.score; };
     std::stable_sort(tried.begin(), tried.end(), by_score);
+    tried_ = tried;
     tried.resize(std::min(finalists, tried.size()));
-    for (Found& found : tried) found = search(found.model, found.x, 2);
+    for (std::size_t k = 0; k < tried.size(); ++k) tried_[k] = tried[k] = search(tried[k].model, tried[k].x, 2);
     const Found& winner = *std::min_element(tried.begin(), tried.end(), by_score);
     const Found last = likelihoods_.size() > 3 ? search(winner.model, winner.x, 3) : winner;
     return last.value < no_likelihood ? last : winner;
@@ -290,72 +354,42 @@ class Search {
   double score_ = no_likelihood;  // of what was found
   Point<Dim> units_, center_;
   std::vector<Index> axes_;
-  std::vector<Kernel> kernels_;
+  std::vector<Kernel> kernels_ = kernel_ladder(Dim);
+  std::vector<double> half_widths_ = half_widths(kernels_);
+  std::vector<Found> tried_;                            // by climb()
   std::vector<RestrictedLikelihood<Dim>> likelihoods_;  // of more and more samples
 };
 
 }  // namespace
 
 template <int Dim>
-std::optional<AxisCovariance<Dim>> estimate_axis_covariance(const Samples<Dim>& samples, const Replicates& replicates,
-                                                            bool one_length) {
+CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, const Replicates& replicates,
+                                                 bool one_length) {
   const auto spread = samples.values.colwise().maxCoeff() - samples.values.colwise().minCoeff();
-  if (!(spread.maxCoeff() > 0)) return std::nullopt;
+  if (!(spread.maxCoeff() > 0)) return {};
   Search<Dim> search(samples, replicates, one_length);
-  std::optional<AxisCovariance<Dim>> found = search.find();
-  if (!found || one_length || !search.has_one_unit()) return found;
-  const std::optional<Eigen::Matrix<double, Dim, Dim>> axes = slope_directions(samples);
-  if (!axes) return found;
-  Samples<Dim> turned = samples;
-  turned.points = axes->transpose() * samples.points;
-  Search<Dim> along(turned, replicates, false);
-  std::optional<AxisCovariance<Dim>> other = along.has_one_unit() ? along.find() : std::nullopt;
-  if (!other || !(along.score() + along.price_of_angles() < search.score())) return found;
-  other->axes = axes;
-  return other;
-}
-
-template <int Dim>
-double left_out_error(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance) {
-  constexpr Index at_once = 800, block = 400, blocks = 4;  // samples; chosen by hand
-  const Index n = samples.size(), size = n <= at_once ? n : block, core = n <= at_once ? n : block / 2;
-  const Points<Dim> scaled = in_lengths<Dim>(samples.points, covariance);
-  const std::vector<Index> order = morton_order<Dim>(scaled);
-  double sum = 0;
-  Index count = 0;
-  for (Index k = 0; k < (n <= at_once ? 1 : blocks); ++k) {
-    std::vector<Index> near = order;
-    const Point<Dim> middle = scaled.col(order[(2 * k + 1) * n / (2 * blocks)]);
-    const auto distance = [&](Index i) { return (scaled.col(i) - middle).squaredNorm(); };
-    std::partial_sort(near.begin(), near.begin() + size, near.end(),
-                      [&](Index a, Index b) { return distance(a) < distance(b); });
-    near.resize(static_cast<std::size_t>(size));
-    const Points<Dim> x = chosen_points<Dim>(scaled, near);
-    Eigen::VectorXd w(size), r2(size);
-    for (Index i = 0; i < size; ++i) w[i] = samples.weight(near[static_cast<std::size_t>(i)]);
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
-    for (Index j = 0; j < size; ++j) {
-      squared_distances<Dim>(x.data() + Dim * j, size - j, x.col(j), r2.data());
-      covariance.kernel.values(r2.data(), size - j, &A(j, j));
-    }
-    const Eigen::MatrixXd G = polynomial_block<Dim>(x, covariance.degree, RankDeficiency::reduce).G;
-    try {
-      const SaddleOptions options{.lambda = covariance.nugget, .weights = w, .largest_rescue = largest_axis_jitter};
-      const Eigen::MatrixXd errors =
-          solve_saddle(A, G, samples.values(near, Eigen::all), options).leave_one_out.topRows(core);
-      sum += errors.cwiseAbs().sum();
-      count += errors.size();
-    } catch (const SolverFailure&) {
-      return no_likelihood;
+  CovarianceEstimate<Dim> found{search.find()};
+  if (!found.best) return found;
+  const auto axes = one_length || !search.has_one_unit() ? std::nullopt : slope_directions(samples);
+  if (axes) {
+    Samples<Dim> turned = samples;
+    turned.points = axes->transpose() * samples.points;
+    Search<Dim> along(turned, replicates, false);
+    CovarianceEstimate<Dim> other;
+    if (along.has_one_unit()) other.best = along.find();
+    if (other.best && along.score() + along.price_of_angles() < search.score()) {
+      other.likely = along.likely();
+      other.best->axes = axes;
+      for (AxisCovariance<Dim>& one : other.likely) one.axes = axes;
+      return other;
     }
   }
-  return sum / static_cast<double>(count);
+  found.likely = search.likely();
+  return found;
 }
 
-#define CSRBF_INSTANTIATE(Dim)                                                                                      \
-  template std::optional<AxisCovariance<Dim>> estimate_axis_covariance<Dim>(const Samples<Dim>&, const Replicates&, \
-                                                                            bool);                                  \
-  template double left_out_error<Dim>(const Samples<Dim>&, const AxisCovariance<Dim>&);
+#define CSRBF_INSTANTIATE(Dim) \
+  template CovarianceEstimate<Dim> estimate_axis_covariance<Dim>(const Samples<Dim>&, const Replicates&, bool);
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 

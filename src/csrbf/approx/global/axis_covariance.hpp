@@ -4,6 +4,7 @@
 #include "csrbf/kernels/kernel.hpp"
 
 #include <optional>
+#include <vector>
 
 namespace csrbf {
 
@@ -17,6 +18,15 @@ struct AxisCovariance {
   int degree = 0;     ///< of the trend
   /// The axes that the lengths are along, its columns; unset: those of the coordinates.
   std::optional<Eigen::Matrix<double, Dim, Dim>> axes = {};
+  double weight = 1;  ///< of several that are likely; their sum is 1
+};
+
+template <int Dim>
+struct CovarianceEstimate {
+  std::optional<AxisCovariance<Dim>> best = {};
+  /// Up to twelve that few samples leave open, each as likely as its weight (Kennedy and O'Hagan 2001): kernels,
+  /// lengths and nuggets; empty where the best one will do.
+  std::vector<AxisCovariance<Dim>> likely = {};
 };
 
 /// Points turned to the axes of a covariance, in units of its lengths.
@@ -28,14 +38,14 @@ Points<Dim> in_lengths(const PointsRef<Dim>& points, const AxisCovariance<Dim>& 
   return result;
 }
 
-/// The covariance of largest restricted likelihood, from at most some hundreds of the samples; kernels from rough to
+/// The covariance of largest restricted likelihood, with a prior of its lengths, from at most some hundreds of the samples; kernels from rough to
 /// smooth are compared by likelihood and leave-one-out errors. Where values change along other directions than the
-/// coordinates (slope_directions()), these are axes if that is better. `one_length`: for all axes. None for fewer than
-/// twice as many samples as it has parameters, and for values without any variation. `samples`: distinct points with
-/// positive weights.
+/// coordinates (slope_directions()), these are axes if that is better. `one_length`: for all axes. None for hardly
+/// more samples than it has parameters, and for values without any variation. `samples`: distinct points with positive
+/// weights.
 template <int Dim>
-std::optional<AxisCovariance<Dim>> estimate_axis_covariance(const Samples<Dim>& samples, const Replicates& replicates,
-                                                            bool one_length = false);
+CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, const Replicates& replicates,
+                                                 bool one_length = false);
 
 /// Mean absolute error of samples predicted from all others by this covariance, over all components: of all, or of some
 /// hundreds among their neighbours.

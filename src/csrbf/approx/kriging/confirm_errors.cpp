@@ -20,7 +20,7 @@ void confirm_errors(const Samples<Dim>& samples, RobustWeights& weights) {
   others.weights = samples.all_weights();
   for (const Index i : weights.suspects) others.weights[i] = 0;
   MergedSamples<Dim> merged = merge_duplicates(without_zero_weights(others));
-  const auto covariance = estimate_axis_covariance(merged.samples, merged.replicates);
+  const auto covariance = estimate_axis_covariance(merged.samples, merged.replicates).best;
   if (!covariance) return;
   const Points<Dim> places = in_lengths<Dim>(samples.points, *covariance);
   others = std::move(merged.samples);

@@ -11,6 +11,7 @@
 #include "csrbf/approx/unity/partition_of_unity_field.hpp"
 #include "csrbf/approx/unity/tiled_field.hpp"
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/models/average_archive.hpp"
 #include "csrbf/io/models/drift_archive.hpp"
 #include "csrbf/io/models/field_parts.hpp"
 #include "csrbf/io/models/lattice_archive.hpp"
@@ -123,7 +124,7 @@ bool is_field_kind(const std::string& kind) {
   return kind == expansion_kind || kind == level_sum_kind || kind == partition_kind || kind == moving_kind ||
          kind == track_kind || kind == blended_kind || kind == fitted_kind || kind == lattice_kind ||
          kind == largest_kind || kind == sphere_kind || kind == drift_kind || kind == derivatives_kind ||
-         kind == divided_kind || kind == tiled_kind || kind == mapped_kind;
+         kind == divided_kind || kind == tiled_kind || kind == mapped_kind || kind == average_kind;
 }
 
 template <int Dim>
@@ -167,6 +168,8 @@ Archive FieldWriter<Dim>::field(const Field<Dim>& field) {
     archive.set("has_other", blended->other() != nullptr ? 1 : 0);
     if (blended->other() != nullptr) archive.set("other", this->field(*blended->other()));
     archive.set("share", this->field(blended->share()));
+  } else if (const auto* average = dynamic_cast<const AverageField<Dim>*>(&field)) {
+    archive = average_to_archive<Dim>(*average, [this](const Field<Dim>& one) { return this->field(one); });
   } else if (const auto* variance = dynamic_cast<const KrigingVariance<Dim>*>(&field)) {
     archive.kind = variance_kind;
     archive.set("sigma2", variance->sigma2());
@@ -308,6 +311,8 @@ std::shared_ptr<const Field<Dim>> FieldReader<Dim>::field(const Archive& archive
     const auto other = archive.integer("has_other", 0, 1) == 1 ? field(archive.part("other")) : nullptr;
     return std::make_shared<const BlendedField<Dim>>(field(archive.part("one")), other, field(archive.part("share")));
   }
+  if (archive.kind == average_kind)
+    return average_from<Dim>(archive, [this](const Archive& part) { return this->field(part); });
   if (archive.kind == variance_kind) {
     const auto basis = shared<RadialBasis<Dim>>(archive, "basis", basis_kind, basis_from<Dim>);
     const auto power = shared<PowerFunction<Dim>>(archive, "power", power_kind,

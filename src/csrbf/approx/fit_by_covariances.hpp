@@ -1,0 +1,18 @@
+#pragma once
+
+#include "csrbf/approx/fit_by_method.hpp"
+#include "csrbf/approx/global/axis_covariance.hpp"
+
+namespace csrbf {
+
+/// What interpolate needs to know of a covariance, for points in units of its shortest length.
+template <int Dim>
+LearnedCovariance learned_covariance(const Samples<Dim>& samples, const AxisCovariance<Dim>& covariance);
+
+/// The average of the fits by covariances that are all likely, in the coordinates of the samples. The report tells of
+/// the first one.
+template <int Dim>
+MethodFields<Dim> fit_by_covariances(const Samples<Dim>& samples, const FitOptions& options,
+                                     const std::vector<AxisCovariance<Dim>>& likely, FitReport& report);
+
+}  // namespace csrbf

@@ -1,0 +1,39 @@
+#include "csrbf/io/models/average_archive.hpp"
+
+#include "csrbf/approx/fit.hpp"
+#include "csrbf/io/models/function_archive.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace csrbf::average_archive_test {
+namespace {
+
+TEST(FunctionArchive, KeepsAverages) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Samples<2> samples{Points<2>::NullaryExpr(2, 25, [&] { return uniform(random); }), Eigen::MatrixXd(25, 1), {}};
+  for (Index i = 0; i < 25; ++i) samples.values(i, 0) = std::sin(5 * samples.points(0, i)) + .2 * uniform(random);
+  const Function function(fit(samples));
+  const Archive archive = parse_archive(format_archive(to_archive({function})), "model");
+  Archive bad = archive;
+  int averages = 0;
+  for (const auto& [name, entry] : archive.values())
+    if (name.ends_with("/weights") && archive.has(name.substr(0, name.size() - 7) + "has_variances")) {
+      ++averages;
+      bad.set(name, Eigen::VectorXd(Eigen::VectorXd::Ones(3)));
+    }
+  ASSERT_EQ(averages, 2) << "the mean and the variance";
+  EXPECT_THROW((void)function_from(bad), IoError);
+  const Function again = function_from(archive).function;
+  const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return 1.5 * uniform(random) - .25; });
+  const Function::Values found = again.evaluate(x, Derivatives::gradient);
+  const Function::Values expected = function.evaluate(x, Derivatives::gradient);
+  EXPECT_EQ(found.value, expected.value);
+  EXPECT_EQ(found.gradient, expected.gradient);
+  EXPECT_EQ(again.standard_deviation(x), function.standard_deviation(x));
+}
+
+}  // namespace
+}  // namespace csrbf::average_archive_test
