@@ -24,7 +24,7 @@ class RandomFunctions(unittest.TestCase):
 
     def test_intervals_hold_what_they_say(self):
         within = [case["within"] for case in self.cases]
-        self.assertGreater(sum(within) / len(within), 0.75)
+        self.assertGreater(sum(within) / len(within), 0.83)
 
 
 if __name__ == "__main__":
