@@ -1,5 +1,6 @@
 #include "csrbf/approx/global/posterior_points.hpp"
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <cmath>
