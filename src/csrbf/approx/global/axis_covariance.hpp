@@ -38,11 +38,11 @@ Points<Dim> in_lengths(const PointsRef<Dim>& points, const AxisCovariance<Dim>& 
   return result;
 }
 
-/// The covariance of largest restricted likelihood, with a prior of its lengths, from at most some hundreds of the samples; kernels from rough to
-/// smooth are compared by likelihood and leave-one-out errors. Where values change along other directions than the
-/// coordinates (slope_directions()), these are axes if that is better. `one_length`: for all axes. None for hardly
-/// more samples than it has parameters, and for values without any variation. `samples`: distinct points with positive
-/// weights.
+/// The covariance of largest restricted likelihood, with a prior of its lengths, from at most some hundreds of the
+/// samples; kernels from rough to smooth are compared by likelihood and leave-one-out errors. Where values change along
+/// other directions than the coordinates (slope_directions()), these are axes if that is better. `one_length`: for all
+/// axes. None for hardly more samples than it has parameters, and for values without any variation. `samples`: distinct
+/// points with positive weights.
 template <int Dim>
 CovarianceEstimate<Dim> estimate_axis_covariance(const Samples<Dim>& samples, const Replicates& replicates,
                                                  bool one_length = false);
