@@ -1,7 +1,7 @@
 #include "csrbf/approx/global/posterior_points.hpp"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include <cmath>
 
