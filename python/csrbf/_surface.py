@@ -227,9 +227,9 @@ class Surface(Shown):
             For "adaptive", approximate largest distance of the mesh from the surface, as a fraction of the diagonal; a
             tenth of a cell when not given.
         persistence : float, optional
-            Bridges are cut and holes filled that are gone once the level moves by less than this, a value of f; 0 leaves
-            all. When not given, a fifth of the smallest details, three tenths where the points are noisy; 0 for surfaces
-            of other methods than composite.
+            Bridges are cut and holes filled that are gone once the level moves by less than this value of f; 0 leaves
+            all. When not given, a fifth of the smallest details, three tenths where the points are noisy; 0 for
+            surfaces of other methods than composite.
         refine : bool
             Whether vertices are moved onto the surface.
         trim : float, optional
