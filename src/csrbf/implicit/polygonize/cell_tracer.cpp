@@ -93,8 +93,8 @@ void CellTracer::run_from(const std::vector<Cell>& starts, const Progress& progr
   run(progress);
 }
 
-// Its value changes sign, so that the surface runs between it and its neighbours of the same side as before. The cells
-// around it are visited again.
+// Its value becomes `persistence` beyond the level, so that the surface runs between it and its former neighbours. The
+// cells around it are visited again.
 void CellTracer::move_to_other_side(const BrickCorner& corner, double persistence) {
   Brick& brick = *corner.brick;
   const Mask bit = Mask{1} << corner.bit;
