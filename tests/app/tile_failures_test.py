@@ -100,6 +100,19 @@ class TileFailures(base.CommandLine):
                                           for k in range(1, before + 1)])
                     self.assert_goes_on(arguments, alone, after)
 
+    def test_the_first_waits_for_a_late_one_that_had_left_before(self):
+        arguments, _ = self.works[0]
+        alone = self.alone(arguments)
+        shares = [["--tile-share", f"{k}/2"] for k in (1, 2)]
+        self.assertTrue(self.run_until("whole", [self.start(arguments, *share) for share in shares]))
+        for rank in range(2):  # as a run leaves them that is killed before it cleans up
+            open(os.path.join(self.steps, f"left_{rank}.tiles"), "w").close()
+        first = self.start(arguments, *shares[0])
+        time.sleep(2)
+        self.assertEqual(self.finish([first, self.start(arguments, *shares[1])]), ["", ""])
+        self.assertTrue(filecmp.cmp(alone, arguments[3], shallow=False))
+        self.assertFalse(os.path.exists(self.steps))
+
     def test_one_of_several_is_killed_and_starts_again(self):
         for arguments, steps in self.works:
             alone = self.alone(arguments)

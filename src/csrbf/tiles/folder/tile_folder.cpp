@@ -54,10 +54,10 @@ void TileFolder::remove(const std::string& first) const {
   std::filesystem::remove(utf8_path(path_), ignored);  // fails where other files are left
 }
 
-void wait_for(const std::string& path, const std::function<void()>& check) {
+void wait_until(const std::function<bool()>& done, const std::function<void()>& check) {
   auto pause = std::chrono::milliseconds(5);
   constexpr auto longest = std::chrono::milliseconds(500);
-  while (!exists(path)) {
+  while (!done()) {
     check();
     std::this_thread::sleep_for(pause);
     pause = std::min(2 * pause, longest);

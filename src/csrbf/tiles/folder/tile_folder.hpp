@@ -31,7 +31,7 @@ class TileFolder {
 
 bool exists(const std::string& path);
 
-/// Returns once `path` exists. `check`, called now and then, may throw.
-void wait_for(const std::string& path, const std::function<void()>& check);
+/// Returns once `done`, asked now and then, is true. `check`, called in between, may throw.
+void wait_until(const std::function<bool()>& done, const std::function<void()>& check);
 
 }  // namespace csrbf

@@ -14,6 +14,14 @@ namespace {
 
 constexpr const char* own_kind = "process";  // what a process writes about itself
 constexpr std::size_t longest_message = 4000;
+constexpr std::chrono::seconds late(10);  // how much later than the first process others start; chosen by hand
+
+// When a file was written; before all others if it is not there.
+std::filesystem::file_time_type written(const std::string& path) {
+  std::error_code none;
+  const auto time = std::filesystem::last_write_time(utf8_path(path), none);
+  return none ? std::filesystem::file_time_type::min() : time;
+}
 
 }  // namespace
 
@@ -45,7 +53,7 @@ void TileTeam::check_others() const {
 }
 
 void TileTeam::wait(const std::string& path) const {
-  wait_for(path, [this] { check_others(); });
+  wait_until([&] { return exists(path); }, [this] { check_others(); });
 }
 
 void TileTeam::wait_for_all(const std::string& kind, Index count) const {
@@ -102,8 +110,22 @@ void TileTeam::finish(const std::string& first) const {
   if (!leads()) wait(folder_.file("left", 0));  // else all that failed in writing start again, but one has left
   write_file(folder_.file("left", share_.rank), "");
   if (!leads()) return;
-  wait_for_all("left", share_.count);
+  for (Index rank = 1; rank < share_.count; ++rank) wait_until_left(rank);
   folder_.remove(first);
+}
+
+// The mark of a process may be that of an earlier run. Either it has started again, and leaves once more, or it has not
+// yet, or never will, for its share was done.
+void TileTeam::wait_until_left(Index rank) const {
+  const auto asked = std::chrono::steady_clock::now();
+  const std::string mark = folder_.file("left", rank);
+  const auto has_left = [&] {
+    if (!exists(mark)) return false;
+    const auto left = written(mark);
+    if (left >= started_) return true;
+    return written(folder_.file(own_kind, rank)) <= left && std::chrono::steady_clock::now() - asked > late;
+  };
+  wait_until(has_left, [this] { check_others(); });
 }
 
 std::string tile_fingerprint(const std::string& input, const std::string& options) {

@@ -49,6 +49,7 @@ class TileTeam {
   [[nodiscard]] std::string failure() const;
   [[nodiscard]] std::string own_file() const;
   void check_others() const;
+  void wait_until_left(Index rank) const;
   void tell(const std::string& message) const;
 
   TileFolder folder_;
