@@ -4,7 +4,10 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/implicit/polygonize/cell_loops.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <limits>
+#include <optional>
 #include <queue>
 #include <unordered_map>
 
