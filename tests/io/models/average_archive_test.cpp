@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/fit.hpp"
 #include "csrbf/io/models/function_archive.hpp"
+#include "io/models/function_testing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -28,11 +29,7 @@ TEST(FunctionArchive, KeepsAverages) {
   EXPECT_THROW((void)function_from(bad), IoError);
   const Function again = function_from(archive).function;
   const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return 1.5 * uniform(random) - .25; });
-  const Function::Values found = again.evaluate(x, Derivatives::gradient);
-  const Function::Values expected = function.evaluate(x, Derivatives::gradient);
-  EXPECT_EQ(found.value, expected.value);
-  EXPECT_EQ(found.gradient, expected.gradient);
-  EXPECT_EQ(again.standard_deviation(x), function.standard_deviation(x));
+  expect_same(again, function, x);
 }
 
 }  // namespace

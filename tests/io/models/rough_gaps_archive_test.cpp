@@ -1,6 +1,7 @@
 #include "csrbf/io/models/function_archive.hpp"
 
 #include "csrbf/approx/fit.hpp"
+#include "io/models/function_testing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,11 +39,7 @@ TEST(FunctionArchive, KeepsTheSystemThatFillsRoughGaps) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> uniform(-.3, 1.3);
   const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return uniform(random); });
-  const Function::Values found = again.evaluate(x, Derivatives::gradient);
-  const Function::Values expected = function.evaluate(x, Derivatives::gradient);
-  EXPECT_EQ(found.value, expected.value);
-  EXPECT_EQ(found.gradient, expected.gradient);
-  EXPECT_EQ(again.standard_deviation(x), function.standard_deviation(x));
+  expect_same(again, function, x);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "csrbf/io/models/function_archive.hpp"
 
 #include "csrbf/approx/fit.hpp"
+#include "io/models/function_testing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,11 +21,7 @@ TEST(FunctionArchive, KeepsTurnedAxes) {
   const Function again = function_from(archive).function;
   EXPECT_EQ(again.report().axes, function.report().axes);
   const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(2, 300, [&] { return 1.5 * uniform(random) - .25; });
-  const Function::Values found = again.evaluate(x, Derivatives::gradient);
-  const Function::Values expected = function.evaluate(x, Derivatives::gradient);
-  EXPECT_EQ(found.value, expected.value);
-  EXPECT_EQ(found.gradient, expected.gradient);
-  EXPECT_EQ(again.standard_deviation(x), function.standard_deviation(x));
+  expect_same(again, function, x);
   Archive bad = archive;
   for (const auto& [name, entry] : archive.values())
     if (name.ends_with("/map")) bad.set(name, Eigen::MatrixXd(Eigen::MatrixXd::Zero(2, 2)));

@@ -95,8 +95,12 @@ Brick& BrickGrid::lower(Brick& brick, int axis) {
 std::vector<Brick*> BrickGrid::sorted() const {
   std::vector<Brick*> bricks(size_);
   for (std::size_t i = 0; i < size_; ++i) bricks[i] = &chunks_[i / chunk_size][i % chunk_size];
-  std::sort(bricks.begin(), bricks.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
+  sort_along_curve(bricks);
   return bricks;
+}
+
+void sort_along_curve(std::vector<Brick*>& bricks) {
+  std::sort(bricks.begin(), bricks.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
 }
 
 Brick& BrickGrid::add(std::uint64_t key, std::size_t slot, const Cell& coordinates) {

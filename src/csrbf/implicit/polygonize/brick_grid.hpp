@@ -171,6 +171,13 @@ struct alignas(64) Brick {
   [[nodiscard]] Cell corner(int bit) const { return first + Cell(bit & 3, bit >> 2 & 3, bit >> 4); }
 };
 
+/// The bit of a corner or cell in its brick.
+inline int bit_of(const Cell& cell) {
+  return (cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4;
+}
+
+void sort_along_curve(std::vector<Brick*>& bricks);
+
 /// A corner and the brick that holds it.
 struct CornerRef {
   const Brick& brick;

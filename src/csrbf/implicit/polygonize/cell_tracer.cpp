@@ -10,10 +10,6 @@ namespace {
 constexpr int cells_to_end = 3;          // from moved corners: vertices of other ranges stay what they are
 constexpr Index bricks_per_range = 256;  // large enough to hide the cost of a task
 
-int bit_of(const Cell& cell) {
-  return (cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4;
-}
-
 // Edges of a brick that end in its neighbour at offset k.
 Mask upper_ends(const Brick& brick, int k) {
   Mask edges = 0;
@@ -22,10 +18,6 @@ Mask upper_ends(const Brick& brick, int k) {
   for (int axis = 0; axis < 3; ++axis)
     if (k >> axis & 1) edges &= last_layer(axis);
   return edges;
-}
-
-void sort_along_curve(std::vector<Brick*>& bricks) {
-  std::sort(bricks.begin(), bricks.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
 }
 
 // The pending cells of a brick that the surface crosses, and which of their faces.

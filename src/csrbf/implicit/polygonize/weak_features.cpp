@@ -107,7 +107,7 @@ Padded values_of(const std::array<Brick*, around>& bricks) {
     for (int y = 0; y < padded_side; ++y)
       for (int x = 0; x < padded_side; ++x, ++i) {
         const Brick* holder = bricks[(x + 3) / 4 + 3 * ((y + 3) / 4) + 9 * ((z + 3) / 4)];
-        const int bit = ((x + 3) & 3) | ((y + 3) & 3) << 2 | ((z + 3) & 3) << 4;
+        const int bit = bit_of(Cell(x + 3, y + 3, z + 3));
         const bool known = holder != nullptr && (holder->known >> bit & 1) != 0;
         values[i] = known ? holder->value[bit] : std::numeric_limits<double>::quiet_NaN();
       }
@@ -261,7 +261,7 @@ class Side {
       const auto [dx, dy, dz] = direction(k);
       const bool within = ((x + dx) | (y + dy) | (z + dz)) >> 2 == 0;  // no bit of 4 or of a negative number
       Brick* brick = within ? c.brick : grid_.find(c.brick->first + Cell(x + dx, y + dy, z + dz));
-      const BrickCorner corner{brick, ((x + dx) & 3) | ((y + dy) & 3) << 2 | ((z + dz) & 3) << 4};
+      const BrickCorner corner{brick, bit_of(Cell(x + dx, y + dy, z + dz))};
       visit(k, brick != nullptr && (brick->known >> corner.bit & 1) != 0 ? &corner : nullptr);
     }
   }
@@ -337,7 +337,7 @@ std::vector<Brick*> doubtful_bricks(const BrickGrid& grid, double persistence) {
     if (critical[b] != 0)
       for (Brick* brick : bricks_around(grid, *bricks[b]))
         if (brick != nullptr) doubtful.push_back(brick);
-  std::sort(doubtful.begin(), doubtful.end(), [](const Brick* a, const Brick* b) { return a->key < b->key; });
+  sort_along_curve(doubtful);
   doubtful.erase(std::unique(doubtful.begin(), doubtful.end()), doubtful.end());
   return doubtful;
 }

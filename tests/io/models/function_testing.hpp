@@ -1,0 +1,17 @@
+#pragma once
+
+#include "csrbf/approx/function.hpp"
+
+#include <gtest/gtest.h>
+
+namespace csrbf {
+
+/// Checks that two functions have the same bits at points: values, gradients and standard deviations.
+inline void expect_same(const Function& a, const Function& b, const Eigen::MatrixXd& x) {
+  const Function::Values found = a.evaluate(x, Derivatives::gradient), expected = b.evaluate(x, Derivatives::gradient);
+  EXPECT_EQ(found.value, expected.value);
+  EXPECT_EQ(found.gradient, expected.gradient);
+  EXPECT_EQ(a.standard_deviation(x), b.standard_deviation(x));
+}
+
+}  // namespace csrbf
