@@ -74,8 +74,7 @@ void declare(CommandFlags& v, PolygonizeCommand& c) {
                   "adaptive: about how far the mesh may be from the surface, as a fraction of the diagonal");
   v.flag("level", c.level, "V", "0", "value of the model on the surface; larger values are inside");
   v.flag("persistence", c.persistence, "V", "from the model",
-         "bridges are cut and holes filled that are gone once the level moves by less than this; 0: none")
-      ->check(CLI::NonNegativeNumber);
+         "bridges are cut and holes filled that are gone once the level moves by less than this; 0: none");
   v.toggle("--refine,!--no-refine", c.refine, "move the vertices onto the surface (this is the default)");
 }
 
