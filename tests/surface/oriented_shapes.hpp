@@ -75,6 +75,30 @@ inline Shape random_torus(Index count, unsigned seed, double noise = 0) {
   return shape;
 }
 
+/// Random points of a bowl: most of a hollow ball of radius 1 with a hole at the top, whose wall is `thickness`
+/// spacings thick.
+inline Shape random_bowl(Index count, double thickness, unsigned seed) {
+  constexpr double rim = 0.4;  // height of the edge of the hole
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform;
+  const double sheet = 2 * std::numbers::pi * (1 + rim),
+               wall = thickness * std::sqrt(2 * sheet / static_cast<double>(count));
+  const double edge = 2 * std::numbers::pi * std::sqrt(1 - rim * rim) * wall, inner = sheet * (1 - wall) * (1 - wall);
+  Shape shape{Points<3>(3, count), Points<3>(3, count), sheet + inner + edge};
+  for (Index i = 0; i < count; ++i) {
+    const double where = uniform(random) * shape.area, angle = 2 * std::numbers::pi * uniform(random);
+    const bool on_edge = where > sheet + inner, outside = where < sheet;
+    const double z = on_edge ? rim : rim - (1 + rim) * uniform(random), r = std::sqrt(1 - z * z);
+    const Point<3> ray(r * std::cos(angle), r * std::sin(angle), z);
+    const double radius = on_edge ? 1 - wall * uniform(random) : outside ? 1 : 1 - wall;
+    shape.points.col(i) = radius * ray;
+    shape.normals.col(i) = on_edge   ? Point<3>(-z * std::cos(angle), -z * std::sin(angle), r)
+                           : outside ? ray
+                                     : Point<3>(-ray);
+  }
+  return shape;
+}
+
 /// Random points of a box around the origin, about one per spacing^2.
 inline Shape random_box(const Point<3>& half, double spacing, unsigned seed) {
   std::mt19937_64 random(seed);

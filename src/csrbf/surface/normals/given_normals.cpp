@@ -2,6 +2,7 @@
 
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/percentile.hpp"
+#include "csrbf/surface/normals/contradictions.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
 
 namespace csrbf {
@@ -16,7 +17,6 @@ constexpr double harmless = 0.08;         // radians; smaller errors are average
 constexpr double least_ratio = 0.45;  // of s^2 to t^2 above which normals are corrected: exact ones on 9 meshes with
                                       // 1000 to 20,000 samples stay below 0.35
 constexpr double explained = 2.5;     // standard deviations that an error may have. Chosen by hand
-constexpr double same_side = 0.5;     // cosine between neighbours whose signs are compared. Chosen by hand
 constexpr int sweeps = 8;             // of turning single normals; few are left after one
 
 // b or -b, whichever is closer to a.
@@ -180,17 +180,15 @@ class Judge {
 // Where normals have no other errors, none may agree: on thin blades exact ones look wrong, too.
 Index turn_single(const Points<3>& points, const NeighborTable& near, bool strict, Points<3>& normals) {
   const Points<3> before = normals;
+  const Contradictions contradictions(points, normals, near);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     std::vector<char> turn(normals.cols(), 0);
     parallel_for(normals.cols(), 1024, [&](Index begin, Index end) {
       for (Index i = begin; i < end; ++i) {
         Index agree = 0, oppose = 0;
         for (const std::uint32_t j : near.of(i)) {
-          const double cosine = normals.col(i).dot(normals.col(j));
-          agree += cosine > same_side ? 1 : 0;
-          const Point<3> step = points.col(j) - points.col(i);
-          const bool beside = std::abs(step.dot(normals.col(i))) + std::abs(step.dot(normals.col(j))) < step.norm();
-          oppose += cosine < -same_side && beside ? 1 : 0;
+          agree += normals.col(i).dot(normals.col(j)) > Contradictions::same_side ? 1 : 0;
+          oppose += contradictions.between(normals, i, j) ? 1 : 0;
         }
         turn[i] = oppose > 2 * agree && 3 * oppose >= near.k && (agree == 0 || !strict) ? 1 : 0;
       }

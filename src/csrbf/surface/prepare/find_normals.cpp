@@ -1,6 +1,7 @@
 #include "csrbf/surface/prepare/find_normals.hpp"
 
 #include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/normals/contradictions.hpp"
 #include "csrbf/surface/normals/given_normals.hpp"
 #include "csrbf/surface/normals/inward_parts.hpp"
 #include "csrbf/surface/normals/orient_normals.hpp"
@@ -35,18 +36,6 @@ void fill_missing(const Points<3>& points, Points<3>& normals, const Progress& p
   }
 }
 
-// Share of the pairs of near neighbours whose normals point to opposite sides.
-double opposite_neighbors(const Points<3>& normals, const NeighborTable& near) {
-  const auto nearest = static_cast<std::size_t>(std::min<Index>(near.k, 4));
-  Index pairs = 0, opposite = 0;
-  for (Index i = 0; i < normals.cols(); ++i)
-    for (const std::uint32_t j : near.of(i).first(nearest)) {
-      ++pairs;
-      if (normals.col(i).dot(normals.col(j)) < 0) ++opposite;
-    }
-  return pairs == 0 ? 0 : static_cast<double>(opposite) / static_cast<double>(pairs);
-}
-
 // Share of the contradictions among normals that remains after orienting them; 1 if there were hardly any.
 double remaining_after_orientation(const Points<3>& points, Points<3>& normals, const Progress& progress) {
   const double contradictions = 1 - orientation_consistency(points, normals);
@@ -68,7 +57,7 @@ bool encloses_better(const OrientedPoints& given, const Points<3>& other, const 
 // touch disagree, too, but the given normals enclose a solid at least as well.
 void reorient_if_better(PreparedCloud& result, const NeighborTable& near, const Progress& progress) {
   OrientedPoints& cloud = result.cloud;
-  if (opposite_neighbors(cloud.normals, near) < usual_contradictions) return;
+  if (Contradictions(cloud.points, cloud.normals, near).share(cloud.normals) < usual_contradictions) return;
   if (cloud.size() > 2 * examined) {
     const auto some = Eigen::seq(0, cloud.size() - 1, cloud.size() / examined);
     Points<3> turned = cloud.normals(Eigen::all, some);
