@@ -8,6 +8,7 @@
 #include "csrbf/surface/check/surface_distances.hpp"
 #include "csrbf/surface/composite/choose_options.hpp"
 #include "csrbf/surface/composite/composite_field.hpp"
+#include "csrbf/surface/composite/thinnest_parts.hpp"
 #include "csrbf/surface/prepare/decimate.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
@@ -30,12 +31,14 @@ constexpr double outlier_share = 0.001;    // of the samples that may miss the t
 constexpr double winding_smoothing = 0.7;  // spacings: the least that leaves no bumps between samples
 constexpr double open_level = -0.5;        // u = 2w - 1 on the samples below which the surface is open
 constexpr Index level_samples = 2000;      // at which it is measured
-constexpr double far_spacings = 3;         // |f| far from data, in spacings: about where the patches end
 constexpr double disagreement = 3;         // mean distance of samples from the surface over the cross-validation error
 constexpr double too_small_to_see = 1e-5;  // of the diagonal: smaller mean distances are no disagreement
 constexpr Index quadric_coefficients = 10;
-constexpr double coarsest_detail = 1.25;  // spacings: longer cells add to the held-out error (dragon, bunny scans)
-constexpr double far_from_points = 0.03;  // rms distance over the diagonal; noise that strong leaves no shape
+constexpr double across_thin_parts = 0.5;  // cells: one corner at least is between two sheets
+constexpr double finest_detail = 0.25;     // spacings: thinner parts may be lost
+constexpr double visible = 6;              // least distance of two sheets over the cross-validation error
+constexpr double coarsest_detail = 1.25;   // spacings: longer cells add to the held-out error (dragon, bunny scans)
+constexpr double far_from_points = 0.03;   // rms distance over the diagonal; noise that strong leaves no shape
 
 bool composite(const ReconstructOptions& options) {
   return options.method == "auto" || options.method == "composite";
@@ -89,8 +92,8 @@ double winding_level(const WindingNumber& winding, const Points<3>& points, cons
   return level < open_level ? level : 0;
 }
 
-CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeOptions& options,
-                                 const Progress& progress) {
+CompositeField::Data build_field(const PreparedCloud& prepared, const ChosenOptions& chosen, const Progress& progress) {
+  const CompositeOptions& options = chosen.options;
   CompositeField::Data data;
   data.origin = prepared.origin;
   data.scale = prepared.scale;
@@ -102,7 +105,9 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   for (const Index i : inside) area += finest.areas[i];
   const double spacing = std::sqrt(area / static_cast<double>(inside.size()));
   data.feature_size = feature_size(spacing, options);
-  data.far_value = far_spacings * spacing;
+  const double thinnest = thinnest_parts(cloud, *prepared.tree, visible * chosen.cross_validation_error);
+  data.feature_size = std::min(data.feature_size, std::max(across_thin_parts * thinnest, finest_detail * spacing));
+  data.far_value = CompositeField::far_spacings * spacing;
   data.levels.push_back(std::move(finest.patches));
   CompositeOptions coarse_options = options;
   coarse_options.centers_per_patch = std::min(options.centers_per_patch, most_coarse_centers);
@@ -230,12 +235,13 @@ CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepa
   out.fit_seconds += seconds_since(start);
   for (int attempt = 0; attempt < tolerance_attempts; ++attempt) {
     start = std::chrono::steady_clock::now();
-    const auto field = std::make_shared<CompositeField>(build_field(prepared, result.chosen.options, options.progress));
+    const auto field = std::make_shared<CompositeField>(build_field(prepared, result.chosen, options.progress));
     out.fit_seconds += seconds_since(start);
     start = std::chrono::steady_clock::now();
     result.distance =
         surface_distances(*field, input.points(Eigen::all, prepared.sources_of(result.measured)), prepared.scale);
-    field->set_noisy(median(std::vector(result.distance)) * far_spacings > noisy_distance * field->data().far_value);
+    field->set_noisy(median(std::vector(result.distance)) * CompositeField::far_spacings >
+                     noisy_distance * field->data().far_value);
     result.field = field;
     out.evaluate_seconds += seconds_since(start);
     if (outside(result.distance, options.tolerance) == 0) break;

@@ -246,8 +246,11 @@ void blend_levels(const CompositeField::Data& data, const PointsRef<3>& y, const
 
 }  // namespace
 
+// Parts thinner than the spacing are as thick as two features: values between their sheets are up to one.
 double CompositeField::least_persistence() const {
-  return (data_.noisy ? doubtful_share_of_noise : doubtful_share) * feature_size();
+  const double spacing = data_.far_value / far_spacings;
+  const double detail = std::min(std::max(data_.feature_size, spacing), 3 * data_.feature_size);
+  return (data_.noisy ? doubtful_share_of_noise : doubtful_share) * data_.scale * detail;
 }
 
 Points<3> CompositeField::seeds() const {

@@ -23,7 +23,7 @@ bool coincide(const Values& a, const Values& b) {
   const auto distance = [](const Values& from, std::size_t to) {
     return from.value.col(static_cast<Index>(to)).cwiseAbs().dot(from.weight) / from.weight.sum();
   };
-  return distance(a, b.own) < 2 * on_surface && distance(b, a.own) < 2 * on_surface;
+  return distance(a, b.own) < on_surface && distance(b, a.own) < on_surface;
 }
 
 struct Order {

@@ -1,0 +1,65 @@
+#include "csrbf/core/disjoint_sets.hpp"
+#include "csrbf/implicit/polygonize.hpp"
+#include "csrbf/surface/estimate_normals.hpp"
+#include "csrbf/surface/reconstruct.hpp"
+#include "surface/oriented_shapes.hpp"
+
+namespace csrbf::reconstruct_thin_test {
+namespace {
+
+// Share of the triangles that the largest component has.
+double largest_share(const Mesh& mesh) {
+  DisjointSets sets(mesh.vertices.cols());
+  for (Index t = 0; t < mesh.triangles.cols(); ++t)
+    for (Index c = 1; c < 3; ++c) sets.unite(mesh.triangles(0, t), mesh.triangles(c, t));
+  std::vector<Index> count(mesh.vertices.cols(), 0);
+  for (Index t = 0; t < mesh.triangles.cols(); ++t) ++count[sets.find(mesh.triangles(0, t))];
+  return static_cast<double>(*std::max_element(count.begin(), count.end())) /
+         static_cast<double>(mesh.triangles.cols());
+}
+
+// Walls about as thin as the spacing of points, or thinner.
+
+TEST(ReconstructThin, WallsWithExactNormalsAreClosed) {
+  for (const double thickness : {0.5, 1.0}) {
+    const Shape bowl = random_bowl(10'000, thickness, 1);
+    const Reconstruction result = reconstruct({bowl.points, bowl.normals, {}});
+    EXPECT_EQ(result.report.normals, NormalSource::file) << thickness;
+    EXPECT_LT(result.report.rms_distance, 0.02 * bowl.spacing() / 3);
+    EXPECT_LT(result.field->feature_size(), 0.6 * thickness * bowl.spacing());
+    const Mesh mesh = polygonize(*result.field);
+    EXPECT_TRUE(topology(mesh).watertight());
+    EXPECT_GT(largest_share(mesh), 0.999) << thickness;  // in hundreds of pieces with cells as wide as the spacing
+    // Not a solid ball: nothing is far from the wall but what closes its edge.
+    const double lowest_inside = 1 - (thickness + 4) * bowl.spacing();
+    Index far = 0;
+    for (Index v = 0; v < mesh.vertices.cols(); ++v) far += mesh.vertices.col(v).norm() < lowest_inside ? 1 : 0;
+    EXPECT_EQ(far, 0) << thickness;
+  }
+}
+
+TEST(ReconstructThin, NormalsOfWallsAreFound) {
+  for (const double thickness : {0.3, 0.7, 1.2}) {
+    const Shape bowl = random_bowl(10'000, thickness, 2);
+    EXPECT_GT(outward_share(estimate_normals(bowl.points), bowl.normals), 0.97) << thickness;
+  }
+}
+
+// The same sheets, but facing each other across a gap.
+TEST(ReconstructThin, GapsAreNoWalls) {
+  constexpr double spacing = 0.05;
+  const Shape lower = random_box({0.5, 0.5, 0.5}, spacing, 2);
+  Shape upper = random_box({0.5, 0.5, 0.5}, spacing, 3);
+  upper.points.row(2).array() += 1 + 1.2 * spacing;
+  const Shape both = join(lower, upper);
+  EXPECT_GT(outward_share(estimate_normals(both.points), both.normals), 0.95);
+}
+
+TEST(ReconstructThin, WallsWithoutNormalsAreNotFilled) {
+  const Shape bowl = random_bowl(10'000, 0.7, 3);
+  const Mesh mesh = polygonize(*reconstruct({bowl.points, Points<3>(3, 0), {}}).field);
+  EXPECT_GT(mesh.vertices.colwise().norm().minCoeff(), 1 - 5 * bowl.spacing());
+}
+
+}  // namespace
+}  // namespace csrbf::reconstruct_thin_test
