@@ -4,6 +4,7 @@
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
+#include "csrbf/surface/normals/thin_sheets.hpp"
 #include "csrbf/surface/normals/winding_consistency.hpp"
 
 namespace csrbf {
@@ -20,6 +21,9 @@ constexpr double has_inside = 0.15;          // mean winding number on the point
 constexpr double no_inside = 0.45;           // mean (2 w - 1)^2 there; 0.51 and more on terrains, 0.4 on thin plates
 constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees between the fitted normal and that by the
                                              // winding number: the first counts alone, the second does
+constexpr Index sheet_neighbors = 24;        // that tell whether normals know both sheets of a thin part ...
+constexpr double clear_majority = 0.5;       // ... by their sides: at least three quarters are the same
+constexpr double few_contradictions = 0.2;   // share of the points: they may be two scans that do not quite fit
 constexpr double line = 1e-14;               // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
@@ -94,12 +98,53 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
   return fit;
 }
 
+// Leaves those sheets that the normals do not tell apart: the normals of both should point away from each other or,
+// across a gap, towards each other. That they point the same way bounds no solid.
+void keep_contradicted(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals, ThinSheets& sheets) {
+  if (!sheets.any()) return;
+  Eigen::VectorXd side(points.cols());
+  for (Index i = 0; i < side.size(); ++i) {
+    const double cosine = sheets.normals.col(i).dot(normals.col(i));
+    side[i] = cosine == 0 ? 0 : std::copysign(1.0, cosine);
+  }
+  std::vector<char> left(points.cols(), 0);
+  parallel_for(points.cols(), 512, [&](Index begin, Index end) {
+    std::array<Index, sheet_neighbors> ids;
+    std::array<double, sheet_neighbors> squared;
+    for (Index i = begin; i < end; ++i) {
+      if (side[i] == 0) continue;
+      const Index found = tree.nearest(points.col(i), sheet_neighbors, ids.data(), squared.data());
+      double sum = 0, count = 0;
+      for (Index k = 0; k < found; ++k) {
+        sum += side[ids[k]];
+        count += std::abs(side[ids[k]]);
+      }
+      left[i] = 2 * count >= sheet_neighbors && std::abs(sum) < clear_majority * count ? 1 : 0;
+    }
+  });
+  for (Index i = 0; i < points.cols(); ++i)
+    if (left[i] == 0) sheets.normals.col(i).setZero();
+  if (static_cast<double>(std::count(left.begin(), left.end(), 1)) <
+      few_contradictions * static_cast<double>(points.cols()))
+    sheets = {};
+}
+
+void put(const ThinSheets& sheets, Points<3>& normals) {
+  for (Index i = 0; i < sheets.normals.cols(); ++i)
+    if (sheets.has(i)) normals.col(i) = sheets.normals.col(i);
+}
+
 // Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes; false for sheets
-// without inside.
-bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, Points<3>& normals) {
+// without inside. Where plates were taken for one rough sheet, it starts again from their sheets, which are left.
+bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheets& sheets, Points<3>& normals) {
   if (points.cols() < fewest_consistent || points.cols() > most_consistent) return false;
-  const ConsistentNormals consistent = consistent_normals(points, tree);
-  if (!(consistent.mean_winding > has_inside && consistent.energy < no_inside)) return false;
+  ConsistentNormals consistent = consistent_normals(points, tree);
+  keep_contradicted(points, tree, consistent.normals, sheets);
+  if (sheets.any()) {
+    put(sheets, consistent.normals);
+    consistent = consistent_normals(points, tree, consistent.normals, sheets.noise);
+  }
+  if (!sheets.any() && !(consistent.mean_winding > has_inside && consistent.energy < no_inside)) return false;
   for (Index i = 0; i < normals.cols(); ++i) {
     const Point<3> global = consistent.normals.col(i);
     const double cosine = normals.col(i).dot(global);
@@ -127,14 +172,17 @@ Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& opti
   Fit fit = fit_all(cloud.points, tree, result.neighbors, consistent ? graph_neighbors : 0, options.progress);
   Points<3>& normals = fit.normals;
   if (consistent) {
-    if (orient_by_winding(cloud.points, tree, normals)) {
+    ThinSheets sheets = thin_sheets(cloud.points, tree);
+    if (orient_by_winding(cloud.points, tree, sheets, normals)) {
       result.orientation.method = OrientMethod::winding_number;
     } else {
       if (fit.table.k == 0) fit.table = make_neighbor_table(cloud.points, tree, graph_neighbors);
       result.orientation = orient_normals(cloud.points, fit.table, normals, [&](std::string_view, double fraction) {
         return !options.progress || options.progress(stage, 0.7 + 0.3 * fraction);
       });
+      keep_contradicted(cloud.points, tree, normals, sheets);
     }
+    put(sheets, normals);
   }
   Points<3> output(3, points.cols());
   for (Index i = 0; i < points.cols(); ++i) {

@@ -153,4 +153,9 @@ ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& t
   return result;
 }
 
+ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree, const Points<3>& start,
+                                     double noise) {
+  return solve_level(points, tree, noise, false, start);
+}
+
 }  // namespace csrbf
