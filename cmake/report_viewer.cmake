@@ -10,14 +10,19 @@ mark_as_advanced(CSRBF_THREE_MODULE CSRBF_ESBUILD)
 
 option(CSRBF_BUILD_VIEWER "Make surfaces in reports interactive, when three.js and esbuild are found" ON)
 
-# csrbf_bundle(<entry> <output>): one script of viewer/src/<entry> with what it imports.
+# csrbf_bundle(<entry> <output> [<view>]): one script of viewer/src/<entry> with what it imports; the picture in space of the
+# studio is that of viewer/src/<view>, viewer.js if it is not given.
 function(csrbf_bundle entry output)
+  set(view viewer.js)
+  if(ARGC GREATER 2)
+    set(view ${ARGV2})
+  endif()
   file(GLOB_RECURSE viewer_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/viewer/src/*.js)
   add_custom_command(
     OUTPUT ${output}
     COMMAND ${CSRBF_ESBUILD} ${PROJECT_SOURCE_DIR}/viewer/src/${entry} --bundle --minify --format=iife --target=es2020
             --charset=ascii --legal-comments=inline --log-level=warning --alias:three=${CSRBF_THREE_MODULE}
-            --outfile=${output}
+            --alias:csrbf-view=${PROJECT_SOURCE_DIR}/viewer/src/${view} --outfile=${output}
     DEPENDS ${viewer_sources} ${CSRBF_THREE_MODULE}
     COMMENT "Bundling viewer/src/${entry}"
     VERBATIM)

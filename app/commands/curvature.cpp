@@ -8,6 +8,7 @@
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/io/model.hpp"
 #include "csrbf/io/polylines.hpp"
+#include "csrbf/surface/reconstruct.hpp"
 
 namespace csrbf::app {
 namespace {
@@ -48,7 +49,8 @@ void run(const CurvatureCommand& command, Session& session) {
   const int resolution = command.resolution > 0 ? command.resolution : automatic_resolution(*field);
   session.options = {{"output", command.output}, {"resolution", resolution}, {"ridges", command.ridges}};
   Mesh mesh = session.timed("polygonize", [&] {
-    return polygonize(*field, {.resolution = resolution, .normals = false, .progress = session.progress()});
+    return polygonize(*field,
+                      {.resolution = resolution, .method = mesh_method(*field), .progress = session.progress()});
   });
   const Curvatures at = session.timed("evaluate", [&] { return curvature(*field, mesh.vertices, session.progress()); });
   add_mesh_summary(command.output, mesh, session);

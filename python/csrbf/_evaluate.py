@@ -94,8 +94,10 @@ def evaluate(
         f = _function(f, "extrapolation").extrapolated(extrapolation)
     d = f.dimension if isinstance(f, Function) else 3
     where: Any = points
+    lines: list[Floats] = []
     if grid is not None:
-        where = _nodes(f.bounds.T if bounds is None else floats(bounds, "bounds"), grid, d)
+        lines = _axes(f.bounds.T if bounds is None else floats(bounds, "bounds"), grid, d)
+        where = np.stack(np.meshgrid(*lines[::-1], indexing="ij")[::-1], axis=-1)
     elif like is not None:
         # A volume of one slice is a 2D image.
         given: Any = like
@@ -103,7 +105,12 @@ def evaluate(
     places = f._places(where) if isinstance(f, Function) else Places(where, "xyz")
     x = places.rows
     axes, values = (f.coordinate_names, f.value_names) if isinstance(f, Function) else (list("xyz"), ["value"])
-    columns, names = [f(x).reshape(len(x), -1)], list(values)
+    names = list(values)
+    if lines and isinstance(f, Function) and not (gradient or hessian or standard_deviation):
+        nodes = f.evaluate_grid(*lines).reshape(*map(len, lines), -1)
+        columns = [nodes.transpose(*range(d)[::-1], d).reshape(len(x), -1)]
+    else:
+        columns = [f(x).reshape(len(x), -1)]
     if labels:
         found = columns[0]
         numbers: NDArray[Any] = found[:, 0] > 0 if found.shape[1] == 1 else found.argmax(axis=1)
@@ -130,16 +137,14 @@ def _function(f: Function | Surface, option: str) -> Function:
     return f
 
 
-def _nodes(bounds: Floats, grid: int | Sequence[int], d: int) -> Floats:
-    """Nodes of a grid, the last axis of space first."""
+def _axes(bounds: Floats, grid: int | Sequence[int], d: int) -> list[Floats]:
+    """Coordinates of the nodes of a grid along its axes."""
     sizes = np.atleast_1d(np.asarray(grid))
     if sizes.dtype.kind not in "iu" or sizes.shape not in ((1,), (d,)) or sizes.min() < 1:
         raise ValueError(f"grid: {grid} must be whole numbers, the nodes along each of the {d} axes, or one for all")
     if bounds.shape != (d, 2) or not (bounds[:, 0] <= bounds[:, 1]).all():
         raise ValueError(f"bounds: must be an array ({d}, 2) of the first and last node along each axis")
-    axes = [
+    return [
         np.linspace(low, high, n) if n > 1 else np.array([0.5 * (low + high)])
         for (low, high), n in zip(bounds, np.broadcast_to(sizes, d))
     ]
-    nodes: Floats = np.stack(np.meshgrid(*axes[::-1], indexing="ij")[::-1], axis=-1)
-    return nodes

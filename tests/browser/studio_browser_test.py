@@ -141,6 +141,18 @@ class Studio(unittest.TestCase):
         self.until(f"!studio.running && (studio.history.length > {before} || studio.message.classList.contains('error'))")
         self.assertEqual(self.js("studio.message.classList.contains('error') && studio.message.textContent"), False)
 
+    def python_writes(self, inputs, lines, *names):
+        """Whether these lines write the same files as the studio; `inputs`: data of files by name."""
+        folder = os.path.join(self.folder.name, "python")
+        os.makedirs(folder, exist_ok=True)
+        for name, data in inputs.items():
+            with open(os.path.join(folder, name), "wb") as file:
+                file.write(data)
+        subprocess.run([sys.executable, "-c", lines], cwd=folder, check=True, timeout=PATIENCE)
+        for name in names:
+            with open(os.path.join(folder, name), "rb") as file:
+                self.assertEqual(file.read(), self.fetched(name), name)
+
     def fetched(self, name):
         """A file of the studio, as the page saves it."""
         text = self.browser.execute_async_script("""
@@ -240,6 +252,40 @@ class Scan(Studio):
         self.until("studio.item && studio.item.name === 'again.xyz' && studio.view_ && studio.view_.picture.points")
 
 
+@unittest.skipUnless(os.environ.get("PYTHONPATH"), "the Python module was not built")
+class PythonLines(Studio):
+    def test_python_lines_write_the_same_files(self):
+        scan = "".join("%.6g %.6g %.6g\n" % p for p in ball(400)).encode()
+        table = "x,y,depth\n" + "".join("%.5g,%.5g,%.5g\n" % (math.sin(i), math.cos(2.3 * i), math.sin(i) * math.cos(0.7 * i))
+                                       for i in range(80))
+        inputs = {"cloud.xyz": scan, "samples.csv": table.encode(), "head.mha": volume(16)}
+        work = [("cloud.xyz", "reconstruct", {"--resolution": "30"}, ["cloud-surface.ply", "cloud.csrbf"]),
+                ("cloud.xyz", "reconstruct", {"--sharp": "off", "--normals": "estimate"}, ["cloud-surface-2.ply"]),
+                ("cloud.xyz", "estimate-normals", {}, ["cloud-normals.ply"]),
+                ("cloud.csrbf", "polygonize", {"--level": "0.01"}, ["cloud-mesh.ply"]),
+                ("cloud.csrbf", "curvature", {"--resolution": "24"}, ["cloud-curvature.ply", "cloud-ridges.ply"]),
+                ("cloud.csrbf", "render", {"--size": "160x120", "--color": "normal"}, ["cloud.png"]),
+                ("samples.csv", "fit", {}, ["samples.csrbf"]),
+                ("samples.csrbf", "evaluate", {"--grid": "20,30"}, ["samples-values.npy"]),
+                ("head.mha", "segment", {}, ["head-labels.mha", "head-contour.ply"]),
+                ("head.mha", "segment", {"--objects": True}, ["head-labels-2.mha"]),
+                ("head.mha", "inpaint", {"--missing": "20"}, ["head-filled.mha"])]
+        for name, data in inputs.items():
+            self.drop(name, data)
+        for name, command, flags, names in work:
+            with self.subTest(command=command, flags=flags):
+                self.browser.execute_async_script("studio.select(arguments[0]).then(arguments[1])", name)
+                self.choose("command", command)
+                self.browser.execute_script(
+                    "for (const [flag, value] of Object.entries(arguments[0])) studio.values[studio.task_].set(flag, value);"
+                    "studio.updateCommand();", flags)
+                lines = self.js("studio.python.textContent")
+                self.run_command()
+                for made in names:
+                    inputs[made] = self.fetched(made)
+                self.python_writes(inputs, lines, *names)
+
+
 class Table(Studio):
     def test_columns_are_chosen_and_a_function_is_fitted(self):
         source = random.Random(3)
@@ -259,13 +305,15 @@ class Table(Studio):
         self.assertIn("standard deviation", self.js("studio.view().picture.scales.map((s) => s.name)"))
         self.screenshot("function")
         self.click("tab-report")
+        told = [p.text for p in self.browser.find_elements(By.CSS_SELECTOR, ".pane.report .summary *")]
+        self.assertEqual(len(told), len(set(told)))
         titles = [h.text for h in self.browser.find_elements(By.CSS_SELECTOR, ".pane.report .panel h2")]
         self.assertIn("Predicted against left-out values", titles)
         self.assertIn("Errors at the samples", titles)
         self.screenshot("report")
         python = self.js("studio.python.textContent")
-        self.assertIn('table = np.genfromtxt("soundings.csv", delimiter=",", skip_header=1)', python)
-        self.assertIn("csrbf.fit(table[:, [1, 2]], table[:, 3]", python)
+        self.assertIn('table = pd.read_csv("soundings.csv"', python)
+        self.assertIn('csrbf.fit(table, "depth", coordinates=["east", "north"])', python)
 
 
 class Volume(Studio):

@@ -184,7 +184,7 @@ TEST(WritePoints, SavesArraysAsNumPyDoes) {
   const std::string bytes = format_npy({{1, 2}, {1.5, -2}});
   EXPECT_EQ(bytes.size() % 64, 16u);  // a header that is a multiple of 64 bytes long, two doubles
   EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\x01\x00\x76\x00", 10));
-  EXPECT_TRUE(bytes.substr(10).starts_with("{'descr': '<f8', 'fortran_order': False, 'shape': (1,2,), }"));
+  EXPECT_TRUE(bytes.substr(10).starts_with("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), }"));
 }
 
 TEST(ReadPoints, SaysWhatIsWrongAndInWhichLine) {

@@ -7,6 +7,7 @@ import {decodeLook} from "./look.js";
 
 const LARGEST = 512 * 2 ** 20; // bytes of a file: the memory of a page ends at 4 GB, and work takes several times the file
 const MOST_POINTS = 2e6; // of a look
+const VIEWER = "/* csrbf_viewer.js */"; // where reports have the script that draws surfaces
 
 /** A worker with the program, begun again after it was ended. It holds copies of the items that were put into it. */
 class Program {
@@ -111,11 +112,11 @@ function freshName(name, taken) {
 }
 
 /**
- * @param {{program?: string|URL, worker?: string|URL, version?: string}} [where] addresses of csrbf_program.wasm and of the
- *   worker; beside the page by default
+ * @param {{program?: string|URL, worker?: string|URL, viewer?: string|URL, version?: string}} [where] addresses of
+ *   csrbf_program.wasm, of the worker, and of the script of reports; beside the page by default
  * @returns {Promise<import("./engine.js").Engine>}
  */
-export async function wasmEngine({program = "csrbf_program.wasm", worker = "csrbf_worker.js", version = ""} = {}) {
+export async function wasmEngine({program = "csrbf_program.wasm", worker = "csrbf_worker.js", viewer = "csrbf_viewer.js", version = ""} = {}) {
   const compiled = await compile(program);
   const commands = new Program(compiled, worker);
   const previews = new Program(compiled, worker);
@@ -160,7 +161,14 @@ export async function wasmEngine({program = "csrbf_program.wasm", worker = "csrb
     },
     look: async (name, most = MOST_POINTS) => decodeLook(await previews.call("look", {name, most}, [known(name)])),
     slice: async (name, axis, index) => decodeLook(await previews.call("slice", {name, axis, index}, [known(name)])),
-    download: async (name) => known(name).blob,
+    async download(name) {
+      const {blob} = known(name);
+      if (!/\.html?$/.test(name)) return blob;
+      const page = await blob.text();
+      if (!page.includes(VIEWER)) return blob;
+      const script = await (await fetch(viewer)).text();
+      return new Blob([page.replace(VIEWER, () => script)], {type: "text/html"});
+    },
     async remove(name) {
       forget(name);
       items.delete(name);

@@ -1,9 +1,12 @@
-// Starts what is interactive in a report or notebook: pictures in space, and values under the cursor in plots.
+// Starts what is interactive in a report or notebook: pictures in space, and values under the cursor in plots. The page of
+// the studio without a server has this script too, for its own picture and for the reports that are saved from it.
 
 import {picture} from "./decode.js";
 import {watchPlots} from "./hover.js";
 import {watchSeries} from "./series.js";
 import {View} from "./viewer.js";
+
+globalThis.csrbfView = View;
 
 for (const figure of document.querySelectorAll("figure.surface")) {
   const still = figure.querySelector(".stage"); // a picture, shown until the view works and when it cannot go on

@@ -8,6 +8,8 @@ const TICK = 5; // pixels
 const TICK_GAP = 70; // pixels between ticks, about
 const MARGIN = 16; // pixels from the border of the picture
 const GIZMO = 26; // length of the axes in the corner, pixels
+const NARROW = 480; // pixels, below which numbers of the box reach into the corners
+const FEW = 40; // pixels of an axis, from which it has two numbers at least
 const AXIS_COLORS = {light: ["#b3261e", "#1e7d32", "#1f5fbf"], dark: ["#ff8a80", "#7ddc86", "#82b1ff"]};
 
 /** Where axis a of the data is at a place of the scene, and back. */
@@ -79,7 +81,7 @@ function edgeToLabel(a, halfSides, project, upright) {
   return best;
 }
 
-function drawAxis(context, a, {picture, frame, project, palette, up}) {
+function drawAxis(context, a, {picture, frame, project, palette, up, scaleBar}) {
   const found = edgeToLabel(a, frame.halfSides, project, "xyz"[a] === up);
   if (!found || frame.halfSides[a] === 0) return;
   const {edge, from, to, middle, center} = found;
@@ -92,24 +94,28 @@ function drawAxis(context, a, {picture, frame, project, palette, up}) {
   const map = axisMap(picture, frame, a);
   const align = out[0] > 0.4 ? "left" : out[0] < -0.4 ? "right" : "center";
   let widest = 0;
-  for (const tick of ticks(map.lo, map.hi, Math.max(1, Math.min(8, length / TICK_GAP)))) {
+  let marks = ticks(map.lo, map.hi, Math.max(1, Math.min(8, length / TICK_GAP)));
+  for (let count = 3; marks.length < 2 && length > FEW && count < 6; ++count) marks = ticks(map.lo, map.hi, count);
+  const {bar} = scaleBar;
+  for (const tick of marks) {
     const place = edge[0].map((s, k) => (k === a ? map.toScene(tick.value) : s * frame.halfSides[k]));
     const {x, y} = project(place);
     line(context, [x, y], [x + TICK * out[0], y + TICK * out[1]], palette.axis);
+    if (bar && x + 2.4 * TICK * out[0] > bar.x - 24 && y + 2.4 * TICK * out[1] > bar.y - 26) continue;
     text(context, tick.text, x + 2.4 * TICK * out[0], y + 2.4 * TICK * out[1], {align, color: palette.text, size: 11, halo: palette.halo});
     widest = Math.max(widest, align === "center" ? 12 : context.measureText(tick.text).width);
   }
   const name = picture.axes[a] + (picture.unit && !picture.axisRanges ? ` (${picture.unit})` : "");
   const distance = 2.4 * TICK + widest + 12;
-  const shift = align === "center" ? [0, 0] : [0, 0];
-  text(context, name, middle.x + distance * out[0] + shift[0], middle.y + distance * out[1] + shift[1], {
+  text(context, name, middle.x + distance * out[0], middle.y + distance * out[1], {
     align, color: palette.strong, size: 12, weight: "600", halo: palette.halo,
   });
 }
 
-/** The gizmo's axes: where their ends are on the picture, nearest last. */
-export function gizmoEnds(view, height) {
-  const center = [MARGIN + GIZMO + 6, height - MARGIN - GIZMO - 6];
+/** The gizmo's axes: where their ends are on the picture, nearest last. Below; above where the picture is narrow. */
+export function gizmoEnds(view, width, height) {
+  const inset = MARGIN + GIZMO + 6;
+  const center = [inset, width < NARROW ? inset + 20 : height - inset];
   const ends = [0, 1, 2].flatMap((a) =>
     [1, -1].map((sign) => {
       const [x, y, depth] = view.directionOnScreen(a);
@@ -120,8 +126,8 @@ export function gizmoEnds(view, height) {
   return {center, ends};
 }
 
-function drawGizmo(context, view, height, palette) {
-  const {center, ends} = gizmoEnds(view, height);
+function drawGizmo(context, view, width, height, palette) {
+  const {center, ends} = gizmoEnds(view, width, height);
   const colors = AXIS_COLORS[palette.dark ? "dark" : "light"];
   for (const end of ends) {
     const color = colors[end.axis];
@@ -136,13 +142,18 @@ function drawGizmo(context, view, height, palette) {
   }
 }
 
-function drawScaleBar(context, {picture, frame, pixelsPerUnit, width, height, palette, orthographic}) {
-  if (picture.axisRanges || !(pixelsPerUnit > 0)) return;
+// Where the scale bar is and how long; none where axes have different units.
+function placeScaleBar({picture, frame, pixelsPerUnit, width, height}) {
+  if (picture.axisRanges || !(pixelsPerUnit > 0)) return {};
   const unit = pixelsPerUnit * frame.scale; // pixels per length of the data
-  const length = roundStep(110 / unit, 1);
+  const length = roundStep(Math.min(110, width / 5) / unit, 1);
   const pixels = length * unit;
-  if (!(pixels > 10 && pixels < 400)) return;
-  const [x, y] = [width - MARGIN - pixels, height - MARGIN];
+  return pixels > 10 && pixels < 400 ? {bar: {x: width - MARGIN - pixels, y: height - MARGIN, pixels, length}} : {};
+}
+
+function drawScaleBar(context, {picture, scaleBar: {bar}, palette, orthographic}) {
+  if (!bar) return;
+  const {x, y, pixels, length} = bar;
   line(context, [x, y], [x + pixels, y], palette.strong, 2);
   for (const end of [x, x + pixels]) line(context, [end, y - 4], [end, y + 1], palette.strong, 2);
   const words = readable(length, 3) + (picture.unit ? ` ${picture.unit}` : "") + (orthographic ? "" : " at the centre");
@@ -210,10 +221,11 @@ function drawMeasure(context, {measure, project, palette}) {
   text(context, measure.text, at.x, at.y - 20.5, {color: palette.ground, size: 13, weight: "600"});
 }
 
-export function drawOverlay(context, given) {
-  const {view, height, axesShown, measure} = given;
+export function drawOverlay(context, shown) {
+  const given = {...shown, scaleBar: placeScaleBar(shown)};
+  const {view, width, height, axesShown, measure} = given;
   if (axesShown) for (let a = 0; a < 3; ++a) drawAxis(context, a, given);
-  drawGizmo(context, view, height, given.palette);
+  drawGizmo(context, view, width, height, given.palette);
   drawScaleBar(context, given);
   drawLegend(context, given);
   if (measure && measure.places.length > 0) drawMeasure(context, given);

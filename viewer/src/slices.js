@@ -24,6 +24,18 @@ export function labelEdges(values, width, height) {
   return ends;
 }
 
+/** The lines of a contour in a file .svg, as pairs of places (u, v) in pixels of the image. */
+export function svgLines(text, {spacing}) {
+  const ends = [];
+  for (const [, path] of text.matchAll(/ d="([^"]*)"/g))
+    for (const line of path.split("M").slice(1)) {
+      const places = (line.match(/-?[\d.]+(?:e[-+]?\d+)?/g) || []).map((word, i) => Number(word) / spacing[i % 2]);
+      if (line.includes("Z")) places.push(places[0], places[1]);
+      for (let i = 2; i < places.length; i += 2) ends.push(...places.slice(i - 2, i + 2));
+    }
+  return ends;
+}
+
 /** Rows "x,y[,z],label" of painted voxels in physical coordinates, as --seeds takes them. */
 export function seedTable(seeds, look) {
   const dimension = look.kind === "volume" ? 3 : 2;
@@ -101,13 +113,13 @@ export class Slices {
   /**
    * @param {object} look of the image
    * @param {(axis: number, index: number, frame: number) => Promise<object>} read a slice of it
-   * @param {{labels?: (axis: number, index: number) => Promise<object>, labelsLook?: object, contour?: object|null,
+   * @param {{labels?: (axis: number, index: number) => Promise<object>, labelsLook?: object, contour?: object|null, lines?: number[]|null,
    *   keep?: boolean, name?: string, paintable?: boolean, frames?: number}} more labels: slices of a label image; contour: a mesh in
-   *   physical coordinates
+   *   physical coordinates; lines: that of a picture, as of svgLines
    */
-  show(look, read, {labels = null, labelsLook = null, contour = null, keep = false, name = "", paintable = true, frames = look.frames || 1} = {}) {
+  show(look, read, {labels = null, labelsLook = null, contour = null, lines = null, keep = false, name = "", paintable = true, frames = look.frames || 1} = {}) {
     const same = keep && this.look && this.look.size.every((n, a) => n === look.size[a]);
-    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, name, frames});
+    Object.assign(this, {look, read, readLabels: labels, labelsLook: labelsLook || look, contour, outline: lines, name, frames});
     this.kept.clear();
     const flat = look.kind === "image";
     for (const control of [this.controls.axis, this.controls.index]) control.node.hidden = flat;
@@ -200,7 +212,7 @@ export class Slices {
     const {axis, index} = this.state;
     const [u, v] = planeOf(axis);
     const {origin, spacing, direction} = this.look;
-    if (!this.contour) return null;
+    if (!this.contour) return this.outline;
     const normal = [0, 1, 2].map((r) => direction[3 * r + axis]);
     const place = physical([0, 1, 2].map((a) => (a === axis ? index : 0)), this.look);
     const middle = this.contour.low.map((lo, a) => (lo + this.contour.high[a]) / 2);
@@ -332,7 +344,8 @@ export class Slices {
   drawScaleBar(context, at) {
     const length = roundStep(100 / at.fit, 1);
     const pixels = length * at.fit;
-    const text = `${readable(length, 3)} ${this.look.unit || "(voxel units)"}`;
+    const plain = this.look.kind === "image" && this.look.spacing[0] === 1 ? "pixels" : "(units of the file)";
+    const text = `${readable(length, 3)} ${this.look.unit || plain}`;
     const [x, y] = [this.stage.clientWidth - 20 - pixels, this.stage.clientHeight - 18];
     context.font = '11px system-ui, "Segoe UI", sans-serif';
     context.textAlign = "right";

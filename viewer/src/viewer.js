@@ -464,7 +464,7 @@ export class View {
   }
 
   clicked(x, y) {
-    const {ends} = gizmoEnds(this, this.canvas.clientHeight);
+    const {ends} = gizmoEnds(this, this.canvas.clientWidth, this.canvas.clientHeight);
     const end = [...ends].reverse().find((e) => Math.hypot(e.x - x, e.y - y) < GIZMO_REACH);
     if (end) return this.lookFrom(end.name);
     const found = this.pick(x, y);

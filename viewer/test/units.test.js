@@ -17,6 +17,7 @@ import {landscape, previewArgs} from "../src/studio/app.js";
 import {roleFlags, usualRoles} from "../src/studio/columns.js";
 import {sliderScale} from "../src/studio/options.js";
 import {framesOf, isSeries, labelFiles, seriesOf} from "../src/studio/series.js";
+import {svgLines} from "../src/slices.js";
 import {commandLine, outputsOf, pythonLines, unused} from "../src/studio/tasks.js";
 import {bytesText, counted, pretty, readable, roundStep, ticks} from "../src/ticks.js";
 import {Vector3} from "three";
@@ -379,8 +380,8 @@ test("the same in Python", () => {
   const lines = pythonLines({command: "reconstruct", inputs: ["scan.ply"], flags: [["--smoothing", "0.01"], ["--resolution", "64"], ["--method", "composite"]], outputs: [["-o", "m.ply"], ["--model", "m.csrbf"]]});
   assert.deepEqual(lines, ["import csrbf", "", 'cloud = csrbf.read_points("scan.ply")',
     'surface = csrbf.reconstruct(cloud, cloud.normals, smoothing=0.01, method="composite")', 'surface.polygonize(resolution=64).save("m.ply")', 'surface.save("m.csrbf")']);
-  const fit = pythonLines({command: "fit", inputs: ["s.csv"], flags: [["--coordinates", "x,y"], ["--loss", "student"]], outputs: [["-o", "f.csrbf"]], columns: {coordinates: [0, 1], values: [2], weights: [3], named: true}});
-  assert.ok(fit.includes('table = np.genfromtxt("s.csv", delimiter=",", skip_header=1)'));
+  const fit = pythonLines({command: "fit", inputs: ["s.txt"], flags: [["--coordinates", "x,y"], ["--loss", "student"]], outputs: [["-o", "f.csrbf"]], columns: {coordinates: [0, 1], values: [2], weights: [3], named: true}});
+  assert.ok(fit.includes('table = np.genfromtxt("s.txt", skip_header=1)'));
   assert.ok(fit.includes('f = csrbf.fit(table[:, [0, 1]], table[:, 2], weights=table[:, 3], loss="student")'), fit.join("\n"));
 });
 

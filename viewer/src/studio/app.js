@@ -2,14 +2,14 @@
 
 import {copy, element, icon, save} from "../dom.js";
 import {decodeNpy, pictureOf, pictureOfColumns} from "../look.js";
-import {Slices} from "../slices.js";
+import {Slices, svgLines} from "../slices.js";
 import {bytesText, counted, readable} from "../ticks.js";
-import {View} from "../viewer.js";
+import {View} from "csrbf-view";
 import {columnsChooser, roleFlags, usualRoles} from "./columns.js";
 import {commandControls} from "./options.js";
 import {parseReport, showReport} from "./report.js";
 import {frameReader, framesOf, isSeries, labelFiles} from "./series.js";
-import {commandLine, outputsOf, PREVIEWED, pythonLines, TASKS, unused} from "./tasks.js";
+import {commandLine, FIRST, outputsOf, PREVIEWED, pythonLines, TASKS, unused} from "./tasks.js";
 
 const MOST_SHOWN = 400000; // points that are drawn
 const OPERATIONS = ["union", "intersection", "difference", "blend", "complement"];
@@ -209,17 +209,18 @@ export class Studio {
   }
 
   async select(name) {
-    this.item = this.find(name);
+    const item = (this.item = this.find(name));
     this.showFiles();
     this.roles = null;
     try {
       const look = await this.look(name);
-      if (look.kind !== this.item.kind) this.item.kind = look.kind;
-      const kind = this.item.kind;
+      if (this.item !== item) return; // another one was selected since
+      item.kind = look.kind;
+      const {kind} = item;
       if (kind !== this.kindOfTask) this.task_ = TASKS[kind][0];
       this.kindOfTask = kind;
       this.title.textContent = `${name} · ${this.describe(look)}`;
-      await this.showItem(this.item, look);
+      await this.showItem(item, look);
     } catch (error) {
       this.complain(error);
     }
@@ -381,7 +382,7 @@ export class Studio {
       if (tracked !== (this.task_ === "track")) this.showItem(item, this.looks.get(item.name)).catch((error) => this.complain(error));
     });
     const command = this.commands.get(this.task_);
-    const values = (this.values[this.task_] = this.values[this.task_] || new Map());
+    const values = (this.values[this.task_] = this.values[this.task_] || new Map(FIRST[this.task_]));
     const skip = new Set(this.roles && this.task_ === "fit" ? ["--coordinates", "--values", "--weights"] : []);
     const controls = commandControls(command, values, (moving) => this.changed(moving), (kinds) => this.items.filter((i) => kinds.includes(i.kind) && i.name !== item.name).map((i) => i.name), skip);
     this.runButton = element("button", {type: "button", name: "run", className: "primary"}, "Run");
@@ -390,7 +391,7 @@ export class Studio {
     this.cancelButton.addEventListener("click", () => this.cancel());
     const reset = element("button", {type: "button", name: "defaults"}, "Defaults");
     reset.addEventListener("click", () => {
-      this.values[this.task_] = new Map();
+      this.values[this.task_] = new Map(FIRST[this.task_]);
       this.showTask();
     });
     this.progress = element("progress", {max: 1, value: 0});
@@ -458,7 +459,7 @@ export class Studio {
     const inputs = this.inputs();
     const words = (pairs) => pairs.flatMap(([flag, value]) => (value === true ? [flag] : [flag, String(value)]));
     const places = (role) => this.roles.flatMap((r, i) => (r === role ? [i] : []));
-    const columns = isTable ? {coordinates: places("coordinate"), values: places("value"), weights: places("weight"), named: look.columns.some((c, i) => c.name !== String(i + 1))} : undefined;
+    const columns = isTable ? {coordinates: places("coordinate"), values: places("value"), weights: places("weight"), names: look.columns.map(({name}) => name), named: look.columns.some((c, i) => c.name !== String(i + 1))} : undefined;
     return {command: this.task_, inputs, flags, outputs, columns, args: [...inputs, ...words(outputs), ...words(flags)]};
   }
 
@@ -551,7 +552,7 @@ export class Studio {
     return {low: Array.from(look.low), high: Array.from(look.high)};
   }
 
-  async showLabels(image, look, labels, contour) {
+  async showLabels(image, look, labels, contour, lines = null) {
     const labelsLook = await this.engine.look(labels);
     this.offer("slices", ...(contour ? ["space"] : []), ...(this.shownResult ? ["report"] : []));
     await this.slices().show(look, (axis, index) => this.engine.slice(image, axis, index), {
@@ -559,6 +560,7 @@ export class Studio {
       labels: (axis, index) => this.engine.slice(labels, axis, index),
       labelsLook,
       contour,
+      lines,
       name: labels,
     });
   }
@@ -645,7 +647,9 @@ export class Studio {
       const look = await this.look(entry.item.name);
       const contour = entry.item.kind === "volume" ? await this.look(file(/-contour.*\.ply$/)) : null;
       tabs.unshift("slices");
-      await this.showLabels(entry.item.name, look, file(/-labels/), contour);
+      const drawn = file(/-contour.*\.svg$/);
+      const lines = drawn ? svgLines(await (await this.engine.download(drawn)).text(), look) : null;
+      await this.showLabels(entry.item.name, look, file(/-labels/), contour, lines);
     } else if (command === "track") {
       tabs.unshift("slices");
       await this.showFrames(entry.item, await this.look(entry.item.name), labelFiles(made.items));
@@ -715,7 +719,7 @@ export class Studio {
     if (!entry) return;
     this.item = entry.item;
     this.task_ = entry.command;
-    this.values[entry.command] = new Map(place < 0 ? [] : entry.values);
+    this.values[entry.command] = new Map(place < 0 ? FIRST[entry.command] : entry.values);
     this.roles = entry.roles && [...entry.roles];
     this.hasRun = null;
     this.showTask();

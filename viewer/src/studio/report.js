@@ -14,7 +14,7 @@ export function parseReport(html) {
   const warnings = [...page.querySelectorAll("#warnings li")].map((li) => li.textContent);
   const parts = [".facts", "#warnings", ".summary", ".panels", "#options", "#results", "#time-and-memory"]
     .map((selector) => page.querySelector(selector))
-    .filter(Boolean);
+    .filter((part, i, all) => part && !all.some((other) => other && other !== part && other.contains(part)));
   return {pictures, facts, warnings, parts};
 }
 

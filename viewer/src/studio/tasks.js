@@ -45,6 +45,9 @@ export const SLIDERS = {
   "--degree": {lo: 0, hi: 8, step: 1, whole: true, start: 1},
 };
 
+/** Values that flags have at first, where the command needs one. */
+export const FIRST = {evaluate: [["--grid", "100"]]};
+
 /** Flags that the page sets itself. */
 export const HIDDEN = new Set(["--output", "--report", "--model", "--contour", "--preview", "--seeds", "--table", "--refine", "--tile-folder",
   "--tile-share", "--slices-are-frames", "--help", "--version"]);
@@ -121,7 +124,7 @@ function keyword([flag, value]) {
 /**
  * The same in Python.
  * @param {{command: string, inputs: string[], flags: [string, string|true][], outputs: [string, string][],
- *   columns?: {coordinates: number[], values: number[], weights: number[], named: boolean}}} run
+ *   columns?: {coordinates: number[], values: number[], weights: number[], names: string[], named: boolean}}} run
  */
 export function pythonLines({command, inputs, flags, outputs, columns}) {
   const output = (flag) => (outputs.find(([name]) => name === flag) || [])[1];
@@ -132,11 +135,17 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
   const [input] = inputs;
   const saves = (variable) => (output("--model") ? [`${variable}.save(${python(output("--model"))})`] : []);
   const meshed = ["--resolution", "--sharp", "--trim"];
+  const value = (flag) => (flags.find(([name]) => name === flag) || [])[1];
+  const tuple = (text, separator) => `(${String(text).split(separator).join(", ")})`;
   switch (command) {
-    case "reconstruct":
+    case "reconstruct": {
+      const methods = {on: "dual-contouring", off: "marching-cubes"};
+      const sharp = methods[value("--sharp")] ? `method=${python(methods[value("--sharp")])}` : "";
+      const trim = Number.isFinite(Number(value("--trim"))) ? of(["--trim"]) : [];
       return ["import csrbf", "", `cloud = csrbf.read_points(${python(input)})`,
-        `surface = ${call("reconstruct", ["cloud", "cloud.normals", ...except([...meshed, "--normals"])])}`,
-        `surface.polygonize(${of(["--resolution"]).join(", ")}).save(${python(output("-o"))})`, ...saves("surface")];
+        `surface = ${call("reconstruct", ["cloud", value("--normals") === "estimate" ? "" : "cloud.normals", ...except([...meshed, "--normals"])])}`,
+        `surface.polygonize(${[...of(["--resolution"]), sharp, ...trim].filter(Boolean).join(", ")}).save(${python(output("-o"))})`, ...saves("surface")];
+    }
     case "estimate-normals":
       return ["import csrbf", "", `cloud = csrbf.read_points(${python(input)})`,
         `normals = ${call("estimate_normals", ["cloud", ...except([])])}`,
@@ -148,6 +157,17 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
       return ["import csrbf", "", `parts = [csrbf.load(name) for name in ${JSON.stringify(inputs.slice(1))}]`,
         `${call("combine", [python(inputs[0]), "*parts", ...except([])])}.save(${python(output("-o"))})`];
     case "fit": {
+      // A table of pandas has the names of its columns, which the model keeps.
+      if (columns && columns.named && /\.(csv|tsv)$/i.test(input)) {
+        const name = (column) => python(columns.names[column]);
+        const list = (role) => `[${columns[role].map(name).join(", ")}]`;
+        const values = columns.values.length === 1 ? name(columns.values[0]) : list("values");
+        return ["import csrbf", "import pandas as pd", "",
+          `table = pd.read_csv(${python(input)}${/\.tsv$/i.test(input) ? ', sep="\\t"' : ""}, float_precision="round_trip")`,
+          `f = ${call("fit", ["table", values, `coordinates=${list("coordinates")}`,
+            columns.weights.length ? `weights=${name(columns.weights[0])}` : "", ...except(["--coordinates", "--values", "--weights"])])}`,
+          `f.save(${python(output("-o"))})`];
+      }
       const delimiter = /\.csv$/i.test(input) ? ', delimiter=","' : /\.tsv$/i.test(input) ? ', delimiter="\\t"' : "";
       const reading = /\.npy$/i.test(input) ? `table = np.load(${python(input)})`
         : `table = np.genfromtxt(${python(input)}${delimiter}${columns && columns.named ? ", skip_header=1" : ""})`;
@@ -159,20 +179,42 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
     }
     case "segment": {
       const seeds = flags.find(([flag]) => flag === "--seeds");
-      return ["import csrbf", "", `g = ${call("segment", [python(input), ...(seeds ? [`seeds=${python(seeds[1])}`] : []), ...except([])])}`,
-        `g.save(${python(output("-o"))})`];
+      const g = `g = ${call("segment", [python(input), ...(seeds ? [`seeds=${python(seeds[1])}`] : []), ...except([])])}`;
+      const contour = output("--contour");
+      const isSurface = /\.ply$/.test(contour || "") && !(Number(value("--regions")) > 2);
+      const more = isSurface ? [`g.contour().save(${python(contour)})`] : [];
+      if (!value("--objects")) return ["import csrbf", "", g, `g.save(${python(output("-o"))})`, ...more];
+      return ["import csrbf", "import numpy as np", "", `image = csrbf.read_image(${python(input)})`, g,
+        "objects = g.objects.astype(np.min_scalar_type(g.objects.max()))",
+        `csrbf.Image(objects, image.spacing, image.origin, image.direction, space=image.space).save(${python(output("-o"))})`, ...more];
     }
     case "track": {
       const frames = inputs.length > 1 ? JSON.stringify(inputs) : python(input);
-      return ["import csrbf", "", `t = ${call("track", [frames, ...except([])])}`, "t[0].labels, t.measures"];
+      const folder = output("-o");
+      return ["import os", "", "import csrbf", "", `t = ${call("track", [frames, ...except([])])}`, `os.makedirs(${python(folder)}, exist_ok=True)`,
+        "for i, frame in enumerate(t):", `    frame.save(f${python(`${folder}/labels_{i:04}${imageExtension(input)}`)})`];
     }
     case "inpaint":
       return ["import csrbf", "", `filled = ${call("inpaint", [python(input), ...except([])])}`, `filled.save(${python(output("-o"))})`];
     case "curvature":
       return ["import csrbf", "", `surface = csrbf.load(${python(input)})`, `mesh = surface.polygonize(${of(["--resolution"]).join(", ")})`,
-        "c = surface.curvature(mesh.vertices)"];
-    case "evaluate":
-      return ["import csrbf", "", `f = csrbf.load(${python(input)})`, "# f(x), f.gradient(x), f.standard_deviation(x): x is an array (n, d)"];
+        "c = surface.curvature(mesh.vertices)", 'values = {"k1": c.k1, "k2": c.k2}',
+        "for i, direction in (1, c.direction1), (2, c.direction2):",
+        '    values |= {f"d{i}{axis}": direction[:, k] for k, axis in enumerate("xyz")}',
+        'values |= {"mean_curvature": c.mean, "gaussian_curvature": c.gaussian}',
+        'values = {name: value.astype("float32") for name, value in values.items()}',
+        `csrbf.Mesh(mesh.vertices, mesh.faces, surface.normal(mesh.vertices), values).save(${python(output("-o"))})`,
+        ...(output("--ridges") ? [`surface.ridges(mesh).save(${python(output("--ridges"))})`] : [])];
+    case "evaluate": {
+      const grid = value("--grid") === undefined || value("--grid") === true ? "" : `grid=${/,/.test(value("--grid")) ? tuple(value("--grid"), ",") : value("--grid")}`;
+      return ["import csrbf", "import numpy as np", "", `values = ${call("evaluate", [python(input), grid, ...except(["--grid"])])}`,
+        `np.save(${python(output("-o"))}, values)`];
+    }
+    case "render": {
+      const options = [value("--size") ? `size=${tuple(value("--size"), "x")}` : "", value("--view") ? `view=${tuple(value("--view"), ",")}` : "", ...except(["--size", "--view"])];
+      return ["import csrbf", "", `surface = csrbf.${/\.csrbf$/.test(input) ? "load" : "read_mesh"}(${python(input)})`,
+        call("render", [python(output("-o")), ...options]).replace("csrbf.", "surface.")];
+    }
     case "compare":
       return ["import csrbf", "", `print(csrbf.compare(${inputs.map((name) => `csrbf.read_mesh(${python(name)})`).join(", ")}))`];
     default:

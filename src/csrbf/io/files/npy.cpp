@@ -121,8 +121,9 @@ NpyArray parse_npy(std::string_view bytes, const std::string& name) {
 }
 
 std::string format_npy_header(SampleType type, const std::vector<Index>& lengths) {
-  std::string shape;
-  for (const Index length : lengths) shape += std::to_string(length) + ",";
+  std::string shape;  // as NumPy writes it: (3, 4), (3,)
+  for (const Index length : lengths) shape += (shape.empty() ? "" : ", ") + std::to_string(length);
+  if (lengths.size() == 1) shape += ",";
   std::string dictionary = "{'descr': '" + std::string(sample_size(type) == 1 ? "|" : "<") +
                            std::string(name_of(type, type_codes)) + "', 'fortran_order': False, 'shape': (" + shape +
                            "), }";
