@@ -93,14 +93,16 @@ void Parser::add_installed_texts() {
     std::cout << text;
     throw CLI::Success();
   };
+  app_.add_flag_callback("--print-usage", [=, this] { print(usage_json(usage_of(app_))); })->group("");
+#ifndef __EMSCRIPTEN__  // pages install nothing
   for (CLI::App* subcommand : app_.get_subcommands([](const CLI::App* v) { return is_slicer_module(v->get_name()); }))
     subcommand->add_flag_callback("--xml", [=] { print(slicer_module(usage_of(*subcommand))); })->group("");
   app_.add_flag_callback("--print-man", [=, this] { print(man_page(usage_of(app_))); })->group("");
-  app_.add_flag_callback("--print-usage", [=, this] { print(usage_json(usage_of(app_))); })->group("");
   app_.add_option_function<std::string>(
           "--print-completion", [=, this](const std::string& shell) { print(completion(usage_of(app_), shell)); })
       ->check(CLI::IsMember({"bash", "zsh", "fish"}))
       ->group("");
+#endif
 }
 
 std::vector<std::string> Parser::command_names() const {

@@ -68,7 +68,7 @@ int run(const CommandLine& line) {
   try {
     assume_formats(line);
     Session session(line.subcommand, line.common);
-    std::visit([&](const auto& command) { app::run(command, session); }, line.command);
+    app::run(line.command, session);
     session.finish();
     return success;
   } catch (const std::exception& error) {

@@ -189,5 +189,6 @@ void run(const TrackCommand& command, Session& session);
 void run(const StudioCommand& command, Session& session);
 void run(const CompareCommand& command, Session& session);
 void run(const InfoCommand& command, Session& session);
+void run(const Command& command, Session& session);  ///< whichever it is
 
 }  // namespace csrbf::app

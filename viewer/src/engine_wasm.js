@@ -1,6 +1,7 @@
 // The engine of the studio as static files: the program runs in workers of the page, compiled to WebAssembly, and files
 // stay in the page. One worker runs commands, the other one looks into files and makes previews, so that neither waits for
-// the other. A command is cancelled by ending its worker.
+// the other. A command is cancelled by ending its worker. There are two programs, the smaller one with the commands about
+// surfaces (wasm/run_surfaces.cpp); the larger one is loaded when another command is first wanted.
 
 import {checkEngine, EngineError} from "./engine.js";
 import {decodeLook} from "./look.js";
@@ -9,9 +10,12 @@ const LARGEST = 512 * 2 ** 20; // bytes of a file: the memory of a page ends at 
 const MOST_POINTS = 2e6; // of a look
 const VIEWER = "/* csrbf_viewer.js */"; // where reports have the script that draws surfaces
 
-/** A worker with the program, begun again after it was ended. It holds copies of the items that were put into it. */
+/** Commands of the smaller program. */
+const ABOUT_SURFACES = new Set(["reconstruct", "estimate-normals", "polygonize", "render", "curvature", "combine", "compare"]);
+
+/** A worker with a program, begun again after it was ended. It holds copies of the items that were put into it. */
 class Program {
-  #compiled;
+  #binary;
   #address;
   #worker;
   #calls = new Map();
@@ -19,12 +23,18 @@ class Program {
   #held = new Set();
   #last = Promise.resolve();
 
-  constructor(compiled, address) {
-    this.#compiled = compiled;
+  /** @param {{script: string, compiled: () => Promise<WebAssembly.Module>}} binary @param {string|URL} address of the worker */
+  constructor(binary, address) {
+    this.#binary = binary;
     this.#address = address;
   }
 
-  #begin() {
+  get isRunning() {
+    return Boolean(this.#worker);
+  }
+
+  async #begin() {
+    const compiled = await this.#binary.compiled();
     this.#worker = new Worker(this.#address, {type: "module"});
     this.#worker.onmessage = ({data: {id, progress, error, result}}) => {
       const call = this.#calls.get(id);
@@ -35,7 +45,7 @@ class Program {
       else call.reject(new EngineError(error));
     };
     this.#worker.onerror = (event) => this.end(new EngineError(event.message || "The program could not be loaded."));
-    return this.#send("start", {compiled: this.#compiled});
+    return this.#send("start", {compiled, script: this.#binary.script});
   }
 
   #send(call, given = {}, transfer = [], progress = () => {}) {
@@ -92,6 +102,12 @@ class Program {
   }
 }
 
+/** A program beside the page, compiled when it is first wanted. */
+function binary(address) {
+  let compiled;
+  return {script: String(address).replace(/\.wasm$/, ".js"), compiled: () => (compiled ??= compile(address))};
+}
+
 async function compile(address) {
   const response = await fetch(address);
   if (!response.ok) throw new EngineError(`The program could not be loaded: ${response.status}`, response.status);
@@ -112,14 +128,17 @@ function freshName(name, taken) {
 }
 
 /**
- * @param {{program?: string|URL, worker?: string|URL, viewer?: string|URL, version?: string}} [where] addresses of
- *   csrbf_program.wasm, of the worker, and of the script of reports; beside the page by default
+ * @param {{surfaces?: string|URL, program?: string|URL, worker?: string|URL, viewer?: string|URL, version?: string}} [where]
+ *   addresses of the two programs, of the worker, and of the script of reports; beside the page by default
  * @returns {Promise<import("./engine.js").Engine>}
  */
-export async function wasmEngine({program = "csrbf_program.wasm", worker = "csrbf_worker.js", viewer = "csrbf_viewer.js", version = ""} = {}) {
-  const compiled = await compile(program);
-  const commands = new Program(compiled, worker);
-  const previews = new Program(compiled, worker);
+export async function wasmEngine({surfaces = "csrbf_surfaces.wasm", program = "csrbf_program.wasm", worker = "csrbf_worker.js", viewer = "csrbf_viewer.js", version = ""} = {}) {
+  const binaries = [surfaces, program].map((address) => binary(new URL(address, document.baseURI)));
+  await binaries[0].compiled();
+  const [commands, previews] = [0, 1].map(() => binaries.map((each) => new Program(each, worker)));
+  const programs = [...commands, ...previews];
+  // The smaller one where it will do and the larger one is not there anyway.
+  const oneOf = ([small, large], command) => (large.isRunning || (command && !ABOUT_SURFACES.has(command)) ? large : small);
   const items = new Map(); // name: {item, blob}, previews too
   let usage;
 
@@ -129,21 +148,21 @@ export async function wasmEngine({program = "csrbf_program.wasm", worker = "csrb
     return {name, blob: found.blob};
   };
   const forget = (name) => {
-    for (const each of [commands, previews]) each.forget(name);
+    for (const each of programs) each.forget(name);
   };
   const keep = (name, blob, made, {kind, problem}) => {
     const item = {name, kind, bytes: blob.size, made, ...(problem ? {problem} : {})};
     items.set(name, {item, blob});
     return item;
   };
-  const add = async (name, blob, made) => keep(name, blob, made, await previews.call("describe", {name}, [{name, blob}]));
+  const add = async (name, blob, made) => keep(name, blob, made, await oneOf(previews).call("describe", {name}, [{name, blob}]));
 
   return checkEngine({
     name: "wasm",
     version,
     largest: LARGEST,
 
-    commands: () => (usage ??= previews.call("usage", {})),
+    commands: () => (usage ??= oneOf(previews).call("usage", {})),
     files: async () => [...items.values()].map(({item}) => item).filter(({name}) => !name.startsWith("preview:")),
 
     async open(file, name, progress = () => {}) {
@@ -159,8 +178,8 @@ export async function wasmEngine({program = "csrbf_program.wasm", worker = "csrb
       forget(name);
       return add(name, new Blob([text]), true);
     },
-    look: async (name, most = MOST_POINTS) => decodeLook(await previews.call("look", {name, most}, [known(name)])),
-    slice: async (name, axis, index) => decodeLook(await previews.call("slice", {name, axis, index}, [known(name)])),
+    look: async (name, most = MOST_POINTS) => decodeLook(await oneOf(previews).call("look", {name, most}, [known(name)])),
+    slice: async (name, axis, index) => decodeLook(await oneOf(previews).call("slice", {name, axis, index}, [known(name)])),
     async download(name) {
       const {blob} = known(name);
       if (!/\.html?$/.test(name)) return blob;
@@ -176,11 +195,11 @@ export async function wasmEngine({program = "csrbf_program.wasm", worker = "csrb
 
     async run({command, args, preview = false}, progress = () => {}, signal) {
       const names = [...items.keys()].filter((name) => isNamed(args, name)).sort((a, b) => b.length - a.length);
-      const runner = preview ? previews : commands;
+      const runner = oneOf(preview ? previews : commands, command);
       const {written, ...done} = await runner.call("run", {command, args, preview, names}, names.map(known), progress, signal);
       if (done.status !== 0) throw new EngineError(done.error, done.status);
       const results = written.map(({name, bytes, ...description}) => {
-        (preview ? commands : previews).forget(name);
+        for (const each of programs) if (each !== runner) each.forget(name);
         runner.holds(name);
         return keep(name, new Blob([bytes]), true, description);
       });

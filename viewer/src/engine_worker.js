@@ -1,8 +1,6 @@
 // The worker behind engine_wasm.js: the program itself, compiled to WebAssembly, with its files in memory. It works on one
 // call at a time; whoever wants it to stop ends the worker.
 
-import createProgram from "./csrbf_program.js";
-
 const FOLDERS = {work: "/work", preview: "/preview"};
 const REPORT = "/report.json";
 
@@ -12,7 +10,8 @@ let errors = [];
 
 const pathOf = (name) => (name.startsWith("preview:") ? `${FOLDERS.preview}/${name.slice(8)}` : `${FOLDERS.work}/${name}`);
 
-async function start(compiled) {
+async function start(compiled, script) {
+  const {default: createProgram} = await import(script);
   const instantiateWasm = (imports, receive) => {
     WebAssembly.instantiate(compiled, imports).then(receive);
     return {};
@@ -100,7 +99,7 @@ function run({command, args, preview, names}, progress) {
 const describe = (name) => answerOf("describe", ["string"], [pathOf(name)]);
 
 const CALLS = {
-  start: ({compiled}) => start(compiled),
+  start: ({compiled, script}) => start(compiled, script),
   usage() {
     const output = [];
     line = (text) => output.push(text);

@@ -1,8 +1,6 @@
 // The functions of the package, on a module of WebAssembly that node.js or browser.js has found. Arguments are copied into
 // its memory, results out of it.
 
-import createModule from "./csrbf_module.js";
-
 const RESULT_TYPES = {f8: Float64Array, i4: Int32Array, u4: Uint32Array, u1: Uint8Array};
 
 /** Numbers as one flat array, and how many there are of each point: undefined for a flat array. */
@@ -142,6 +140,7 @@ export class Csrbf {
     let answer = 0;
     try {
       const [name, ...given] = prepare(args);
+      if (!module[`_csrbf_${name}`]) throw new Error(`csrbf: ${name} is not in "csrbf/surfaces"; import from "csrbf"`);
       if (progress) module.listener = listener;
       answer = module[`_csrbf_${name}`](...given) >>> 0;
       if (thrown) throw thrown.error;
@@ -241,8 +240,8 @@ export class Csrbf {
   }
 }
 
-/** @param {WebAssembly.Module} compiled */
-export function start(compiled) {
+/** @param {WebAssembly.Module} compiled @param {(options: object) => Promise<object>} createModule */
+export function start(compiled, createModule) {
   return new Promise((resolve, reject) => {
     const instantiateWasm = (imports, receive) => {
       WebAssembly.instantiate(compiled, imports).then(receive, reject);

@@ -1,14 +1,5 @@
-import {readFile} from "node:fs/promises";
+import createModule from "./csrbf_module.js";
+import {loader} from "./load_node.js";
 
-import {start} from "./csrbf.js";
-
-let compiled;
-
-export async function load({wasm} = {}) {
-  if (wasm instanceof WebAssembly.Module) return start(wasm);
-  if (wasm !== undefined) return start(await WebAssembly.compile(wasm instanceof Uint8Array || wasm instanceof ArrayBuffer ? wasm : await readFile(wasm)));
-  compiled ??= WebAssembly.compile(await readFile(new URL("./csrbf_module.wasm", import.meta.url)));
-  return start(await compiled);
-}
-
+export const load = loader(createModule, new URL("./csrbf_module.wasm", import.meta.url));
 export {Csrbf, Model} from "./csrbf.js";

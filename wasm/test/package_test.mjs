@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import {test} from "node:test";
 
 import {load} from "csrbf";
+import {load as loadSurfaces} from "csrbf/surfaces";
 
 const csrbf = await load();
 
@@ -29,6 +30,18 @@ test("a sphere is reconstructed, closed and on its points", () => {
   assert.deepEqual(again.evaluate([0.3, 0.2, 0.1]), model.evaluate([0.3, 0.2, 0.1]));
   model.delete();
   assert.throws(() => model.evaluate([0, 0, 0]), /deleted/);
+});
+
+test("surfaces alone are the same in the smaller module", async () => {
+  const surfaces = await loadSurfaces();
+  const options = {resolution: 24, model: true};
+  const [all, few] = [csrbf, surfaces].map((each) => each.reconstruct(sphere(1000), options));
+  assert.deepEqual(few.positions, all.positions);
+  assert.deepEqual(few.triangles, all.triangles);
+  assert.deepEqual(few.model.gradient([0.9, 0.1, 0.2]), all.model.gradient([0.9, 0.1, 0.2]));
+  assert.deepEqual(few.model.bounds, all.model.bounds);
+  assert.ok(surfaces.polygonize(few.model, {resolution: 40}).triangles.length > few.triangles.length);
+  assert.throws(() => surfaces.fit([[0], [1]], [1, 2]), /import from "csrbf"/);
 });
 
 test("a function is fitted, with its gradient", () => {

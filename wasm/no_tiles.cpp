@@ -1,0 +1,25 @@
+// In a page there are neither processes nor files to work in tiles with: these take the place of the library's.
+#include "csrbf/core/error.hpp"
+#include "csrbf/tiles/fit_tiles.hpp"
+#include "csrbf/tiles/reconstruct_tiles.hpp"
+
+namespace csrbf {
+namespace {
+
+[[noreturn]] void refuse() {
+  throw InvalidInput("tiles: need the program outside the browser");
+}
+
+}  // namespace
+
+TileReport reconstruct_tiles(const std::string& /*points*/, const std::string& /*mesh*/,
+                             const TileOptions& /*options*/) {
+  refuse();
+}
+
+FitTileReport fit_tiles(const std::string& /*samples*/, const std::string& /*model*/,
+                        const FitTileOptions& /*options*/) {
+  refuse();
+}
+
+}  // namespace csrbf
