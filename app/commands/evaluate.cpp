@@ -199,6 +199,14 @@ void warn_of_rounding(const NamedFunction& model, Session& session) {
                  (session.is_given("float32") ? "; leave it out" : "; .nrrd and .nc hold double precision"));
 }
 
+std::vector<Fact> facts_of(const Json& result) {
+  std::vector<Fact> facts = {{grouped(result["points"].get<Index>()), "places"}};
+  if (!result["min"].is_number()) return facts;
+  facts.push_back({readable(result["min"].get<double>()), "smallest value"});
+  facts.push_back({readable(result["max"].get<double>()), "largest value"});
+  return facts;
+}
+
 template <class Scalar>
 void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, const Places& places, Session& session) {
   const Wanted wanted{command.gradient, command.hessian, command.standard_deviation,
@@ -215,6 +223,7 @@ void evaluate_as(const EvaluateCommand& command, const NamedFunction& model, con
   report_values(command.output, answers, command.labels ? 1 : model.function.components(), columns, session);
   if (std::is_same_v<Scalar, float> && command.like.empty() && !command.labels) warn_of_rounding(model, session);
   session.add_to_page([&](Page& page) {
+    page.facts = facts_of(session.result);
     show_values(answers.frame().row(0).template cast<double>(), places.axes, model.coordinate_names, columns.front(),
                 page);
   });

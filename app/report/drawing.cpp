@@ -63,7 +63,13 @@ std::string Axis::text(double tick) const {
     std::snprintf(text.data(), text.size(), "%.*f",
                   std::max(0, -static_cast<int>(std::floor(std::log10(step) + rounding))), tick);
   }
-  return pretty_number(text.data());
+  std::string number = text.data();
+  constexpr std::size_t long_number = 5, group = 3;  // digits before the point
+  const std::size_t first = number.find_first_of("0123456789"),
+                    point = std::min(number.find_first_of(".e"), number.size());
+  if (point - first >= long_number)
+    for (std::size_t at = point - group; at > first; at = at > group ? at - group : 0) number.insert(at, ",");
+  return pretty_number(number);
 }
 
 Drawing::Drawing(Axis x, Axis y, std::string_view description, double width, double height)
@@ -144,14 +150,14 @@ void Drawing::add_segments(const PointsRef<2>& ends, std::string_view style) {
   add("<path class=\"" + std::string(style) + "\" d=\"" + path + "\"/>");
 }
 
-void Drawing::add_dots(const PointsRef<2>& points, double radius, std::string_view style) {
+void Drawing::add_dots(const PointsRef<2>& points, double radius, std::string_view style, const std::string& color) {
   if (points.cols() == 0) return;
   // Lines of zero length with round caps: one short element for all dots.
   std::string path;
   for (Index i = 0; i < points.cols(); ++i)
     if (points.col(i).allFinite()) path += "M" + coordinate(x(points(0, i))) + " " + coordinate(y(points(1, i))) + "h0";
-  add("<path class=\"dots " + std::string(style) + "\" style=\"stroke-width:" + coordinate(2 * radius) + "\" d=\"" +
-      path + "\"/>");
+  add("<path class=\"dots " + std::string(style) + "\" style=\"stroke-width:" + coordinate(2 * radius) +
+      (color.empty() ? "" : ";stroke:" + color) + "\" d=\"" + path + "\"/>");
 }
 
 std::string Drawing::svg() const {

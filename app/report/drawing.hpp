@@ -53,7 +53,7 @@ class Drawing {
   void add_line(const PointsRef<2>& points, std::string_view style, bool closed = false);
   /// Lines between pairs of points, in one path.
   void add_segments(const PointsRef<2>& ends, std::string_view style);
-  void add_dots(const PointsRef<2>& points, double radius, std::string_view style);
+  void add_dots(const PointsRef<2>& points, double radius, std::string_view style, const std::string& color = {});
   /// What the page tells under the cursor besides curves and dots (viewer/src/hover.js): "bars" or "map".
   void add_values(const std::string& name, const Json& values) { values_[name] = values; }
 

@@ -324,7 +324,12 @@ Figure residual_map(const Domain& domain, const SampleTable& samples, const std:
       .description = "Errors at the samples by " + domain.name(0) + " and " + domain.name(1)};
   map.box.lo << domain.lo(0), domain.lo(1);
   map.box.hi << domain.hi(0), domain.hi(1);
-  return {"Where the errors are", draw(map), "Mean errors at the samples in each cell; grey: no samples."};
+  constexpr Index most_dots = 2000;  // beyond which they cover each other
+  if (error.size() > most_dots)
+    return {"Where the errors are", draw(map), "Mean errors at the samples in each cell; grey: no samples."};
+  map.dots = samples.coordinates(Eigen::all, chosen);
+  map.dot_values = error;
+  return {"Where the errors are", draw(map), "Each dot is a sample, coloured by its error."};
 }
 
 }  // namespace

@@ -24,6 +24,17 @@ std::string bar_address(const ColorScale& scale) {
   return png_address(bar);
 }
 
+// #rrggbb.
+std::string hex_color(const LinearRgb& color) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string text = "#";
+  for (int c = 0; c < 3; ++c) {
+    const auto byte = static_cast<unsigned>(std::lround(255 * srgb_from_linear(color[c])));
+    text += {digits[byte >> 4U], digits[byte & 15U]};
+  }
+  return text;
+}
+
 std::string picture_address(const Eigen::MatrixXd& values, const ColorScale& scale) {
   constexpr std::uint8_t none = 160;  // grey of undefined values
   RgbImage picture(static_cast<int>(values.cols()), static_cast<int>(values.rows()));
@@ -60,6 +71,24 @@ Json map_values(const PlaneMap& map) {
     }
   return {{"columns", map.values.cols()}, {"rows", map.values.rows()}, {"lo", map.scale.lo},
           {"hi", map.scale.hi},           {"label", map.scale.label},  {"values", base64(bytes)}};
+}
+
+// Dots with the colours of their values, on a line that sets pale ones apart.
+void add_colored_dots(const PlaneMap& map, Drawing& drawing) {
+  constexpr int shades = 32;
+  constexpr double radius = 3, outline = 3.8;  // pixels
+  std::vector<std::vector<Index>> of_shade(shades);
+  for (Index i = 0; i < map.dots.cols(); ++i) {
+    if (!std::isfinite(map.dot_values[i])) continue;
+    const double t = std::clamp((map.dot_values[i] - map.scale.lo) / (map.scale.hi - map.scale.lo), 0.0, 1.0);
+    of_shade[static_cast<std::size_t>(std::lround(t * (shades - 1)))].push_back(i);
+  }
+  drawing.add_dots(map.dots, outline, "outline");
+  for (int shade = 0; shade < shades; ++shade) {
+    const double t = shade / (shades - 1.0);
+    const std::string color = hex_color(map.scale(map.scale.lo + t * (map.scale.hi - map.scale.lo)));
+    drawing.add_dots(map.dots(Eigen::all, of_shade[static_cast<std::size_t>(shade)]), radius, "", color);
+  }
 }
 
 }  // namespace
@@ -172,18 +201,9 @@ LinearRgb ColorScale::operator()(double value) const {
 
 std::vector<std::string> color_stops(bool diverging) {
   constexpr int count = 17;  // the viewer interpolates linearly: fewer stops would show
-  constexpr std::string_view digits = "0123456789abcdef";
   const ColorScale scale{.diverging = diverging};
   std::vector<std::string> stops;
-  for (int i = 0; i < count; ++i) {
-    const LinearRgb color = scale(static_cast<double>(i) / (count - 1));
-    std::string text = "#";
-    for (int c = 0; c < 3; ++c) {
-      const auto byte = static_cast<unsigned>(std::lround(255 * srgb_from_linear(color[c])));
-      text += {digits[byte >> 4U], digits[byte & 15U]};
-    }
-    stops.push_back(text);
-  }
+  for (int i = 0; i < count; ++i) stops.push_back(hex_color(scale(static_cast<double>(i) / (count - 1))));
   return stops;
 }
 
@@ -200,12 +220,17 @@ std::string draw(const PlaneMap& map) {
   const Axis x = axis(map.box.lo.x(), map.box.hi.x(), map.x_label, width > narrow ? 5 : 3);
   Drawing drawing(x, axis(map.box.lo.y(), map.box.hi.y(), map.y_label, height > narrow / 2 ? 5 : 2), map.description,
                   width, height);
-  drawing.add("<image href=\"" + picture_address(map.values, map.scale) + "\" x=\"" + coordinate(Drawing::left) +
-              "\" y=\"" + coordinate(Drawing::top) + "\" width=\"" + coordinate(width) + "\" height=\"" +
-              coordinate(height) + "\" preserveAspectRatio=\"none\"/>");
+  const bool has_colors = map.dot_values.size() > 0;
+  if (!has_colors)
+    drawing.add("<image href=\"" + picture_address(map.values, map.scale) + "\" x=\"" + coordinate(Drawing::left) +
+                "\" y=\"" + coordinate(Drawing::top) + "\" width=\"" + coordinate(width) + "\" height=\"" +
+                coordinate(height) + "\" preserveAspectRatio=\"none\"/>");
   drawing.add_segments(map.segments, "contour");
   constexpr Index many = 1500;  // dots, from which they are smaller
-  drawing.add_dots(map.dots, map.dots.cols() > many ? 0.7 : 1.4, "samples");
+  if (has_colors)
+    add_colored_dots(map, drawing);
+  else
+    drawing.add_dots(map.dots, map.dots.cols() > many ? 0.7 : 1.4, "samples");
   drawing.add_values("map", map_values(map));
   drawing.add_frame();
   drawing.add_color_bar(axis(map.scale.lo, map.scale.hi, map.scale.label, width > narrow ? 5 : 3),

@@ -70,9 +70,10 @@ struct PlaneMap {
   std::string x_label = {}, y_label = {};
   ColorScale scale = {};
   Points<2> dots{2, 0};
-  Points<2> segments{2, 0};  ///< pairs of ends
-  bool to_scale = true;      ///< both axes have the same unit
-  double width = 410;        ///< of the plot
+  Eigen::VectorXd dot_values = {};  ///< where they are given, coloured dots are drawn in place of the map
+  Points<2> segments{2, 0};         ///< pairs of ends
+  bool to_scale = true;             ///< both axes have the same unit
+  double width = 410;               ///< of the plot
   std::string description = {};
 };
 std::string draw(const PlaneMap& map);

@@ -251,6 +251,20 @@ class Scan(Studio):
         self.open(fragment="#show=again.xyz")
         self.until("studio.item && studio.item.name === 'again.xyz' && studio.view_ && studio.view_.picture.points")
 
+    def test_a_reload_and_a_link_show_the_same_file_and_view(self):
+        for name in ("kept.xyz", "later.xyz"):
+            self.drop(name, "".join("%.6g %.6g %.6g\n" % p for p in ball(300)).encode())
+        self.browser.execute_async_script("studio.select('kept.xyz').then(arguments[0])")
+        self.browser.refresh()
+        self.until("window.studio && studio.item && studio.view_ && studio.view_.picture.points")
+        self.assertEqual(self.js("studio.item.name"), "kept.xyz")
+        self.browser.execute_script("studio.view().lookFrom('x'); studio.view().set({exaggeration: 2})")
+        link = self.js("studio.view().link()")
+        self.open(fragment="#" + link.split("#")[1])
+        self.until("studio.item && studio.view_ && studio.view_.picture.points")
+        self.assertEqual(self.js("[studio.item.name, studio.view().state.exaggeration, studio.view().link()]"),
+                         ["kept.xyz", 2, link])
+
 
 @unittest.skipUnless(os.environ.get("PYTHONPATH"), "the Python module was not built")
 class PythonLines(Studio):

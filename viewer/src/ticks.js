@@ -29,7 +29,9 @@ export function tickText(value, step, largest) {
     const digits = Math.max(0, Math.floor(Math.log10(Math.abs(value)) + 1e-9) - Math.floor(Math.log10(step) + 1e-9));
     return pretty(value.toExponential(Math.min(digits, 20)));
   }
-  return pretty(value.toFixed(Math.min(decimals, 20)));
+  const [whole, part] = value.toFixed(Math.min(decimals, 20)).split(".");
+  const grouped = /\d{5}/.test(whole) ? whole.replace(/\B(?=(\d{3})+$)/g, ",") : whole;
+  return pretty(part ? `${grouped}.${part}` : grouped);
 }
 
 /** A number for people, with this many significant digits: 52,980, 0.0753, 3.2×10⁻⁶. */

@@ -581,7 +581,7 @@ export class View {
 
   restore(words) {
     this.orbit.state = words.get("view").split(",").map(Number);
-    const change = {color: this.scaleNamed(words.get("color")) ? words.get("color") : PLAIN, points: words.get("points") === "true", orthographic: words.get("ortho") === "true"};
+    const change = {color: this.colorNames().some(([value]) => value === words.get("color")) ? words.get("color") : PLAIN, points: words.get("points") === "true", orthographic: words.get("ortho") === "true"};
     if (["creases", "all"].includes(words.get("edges"))) change.edges = words.get("edges");
     const number = (name, lo, hi) => (words.has(name) && Number(words.get(name)) >= lo && Number(words.get(name)) <= hi ? Number(words.get(name)) : null);
     for (const [name, key, lo, hi] of [["opacity", "opacity", 0.05, 1], ["heights", "exaggeration", 0.2, 10], ["isolines", "isolines", 0, 40]])

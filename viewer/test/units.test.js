@@ -12,12 +12,11 @@ import {blend, pickPoint, pickTriangle} from "../src/pick.js";
 import {allEdges, creaseEdges} from "../src/scene.js";
 import {coarseTriangles} from "../src/coarse.js";
 import {across, areaOf, section, valueAt} from "../src/section.js";
-import {labelEdges, physical, planeOf, seedTable} from "../src/slices.js";
+import {labelEdges, physical, planeOf, seedTable, svgLines} from "../src/slices.js";
 import {landscape, previewArgs} from "../src/studio/app.js";
 import {roleFlags, usualRoles} from "../src/studio/columns.js";
 import {sliderScale} from "../src/studio/options.js";
 import {framesOf, isSeries, labelFiles, seriesOf} from "../src/studio/series.js";
-import {svgLines} from "../src/slices.js";
 import {commandLine, outputsOf, pythonLines, unused} from "../src/studio/tasks.js";
 import {bytesText, counted, pretty, readable, roundStep, ticks} from "../src/ticks.js";
 import {Vector3} from "three";
@@ -430,4 +429,14 @@ test("files with numbered names are a series, in the order of the numbers", () =
   assert.equal(framesOf(volume, [volume], {size: [4, 5, 6], frames: 9}).count, 9);
   assert.deepEqual(labelFiles([{name: "v-track/labels_0001.mha"}, {name: "v-track/measures.csv"}, {name: "v-track/labels_0000.mha"}]),
     ["v-track/labels_0000.mha", "v-track/labels_0001.mha"]);
+});
+
+test("contours in a file .svg are lines in pixels, closed where they say so", () => {
+  const svg = '<svg viewBox="-0.5 -0.5 4 3"><path fill="none" d="\nM0 0L2 0 2 3Z\nM4 4L6 1e1"/></svg>';
+  assert.deepEqual(svgLines(svg, {spacing: [2, 1, 1]}), [0, 0, 1, 0, 1, 0, 1, 3, 1, 3, 0, 0, 2, 4, 3, 10]);
+});
+
+test("numbers of an axis are grouped where they are long", () => {
+  assert.deepEqual(ticks(0, 20000, 2).map(({text}) => text), ["0", "10,000", "20,000"]);
+  assert.deepEqual(ticks(-5000, 5000, 2).map(({text}) => text), ["−5000", "0", "5000"]);
 });

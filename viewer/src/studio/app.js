@@ -220,6 +220,9 @@ export class Studio {
       if (kind !== this.kindOfTask) this.task_ = TASKS[kind][0];
       this.kindOfTask = kind;
       this.title.textContent = `${name} · ${this.describe(look)}`;
+      // A reload, and links to a view, show the same file.
+      if (new URLSearchParams(window.location.hash.slice(1)).get("show") !== name)
+        window.history.replaceState(null, "", `#${new URLSearchParams({show: name})}`);
       await this.showItem(item, look);
     } catch (error) {
       this.complain(error);
