@@ -351,6 +351,12 @@ class Volume(Studio):
         self.assertEqual(self.js("[studio.slices().labels.values[10 * 20 + 9], studio.slices().labels.values[2 * 20 + 2]]"),
                          [1, 0])
         self.assertGreater(self.js("studio.slices().lines.length"), 20)
+        # A slice without the contour gives way to one that has it, once the contour is new.
+        self.slide("slice", 0)
+        self.until("studio.slices().state.index === 0 && studio.slices().lines.length === 0")
+        self.browser.execute_async_script("studio.slices().goToContour().then(arguments[0])")
+        self.assertEqual(self.js("studio.slices().state.index"), 10)
+        self.assertGreater(self.js("studio.slices().lines.length"), 20)
         self.slide("slice", 6)
         self.until("studio.slices().state.index === 6 && studio.slices().image")
         self.screenshot("volume")

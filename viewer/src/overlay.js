@@ -47,6 +47,13 @@ function line(context, from, to, color, width = 1) {
   context.stroke();
 }
 
+// One number alone does not say how long an axis is.
+function atLeastTwo(lo, hi, count) {
+  let marks = ticks(lo, hi, count);
+  for (let more = 3; marks.length < 2 && more < 6; ++more) marks = ticks(lo, hi, more);
+  return marks;
+}
+
 // The four edges along axis a, as pairs of corners of the box (+-1 each).
 function edgesAlong(a) {
   const [b, c] = [0, 1, 2].filter((axis) => axis !== a);
@@ -94,8 +101,8 @@ function drawAxis(context, a, {picture, frame, project, palette, up, scaleBar}) 
   const map = axisMap(picture, frame, a);
   const align = out[0] > 0.4 ? "left" : out[0] < -0.4 ? "right" : "center";
   let widest = 0;
-  let marks = ticks(map.lo, map.hi, Math.max(1, Math.min(8, length / TICK_GAP)));
-  for (let count = 3; marks.length < 2 && length > FEW && count < 6; ++count) marks = ticks(map.lo, map.hi, count);
+  const count = Math.max(1, Math.min(8, length / TICK_GAP));
+  const marks = length > FEW ? atLeastTwo(map.lo, map.hi, count) : ticks(map.lo, map.hi, count);
   const {bar} = scaleBar;
   for (const tick of marks) {
     const place = edge[0].map((s, k) => (k === a ? map.toScene(tick.value) : s * frame.halfSides[k]));
@@ -185,8 +192,7 @@ function drawLegend(context, {legend, width, palette}) {
   context.strokeStyle = palette.axis;
   context.lineWidth = 0.5;
   context.strokeRect(left, y - 4, barWidth, 9);
-  const count = barWidth > 160 ? 4 : 2;
-  for (const tick of ticks(legend.lo, legend.hi, count)) {
+  for (const tick of atLeastTwo(legend.lo, legend.hi, barWidth > 160 ? 4 : 2)) {
     const x = left + (barWidth * (tick.value - legend.lo)) / (legend.hi - legend.lo);
     line(context, [x, y + 5], [x, y + 8], palette.axis);
     const half = context.measureText(tick.text).width / 2;

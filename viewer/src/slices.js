@@ -162,6 +162,17 @@ export class Slices {
     return this.load();
   }
 
+  /** The slice through the middle of the contour, where the one that is shown has nothing of it. */
+  goToContour() {
+    const {axis, index} = this.state;
+    if (!this.contour || (this.lines && this.lines.length > 0)) return undefined;
+    const {origin, spacing, direction, size} = this.look;
+    const middle = this.contour.low.map((lo, a) => (lo + this.contour.high[a]) / 2 - origin[a]);
+    const along = [0, 1, 2].reduce((sum, r) => sum + direction[3 * r + axis] * middle[r], 0) / spacing[axis];
+    const best = Math.min(Math.max(Math.round(along), 0), size[axis] - 1);
+    return best === index ? undefined : this.go(best);
+  }
+
   goToFrame(frame) {
     this.state.frame = frame;
     this.controls.frame.set(frame);
@@ -346,10 +357,11 @@ export class Slices {
     const pixels = length * at.fit;
     const plain = this.look.kind === "image" && this.look.spacing[0] === 1 ? "pixels" : "(units of the file)";
     const text = `${readable(length, 3)} ${this.look.unit || plain}`;
-    const [x, y] = [this.stage.clientWidth - 20 - pixels, this.stage.clientHeight - 18];
+    // In the corner of the picture, or of the stage where the picture goes beyond it.
+    const right = Math.min(this.stage.clientWidth, at.x0 + at.width * at.sx) - 20;
+    const [x, y] = [right - pixels, Math.min(this.stage.clientHeight, at.y0 + at.height * at.sy) - 18];
     context.font = '11px system-ui, "Segoe UI", sans-serif';
     context.textAlign = "right";
-    // The picture may lie behind it.
     const style = getComputedStyle(this.stage);
     const width = Math.max(pixels, context.measureText(text).width);
     context.fillStyle = style.backgroundColor;

@@ -653,6 +653,7 @@ export class Studio {
       const drawn = file(/-contour.*\.svg$/);
       const lines = drawn ? svgLines(await (await this.engine.download(drawn)).text(), look) : null;
       await this.showLabels(entry.item.name, look, file(/-labels/), contour, lines);
+      await this.slices().goToContour();
     } else if (command === "track") {
       tabs.unshift("slices");
       await this.showFrames(entry.item, await this.look(entry.item.name), labelFiles(made.items));
