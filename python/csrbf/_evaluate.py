@@ -145,6 +145,6 @@ def _axes(bounds: Floats, grid: int | Sequence[int], d: int) -> list[Floats]:
     if bounds.shape != (d, 2) or not (bounds[:, 0] <= bounds[:, 1]).all():
         raise ValueError(f"bounds: must be an array ({d}, 2) of the first and last node along each axis")
     return [
-        np.linspace(low, high, n) if n > 1 else np.array([0.5 * (low + high)])
+        low + (high - low) / (n - 1) * np.arange(n) if n > 1 else np.array([0.5 * (low + high)])  # as the program does
         for (low, high), n in zip(bounds, np.broadcast_to(sizes, d))
     ]
