@@ -192,6 +192,26 @@ class Commands(Reports):
                              ["depth", "error at the samples", "standard deviation"])
             self.assertEqual(len(numbers(data["points"]["positions"], "H")), 3 * 300)
 
+    def test_fit_shows_errors_and_left_out_samples_of_any_number(self):
+        inner = "in the middle was left out"
+        for n, dots, left_out in ((300, True, "Every fifth sample was left out"), (1500, True, inner), (4000, False, inner)):
+            with self.subTest(n=n):
+                rows = [(x, y, v + 0.05 * math.sin(7919 * i)) for i, (x, y, v) in enumerate(rows_of(wave, n))]
+                text, document = self.page("fit", self.write("noisy.csv", csv(rows)), "-o", self.path("f.csrbf"))
+                self.assertIn("Where the errors are", document.words())
+                outlined = re.search(r'<path class="dots outline"[^>]* d="([^"]*)"', text)
+                self.assertEqual(bool(outlined), dots)
+                if dots:
+                    self.assertEqual(outlined.group(1).count("M"), n)
+                self.assertIn(left_out, document.words())
+
+    def test_evaluate_says_how_many_values_there_are_and_which(self):
+        samples = self.write("samples.csv", csv([(x, y, 20000 * x) for x in range(5) for y in range(5)]))
+        self.page("fit", samples, "-o", self.path("f.csrbf"))
+        text, document = self.page("evaluate", self.path("f.csrbf"), "-o", self.path("grid.npy"), "--grid", "9")
+        self.assertRegex(document.words(), r"81 places \S+ smallest value 80,?000 largest value")
+        self.assertIn(">40,000<", text)  # on an axis
+
     def test_fit_in_space_shows_planes(self):
         rows = [(x, y, z, x + y * z) for x in range(5) for y in range(5) for z in range(5)]
         samples = self.write("samples.csv", csv(rows))
