@@ -63,6 +63,7 @@ py::dict reconstruct_in_tiles(const std::string& points, const std::string& mesh
   result["components"] = report.topology.components;
   result["watertight"] = report.topology.watertight();
   result["euler"] = report.topology.euler;
+  result["weak_features"] = report.weak_features;
   return result;
 }
 

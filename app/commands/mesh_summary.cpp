@@ -29,10 +29,10 @@ void add_mesh_summary(const std::string& path, const Topology& t, Session& sessi
               (t.watertight() ? "watertight" : "not watertight"));
 }
 
-void add_weak_features(const PolygonizeStatistics& statistics, Session& session) {
-  session.result["weak_features"] = statistics.weak_features;
-  if (statistics.weak_features == 0) return;
-  session.say(counted(statistics.weak_features, "handle") + " thinner than the data can show removed");
+void add_weak_features(Index count, Session& session) {
+  session.result["weak_features"] = count;
+  if (count == 0) return;
+  session.say(counted(count, "handle") + " thinner than the data can show removed");
 }
 
 }  // namespace csrbf::app

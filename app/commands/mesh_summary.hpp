@@ -15,6 +15,6 @@ void add_mesh_summary(const std::string& path, const Mesh& mesh, Session& sessio
 void add_mesh_summary(const std::string& path, const Topology& topology, Session& session);
 
 /// Adds the number of bridges and holes that the mesh was made without.
-void add_weak_features(const PolygonizeStatistics& statistics, Session& session);
+void add_weak_features(Index count, Session& session);
 
 }  // namespace csrbf::app

@@ -34,7 +34,7 @@ void run(const PolygonizeCommand& command, Session& session) {
                      {"refine", options.refine}};
   const Mesh mesh = session.timed("polygonize", [&] { return polygonize(*field, options); });
   add_mesh_summary(command.output, mesh, session);
-  add_weak_features(statistics, session);
+  add_weak_features(statistics.weak_features, session);
   session.add_to_page([&](Page& page) { show(*field, mesh, page); });
   session.write([&] { session.warn(write_mesh(command.output, mesh)); });
 }

@@ -116,6 +116,7 @@ void run_in_tiles(const ReconstructCommand& command, Session& session) {
   session.result["tiles"] = done.tiles;
   session.result["tiles_continued"] = done.continued;
   session.say(counted(done.tiles, "tile") + " of up to " + counted(options.tile_points, "point"));
+  add_weak_features(done.weak_features, session);
   if (share.rank == 0) add_mesh_summary(command.output, done.topology, session);
   say_quality(done.surface, session);
   check_tile_memory(command.tiles, session);
@@ -223,7 +224,7 @@ Mesh make_mesh(const Field<3>& field, const PointCloud& used, const PolygonizeOp
   PolygonizeOptions counting = options;
   counting.statistics = &statistics;
   Mesh mesh = session.timed("polygonize", [&] { return polygonize(field, counting); });
-  add_weak_features(statistics, session);
+  add_weak_features(statistics.weak_features, session);
   session.timed("evaluate", [&] {
     DataComponents kept = with_data(std::move(mesh), used, trim_distance);
     if (kept.dropped > 0) session.warn(counted(kept.dropped, "component") + " of the mesh without data left out");

@@ -161,6 +161,22 @@ class Tiles(base.CommandLine):
         self.assertEqual(report["result"]["components"], 2)
         self.assertIn("tile", " ".join(report["warnings"]))
 
+    def test_handles_of_noise_are_removed_and_counted(self):
+        noise = random.Random(3)
+        rows = []
+        for k, p in enumerate(sphere(12000)):
+            side = 1 if k % 2 else -1  # of a thin shell
+            radius = 1 if side > 0 else 0.96
+            rows.append([radius * x + noise.gauss(0, 0.015) for x in p] + [side * x for x in p])
+        noise.shuffle(rows)
+        self.arguments[1] = self.binary("shell.ply", ply(rows))
+        self.arguments[-1] = "4000"
+        self.assertGreater(self.result()["result"]["weak_features"], 0)
+        self.arguments[-1] = "1000000"
+        whole = self.result()["result"]["weak_features"]
+        del self.arguments[-2:]
+        self.assertEqual(self.result()["result"]["weak_features"], whole)
+
     def start(self, share, count):
         return subprocess.Popen([PROGRAM, *self.arguments, "--tile-share", f"{share}/{count}"],
                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)

@@ -25,9 +25,9 @@ MeshPart polygonize_part(const Field<3>& field, const CellLattice& lattice, cons
   tracer.run_from(from, options.progress);
 
   const double persistence = options.persistence.value_or(field.least_persistence());
-  if (persistence > 0) tracer.remove_weak_features(persistence, options.progress);
-
   MeshPart part;
+  if (persistence > 0) part.weak_features = tracer.remove_weak_features(persistence, options.progress);
+
   const CellRange around{range.first - 1, range.last + 1};
   for (const Cell& cell : tracer.beyond())
     if (around.contains(cell)) part.beyond.push_back(cell);

@@ -11,6 +11,7 @@ struct MeshPart {
   std::vector<polygonization::SharedVertex> shared;  ///< vertices that other parts may have, ascending
   std::vector<polygonization::Cell> border;  ///< crossed cells of the range that touch others, as far as it was traced
   std::vector<polygonization::Cell> beyond;  ///< cells of other ranges that touch this one and are crossed
+  Index weak_features = 0;                   ///< bridges cut and holes filled
 };
 
 /// One part of a mesh that is made in parts: those of ranges that fill the lattice fit together, once every cell in

@@ -126,6 +126,7 @@ class SurfaceInTiles {
   void write() {
     const WeldedMesh welded = weld_parts(team_, rounds_, mesh_);
     report_.topology = welded.topology;
+    report_.weak_features = welded.weak_features;
     if (!options_.model.empty() && team_.leads())
       write_surface(work_, folder_, mesh_work_.bounds, mesh_work_.feature_size, options_.model);
     if (welded.dropped > 0)

@@ -33,7 +33,8 @@ struct TileReport {
   Index continued = 0;  ///< tiles that an earlier run, or another process, had fitted
   int resolution = 0;
   PolygonizeMethod mesh_method = PolygonizeMethod::marching_cubes;
-  Topology topology;  ///< of the mesh
+  Topology topology;        ///< of the mesh
+  Index weak_features = 0;  ///< bridges cut and holes filled, but for those where tiles meet
 };
 
 /// reconstruct() and polygonize() for more points than memory: from a file of points to a file of a mesh, tile by tile.

@@ -136,7 +136,7 @@ void mesh_tile(const TileWork<3>& work, const MeshWork& mesh, const TileFolder& 
     const TiledField<3> field(work.plan, std::move(tiles), mesh.bounds, mesh.feature_size);
     part = polygonize_part(field, mesh.lattice, range, starts, {.method = mesh.method, .progress = progress});
   }
-  const TilePart own{std::move(part.mesh), std::move(part.shared)};
+  const TilePart own{std::move(part.mesh), std::move(part.shared), part.weak_features};
   write_part(folder.file(part_kind(round), tile), own);
   write_seam(folder.file(seam_kind(round), tile), seam_of(own, work, folder, tile));
   write_border(part, folder.file(border_kind(round), tile));

@@ -148,7 +148,7 @@ WholeMesh number_parts(const std::vector<std::string>& seams, Index components, 
   TopologyCounter counter;
   Box<3> bounds;
   double moved = 0;
-  Index vertices = 0, triangles = 0;
+  Index vertices = 0, triangles = 0, weak_features = 0;
   for (std::size_t part = 0; part < seams.size(); ++part) {
     const PartSeam seam = read_seam(seams[part]);
     PartNumbers numbers{vertices, triangles, {}};
@@ -170,6 +170,7 @@ WholeMesh number_parts(const std::vector<std::string>& seams, Index components, 
     counter.add(seam, id);
     if (seam.vertices > 0) bounds.add(seam.bounds);
     moved = std::max(moved, seam.moved);
+    weak_features += seam.weak_features;
     Archive archive;
     archive.kind = "numbers of a part";
     archive.set("first", numbers.first);
@@ -177,7 +178,7 @@ WholeMesh number_parts(const std::vector<std::string>& seams, Index components, 
     archive.set("shared", numbers.shared);
     write_archive(folder.file("numbers", static_cast<Index>(part)), archive);
   }
-  return {counter.finish(vertices, components), vertices > 0 && moved > float_loss * bounds.diagonal()};
+  return {counter.finish(vertices, components), vertices > 0 && moved > float_loss * bounds.diagonal(), weak_features};
 }
 
 PartNumbers read_numbers(const TileFolder& folder, Index tile) {
@@ -196,6 +197,7 @@ void write_whole(const std::string& path, const WholeMesh& whole) {
   archive.set("counts", std::vector<Index>{t.vertices, t.edges, t.triangles, t.components, t.boundary_edges,
                                            t.nonmanifold_edges, t.nonmanifold_vertices, t.inconsistent_edges, t.euler});
   archive.set("as_double", whole.as_double ? 1 : 0);
+  archive.set("weak_features", whole.weak_features);
   write_archive(path, archive);
 }
 
@@ -209,6 +211,7 @@ WholeMesh read_whole(const std::string& path) {
                        &t.nonmanifold_vertices, &t.inconsistent_edges, &t.euler})
     *count = counts(i++, 0);
   whole.as_double = archive.integer("as_double") != 0;
+  whole.weak_features = archive.integer("weak_features");
   return whole;
 }
 

@@ -31,6 +31,7 @@ struct PartNumbers {
 struct WholeMesh {
   Topology topology;
   bool as_double = false;  ///< float would move coordinates by more than is to be seen
+  Index weak_features = 0;
 };
 
 /// Numbers the vertices part by part, and writes that of each part: "numbers". Memory: what parts share. Throws

@@ -92,6 +92,7 @@ PartSeam make_seam(const TilePart& part, const std::vector<Index>& component) {
   seam.vertices = mesh.vertices.cols();
   seam.topology = topology(mesh);
   seam.shared = part.shared;
+  seam.weak_features = part.weak_features;
   for (const polygonization::SharedVertex& s : part.shared)
     seam.component.push_back(static_cast<std::int32_t>(component[s.vertex]));
 
@@ -136,6 +137,7 @@ void write_seam(const std::string& path, const PartSeam& seam) {
   set_triples(archive, "fans", seam.fans);
   set_box(archive, seam.bounds);
   archive.set("moved", seam.moved);
+  archive.set("weak_features", seam.weak_features);
   write_archive(path, archive);
 }
 
@@ -158,6 +160,7 @@ PartSeam read_seam(const std::string& path) {
   seam.fans = triples_of(archive, "fans");
   seam.bounds = box_of<3>(archive);
   seam.moved = archive.number("moved");
+  seam.weak_features = archive.integer("weak_features");
   return seam;
 }
 
@@ -168,6 +171,7 @@ void write_part(const std::string& path, const TilePart& part) {
   archive.set("normals", part.mesh.normals.cast<float>());
   archive.set("triangles", part.mesh.triangles);
   set_shared(archive, part.shared);
+  archive.set("weak_features", part.weak_features);
   write_archive(path, archive);
 }
 
@@ -178,6 +182,7 @@ TilePart read_part(const std::string& path) {
   part.mesh.normals = archive.array<float>("normals", 3).cast<double>();
   part.mesh.triangles = archive.array<std::int32_t>("triangles", 3);
   part.shared = shared_of(archive);
+  part.weak_features = archive.integer("weak_features");
   return part;
 }
 

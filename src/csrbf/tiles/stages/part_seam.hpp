@@ -13,6 +13,7 @@ namespace csrbf {
 struct TilePart {
   Mesh mesh;
   std::vector<polygonization::SharedVertex> shared;  ///< vertices that other tiles may have, ascending
+  Index weak_features = 0;                           ///< see MeshPart
 };
 
 /// What joining the parts of all tiles needs to know of one.
@@ -32,6 +33,7 @@ struct PartSeam {
 
   Box<3> bounds;
   double moved = 0;  ///< coordinates by rounding to float
+  Index weak_features = 0;
 };
 
 /// O(t log t). Without supports.

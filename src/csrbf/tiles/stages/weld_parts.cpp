@@ -69,7 +69,7 @@ class Welder {
     else if (team_.leads())
       write_at_once();
     report(team_.progress(), "write", 1);
-    return {whole_.topology, dropped_.dropped};
+    return {whole_.topology, dropped_.dropped, whole_.weak_features};
   }
 
  private:

@@ -9,6 +9,7 @@ namespace csrbf {
 struct WeldedMesh {
   Topology topology;
   Index dropped = 0;  ///< components without points
+  Index weak_features = 0;
 };
 
 /// Joins the parts of all tiles, made in the given rounds, and writes the mesh. All processes call it: the leading one
