@@ -168,6 +168,13 @@ TEST(FillGaps, WithoutGapsNothingChanges) {
   EXPECT_EQ(filled.variances, variance);
 }
 
+TEST(FillGaps, AmongManySamplesWithNoiseChanceMakesNoGaps) {
+  Samples<2> data = sample<2>(random_points<2>(40'000, 1), franke);
+  data.values += .05 * random_points<1>(data.size(), 2).transpose();
+  const auto fit = partition_of_unity(data, {.degree = 4, .samples_per_patch = 60, .centers_per_patch = 0});
+  EXPECT_EQ(fill_gaps(data, fit, local_variance(data, fit)).patches, 0);
+}
+
 TEST(FillGaps, FarFromAGapNothingChanges) {
   const Samples<2> data = franke_where(6000, 1, in_triangle);
   const auto fit = partition_of_unity(data);

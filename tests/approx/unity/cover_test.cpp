@@ -230,6 +230,29 @@ TEST(Cover, FindsTheNearestPoints) {
   expect_nearest<3>(Points<3>::Constant(3, 20, 5));
 }
 
+TEST(Cover, FindsTheNearestPointsOfLargeClusters) {
+  Points<2> points = random_points<2>(20000, 1);
+  points.leftCols(19000) *= 1e-3;
+  const Cover<2> cover(points, 6, 1.5);
+  for (const double reach : {1e-6, 1e-3, .5, 2.0})
+    for (const Index n : {1, 50, 700}) {
+      expect_nearest<2>(cover, Point<2>(.9, .8), n, reach);
+      expect_nearest<2>(cover, Point<2>(-.1, -.2), n, reach);
+      expect_nearest<2>(cover, Point<2>(5e-4, 3e-4), n, reach);
+    }
+}
+
+TEST(Cover, KnowsWhetherAPointIsNear) {
+  const Points<3> points = clusters<3>(300), asked = random_points<3>(100, 2);
+  const Cover<3> cover(points, 6, 1.5);
+  for (Index k = 0; k < asked.cols(); ++k) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (Index i = 0; i < points.cols(); ++i) nearest = std::min(nearest, (points.col(i) - asked.col(k)).norm());
+    EXPECT_TRUE(cover.any_within(asked.col(k), 1.000001 * nearest));
+    EXPECT_FALSE(cover.any_within(asked.col(k), .999999 * nearest));
+  }
+}
+
 TEST(Cover, FindsTheNearestPointsFromFarAway) {
   const Cover<3> cover(random_points<3>(300, 1), 6, 1.5);
   for (const double distance : {10.0, 1e3, 1e8, 1e16, 1e20, 1e100})

@@ -9,6 +9,8 @@ namespace csrbf {
 namespace {
 
 constexpr double noticeable = 1e-4;  // deviations of the values; in a gap kriging is hardly ever better
+constexpr double by_chance = 1e-2;   // probability that a fit without gaps has one
+constexpr Index counted = 8;         // samples that tell how dense they are, for each unknown of least squares
 
 }  // namespace
 
@@ -42,6 +44,17 @@ double GapFinder<Dim>::inside_factor(const Point<Dim>& x) const {
   return std::pow(2.0, static_cast<double>((distance.array() < at_face).count()) / Dim);
 }
 
+// For so many places, a ball that is empty by chance at none of them, over one that is a gap at a few: in radii.
+// Samples come as a Poisson process, and their density is known by `samples` of them. What a function of much fewer
+// unknowns than samples loses in such a ball is nothing.
+template <int Dim>
+double GapFinder<Dim>::chance_factor(Index samples) const {
+  if (patches_.interpolates()) return 1;
+  const double rare = std::log(static_cast<double>(cover_.size() * probes_each<Dim>) / by_chance);
+  const double expected = rare + 0.5 * rare * rare / static_cast<double>(samples);
+  return std::max(1.0, std::pow(expected / patches_.expected(), 1.0 / Dim));
+}
+
 // Radius of a ball with as many samples as a local function has unknowns, as dense as those of a cell.
 template <int Dim>
 double GapFinder<Dim>::usual_radius(const Box<Dim>& cell, Index count) const {
@@ -67,6 +80,10 @@ std::vector<Index> GapFinder<Dim>::cells_with_gaps() const {
   std::vector<char> has_gap(static_cast<std::size_t>(cover_.size()), 0);
   if (patches_.gap() >= 1) return {};                // patches of too few samples
   std::vector<Index> end_of(has_gap.size() + 1, 0);  // samples up to each cell
+  const Index unknowns = patches_.unknowns();
+  const Index near = patches_.interpolates() ? unknowns : std::min(fit_.report.local.samples, counted * unknowns);
+  const double share = std::pow(static_cast<double>(unknowns) / static_cast<double>(near), 1.0 / Dim);
+  const double gap = patches_.gap() * chance_factor(near);
   for (Index i = 0; i < cover_.size(); ++i) end_of[i + 1] = end_of[i] + cover_.count(i);
   parallel_for(cover_.size(), 256, [&](Index first, Index last) {
     typename Cover<Dim>::Search search;
@@ -74,11 +91,11 @@ std::vector<Index> GapFinder<Dim>::cells_with_gaps() const {
       const Box<Dim>& cell = cover_.cell(i);
       const double radius = std::min(fit_.data->models.radius[i], usual_radius(cell, end_of[i + 1] - end_of[i]));
       const Points<Dim> x = probes(cell);
-      if (all_near(x, patches_.gap() * radius, end_of[i], end_of[i + 1])) continue;
-      cover_.nearest(cell.center(), patches_.unknowns(), radius, search);
-      const double reach = patches_.gap() * std::sqrt(search.found.back().first);
+      if (all_near(x, gap * radius, end_of[i], end_of[i + 1])) continue;
+      cover_.nearest(cell.center(), near, radius / share, search);
+      const double reach = gap * share * std::sqrt(search.found.back().first);
       for (Index k = 0; k < x.cols() && has_gap[i] == 0; ++k)
-        if (patches_.nearest(x.col(k), reach, search) > reach * inside_factor(x.col(k))) has_gap[i] = 1;
+        if (!cover_.any_within(x.col(k), reach * inside_factor(x.col(k)))) has_gap[i] = 1;
     }
   });
   std::vector<char> reaches_gap = has_gap;

@@ -53,6 +53,7 @@ class GapFinder {
   [[nodiscard]] Points<Dim> points_in_gaps(const std::vector<Index>& cells, const Eigen::MatrixXd& errors) const;
 
  private:
+  [[nodiscard]] double chance_factor(Index samples) const;
   [[nodiscard]] double inside_factor(const Point<Dim>& x) const;
   [[nodiscard]] double usual_radius(const Box<Dim>& cell, Index count) const;
   [[nodiscard]] bool all_near(const Points<Dim>& x, double reach, Index begin, Index end) const;

@@ -27,6 +27,11 @@ PatchErrors<Dim>::PatchErrors(const PartitionOfUnityFit<Dim>& fit)
       spacing_(std::pow(unit_ball_volume<Dim> / static_cast<double>(unknowns_), 1.0 / Dim)) {}
 
 template <int Dim>
+double PatchErrors<Dim>::expected() const {
+  return expected_in_empty<Dim>;
+}
+
+template <int Dim>
 void PatchErrors<Dim>::enter(Index cell, const Eigen::VectorXd& error, Patch& patch) const {
   patch.cell = cell;
   patch.error = error;
@@ -40,7 +45,8 @@ void PatchErrors<Dim>::enter(Index cell, const Eigen::VectorXd& error, Patch& pa
   patch.rows.resize(patch.q.cols(), basis_.size());
   if (basis_.size() > 0) {
     basis_.rows(patch.q, patch.rows.data());
-    Eigen::MatrixXd gram = patch.rows.transpose() * patch.rows;
+    patch.products = patch.rows.transpose() * patch.rows;
+    Eigen::MatrixXd gram = patch.products;
     gram.diagonal().array() += rounding * gram.trace() / static_cast<double>(basis_.size());
     patch.gram.compute(gram);
   }
@@ -68,11 +74,13 @@ template <int Dim>
 double PatchErrors<Dim>::magnified(const Point<Dim>& q, const Patch& patch) const {
   Eigen::VectorXd row(basis_.size());
   if (basis_.size() > 0) basis_.rows(q, row.data());
-  Eigen::VectorXd w = Eigen::VectorXd::Zero(patch.q.cols());
-  if (interpolates_) {
-    w = solve(patch.radial, radial(q, patch));
-    row -= patch.rows.transpose() * w;
+  if (!interpolates_) {
+    if (basis_.size() == 0) return 0;
+    const Eigen::VectorXd y = solve(patch.gram, row);
+    return y.dot(patch.products * y);
   }
+  Eigen::VectorXd w = solve(patch.radial, radial(q, patch));
+  row -= patch.rows.transpose() * w;
   if (basis_.size() > 0) w += patch.rows * solve(patch.gram, row);
   return w.squaredNorm();
 }

@@ -27,6 +27,7 @@ class PatchErrors {
     Eigen::VectorXd error;              ///< mean square, by component
     Points<Dim> q;                      ///< its samples in its coordinates
     Eigen::MatrixXd rows;               ///< of the monomials at them
+    Eigen::MatrixXd products;           ///< of their columns
     Eigen::LDLT<Eigen::MatrixXd> gram;  ///< of these
     Eigen::LDLT<Eigen::MatrixXd> radial;
     typename Cover<Dim>::Search search;
@@ -45,6 +46,9 @@ class PatchErrors {
   [[nodiscard]] double spacing_at(const Point<Dim>& x, Patch& patch) const;
 
   [[nodiscard]] Index unknowns() const { return unknowns_; }  ///< of a local function
+  [[nodiscard]] bool interpolates() const { return interpolates_; }
+  /// Samples, or unknowns, in an empty ball that is a gap if they were evenly spread.
+  [[nodiscard]] double expected() const;
   /// Radius of an empty ball that is a gap, in radii of a patch. At least 1 for patches of too few samples to tell.
   [[nodiscard]] double gap() const { return gap_; }
   [[nodiscard]] double spacing() const { return spacing_; }  ///< of samples, or of unknowns, in the same unit

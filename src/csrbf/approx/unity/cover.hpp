@@ -82,11 +82,15 @@ class Cover {
   /// `reach` is an estimate of the distance of the last one.
   void nearest(const Point<Dim>& x, Index n, double reach, Search& search) const;
 
+  /// Whether there is one of the points within `reach` of x.
+  [[nodiscard]] bool any_within(const Point<Dim>& x, double reach) const;
+
  private:
   /// Calls visit(cell) for the cells that points of the box fall into, in order.
   template <class Visit>
   void for_each_cell(const Box<Dim>& box, const Visit& visit) const;
-  std::size_t collect(const Point<Dim>& x, double reach, Search& search) const;
+  std::size_t collect(const Point<Dim>& x, double reach, std::size_t limit, Search& search) const;
+  [[nodiscard]] double shrink(const Point<Dim>& x, Index n, double reach) const;
   void build(const PointsRef<Dim>& points, const CellNodes& sorted, Index leaf_size, CoverUse use);
   void make_cells();
   void make_grid();

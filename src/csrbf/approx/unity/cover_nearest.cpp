@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace csrbf {
@@ -29,19 +30,27 @@ void sort_nearest(std::size_t count, std::size_t n, double reach, typename Cover
   for (std::size_t i = 0; i < count; ++i) search.sorted[search.end[search.bucket[i]]++] = search.near[i];
   std::size_t begin = 0;
   for (std::size_t b = 0; begin < n; begin = search.end[b++]) {
-    const auto first = search.sorted.begin();
-    std::sort(first + static_cast<std::ptrdiff_t>(begin), first + search.end[b]);
+    const auto first = search.sorted.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto last = search.sorted.begin() + search.end[b];
+    if (search.end[b] <= n) {
+      std::sort(first, last);
+      continue;
+    }
+    const auto wanted = search.sorted.begin() + static_cast<std::ptrdiff_t>(n);
+    std::nth_element(first, wanted, last);  // a cluster far away is all in one bucket
+    std::sort(first, wanted);
   }
   search.found.assign(search.sorted.begin(), search.sorted.begin() + static_cast<std::ptrdiff_t>(n));
 }
 
 }  // namespace
 
-// Those closer than `reach` come first in `near`; returns how many they are.
+// Those closer than `reach` come first in `near`; returns how many they are. Stops when there are more than `limit`.
 template <int Dim>
-std::size_t Cover<Dim>::collect(const Point<Dim>& x, double reach, Search& search) const {
+std::size_t Cover<Dim>::collect(const Point<Dim>& x, double reach, std::size_t limit, Search& search) const {
   std::size_t count = 0;
   for_each_cell({x.array() - reach, x.array() + reach}, [&](std::uint32_t cell) {
+    if (count > limit) return;
     const std::size_t most = count + static_cast<std::size_t>(begin_[cell + 1] - begin_[cell]);
     if (search.near.size() < most) search.near.resize(2 * most);
     for (Index i = begin_[cell]; i < begin_[cell + 1]; ++i) {  // without branches, as they would be unpredictable
@@ -53,6 +62,24 @@ std::size_t Cover<Dim>::collect(const Point<Dim>& x, double reach, Search& searc
   return count;
 }
 
+// A smaller reach with at least n points, if cells tell one.
+template <int Dim>
+double Cover<Dim>::shrink(const Point<Dim>& x, Index n, double reach) const {
+  constexpr int halvings = 12;
+  double enough = reach, too_small = 0;
+  for (int k = 0; k < halvings; ++k) {
+    const double tried = 0.5 * (enough + too_small);
+    Index inside = 0;
+    for_each_cell({x.array() - tried, x.array() + tried}, [&](std::uint32_t cell) {
+      const Box<Dim>& box = cells_[cell];
+      const Point<Dim> farthest = (x - box.lo).cwiseAbs().cwiseMax((x - box.hi).cwiseAbs());
+      if (farthest.squaredNorm() < tried * tried) inside += count(cell);
+    });
+    (inside >= n ? enough : too_small) = tried;
+  }
+  return enough;
+}
+
 template <int Dim>
 void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& search) const {
   n = std::min(n, points_.cols());
@@ -61,9 +88,15 @@ void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& sea
   constexpr double excess = 1.1, least_factor = 1.15, largest_factor = 2;
   const double farthest = (1 + rounding) * ((x - tree_.box.center()).norm() + tree_.box.diagonal());
   reach = std::min(std::max(reach, rounding * farthest), farthest);
-  std::size_t count = 0;
+  constexpr std::size_t most = 16, least_most = 4096;  // points looked at for each wanted; chosen by hand
+  std::size_t count = 0, limit = std::max(most * static_cast<std::size_t>(n), least_most);
   for (;;) {
-    count = collect(x, reach, search);
+    count = collect(x, reach, limit, search);
+    if (count > limit) {  // in a cluster, or across to one
+      reach = shrink(x, n, reach);
+      limit = std::numeric_limits<std::size_t>::max();
+      continue;
+    }
     const auto found = static_cast<Index>(count);
     if (found >= n || reach >= farthest) break;
     const double missing = static_cast<double>(n) / static_cast<double>(std::max<Index>(found, 1));
@@ -72,8 +105,19 @@ void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& sea
   sort_nearest<Dim>(count, std::min(count, static_cast<std::size_t>(n)), reach, search);
 }
 
-#define CSRBF_INSTANTIATE(Dim) \
-  template void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& search) const;
+template <int Dim>
+bool Cover<Dim>::any_within(const Point<Dim>& x, double reach) const {
+  bool found = false;
+  for_each_cell({x.array() - reach, x.array() + reach}, [&](std::uint32_t cell) {
+    for (Index i = begin_[cell]; i < begin_[cell + 1] && !found; ++i)
+      found = (points_.col(i) - x).squaredNorm() <= reach * reach;
+  });
+  return found;
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                         \
+  template void Cover<Dim>::nearest(const Point<Dim>& x, Index n, double reach, Search& search) const; \
+  template bool Cover<Dim>::any_within(const Point<Dim>& x, double reach) const;
 CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
 #undef CSRBF_INSTANTIATE
 
