@@ -4,6 +4,7 @@
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/morton_code.hpp"
+#include "csrbf/spatial/radix_sort.hpp"
 
 #include <algorithm>
 #include <numbers>
@@ -28,6 +29,29 @@ Index most_central(const Points<Dim>& points, Index begin, Index end) {
     }
   }
   return best;
+}
+
+// The numbers of the points in ascending order of their keys, and these. Equal keys keep their order.
+template <int Dim>
+std::vector<std::uint64_t> sort_by_key(const PointsRef<Dim>& points, const ThinningGrid<Dim>& grid,
+                                       std::vector<Index>& order) {
+  const auto n = static_cast<std::size_t>(points.cols());
+  std::vector<std::uint64_t> key(n), sorted(n);
+  std::vector<Keyed> items(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    key[i] = grid.key(points.col(static_cast<Index>(i)));
+    items[i] = {static_cast<std::uint32_t>(key[i]), static_cast<std::uint32_t>(i)};
+  }
+  radix_sort(items);
+  std::uint32_t largest = 0;
+  for (Keyed& item : items) largest = std::max(largest, item.key = static_cast<std::uint32_t>(key[item.index] >> 32));
+  radix_sort(items, largest);
+  order.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    order[i] = items[i].index;
+    sorted[i] = key[items[i].index];
+  }
+  return sorted;
 }
 
 }  // namespace
@@ -56,18 +80,14 @@ std::uint64_t ThinningGrid<Dim>::key(const Point<Dim>& x) const {
 template <int Dim>
 ThinnedPoints thin(const PointsRef<Dim>& points, const ThinningGrid<Dim>& grid) {
   const Index n = points.cols();
-  std::vector<std::pair<std::uint64_t, Index>> key(n);
-  for (Index i = 0; i < n; ++i) key[i] = {grid.key(points.col(i)), i};
-  std::sort(key.begin(), key.end());
   ThinnedPoints result;
-  result.order.reserve(n);
-  for (const auto& [code, i] : key) result.order.push_back(i);
+  std::vector<std::uint64_t> key = sort_by_key(points, grid, result.order);
   const Points<Dim> sorted = points(Eigen::all, result.order);
   for (int level = 1; level < grid.levels(); ++level) {
     const int shift = std::min(63, Dim * (grid.spacing_bits + level));
     std::vector<Index> chosen;
     for (Index begin = 0, end = 0; begin < n; begin = end) {
-      while (end < n && key[end].first >> shift == key[begin].first >> shift) ++end;
+      while (end < n && key[end] >> shift == key[begin] >> shift) ++end;
       chosen.push_back(most_central<Dim>(sorted, begin, end));
     }
     result.levels.push_back(std::move(chosen));
