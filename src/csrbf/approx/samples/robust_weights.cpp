@@ -24,18 +24,38 @@ constexpr Index blocks = 8, block = 256;  // of neighbours, beyond
 constexpr double huber = 1.345;           // deviation up to which samples have their weight (Huber 1981)
 constexpr double student_degrees = 4;     // of freedom (Lange et al. 1989)
 
+// Places of the `count` smallest of the numbers. Those above a limit, which some of them tell, are not sorted.
+std::vector<Index> smallest(const Eigen::VectorXd& numbers, Index count) {
+  constexpr Index asked = 4096;
+  const Index n = numbers.size(), stride = std::max<Index>(1, n / asked);
+  std::vector<double> some;
+  for (Index i = 0; i < n; i += stride) some.push_back(numbers[i]);
+  const Index place = 2 * count / stride + 16;  // twice as many are expected up to there, and some more by chance
+  std::vector<Index> order;
+  if (place < std::ssize(some)) {
+    std::nth_element(some.begin(), some.begin() + place, some.end());
+    const double limit = some[static_cast<std::size_t>(place)];
+    for (Index i = 0; i < n; ++i)
+      if (numbers[i] <= limit) order.push_back(i);
+  }
+  if (std::ssize(order) < count) {
+    order.resize(static_cast<std::size_t>(n));
+    std::iota(order.begin(), order.end(), Index{0});
+  }
+  std::nth_element(order.begin(), order.begin() + count, order.end(),
+                   [&](Index a, Index b) { return numbers[a] < numbers[b]; });
+  order.resize(static_cast<std::size_t>(count));
+  return order;
+}
+
 // The samples nearest to a few of them: O(n) for each.
 template <int Dim>
 bool any_in_blocks(const Samples<Dim>& samples) {
   const Index n = samples.size();
   Eigen::VectorXd r2(n);
-  std::vector<Index> order(static_cast<std::size_t>(n));
   for (Index k = 0; k < blocks; ++k) {
     squared_distances<Dim>(samples.points.data(), n, samples.points.col((2 * k + 1) * n / (2 * blocks)), r2.data());
-    std::iota(order.begin(), order.end(), Index{0});
-    std::nth_element(order.begin(), order.begin() + block, order.end(),
-                     [&](Index a, Index b) { return r2[a] < r2[b]; });
-    const std::vector<Index> chosen(order.begin(), order.begin() + block);
+    const std::vector<Index> chosen = smallest(r2, block);
     Samples<Dim> some{chosen_points<Dim>(samples.points, chosen), samples.values(chosen, Eigen::all), {}};
     if (samples.weights.size() > 0) some.weights = samples.weights(chosen);
     std::vector<Index> all(chosen.size());
