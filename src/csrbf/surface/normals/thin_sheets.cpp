@@ -92,7 +92,8 @@ std::vector<double> deviations(const Points<3>& points, const KdTree<3>& tree) {
 ThinSheets thin_sheets(const Points<3>& points, const KdTree<3>& tree) {
   ThinSheets sheets;
   std::vector<double> found = deviations(points, tree);
-  if (static_cast<double>(found.size()) <= least_share * static_cast<double>(std::min(sampled_places, points.cols()))) return sheets;
+  if (static_cast<double>(found.size()) <= least_share * static_cast<double>(std::min(sampled_places, points.cols())))
+    return sheets;
   sheets.noise = median(std::move(found));
   sheets.normals.setZero(3, points.cols());
   const Index groups = (points.cols() - 1) / shared_by + 1;
