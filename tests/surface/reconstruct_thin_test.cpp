@@ -38,6 +38,17 @@ TEST(ReconstructThin, WallsWithExactNormalsAreClosed) {
   }
 }
 
+TEST(ReconstructThin, WallsTooThinForTheMeshAreTold) {
+  const auto warned = [](const Reconstruction& result) {
+    return std::any_of(result.report.warnings.begin(), result.report.warnings.end(),
+                       [](const std::string& text) { return text.find("too thin for the mesh") != std::string::npos; });
+  };
+  for (const double thickness : {0.2, 0.7}) {
+    const Shape bowl = random_bowl(10'000, thickness, 1);
+    EXPECT_EQ(warned(reconstruct({bowl.points, bowl.normals, {}})), thickness == 0.2) << thickness;
+  }
+}
+
 TEST(ReconstructThin, NormalsOfWallsAreFound) {
   for (const double thickness : {0.3, 0.7, 1.2}) {
     const Shape bowl = random_bowl(10'000, thickness, 2);

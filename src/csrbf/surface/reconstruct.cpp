@@ -12,6 +12,7 @@
 #include "csrbf/surface/prepare/decimate.hpp"
 #include "csrbf/surface/surface_method.hpp"
 
+#include <iomanip>
 #include <numeric>
 #include <sstream>
 
@@ -36,6 +37,7 @@ constexpr double too_small_to_see = 1e-5;  // of the diagonal: smaller mean dist
 constexpr Index quadric_coefficients = 10;
 constexpr double across_thin_parts = 0.5;  // cells: one corner at least is between two sheets
 constexpr double finest_detail = 0.25;     // spacings: thinner parts may be lost
+constexpr double too_thin = 0.75;          // cells to have over those of the mesh
 constexpr double visible = 6;              // least distance of two sheets over the cross-validation error
 constexpr double coarsest_detail = 1.25;   // spacings: longer cells add to the held-out error (dragon, bunny scans)
 constexpr double far_from_points = 0.03;   // rms distance over the diagonal; noise that strong leaves no shape
@@ -251,6 +253,19 @@ CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepa
   return result;
 }
 
+// Says so if plates are too thin for the cells of a mesh.
+void warn_of_thin_parts(const PreparedCloud& prepared, const CompositeSurface& surface, ReconstructReport& out) {
+  const double least = visible * surface.chosen.cross_validation_error;
+  const double thinnest = prepared.scale * thinnest_parts(prepared.cloud, *prepared.tree, least);
+  if (!(across_thin_parts * thinnest < too_thin * surface.field->feature_size())) return;
+  const double cells = prepared.bounds.extent().maxCoeff() / (across_thin_parts * thinnest);
+  std::ostringstream message;
+  message << "plates of thickness " << std::setprecision(2) << thinnest
+          << " are too thin for the mesh, which may have holes there; its resolution should be " << std::setprecision(9)
+          << std::ceil(cells);
+  out.warnings.push_back(message.str());
+}
+
 Surface reconstruct_composite(const PointCloud& input, const PreparedCloud& prepared, const ReconstructOptions& options,
                               ReconstructReport& out) {
   CompositeSurface best = fit_surface(input, prepared, options, typical_body(prepared), out);
@@ -268,8 +283,9 @@ Surface reconstruct_composite(const PointCloud& input, const PreparedCloud& prep
   out.smoothing = chosen.options.smoothing;
   out.composite = {.patches = finest.size(),
                    .levels = static_cast<Index>(best.field->data().levels.size()),
-                   .settings = chosen.options,
+                   .settings = static_cast<const CompositeSettings&>(chosen.options),
                    .cross_validation_error = chosen.cross_validation_error};
+  warn_of_thin_parts(prepared, best, out);
   return {best.field, std::move(best.measured), std::move(best.distance)};
 }
 

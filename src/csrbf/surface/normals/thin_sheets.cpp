@@ -4,6 +4,8 @@
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
 
+#include <numeric>
+
 namespace csrbf {
 namespace {
 
