@@ -23,7 +23,7 @@ constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees bet
                                              // winding number: the first counts alone, the second does
 constexpr Index sheet_neighbors = 24;        // that tell whether normals know both sheets of a thin part ...
 constexpr double clear_majority = 0.5;       // ... by their sides: at least three quarters are the same
-constexpr double few_contradictions = 0.2;   // share of the points: they may be two scans that do not quite fit
+constexpr double few_contradictions = 0.08;  // share of the points: two scans that do not quite fit have .04
 constexpr double line = 1e-14;               // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
@@ -99,7 +99,8 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
 }
 
 // Leaves those sheets that the normals do not tell apart: the normals of both should point away from each other or,
-// across a gap, towards each other. That they point the same way bounds no solid.
+// across a gap, towards each other. That they point the same way bounds no solid. None is left
+// if they are few.
 void keep_contradicted(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals, ThinSheets& sheets) {
   if (!sheets.any()) return;
   Eigen::VectorXd side(points.cols());
