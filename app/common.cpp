@@ -16,10 +16,14 @@ std::string rounded(double value, int digits) {
 }
 
 std::string grouped(Index count) {
-  std::string digits = std::to_string(count);
-  constexpr Index group = 3;
-  for (Index position = std::ssize(digits) - group; position > 0; position -= group) digits.insert(position, 1, ',');
-  return digits;
+  return grouped(std::to_string(count));
+}
+
+std::string grouped(std::string number) {
+  constexpr std::size_t group = 3;
+  const std::size_t first = number.find_first_not_of('-'), point = std::min(number.find('.'), number.size());
+  for (std::size_t at = point; at > first + group;) number.insert(at -= group, 1, ',');
+  return number;
 }
 
 std::string counted(Index count, const std::string& noun) {
@@ -39,10 +43,7 @@ std::string readable(double value, int digits) {
   }
   const double unit = std::pow(10.0, std::floor(std::log10(size)) + 1 - digits);
   std::snprintf(text.data(), text.size(), "%.0f", unit * std::round(size / unit));
-  std::string whole = text.data();
-  constexpr std::size_t group = 3;
-  for (std::size_t at = whole.size(); at > group; at -= group) whole.insert(at - group, 1, ',');
-  return (value < 0 ? "−" : "") + whole;
+  return (value < 0 ? "−" : "") + grouped(text.data());
 }
 
 std::string pretty_number(const std::string& text) {

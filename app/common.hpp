@@ -61,8 +61,9 @@ struct CommonOptions {
 /// `value` with a few significant digits, for the summary.
 std::string rounded(double value, int digits = 4);
 
-/// With thousands separators: 52,980.
+/// With thousands separators: 52,980; of a decimal number in its whole part.
 std::string grouped(Index count);
+std::string grouped(std::string number);
 
 /// "1 point", "2 points", with thousands separators: counts in the summary.
 std::string counted(Index count, const std::string& noun);

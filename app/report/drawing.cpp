@@ -63,13 +63,9 @@ std::string Axis::text(double tick) const {
     std::snprintf(text.data(), text.size(), "%.*f",
                   std::max(0, -static_cast<int>(std::floor(std::log10(step) + rounding))), tick);
   }
-  std::string number = text.data();
-  constexpr std::size_t long_number = 5, group = 3;  // digits before the point
-  const std::size_t first = number.find_first_of("0123456789"),
-                    point = std::min(number.find_first_of(".e"), number.size());
-  if (point - first >= long_number)
-    for (std::size_t at = point - group; at > first; at = at > group ? at - group : 0) number.insert(at, ",");
-  return pretty_number(number);
+  constexpr double long_number = 1e4;
+  const bool is_long = largest < plain_below && std::abs(tick) > (1 - rounding) * long_number;
+  return pretty_number(is_long ? grouped(text.data()) : text.data());
 }
 
 Drawing::Drawing(Axis x, Axis y, std::string_view description, double width, double height)

@@ -29,9 +29,14 @@ export function tickText(value, step, largest) {
     const digits = Math.max(0, Math.floor(Math.log10(Math.abs(value)) + 1e-9) - Math.floor(Math.log10(step) + 1e-9));
     return pretty(value.toExponential(Math.min(digits, 20)));
   }
-  const [whole, part] = value.toFixed(Math.min(decimals, 20)).split(".");
-  const grouped = /\d{5}/.test(whole) ? whole.replace(/\B(?=(\d{3})+$)/g, ",") : whole;
-  return pretty(part ? `${grouped}.${part}` : grouped);
+  return pretty(grouped(value.toFixed(Math.min(decimals, 20))));
+}
+
+// With thousands set apart in numbers of five digits or more.
+function grouped(text) {
+  const [whole, part] = text.split(".");
+  const shown = /\d{5}/.test(whole) ? whole.replace(/\B(?=(\d{3})+$)/g, ",") : whole;
+  return part ? `${shown}.${part}` : shown;
 }
 
 /** A number for people, with this many significant digits: 52,980, 0.0753, 3.2×10⁻⁶. */
@@ -41,9 +46,7 @@ export function readable(value, digits = 4) {
   const size = Math.abs(value);
   if (size >= 1e9 || size < 1e-4) return pretty(value.toExponential(digits - 1).replace(/\.?0+e/, "e"));
   const rounded = Number(value.toPrecision(digits));
-  const [whole, part] = Math.abs(rounded).toString().split(".");
-  const grouped = whole.length > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, ",") : whole;
-  return (value < 0 ? MINUS : "") + grouped + (part ? "." + part : "");
+  return (value < 0 ? MINUS : "") + grouped(Math.abs(rounded).toString());
 }
 
 /** A typographic minus, and powers of ten as 3×10⁻⁵. */
