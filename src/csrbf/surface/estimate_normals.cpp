@@ -99,8 +99,8 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
 }
 
 // Leaves those sheets that the normals do not tell apart: the normals of both should point away from each other or,
-// across a gap, towards each other. That they point the same way bounds no solid. None is left
-// if they are few.
+// across a gap, towards each other. That they point the same way bounds no solid. None is left if they
+// are few.
 void keep_contradicted(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals, ThinSheets& sheets) {
   if (!sheets.any()) return;
   Eigen::VectorXd side(points.cols());

@@ -94,8 +94,9 @@ double winding_level(const WindingNumber& winding, const Points<3>& points, cons
   return level < open_level ? level : 0;
 }
 
-CompositeField::Data build_field(const PreparedCloud& prepared, const ChosenOptions& chosen, const Progress& progress) {
-  const CompositeOptions& options = chosen.options;
+// `thinnest`: thinnest_parts() of the cloud.
+CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeOptions& options, double thinnest,
+                                 const Progress& progress) {
   CompositeField::Data data;
   data.origin = prepared.origin;
   data.scale = prepared.scale;
@@ -106,9 +107,8 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const ChosenOpti
   double area = 0;
   for (const Index i : inside) area += finest.areas[i];
   const double spacing = std::sqrt(area / static_cast<double>(inside.size()));
-  data.feature_size = feature_size(spacing, options);
-  const double thinnest = thinnest_parts(cloud, *prepared.tree, visible * chosen.cross_validation_error);
-  data.feature_size = std::min(data.feature_size, std::max(across_thin_parts * thinnest, finest_detail * spacing));
+  data.feature_size =
+      std::min(feature_size(spacing, options), std::max(across_thin_parts * thinnest, finest_detail * spacing));
   data.far_value = CompositeField::far_spacings * spacing;
   data.levels.push_back(std::move(finest.patches));
   CompositeOptions coarse_options = options;
@@ -211,6 +211,7 @@ struct Surface {
 // That of the composite method, with its options.
 struct CompositeSurface {
   ChosenOptions chosen;
+  double thinnest = 0;  // see thinnest_parts(); unit coordinates
   std::shared_ptr<const CompositeField> field;
   std::vector<Index> measured;   // points used that are in the region
   std::vector<double> distance;  // of these
@@ -232,12 +233,14 @@ CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepa
   CompositeSurface result;
   auto start = std::chrono::steady_clock::now();
   result.chosen = choose(prepared, options, body_size);
+  result.thinnest = thinnest_parts(prepared.cloud, *prepared.tree, visible * result.chosen.cross_validation_error);
   result.measured = ids_inside(prepared.cloud.points, result.chosen.options.region);
   if (result.measured.empty()) throw InvalidInput("reconstruct: region: no point is inside; move it, or leave it out");
   out.fit_seconds += seconds_since(start);
   for (int attempt = 0; attempt < tolerance_attempts; ++attempt) {
     start = std::chrono::steady_clock::now();
-    const auto field = std::make_shared<CompositeField>(build_field(prepared, result.chosen, options.progress));
+    const auto field = std::make_shared<CompositeField>(
+        build_field(prepared, result.chosen.options, result.thinnest, options.progress));
     out.fit_seconds += seconds_since(start);
     start = std::chrono::steady_clock::now();
     result.distance =
@@ -255,8 +258,7 @@ CompositeSurface fit_surface(const PointCloud& input, const PreparedCloud& prepa
 
 // Says so if plates are too thin for the cells of a mesh.
 void warn_of_thin_parts(const PreparedCloud& prepared, const CompositeSurface& surface, ReconstructReport& out) {
-  const double least = visible * surface.chosen.cross_validation_error;
-  const double thinnest = prepared.scale * thinnest_parts(prepared.cloud, *prepared.tree, least);
+  const double thinnest = prepared.scale * surface.thinnest;
   if (!(across_thin_parts * thinnest < too_thin * surface.field->feature_size())) return;
   const double cells = prepared.bounds.extent().maxCoeff() / (across_thin_parts * thinnest);
   std::ostringstream message;
