@@ -28,7 +28,8 @@ std::vector<double> some_numbers() {
 }
 
 std::string write_samples(const std::string& extension) {
-  const std::string path = testing::TempDir() + "stream_of_samples" + extension;
+  const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  const std::string path = testing::TempDir() + "stream_of_samples_" + test + extension;
   const std::vector<double> numbers = some_numbers();
   if (extension == ".npy") {
     write_file(path, format_npy({{rows, 4}, numbers}));
