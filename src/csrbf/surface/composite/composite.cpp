@@ -23,6 +23,7 @@ struct Leaf {
   Index begin, end;  // in the order of the partition
   SampleAreas areas;
   FittedPatch patch;
+  bool lonely;  // see PatchSamples
 };
 
 // Whether a leaf is too far from the region for a patch.
@@ -72,7 +73,7 @@ class LeafFitter {
       }
       patch = tight_fitter_.fit(ids, end - begin);
     }
-    leaves.push_back({begin, end, fitter_.areas(), std::move(patch)});
+    leaves.push_back({begin, end, fitter_.areas(), std::move(patch), fitter_.lonely()});
   }
 
   // The patch over a coverage gap, unless it misses a tolerance.
@@ -191,6 +192,7 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
       for (Leaf& leaf : part) {
         for (Index k = leaf.begin; k < leaf.end; ++k)
           result.areas[parts.order[k]] = leaf.areas.of(cloud.spacing[parts.order[k]]);
+        if (leaf.lonely) continue;  // its patch would reach so far that it spoils others
         if (fragment_ratio * (leaf.end - leaf.begin) >= usual_leaf) {
           append(leaf.patch, result.patches);
         } else {

@@ -18,6 +18,9 @@ constexpr double inner_weight_variable = 0.65;  // d^2 below which the blending 
 constexpr double opposite_normals = -0.5;       // cosine of 120 degrees: noise rarely turns normals that far
 constexpr double own_weight = 1;                // approximate sum of the weights of a sample's own patches
 constexpr double smallest_freedom = 0.01;  // floor of 1 - leverage, for a sample that determines its own prediction
+constexpr double growth = 1.25;            // of a support with too few samples: often ...
+constexpr int few_growths = 2;             // ... until they are as many as the coefficients need, ...
+constexpr int most_growths = 12;           // ... or determine a plane
 constexpr double density_jump = 8;         // ratio of squared spacings: chance and creases vary them by up to 4
 constexpr double least_height = 0.9;       // least normal semi-axis of a patch over its radius; 1 at most
 constexpr double smallest_slope = 1e-3;    // floor of |grad f|, which is 1 for a model that follows its normals
@@ -147,22 +150,24 @@ void PatchFitter::frame(const Index* ids, Index n) {
   patch.radius = std::max(std::sqrt(options_.overlap * area / std::numbers::pi), 1.3 * std::sqrt(reach2));
 }
 
-// Points of the support with compatible normals. The support grows by 1.25 until there are enough of them, twice if
-// they determine a plane (larger ones reach past small faces and spoil their neighbours), else 12 times: 15-fold.
+// Points of the support with compatible normals. The support grows until there are enough of them, a little if they
+// determine a plane (larger ones reach past small faces and spoil their neighbours), else up to 15-fold.
 void PatchFitter::gather(const Index* ids, Index n) {
   frame(ids, n);
-  auto& [patch, support, foreign, stride, areas, groups] = samples_;
+  auto& [patch, support, foreign, stride, lonely, areas, groups] = samples_;
   groups.reset();
+  lonely = false;
   const Point<3> normal = patch.T.row(2).transpose();
   const Index wanted = std::min<Index>(fewest_fit_points, cloud_.size());
-  for (int growths = 0; growths < 12; ++growths) {
+  for (int growths = 0; growths < most_growths; ++growths) {
+    lonely = growths > few_growths;
     tree_.within(patch.center, patch.radius, support);
     const auto same_sheet = [&](Index i) { return cloud_.normals.col(i).dot(normal) > compatible_normals; };
     const auto first_foreign = std::stable_partition(support.begin(), support.end(), same_sheet);
     foreign.assign(first_foreign, support.end());
     support.erase(first_foreign, support.end());
-    if (static_cast<Index>(support.size()) >= (growths < 2 ? wanted : CompositeOptions::smallest_leaf)) break;
-    patch.radius *= 1.25;
+    if (static_cast<Index>(support.size()) >= (growths < few_growths ? wanted : CompositeOptions::smallest_leaf)) break;
+    patch.radius *= growth;
   }
   if (support.empty()) support.assign(ids, ids + n);
   areas = SampleAreas(cloud_, support, std::numbers::pi * patch.radius * patch.radius);
@@ -190,7 +195,7 @@ void PatchFitter::thin() {
 
 // The samples of the patch on smooth pieces, that of the leaf first.
 std::vector<std::vector<Index>> PatchFitter::smooth_groups(std::span<const Index> leaf) const {
-  const auto& [frame, support, foreign, stride, areas, known] = samples_;
+  const auto& [frame, support, foreign, stride, lonely, areas, known] = samples_;
   std::vector<Index> all = support;
   for (Index k = 0; k < std::ssize(foreign); k += stride) all.push_back(foreign[k]);
   const double stretch = std::sqrt(static_cast<double>(stride));

@@ -43,6 +43,7 @@ struct PatchSamples {
   std::vector<Index> support;  ///< samples with a normal near that of the patch
   std::vector<Index> foreign;  ///< in the ball of the support, but of another sheet
   Index stride = 1;            ///< of the samples that are used
+  bool lonely = false;         ///< no other samples nearby have such a normal: the support reaches far beyond the leaf
   SampleAreas areas;
   std::optional<std::vector<std::vector<Index>>> groups = {};  ///< on smooth pieces, once they were looked for
 };
@@ -76,6 +77,9 @@ class PatchFitter {
 
   /// The areas of the samples of the last patch.
   [[nodiscard]] const SampleAreas& areas() const { return samples_.areas; }
+
+  /// Whether the last patch is PatchSamples::lonely.
+  [[nodiscard]] bool lonely() const { return samples_.lonely; }
 
  private:
   void frame(const Index* ids, Index n);
