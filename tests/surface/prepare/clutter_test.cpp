@@ -85,5 +85,16 @@ TEST(Clutter, LeavesSparsePartsOfTheSurface) {
   EXPECT_GT(static_cast<double>(good), 0.98 * static_cast<double>(shape.size()));
 }
 
+// Neighbours on the other side of the wall, or around its edge, do not make samples clutter.
+TEST(Clutter, LeavesThinPlatesAndTheirEdges) {
+  for (const double thickness : {0.5, 1.0, 2.0}) {
+    const Shape plate = random_bowl(10'000, thickness, 13);
+    const Shape input = cluttered(plate, 2000, 14);
+    const std::vector<Index> kept = all_but_clutter(input.points, Points<3>(3, 0), density_of(input.points));
+    const auto good = std::count_if(kept.begin(), kept.end(), [&](Index i) { return i < plate.size(); });
+    EXPECT_GT(static_cast<double>(good), 0.99 * static_cast<double>(plate.size())) << thickness;
+  }
+}
+
 }  // namespace
 }  // namespace csrbf::clutter_test

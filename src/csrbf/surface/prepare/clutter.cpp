@@ -4,6 +4,8 @@
 #include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
 
+#include <Eigen/Geometry>
+
 #include <numbers>
 #include <numeric>
 
@@ -23,6 +25,10 @@ constexpr double as_clutter = 1.5;       // of clutter expected within that; mor
 constexpr Index plane_neighbors = 16;    // that a point is compared with
 constexpr int reweightings = 2;          // of the plane through them
 constexpr double thinnest = 0.15;        // spacings: least standard deviation of a sheet
+constexpr Index corners_from = 8;        // nearest neighbours whose triples span planes of several sheets
+constexpr double different_planes = 4;   // of them: one fits by chance this many times as often
+constexpr double fewest_on_sheet = 6;    // neighbours
+constexpr double narrowest = 0.4;        // spacings: least standard deviation across a row of them
 constexpr double near_plane = 2.2;       // spacings around the surface where sparse points are not seen
 constexpr double like = 0.7;             // cosine between like normals, up to sign
 constexpr std::size_t few_alike = 2;     // neighbours that a sample's normal agrees with at least
@@ -89,7 +95,8 @@ class Plane {
     for (Index k = 0; k < found; ++k)
       if (ids_[k] != i) near_.push_back(ids_[k]);
     if (std::ssize(near_) < density_rank) return false;
-    return unlike(i) || sheet(points_.col(i), r) < density;
+    return unlike(i) ||
+           (sheet(points_.col(i), r) < density && one_of_several_sheets(i, r) < different_planes * density);
   }
 
  private:
@@ -124,6 +131,45 @@ class Plane {
     const double t = normal.dot(x - mean) / s;
     return std::exp(-0.5 * t * t) / (std::sqrt(2 * std::numbers::pi) * s * h * h) *
            at_most(density_rank, std::numbers::pi * r * r / (h * h));
+  }
+
+  // The same for the best of the planes through three of the nearest neighbours that contain enough others and are
+  // perpendicular to its normal, if it has one: both sides of a thin plate and the faces of an edge are sheets of their
+  // own.
+  [[nodiscard]] double one_of_several_sheets(Index i, double r) const {
+    const Point<3> x = points_.col(i), own = normals_.cols() > 0 ? Point<3>(normals_.col(i)) : Point<3>::Zero();
+    const Points<3> q = points_(Eigen::all, near_);
+    const double reach = (q.col(q.cols() - 1) - x).norm(), thin = thinnest * spacing_of(reach, q.cols());
+    double best = 0;
+    for (Index c = 2; c < corners_from; ++c)
+      for (Index b = 1; b < c; ++b)
+        for (Index a = 0; a < b; ++a) {
+          const Point<3> normal = (q.col(b) - q.col(a)).cross(q.col(c) - q.col(a)).normalized();
+          best = std::max(best, through_those_near(q, q.col(a), normal, thin, x, own, r));
+        }
+    return best;
+  }
+
+  // That for the plane through the neighbours near a given one; 0 if they are few or nearly in a row.
+  [[nodiscard]] static double through_those_near(const Points<3>& q, const Point<3>& at, const Point<3>& along,
+                                                 double thin, const Point<3>& x, const Point<3>& own, double r) {
+    const Eigen::VectorXd close =
+        ((along.transpose() * (q.colwise() - at)).transpose().array().abs() < 2 * thin).cast<double>();
+    const double count = close.sum();
+    if (count < fewest_on_sheet) return 0;
+    const Point<3> mean = q * close / count;
+    const Points<3> d = q.colwise() - mean;
+    const Eigen::Matrix3d covariance = d * close.asDiagonal() * d.transpose() / count;
+    const SymmetricEigen spread = symmetric_eigen_direct(covariance);
+    const double h = (q.col(q.cols() - 1) - x).norm() * std::sqrt(std::numbers::pi / count);
+    if (spread.values[1] < narrowest * narrowest * h * h) return 0;
+    const Point<3> normal = spread.vectors.col(0);
+    if (!own.isZero() && std::abs(normal.dot(own)) < like) return 0;
+    const double area = 4 * std::numbers::pi * std::sqrt(spread.values[1] * spread.values[2]);  // of an ellipse
+    const double s = std::max(std::sqrt(std::max(0.0, spread.values[0])), thin);
+    const double t = normal.dot(x - mean) / s;
+    return std::exp(-0.5 * t * t) / (std::sqrt(2 * std::numbers::pi) * s * h * h) *
+           at_most(density_rank, std::numbers::pi * r * r / std::min(h * h, area / count));
   }
 
   const Points<3>& points_;

@@ -14,11 +14,13 @@ double clutter_density(const Points<3>& points, const NeighborTable& near);
 /// clutter would be; nor those that are so far off the plane through their 16 neighbours, in robust standard deviations
 /// s, or so lonely (8 neighbours within r) that clutter is more likely there than a sheet with one sample per h^2:
 /// (2 pi)^(-1/2) exp(-t^2 / 2 s^2) / (s h^2) P(N <= 8) < density, where N is a Poisson variable of mean pi r^2 / h^2.
-/// Thickness and spacing of the sheet are those of the neighbours, so that sparse parts and noise stay. Unit normals,
-/// if given, count too: a point is clutter if hardly any neighbour has a normal like its own; zero ones say nothing.
+/// Thickness and spacing of the sheet are those of the neighbours, so that sparse parts and noise stay. Neighbours on
+/// both sides of a thin plate or of an edge are several sheets, of which one suffices. Unit normals, if given, count
+/// too: a point is clutter if hardly any neighbour has a normal like its own; zero ones say nothing.
 ///
-/// Of the clutter (5 and 20 %) in the samples of ten shapes, 0 to 4 % was left farther than two spacings from the
-/// surface; 0 to 0.4 % of the samples were taken for clutter. O(n log n).
+/// Of the samples of 34 shapes with clutter of 20 %, 0.2 % were taken for clutter (median; worst 1.5 %); of the
+/// clutter, 0.05 % was left farther than two spacings from the surface (worst 0.7 %, but for a shape so full of holes
+/// that clutter_density() sees none). O(n log n).
 std::vector<Index> all_but_clutter(const Points<3>& points, const Points<3>& normals, double density);
 
 }  // namespace csrbf
