@@ -132,6 +132,16 @@ TEST(EstimateNormals, LookAtTheViewpoint) {
   for (Index i = 0; i < sphere.size(); ++i) EXPECT_GT(normals.col(i).dot(eye - sphere.points.col(i)), 0);
 }
 
+// The winding number alone leaves the inner body turned in part.
+TEST(EstimateNormals, PointOutOfABodyInsideACavity) {
+  constexpr double spacing = 0.0485;
+  Shape cavity = random_box(Point<3>::Constant(0.85), spacing, 42);
+  cavity.normals = -cavity.normals;
+  const Shape hollow = join(random_box(Point<3>::Constant(1), spacing, 41), cavity);
+  const Shape nested = join(hollow, random_box(Point<3>::Constant(0.5), spacing, 43));
+  EXPECT_GT(outward_share(estimate_normals(nested.points), nested.normals), 0.995);
+}
+
 TEST(EstimateNormals, AreInvariantUnderSimilarities) {
   const Shape torus = random_torus(3000, 8);
   const Points<3> normals = estimate_normals(torus.points);

@@ -3,9 +3,11 @@
 #include "csrbf/core/parallel.hpp"
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/morton_order.hpp"
+#include "csrbf/surface/normals/contradictions.hpp"
 #include "csrbf/surface/normals/neighborhood.hpp"
 #include "csrbf/surface/normals/thin_sheets.hpp"
 #include "csrbf/surface/normals/winding_consistency.hpp"
+#include "csrbf/surface/normals/winding_sides.hpp"
 
 namespace csrbf {
 namespace {
@@ -24,7 +26,11 @@ constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees bet
 constexpr Index sheet_neighbors = 24;        // that tell whether normals know both sheets of a thin part ...
 constexpr double clear_majority = 0.5;       // ... by their sides: at least three quarters are the same
 constexpr double few_contradictions = 0.08;  // share of the points: two scans that do not quite fit have .04
-constexpr double line = 1e-14;               // of the largest variance: the cloud lies on a line
+constexpr double usual_contradictions =
+    1e-4;                                 // share of neighbours; bodies turned in part have two times that and more
+constexpr double few_differences = 2e-3;  // share of the signs that two ways of orientation may give otherwise
+constexpr double clearly_better = 0.8;    // largest ratio of the errors of the winding number beside and on the points
+constexpr double line = 1e-14;            // of the largest variance: the cloud lies on a line
 
 // The different points in unit coordinates and Morton order.
 struct Cloud {
@@ -158,6 +164,49 @@ bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheet
   return true;
 }
 
+// Whether hardly any normals of neighbours contradict each other.
+bool consistent(const Points<3>& points, const NeighborTable& table, const Points<3>& normals) {
+  return Contradictions(points, normals, table).share(normals) < usual_contradictions;
+}
+
+// Whether signs by neighbours differ from those by the winding number and enclose a solid better: its rounds may end
+// before a body inside a cavity is turned.
+bool neighbors_know_better(const Points<3>& points, const NeighborTable& table, const Points<3>& by_winding,
+                           const Points<3>& by_neighbors) {
+  Index differences = 0;
+  for (Index i = 0; i < points.cols(); ++i) differences += by_winding.col(i).dot(by_neighbors.col(i)) < 0 ? 1 : 0;
+  if (static_cast<double>(differences) <= few_differences * static_cast<double>(points.cols())) return false;
+  Eigen::VectorXd spacing(points.cols());
+  for (Index i = 0; i < points.cols(); ++i) spacing[i] = std::sqrt(table.area(i));
+  const auto error = [&](const Points<3>& normals) {
+    const WindingSides sides = winding_sides(points, normals, spacing);
+    return sides.defect + sides.energy;
+  };
+  return error(by_neighbors) < clearly_better * error(by_winding);
+}
+
+// Gives fitted normals signs: by the winding number, by neighbours for sheets without inside and very large clouds.
+OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, const Progress& progress) {
+  ThinSheets sheets = thin_sheets(points, tree);
+  OrientReport result{.method = OrientMethod::winding_number};
+  Points<3> by_winding = fit.normals;
+  const bool solid = orient_by_winding(points, tree, sheets, by_winding);
+  if (fit.table.k == 0 && !sheets.any()) fit.table = make_neighbor_table(points, tree, graph_neighbors);
+  bool decided = solid && (sheets.any() || consistent(points, fit.table, by_winding));
+  if (!decided) {
+    if (fit.table.k == 0) fit.table = make_neighbor_table(points, tree, graph_neighbors);
+    const OrientReport report = orient_normals(points, fit.table, fit.normals, [&](std::string_view, double fraction) {
+      return !progress || progress(stage, 0.7 + 0.3 * fraction);
+    });
+    if (!solid) keep_contradicted(points, tree, fit.normals, sheets);
+    decided = solid && !neighbors_know_better(points, fit.table, by_winding, fit.normals);
+    if (!decided) result = report;
+  }
+  if (decided) fit.normals = std::move(by_winding);
+  put(sheets, fit.normals);
+  return result;
+}
+
 }  // namespace
 
 Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& options, NormalReport* details) {
@@ -171,23 +220,10 @@ Points<3> estimate_normals(const PointsRef<3>& points, const NormalOptions& opti
   result.neighbors = options.neighbors > 0 ? options.neighbors : choose_neighbors(cloud.points, tree);
   const bool consistent = options.orient == Orient::consistent;
   Fit fit = fit_all(cloud.points, tree, result.neighbors, consistent ? graph_neighbors : 0, options.progress);
-  Points<3>& normals = fit.normals;
-  if (consistent) {
-    ThinSheets sheets = thin_sheets(cloud.points, tree);
-    if (orient_by_winding(cloud.points, tree, sheets, normals)) {
-      result.orientation.method = OrientMethod::winding_number;
-    } else {
-      if (fit.table.k == 0) fit.table = make_neighbor_table(cloud.points, tree, graph_neighbors);
-      result.orientation = orient_normals(cloud.points, fit.table, normals, [&](std::string_view, double fraction) {
-        return !options.progress || options.progress(stage, 0.7 + 0.3 * fraction);
-      });
-      keep_contradicted(cloud.points, tree, normals, sheets);
-    }
-    put(sheets, normals);
-  }
+  if (consistent) result.orientation = orient(cloud.points, tree, fit, options.progress);
   Points<3> output(3, points.cols());
   for (Index i = 0; i < points.cols(); ++i) {
-    output.col(i) = normals.col(cloud.unique_of[i]);
+    output.col(i) = fit.normals.col(cloud.unique_of[i]);
     if (options.orient == Orient::viewpoint && output.col(i).dot(options.viewpoint - points.col(i)) < 0)
       output.col(i) = -output.col(i).eval();
     result.undetermined += output.col(i).squaredNorm() > 0 ? 0 : 1;

@@ -18,6 +18,8 @@ TEST(WindingSides, TellASolidFromFlippedNormals) {
   for (Index i = 0; i < sphere.size(); ++i)
     if (sphere.points(2, i) > 0.3) flipped.col(i) *= -1;
   EXPECT_GT(sides(sphere, flipped).defect, 5 * solid.defect);
+  EXPECT_LT(solid.energy, 0.02);
+  EXPECT_GT(sides(sphere, flipped).energy, 5 * solid.energy);
 }
 
 TEST(WindingSides, OfTwoSpheresInContactAreThoseOfSolids) {

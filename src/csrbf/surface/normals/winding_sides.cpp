@@ -23,6 +23,7 @@ WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, co
     result.mean += (1 + u.mean()) / 4;
     result.defect += (1 - u.abs()).square().mean() / 2;
   }
+  result.energy = winding.evaluate(PointsRef<3>(middle)).value.squaredNorm() / static_cast<double>(middle.cols());
   return result;
 }
 

@@ -4,10 +4,11 @@
 
 namespace csrbf {
 
-/// What the winding number w of oriented points says beside them, two spacings away on both sides.
+/// What the winding number w of oriented points says beside them, two spacings away on both sides, and on them.
 struct WindingSides {
   double mean = 0;    ///< of w: 1/2 for a solid, about 0.1 or less for a sheet without inside
   double defect = 0;  ///< mean of 4 min(w^2, (1 - w)^2): 0 for a solid, up to 1 and more where it is undecided
+  double energy = 0;  ///< mean of (2 w - 1)^2 on the points: 0 for a solid, 1 where both sides are the same
 };
 
 /// Looks beside some thousand of the points. Spacings: those along the own sheet of each point, so that the sheets of
