@@ -2,11 +2,13 @@
 
 #include "csrbf/core/error.hpp"
 #include "csrbf/core/seconds_since.hpp"
+#include "csrbf/io/files/open_file.hpp"
 #include "csrbf/tiles/stages/cloud_records.hpp"
 #include "csrbf/tiles/stages/outline.hpp"
 #include "csrbf/tiles/stages/prepare_tiles.hpp"
 #include "csrbf/tiles/stages/weld_parts.hpp"
 
+#include <filesystem>
 #include <set>
 #include <sstream>
 
@@ -83,15 +85,26 @@ class SurfaceInTiles {
       if (team_.leads() && !exists(folder_.file("outline"))) make_outline(work_, folder_, options_.surface);
       team_.wait(folder_.file("outline"));
     }
-    report_.continued = team_.for_own("fit", tiles(), [&](Index t) {
-      ReconstructOptions here = options_.surface;
-      here.progress = team_.part_of("fit", t, tiles());
-      fit_surface_tile(work_, folder_, t, here, !options_.model.empty());
-    });
+    report_.continued = team_.for_own("fit", tiles(), [&](Index t) { fit(t); });
     team_.wait_for_all("fit", tiles());
     for (Index t = 0; t < tiles(); ++t) fits_.push_back(read_tile_fit(folder_, t));
     report_.surface.fit_seconds = seconds_since(start);
     summarise();
+  }
+
+  void fit(Index tile) {
+    ReconstructOptions here = options_.surface;
+    here.progress = team_.part_of("fit", tile, tiles());
+    fit_surface_tile(work_, folder_, tile, here, !options_.model.empty());
+  }
+
+  // The function of a tile, the largest of its files, is no longer there afterwards. Few tiles are meshed again.
+  void mesh(Index tile, int round, const std::vector<polygonization::Cell>& starts) {
+    const std::string function = folder_.file("inside", tile);
+    if (!exists(function)) fit(tile);
+    mesh_tile(work_, mesh_work_, folder_, tile, round, starts, team_.part_of("polygonize", tile, tiles()));
+    std::error_code ignored;
+    std::filesystem::remove(utf8_path(function), ignored);
   }
 
   void polygonize() {
@@ -106,7 +119,7 @@ class SurfaceInTiles {
       for (const Index t : open) rounds_[t] = round;
       team_.for_own(border_kind(round), tiles(), [&](Index t) {
         if (open.count(t) == 0) return;
-        mesh_tile(work_, mesh_work_, folder_, t, round, starts[t], team_.part_of("polygonize", t, tiles()));
+        mesh(t, round, starts[t]);
       });
       team_.for_own(missing_kind(round), tiles(), [&](Index t) {
         for (const Index other : tiles_around(mesh_work_, work_.plan, t))

@@ -24,11 +24,17 @@ void append_point(std::string& out, const Point<Dim>& point) {
   for (const double x : point) append_scalar(out, x);
 }
 
-template <int Dim>
+template <int Dim, class Coordinate = double>
 Point<Dim> load_point(const char* bytes) {
   Point<Dim> point;
-  for (int axis = 0; axis < Dim; ++axis) point[axis] = load_scalar<double>(bytes + sizeof(double) * axis);
+  for (int axis = 0; axis < Dim; ++axis) point[axis] = load_scalar<Coordinate>(bytes + sizeof(Coordinate) * axis);
   return point;
+}
+
+// Whether single precision holds the coordinates, as those of most scans.
+bool fit_in_float(const std::vector<double>& coordinates) {
+  return std::all_of(coordinates.begin(), coordinates.end(),
+                     [](double x) { return static_cast<double>(static_cast<float>(x)) == x; });
 }
 
 bool skip(std::FILE* file, std::size_t bytes) {
@@ -48,7 +54,7 @@ std::int64_t read_number(std::FILE* file, const std::string& path) {
 }
 
 // Appends a level: the number of its points, the boxes of its blocks, its points.
-template <int Dim>
+template <class Coordinate, int Dim>
 void append_level(const Records<Dim>& records, const std::vector<Index>& ids, std::string& out) {
   const auto points = records.matrix();
   append_scalar(out, static_cast<std::int64_t>(ids.size()));
@@ -59,13 +65,49 @@ void append_level(const Records<Dim>& records, const std::vector<Index>& ids, st
     append_point<Dim>(out, box.lo);
     append_point<Dim>(out, box.hi);
   }
-  const std::size_t each = Dim * sizeof(double) + records.each, before = out.size();
+  constexpr std::size_t point_size = Dim * sizeof(Coordinate);
+  const std::size_t each = point_size + records.each, before = out.size();
   out.resize(before + each * ids.size());
   char* at = out.data() + before;
   for (const Index i : ids) {
-    std::memcpy(at, points.col(i).data(), Dim * sizeof(double));
-    std::memcpy(at + Dim * sizeof(double), records.payload_of(i).data(), records.each);
+    const Eigen::Matrix<Coordinate, Dim, 1> point = points.col(i).template cast<Coordinate>();
+    std::memcpy(at, point.data(), point_size);
+    std::memcpy(at + point_size, records.payload_of(i).data(), records.each);
     at += each;
+  }
+}
+
+// Where the records of a tile are read.
+struct TileReader {
+  std::FILE* file;
+  const std::string& path;
+
+  void skip_bytes(std::size_t count) const {
+    if (!skip(file, count)) fail(path, "the file is damaged or incomplete");
+  }
+};
+
+// The blocks of a level that are wanted, see read_tile().
+template <class Coordinate, int Dim>
+void read_level(const TileReader& reader, std::int64_t count, const std::function<bool(const Box<Dim>&)>& wants_box,
+                const std::function<bool(const Point<Dim>&)>& wants_point, Records<Dim>& out) {
+  constexpr std::size_t point_size = Dim * sizeof(Coordinate), corner_size = Dim * sizeof(double);
+  const std::size_t each = point_size + out.each;
+  const std::int64_t blocks = (count + block_points - 1) / block_points;
+  const std::string boxes = read_bytes(reader.file, reader.path, 2 * corner_size * static_cast<std::size_t>(blocks));
+  for (std::int64_t b = 0; b < blocks; ++b) {
+    const char* at = boxes.data() + 2 * corner_size * static_cast<std::size_t>(b);
+    const auto points = static_cast<std::size_t>(std::min<std::int64_t>(block_points, count - b * block_points));
+    if (!wants_box({load_point<Dim>(at), load_point<Dim>(at + corner_size)})) {
+      reader.skip_bytes(points * each);
+      continue;
+    }
+    const std::string bytes = read_bytes(reader.file, reader.path, points * each);
+    for (std::size_t i = 0; i < points; ++i) {
+      const char* record = bytes.data() + i * each;
+      const Point<Dim> point = load_point<Dim, Coordinate>(record);
+      if (wants_point(point)) out.add(point, {record + point_size, out.each});
+    }
   }
 }
 
@@ -140,17 +182,22 @@ Records<Dim> read_raw_records(const std::vector<std::string>& paths, std::size_t
 template <int Dim>
 void write_tile(const std::string& path, const Records<Dim>& records, const ThinnedPoints& thinned) {
   AtomicFile file(path);
+  const bool narrow = fit_in_float(records.points);
+  const auto level = [&](const std::vector<Index>& ids, std::string& out) {
+    narrow ? append_level<float>(records, ids, out) : append_level<double>(records, ids, out);
+  };
   std::string out(tile_magic);
   append_scalar(out, static_cast<std::int64_t>(records.each));
+  append_scalar(out, static_cast<std::int64_t>(narrow ? sizeof(float) : sizeof(double)));
   append_scalar(out, static_cast<std::int64_t>(thinned.levels.size() + 1));
-  append_level(records, thinned.order, out);
+  level(thinned.order, out);
   file.write(out);
-  for (const std::vector<Index>& level : thinned.levels) {
+  for (const std::vector<Index>& thin : thinned.levels) {
     std::vector<Index> ids;
-    ids.reserve(level.size());
-    for (const Index i : level) ids.push_back(thinned.order[i]);
+    ids.reserve(thin.size());
+    for (const Index i : thin) ids.push_back(thinned.order[i]);
     out.clear();
-    append_level(records, ids, out);
+    level(ids, out);
     file.write(out);
   }
   file.commit();
@@ -163,35 +210,21 @@ void read_tile(const std::string& path, int level, const std::function<bool(cons
   const OpenFile file(open_file(path, "rb"));
   if (file == nullptr) fail(path, "cannot be read");
   if (read_bytes(file.get(), path, tile_magic.size()) != tile_magic) fail(path, "is no tile");
+  const TileReader reader{file.get(), path};
   const std::int64_t payload = read_number(file.get(), path);
   if (payload != static_cast<std::int64_t>(out.each)) fail(path, "is a tile of other work");
+  const auto coordinate = static_cast<std::size_t>(read_number(file.get(), path));
   const std::int64_t levels = read_number(file.get(), path);
-  constexpr std::size_t point_size = Dim * sizeof(double), box_size = 2 * point_size;
-  const std::size_t each = point_size + out.each;
   for (int k = 0; k < std::min<std::int64_t>(level + 1, levels); ++k) {
     const std::int64_t count = read_number(file.get(), path);
-    const std::int64_t blocks = (count + block_points - 1) / block_points;
-    const auto boxes_size = static_cast<std::size_t>(blocks) * box_size;
-    if (k < level) {
-      if (!skip(file.get(), boxes_size + static_cast<std::size_t>(count) * each))
-        fail(path, "the file is damaged or incomplete");
-      continue;
-    }
-    const std::string boxes = read_bytes(file.get(), path, boxes_size);
-    for (std::int64_t b = 0; b < blocks; ++b) {
-      const char* at = boxes.data() + box_size * static_cast<std::size_t>(b);
-      const auto points = static_cast<std::size_t>(std::min<std::int64_t>(block_points, count - b * block_points));
-      if (!wants_box({load_point<Dim>(at), load_point<Dim>(at + point_size)})) {
-        if (!skip(file.get(), points * each)) fail(path, "the file is damaged or incomplete");
-        continue;
-      }
-      const std::string bytes = read_bytes(file.get(), path, points * each);
-      for (std::size_t i = 0; i < points; ++i) {
-        const char* record = bytes.data() + i * each;
-        const Point<Dim> point = load_point<Dim>(record);
-        if (wants_point(point)) out.add(point, {record + point_size, out.each});
-      }
-    }
+    const auto blocks = static_cast<std::size_t>((count + block_points - 1) / block_points);
+    if (k < level)
+      reader.skip_bytes(blocks * 2 * Dim * sizeof(double) +
+                        static_cast<std::size_t>(count) * (Dim * coordinate + out.each));
+    else if (coordinate == sizeof(float))
+      read_level<float>(reader, count, wants_box, wants_point, out);
+    else
+      read_level<double>(reader, count, wants_box, wants_point, out);
   }
 }
 

@@ -55,7 +55,8 @@ class RecordDealer {
 template <int Dim>
 Records<Dim> read_raw_records(const std::vector<std::string>& paths, std::size_t payload);
 
-/// Writes a tile: its points along the curve and its levels of thinning, in blocks with their boxes. Throws IoError.
+/// Writes a tile: its points along the curve and its levels of thinning, in blocks with their boxes; coordinates in
+/// single precision where that holds all of them. Throws IoError.
 template <int Dim>
 void write_tile(const std::string& path, const Records<Dim>& records, const ThinnedPoints& thinned);
 

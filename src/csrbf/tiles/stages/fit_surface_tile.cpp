@@ -115,12 +115,15 @@ void fit_surface_tile(const TileWork<3>& work, const TileFolder& folder, Index t
     field = std::dynamic_pointer_cast<const CompositeField>(surface.field);
     fit = describe(surface, *field, cloud, work, tile);
   }
+  // One tile is what all points at once are.
+  const FieldNumbers numbers = work.plan.size() > 1 ? FieldNumbers::rounded : FieldNumbers::exact;
   if (work.plan.size() > 1) {
     const Box<3> hole = box.inflated(-blend);
     write_field(folder.file("rim", tile),
-                crop(*field, {box.inflated(blend), hole.empty() ? std::nullopt : std::optional(hole)}, work.halo));
+                crop(*field, {box.inflated(blend), hole.empty() ? std::nullopt : std::optional(hole)}, work.halo),
+                numbers);
   }
-  write_field(folder.file("inside", tile), *field);
+  write_field(folder.file("inside", tile), *field, numbers);
   if (with_model) write_model(folder.file("model", tile), *field);
   write_fit(fit, folder.file("fit", tile));
 }
