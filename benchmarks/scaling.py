@@ -10,7 +10,7 @@ Runs with one thread per process, but for the large ones. Processes share the co
 those of the busiest process stand for the time on as many cores as processes. They are started here, or by mpirun. Strong
 runs use the last number of --points, weak runs N points for each process. Points are made by make_cloud.py, samples are
 of a smooth function in space, images are gyroids with noise. --large: so many points and samples once, with --memory;
-files and folders of 0.6 kB per point. --merge: no runs, but sections of a newer page instead of those of the same name.
+files and folders of 0.3 kB per point. --merge: no runs, but sections of a newer page instead of those of the same name.
 """
 
 import argparse

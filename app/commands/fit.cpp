@@ -108,6 +108,7 @@ void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& ses
   options.fit = fit;
   options.fit.missing = command.missing;
   options.share = tile_share(command.tiles);
+  options.warn = [&](const std::string& text) { session.warn(text); };
   const FitTileReport done = fit_tiles(command.input, command.output, options);
   session.input = {
       {"file", command.input},      {"samples", done.fit.samples},         {"coordinates", done.coordinate_names},

@@ -105,6 +105,7 @@ void run_in_tiles(const ReconstructCommand& command, Session& session) {
     options.mesh_method = command.sharp == "on" ? PolygonizeMethod::dual_contouring : PolygonizeMethod::marching_cubes;
   options.model = command.model;
   options.share = share;
+  options.warn = [&](const std::string& text) { session.warn(text); };
   const TileReport done = reconstruct_tiles(command.input, command.output, options);
   session.input = {{"file", command.input}, {"points", done.surface.points}};
   session.options = {

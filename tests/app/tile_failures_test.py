@@ -150,11 +150,11 @@ class TileFailures(base.CommandLine):
         self.assertTrue(filecmp.cmp(other, surface[3], shallow=False))
 
     # A small disk of its own, in a private mount namespace: full, then larger.
-    def on_small_disk(self, kilobytes, arguments, count):
+    def on_small_disk(self, kilobytes, arguments, count, flags=("--quiet",)):
         disk = self.path("disk")
         os.makedirs(disk, exist_ok=True)
         output = os.path.join(disk, os.path.basename(arguments[3]))
-        command = [PROGRAM, *arguments[:3], output, *arguments[4:], "--quiet", "--tile-folder", os.path.join(disk, "steps")]
+        command = [PROGRAM, *arguments[:3], output, *arguments[4:], *flags, "--tile-folder", os.path.join(disk, "steps")]
         script = f"""
 mount -t tmpfs -o size={kilobytes}k csrbf-test {disk} || exit 77
 for k in {" ".join(str(k) for k in range(1, count + 1))}; do
@@ -193,7 +193,8 @@ ls -A {disk} > {self.path("left")}
                     if codes != ["code 0"] * count:
                         full += 1
                         self.assertEqual(len(messages), sum(code != "code 0" for code in codes), before)
-                        self.assertTrue(any("No space left on device" in message for message in messages), before)
+                        self.assertTrue(any("No space left on device" in message or "make room" in message
+                                            for message in messages), before)
                     if os.path.exists(self.path("first")):
                         self.assertTrue(filecmp.cmp(alone, self.path("first"), shallow=False))
                     self.assertEqual(after.count("code 0"), count, after)
@@ -201,6 +202,18 @@ ls -A {disk} > {self.path("left")}
                     with open(self.path("left")) as file:
                         self.assertEqual(file.read().split(), [os.path.basename(arguments[3])])
             self.assertGreaterEqual(full, 4)
+
+    def test_a_small_disk_is_told_at_the_start(self):
+        for arguments, _ in self.works:
+            for kilobytes, words, code in ((100, "the points alone take", "code 2"), (600, "the steps may take", None),
+                                           (20000, None, "code 0")):
+                with self.subTest(command=arguments[0], kilobytes=kilobytes):
+                    before, after = self.on_small_disk(kilobytes, arguments, 1, flags=())
+                    self.assertEqual("on this disk" in before, words is not None, before)
+                    self.assertIn(words or "", before)
+                    self.assertIn(code or "code", before)
+                    self.assertIn("code 0", after)
+                    self.assertNotIn("on this disk", after)
 
 
 if __name__ == "__main__":

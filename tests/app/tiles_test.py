@@ -26,6 +26,17 @@ def two_balls(n):
     return rows
 
 
+def balls_side_by_side(n):
+    """The same of a ball with a hole and a long one beside it, whose tip is as far right as where the hole is closed."""
+    rows = [[*p, *p] for p in sphere(n) if p[0] < 0.85]
+    for p in sphere(len(rows)):
+        normal = [p[0] / 2.025, p[1], p[2]]
+        length = math.hypot(*normal)
+        rows.append([2.025 * p[0] + 2.975, p[1] + 2.5, p[2], *(x / length for x in normal)])
+    random.Random(1).shuffle(rows)
+    return rows
+
+
 def ply(rows):
     """A binary PLY file of rows of three or six floats."""
     names = ["x", "y", "z", "nx", "ny", "nz"][:len(rows[0])]
@@ -119,6 +130,37 @@ class Tiles(base.CommandLine):
                 self.succeed("reconstruct", self.cloud, "-o", self.mesh, *flags)
                 diagonal = math.hypot(4.2, 2, 2)
                 self.assertLess(self.distance(tiled, self.mesh), 2e-3 * diagonal)
+
+    def test_a_surface_may_enter_a_tile_without_points_there(self):
+        rows = balls_side_by_side(4000)
+        self.arguments[1] = self.binary("balls.ply", ply(rows))
+        self.arguments[-1] = str(len(rows) // 2 + 1)
+        folder, seen = self.mesh + ".tiles", set()
+        process = self.start(1, 1)
+        while process.poll() is None:
+            seen |= set(os.listdir(folder)) if os.path.isdir(folder) else set()
+            time.sleep(0.0005)
+        process.communicate()
+        self.assertTrue(any(name.startswith("border1") for name in seen))  # a tile was meshed again
+        alone = self.kept("alone.ply")
+        report = self.result()["result"]
+        self.assertEqual((report["tiles"], report["components"], report["euler"]), (2, 2, 4))
+        self.assertTrue(report["watertight"] and report["manifold"])
+        self.assertTrue(filecmp.cmp(alone, self.mesh, shallow=False))
+        for process in [self.start(1, 2), self.start(2, 2)]:
+            process.communicate()
+        self.assertTrue(filecmp.cmp(alone, self.mesh, shallow=False))
+
+    def test_functions_of_tiles_go_when_they_are_meshed(self):
+        folder = self.mesh + ".tiles"
+        process = self.start(1, 1)
+        while process.poll() is None:
+            names = os.listdir(folder) if os.path.isdir(folder) else []
+            if "border0_5.tiles" in names:
+                left = {name for name in names if name.startswith("inside")}
+                self.assertFalse(left & {f"inside_{t}.tiles" for t in range(5)})
+            time.sleep(0.0005)
+        process.communicate()
 
     def test_the_model_is_read_tile_by_tile(self):
         model, places = self.path("model.csrbf"), self.path("places.csv")

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
 #include <random>
 #include <set>
 
@@ -73,6 +74,32 @@ TEST_F(GatherRecords, NearPointsAreAllUpToTheHaloWithWhatBelongsToThem) {
       EXPECT_EQ(near.matrix().col(i), all.matrix().col(number));
     }
   }
+}
+
+TEST_F(GatherRecords, CoordinatesThatAreFloatsTakeHalfTheBytes) {
+  const ThinningGrid<2> grid = ThinningGrid<2>::over({Point<2>(0, 0), Point<2>(1, 1)}, 0.01);
+  const std::string path = folder_.file("points", 0);
+  std::array<std::uintmax_t, 2> sizes{};
+  for (const bool narrow : {false, true}) {
+    Records<2> records = square(10000, 0).read(0, 10000);
+    if (narrow)
+      for (double& x : records.points) x = static_cast<float>(x);
+    write_tile(path, records, thin<2>(records.matrix(), grid));
+    sizes[narrow ? 1 : 0] = std::filesystem::file_size(path);
+    for (int level = 0; level < grid.levels(); ++level) {
+      Records<2> read;
+      read.each = records.each;
+      const auto all = [](const auto&) { return true; };
+      read_tile<2>(path, level, all, all, read);
+      EXPECT_EQ(read.size() == records.size(), level == 0);
+      for (Index i = 0; i < read.size(); ++i) {
+        Index number = 0;
+        std::memcpy(&number, read.payload_of(i).data(), sizeof number);
+        ASSERT_EQ(read.matrix().col(i), records.matrix().col(number));
+      }
+    }
+  }
+  EXPECT_LT(sizes[1], sizes[0] - 2 * sizeof(float) * 10000);
 }
 
 TEST_F(GatherRecords, SurveysOfPartsAreThatOfTheWhole) {

@@ -17,6 +17,7 @@ namespace {
 
 constexpr Index fewest_tile_samples = 1000;        // smaller tiles consist of borders
 constexpr double far_units = 10;                   // ratio of the extents of axes that are scaled to equal extent
+constexpr double number_disk = 50;                 // bytes of files for each number of a sample; measured: 17 to 49
 constexpr Index looks = 64, rows_per_look = 1024;  // at the input, for the extents
 
 // In spacings, chosen by hand: tiles blend over the width of a patch, and see the samples of all patches there.
@@ -147,14 +148,23 @@ class FunctionInTiles {
                           .blend = [](double spacing, double) { return blend_spacings * spacing; },
                           .reach = patch_spacings,
                           .boxed = true};  // fits take the empty corners of other shapes for gaps
-    work_ =
-        prepare_tiles<Dim>(team_, {.open = [this] { return source(); },
-                                   .rules = rules,
-                                   .numbered = true,
-                                   .fingerprint = tile_fingerprint(samples_, fit_options_text(options_, tile_points_)),
-                                   .notes = [this] { return notes(); }});
+    work_ = prepare_tiles<Dim>(
+        team_, {.open = [this] { return source(); },
+                .rules = rules,
+                .numbered = true,
+                .fingerprint = tile_fingerprint(samples_, fit_options_text(options_, tile_points_)),
+                .notes = [this] { return notes(); },
+                .disk = number_disk * static_cast<double>(Dim + stream_.head().values.cols() + (has_weights() ? 1 : 0)),
+                .warn = [this](const std::string& text) { warn(text); }});
     report_.tiles = count();
     report_.dropped = work_.non_finite;
+  }
+
+  void warn(const std::string& text) {
+    if (options_.warn)
+      options_.warn(text);
+    else
+      report_.fit.warnings.push_back(text);
   }
 
   [[nodiscard]] Archive notes() const {

@@ -17,6 +17,8 @@ struct FitTileOptions {
   /// `centers`, `periods`, `sphere`, `drift`, `gradients` and `faults` are refused.
   FitOptions fit = {};
   TileShare share = {};
+  /// Called at the start when the disk may be too small; not set: the report says so.
+  std::function<void(const std::string&)> warn = {};
 };
 
 /// What fit_tiles() found, chose and measured.
@@ -40,7 +42,7 @@ struct FitTileReport {
 ///
 /// Steps, processes and bytes are as for reconstruct_tiles(): interrupted work goes on, and the model is the same for
 /// any number of processes and threads. Files .npy in C order are read in pieces, others whole. Time O(n log n); memory
-/// proportional to the samples of a tile.
+/// proportional to the samples of a tile; disk up to 50 bytes for each number of a sample.
 ///
 /// Throws as fit(), IoError for files, InvalidInput when the folder has steps of other work, SolverFailure when another
 /// process failed.

@@ -15,7 +15,8 @@
 namespace csrbf {
 namespace {
 
-constexpr Index fewest_tile_points = 1000;  // smaller tiles consist of borders
+constexpr Index fewest_tile_points = 1000;            // smaller tiles consist of borders
+constexpr double point_disk = 300, model_disk = 450;  // bytes of files for each point; measured: 250, 430
 
 void check_options(const TileOptions& options) {
   constexpr auto where = "reconstruct_tiles";
@@ -74,9 +75,18 @@ class SurfaceInTiles {
                                      .rules = surface_rules(options_.tile_points, options_.resolution),
                                      .fewest = 4,
                                      .fingerprint = tile_fingerprint(points_, options_text(options_)),
-                                     .notes = [&] { return surface_notes(opened()); }});
+                                     .notes = [&] { return surface_notes(opened()); },
+                                     .disk = point_disk + (options_.model.empty() ? 0 : model_disk),
+                                     .warn = [&](const std::string& text) { warn(text); }});
     report_.tiles = tiles();
     report_.surface.prepare_seconds = seconds_since(start);
+  }
+
+  void warn(const std::string& text) {
+    if (options_.warn)
+      options_.warn(text);
+    else
+      report_.surface.warnings.push_back(text);
   }
 
   void fit() {

@@ -23,6 +23,8 @@ struct TileOptions {
   /// File for the model of the surface, which is read tile by tile; empty: none.
   std::string model = {};
   TileShare share = {};
+  /// Called at the start when the disk may be too small; not set: the report says so.
+  std::function<void(const std::string&)> warn = {};
 };
 
 /// What reconstruct_tiles() found, chose and measured.
@@ -47,8 +49,8 @@ struct TileReport {
 /// Every finished step is a file in `options.folder`. An interrupted run goes on from there when it is called again,
 /// and several processes (`options.share`) that see the folder divide the work, on one machine or many; the mesh is the
 /// same, byte for byte, for any number of processes and threads. The folder is emptied at the end. Time O(n log n);
-/// memory proportional to the points of a tile, and to the triangles at the faces of tiles; disk about 500 bytes per
-/// point.
+/// memory proportional to the points of a tile, and to the triangles at the faces of tiles; disk about 250 bytes per
+/// point, with `model` about 700.
 ///
 /// Throws as reconstruct(), IoError for files, InvalidInput when the folder has steps of other work, SolverFailure when
 /// another process failed.

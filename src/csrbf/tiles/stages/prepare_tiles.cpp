@@ -1,8 +1,13 @@
 #include "csrbf/tiles/stages/prepare_tiles.hpp"
 
+#include "csrbf/core/error.hpp"
 #include "csrbf/io/files/atomic_file.hpp"
+#include "csrbf/io/files/open_file.hpp"
 
 #include <zlib.h>
+#include <filesystem>
+#include <iomanip>
+#include <sstream>
 
 namespace csrbf {
 namespace {
@@ -13,6 +18,35 @@ constexpr Index most_shares = 64;  // of the input: each makes a file for every 
 std::string survey_name(const std::string& fingerprint, Index shares) {
   const auto checksum = crc32_z(0, reinterpret_cast<const Bytef*>(fingerprint.data()), fingerprint.size());
   return survey_kind + std::to_string(checksum) + "of" + std::to_string(shares);
+}
+
+std::string size_text(double bytes) {
+  constexpr double mega = 1e6, giga = 1e9;
+  const double number = bytes < giga ? bytes / mega : bytes / giga;
+  std::ostringstream text;
+  if (number < 10)
+    text << std::setprecision(2) << number;
+  else
+    text << std::llround(number);
+  return text.str() + (bytes < giga ? " MB" : " GB");
+}
+
+// Whether the disk has room, before anything is written.
+template <int Dim>
+void check_room(const TileFolder& folder, const TileInput<Dim>& input) {
+  std::error_code unknown;
+  const auto space = std::filesystem::space(utf8_path(folder.path()), unknown);
+  if (unknown) return;
+  const RecordSource<Dim> source = input.open();
+  const auto points = static_cast<double>(source.size), free = static_cast<double>(space.available);
+  const double least = points * static_cast<double>(Dim * sizeof(double) + source.payload), most = points * input.disk;
+  const std::string start = folder.path() + ": " + size_text(free) + " are free on this disk, but ";
+  if (least > free)
+    throw IoError(start + "the points alone take " + size_text(least) +
+                  "; make room, or name a folder on another disk");
+  if (most > free && input.warn)
+    input.warn(start + "the steps may take " + size_text(most) +
+               "; when it is full, make room and give the same command again");
 }
 
 template <int Dim>
@@ -44,6 +78,7 @@ TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input) {
   const TileFolder& folder = team.folder();
   const std::string file = folder.file("work");
   if (!exists(file)) {
+    if (team.leads()) check_room(folder, input);
     const Index shares = std::min(team.processes(), most_shares);
     const std::string surveys = survey_name(input.fingerprint, shares);
     team.for_own(surveys, shares, [&](Index share) {

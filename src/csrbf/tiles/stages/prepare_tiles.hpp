@@ -16,12 +16,15 @@ struct TileInput {
   Index fewest = 1;       ///< finite points that are needed
   bool numbered = false;  ///< points keep their number in the input
   std::string fingerprint;
-  std::function<Archive()> notes;  ///< see TileWork
+  std::function<Archive()> notes;                ///< see TileWork
+  double disk = 0;                               ///< bytes for each point that all files take at most, about
+  std::function<void(const std::string&)> warn;  ///< called at the start when the disk may be too small for them
 };
 
 /// The first steps of all work, by all processes: each looks at its share of the input, the leading one decides on
 /// tiles, and all deal and sort the points of theirs. Returns once the points of all tiles are there. Throws
-/// InvalidInput when the folder has steps of other work, or for too few points.
+/// InvalidInput when the folder has steps of other work, or for too few points; IoError when the disk is too small for
+/// the points alone.
 template <int Dim>
 TileWork<Dim> prepare_tiles(const TileTeam& team, const TileInput<Dim>& input);
 
