@@ -237,9 +237,8 @@ def large_table(arguments):
     if not arguments.large:
         return ""
     points, samples = (int(n) for n in arguments.large.split(","))
-    page = f"\n## More than memory, with `--memory {arguments.large_memory}`\n\n"
-    page += row("work", "CPU min", "wall min", "peak MB", "result")
-    page += row("---", *["---:"] * 3, "---")
+    page = ""
+    head = row("work", "CPU min", "wall min", "peak MB", "result") + row("---", *["---:"] * 3, "---")
     folder, program = arguments.folder, arguments.program
     bench, functions = Bench(arguments), FunctionBench(arguments)
 
@@ -258,6 +257,7 @@ def large_table(arguments):
 
     memory = ["--memory", arguments.large_memory]
     if samples > 0:
+        page += f"\n## Samples beyond memory, with `--memory {arguments.large_memory}`\n\n" + head
         table, model = functions.samples(samples, 0.01), os.path.join(folder, "large.csrbf")
         page += measure(f"fit {samples:,} samples", ["fit", table, "-o", model, *memory])
         os.remove(table)
@@ -267,6 +267,7 @@ def large_table(arguments):
                         ["evaluate", model, "--points", places, "-o", os.path.join(folder, "values.npy")])
         os.remove(model)
     if points > 0:
+        page += f"\n## Points beyond memory, with `--memory {arguments.large_memory}`\n\n" + head
         cloud, mesh = bench.cloud(points), os.path.join(folder, "large.ply")
         page += measure(f"reconstruct {points:,} points", ["reconstruct", cloud, "-o", mesh, *memory])
         os.remove(cloud)
