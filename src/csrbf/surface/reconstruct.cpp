@@ -112,6 +112,7 @@ CompositeField::Data build_field(const PreparedCloud& prepared, const CompositeO
   data.far_value = CompositeField::far_spacings * spacing;
   data.levels.push_back(std::move(finest.patches));
   CompositeOptions coarse_options = options;
+  coarse_options.from_outside = true;  // they say what is in gaps
   coarse_options.centers_per_patch = std::min(options.centers_per_patch, most_coarse_centers);
   coarse_options.smoothing = CompositeOptions{}.smoothing;
   coarse_options.centers.clear();
@@ -187,6 +188,7 @@ ChosenOptions choose(const PreparedCloud& prepared, const ReconstructOptions& op
   given.body_size = body_size;
   given.region = unit_region(prepared, options);
   ChosenOptions chosen = choose_options(cloud, *prepared.tree, given);
+  chosen.options.from_outside = false;
   if (options.tolerance > 0) {
     chosen.options.tolerance.setConstant(cloud.size(), options.tolerance);
     chosen.options.centers_per_patch = most_centers;

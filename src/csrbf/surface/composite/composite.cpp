@@ -14,7 +14,6 @@ constexpr Index patches_per_task = 64;  // large enough to hide the cost of a ta
 constexpr Index tasks_per_report = 64;  // tasks between two progress reports at least ...
 constexpr Index most_reports = 32;      // ... and progress reports of one fit at most
 constexpr double far_from_region = 3;   // diagonals of a leaf: its patch, about two wide, does not reach the region
-constexpr double covering_reach = 4;    // patches over gaps are at most this much wider than the gap
 constexpr Index fragment_ratio = 8;     // a leaf with less than this fraction, 1/8, of the usual points is a fragment
 constexpr double sufficient_weight = 0.1;  // sum of weights above which a fragment needs no patch; both chosen by hand
 
@@ -27,8 +26,11 @@ struct Leaf {
 };
 
 // Whether a leaf is too far from the region for a patch.
-bool is_far(const OrientedPoints& cloud, const std::optional<Box<3>>& region, const Index* ids, Index n) {
+bool is_far(const OrientedPoints& cloud, const CompositeOptions& options, const Index* ids, Index n) {
+  const std::optional<Box<3>>& region = options.region;
   if (!region) return false;
+  if (!options.from_outside)
+    return std::none_of(ids, ids + n, [&](Index i) { return region->contains(cloud.points.col(i)); });
   Box<3> box;
   for (Index i = 0; i < n; ++i) box.add(Point<3>(cloud.points.col(ids[i])));
   return !box.inflated(far_from_region * std::max(box.diagonal(), cloud.spacing[ids[0]])).intersects(*region);
@@ -148,7 +150,7 @@ std::vector<std::vector<Leaf>> fit_leaves(const OrientedPoints& cloud, PointPart
     LeafFitter fitter = make_fitter();
     for (Index i = begin; i < end; ++i) {
       const Index from = parts.begin[first + i], to = parts.begin[first + i + 1];
-      if (!is_far(cloud, options.region, parts.order.data() + from, to - from)) fitter.fit(from, to, fitted[i]);
+      if (!is_far(cloud, options, parts.order.data() + from, to - from)) fitter.fit(from, to, fitted[i]);
     }
   };
   parallel_for(count, patches_per_task, compute);
@@ -209,9 +211,8 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   }
   std::vector<CoverageGap> bare = find_coverage_gaps(result.patches);
   if (options.region)
-    std::erase_if(bare, [&](const CoverageGap& gap) {
-      return is_beside(*options.region, gap.middle, covering_reach * gap.reach);
-    });
+    // Outside of the region patches are missing because nobody asked for them.
+    std::erase_if(bare, [&](const CoverageGap& gap) { return !options.region->contains(gap.middle); });
   if (!bare.empty()) {
     cover(
         bare, [&] { return LeafFitter(cloud, tree, options, parts.order); }, result.patches);

@@ -24,6 +24,9 @@ struct CompositeOptions : CompositeSettings {
   Eigen::VectorXd tolerance = {};
   /// Where the surface is wanted, if not everywhere: leaves too far from it get no patch.
   std::optional<Box<3>> region = {};
+  /// Whether leaves without samples in the region get patches that reach into it. Where samples outside are sparser,
+  /// such patches are wider, and know less of the surface, than those of the region.
+  bool from_outside = true;
 
   static constexpr Index smallest_leaf = 3;  ///< three points determine a plane
 };
