@@ -14,6 +14,7 @@ constexpr Index patches_per_task = 64;  // large enough to hide the cost of a ta
 constexpr Index tasks_per_report = 64;  // tasks between two progress reports at least ...
 constexpr Index most_reports = 32;      // ... and progress reports of one fit at most
 constexpr double far_from_region = 3;   // diagonals of a leaf: its patch, about two wide, does not reach the region
+constexpr double covering_reach = 4;    // patches over gaps are at most this much wider than the gap
 constexpr Index fragment_ratio = 8;     // a leaf with less than this fraction, 1/8, of the usual points is a fragment
 constexpr double sufficient_weight = 0.1;  // sum of weights above which a fragment needs no patch; both chosen by hand
 
@@ -211,8 +212,11 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   }
   std::vector<CoverageGap> bare = find_coverage_gaps(result.patches);
   if (options.region)
-    // Outside of the region patches are missing because nobody asked for them.
-    std::erase_if(bare, [&](const CoverageGap& gap) { return !options.region->contains(gap.middle); });
+    // Outside of the region patches may be missing because nobody asked for them.
+    std::erase_if(bare, [&](const CoverageGap& gap) {
+      return options.from_outside ? is_beside(*options.region, gap.middle, covering_reach * gap.reach)
+                                  : !options.region->contains(gap.middle);
+    });
   if (!bare.empty()) {
     cover(
         bare, [&] { return LeafFitter(cloud, tree, options, parts.order); }, result.patches);
