@@ -11,9 +11,10 @@
 #include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
 #include "csrbf/levelset/partition/blurred_classes.hpp"
+#include "csrbf/levelset/partition/blurred_price.hpp"
+#include "csrbf/levelset/partition/grained_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/partition/seed_prior.hpp"
-#include "csrbf/levelset/partition/two_means_price.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
@@ -21,6 +22,7 @@
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
+#include "csrbf/levelset/segment_locally.hpp"
 
 #include <utility>
 
@@ -91,7 +93,7 @@ class Segmenter {
     }
     Lattice<Dim> lattice = make_lattice();
     result_ = descend(lattice);
-    place_in_speckle(lattice);
+    if (may_be_speckle()) place_in_speckle(lattice);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
   }
@@ -159,7 +161,7 @@ class Segmenter {
     const IntensityBins bins = choose_bins(values, 256, options_.mask);
     price.emplace(values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
     price->set_seeds(seeds_);
-    return find_partition(*price, {options_.regions, shape_of(used_.shading), model, options_.progress});
+    return find_grained_partition(*price, {options_.regions, shape_of(used_.shading), model, options_.progress});
   }
 
   // The shortest description of the image by regions, then their contours in CSRBFs.
@@ -178,13 +180,21 @@ class Segmenter {
     }
     blur_tissues(found);
     const bool given = used_.center_spacing.has_value();
-    const LatticeOptions lattice{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
-    PartitionContours<Dim> contours = partition_contours<Dim>(*price, found, options_.regions, lattice, given);
+    const LatticeOptions centers{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
+    constexpr double tolerance =
+        0.1;  // of the contour's price; by hand: smaller follows the noise, larger is too smooth
+    const double most = options_.regions > 2
+                            ? 0
+                            : fit_blurred(*price, found.labels, found.model).price +
+                                  tolerance * contour_price(found.labels, 1, grid_.size, price->weight());
+    PartitionContours<Dim> contours = partition_contours<Dim>(*price, found, options_.regions, centers, given);
     if (!given) used_.center_spacing = contours.spacing;
     result_ = {std::move(contours.coefficients), std::move(found.labels), found.iterations, found.converged,
                std::move(found.energy)};
     for (double& energy : result_.energy) energy /= price->voxels();
-    std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(*price, found.model);
+    std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(*price, found.model, most);
+    Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
+    if (price->grain() > 1 && !found.model.own_deviations) place_partition_in_speckle(*price, found.model, lattice);
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
     used_.energy = found.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;
@@ -195,7 +205,7 @@ class Segmenter {
       used_.smoothness = contour_length / mean_magnitude(force);
     }
     prices_ = std::move(found.prices);
-    fields_ = level_set_fields(smooth ? *smooth : contours.lattice, result_.coefficients, grid_);
+    fields_ = level_set_fields(lattice, result_.coefficients, grid_);
   }
 
   // More than two regions that are no areas between short contours.
@@ -212,9 +222,8 @@ class Segmenter {
   }
 
   // Descends from the contour of a partition, which follows the noise, on centres as far apart as the noise asks for.
-  // Kept where the labels cost hardly more, or no part is lost.
-  std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model) {
-    constexpr double tolerance = 0.25, same_parts = 1;  // of the contour's price; by hand: smaller follows the noise
+  // Kept where its labels cost at most that.
+  std::optional<Lattice<Dim>> smooth_contour(PartitionPrice& price, const PartitionModel& model, double most) {
     if (options_.regions > 2 || model.own_deviations || model.shape == MeanShape::smooth ||
         model.shape == MeanShape::objects)
       return std::nullopt;
@@ -227,10 +236,7 @@ class Segmenter {
     Lattice<Dim> lattice(grid_.size, grid_.spacing, {spacing, *used_.support, used_.kernel});
     VariationalResult found =
         descend_globally(lattice, *regions_, {0, noise.size, used_.iterations, false, {}}, result_.labels);
-    const double least = price.fit(result_.labels, model);
-    const bool same = LabelRuns(found.labels, grid_).count_parts() == LabelRuns(result_.labels, grid_).count_parts();
-    const double most = (same ? same_parts : tolerance) * contour_price(result_.labels, 1, grid_.size, price.weight());
-    if (price.fit(found.labels, model) > least + most) return std::nullopt;
+    if (fit_blurred(price, found.labels, model).price > most) return std::nullopt;
     used_.center_spacing = spacing;
     result_.labels = std::move(found.labels);
     result_.coefficients = std::move(found.coefficients);
@@ -296,11 +302,31 @@ class Segmenter {
     found = descend_globally(lattice, source(), how, std::move(found.labels));
   }
 
-  // Where the image is speckle, places the contour where its blur says.
-  void place_in_speckle(Lattice<Dim>& lattice) {
+  [[nodiscard]] bool may_be_speckle() const {
     const bool suits = used_.energy == SegmentEnergy::generalized_gaussian || used_.energy == SegmentEnergy::rayleigh ||
                        used_.energy == SegmentEnergy::gamma;
-    if (!suits || options_.force || options_.regions > 2) return;
+    return suits && !options_.force && options_.regions == 2;
+  }
+
+  // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
+  // for them, but by less than its own price.
+  void place_partition_in_speckle(PartitionPrice& price, const PartitionModel& model, Lattice<Dim>& lattice) {
+    const std::optional<double> spacing = used_.center_spacing;
+    const VariationalResult before = result_;
+    const Lattice<Dim> centers = lattice;
+    place_in_speckle(lattice);
+    if (!speckle_) return;
+    const double most =
+        fit_blurred(price, before.labels, model).price + contour_price(before.labels, 1, grid_.size, price.weight());
+    if (fit_blurred(price, result_.labels, model).price <= most) return;
+    result_ = before;
+    lattice = centers;
+    used_.center_spacing = spacing;
+    speckle_.reset();
+  }
+
+  // Where the image is speckle, places the contour where its blur says.
+  void place_in_speckle(Lattice<Dim>& lattice) {
     std::vector<std::uint8_t> labels = result_.labels;
     for (std::size_t i = 0; i < labels.size(); ++i)
       if (!options_.mask.empty() && options_.mask[i] == 0) labels[i] = no_region;
@@ -342,22 +368,6 @@ class Segmenter {
   std::optional<double> noise_growth_, speckle_, blur_;
   std::vector<ModelPrice> prices_;
 };
-
-// A contour of variances is often the better one for means, too: it does not leak where means say little.
-template <int Dim>
-Segmentation<Dim> segment_by_best_energy(const Volume<float>& image, SegmentOptions options) {
-  options.energy = SegmentEnergy::chan_vese;
-  Segmentation<Dim> means = segment<Dim>(image, options);
-  options.energy = SegmentEnergy::gaussian;
-  Segmentation<Dim> variances = segment<Dim>(image, options);
-  const std::vector<float> repaired = finite_values(image, options.mask);
-  const TwoMeansPrices prices = two_means_prices(repaired.empty() ? image.values : repaired, image.grid, options.mask,
-                                                 contour_length, means.labels, variances.labels);
-  Segmentation<Dim>& best = prices.second_is_better ? variances : means;
-  best.report.prices = {{SegmentEnergy::chan_vese, Shading::none, prices.first},
-                        {SegmentEnergy::gaussian, Shading::none, prices.second}};
-  return std::move(best);
-}
 
 }  // namespace
 

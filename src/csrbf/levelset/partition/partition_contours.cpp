@@ -1,15 +1,20 @@
 #include "csrbf/levelset/partition/partition_contours.hpp"
 
 #include "csrbf/levelset/contour/label_contours.hpp"
+#include "csrbf/levelset/partition/blurred_price.hpp"
 
 namespace csrbf {
 
 template <int Dim>
 PartitionContours<Dim> partition_contours(PartitionPrice& price, Partition& partition, int regions,
                                           const LatticeOptions& given, bool spacing_is_given) {
-  constexpr double tolerance = 0.1;  // of the price of the contour; by hand: larger loses corners, smaller needs 1
+  constexpr double tolerance = 0.05;  // of the price of the contour; by hand: larger loses corners, smaller needs 1
   const std::vector<std::uint8_t> wanted = partition.labels;
-  const double least = price.fit(wanted, partition.model, regions);
+  const auto price_of = [&](std::span<const std::uint8_t> labels) {
+    return regions == 2 ? fit_blurred(price, labels, partition.model).price
+                        : price.fit(labels, partition.model, regions);
+  };
+  const double least = price_of(wanted);
   std::vector<float> force;
   double contour = 0;
   for (int k = regions == 2 ? 1 : 0; k < regions; ++k)
@@ -31,7 +36,7 @@ PartitionContours<Dim> partition_contours(PartitionPrice& price, Partition& part
     if (2 * spacing > static_cast<double>(*std::max_element(price.grid().size.begin(), price.grid().size.end())))
       continue;
     PartitionContours<Dim> result = on_lattice(spacing);
-    if (price.fit(partition.labels, partition.model, regions) <= least + tolerance * contour) return result;
+    if (price_of(partition.labels) <= least + tolerance * contour) return result;
   }
   return on_lattice(1);
 }

@@ -11,7 +11,7 @@
 namespace csrbf {
 namespace {
 
-constexpr Index grain = 1 << 14;               // voxels per task
+constexpr Index per_task = 1 << 14;            // voxels per task
 constexpr double least_deviation = 1.0 / 512;  // of the range: half a grey level of 256
 constexpr double least_contrast = 0.1;  // of an object, of that of the regions; by hand: less is the surroundings
 
@@ -21,13 +21,19 @@ PartitionPrice::PartitionPrice(std::span<const float> values, double lo, double 
                                std::span<const std::uint8_t> mask, const ContourWeight& weight)
     : values_(values.size()), grid_(grid), mask_(mask), weight_(weight) {
   const double inverse = 1 / (hi - lo);
-  parallel_for(std::ssize(values), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(values), per_task, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
       values_[i] =
           inside(i) ? static_cast<float>(std::clamp((static_cast<double>(values[i]) - lo) * inverse, 0.0, 1.0)) : 0.0F;
   });
   all_ = region_moments(values_, masked(std::vector<std::uint8_t>(values.size(), 0)), 0, grid_);
   count_ = all_.count();
+}
+
+void PartitionPrice::set_grain(double voxels) {
+  const double dimension = grid_.dimension(), edges = (dimension - 1) / dimension;
+  weight_.length *= std::pow(grain_ / voxels, edges);
+  grain_ = voxels;
 }
 
 // With a label that no region has outside the mask.
@@ -102,7 +108,8 @@ double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeas
       parameters += add_local_mean(labels, k);
       squares[k] = residual(labels, k);
     }
-  return measures.price + fit_deviations(squares) + 0.5 * parameters * std::log(count_);
+  deviation_price_ = fit_deviations(squares) / grain_;
+  return measures.price + deviation_price_ + 0.5 * parameters * place_price();
 }
 
 void PartitionPrice::fill_fields() {
@@ -200,7 +207,7 @@ double PartitionPrice::fit_objects(std::span<const std::uint8_t> labels, std::ui
 }
 
 double PartitionPrice::residual(std::span<const std::uint8_t> labels, std::size_t k) const {
-  return parallel_sum(std::ssize(labels), grain, [&](Index begin, Index end) {
+  return parallel_sum(std::ssize(labels), per_task, [&](Index begin, Index end) {
     double part = 0;
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
       if (labels[i] == k && inside(i)) {
@@ -226,11 +233,34 @@ double PartitionPrice::fit_deviations(const std::vector<double>& squares) {
   return 0.5 * count_ * std::log(variances_[0]);
 }
 
+void PartitionPrice::mix_means(std::span<const float> share, std::span<float> to) {
+  fill_fields();
+  parallel_for(std::ssize(to), per_task, [&](Index begin, Index end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      const double m0 = mean(0, i), m1 = mean(1, i);
+      to[i] = static_cast<float>(m0 + (m1 - m0) * static_cast<double>(share[i]));
+    }
+  });
+}
+
+double PartitionPrice::mixed_deviation_price(std::span<const float> share, std::span<const float> residual) const {
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    if (!inside(i)) continue;
+    const double off = static_cast<double>(residual[i]) * static_cast<double>(residual[i]);
+    squares += off;
+    const double variance = variances_[0] + (variances_[1] - variances_[0]) * static_cast<double>(share[i]);
+    if (model_.own_deviations) sum += 0.5 * (std::log(variance) + off / variance - 1);
+  }
+  if (model_.own_deviations) return sum / grain_;
+  return 0.5 * count_ * std::log(squares / count_ + least_deviation * least_deviation) / grain_;
+}
+
 void PartitionPrice::cost(int k, std::span<float> to) {
   fill_fields();
   const auto region = static_cast<std::size_t>(k);
-  const double factor = 0.5 / variances_[region], level = 0.5 * std::log(variances_[region]);
-  parallel_for(std::ssize(to), grain, [&](Index begin, Index end) {
+  const double factor = 0.5 / variances_[region] / grain_, level = 0.5 * std::log(variances_[region]) / grain_;
+  parallel_for(std::ssize(to), per_task, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double off = value(i) - mean(region, i);
       to[i] = inside(i) ? static_cast<float>(factor * off * off + level) : 0.0F;
@@ -246,11 +276,11 @@ void PartitionPrice::cost(int k, std::span<float> to) {
 
 void PartitionPrice::force(std::span<float> to) {
   fill_fields();
-  const double in = 0.5 / variances_[1], out = 0.5 / variances_[0];
-  const double level = 0.5 * std::log(variances_[1] / variances_[0]);
+  const double in = 0.5 / variances_[1] / grain_, out = 0.5 / variances_[0] / grain_;
+  const double level = 0.5 * std::log(variances_[1] / variances_[0]) / grain_;
   const bool objects = model_.shape == MeanShape::objects;
   const double side = means_[1] - means_[0], away = model_.object_label == 1 ? 1 : -1;
-  parallel_for(std::ssize(to), grain, [&](Index begin, Index end) {
+  parallel_for(std::ssize(to), per_task, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double x = value(i), m1 = mean(1, i), m0 = mean(0, i);
       double F = in * (x - m1) * (x - m1) - out * (x - m0) * (x - m0) + level;

@@ -50,6 +50,11 @@ class PartitionPrice {
   void set_seeds(SeedCosts seeds);
   [[nodiscard]] std::span<const std::uint8_t> seeds() const { return seeds_.labels; }
 
+  /// How many voxels say as much as one that is independent of its neighbours. The image is then described as one of
+  /// voxels of that size: likelihoods are divided by it, lengths of contours by its edge.
+  void set_grain(double voxels);
+  [[nodiscard]] double grain() const { return grain_; }
+
   [[nodiscard]] LabelMeasures measure(std::span<const std::uint8_t> labels, int regions = 2) const;
 
   /// Fits the model to the regions of the labels and returns the price; infinite when a region has fewer than 3 voxels.
@@ -67,6 +72,13 @@ class PartitionPrice {
 
   /// Gives the parts of two regions that are not worth their contour and their place to the other region.
   void drop_parts(std::span<const float> force, std::span<std::uint8_t> labels) const;
+
+  /// The part of the last fit() that is the likelihood of the voxels.
+  [[nodiscard]] double deviation_price() const { return deviation_price_; }
+  /// The same when every voxel belongs to region 1 by that share, and its mean leaves that residual.
+  [[nodiscard]] double mixed_deviation_price(std::span<const float> share, std::span<const float> residual) const;
+  /// The means of the last fit(), of both regions by the share of region 1.
+  void mix_means(std::span<const float> share, std::span<float> to);
 
   /// Correlation of what neighbours of one region leave, by the last fit(), in the region where it is largest: about 0
   /// when the voxels are independent, as the likelihood takes them to be.
@@ -97,7 +109,7 @@ class PartitionPrice {
   [[nodiscard]] double mean(std::size_t k, std::size_t i) const {
     return fields_[k].empty() ? means_[k] : static_cast<double>(fields_[k][i]);
   }
-  [[nodiscard]] double place_price() const { return std::log(count_); }
+  [[nodiscard]] double place_price() const { return std::log(count_ / grain_); }
   [[nodiscard]] std::vector<std::uint8_t> masked(std::span<const std::uint8_t> labels) const;
   void fill_fields();
   void fill_field(std::size_t k);
@@ -112,7 +124,7 @@ class PartitionPrice {
   SeedCosts seeds_;
   std::vector<std::size_t> uncertain_;  // seeds
   ContourWeight weight_;
-  double count_ = 0;
+  double count_ = 0, grain_ = 1, deviation_price_ = 0;
   RegionMoments all_;  // of both of two regions
   PartitionModel model_;
   std::vector<double> means_, counts_, variances_;

@@ -1,0 +1,37 @@
+#include "csrbf/levelset/partition/grained_partition.hpp"
+
+#include "csrbf/levelset/image/noise_grain.hpp"
+#include "csrbf/levelset/partition/blurred_price.hpp"
+
+namespace csrbf {
+namespace {
+
+double grain_left(PartitionPrice& price, const Partition& found) {
+  return noise_grain(fit_blurred(price, found.labels, found.model).residual, price.grid(), price.mask());
+}
+
+}  // namespace
+
+Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& options) {
+  constexpr int rounds = 3;       // labels that follow the grain hide some of it from the first
+  constexpr double grows = 1.25;  // by hand: less changes nothing
+  Partition found = find_partition(price, options);
+  if (options.regions > 2) return found;
+  double grain = 1, now = grain_left(price, found);
+  for (int round = 0; round < rounds && now >= grows * grain; ++round) {
+    price.set_grain(now);
+    Partition coarse = find_partition(price, options);
+    const double then = grain_left(price, coarse);
+    // What coarse labels leave out shows structures that the fine ones have.
+    if (then == 1) {
+      price.set_grain(grain);
+      break;
+    }
+    found = std::move(coarse);
+    grain = now;
+    now = then;
+  }
+  return found;
+}
+
+}  // namespace csrbf

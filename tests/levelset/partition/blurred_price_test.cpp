@@ -1,0 +1,107 @@
+#include "csrbf/levelset/partition/blurred_price.hpp"
+
+#include "csrbf/levelset/image/gaussian_blur.hpp"
+#include "csrbf/levelset/partition/grained_partition.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace csrbf {
+namespace {
+
+constexpr Index n = 128;
+constexpr double length = 1.5;
+
+struct Disc {
+  Grid grid;
+  std::vector<float> values;
+  std::vector<std::uint8_t> truth;
+};
+
+// Of brightness 1 with blurred edges, in noise of that deviation that is blurred, too.
+Disc disc(double blur, double noise, double noise_blur = 0) {
+  Disc disc;
+  disc.grid.axes = 2;
+  disc.grid.size = {n, n, 1};
+  std::mt19937 generator(5);
+  std::normal_distribution<float> normal(0, 1);
+  std::vector<float> z(static_cast<std::size_t>(n * n));
+  double squares = 0;
+  for (float& x : z) x = normal(generator);
+  gaussian_blur(z, disc.grid.size, {noise_blur, noise_blur, 0});
+  for (const float x : z) squares += static_cast<double>(x * x) / static_cast<double>(n * n);
+  for (Index i = 0; i < n * n; ++i) {
+    const bool in = std::hypot(static_cast<double>(i % n) - 60, static_cast<double>(i / n) - 66) < 35;
+    disc.truth.push_back(in ? 1 : 0);
+    disc.values.push_back(in ? 1.0F : 0.0F);
+  }
+  gaussian_blur(disc.values, disc.grid.size, {blur, blur, 0});
+  for (std::size_t i = 0; i < z.size(); ++i) disc.values[i] += static_cast<float>(noise / std::sqrt(squares)) * z[i];
+  return disc;
+}
+
+PartitionPrice price_of(const Disc& disc) {
+  const auto [lo, hi] = std::minmax_element(disc.values.begin(), disc.values.end());
+  return {disc.values, static_cast<double>(*lo),         static_cast<double>(*hi), disc.grid,
+          {},          contour_weight(disc.grid, length)};
+}
+
+double range(const Disc& disc) {
+  const auto [lo, hi] = std::minmax_element(disc.values.begin(), disc.values.end());
+  return static_cast<double>(*hi) - static_cast<double>(*lo);
+}
+
+double dice(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+  double both = 0, sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    both += a[i] != 0 && b[i] != 0 ? 1 : 0;
+    sum += (a[i] != 0 ? 1 : 0) + (b[i] != 0 ? 1 : 0);
+  }
+  return 2 * both / sum;
+}
+
+TEST(BlurredPrice, PrefersTheTrueContourToOneThatFollowsTheNoiseOfABlurredBorder) {
+  const Disc blurred = disc(2.8, 0.15);
+  PartitionPrice price = price_of(blurred);
+  std::vector<std::uint8_t> ragged(blurred.values.size());
+  for (std::size_t i = 0; i < ragged.size(); ++i) ragged[i] = blurred.values[i] > 0.5F ? 1 : 0;
+  EXPECT_LT(price.fit(ragged, {}) - price.measure(ragged).price,
+            price.fit(blurred.truth, {}) - price.measure(blurred.truth).price);
+  const BlurredFit wrong = fit_blurred(price, ragged, {}), right = fit_blurred(price, blurred.truth, {});
+  EXPECT_GT(wrong.price - price.measure(ragged).price, right.price - price.measure(blurred.truth).price);
+  EXPECT_EQ(right.blur, 2.8);
+}
+
+TEST(BlurredPrice, IsThatOfTheModelWithoutBlur) {
+  const Disc sharp = disc(0, 0.2);
+  PartitionPrice price = price_of(sharp);
+  for (const bool own : {false, true}) {
+    const PartitionModel model{MeanShape::constant, own};
+    const BlurredFit fit = fit_blurred(price, sharp.truth, model);
+    EXPECT_EQ(fit.blur, 0);
+    EXPECT_NEAR(fit.price, price.fit(sharp.truth, model), 10);  // nats; levels are fitted once more
+    double squares = 0;
+    for (const float x : fit.residual) squares += static_cast<double>(x * x) / static_cast<double>(n * n);
+    EXPECT_NEAR(squares, std::pow(0.2 / range(sharp), 2), 0.001);
+  }
+}
+
+TEST(GrainedPartition, DoesNotTakeBlurredNoiseForObjects) {
+  const Disc grained = disc(0, 0.6, 1.5);
+  PartitionPrice price = price_of(grained);
+  EXPECT_LT(dice(find_partition(price).labels, grained.truth), 0.8);
+  const Partition found = find_grained_partition(price);
+  EXPECT_GT(dice(found.labels, grained.truth), 0.95);
+  EXPECT_GT(price.grain(), 15);
+}
+
+TEST(GrainedPartition, TakesIndependentVoxelsAsTheyAre) {
+  const Disc sharp = disc(0, 0.6);
+  PartitionPrice price = price_of(sharp), other = price_of(sharp);
+  EXPECT_EQ(find_grained_partition(price).labels, find_partition(other).labels);
+  EXPECT_EQ(price.grain(), 1);
+}
+
+}  // namespace
+}  // namespace csrbf
