@@ -6,7 +6,7 @@
 #include "csrbf/levelset/contour/edge_flow.hpp"
 #include "csrbf/levelset/contour/region_order.hpp"
 #include "csrbf/levelset/contour/segment_fields.hpp"
-#include "csrbf/levelset/contour/speckle_contour.hpp"
+#include "csrbf/levelset/contour/speckle_place.hpp"
 #include "csrbf/levelset/contour/variational.hpp"
 #include "csrbf/levelset/image/channel_contrast.hpp"
 #include "csrbf/levelset/image/noise_law.hpp"
@@ -15,6 +15,7 @@
 #include "csrbf/levelset/partition/grained_partition.hpp"
 #include "csrbf/levelset/partition/partition_contours.hpp"
 #include "csrbf/levelset/partition/seed_prior.hpp"
+#include "csrbf/levelset/partition/two_means_price.hpp"
 #include "csrbf/levelset/regions/caller_forces.hpp"
 #include "csrbf/levelset/regions/force_noise.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
@@ -22,7 +23,6 @@
 #include "csrbf/levelset/regions/region_forces.hpp"
 #include "csrbf/levelset/regions/region_labels.hpp"
 #include "csrbf/levelset/segment_checks.hpp"
-#include "csrbf/levelset/segment_locally.hpp"
 
 #include <utility>
 
@@ -93,7 +93,7 @@ class Segmenter {
     }
     Lattice<Dim> lattice = make_lattice();
     result_ = descend(lattice);
-    if (may_be_speckle()) place_in_speckle(lattice);
+    if (may_be_speckle()) place_in_speckle(lattice, [](const auto&) { return true; });
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
   }
@@ -194,7 +194,14 @@ class Segmenter {
     for (double& energy : result_.energy) energy /= price->voxels();
     std::optional<Lattice<Dim>> smooth = given ? std::nullopt : smooth_contour(*price, found.model, most);
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
-    if (price->grain() > 1 && !found.model.own_deviations) place_partition_in_speckle(*price, found.model, lattice);
+    // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
+    // for them, but by less than its own price.
+    if (price->grain() > 1 && !found.model.own_deviations)
+      place_in_speckle(lattice, [&](std::span<const std::uint8_t> labels) {
+        return fit_blurred(*price, labels, found.model).price <=
+               fit_blurred(*price, result_.labels, found.model).price +
+                   contour_price(result_.labels, 1, grid_.size, price->weight());
+      });
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
     used_.energy = found.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;
@@ -308,45 +315,21 @@ class Segmenter {
     return suits && !options_.force && options_.regions == 2;
   }
 
-  // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
-  // for them, but by less than its own price.
-  void place_partition_in_speckle(PartitionPrice& price, const PartitionModel& model, Lattice<Dim>& lattice) {
-    const std::optional<double> spacing = used_.center_spacing;
-    const VariationalResult before = result_;
-    const Lattice<Dim> centers = lattice;
-    place_in_speckle(lattice);
-    if (!speckle_) return;
-    const double most =
-        fit_blurred(price, before.labels, model).price + contour_price(before.labels, 1, grid_.size, price.weight());
-    if (fit_blurred(price, result_.labels, model).price <= most) return;
-    result_ = before;
-    lattice = centers;
-    used_.center_spacing = spacing;
-    speckle_.reset();
-  }
-
-  // Where the image is speckle, places the contour where its blur says.
-  void place_in_speckle(Lattice<Dim>& lattice) {
-    std::vector<std::uint8_t> labels = result_.labels;
-    for (std::size_t i = 0; i < labels.size(); ++i)
-      if (!options_.mask.empty() && options_.mask[i] == 0) labels[i] = no_region;
-    const std::optional<SpeckleModel> speckle = find_speckle<Dim>(values_, grid_, labels);
-    if (!speckle) return;
-    speckle_ = speckle->exponent;
-    std::vector<float>& coefficients = result_.coefficients[0];
-    if (!options_.center_spacing) {
-      used_.center_spacing = std::max(*used_.center_spacing, spacing_in_speckle<Dim>(*speckle, grid_));
-      lattice = make_lattice();
-      coefficients = coefficients_of_labels(lattice, result_.labels);
-    }
-    SpeckleContour<Dim> contour(lattice, *speckle, values_, options_.mask, prior_, coefficients);
-    std::vector<double> steps;
-    coefficients = contour.descend(steps);
-    update_labels(lattice, coefficients, result_.labels.data());
+  // Where the image is speckle, places the contour where its blur says, if the labels are taken.
+  void place_in_speckle(Lattice<Dim>& lattice, const std::function<bool(std::span<const std::uint8_t>)>& takes) {
+    std::optional<SpecklePlace<Dim>> placed = find_speckle_place<Dim>(
+        values_, grid_, options_.mask, prior_, {*used_.center_spacing, *used_.support, used_.kernel},
+        options_.center_spacing.has_value(), result_.labels, result_.coefficients[0]);
+    if (!placed || !takes(placed->labels)) return;
+    speckle_ = placed->exponent;
+    used_.center_spacing = placed->spacing;
+    lattice = std::move(placed->lattice);
+    result_.coefficients[0] = std::move(placed->coefficients);
+    result_.labels = std::move(placed->labels);
     // The laws differ by a constant.
-    std::vector<double>& energy = result_.energy;
+    const std::vector<double>& steps = placed->steps;
     for (std::size_t i = 1; i < steps.size(); ++i)
-      energy.push_back(energy.back() + (steps[i] - steps[i - 1]) / static_cast<double>(labels.size()));
+      result_.energy.push_back(result_.energy.back() + (steps[i] - steps[i - 1]) / static_cast<double>(values_.size()));
   }
 
   const Volume<float>& image_;
@@ -368,6 +351,22 @@ class Segmenter {
   std::optional<double> noise_growth_, speckle_, blur_;
   std::vector<ModelPrice> prices_;
 };
+
+// A contour of variances is often the better one for means, too: it does not leak where means say little.
+template <int Dim>
+Segmentation<Dim> segment_by_best_energy(const Volume<float>& image, SegmentOptions options) {
+  options.energy = SegmentEnergy::chan_vese;
+  Segmentation<Dim> means = segment<Dim>(image, options);
+  options.energy = SegmentEnergy::gaussian;
+  Segmentation<Dim> variances = segment<Dim>(image, options);
+  const std::vector<float> repaired = finite_values(image, options.mask);
+  const TwoMeansPrices prices = two_means_prices(repaired.empty() ? image.values : repaired, image.grid, options.mask,
+                                                 contour_length, means.labels, variances.labels);
+  Segmentation<Dim>& best = prices.second_is_better ? variances : means;
+  best.report.prices = {{SegmentEnergy::chan_vese, Shading::none, prices.first},
+                        {SegmentEnergy::gaussian, Shading::none, prices.second}};
+  return std::move(best);
+}
 
 }  // namespace
 
