@@ -159,7 +159,7 @@ class Segmenter {
   Partition find_labels(std::span<const float> values, std::optional<PartitionPrice>& price,
                         const std::optional<PartitionModel>& model = {}) {
     const IntensityBins bins = choose_bins(values, 256, options_.mask);
-    price.emplace(values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length));
+    price.emplace(values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length), bins.count);
     price->set_seeds(seeds_);
     return find_grained_partition(*price, {options_.regions, shape_of(used_.shading), model, options_.progress});
   }
@@ -204,7 +204,7 @@ class Segmenter {
       });
     if (options_.seeds.empty()) choose_polarity(grid_, options_, values_, result_);
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
-    used_.energy = found.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;
+    used_.energy = energy_of(found.model);
     used_.shading = shading_of(found.model.shape);
     if (options_.regions == 2) {
       std::vector<float> force(result_.labels.size());

@@ -101,12 +101,16 @@ bool chooses_local_energy(const SegmentOptions& given, Index voxels) {
          !given.smoothness && voxels <= most_chosen_voxels;
 }
 
+SegmentEnergy energy_of(const PartitionModel& model) {
+  if (model.own_shapes) return SegmentEnergy::generalized_gaussian;
+  return model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese;
+}
+
 std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices) {
   std::vector<EnergyPrice> list;
   list.reserve(prices.size());
   for (const ModelPrice& each : prices)
-    list.push_back({each.model.own_deviations ? SegmentEnergy::gaussian : SegmentEnergy::chan_vese,
-                    shading_of(each.model.shape), each.nats});
+    list.push_back({energy_of(each.model), shading_of(each.model.shape), each.nats});
   return list;
 }
 

@@ -43,6 +43,7 @@ void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::st
 bool chooses_local_energy(const SegmentOptions& given, Index voxels);
 
 /// In the words of the report.
+SegmentEnergy energy_of(const PartitionModel& model);
 std::vector<EnergyPrice> price_list(const std::vector<ModelPrice>& prices);
 
 /// The half width of the boxes over which the energy is averaged, where it is not given.

@@ -1,5 +1,6 @@
 #include "csrbf/levelset/partition/partition.hpp"
 
+#include "csrbf/levelset/partition/blurred_price.hpp"
 #include "csrbf/levelset/partition/partition_starts.hpp"
 #include "csrbf/levelset/partition/potts_contours.hpp"
 
@@ -85,12 +86,15 @@ class Search {
     const auto wanted = [&](MeanShape shape) { return !options_.shape || *options_.shape == shape; };
     if (wanted(MeanShape::constant) || few_ || options_.regions > 2) contests_.push_back({{}, {}});
     if (few_ || options_.regions > 2) return;
-    if (wanted(MeanShape::constant)) contests_.push_back({{MeanShape::constant, true}, {}});
+    if (wanted(MeanShape::constant)) {
+      contests_.push_back({{MeanShape::constant, true}, {}});
+      contests_.push_back({{MeanShape::constant, true, true}, {}});
+    }
     for (const MeanShape shape : {MeanShape::linear, MeanShape::quadratic, MeanShape::smooth})
       if (wanted(shape)) contests_.push_back({{shape}, {}});
     if (!wanted(MeanShape::objects)) return;
     for (const std::uint8_t label : {std::uint8_t{1}, std::uint8_t{0}})
-      contests_.push_back({{MeanShape::objects, false, label}, {}});
+      contests_.push_back({{MeanShape::objects, false, false, label}, {}});
   }
 
   // Means that follow the image closely go on from what simpler ones found.
@@ -174,13 +178,18 @@ class Search {
 
   // Deviations of its own make a region likely wherever it gathers structures that its mean does not explain, and means
   // that vary follow such structures. Only voxels that are independent, as the likelihood has it, say which of these
-  // there are. Objects leave the structures of one to itself, and planes follow none. Means that hardly vary follow
-  // blurred borders.
+  // there are. Shapes of their own have to be cheaper for the labels found than what a blur does to Gaussians. Objects
+  // leave the structures of one to itself, and planes follow none. Means that hardly vary follow blurred borders.
   bool is_credible(const PartitionModel& model, const std::vector<std::uint8_t>& labels) {
     const bool varies = model.shape != MeanShape::constant;
     if ((!varies && !model.own_deviations) || options_.shape || options_.model) return true;
-    price_.fit(labels, model, options_.regions);
-    if (model.own_deviations && price_.deviation_ratio() < least_ratio) return false;
+    const double price = price_.fit(labels, model, options_.regions);
+    if (model.own_shapes && price > std::min(fit_blurred(price_, labels, {}).price,
+                                             fit_blurred(price_, labels, {MeanShape::constant, true}).price) -
+                                        least_gain)
+      return false;
+    if (model.own_shapes) price_.fit(labels, model);
+    if (model.own_deviations && !model.own_shapes && price_.deviation_ratio() < least_ratio) return false;
     if (varies && price_.variation(labels) < least_variation) return false;
     const bool few = model.shape == MeanShape::objects || model.shape == MeanShape::linear;
     return few || price_.correlation(labels) <= independent;

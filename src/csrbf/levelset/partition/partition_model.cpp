@@ -3,6 +3,7 @@
 #include "csrbf/core/parallel_sum.hpp"
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/partition/nearest_component.hpp"
+#include "csrbf/levelset/regions/energy_table.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
 
 #include <limits>
@@ -18,8 +19,8 @@ constexpr double least_contrast = 0.1;  // of an object, of that of the regions;
 }  // namespace
 
 PartitionPrice::PartitionPrice(std::span<const float> values, double lo, double hi, const Grid& grid,
-                               std::span<const std::uint8_t> mask, const ContourWeight& weight)
-    : values_(values.size()), grid_(grid), mask_(mask), weight_(weight) {
+                               std::span<const std::uint8_t> mask, const ContourWeight& weight, Index levels)
+    : values_(values.size()), grid_(grid), mask_(mask), weight_(weight), bins_{0, 1, levels} {
   const double inverse = 1 / (hi - lo);
   parallel_for(std::ssize(values), per_task, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
@@ -108,7 +109,12 @@ double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeas
       parameters += add_local_mean(labels, k);
       squares[k] = residual(labels, k);
     }
-  deviation_price_ = fit_deviations(squares) / grain_;
+  deviation_price_ = fit_deviations(squares);
+  if (model.own_shapes) {
+    deviation_price_ = fit_shapes(labels);
+    parameters += static_cast<double>(n);
+  }
+  deviation_price_ /= grain_;
   return measures.price + deviation_price_ + 0.5 * parameters * place_price();
 }
 
@@ -221,7 +227,8 @@ double PartitionPrice::residual(std::span<const std::uint8_t> labels, std::size_
 // From the sums of the squares that the means leave.
 double PartitionPrice::fit_deviations(const std::vector<double>& squares) {
   double all = 0, price = 0;
-  constexpr double least = least_deviation * least_deviation;
+  const double own = model_.own_deviations ? 0.5 / static_cast<double>(bins_.count) : 0;
+  const double least = std::pow(std::max(least_deviation, own), 2);
   variances_.assign(squares.size(), 0);
   for (std::size_t k = 0; k < squares.size(); ++k) {
     all += squares[k];
@@ -231,6 +238,21 @@ double PartitionPrice::fit_deviations(const std::vector<double>& squares) {
   if (model_.own_deviations) return price;
   std::fill(variances_.begin(), variances_.end(), all / count_ + least);
   return 0.5 * count_ * std::log(variances_[0]);
+}
+
+// By the shares of bins; a constant of the Gaussian prices is left out.
+double PartitionPrice::fit_shapes(std::span<const std::uint8_t> labels) {
+  if (indices_.empty()) indices_ = bin_indices(values_, bins_);
+  const std::vector<std::uint8_t> without_mask = mask_.empty() ? std::vector<std::uint8_t>() : masked(labels);
+  const std::vector<Histogram> parts =
+      region_histograms(indices_, mask_.empty() ? labels : without_mask, std::ssize(means_), bins_);
+  double price = -0.5 * count_ * (1 + std::log(2 * std::numbers::pi));
+  tables_.clear();
+  for (const Histogram& part : parts) {
+    tables_.push_back(energy_table(fit_region_model(IntensityLaw::generalized_gaussian, part), bins_));
+    price += total_energy(tables_.back(), part);
+  }
+  return price;
 }
 
 void PartitionPrice::mix_means(std::span<const float> share, std::span<float> to) {
@@ -283,7 +305,8 @@ void PartitionPrice::force(std::span<float> to) {
   parallel_for(std::ssize(to), per_task, [&](Index begin, Index end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double x = value(i), m1 = mean(1, i), m0 = mean(0, i);
-      double F = in * (x - m1) * (x - m1) - out * (x - m0) * (x - m0) + level;
+      double F = model_.own_shapes ? static_cast<double>(tables_[1][indices_[i]] - tables_[0][indices_[i]]) / grain_
+                                   : in * (x - m1) * (x - m1) - out * (x - m0) * (x - m0) + level;
       // An object that is not brighter (darker) than its surroundings, as objects are, has no voxels.
       if (objects && (m1 - m0) * side <= least_contrast * side * side) F = away * (std::abs(F) + 1);
       to[i] = inside(i) ? static_cast<float>(F) : 0.0F;

@@ -3,6 +3,7 @@
 #include "csrbf/levelset/partition/convex_contour.hpp"
 #include "csrbf/levelset/partition/region_moments.hpp"
 #include "csrbf/levelset/partition/seed_costs.hpp"
+#include "csrbf/levelset/regions/intensity_histogram.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +25,7 @@ enum class MeanShape {
 struct PartitionModel {
   MeanShape shape = MeanShape::constant;
   bool own_deviations = false;    ///< one standard deviation for each region, or one for all
+  bool own_shapes = false;        ///< a generalised Gaussian for each of two regions; with own_deviations
   std::uint8_t object_label = 1;  ///< of MeanShape::objects
 
   bool operator==(const PartitionModel&) const = default;
@@ -43,8 +45,9 @@ class PartitionPrice {
  public:
   /// `values`: finite; lo < hi: the range that they are clipped to, whose 1/512 no deviation is below; `mask` may be
   /// empty. Grid and mask must outlive this.
+  /// No region's own deviation is below half of one of `levels` intensities.
   PartitionPrice(std::span<const float> values, double lo, double hi, const Grid& grid,
-                 std::span<const std::uint8_t> mask, const ContourWeight& weight);
+                 std::span<const std::uint8_t> mask, const ContourWeight& weight, Index levels = 256);
 
   /// Voxels whose label is known; that of those that are not certain has its cost. Their labels must outlive this.
   void set_seeds(SeedCosts seeds);
@@ -117,6 +120,7 @@ class PartitionPrice {
   [[nodiscard]] double fit_objects(std::span<const std::uint8_t> labels, std::uint8_t k);
   [[nodiscard]] double residual(std::span<const std::uint8_t> labels, std::size_t k) const;
   double fit_deviations(const std::vector<double>& squares);
+  double fit_shapes(std::span<const std::uint8_t> labels);
 
   std::vector<float> values_;
   const Grid& grid_;
@@ -127,6 +131,9 @@ class PartitionPrice {
   double count_ = 0, grain_ = 1, deviation_price_ = 0;
   RegionMoments all_;  // of both of two regions
   PartitionModel model_;
+  IntensityBins bins_;
+  std::vector<std::uint8_t> indices_;       // of the values, once they are asked for
+  std::vector<std::vector<float>> tables_;  // of the costs of bins, of own shapes
   std::vector<double> means_, counts_, variances_;
   std::vector<MeanPolynomial> polynomials_;  // of the regions, where their means are some
   std::vector<std::vector<float>> fields_;   // means that vary, once they are asked for

@@ -6,6 +6,8 @@
 #include "csrbf/levelset/regions/intensity_classes.hpp"
 #include "csrbf/levelset/regions/intensity_histogram.hpp"
 
+#include <algorithm>
+
 namespace csrbf {
 namespace {
 
@@ -36,7 +38,10 @@ class Starts {
       if (sd == 0 || sd == 2)
         for (const double part : {1.0 / 16, 1.0 / 6}) local(f, part);
     }
-    if (regions == 2 && !few) texture();
+    if (regions == 2 && !few) {
+      texture();
+      alike();
+    }
   }
 
  private:
@@ -140,6 +145,49 @@ class Starts {
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = std::abs(f[i] - price_.values()[i]);
     f = blurred(f, 4);
     classes(f, 2);
+  }
+
+  // By the intensities that voxels a few apart have together more often than by chance: the function of intensities
+  // that is most alike for such pairs. Regions differ in it whatever they differ in.
+  void alike() {
+    constexpr std::size_t levels = 32;  // of equal counts
+    constexpr Index apart = 4;          // voxels: beyond the grain of most noise
+    constexpr int steps = 200;          // of the power method, which ends at an eigenvector
+    Image sorted;
+    for (std::size_t i = 0; i < price_.values().size(); ++i)
+      if (price_.inside(i)) sorted.push_back(price_.values()[i]);
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<float> limits;
+    for (std::size_t k = 1; k < levels; ++k) {
+      const float limit = sorted[k * sorted.size() / levels];
+      if (limits.empty() || limit > limits.back()) limits.push_back(limit);
+    }
+    std::vector<std::size_t> level(price_.values().size());
+    for (std::size_t i = 0; i < level.size(); ++i)
+      level[i] =
+          static_cast<std::size_t>(std::upper_bound(limits.begin(), limits.end(), price_.values()[i]) - limits.begin());
+    Eigen::MatrixXd pairs = Eigen::MatrixXd::Constant(std::ssize(limits) + 1, std::ssize(limits) + 1, 1e-9);
+    const Grid& grid = price_.grid();
+    Index stride = 1;
+    for (int a = 0; a < grid.dimension(); ++a) {
+      for (Index i = 0; i < grid.voxels(); ++i) {
+        const Index j = i + apart * stride;
+        if (i / stride % grid.size[a] + apart >= grid.size[a] || !price_.inside(i) || !price_.inside(j)) continue;
+        pairs(level[i], level[j]) += 1;
+        pairs(level[j], level[i]) += 1;
+      }
+      stride *= grid.size[a];
+    }
+    const Eigen::VectorXd root = (pairs.rowwise().sum() / pairs.sum()).cwiseSqrt();
+    const Eigen::MatrixXd excess =
+        (pairs / pairs.sum()).cwiseQuotient(root * root.transpose()) - root * root.transpose();
+    Eigen::VectorXd v = Eigen::VectorXd::LinSpaced(root.size(), -1, 1).cwiseAbs2();
+    v[0] -= 0.5;
+    for (int step = 0; step < steps; ++step) v = (v + excess * v).normalized();  // eigenvalues from -1 to 1
+    v = v.cwiseQuotient(root);
+    Image f(level.size());
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] = static_cast<float>(v[level[i]]);
+    for (const double sd : {2.0, 4.0}) classes(blurred(f, sd), 2);
   }
 
   const PartitionPrice& price_;
