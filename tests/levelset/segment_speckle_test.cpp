@@ -26,6 +26,7 @@ TEST(SegmentSpeckle, SeesSpeckleWhenNoEnergyIsGiven) {
   const Phantom phantom = make_speckle(200, cavity, 0.02, 0, {1.6, 1.1, 0});
   const auto found = segment<2>(phantom.image);
   EXPECT_TRUE(found.report.speckle);
+  EXPECT_GT(found.report.grain.value_or(1), 4);
   EXPECT_GT(dice(found.labels, phantom.truth), 0.985);
   EXPECT_FALSE(segment<2>(make_phantom(200, cavity, 1, 30).image).report.speckle);
 }

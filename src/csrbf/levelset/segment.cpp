@@ -113,6 +113,7 @@ class Segmenter {
     found.components = count_components(labels, grid_);
     found.noise = noise_.size;
     found.noise_growth = noise_growth_;
+    found.grain = grain_;
     found.speckle = speckle_;
     found.blur = blur_;
     found.prices = price_list(prices_);
@@ -196,6 +197,7 @@ class Segmenter {
     Lattice<Dim> lattice = smooth ? std::move(*smooth) : std::move(contours.lattice);
     // Means of echoes take the brighter side of a blurred border for more than it is: the contour of echoes is dearer
     // for them, but by less than its own price.
+    if (price->grain() > 1) grain_ = price->grain();
     if (price->grain() > 1 && !found.model.own_deviations)
       place_in_speckle(lattice, [&](std::span<const std::uint8_t> labels) {
         return fit_blurred(*price, labels, found.model).price <=
@@ -348,7 +350,7 @@ class Segmenter {
   ForceNoise noise_;
   VariationalResult result_;
   std::vector<std::shared_ptr<const Field<Dim>>> fields_;
-  std::optional<double> noise_growth_, speckle_, blur_;
+  std::optional<double> noise_growth_, grain_, speckle_, blur_;
   std::vector<ModelPrice> prices_;
 };
 

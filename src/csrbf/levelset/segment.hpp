@@ -22,6 +22,8 @@ struct SegmentReport {
   /// Set when the noise of the image changes with intensity and the energy is `automatic`: its deviation where the
   /// image is bright over that where it is dark.
   std::optional<double> noise_growth = {};
+  /// Set when the noise is blurred and the energy is `automatic`: voxels that one independent value covers.
+  std::optional<double> grain = {};
   /// Set when the image is speckle: the power of the amplitudes that it shows; about 0: their logarithms.
   std::optional<double> speckle = {};
   /// Set when more than two regions are classes of the image after a Gaussian: its deviation, in voxels of the shortest
@@ -49,10 +51,10 @@ struct Segmentation {
 /// border. More than two are numbered by ascending mean. With seeds of all regions labels are those of the seeds.
 ///
 /// With the energy `automatic`, in global mode and up to 8 million voxels, labels and model are those of the shortest
-/// description (find_partition()) among means, means and deviations, and means that vary over the image, and the
-/// centres are as dense as the smallest objects ask for; else it is chan_vese. Two regions of more voxels whose
-/// deviation is at most 0.3 of their contrast have labels of single voxels and a level set on blocks of these
-/// (find_large_partition()), unless a center spacing is given.
+/// description (find_partition()) among means, means and deviations, generalised Gaussians, and means that vary
+/// over the image, and the centres are as dense as the smallest objects ask for; else it is chan_vese. Two regions of
+/// more voxels whose deviation is at most 0.3 of their contrast have labels of single voxels and a level set on blocks
+/// of these (find_large_partition()), unless a center spacing is given.
 ///
 /// More than two regions may be classes of the blurred image instead (blurred_classes()), and in local mode the energy
 /// `automatic` is the better of means and of means with variances.
