@@ -147,6 +147,8 @@ export interface SegmentReport {
   prices?: {energy: string; shading: string; nats: number}[];
   /** Deviation of the noise at bright over that at dark voxels, where it grows. */
   noise_growth?: number;
+  /** Voxels that one independent value of blurred noise covers. */
+  grain?: number;
   /** Deviation of the Gaussian, in voxels, where more than two regions are classes of the blurred image. */
   blur?: number;
   speckle?: number;
