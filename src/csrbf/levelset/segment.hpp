@@ -59,7 +59,7 @@ struct Segmentation {
 /// More than two regions may be classes of the blurred image instead (blurred_classes()), and in local mode the energy
 /// `automatic` is the better of means and of means with variances.
 ///
-/// Cost: of `automatic` 1 to 5 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
+/// Cost: of `automatic` 1 to 6 us per voxel; of the others about 0.1 us per voxel and iteration, 1 to 10 iterations,
 /// 30 to 50 in local mode; memory up to 14 bytes per voxel besides the image
 /// (2.4 GB in all for 512^3; 0.9 GB on blocks).
 ///
