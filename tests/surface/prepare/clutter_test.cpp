@@ -92,7 +92,7 @@ TEST(Clutter, LeavesThinPlatesAndTheirEdges) {
     const Shape input = cluttered(plate, 2000, 14);
     const std::vector<Index> kept = all_but_clutter(input.points, Points<3>(3, 0), density_of(input.points));
     const auto good = std::count_if(kept.begin(), kept.end(), [&](Index i) { return i < plate.size(); });
-    EXPECT_GT(static_cast<double>(good), 0.99 * static_cast<double>(plate.size())) << thickness;
+    EXPECT_GT(static_cast<double>(good), 0.98 * static_cast<double>(plate.size())) << thickness;
   }
 }
 

@@ -16,6 +16,7 @@ constexpr Index most_reports = 32;      // ... and progress reports of one fit a
 constexpr double far_from_region = 3;   // diagonals of a leaf: its patch, about two wide, does not reach the region
 constexpr double covering_reach = 4;    // patches over gaps are at most this much wider than the gap
 constexpr Index fragment_ratio = 8;     // a leaf with less than this fraction, 1/8, of the usual points is a fragment
+constexpr double stray_share = 0.02;    // of the samples; if more are lonely, the cloud is small
 constexpr double sufficient_weight = 0.1;  // sum of weights above which a fragment needs no patch; both chosen by hand
 
 // One leaf of the final partition with its patch.
@@ -184,7 +185,8 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   CompositeFit result;
   result.areas = cloud.spacing.cwiseAbs2();
   const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
-  std::vector<Leaf> fragments;
+  std::vector<Leaf> fragments, strays;
+  double stray_samples = 0;
   result.patches.reserve(parts.leaves(), options.centers_per_patch);
   const Index batch = batch_size(parts.leaves());
   for (Index done = 0; done < parts.leaves(); done += batch) {
@@ -195,8 +197,10 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
       for (Leaf& leaf : part) {
         for (Index k = leaf.begin; k < leaf.end; ++k)
           result.areas[parts.order[k]] = leaf.areas.of(cloud.spacing[parts.order[k]]);
-        if (leaf.lonely) continue;  // its patch would reach so far that it spoils others
-        if (fragment_ratio * (leaf.end - leaf.begin) >= usual_leaf) {
+        if (leaf.lonely) {
+          stray_samples += static_cast<double>(leaf.end - leaf.begin);
+          strays.push_back(std::move(leaf));
+        } else if (fragment_ratio * (leaf.end - leaf.begin) >= usual_leaf) {
           append(leaf.patch, result.patches);
         } else {
           fragments.push_back(std::move(leaf));
@@ -205,6 +209,9 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
     }
     report(progress, "fit", static_cast<double>(done + count) / static_cast<double>(parts.leaves()));
   }
+  // The patches of a few strays would reach so far that they spoil others.
+  if (stray_samples > stray_share * static_cast<double>(cloud.size()))
+    for (const Leaf& leaf : strays) append(leaf.patch, result.patches);
   result.patches.build();
   if (!fragments.empty()) {
     add_needed(cloud, parts.order, fragments, result.patches);
