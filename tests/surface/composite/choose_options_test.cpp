@@ -3,6 +3,8 @@
 #include "csrbf/core/parallel.hpp"
 #include "surface/surface_testing.hpp"
 
+#include <Eigen/Geometry>
+
 namespace csrbf::choose_options_test {
 namespace {
 
@@ -56,6 +58,20 @@ TEST(ChooseOptions, TakesSmallPatchesForCleanSamples) {
   EXPECT_GT(chosen.cross_validation_error, 0);
   EXPECT_LT(chosen.cross_validation_error, 0.01 * spacing);
   EXPECT_LE(error_with(clean_torus(), chosen.options), 1.2 * error_with(clean_torus(), {}));
+}
+
+// A patch may predict a stray sample to be anywhere: one of them says as much as one that is a patch away.
+TEST(ChooseOptions, FollowsTheSurfaceAndNotFewStrays) {
+  PointCloud cloud = Torus().cloud(samples);
+  const double spacing = std::sqrt(Torus().area() / samples);
+  for (Index i = 0; i < samples; i += 400) {
+    cloud.points.col(i) += 2 * spacing * cloud.normals.col(i);
+    cloud.normals.col(i) = cloud.normals.col(i).unitOrthogonal().eval();
+  }
+  const ChosenOptions clean = choose_options(clean_torus()), chosen = choose_options(oriented(cloud, Torus().area()));
+  EXPECT_LE(chosen.options.leaf_size, clean.options.leaf_size);
+  EXPECT_GT(chosen.options.centers_per_patch, 0);
+  EXPECT_LT(chosen.cross_validation_error, 0.1 * spacing);
 }
 
 TEST(ChooseOptions, TakesLargePatchesForNoisySamples) {

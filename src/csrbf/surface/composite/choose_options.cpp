@@ -182,13 +182,14 @@ class CrossValidation {
     leaves.push_back({{ids.begin(), ids.end()}, {ids.begin(), ids.end()}, fitter.around(ids.data(), n)});
   }
 
-  // Adds the errors of the patch over a leaf, and their share of its error at samples of other sheets.
+  // Adds the errors of the patch over a leaf, and their share of its error at samples of other sheets. Where a left-out
+  // sample alone holds the patch, as strays do, its error may be anything: it counts up to the radius.
   static void add(PatchFitter& fitter, Leaf& leaf, Sum& sum) {
     const FittedPatch patch = fitter.fit(leaf.ids.data(), std::ssize(leaf.ids), leaf.around);
     const auto predicted = static_cast<double>(leaf.predicted.size());
     std::vector<double> distance(leaf.predicted.size());
     fitter.left_out_distances(patch, leaf.predicted, distance.data());
-    for (const double d : distance) sum.error += d;
+    for (const double d : distance) sum.error += std::min(d, patch.frame().radius);
     sum.error += fitter.error_on_other_sheets(patch) * predicted / static_cast<double>(leaf.ids.size());
     sum.radius += patch.frame().radius * predicted;
     sum.samples += predicted;
