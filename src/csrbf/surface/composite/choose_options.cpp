@@ -101,7 +101,7 @@ class CrossValidation {
       if (t.settings == options) return t;
     std::vector<Index> chosen;
     for (Index t = 0; t < count(); t += screening_stride) chosen.push_back(t);
-    return tried_.emplace_back(Tried{options, predict(options, chosen)});
+    return tried_.emplace_back(Tried{static_cast<const CompositeSettings&>(options), predict(options, chosen)});
   }
 
   // The samples nearest to sample `middle` along the sheet, whatever their noise across it.
@@ -122,6 +122,7 @@ class CrossValidation {
     std::sort(along.begin(), along.end());
     along.resize(std::min(along.size(), static_cast<std::size_t>(block_size)));
     std::vector<Index> block;
+    block.reserve(along.size());
     for (const auto& [distance, i] : along) block.push_back(i);
     return block;
   }
