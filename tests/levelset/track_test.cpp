@@ -181,6 +181,28 @@ TEST(Track, GoesOnFromAnyModelOfTheFirstFrame) {
   EXPECT_NE(tracking.report.options.segment.shading, Shading::objects);
 }
 
+// A clean image is best described by shapes of intensities, which would hold the contour of the next frames back.
+TEST(Track, FollowsADiscWhoseFirstFrameHasShapesOfItsOwn) {
+  constexpr Index small = 24, frames = 5;
+  VolumeLayout layout;
+  layout.grid.axes = 2;
+  layout.grid.size = {small, small, 1};
+  Volume<float> sequence(layout);
+  sequence.frames = frames;
+  sequence.values.clear();
+  for (Index t = 0; t < frames; ++t)
+    for (Index i = 0; i < small * small; ++i) {
+      const Index x = i % small, y = i / small;
+      const double distance = std::hypot(static_cast<double>(x - 7 - 2 * t), static_cast<double>(y - 12));
+      sequence.values.push_back(distance < 4.5 ? 100 : static_cast<float>(10 + x * y % 3));
+    }
+  const Tracking<2> tracking = track<2>(sequence, {});
+  EXPECT_NE(tracking.report.options.segment.energy, SegmentEnergy::generalized_gaussian);
+  const std::vector<std::uint8_t>& last = tracking.frames.back().segmentation.labels;
+  EXPECT_EQ(last[12 * small + 15], 1);  // its middle
+  EXPECT_EQ(last[12 * small + 9], 0);   // where it was two frames before
+}
+
 TEST(Track, CarriesTheContourThroughAFrameOfNoise) {
   const std::vector<Disc> discs = beat(8);
   Volume<float> sequence = disc_sequence(discs, 10);
