@@ -1,6 +1,7 @@
 #pragma once
 
 #include "csrbf/levelset/segment.hpp"
+#include "levelset/levelset_testing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -46,15 +47,6 @@ inline double islands(double x, double y) {
   const double hole = std::hypot(x + 15, y) - 14;
   const double island = 12 - std::hypot(x - 80, y + 80);
   return std::max(std::min(body, hole), island);
-}
-
-inline double dice(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
-  double both = 0, sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    both += a[i] != 0 && b[i] != 0 ? 1 : 0;
-    sum += (a[i] != 0 ? 1 : 0) + (b[i] != 0 ? 1 : 0);
-  }
-  return sum > 0 ? 2 * both / sum : 1;
 }
 
 inline std::vector<std::uint8_t> disc_seed(Index n, double x, double y, double radius) {

@@ -165,7 +165,7 @@ bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheet
 }
 
 // Whether hardly any normals of neighbours contradict each other.
-bool consistent(const Points<3>& points, const NeighborTable& table, const Points<3>& normals) {
+bool neighbors_agree(const Points<3>& points, const NeighborTable& table, const Points<3>& normals) {
   return Contradictions(points, normals, table).share(normals) < usual_contradictions;
 }
 
@@ -185,22 +185,25 @@ bool neighbors_know_better(const Points<3>& points, const NeighborTable& table, 
   return error(by_neighbors) < clearly_better * error(by_winding);
 }
 
-// Gives fitted normals signs: by the winding number, by neighbours for sheets without inside and very large clouds.
+// Gives fitted normals signs: by the winding number, or by neighbours for sheets without inside, very large clouds and
+// where these know better.
 OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, const Progress& progress) {
   ThinSheets sheets = thin_sheets(points, tree);
   OrientReport result{.method = OrientMethod::winding_number};
   Points<3> by_winding = fit.normals;
   const bool solid = orient_by_winding(points, tree, sheets, by_winding);
-  if (fit.table.k == 0 && !sheets.any()) fit.table = make_neighbor_table(points, tree, graph_neighbors);
-  bool decided = solid && (sheets.any() || consistent(points, fit.table, by_winding));
+  bool decided = solid && sheets.any();
   if (!decided) {
     if (fit.table.k == 0) fit.table = make_neighbor_table(points, tree, graph_neighbors);
-    const OrientReport report = orient_normals(points, fit.table, fit.normals, [&](std::string_view, double fraction) {
-      return !progress || progress(stage, 0.7 + 0.3 * fraction);
-    });
+    decided = solid && neighbors_agree(points, fit.table, by_winding);
+  }
+  if (!decided) {
+    const OrientReport by_neighbors = orient_normals(
+        points, fit.table, fit.normals,
+        [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
     if (!solid) keep_contradicted(points, tree, fit.normals, sheets);
     decided = solid && !neighbors_know_better(points, fit.table, by_winding, fit.normals);
-    if (!decided) result = report;
+    if (!decided) result = by_neighbors;
   }
   if (decided) fit.normals = std::move(by_winding);
   put(sheets, fit.normals);

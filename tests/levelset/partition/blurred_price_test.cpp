@@ -2,6 +2,7 @@
 
 #include "csrbf/levelset/image/gaussian_blur.hpp"
 #include "csrbf/levelset/partition/grained_partition.hpp"
+#include "levelset/levelset_testing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -50,15 +51,6 @@ PartitionPrice price_of(const Disc& disc) {
 double range(const Disc& disc) {
   const auto [lo, hi] = std::minmax_element(disc.values.begin(), disc.values.end());
   return static_cast<double>(*hi) - static_cast<double>(*lo);
-}
-
-double dice(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
-  double both = 0, sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    both += a[i] != 0 && b[i] != 0 ? 1 : 0;
-    sum += (a[i] != 0 ? 1 : 0) + (b[i] != 0 ? 1 : 0);
-  }
-  return 2 * both / sum;
 }
 
 TEST(BlurredPrice, PrefersTheTrueContourToOneThatFollowsTheNoiseOfABlurredBorder) {

@@ -5,6 +5,7 @@
 #include "csrbf/surface/composite/coverage_gaps.hpp"
 #include "csrbf/surface/composite/patch_fitter.hpp"
 
+#include <numeric>
 #include <utility>
 
 namespace csrbf {
@@ -186,7 +187,6 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
   result.areas = cloud.spacing.cwiseAbs2();
   const Index usual_leaf = options.tolerance.size() > 0 ? 1 : options.leaf_size;
   std::vector<Leaf> fragments, strays;
-  double stray_samples = 0;
   result.patches.reserve(parts.leaves(), options.centers_per_patch);
   const Index batch = batch_size(parts.leaves());
   for (Index done = 0; done < parts.leaves(); done += batch) {
@@ -198,7 +198,6 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
         for (Index k = leaf.begin; k < leaf.end; ++k)
           result.areas[parts.order[k]] = leaf.areas.of(cloud.spacing[parts.order[k]]);
         if (leaf.lonely) {
-          stray_samples += static_cast<double>(leaf.end - leaf.begin);
           strays.push_back(std::move(leaf));
         } else if (fragment_ratio * (leaf.end - leaf.begin) >= usual_leaf) {
           append(leaf.patch, result.patches);
@@ -210,7 +209,9 @@ CompositeFit fit_composite(const OrientedPoints& cloud, const KdTree<3>& tree, c
     report(progress, "fit", static_cast<double>(done + count) / static_cast<double>(parts.leaves()));
   }
   // The patches of a few strays would reach so far that they spoil others.
-  if (stray_samples > stray_share * static_cast<double>(cloud.size()))
+  const Index stray_samples = std::accumulate(strays.begin(), strays.end(), Index{0},
+                                              [](Index n, const Leaf& leaf) { return n + leaf.end - leaf.begin; });
+  if (static_cast<double>(stray_samples) > stray_share * static_cast<double>(cloud.size()))
     for (const Leaf& leaf : strays) append(leaf.patch, result.patches);
   result.patches.build();
   if (!fragments.empty()) {

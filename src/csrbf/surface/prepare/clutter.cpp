@@ -45,6 +45,13 @@ double at_most(Index count, double mean) {
   return sum;
 }
 
+// Samples per volume at a height over a sheet of standard deviation s with one sample per h^2, times the probability
+// that not more of them are near than are, of so many expected ones.
+double density_off_sheet(double height, double s, double h, double expected) {
+  const double t = height / s;
+  return std::exp(-0.5 * t * t) / (std::sqrt(2 * std::numbers::pi) * s * h * h) * at_most(density_rank, expected);
+}
+
 // Cells of the bounding box with points, as a share of those that evenly scattered points would occupy.
 double occupied(const Points<3>& points, const Box<3>& box) {
   constexpr Index cells = grid * grid * grid;
@@ -128,9 +135,7 @@ class Plane {
     }
     const double middle = std::sqrt(std::max(0.0, median(along_)));
     const double h = spacing_of(middle, std::ssize(near_) / 2), s = std::max(deviation, thinnest * h);
-    const double t = normal.dot(x - mean) / s;
-    return std::exp(-0.5 * t * t) / (std::sqrt(2 * std::numbers::pi) * s * h * h) *
-           at_most(density_rank, std::numbers::pi * r * r / (h * h));
+    return density_off_sheet(normal.dot(x - mean), s, h, std::numbers::pi * r * r / (h * h));
   }
 
   // The same for the best of the planes through three of the nearest neighbours that contain enough others and are
@@ -167,9 +172,7 @@ class Plane {
     if (!own.isZero() && std::abs(normal.dot(own)) < like) return 0;
     const double area = 4 * std::numbers::pi * std::sqrt(spread.values[1] * spread.values[2]);  // of an ellipse
     const double s = std::max(std::sqrt(std::max(0.0, spread.values[0])), thin);
-    const double t = normal.dot(x - mean) / s;
-    return std::exp(-0.5 * t * t) / (std::sqrt(2 * std::numbers::pi) * s * h * h) *
-           at_most(density_rank, std::numbers::pi * r * r / std::min(h * h, area / count));
+    return density_off_sheet(normal.dot(x - mean), s, h, std::numbers::pi * r * r / std::min(h * h, area / count));
   }
 
   const Points<3>& points_;
