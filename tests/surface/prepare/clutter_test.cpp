@@ -25,7 +25,8 @@ Shape cluttered(const Shape& shape, Index count, unsigned seed) {
 }
 
 double density_of(const Points<3>& points) {
-  return clutter_density(points, make_neighbor_table(points, KdTree<3>(points), 9));
+  const KdTree<3> tree(points);
+  return clutter_density(points, tree, make_neighbor_table(points, tree, 9));
 }
 
 double torus_distance(const Point<3>& p) {
@@ -37,6 +38,29 @@ TEST(Clutter, IsMeasured) {
   const Box<3> box = bounding_box<3>(input.points);
   const double expected = 2000 / (box.hi - box.lo).prod();
   EXPECT_NEAR(density_of(input.points), expected, 0.3 * expected);
+}
+
+// Walls four spacings apart, so that every outlier is near one.
+TEST(Clutter, IsMeasuredAmongWalls) {
+  Shape walls = random_box({0.5, 0.5, 0.5}, 0.025, 15);
+  for (int k = 0; k < 4; ++k) {
+    Shape slot = random_box({0.4, 0.4, 0.05}, 0.025, 16 + k);
+    slot.points.row(2).array() += 0.2 * (k - 1.5);
+    walls = join(walls, slot);
+  }
+  const Index count = walls.size() / 5;
+  const Shape input = cluttered(walls, count, 30);
+  const Box<3> box = bounding_box<3>(input.points);
+  const double expected = static_cast<double>(count) / (box.hi - box.lo).prod();
+  EXPECT_NEAR(density_of(input.points), expected, 0.3 * expected);
+  EXPECT_EQ(density_of(walls.points), 0);
+  std::normal_distribution<double> noise(0, 0.025);
+  std::mt19937_64 random(31);
+  for (double& x : walls.points.reshaped()) x += noise(random);
+  EXPECT_EQ(density_of(walls.points), 0);
+  const std::vector<Index> kept = all_but_clutter(input.points, Points<3>(3, 0), density_of(input.points));
+  const auto good = std::count_if(kept.begin(), kept.end(), [&](Index i) { return i < walls.size(); });
+  EXPECT_GT(static_cast<double>(good), 0.94 * static_cast<double>(walls.size()));
 }
 
 TEST(Clutter, IsLeftOutAndHardlyAnySample) {

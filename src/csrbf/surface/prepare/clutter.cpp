@@ -8,6 +8,7 @@
 
 #include <numbers>
 #include <numeric>
+#include <random>
 
 namespace csrbf {
 namespace {
@@ -21,8 +22,9 @@ constexpr double least_occupied = 0.75;  // share of cells with sparse points, o
 constexpr Index own_neighbors = 9;       // among sparse points, to see whether they lie on sheets
 constexpr double cloudy = 0.09;          // mean share of the least variance: in clutter 0.12, on sheets below 0.05
 constexpr Index density_rank = 8;        // neighbour out to which points are counted
-constexpr double as_clutter = 1.5;       // of clutter expected within that; more than 7 have a probability of 1e-4
+constexpr double as_clutter = 3;         // of clutter expected within that; more than 7 have a probability of 1 %
 constexpr Index plane_neighbors = 16;    // that a point is compared with
+constexpr Index sheet_neighbors = 24;    // among which several sheets are sought
 constexpr int reweightings = 2;          // of the plane through them
 constexpr double thinnest = 0.15;        // spacings: least standard deviation of a sheet
 constexpr Index corners_from = 8;        // nearest neighbours whose triples span planes of several sheets
@@ -32,6 +34,13 @@ constexpr double narrowest = 0.4;        // spacings: least standard deviation a
 constexpr double near_plane = 2.2;       // spacings around the surface where sparse points are not seen
 constexpr double like = 0.7;             // cosine between like normals, up to sign
 constexpr std::size_t few_alike = 2;     // neighbours that a sample's normal agrees with at least
+constexpr double share_tried = 0.02;     // clutter assumed to find out how much there is
+constexpr Index points_screened = 1000;  // for that, ...
+constexpr Index points_tried = 4000;     // ... more if some are clutter
+constexpr Index places_tried = 2000;     // in the box, to see where clutter would be noticed
+constexpr double least_seen = 0.1;       // share of the box where it must be
+constexpr double least_share = 0.03;     // of clutter
+constexpr double most_share = 0.5;       // of clutter
 constexpr int rounds = 4;                // of removing; later ones find hardly any
 
 double spacing_of(double reach, Index rank) {
@@ -92,35 +101,63 @@ double variation(const Points<3>& points) {
 class Plane {
  public:
   Plane(const Points<3>& points, const Points<3>& normals, const KdTree<3>& tree)
-      : points_(points), normals_(normals), tree_(tree), ids_(plane_neighbors + 1), squared_(ids_.size()) {}
+      : points_(points), normals_(normals), tree_(tree), ids_(sheet_neighbors + 1), squared_(ids_.size()) {}
 
   [[nodiscard]] bool is_clutter(Index i, double density) {
-    const Index found = tree_.nearest(points_.col(i), std::ssize(ids_), ids_.data(), squared_.data());
-    const double r = std::sqrt(squared_[std::min(found - 1, density_rank)]);
-    if (density * 4 / 3 * std::numbers::pi * r * r * r > as_clutter) return true;
-    near_.clear();
-    for (Index k = 0; k < found; ++k)
-      if (ids_[k] != i) near_.push_back(ids_[k]);
+    const double r = find_near(points_.col(i), i);
+    if (alone(r, density)) return true;
     if (std::ssize(near_) < density_rank) return false;
-    return unlike(i) ||
-           (sheet(points_.col(i), r) < density && one_of_several_sheets(i, r) < different_planes * density);
+    const Point<3> own = normals_.cols() > 0 ? Point<3>(normals_.col(i)) : Point<3>::Zero();
+    return unlike(i) || off_sheets(points_.col(i), own, r, density);
   }
 
+  // Whether a point without a normal that were added at x would be clutter.
+  [[nodiscard]] bool would_be_clutter(const Point<3>& x, double density) {
+    const double r = find_near(x, -1);
+    return alone(r, density) || (std::ssize(near_) >= density_rank && off_sheets(x, Point<3>::Zero(), r, density));
+  }
+
+  // The distance out to which the neighbours of the last one were counted.
+  [[nodiscard]] double reach() const { return reach_; }
+
  private:
+  // Sets near_ to the points around x but i; returns the distance out to which they are counted.
+  double find_near(const Point<3>& x, Index i) {
+    const Index found = tree_.nearest(x, std::ssize(ids_), ids_.data(), squared_.data());
+    near_.clear();
+    for (Index k = 0; k < found; ++k)
+      if (ids_[k] != i && std::ssize(near_) < sheet_neighbors) near_.push_back(ids_[k]);
+    return reach_ = (points_.col(near_[std::min<std::size_t>(near_.size(), density_rank) - 1]) - x).norm();
+  }
+
+  [[nodiscard]] std::span<const Index> near_in_plane() const {
+    return std::span(near_).first(std::min<std::size_t>(near_.size(), plane_neighbors));
+  }
+
+  [[nodiscard]] static bool alone(double r, double density) {
+    return density * 4 / 3 * std::numbers::pi * r * r * r > as_clutter;
+  }
+
+  [[nodiscard]] bool off_sheets(const Point<3>& x, const Point<3>& own, double r, double density) const {
+    return sheet(x, r) < density && one_of_several_sheets(x, own, r) < different_planes * density;
+  }
+
   [[nodiscard]] bool unlike(Index i) const {
     if (normals_.cols() == 0) return false;
-    const auto alike = std::count_if(near_.begin(), near_.end(),
+    const auto near = near_in_plane();
+    const auto alike = std::count_if(near.begin(), near.end(),
                                      [&](Index j) { return std::abs(normals_.col(i).dot(normals_.col(j))) > like; });
     return static_cast<std::size_t>(alike) < few_alike;
   }
 
   // Samples per volume that a sheet through the neighbours would have at x, times the probability that not more of them
   // are within r.
-  [[nodiscard]] double sheet(const Point<3>& x, double r) {
-    const Points<3> q = points_(Eigen::all, near_);
+  [[nodiscard]] double sheet(const Point<3>& x, double r) const {
+    const Points<3> q = points_(Eigen::all, near_in_plane());
     Eigen::VectorXd weight = Eigen::VectorXd::Ones(q.cols());
     Point<3> mean, normal;
     double deviation = 0;
+    std::vector<double> along;
     for (int round = 0; round < reweightings; ++round) {
       mean = q * weight / weight.sum();
       const Points<3> d = q.colwise() - mean;
@@ -130,19 +167,18 @@ class Plane {
       deviation = median(std::vector<double>(height.begin(), height.end())) / median_of_normal;
       const double scale = std::max(2 * deviation, std::numeric_limits<double>::min());
       weight = 1 / (1 + (height / scale).array().square());
-      along_.clear();
-      for (Index k = 0; k < q.cols(); ++k) along_.push_back(d.col(k).squaredNorm() - height[k] * height[k]);
+      along.clear();
+      for (Index k = 0; k < q.cols(); ++k) along.push_back(d.col(k).squaredNorm() - height[k] * height[k]);
     }
-    const double middle = std::sqrt(std::max(0.0, median(along_)));
-    const double h = spacing_of(middle, std::ssize(near_) / 2), s = std::max(deviation, thinnest * h);
+    const double middle = std::sqrt(std::max(0.0, median(along)));
+    const double h = spacing_of(middle, q.cols() / 2), s = std::max(deviation, thinnest * h);
     return density_off_sheet(normal.dot(x - mean), s, h, std::numbers::pi * r * r / (h * h));
   }
 
   // The same for the best of the planes through three of the nearest neighbours that contain enough others and are
-  // perpendicular to its normal, if it has one: both sides of a thin plate and the faces of an edge are sheets of their
-  // own.
-  [[nodiscard]] double one_of_several_sheets(Index i, double r) const {
-    const Point<3> x = points_.col(i), own = normals_.cols() > 0 ? Point<3>(normals_.col(i)) : Point<3>::Zero();
+  // perpendicular to its own normal, if it has one: both sides of a thin plate and the faces of an edge are sheets of
+  // their own.
+  [[nodiscard]] double one_of_several_sheets(const Point<3>& x, const Point<3>& own, double r) const {
     const Points<3> q = points_(Eigen::all, near_);
     const double reach = (q.col(q.cols() - 1) - x).norm(), thin = thinnest * spacing_of(reach, q.cols());
     double best = 0;
@@ -179,12 +215,23 @@ class Plane {
   const Points<3>& normals_;
   const KdTree<3>& tree_;
   std::vector<Index> ids_, near_;
-  std::vector<double> squared_, along_;
+  std::vector<double> squared_;
+  double reach_ = 0;
 };
 
-}  // namespace
+// 1 for every point that is clutter.
+std::vector<char> find_clutter(const Points<3>& points, const Points<3>& normals, const KdTree<3>& tree,
+                               double density) {
+  std::vector<char> clutter(points.cols());
+  parallel_for(points.cols(), 256, [&](Index begin, Index end) {
+    Plane plane(points, normals, tree);
+    for (Index i = begin; i < end; ++i) clutter[i] = plane.is_clutter(i, density) ? 1 : 0;
+  });
+  return clutter;
+}
 
-double clutter_density(const Points<3>& points, const NeighborTable& near) {
+// Density of the outliers by the points that are much sparser than usual.
+double density_in_space(const Points<3>& points, const NeighborTable& near, const Box<3>& box) {
   if (near.k < reach_rank) return 0;
   std::vector<double> reach(points.cols());
   for (Index i = 0; i < points.cols(); ++i) reach[i] = (points.col(i) - points.col(near.of(i)[reach_rank - 1])).norm();
@@ -193,12 +240,66 @@ double clutter_density(const Points<3>& points, const NeighborTable& near) {
   for (Index i = 0; i < points.cols(); ++i)
     if (reach[i] > sparse * usual) ids.push_back(i);
   if (ids.size() < fewest) return 0;
-  const Box<3> box = bounding_box<3>(points);
   const Points<3> thin = points(Eigen::all, ids);
   if (occupied(thin, box) < least_occupied || variation(thin) < cloudy) return 0;
   const double h = spacing_of(usual, reach_rank), volume = (box.hi - box.lo).prod();
   const double around = 2 * near_plane * h * h * h * static_cast<double>(points.cols() - thin.cols());
   return static_cast<double>(thin.cols()) / std::max(volume - around, 0.25 * volume);
+}
+
+// Density of the outliers in the bounding box where a body is so compact that every outlier is near a sheet, too:
+// points that a little clutter would explain better than sheets, over the share of places in the box that would be
+// such. Only those count that are farther from others than half of these places: rough sheets have hardly any. 0 if
+// there is too little, or if it lies on sheets after all.
+double density_among_sheets(const Points<3>& points, const KdTree<3>& tree, const Box<3>& box) {
+  const double of_all = static_cast<double>(points.cols()) / (box.hi - box.lo).prod(), few = share_tried * of_all;
+  if (!std::isfinite(of_all)) return 0;
+  const Points<3> none(3, 0);
+  // Of the clutter among so many points or places: distances out to which their neighbours are counted.
+  const auto reaches_of_clutter = [&](Index count, const auto& is_clutter) {
+    std::vector<double> reaches(count);
+    parallel_for(count, 128, [&](Index begin, Index end) {
+      Plane plane(points, none, tree);
+      for (Index t = begin; t < end; ++t) reaches[t] = is_clutter(plane, t) ? plane.reach() : 0;
+    });
+    std::erase(reaches, 0.0);
+    return reaches;
+  };
+  const auto outliers_among = [&](Index count) {
+    return reaches_of_clutter(count,
+                              [&](Plane& plane, Index t) { return plane.is_clutter(t * points.cols() / count, few); });
+  };
+  const Index screened = std::min(points_screened, points.cols()), tried = std::min(points_tried, points.cols());
+  const auto first = static_cast<double>(outliers_among(screened).size());
+  if (first < least_share * least_seen * static_cast<double>(screened)) return 0;
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform;
+  Points<3> places(3, places_tried);
+  for (double& x : places.reshaped()) x = uniform(random);
+  places = (places.array().colwise() * (box.hi - box.lo).array()).matrix().colwise() + box.lo;
+  const std::vector<double> seen = reaches_of_clutter(
+      places_tried, [&](Plane& plane, Index t) { return plane.would_be_clutter(places.col(t), few); });
+  if (static_cast<double>(seen.size()) < least_seen * places_tried) return 0;
+  const double middle = median(std::vector(seen));
+  const auto farther = [&](const std::vector<double>& reaches, Index count) {
+    const auto far = std::count_if(reaches.begin(), reaches.end(), [&](double r) { return r >= middle; });
+    return static_cast<double>(far) / static_cast<double>(count);
+  };
+  const double share = farther(outliers_among(tried), tried) / farther(seen, places_tried);
+  if (share < least_share || share > most_share) return 0;
+  std::vector<Index> ids;
+  const std::vector<char> clutter = find_clutter(points, none, tree, few);
+  for (Index i = 0; i < points.cols(); ++i)
+    if (clutter[i] != 0) ids.push_back(i);
+  const Points<3> all = points(Eigen::all, ids);
+  return occupied(all, box) < least_occupied || variation(all) < cloudy ? 0 : share * of_all;
+}
+
+}  // namespace
+
+double clutter_density(const Points<3>& points, const KdTree<3>& tree, const NeighborTable& near) {
+  const Box<3> box = bounding_box<3>(points);
+  return std::max(density_in_space(points, near, box), density_among_sheets(points, tree, box));
 }
 
 std::vector<Index> all_but_clutter(const Points<3>& points, const Points<3>& normals, double density) {
@@ -209,11 +310,7 @@ std::vector<Index> all_but_clutter(const Points<3>& points, const Points<3>& nor
     Points<3> left_normals(3, 0);
     if (normals.cols() > 0) left_normals = normals(Eigen::all, kept);
     const KdTree<3> tree(left);
-    std::vector<char> drop(kept.size());
-    parallel_for(left.cols(), 256, [&](Index begin, Index end) {
-      Plane plane(left, left_normals, tree);
-      for (Index i = begin; i < end; ++i) drop[i] = plane.is_clutter(i, density) ? 1 : 0;
-    });
+    const std::vector<char> drop = find_clutter(left, left_normals, tree, density);
     std::size_t count = 0;
     for (std::size_t k = 0; k < kept.size(); ++k)
       if (drop[k] == 0) kept[count++] = kept[k];

@@ -6,8 +6,11 @@ namespace csrbf {
 
 /// Number per unit volume of outliers that are scattered all over the space around a surface; 0 if there are none.
 /// There are if the points that are much sparser than usual are neither few, nor on sheets, nor absent from large parts
-/// of the bounding box. O(n).
-double clutter_density(const Points<3>& points, const NeighborTable& near);
+/// of the bounding box. Around a body so compact that no outlier is far from a sheet, the same is asked of the points
+/// that a little clutter (2 % of all) would explain better than sheets; how many outliers there are follows from the
+/// share of random places where one would be noticed. With 20 % of outliers in the box of 54 shapes the density was
+/// within a sixth of the truth, and none was found in 434 clouds without them. O(n).
+double clutter_density(const Points<3>& points, const KdTree<3>& tree, const NeighborTable& near);
 
 /// Points of a cloud, indices ascending, that clutter of that density does not explain (nearest-neighbour clutter
 /// removal after Byers and Raftery 1998, with sheets for the features): not those where points are no denser than
@@ -19,9 +22,8 @@ double clutter_density(const Points<3>& points, const NeighborTable& near);
 /// of many fits by chance). Unit normals, if given, count too: a point is clutter if hardly any neighbour has a normal
 /// like its own; zero ones say nothing.
 ///
-/// Of the samples of 34 shapes with clutter of 20 %, 0.2 % were taken for clutter (median; worst 1.5 %); of the
-/// clutter, 0.05 % was left farther than two spacings from the surface (worst 0.7 %, but for a shape so full of holes
-/// that clutter_density() sees none). O(n log n).
+/// Of the samples of 54 shapes with clutter of 20 %, 0.1 % were taken for clutter (median; worst 3 %, of walls two
+/// spacings apart). O(n log n).
 std::vector<Index> all_but_clutter(const Points<3>& points, const Points<3>& normals, double density);
 
 }  // namespace csrbf

@@ -139,7 +139,7 @@ NeighborTable place(const PointCloud& input, std::vector<Index> ids, PreparedClo
 // The same without outliers scattered all over the space.
 NeighborTable place_all_but_clutter(const PointCloud& input, const std::vector<Index>& ids, PreparedCloud& result) {
   NeighborTable near = place(input, ids, result);
-  const double density = clutter_density(result.cloud.points, near);
+  const double density = clutter_density(result.cloud.points, *result.tree, near);
   if (density == 0) return near;
   Points<3> normals(3, 0);
   if (input.has_normals()) {
