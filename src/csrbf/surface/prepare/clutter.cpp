@@ -24,9 +24,9 @@ constexpr double cloudy = 0.09;          // mean share of the least variance: in
 constexpr Index density_rank = 8;        // neighbour out to which points are counted
 constexpr double as_clutter = 3;         // of clutter expected within that; more than 7 have a probability of 1 %
 constexpr Index plane_neighbors = 16;    // that a point is compared with
-constexpr Index sheet_neighbors = 24;    // among which several sheets are sought
 constexpr int reweightings = 2;          // of the plane through them
 constexpr double thinnest = 0.15;        // spacings: least standard deviation of a sheet
+constexpr Index sheet_neighbors = 24;    // among which several sheets are sought
 constexpr Index corners_from = 8;        // nearest neighbours whose triples span planes of several sheets
 constexpr double different_planes = 4;   // of them: one fits by chance this many times as often
 constexpr double fewest_on_sheet = 6;    // neighbours
@@ -97,10 +97,10 @@ double variation(const Points<3>& points) {
   return std::accumulate(share.begin(), share.end(), 0.0) / static_cast<double>(share.size());
 }
 
-// A sample's neighbours and the robust plane through them, without the sample.
-class Plane {
+// The neighbours of a place and the sheets through them.
+class Sheets {
  public:
-  Plane(const Points<3>& points, const Points<3>& normals, const KdTree<3>& tree)
+  Sheets(const Points<3>& points, const Points<3>& normals, const KdTree<3>& tree)
       : points_(points), normals_(normals), tree_(tree), ids_(sheet_neighbors + 1), squared_(ids_.size()) {}
 
   [[nodiscard]] bool is_clutter(Index i, double density) {
@@ -224,13 +224,13 @@ std::vector<char> find_clutter(const Points<3>& points, const Points<3>& normals
                                double density) {
   std::vector<char> clutter(points.cols());
   parallel_for(points.cols(), 256, [&](Index begin, Index end) {
-    Plane plane(points, normals, tree);
-    for (Index i = begin; i < end; ++i) clutter[i] = plane.is_clutter(i, density) ? 1 : 0;
+    Sheets sheets(points, normals, tree);
+    for (Index i = begin; i < end; ++i) clutter[i] = sheets.is_clutter(i, density) ? 1 : 0;
   });
   return clutter;
 }
 
-// Density of the outliers by the points that are much sparser than usual.
+// Density of the outliers in the bounding box by the points that are much sparser than usual.
 double density_in_space(const Points<3>& points, const NeighborTable& near, const Box<3>& box) {
   if (near.k < reach_rank) return 0;
   std::vector<double> reach(points.cols());
@@ -253,21 +253,21 @@ double density_in_space(const Points<3>& points, const NeighborTable& near, cons
 // there is too little, or if it lies on sheets after all.
 double density_among_sheets(const Points<3>& points, const KdTree<3>& tree, const Box<3>& box) {
   const double of_all = static_cast<double>(points.cols()) / (box.hi - box.lo).prod(), few = share_tried * of_all;
-  if (!std::isfinite(of_all)) return 0;
+  if (points.cols() <= density_rank || !std::isfinite(of_all)) return 0;
   const Points<3> none(3, 0);
   // Of the clutter among so many points or places: distances out to which their neighbours are counted.
   const auto reaches_of_clutter = [&](Index count, const auto& is_clutter) {
     std::vector<double> reaches(count);
     parallel_for(count, 128, [&](Index begin, Index end) {
-      Plane plane(points, none, tree);
-      for (Index t = begin; t < end; ++t) reaches[t] = is_clutter(plane, t) ? plane.reach() : 0;
+      Sheets sheets(points, none, tree);
+      for (Index t = begin; t < end; ++t) reaches[t] = is_clutter(sheets, t) ? sheets.reach() : 0;
     });
     std::erase(reaches, 0.0);
     return reaches;
   };
   const auto outliers_among = [&](Index count) {
-    return reaches_of_clutter(count,
-                              [&](Plane& plane, Index t) { return plane.is_clutter(t * points.cols() / count, few); });
+    return reaches_of_clutter(
+        count, [&](Sheets& sheets, Index t) { return sheets.is_clutter(t * points.cols() / count, few); });
   };
   const Index screened = std::min(points_screened, points.cols()), tried = std::min(points_tried, points.cols());
   const auto first = static_cast<double>(outliers_among(screened).size());
@@ -278,7 +278,7 @@ double density_among_sheets(const Points<3>& points, const KdTree<3>& tree, cons
   for (double& x : places.reshaped()) x = uniform(random);
   places = (places.array().colwise() * (box.hi - box.lo).array()).matrix().colwise() + box.lo;
   const std::vector<double> seen = reaches_of_clutter(
-      places_tried, [&](Plane& plane, Index t) { return plane.would_be_clutter(places.col(t), few); });
+      places_tried, [&](Sheets& sheets, Index t) { return sheets.would_be_clutter(places.col(t), few); });
   if (static_cast<double>(seen.size()) < least_seen * places_tried) return 0;
   const double middle = median(std::vector(seen));
   const auto farther = [&](const std::vector<double>& reaches, Index count) {
