@@ -132,11 +132,12 @@ std::unique_ptr<NamedFunction> from_bytes(const std::string& bytes) {
   });
 }
 
-py::dict fit_in_tiles(const std::string& samples, const std::string& model, const std::string& folder,
-                      Index tile_points, Index rank, Index count, const std::vector<std::string>& columns,
-                      const py::dict& given, const py::object& listener) {
+py::dict fit_in_tiles(const std::string& samples, const std::string& model, const std::string& folder, Index rank,
+                      Index count, const std::vector<std::string>& columns, const py::dict& given,
+                      const py::object& listener) {
   FitTileOptions options;
-  options.tile_points = tile_points;
+  read_entry(given, "tile_points", options.tile_points);
+  read_entry(given, "memory", options.memory);
   options.folder = folder;
   options.columns = {.coordinates = columns.at(0), .values = columns.at(1), .weights = columns.at(2)};
   options.fit = fit_options(given);
@@ -147,6 +148,7 @@ py::dict fit_in_tiles(const std::string& samples, const std::string& model, cons
   });
   py::dict result = to_dict(report.fit);
   result["tiles"] = report.tiles;
+  result["tile_points"] = report.tile_points;
   result["tiles_continued"] = report.continued;
   result["dropped"] = report.dropped;
   result["coordinate_names"] = report.coordinate_names;

@@ -66,8 +66,8 @@ py::tuple inpaint_image(const Array& values, const py::dict& layout, const Bytes
     options.progress = progress;
     return inpaint(volume, holes, options);
   });
-  py::dict result("missing"_a = report.missing, "known"_a = report.known, "blocks"_a = report.blocks,
-                  "thin_plate"_a = report.thin_plate);
+  py::dict result("missing"_a = report.missing, "known"_a = report.known, "blocks"_a = report.plan.blocks,
+                  "thin_plate"_a = report.plan.thin_plate);
   if (report.missing > 0) result["fit"] = to_dict(report.fit);
   return py::make_tuple(py::array_t<double>(static_cast<py::ssize_t>(volume.values.size()), volume.values.data()),
                         result);

@@ -39,16 +39,21 @@ py::dict reconstruction_to_dict(const ReconstructReport& r) {
                   "evaluate_seconds"_a = r.evaluate_seconds, "warnings"_a = r.warnings);
 }
 
-py::dict reconstruct_in_tiles(const std::string& points, const std::string& mesh, const std::string& folder,
-                              Index tile_points, Index rank, Index count, std::optional<double> smoothing,
-                              int resolution, const std::string& model, const py::object& listener) {
+py::dict reconstruct_in_tiles(const std::string& points, const std::string& mesh, const std::string& folder, Index rank,
+                              Index count, const py::dict& given, const py::object& listener) {
   using namespace py::literals;
   TileOptions options;
-  options.tile_points = tile_points;
   options.folder = folder;
-  options.surface.smoothing = smoothing;
-  options.resolution = resolution;
-  options.model = model;
+  read_entry(given, "tile_points", options.tile_points);
+  read_entry(given, "memory", options.memory);
+  read_entry(given, "smoothing", options.surface.smoothing);
+  read_entry(given, "resolution", options.resolution);
+  read_entry(given, "model", options.model);
+  if (given.contains("normals"))
+    options.surface.normals = given["normals"].cast<std::string>() == "file" ? Normals::file : Normals::estimate;
+  if (given.contains("sharp"))
+    options.mesh_method =
+        given["sharp"].cast<bool>() ? PolygonizeMethod::dual_contouring : PolygonizeMethod::marching_cubes;
   options.share = {rank, count};
   const TileReport report = run(listener, [&](const Progress& progress) {
     options.surface.progress = progress;
@@ -56,6 +61,7 @@ py::dict reconstruct_in_tiles(const std::string& points, const std::string& mesh
   });
   py::dict result = reconstruction_to_dict(report.surface);
   result["tiles"] = report.tiles;
+  result["tile_points"] = report.tile_points;
   result["tiles_continued"] = report.continued;
   result["resolution"] = report.resolution;
   result["vertices"] = report.topology.vertices;

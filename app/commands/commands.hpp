@@ -118,6 +118,7 @@ struct InpaintCommand {
   std::string mask;
   std::string missing;
   std::string blocks = "auto";
+  std::string memory;  ///< a size; empty: not given
   FitFlags fit;
 };
 

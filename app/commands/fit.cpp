@@ -1,5 +1,4 @@
 #include "commands/fit_summary.hpp"
-#include "inputs/bytes.hpp"
 #include "inputs/describe_table.hpp"
 #include "inputs/tile_flags.hpp"
 #include "report/fit_page.hpp"
@@ -99,10 +98,8 @@ void expect_tile_flags(const FitCommand& command, const Session& session) {
 void run_in_tiles(const FitCommand& command, const FitOptions& fit, Session& session) {
   expect_tile_flags(command, session);
   FitTileOptions options;
-  if (command.tiles.points == 0 && !command.tiles.memory.empty())
-    options.memory = static_cast<double>(parse_bytes(command.tiles.memory, "--memory"));
-  else
-    options.tile_points = tile_points(command.tiles, 0);
+  options.memory = tile_memory(command.tiles);
+  options.tile_points = tile_points(command.tiles);
   options.folder = tile_folder(command.tiles, command.output);
   options.columns = {.coordinates = command.coordinates, .values = command.values, .weights = command.weights};
   options.fit = fit;

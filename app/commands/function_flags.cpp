@@ -119,6 +119,8 @@ void declare(CommandFlags& v, InpaintCommand& c) {
       "blocks", c.blocks, "auto|none|N", "auto",
       "width in pixels of blocks that continue edges and textures into what is missing; none: the fitted function as "
       "it is; auto: what is best at known pixels, none where flags of the fit are given");
+  v.flag("memory", c.memory, "SIZE", "all at once",
+         "work by blocks of slices that need about so much memory, for instance 2GB; .nii, .nii.gz and .npy");
   add_fit_flags(v, c.fit);
 }
 

@@ -2,10 +2,12 @@
 
 #include "commands/fit_summary.hpp"
 #include "commands/formats.hpp"
+#include "inputs/bytes.hpp"
 #include "report/image_page.hpp"
 
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/volume.hpp"
+#include "csrbf/tiles/inpaint_slices.hpp"
 
 #include <cmath>
 #include <limits>
@@ -63,6 +65,45 @@ std::vector<unsigned char> missing_voxels(const InpaintCommand& command, double 
   return missing;
 }
 
+Json describe_input(const std::string& path, const VolumeLayout& image) {
+  return {{"file", path},
+          {"size", image.grid.size},
+          {"frames", image.frames},
+          {"components", image.components},
+          {"spacing", {image.grid.spacing.x(), image.grid.spacing.y(), image.grid.spacing.z()}}};
+}
+
+void add_inpaint_report(const InpaintCommand& command, double value, const InpaintReport& report,
+                        const VolumeLayout& image, Session& session) {
+  session.options = {{"output", command.output},
+                     {"mask", or_null(command.mask)},
+                     {"missing", or_null(!std::isnan(value), value)},
+                     {"blocks", report.plan.blocks}};
+  session.result = {{"missing", report.missing}, {"known", report.known}, {"thin_plate", report.plan.thin_plate}};
+  session.say(command.output + ": " + size_text(image) + " pixels, " + counted(report.missing, "value") + " filled");
+  if (report.missing > 0) {
+    add_fit_report(command.fit, report.fit, session);
+    say_fit(report.fit, session);
+    if (report.plan.blocks > 0) session.say("refined by blocks of " + std::to_string(report.plan.blocks) + " pixels");
+  } else {
+    session.warn("nothing is missing: give --mask FILE or --missing VALUE");
+  }
+}
+
+void run_by_slices(const InpaintCommand& command, const InpaintOptions& options, double value, Session& session) {
+  if (session.wants_page()) throw UsageError("--memory: a report in HTML shows the whole image; give a report in JSON");
+  InpaintSlicesOptions how{
+      .memory = static_cast<double>(parse_bytes(command.memory, "--memory")), .mask = command.mask, .inpaint = options};
+  if (!std::isnan(value)) how.missing = value;
+  const InpaintSlicesReport done =
+      session.timed("inpaint", [&] { return inpaint_slices(command.input, command.output, how); });
+  session.input = describe_input(command.input, done.layout);
+  add_inpaint_report(command, value, done.inpaint, done.layout, session);
+  session.options["memory"] = command.memory;
+  session.result["slice_blocks"] = done.blocks;
+  session.say(counted(done.blocks, "block") + " of slices");
+}
+
 }  // namespace
 
 void run(const InpaintCommand& command, Session& session) {
@@ -71,6 +112,7 @@ void run(const InpaintCommand& command, Session& session) {
   const double value = parse_missing(command.missing);
   session.expect_output("--output", command.output, is_volume_file(command.output),
                         std::string("images are ") + image_formats);
+  if (!command.memory.empty()) return run_by_slices(command, options, value, session);
   Image image = session.timed("read", [&] { return read_volume<double>(command.input); });
   if (is_floating(image.type) && is_picture_file(command.output))
     throw UsageError("--output " + command.output + ": pictures hold whole numbers, " + command.input +
@@ -79,27 +121,10 @@ void run(const InpaintCommand& command, Session& session) {
     throw UsageError("--extrapolation nan: the image holds whole numbers, which cannot be NaN");
   const std::vector<unsigned char> missing =
       session.timed("read", [&] { return missing_voxels(command, value, image); });
-  session.input = {{"file", command.input},
-                   {"size", image.grid.size},
-                   {"frames", image.frames},
-                   {"components", image.components},
-                   {"spacing", {image.grid.spacing.x(), image.grid.spacing.y(), image.grid.spacing.z()}}};
-
+  session.input = describe_input(command.input, image);
   const Image before = session.wants_page() ? image : Image();
   const InpaintReport report = session.timed("inpaint", [&] { return inpaint(image, missing, options); });
-  session.options = {{"output", command.output},
-                     {"mask", or_null(command.mask)},
-                     {"missing", or_null(!std::isnan(value), value)},
-                     {"blocks", report.blocks}};
-  session.result = {{"missing", report.missing}, {"known", report.known}, {"thin_plate", report.thin_plate}};
-  session.say(command.output + ": " + size_text(image) + " pixels, " + counted(report.missing, "value") + " filled");
-  if (report.missing > 0) {
-    add_fit_report(command.fit, report.fit, session);
-    say_fit(report.fit, session);
-    if (report.blocks > 0) session.say("refined by blocks of " + std::to_string(report.blocks) + " pixels");
-  } else {
-    session.warn("nothing is missing: give --mask FILE or --missing VALUE");
-  }
+  add_inpaint_report(command, value, report, image, session);
   session.add_to_page([&](Page& page) { show_filled(before, image, missing, page); });
   session.write([&] { write_volume(command.output, image); });
 }

@@ -90,14 +90,13 @@ void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
   session.expect_output(command.model);
 }
 
-constexpr double tile_bytes_per_point = 1900;  // measured: 900 to 1800
-
 void run_in_tiles(const ReconstructCommand& command, Session& session) {
   const TileShare share = tile_share(command.tiles);
   expect_mesh_outputs(command, session);
   expect_tile_flags(command, session);
   TileOptions options;
-  options.tile_points = tile_points(command.tiles, tile_bytes_per_point);
+  options.tile_points = tile_points(command.tiles);
+  options.memory = tile_memory(command.tiles);
   options.folder = tile_folder(command.tiles, command.output);
   options.surface = make_reconstruct_options(command, session);
   options.resolution = command.resolution;
@@ -112,11 +111,11 @@ void run_in_tiles(const ReconstructCommand& command, Session& session) {
       {"output", command.output},       {"method", done.surface.method}, {"normals", name_of(done.surface.normals)},
       {"smoothing", command.smoothing}, {"resolution", done.resolution}, {"sharp", command.sharp},
       {"model", or_null(command.model)}};
-  add_tile_options(options.tile_points, share, options.folder, session);
+  add_tile_options(done.tile_points, share, options.folder, session);
   add_report(done.surface, session);
   session.result["tiles"] = done.tiles;
   session.result["tiles_continued"] = done.continued;
-  session.say(counted(done.tiles, "tile") + " of up to " + counted(options.tile_points, "point"));
+  session.say(counted(done.tiles, "tile") + " of up to " + counted(done.tile_points, "point"));
   add_weak_features(done.weak_features, session);
   if (share.rank == 0) add_mesh_summary(command.output, done.topology, session);
   say_quality(done.surface, session);

@@ -9,8 +9,6 @@ namespace csrbf::app {
 namespace {
 
 constexpr Index usual_points = 1000000;  // of a tile
-constexpr Index fewest_points = 10000;   // with fewer, halos are larger than tiles
-constexpr double program_bytes = 60e6;   // that the program needs without a tile
 
 // A number of at most nine digits; 0 for other texts.
 Index small_number(const std::string& text) {
@@ -45,18 +43,12 @@ bool works_in_tiles(const TileFlags& flags) {
   return false;
 }
 
-Index tile_points(const TileFlags& flags, double bytes_per_point) {
-  if (flags.points > 0) return flags.points;
-  if (flags.memory.empty()) return usual_points;
-  const double bytes = static_cast<double>(parse_bytes(flags.memory, "--memory")) - program_bytes;
-  const auto points = static_cast<Index>(bytes / bytes_per_point);
-  if (points < fewest_points) {
-    constexpr double mega = 1e6;
-    const double least = program_bytes + bytes_per_point * static_cast<double>(fewest_points);
-    throw UsageError("--memory " + flags.memory + " is too little; give at least " +
-                     std::to_string(static_cast<Index>(std::ceil(least / mega))) + "MB");
-  }
-  return points;
+double tile_memory(const TileFlags& flags) {
+  return flags.points > 0 || flags.memory.empty() ? 0 : static_cast<double>(parse_bytes(flags.memory, "--memory"));
+}
+
+Index tile_points(const TileFlags& flags) {
+  return flags.points > 0 ? flags.points : usual_points;
 }
 
 // "3/8": the third of eight processes.

@@ -17,9 +17,11 @@ struct TileFlags {
 /// Whether the flags ask for work in tiles. Throws UsageError for --tile-share alone.
 bool works_in_tiles(const TileFlags& flags);
 
-/// Points of a tile at most: those given, or as many as fit in the memory given, or a million. `bytes_per_point`: the
-/// memory that a tile needs.
-Index tile_points(const TileFlags& flags, double bytes_per_point);
+/// Bytes of --memory; 0: not given, or --tile-points is, which goes before.
+double tile_memory(const TileFlags& flags);
+
+/// Points of a tile at most where --memory does not say it: those given, or a million.
+Index tile_points(const TileFlags& flags);
 
 /// The process K of N that --tile-share names; "auto": that of mpirun or srun.
 TileShare tile_share(const TileFlags& flags);

@@ -73,7 +73,6 @@ def fit_tiles(
     samples: str,
     model: str,
     folder: str,
-    tile_points: int,
     rank: int,
     count: int,
     columns: Sequence[str],
@@ -201,12 +200,9 @@ def reconstruct_tiles(
     points: str,
     mesh: str,
     folder: str,
-    tile_points: int,
     rank: int,
     count: int,
-    smoothing: float | None,
-    resolution: int,
-    model: str,
+    options: Options,
     listener: Listener,
 ) -> dict[str, Any]: ...
 def reconstruct_contours(

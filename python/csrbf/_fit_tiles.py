@@ -14,6 +14,7 @@ def fit_tiles(
     model: Path,
     tile_points: int = 2_000_000,
     *,
+    memory: float | None = None,
     folder: Path | None = None,
     share: tuple[int, int] = (0, 1),
     coordinates: str = "",
@@ -21,6 +22,7 @@ def fit_tiles(
     weights: str = "",
     method: FitMethod = "auto",
     kernel: Kernel = "auto",
+    kernel_parameter: float | None = None,
     smoothing: Smoothing = "auto",
     tolerance: float | None = None,
     degree: int | None = None,
@@ -42,6 +44,8 @@ def fit_tiles(
         A .csrbf file, written by the first process.
     tile_points : int
         Samples per tile, about; memory grows with it: some 0.3 GB for a million.
+    memory : float, optional
+        Bytes for each process, such as 4e9, from which the size of tiles follows instead.
     folder : file name, optional
         For finished steps; emptied at the end. Default: that of the model with ".tiles" behind it.
     share : (int, int)
@@ -49,7 +53,7 @@ def fit_tiles(
     coordinates, values, weights : str
         Names or numbers (from 1) of columns, separated by commas. Default: the last column is the value, the others are
         coordinates.
-    method, kernel, smoothing, tolerance, degree, loss, missing, extrapolation
+    method, kernel, kernel_parameter, smoothing, tolerance, degree, loss, missing, extrapolation
         See `fit`.
     progress : bool or callable, optional
         See `fit`.
@@ -80,8 +84,11 @@ def fit_tiles(
     """
     target = os.fspath(model)
     options = {
+        "tile_points": int(tile_points),
+        "memory": memory,
         "method": method,
         "kernel": kernel,
+        "kernel_parameter": kernel_parameter,
         "smoothing": smoothing_or_none(smoothing),
         "tolerance": tolerance,
         "degree": degree,
@@ -94,7 +101,6 @@ def fit_tiles(
             os.fspath(samples),
             target,
             f"{target}.tiles" if folder is None else os.fspath(folder),
-            int(tile_points),
             int(share[0]),
             int(share[1]),
             [coordinates, values, weights],

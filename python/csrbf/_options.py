@@ -82,6 +82,7 @@ SurfaceMethod = Literal[
 MeshMethod = Literal["auto", "marching-cubes", "marching-tetrahedra", "dual-contouring", "adaptive"]
 Orientation = Literal["consistent", "viewpoint", "none"]
 Operation = Literal["union", "intersection", "difference", "complement", "blend"]
+NormalsFrom = Literal["auto", "file", "estimate"]
 Blending = Literal["sharp", "r-function", "super-elliptic", "log-sum-exp"]
 UpAxis = Literal["x", "y", "z"]
 Space = Literal["unknown", "LPS", "RAS"]

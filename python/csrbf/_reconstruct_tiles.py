@@ -5,7 +5,7 @@ from typing import Any
 
 from csrbf import _csrbf
 from csrbf._arrays import Path, smoothing_or_none
-from csrbf._options import Smoothing
+from csrbf._options import NormalsFrom, Smoothing
 from csrbf._progress import Progress, listening
 
 
@@ -14,10 +14,13 @@ def reconstruct_tiles(
     mesh: Path,
     tile_points: int = 1_000_000,
     *,
+    memory: float | None = None,
     folder: Path | None = None,
     share: tuple[int, int] = (0, 1),
+    normals: NormalsFrom = "auto",
     smoothing: Smoothing = "auto",
     resolution: int | None = None,
+    sharp: bool | None = None,
     model: Path | None = None,
     progress: Progress = None,
 ) -> dict[str, Any]:
@@ -36,14 +39,21 @@ def reconstruct_tiles(
         Written by the first process.
     tile_points : int
         Points per tile, about; memory grows with it: about 1.8 GB for a million.
+    memory : float, optional
+        Bytes for each process, such as 4e9, from which the size of tiles follows instead.
     folder : file name, optional
         For finished steps; emptied at the end. Default: that of the mesh with ".tiles" behind it.
     share : (int, int)
         Number of this process, from 0, and of all of them.
+    normals : "auto", "file" or "estimate"
+        Those of the file, corrected where they have errors; as they are; or estimated.
     smoothing : "auto", "none" or float
         See `reconstruct`.
     resolution : int, optional
         Cells of the mesh along the longest side. Default: from the data.
+    sharp : bool, optional
+        Vertices on sharp edges and corners (dual contouring), or edges cut off (marching cubes). Default: sharp for
+        points without noise.
     model : file name, optional
         For the surface itself, as `Surface.save` writes it; `load_surface` reads it tile by tile.
     progress : bool or callable, optional
@@ -71,7 +81,15 @@ def reconstruct_tiles(
     >>> report["tiles"], report["watertight"], report["euler"]
     (5, True, 2)
     """
-    smoothness = smoothing_or_none(smoothing)
+    options = {
+        "tile_points": int(tile_points),
+        "memory": memory,
+        "normals": None if normals == "auto" else normals,
+        "smoothing": smoothing_or_none(smoothing),
+        "resolution": resolution,
+        "sharp": sharp,
+        "model": None if model is None else os.fspath(model),
+    }
     target = os.fspath(mesh)
     work = f"{target}.tiles" if folder is None else os.fspath(folder)
     with listening(progress) as listener:
@@ -79,11 +97,8 @@ def reconstruct_tiles(
             os.fspath(points),
             target,
             work,
-            int(tile_points),
             int(share[0]),
             int(share[1]),
-            smoothness,
-            int(resolution or 0),
-            "" if model is None else os.fspath(model),
+            {name: value for name, value in options.items() if value is not None},
             listener,
         )

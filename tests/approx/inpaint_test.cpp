@@ -203,8 +203,8 @@ TEST(Inpaint, WithoutBlocksIsNoMeanEither) {
   Volume<double> image = picture_of(layout(64, 64), [&](const Point<3>& p) { return smooth(p) + 30 * normal(random); });
   const Mask mask = random_mask(image.grid, .9, 1);
   Volume<double> other = image;
-  EXPECT_GT(inpaint(image, mask).thin_plate, 0);
-  EXPECT_EQ(inpaint(other, mask, InpaintOptions{{}, 0}).thin_plate, 0);
+  EXPECT_GT(inpaint(image, mask).plan.thin_plate, 0);
+  EXPECT_EQ(inpaint(other, mask, InpaintOptions{{}, 0}).plan.thin_plate, 0);
   EXPECT_NE(image.values, other.values);
 }
 

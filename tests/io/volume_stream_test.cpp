@@ -1,6 +1,8 @@
 #include "csrbf/io/volume_stream.hpp"
 
 #include "csrbf/core/error.hpp"
+#include "csrbf/io/files/deflate.hpp"
+#include "csrbf/io/files/read_file.hpp"
 #include "csrbf/io/volume.hpp"
 
 #include <gtest/gtest.h>
@@ -36,7 +38,7 @@ class VolumeStreamTest : public ::testing::Test {
 };
 
 TEST_F(VolumeStreamTest, ReadsSlicesInAnyOrder) {
-  for (const char* name : {"image.nii", "image.npy"})
+  for (const char* name : {"image.nii", "image.nii.gz", "image.npy"})
     for (const SampleType type : {SampleType::uint8, SampleType::int16, SampleType::float64}) {
       const Volume<float> whole = image(type);
       write_volume(path(name), whole);
@@ -46,7 +48,50 @@ TEST_F(VolumeStreamTest, ReadsSlicesInAnyOrder) {
       for (const auto& [begin, end] : {std::pair<Index, Index>{3, 5}, {0, 1}, {0, 5}})
         EXPECT_TRUE(std::ranges::equal(stream->read(begin, end), std::vector<float>(whole.values.begin() + 12 * begin,
                                                                                     whole.values.begin() + 12 * end)));
+      std::vector<double> doubles(24);
+      stream->read(2, 4, doubles);
+      EXPECT_TRUE(std::equal(doubles.begin(), doubles.end(), whole.values.begin() + 24));
     }
+}
+
+// States of the decompressor are kept on the way: from them it goes back and forth in more content than one of them
+// holds, in a file of two members.
+TEST_F(VolumeStreamTest, ReadsCompressedSlicesInAnyOrder) {
+  VolumeLayout layout;
+  layout.grid.size = {1 << 10, 1 << 9, 90};
+  layout.type = SampleType::uint8;
+  Volume<float> whole(layout);
+  std::mt19937 random(1);
+  for (float& value : whole.values) value = static_cast<float>(random() % 5);
+  write_volume(path("image.nii"), whole);
+  const std::string bytes = read_file(path("image.nii"));
+  const std::size_t half = bytes.size() / 2;
+  write_file(path("image.nii.gz"), deflate_bytes({std::string_view(bytes).substr(0, half)}, DeflateFormat::gzip) +
+                                       deflate_bytes({std::string_view(bytes).substr(half)}, DeflateFormat::gzip));
+  std::optional<VolumeStream> stream = VolumeStream::open(path("image.nii.gz"));
+  ASSERT_TRUE(stream);
+  const Index slice = Index{1} << 19;
+  for (const auto& [begin, end] :
+       {std::pair<Index, Index>{40, 50}, {88, 90}, {0, 1}, {85, 90}, {30, 35}, {89, 90}, {60, 61}})
+    EXPECT_TRUE(std::ranges::equal(stream->read(begin, end),
+                                   std::span(whole.values).subspan(slice * begin, slice * (end - begin))))
+        << begin;
+}
+
+TEST_F(VolumeStreamTest, TellsDamagedCompressedFiles) {
+  write_volume(path("whole.nii.gz"), image(SampleType::uint8));
+  const std::string bytes = read_file(path("whole.nii.gz"));
+  std::string flipped = bytes;
+  flipped[bytes.size() - 6] ^= 1;  // of the checksum
+  for (const std::string& damaged : {bytes.substr(0, bytes.size() - 1), flipped}) {
+    write_file(path("image.nii.gz"), damaged);
+    EXPECT_THROW(
+        {
+          std::optional<VolumeStream> stream = VolumeStream::open(path("image.nii.gz"));
+          stream->read(0, 5);
+        },
+        IoError);
+  }
 }
 
 TEST_F(VolumeStreamTest, SaysTheTypeOfScaledValues) {
@@ -67,9 +112,8 @@ TEST_F(VolumeStreamTest, SaysTheTypeOfScaledValues) {
 }
 
 TEST_F(VolumeStreamTest, LeavesOtherFilesToReadVolume) {
-  write_volume(path("image.nii.gz"), image(SampleType::uint8));
   write_volume(path("image.nrrd"), image(SampleType::uint8));
-  for (const char* name : {"image.nii.gz", "image.nrrd", "none.nii"}) EXPECT_FALSE(VolumeStream::open(path(name)));
+  for (const char* name : {"image.nrrd", "none.nii"}) EXPECT_FALSE(VolumeStream::open(path(name)));
 }
 
 TEST_F(VolumeStreamTest, RefusesFilesThatAreTooShort) {
@@ -80,7 +124,7 @@ TEST_F(VolumeStreamTest, RefusesFilesThatAreTooShort) {
 
 TEST_F(VolumeStreamTest, WritesWhatWriteVolumeWrites) {
   const Volume<float> whole = image(SampleType::uint8);
-  for (const char* name : {"slices.nii", "slices.npy"}) {
+  for (const char* name : {"slices.nii", "slices.nii.gz", "slices.npy"}) {
     ASSERT_TRUE(VolumeWriter::can_write(path(name)));
     VolumeWriter writer(path(name), whole);
     EXPECT_FALSE(std::filesystem::exists(path(name)));
@@ -95,7 +139,7 @@ TEST_F(VolumeStreamTest, WritesWhatWriteVolumeWrites) {
     EXPECT_EQ(back.grid.size, whole.grid.size);
     EXPECT_EQ(back.type, SampleType::uint8);
   }
-  EXPECT_FALSE(VolumeWriter::can_write("labels.nii.gz"));
+  EXPECT_FALSE(VolumeWriter::can_write("labels.nrrd"));
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #include "csrbf/approx/inpaint.hpp"
 
 #include "csrbf/approx/images/grid_spline.hpp"
-#include "csrbf/approx/images/missing_voxels.hpp"
+#include "csrbf/approx/images/hole_boxes.hpp"
+#include "csrbf/approx/images/image_part.hpp"
 #include "csrbf/approx/images/sparse_blocks.hpp"
 
 #include <algorithm>
@@ -19,36 +20,9 @@ constexpr Index few = 100;                                        // samples up 
 constexpr double first_threshold = 4, last_threshold = 4.0 / 30;  // of blocks, in errors of the fit; see inpaint.md
 
 constexpr Index most_in_plane = 50000, most_in_space = 8000;  // unknown voxels of a spline on the grid
-constexpr double smooth = 0.1;  // error of a spline over the spread of the values below which an image is smooth
-
-// Physical coordinates along the (long) axes of the image: distances are what they are in space.
+// Error of a spline over the spread of the values below which an image is smooth. In space a fit takes seconds a hole.
 template <int Dim>
-Points<Dim> positions(const std::vector<Index>& voxels, const Grid& grid) {
-  const std::vector<int> axes = long_axes(grid);
-  Points<Dim> points = Points<Dim>::Zero(Dim, static_cast<Index>(voxels.size()));
-  for (Index k = 0; k < points.cols(); ++k) {
-    Index rest = voxels[k];
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      const Index size = grid.size[axes[i]];
-      points(static_cast<Index>(i), k) = grid.spacing[axes[i]] * static_cast<double>(rest % size);
-      rest /= size;
-    }
-  }
-  return points;
-}
-
-// Components of one frame with the same missing voxels.
-template <class Scalar>
-struct Part {
-  Eigen::Map<typename Volume<Scalar>::Values> frame;  // components x voxels
-  Index first, count;                                 // components
-  const Grid& grid;
-  Mask missing;
-
-  [[nodiscard]] Index missing_voxels() const {
-    return static_cast<Index>(missing.size()) - std::count(missing.begin(), missing.end(), 0);
-  }
-};
+constexpr double smooth = Dim == 3 ? 0.02 : 0.1;
 
 // On images a single system of all samples is hardly better, but far slower.
 FitOptions with_method(const FitOptions& options, Index samples) {
@@ -56,13 +30,6 @@ FitOptions with_method(const FitOptions& options, Index samples) {
   const bool is_free = options.method == "auto" && options.kernel == "auto";
   if (is_free && options.tolerance == 0 && options.centers == 0 && samples > few) used.method = "partition-of-unity";
   return used;
-}
-
-template <int Dim, class Scalar>
-Samples<Dim> samples_at(const std::vector<Index>& voxels, const Part<Scalar>& part) {
-  return {positions<Dim>(voxels, part.grid),
-          part.frame(Eigen::seqN(part.first, part.count), voxels).transpose().template cast<double>(),
-          {}};
 }
 
 // What fills a part: a fit or a spline on the grid, and the blocks that refine it.
@@ -75,7 +42,7 @@ struct Plan {
 };
 
 // The values of a component with those of the unknown voxels refined; `error`: theirs.
-void refine(Eigen::Ref<Eigen::VectorXd> values, const Mask& unknown, const Grid& grid, Index width, double error) {
+void refine(Eigen::Ref<Eigen::VectorXd> values, const VoxelMask& unknown, const Grid& grid, Index width, double error) {
   std::array<Index, 3> size{1, 1, 1};
   std::size_t axis = 0;
   for (const int a : long_axes(grid)) size[axis++] = grid.size[a];
@@ -95,9 +62,14 @@ void refine(Eigen::Ref<Eigen::VectorXd> values, const Mask& unknown, const Grid&
 
 // The components of a part, one column each, whose `unknown` voxels the plan fills by all others.
 template <int Dim, class Scalar>
-Eigen::MatrixXd filled(const Part<Scalar>& part, const Mask& unknown, const Plan& plan, FitReport& report) {
+Eigen::MatrixXd filled_at_once(const ImagePart<Scalar>& part, const VoxelMask& unknown, const Plan& plan, bool in_rims,
+                               FitReport& report) {
   const Index known = std::count(unknown.begin(), unknown.end(), 0);
-  const std::vector<Index> samples = sample_voxels(unknown, part.grid, known), wanted = marked(unknown);
+  const std::vector<Index> wanted = marked(unknown);
+  std::vector<Index> samples;
+  if (in_rims) samples = sample_voxels(unknown, part.grid, known);
+  for (Index i = 0; i < std::ssize(unknown) && !in_rims; ++i)
+    if (unknown[i] == 0) samples.push_back(i);
   Eigen::MatrixXd values = part.frame.middleRows(part.first, part.count).transpose().template cast<double>();
   if (plan.tension) {
     fill_by_grid_spline(part.grid, unknown, *plan.tension, values);
@@ -108,9 +80,48 @@ Eigen::MatrixXd filled(const Part<Scalar>& part, const Mask& unknown, const Plan
     return values;
   }
   const Fit<Dim> fitted = fit(samples_at<Dim>(samples, part), plan.fit);
-  const Points<Dim> points = positions<Dim>(wanted, part.grid);
+  const Points<Dim> points = voxel_positions<Dim>(wanted, part.grid);
   for (Index c = 0; c < part.count; ++c) values(wanted, c) = fitted.components[c]->evaluate(points).value;
   report = fitted.report;
+  return values;
+}
+
+// The same hole by hole where there are several in space, for a fit to the rims of all would fill what is between them,
+// too. Only holes with a voxel in `wanted` are filled.
+template <int Dim, class Scalar>
+Eigen::MatrixXd filled(const ImagePart<Scalar>& part, const VoxelMask& unknown, const VoxelMask& wanted,
+                       const Plan& plan, FitReport& report) {
+  const std::vector<HoleBox> boxes = Dim == 3 ? hole_boxes(unknown, part.grid) : std::vector<HoleBox>();
+  // In space there is more between rims than in them, and it would be filled, too.
+  if (boxes.empty()) return filled_at_once<Dim>(part, unknown, plan, Dim < 3, report);
+  Eigen::MatrixXd values = part.frame.middleRows(part.first, part.count).transpose().template cast<double>();
+  Plan here = plan;
+  here.fit.progress = {};
+  report = {};
+  Index samples = 0, centers = 0, done = 0;
+  for (const HoleBox& box : boxes) {
+    csrbf::report(plan.fit.progress, "fill", static_cast<double>(done++) / static_cast<double>(boxes.size()));
+    if (std::none_of(box.hole.begin(), box.hole.end(), [&](Index i) { return wanted[i] != 0; })) continue;
+    const Grid grid = box.grid(part.grid);
+    const std::vector<Index> voxels = box.voxels(part.grid);
+    typename Volume<Scalar>::Values frame = part.frame(Eigen::all, voxels);
+    const ImagePart<Scalar> some{{frame.data(), frame.rows(), frame.cols()}, part.first, part.count, grid, {}};
+    VoxelMask missing(voxels.size());
+    for (std::size_t i = 0; i < voxels.size(); ++i) missing[i] = unknown[voxels[i]];
+    FitReport its;
+    const Eigen::MatrixXd found = filled_at_once<Dim>(some, missing, here, false, its);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < voxels.size() && next < box.hole.size(); ++i) {
+      if (voxels[i] != box.hole[next]) continue;
+      values.row(voxels[i]) = found.row(static_cast<Index>(i));
+      ++next;
+    }
+    samples += its.samples;
+    centers += its.centers;
+    if (its.samples > report.samples) report = std::move(its);
+  }
+  report.samples = report.samples_fitted = samples;
+  report.centers = centers;
   return values;
 }
 
@@ -118,9 +129,9 @@ Eigen::MatrixXd filled(const Part<Scalar>& part, const Mask& unknown, const Plan
 template <int Dim, class Scalar>
 class Trial {
  public:
-  Trial(const Part<Scalar>& part, const FitOptions& options) : part_(part), best_{options} {
+  Trial(const ImagePart<Scalar>& part, const FitOptions& options) : part_(part), best_{options} {
     const Index known = part.frame.cols() - part.missing_voxels();
-    hidden_mask_ = trial_holes(part.missing, part.grid, known);
+    hidden_mask_ = some_holes(trial_holes(part.missing, part.grid, known), part.grid);
     hidden_ = marked(hidden_mask_);
     has_holes_ = !hidden_.empty();
     if (!has_holes_) {
@@ -155,7 +166,8 @@ class Trial {
 
   // Splines on the grid from thin plates, which follow slopes, to membranes, which overshoot nowhere, while that helps.
   void try_splines() {
-    const auto unknowns = std::ssize(unknown_) - std::count(unknown_.begin(), unknown_.end(), 0);
+    // In space holes that are apart are systems of their own.
+    const Index unknowns = Dim == 3 ? largest_hole(unknown_, part_.grid) : std::ssize(marked(unknown_));
     if (unknowns > (Dim == 2 ? most_in_plane : most_in_space)) return;
     for (const double c : {0.0, 4.0, 100.0}) {
       Plan plan = best_;
@@ -167,7 +179,7 @@ class Trial {
   // A smooth image: then fits of high degree may be far better than splines.
   [[nodiscard]] bool is_smooth() const {
     const Eigen::MatrixXd off = truth_.rowwise() - truth_.colwise().mean();
-    return least_ < smooth * smooth * off.squaredNorm();
+    return least_ < smooth<Dim> * smooth<Dim> * off.squaredNorm();
   }
 
   // Leaving out single voxels favours smooth kernels and high degrees, which overshoot in holes of textured images. So
@@ -212,7 +224,7 @@ class Trial {
   // Whether the plan is the best one so far.
   bool consider(const Plan& plan) {
     FitReport report;
-    Eigen::MatrixXd values = filled<Dim>(part_, unknown_, plan, report);
+    Eigen::MatrixXd values = filled<Dim>(part_, unknown_, hidden_mask_, plan, report);
     const Eigen::RowVectorXd squares = (values(hidden_, Eigen::all) - truth_).colwise().squaredNorm();
     if (!(squares.sum() < least_)) return false;
     least_ = squares.sum();
@@ -227,19 +239,19 @@ class Trial {
 
   // Values of the hidden voxels after blocks of that width.
   [[nodiscard]] Eigen::VectorXd refined_at(Index width, Index c) const {
-    Mask unknown = grown(hidden_mask_, part_.grid, width);
+    VoxelMask unknown = grown(hidden_mask_, part_.grid, width);
     for (std::size_t i = 0; i < unknown.size(); ++i) unknown[i] &= unknown_[i];
     Eigen::VectorXd values = values_.col(c);
     refine(values, unknown, part_.grid, width, best_.errors[c]);
     return values(hidden_);
   }
 
-  const Part<Scalar>& part_;
+  const ImagePart<Scalar>& part_;
   bool has_holes_ = false;
   double depth_ = 0;  // of the deepest hole, in voxels
   std::vector<Index> hidden_;
-  Mask hidden_mask_, unknown_;  // the hidden voxels; with the missing ones
-  Eigen::MatrixXd truth_;       // of the hidden voxels
+  VoxelMask hidden_mask_, unknown_;  // the hidden voxels; with the missing ones
+  Eigen::MatrixXd truth_;            // of the hidden voxels
   Plan best_;
   Eigen::MatrixXd values_;           // by the best plan without blocks
   Eigen::MatrixXd refined_, plate_;  // of the hidden voxels, by the best plan and by a thin plate
@@ -247,9 +259,14 @@ class Trial {
 };
 
 template <int Dim, class Scalar>
-Plan choose_plan(const Part<Scalar>& part, const InpaintOptions& options) {
+Plan choose_plan(const ImagePart<Scalar>& part, const InpaintOptions& options) {
   const Index known = part.frame.cols() - part.missing_voxels();
-  const FitOptions fit = with_method(options, std::ssize(sample_voxels(part.missing, part.grid, known)));
+  FitOptions fit = with_method(options, std::ssize(sample_voxels(part.missing, part.grid, known)));
+  if (const std::optional<InpaintPlan>& given = options.plan) {
+    fit.kernel = given->kernel;
+    fit.degree = given->degree;
+    return {fit, given->tension, given->blocks, given->thin_plate, given->errors};
+  }
   const bool is_open = fit.method == "partition-of-unity" && fit.kernel == "auto";
   // Who asks for a method, smoothing or a degree gets the function itself.
   const bool is_free = Dim > 1 && is_open && options.method == "auto" && !fit.smoothing && !fit.degree;
@@ -259,7 +276,8 @@ Plan choose_plan(const Part<Scalar>& part, const InpaintOptions& options) {
   if (!trial.is_possible()) return {fit};
   if (is_free) trial.try_splines();
   if (!trial.has_holes()) {
-    if (may_refine) trial.try_kernels({fit.kernel});
+    const bool by_spline = Dim == 3 && trial.best().tension && !trial.is_smooth();  // much faster
+    if (may_refine && !by_spline) trial.try_kernels({fit.kernel});
   } else if (is_open && (!trial.best().tension || trial.is_smooth())) {
     trial.try_kernels({"auto", "wendland-c2", "wendland-c0"});
   } else if (may_refine && !is_open) {
@@ -271,18 +289,17 @@ Plan choose_plan(const Part<Scalar>& part, const InpaintOptions& options) {
 }
 
 template <int Dim, class Scalar>
-InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
+InpaintReport fill(ImagePart<Scalar>& part, const InpaintOptions& options) {
   const Plan plan = choose_plan<Dim>(part, options);
   InpaintReport report;
-  Eigen::MatrixXd values = filled<Dim>(part, part.missing, plan, report.fit);
-  report.blocks = plan.width;
+  Eigen::MatrixXd values = filled<Dim>(part, part.missing, part.missing, plan, report.fit);
+  report.plan = {plan.fit.kernel, plan.fit.degree, plan.tension, plan.width, plan.plate, plan.errors};
   if (plan.tension) report.fit.cross_validation_rmse = plan.errors[0];
-  report.thin_plate = plan.plate;
   for (Index c = 0; c < part.count; ++c)
     if (plan.width > 0) refine(values.col(c), part.missing, part.grid, plan.width, plan.errors[c]);
   if (plan.plate > 0) {
-    Eigen::MatrixXd plate = values;
-    fill_by_grid_spline(part.grid, part.missing, 0, plate);
+    FitReport ignored;
+    const Eigen::MatrixXd plate = filled<Dim>(part, part.missing, part.missing, {plan.fit, 0.0}, ignored);
     values = (1 - plan.plate) * values + plan.plate * plate;
   }
   for (Index c = 0; c < part.count; ++c) {
@@ -292,7 +309,7 @@ InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
 }
 
 template <class Scalar>
-InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
+InpaintReport fill(ImagePart<Scalar>& part, const InpaintOptions& options) {
   const std::size_t axes = long_axes(part.grid).size();
   if (axes <= 1) return fill<1>(part, options);
   return axes == 2 ? fill<2>(part, options) : fill<3>(part, options);
@@ -300,16 +317,16 @@ InpaintReport fill(Part<Scalar>& part, const InpaintOptions& options) {
 
 // Components with the same missing voxels are one part, so that they share a fit.
 template <class Scalar>
-std::vector<Part<Scalar>> parts_of(Volume<Scalar>& image, Index t, const unsigned char* missing) {
+std::vector<ImagePart<Scalar>> parts_of(Volume<Scalar>& image, Index t, const unsigned char* missing) {
   const auto frame = image.frame(t);
   const auto mask_of = [&](Index c) {
-    Mask mask(static_cast<std::size_t>(frame.cols()));
+    VoxelMask mask(static_cast<std::size_t>(frame.cols()));
     for (Index i = 0; i < frame.cols(); ++i) mask[i] = missing[i] != 0 || !std::isfinite(frame(c, i)) ? 1 : 0;
     return mask;
   };
-  std::vector<Part<Scalar>> parts;
+  std::vector<ImagePart<Scalar>> parts;
   for (Index c = 0; c < image.components; ++c) {
-    Mask mask = mask_of(c);
+    VoxelMask mask = mask_of(c);
     if (!parts.empty() && parts.back().missing == mask)
       ++parts.back().count;
     else
@@ -349,7 +366,7 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
     InpaintOptions frame_options = options;
     frame_options.scale_axes = false;
     frame_options.progress = of_frame(options.progress, t, image.frames);
-    for (Part<Scalar>& part : parts_of(image, t, missing.data() + (same_mask ? 0 : t * image.grid.voxels()))) {
+    for (ImagePart<Scalar>& part : parts_of(image, t, missing.data() + (same_mask ? 0 : t * image.grid.voxels()))) {
       const Index unknown = part.missing_voxels();
       const Index known = part.frame.cols() - unknown;
       require(known > 0, inpaint_function, "known voxels", 0, "frame " + std::to_string(t + 1) + " has no known value");
@@ -357,8 +374,7 @@ InpaintReport inpaint(Volume<Scalar>& image, const std::vector<unsigned char>& m
         InpaintReport filled = fill(part, frame_options);
         if (report.missing == 0) {
           report.fit = std::move(filled.fit);
-          report.blocks = filled.blocks;
-          report.thin_plate = filled.thin_plate;
+          report.plan = std::move(filled.plan);
         }
       }
       report.missing += unknown * part.count;

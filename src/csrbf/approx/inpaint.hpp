@@ -8,20 +8,31 @@
 
 namespace csrbf {
 
+/// What fills the missing voxels of an image, as trials at known ones choose it.
+struct InpaintPlan {
+  std::string kernel = "auto";         ///< of the fit
+  std::optional<int> degree = {};      ///< of the fit
+  std::optional<double> tension = {};  ///< of a spline on the grid in place of the fit; 0: a thin plate
+  Index blocks = 0;                    ///< width of the blocks that refine what it says; 0: none
+  double thin_plate = 0;               ///< share of a thin plate in the mean that the result is
+  std::vector<double> errors = {};     ///< before the blocks, root mean squares of the components in the trials
+};
+
 struct InpaintOptions : FitOptions {
   /// Width in voxels of the blocks whose cosine transforms refine what the fit says (refine_by_sparse_blocks()): 4 to
   /// 64, 0: none. Unset: 8, in holes up to 32, or none where voxels hidden for a trial ask for that; none where a
   /// method, kernel, degree, smoothing, tolerance or budget is given. Images of one axis have none.
   std::optional<int> blocks = {};
+  /// Not chosen by trials: that of another part of the same image.
+  std::optional<InpaintPlan> plan = {};
 };
 
 /// What inpaint() did. Counts are of values: voxels times components times frames.
 struct InpaintReport {
   Index missing = 0;  ///< replaced
   Index known = 0;
-  Index blocks = 0;  ///< width of the blocks that refined the first component and frame with missing values; 0: none
-  double thin_plate = 0;  ///< its share in the mean that the result is; of the same
-  FitReport fit;  ///< of the first component and frame with missing values; its `samples` are the known voxels used
+  InpaintPlan plan;  ///< of the first component and frame with missing values
+  FitReport fit;     ///< of the same; its `samples` are the known voxels used
 };
 
 /// Fills missing or unreliable voxels of an image of up to 3 axes, every frame and component separately, by a function

@@ -8,6 +8,7 @@
 #include "csrbf/tiles/stages/prepare_tiles.hpp"
 #include "csrbf/tiles/stages/weld_parts.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <set>
 #include <sstream>
@@ -15,8 +16,10 @@
 namespace csrbf {
 namespace {
 
-constexpr Index fewest_tile_points = 1000;            // smaller tiles consist of borders
-constexpr double point_disk = 300, model_disk = 450;  // bytes of files for each point; measured: 250, 430
+constexpr Index fewest_tile_points = 1000;                  // smaller tiles consist of borders
+constexpr Index least_memory_points = 10000;                // with fewer, halos are larger than tiles
+constexpr double surface_bytes = 60e6, point_bytes = 1900;  // of memory: without a tile, and for a point (900 to 1800)
+constexpr double point_disk = 300, model_disk = 450;        // bytes of files for each point; measured: 250, 430
 
 void check_options(const TileOptions& options) {
   constexpr auto where = "reconstruct_tiles";
@@ -208,11 +211,27 @@ class SurfaceInTiles {
   TileReport report_;
 };
 
+// Points of a tile that fits in the memory.
+Index points_within(double memory) {
+  const auto points = static_cast<Index>((memory - surface_bytes) / point_bytes);
+  constexpr double mega = 1e6;
+  const double least = surface_bytes + point_bytes * static_cast<double>(least_memory_points);
+  if (points < least_memory_points)
+    throw InvalidInput("reconstruct_tiles: memory = " + std::to_string(static_cast<Index>(memory / mega)) +
+                       " MB: is too little; give at least " +
+                       std::to_string(static_cast<Index>(std::ceil(least / mega))) + " MB");
+  return points;
+}
+
 }  // namespace
 
 TileReport reconstruct_tiles(const std::string& points, const std::string& mesh, const TileOptions& options) {
-  check_options(options);
-  return SurfaceInTiles(points, mesh, options).run();
+  TileOptions used = options;
+  if (used.memory > 0) used.tile_points = points_within(used.memory);
+  check_options(used);
+  TileReport report = SurfaceInTiles(points, mesh, used).run();
+  report.tile_points = used.tile_points;
+  return report;
 }
 
 }  // namespace csrbf

@@ -12,6 +12,7 @@ namespace csrbf {
 struct TileOptions {
   /// Points per tile at most, about; memory grows with it: 0.9 to 1.8 kB for each point of a tile.
   Index tile_points = 1'000'000;
+  double memory = 0;  ///< bytes for each process, from which the size of tiles follows; 0: `tile_points` is the size
   /// Where finished steps are kept. A folder with steps of the same work is continued, to the same result.
   std::string folder;
   /// Method composite; `tolerance`, `centers` and `region` are refused.
@@ -32,7 +33,8 @@ struct TileReport {
   /// Over all tiles; `smoothing`, `leaf_size` and other settings are chosen in each of them and not told.
   ReconstructReport surface;
   Index tiles = 0;
-  Index continued = 0;  ///< tiles that an earlier run, or another process, had fitted
+  Index tile_points = 0;  ///< points per tile at most, about
+  Index continued = 0;    ///< tiles that an earlier run, or another process, had fitted
   int resolution = 0;
   PolygonizeMethod mesh_method = PolygonizeMethod::marching_cubes;
   Topology topology;        ///< of the mesh

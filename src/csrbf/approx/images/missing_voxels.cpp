@@ -20,8 +20,8 @@ constexpr double shift_depths = 4;  // how far holes are shifted to test kernels
 constexpr Index least_trial_step = 5, most_trial_voxels = 1000;  // of known voxels, to test the fit on
 
 // The missing voxels shifted along an axis, where they land on known ones.
-Mask shifted(const Mask& missing, const Grid& grid, int axis, Index by) {
-  Mask result(missing.size(), 0);
+VoxelMask shifted(const VoxelMask& missing, const Grid& grid, int axis, Index by) {
+  VoxelMask result(missing.size(), 0);
   Index stride = 1;
   for (int a = 0; a < axis; ++a) stride *= grid.size[a];
   const Index size = grid.size[axis];
@@ -36,7 +36,7 @@ Mask shifted(const Mask& missing, const Grid& grid, int axis, Index by) {
 }  // namespace
 
 // The distance is separable: the minimum along one axis after the other, there and back.
-std::vector<float> distance_to(bool wanted, const Mask& mask, const Grid& grid) {
+std::vector<float> distance_to(bool wanted, const VoxelMask& mask, const Grid& grid) {
   std::vector<float> distance(mask.size());
   for (std::size_t i = 0; i < mask.size(); ++i)
     distance[i] = (mask[i] != 0) == wanted ? 0 : std::numeric_limits<float>::infinity();
@@ -74,10 +74,14 @@ double mean_spacing(const Grid& grid) {
   return axes.empty() ? 1 : std::pow(product, 1 / static_cast<double>(axes.size()));
 }
 
-std::vector<Index> sample_voxels(const Mask& missing, const Grid& grid, Index known) {
+double rim_of(const VoxelMask& missing, const Grid& grid) {
   const std::vector<float> to_known = distance_to(false, missing, grid);
   const double depth = *std::max_element(to_known.begin(), to_known.end());
-  const auto rim = static_cast<float>(std::max(rim_voxels * mean_spacing(grid), rim_depths * depth));
+  return std::max(rim_voxels * mean_spacing(grid), rim_depths * depth);
+}
+
+std::vector<Index> sample_voxels(const VoxelMask& missing, const Grid& grid, Index known) {
+  const auto rim = static_cast<float>(rim_of(missing, grid));
   const std::vector<float> to_missing = distance_to(true, missing, grid);
   std::vector<Index> near, all;
   all.reserve(known);
@@ -89,14 +93,14 @@ std::vector<Index> sample_voxels(const Mask& missing, const Grid& grid, Index kn
   return static_cast<double>(near.size()) < useful_share * static_cast<double>(known) ? near : all;
 }
 
-std::vector<Index> marked(const Mask& mask) {
+std::vector<Index> marked(const VoxelMask& mask) {
   std::vector<Index> voxels;
   for (std::size_t i = 0; i < mask.size(); ++i)
     if (mask[i] != 0) voxels.push_back(static_cast<Index>(i));
   return voxels;
 }
 
-Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
+VoxelMask trial_holes(const VoxelMask& missing, const Grid& grid, Index known) {
   const std::vector<float> depth = distance_to(false, missing, grid);
   const double sum = std::accumulate(depth.begin(), depth.end(), 0.0);
   const auto voxels = static_cast<double>(missing.size());
@@ -105,18 +109,19 @@ Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
                                                        1 / static_cast<double>(std::max<std::size_t>(1, axes.size())));
   if (!(sum > deep * spacing * (voxels - static_cast<double>(known)))) return {};
   const double distance = shift_depths * *std::max_element(depth.begin(), depth.end());
-  std::vector<Mask> trials;
+  std::vector<VoxelMask> trials;
   for (const int axis : axes)
     for (const double sign : {1.0, -1.0}) {
-      Mask trial = shifted(missing, grid, axis, static_cast<Index>(std::lround(sign * distance / grid.spacing[axis])));
+      VoxelMask trial =
+          shifted(missing, grid, axis, static_cast<Index>(std::lround(sign * distance / grid.spacing[axis])));
       if (std::count(trial.begin(), trial.end(), 1) > 0) trials.push_back(std::move(trial));
     }
   if (trials.empty()) return {};
-  std::sort(trials.begin(), trials.end(), [](const Mask& a, const Mask& b) {
+  std::sort(trials.begin(), trials.end(), [](const VoxelMask& a, const VoxelMask& b) {
     return std::count(a.begin(), a.end(), 1) > std::count(b.begin(), b.end(), 1);
   });
   // One direction may meet the background only. The others join as far as they leave room around the holes before.
-  Mask holes = std::move(trials.front());
+  VoxelMask holes = std::move(trials.front());
   for (std::size_t t = 1; t < trials.size(); ++t) {
     const std::vector<float> room = distance_to(true, holes, grid);
     for (std::size_t i = 0; i < holes.size(); ++i)
@@ -125,18 +130,18 @@ Mask trial_holes(const Mask& missing, const Grid& grid, Index known) {
   return holes;
 }
 
-Mask trial_voxels(const std::vector<Index>& known, std::size_t voxels) {
-  Mask hidden(voxels, 0);
+VoxelMask trial_voxels(const std::vector<Index>& known, std::size_t voxels) {
+  VoxelMask hidden(voxels, 0);
   const Index n = std::ssize(known), step = std::max(least_trial_step, n / most_trial_voxels);
   for (Index run = 0; run + step <= n; run += step) hidden[known[run + run / step * 7919 % step]] = 1;
   return hidden;
 }
 
-Mask grown(Mask mask, const Grid& grid, Index reach) {
+VoxelMask grown(VoxelMask mask, const Grid& grid, Index reach) {
   Index stride = 1;
   for (const int a : {0, 1, 2}) {
     const Index size = grid.size[a];
-    const Mask before = mask;
+    const VoxelMask before = mask;
     for (std::size_t i = 0; i < mask.size(); ++i) {
       if (before[i] == 0) continue;
       const Index at = static_cast<Index>(i) / stride % size;

@@ -68,7 +68,8 @@ Volume<Scalar> decode_samples(RawVolume raw) {
   return volume;
 }
 
-void decode_samples(const RawVolume& raw, std::span<float> to) {
+template <class Scalar>
+void decode_samples(const RawVolume& raw, std::span<Scalar> to) {
   with_sample_type(raw.layout.type, [&](auto sample) { decode_as<decltype(sample)>(raw, 0, to); });
 }
 
@@ -87,6 +88,8 @@ std::string encode_samples(const Volume<Scalar>& volume, SampleType sample_type)
 
 template Volume<float> decode_samples(RawVolume);
 template Volume<double> decode_samples(RawVolume);
+template void decode_samples(const RawVolume&, std::span<float>);
+template void decode_samples(const RawVolume&, std::span<double>);
 template std::string encode_samples(const Volume<float>&, SampleType);
 template std::string encode_samples(const Volume<double>&, SampleType);
 

@@ -39,7 +39,8 @@ Volume<Scalar> decode_samples(RawVolume raw);
 SampleType value_type(const RawVolume& raw);
 
 /// Some of the values into an array, from the first one on; raw.bytes holds their samples.
-void decode_samples(const RawVolume& raw, std::span<float> to);
+template <class Scalar>
+void decode_samples(const RawVolume& raw, std::span<Scalar> to);
 
 /// Values as little-endian samples: integers are rounded and clamped, NaN becomes 0. Parallel.
 template <class Scalar>
