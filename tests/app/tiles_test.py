@@ -91,7 +91,7 @@ class Tiles(base.CommandLine):
         self.assertGreaterEqual(options["tile_points"], 10000)
         self.assertLess(options["tile_points"], 16000)
         self.arguments[-1] = "70MB"
-        self.assertIn("memory = 70 MB: is too little; give at least 79 MB", self.fail_with(*self.arguments))
+        self.assertIn("--memory 70 MB: is too little; give at least 79 MB", self.fail_with(*self.arguments))
         self.arguments[-1] = "much"
         self.assertIn("--memory much", self.fail_with(*self.arguments))
 

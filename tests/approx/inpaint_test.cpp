@@ -120,6 +120,38 @@ TEST(Inpaint, FillsScatteredVoxelsInThreeDimensions) {
   EXPECT_LT(largest_error(image, truth), tolerance);
 }
 
+// A fit to the rims of all holes would fill what is between them, too.
+TEST(Inpaint, FillsHolesInSpaceOneByOne) {
+  Volume<double> truth = picture_of(layout(56, 40, 36), smooth);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0, 2);
+  for (double& value : truth.values) value += noise(random);
+  Mask mask(truth.values.size(), 0);
+  for (const Point<3>& center : {Point<3>(12, 12, 12), Point<3>(40, 20, 18), Point<3>(20, 30, 26)}) {
+    const Mask one = hole(truth.grid, center, 4.5);
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] |= one[i];
+  }
+  Volume<double> image = spoiled(truth, mask);
+  const InpaintReport report = inpaint(image, mask);
+  EXPECT_EQ(report.fit.method, "grid-spline");
+  double squares = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) squares += std::pow(image.values[i] - truth.values[i], 2);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(report.missing)), 1.15 * 2);
+}
+
+TEST(Inpaint, TakesAPlanThatIsGiven) {
+  const Volume<double> truth = picture_of(layout(60, 50), smooth);
+  const Mask mask = hole(truth.grid, Point<3>(30, 25, 0), 6);
+  Volume<double> first = spoiled(truth, mask), second = first;
+  InpaintOptions options;
+  options.plan = inpaint(first, mask).plan;
+  EXPECT_EQ(inpaint(second, mask, options).plan.kernel, options.plan->kernel);
+  EXPECT_EQ(second.values, first.values);
+  options.plan = InpaintPlan{.tension = 1e6};
+  EXPECT_EQ(inpaint(second, mask, options).fit.method, "grid-spline");
+  EXPECT_NE(second.values, first.values);
+}
+
 TEST(Inpaint, OfAHoleTakesTheKnownPixelsAroundItOnly) {
   const Volume<double> truth = picture_of(layout(200, 200), smooth);
   const Mask mask = hole(truth.grid, Point<3>(100, 90, 0), 4);

@@ -263,6 +263,8 @@ Plan choose_plan(const ImagePart<Scalar>& part, const InpaintOptions& options) {
   const Index known = part.frame.cols() - part.missing_voxels();
   FitOptions fit = with_method(options, std::ssize(sample_voxels(part.missing, part.grid, known)));
   if (const std::optional<InpaintPlan>& given = options.plan) {
+    require(given->blocks == 0 || std::ssize(given->errors) == part.count, inpaint_function, "errors of the plan",
+            given->errors.size(), "there must be one for each component that blocks refine");
     fit.kernel = given->kernel;
     fit.degree = given->degree;
     return {fit, given->tension, given->blocks, given->thin_plate, given->errors};
@@ -294,7 +296,7 @@ InpaintReport fill(ImagePart<Scalar>& part, const InpaintOptions& options) {
   InpaintReport report;
   Eigen::MatrixXd values = filled<Dim>(part, part.missing, part.missing, plan, report.fit);
   report.plan = {plan.fit.kernel, plan.fit.degree, plan.tension, plan.width, plan.plate, plan.errors};
-  if (plan.tension) report.fit.cross_validation_rmse = plan.errors[0];
+  if (plan.tension && !plan.errors.empty()) report.fit.cross_validation_rmse = plan.errors[0];
   for (Index c = 0; c < part.count; ++c)
     if (plan.width > 0) refine(values.col(c), part.missing, part.grid, plan.width, plan.errors[c]);
   if (plan.plate > 0) {

@@ -77,7 +77,7 @@ Index largest_hole(VoxelMask missing, const Grid& grid) {
 
 VoxelMask some_holes(VoxelMask holes, const Grid& grid) {
   constexpr std::size_t enough = 6;  // chosen by hand
-  if (long_axes(grid).size() < 3) return holes;
+  if (holes.empty() || long_axes(grid).size() < 3) return holes;
   const std::vector<HoleBox> boxes = hole_boxes(holes, grid);
   if (boxes.size() <= enough) return holes;
   VoxelMask some(holes.size(), 0);
