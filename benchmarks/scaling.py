@@ -2,8 +2,9 @@
 """Measures work in tiles: CPU time and memory against all at once, shared by processes, whether meshes are the same and
 functions as accurate; large images slice by slice; and plans a billion points from what was measured. Writes a page.
 
-usage: scaling.py [--program CSRBF] [--points N,...] [--tile-points N] [--processes P,...] [--weak N] [--samples N,...]
-                  [--image EDGE,...] [--large POINTS,SAMPLES] [--large-memory SIZE] [--mpirun] [--folder DIR] [--page FILE]
+usage: scaling.py [--program CSRBF] [--points N,...] [--tile-points N] [--processes P[xTHREADS],...] [--weak N]
+                  [--samples N,...] [--image EDGE,...] [--large POINTS,SAMPLES] [--large-memory SIZE] [--mpirun] [--python COMMAND] [--folder DIR]
+                  [--page FILE]
        scaling.py --merge NEWER --page FILE
 
 Runs with one thread per process, but for the large ones. Processes share the cores of this machine, so judge CPU seconds:
@@ -21,6 +22,7 @@ import hashlib
 import json
 import os
 import shlex
+import shutil
 import struct
 import subprocess
 import sys
@@ -95,21 +97,21 @@ class Bench:
             subprocess.run([sys.executable, os.path.join(HERE, "make_cloud.py"), str(n), path], check=True)
         return path
 
-    def command(self, n, mesh, *flags):
-        return [self.program, "reconstruct", self.cloud(n), "-o", mesh, "--threads", "1", *flags]
+    def command(self, n, mesh, *flags, threads=1):
+        return [self.program, "reconstruct", self.cloud(n), "-o", mesh, "--threads", str(threads), *flags]
 
     def whole(self, n):
         mesh = os.path.join(self.folder, "whole.ply")
         return Run([self.command(n, mesh)])
 
-    def tiled(self, n, processes, name):
+    def tiled(self, n, processes, name, threads=1):
         mesh = os.path.join(self.folder, name)
         flags = ["--tile-points", str(self.tile)]
         report = os.path.join(self.folder, "report.json")
         if self.mpirun and processes > 1:
             run = MpiRun(self.command(n, mesh, *flags, "--report", report), processes, self.folder)
         else:
-            commands = [self.command(n, mesh, *flags, "--tile-share", f"{k}/{processes}")
+            commands = [self.command(n, mesh, *flags, "--tile-share", f"{k}/{processes}", threads=threads)
                         for k in range(1, processes + 1)]
             commands[0] += ["--report", report]
             run = Run(commands)
@@ -184,14 +186,23 @@ class ImageBench:
                 file.write(np.clip(np.rint(np.where(inside, 160, 90) + noise), 0, 255).astype(np.uint8).tobytes())
         return path
 
+    def compressed(self, edge):
+        image = self.image(edge)
+        if not os.path.exists(image + ".gz"):
+            with open(image, "rb") as file, gzip.open(image + ".gz", "wb", compresslevel=3) as packed:
+                shutil.copyfileobj(file, packed, 1 << 22)
+        return image + ".gz"
+
     def labels(self, edge, name):
-        image, labels = self.image(edge), os.path.join(self.folder, name)
+        packed = name.endswith(".gz")
+        image, labels = self.compressed(edge) if packed else self.image(edge), os.path.join(self.folder, name)
         run = Run([[self.program, "segment", image, "-o", labels, "--threads", "1"]])
-        content = gzip.open(labels) if name.endswith(".gz") else open(labels, "rb")
+        content = gzip.open(labels) if packed else open(labels, "rb")
         both = total = inside = 0
         run.hash = hashlib.sha256()
-        with content as file, open(image + ".truth", "rb") as truth:
-            file.seek(352)
+        with content as file, open(self.image(edge) + ".truth", "rb") as truth:
+            # The samples of a .mha are the last bytes; a .nii has 352 before them.
+            file.seek(352 if ".nii" in name else os.path.getsize(labels) - edge**3)
             for _ in range(edge):
                 found = np.frombuffer(file.read(edge * edge), np.uint8) == 1
                 true = np.unpackbits(np.frombuffer(truth.read(edge * edge // 8), np.uint8)).astype(bool)
@@ -216,17 +227,22 @@ def image_table(arguments):
         return ""
     bench = ImageBench(arguments)
     page = "\n## Images slice by slice\n\n"
-    page += ("Gyroids of 8-bit voxels whose noise is a tenth of the contrast. Written compressed, labels are made from "
-             "the whole image.\n\n")
-    page += row("edge", "CPU s by slices", "whole", "MB by slices", "whole", "Dice by slices", "whole", "same labels")
-    page += row(*["---:"] * 8)
+    page += ("Gyroids of 8-bit voxels whose noise is a tenth of the contrast. Written as .mha, labels are made from the "
+             "whole image. Compressed: image and labels are .nii.gz.\n\n")
+    page += row("edge", "CPU s by slices", "compressed", "whole", "MB by slices", "compressed", "whole", "Dice by slices", "whole",
+                "same labels")
+    page += row(*["---:"] * 10)
     for edge in edges:
-        slices = bench.labels(edge, "labels.nii")
-        cells = [f"{edge:,}", f"{slices.cpu[0]:.1f}", "", f"{slices.memory[0]:.0f}", "", f"{slices.dice:.4f}", "", ""]
+        slices, packed = bench.labels(edge, "labels.nii"), bench.labels(edge, "labels.nii.gz")
+        cells = [f"{edge:,}", f"{slices.cpu[0]:.1f}", f"{packed.cpu[0]:.1f}", "", f"{slices.memory[0]:.0f}",
+                 f"{packed.memory[0]:.0f}", "", f"{slices.dice:.4f}", "", ""]
+        runs = [packed]
         if edge <= 512:
-            whole = bench.labels(edge, "labels.nii.gz")
-            cells[2::2] = [f"{whole.cpu[0]:.1f}", f"{whole.memory[0]:.0f}", f"{whole.dice:.4f}"]
-            cells[7] = "yes" if slices.hash.digest() == whole.hash.digest() else "NO"
+            whole = bench.labels(edge, "labels.mha")
+            cells[3:9:3] = [f"{whole.cpu[0]:.1f}", f"{whole.memory[0]:.0f}"]
+            cells[8] = f"{whole.dice:.4f}"
+            runs.append(whole)
+        cells[9] = "yes" if all(slices.hash.digest() == run.hash.digest() for run in runs) else "NO"
         page += row(*cells)
         print(page.splitlines()[-1], flush=True)
     return page
@@ -354,20 +370,38 @@ def point_tables(arguments, sizes, counts):
 
     page += floors(f"{sizes[-1]:,} points", 2, POINT_REACH, sizes[-1], tiled.result["tiles"], tiled.written / sizes[-1],
                    whole.cpu[0], tiled.cpu[0])
-    if counts == [1]:
+    if counts == [(1, 1)]:
         return page
     page += f"\n## {sizes[-1]:,} points by several processes\n\n"
-    page += row("processes", "busiest s", "sum s", "busiest / (alone / processes)", "peak MB", "same bytes")
-    page += row(*["---:"] * 6)
+    page += ("**at once** is the time of one process without tiles, **share** the time of the busiest process against an equal "
+             "part of the time of one process in the same tiles.\n\n")
+    page += row("processes", "threads", "busiest s", "share", "sum s", "sum / alone", "sum / at once", "peak MB", "same bytes")
+    page += row(*["---:"] * 9)
     alone = tiled
-    for count in counts:
-        run = alone if count == 1 else bench.tiled(sizes[-1], count, f"mesh{count}.ply")
+    for count, threads in counts:
+        run = alone if (count, threads) == (1, 1) else bench.tiled(sizes[-1], count, "mesh2.ply", threads)
         same = filecmp.cmp(alone.mesh, run.mesh, shallow=False)
-        page += row(count, f"{max(run.cpu):.1f}", f"{sum(run.cpu):.1f}",
-                    f"{max(run.cpu) * count / sum(alone.cpu):.2f}", f"{max(run.memory):.0f}", "yes" if same else "NO")
+        busiest, total, one = max(run.cpu), sum(run.cpu), sum(alone.cpu)
+        page += row(count, threads, f"{busiest:.1f}", f"{busiest * count / one:.2f}", f"{total:.1f}", f"{total / one:.2f}",
+                    f"{total / whole.cpu[0]:.2f}", f"{max(run.memory):.0f}", "yes" if same else "NO")
         print(page.splitlines()[-1], flush=True)
 
-    return page
+    return page + dask_line(arguments, bench, sizes[-1], alone)
+
+
+def dask_line(arguments, bench, n, alone):
+    """The same by two workers of Dask, in a process with the Python module and Dask."""
+    if not arguments.python:
+        return ""
+    mesh, folder = os.path.join(bench.folder, "dask.ply"), os.path.join(bench.folder, "dask.tiles")
+    done = subprocess.run([*shlex.split(arguments.python), os.path.join(HERE, "scaling_dask.py"), bench.cloud(n), mesh, folder,
+                           str(arguments.tile_points)], stdout=subprocess.PIPE, text=True, check=True)
+    used = float(done.stdout)
+    same = "the same bytes" if filecmp.cmp(alone.mesh, mesh, shallow=False) else "OTHER BYTES"
+    line = (f"\nTwo workers of a Dask LocalCluster take {used:.1f} s of CPU time, {used / sum(alone.cpu):.2f} times that of one "
+            f"process in the same tiles, to {same}.\n")
+    print(line, flush=True)
+    return line
 
 
 def weak_table(arguments, counts):
@@ -377,8 +411,8 @@ def weak_table(arguments, counts):
     page += row("processes", "points", "busiest s", "against one", "peak MB")
     page += row(*["---:"] * 5)
     first = None
-    for count in counts:
-        run = bench.tiled(arguments.weak * count, count, "weak.ply")
+    for count, threads in counts:
+        run = bench.tiled(arguments.weak * count, count, "weak.ply", threads)
         with open(run.mesh, "rb") as file:
             run.vertices = int(file.read(300).split(b"element vertex ")[1].split()[0])
         weak.append(run)
@@ -438,6 +472,7 @@ def main():
     parser.add_argument("--large", default="")
     parser.add_argument("--large-memory", default="4GB")
     parser.add_argument("--mpirun", action="store_true")
+    parser.add_argument("--python", default="", help="Python with the module and Dask, for instance env PYTHONPATH=... python3")
     parser.add_argument("--folder", default="tiles-benchmark")
     parser.add_argument("--page")
     parser.add_argument("--merge")
@@ -450,14 +485,14 @@ def main():
         return
     WEAK_POINTS[0] = arguments.weak
     sizes = [int(n) for n in arguments.points.split(",") if n]
-    counts = [int(p) for p in arguments.processes.split(",")]
+    counts = [(int(p), int(t or 1)) for p, _, t in (pair.partition("x") for pair in arguments.processes.split(","))]
 
     page = "# Beyond memory and one machine\n\n"
     threads = "all threads" if arguments.large and not sizes else "one thread per process"
     page += f"* {datetime.date.today()}, load {os.getloadavg()[0]:.1f} at the start, {threads}\n"
     page += f"* Tiles of up to {arguments.tile_points:,} points. **busiest s** is the CPU time of the busiest process.\n\n"
     words = sys.argv[1:]
-    for flag in ("--program", "--folder", "--page"):
+    for flag in ("--program", "--folder", "--page", "--python"):
         if flag in words:
             del words[words.index(flag):words.index(flag) + 2]
     page += "```sh\nbenchmarks/scaling.py " + shlex.join(words) + "\n```\n\n"
