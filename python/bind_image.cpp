@@ -2,6 +2,7 @@
 #include "csrbf/io/images/sample_codec.hpp"
 #include "csrbf/io/volume.hpp"
 #include "csrbf/levelset/compare_labels.hpp"
+#include "csrbf/tiles/inpaint_slices.hpp"
 
 #include "fit_options.hpp"
 #include "volume_layout.hpp"
@@ -55,10 +56,30 @@ void write_image(const std::string& path, const py::array& values, const py::dic
   }
 }
 
+py::dict inpainting_to_dict(const InpaintReport& report) {
+  using namespace py::literals;
+  py::dict result("missing"_a = report.missing, "known"_a = report.known, "blocks"_a = report.plan.blocks,
+                  "thin_plate"_a = report.plan.thin_plate);
+  if (report.missing > 0) result["fit"] = to_dict(report.fit);
+  return result;
+}
+
+py::dict inpaint_by_slices(const std::string& image, const std::string& output, double memory, const std::string& mask,
+                           const std::optional<double>& missing, const py::dict& given,
+                           const std::optional<int>& blocks, const py::object& listener) {
+  InpaintSlicesOptions options{memory, mask, missing, {fit_options(given), blocks}};
+  const InpaintSlicesReport report = run(listener, [&](const Progress& progress) {
+    options.inpaint.progress = progress;
+    return inpaint_slices(image, output, options);
+  });
+  py::dict result = inpainting_to_dict(report.inpaint);
+  result["slice_blocks"] = report.blocks;
+  return result;
+}
+
 // The filled values, as doubles, and the report.
 py::tuple inpaint_image(const Array& values, const py::dict& layout, const Bytes& missing, const py::dict& given,
                         const std::optional<int>& blocks, const py::object& listener) {
-  using namespace py::literals;
   Volume<double> volume = volume_from<double>(values, layout);
   const std::vector<unsigned char> holes(missing.data(), missing.data() + missing.size());
   InpaintOptions options{fit_options(given), blocks};
@@ -66,11 +87,8 @@ py::tuple inpaint_image(const Array& values, const py::dict& layout, const Bytes
     options.progress = progress;
     return inpaint(volume, holes, options);
   });
-  py::dict result("missing"_a = report.missing, "known"_a = report.known, "blocks"_a = report.plan.blocks,
-                  "thin_plate"_a = report.plan.thin_plate);
-  if (report.missing > 0) result["fit"] = to_dict(report.fit);
   return py::make_tuple(py::array_t<double>(static_cast<py::ssize_t>(volume.values.size()), volume.values.data()),
-                        result);
+                        inpainting_to_dict(report));
 }
 
 py::dict agreement_to_dict(const LabelAgreement& agreement) {
@@ -140,6 +158,7 @@ void bind_image(py::module_& m) {
   m.def("write_image", &write_image);
   m.def("is_image_file", [](const std::string& path) { return is_readable_volume(path); });
   m.def("inpaint", &inpaint_image);
+  m.def("inpaint_slices", &inpaint_by_slices);
   m.def("compare_labels", &compare_images);
 }
 

@@ -29,6 +29,7 @@ from csrbf._fit_tiles import fit_tiles
 from csrbf._function import Function
 from csrbf._image import Image, read_image
 from csrbf._inpaint import inpaint
+from csrbf._inpaint_slices import inpaint_slices
 from csrbf._load import load
 from csrbf._mesh import Mesh, read_mesh
 from csrbf._points import PointCloud, estimate_normals, farthest_points, read_points
@@ -62,6 +63,7 @@ __all__ = [
     "fit",
     "fit_tiles",
     "inpaint",
+    "inpaint_slices",
     "load",
     "read_image",
     "read_mesh",

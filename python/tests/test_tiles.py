@@ -45,18 +45,38 @@ class Tiles(unittest.TestCase):
             csrbf.fit_tiles(self.path("samples.npy"), self.path("wave.csrbf"), memory=100e6)
 
     def test_normals_and_edges_are_those_asked_for(self):
-        cloud = csrbf.PointCloud(torus(6000))
-        cloud = csrbf.estimate_normals(cloud)
-        cloud.save(self.path("cloud.ply"))
+        points = torus(6000)
+        csrbf.PointCloud(points, csrbf.estimate_normals(points)).save(self.path("cloud.ply"))
         reports = {}
         for normals in ("file", "estimate"):
             reports[normals] = csrbf.reconstruct_tiles(
                 self.path("cloud.ply"), self.path("mesh.ply"), 3000, normals=normals, resolution=30, sharp=False)
         self.assertEqual(reports["file"]["normals"], "file")
         self.assertEqual(reports["estimate"]["normals"], "estimated")
-        cut = os.path.getsize(self.path("mesh.ply"))
-        csrbf.reconstruct_tiles(self.path("cloud.ply"), self.path("mesh.ply"), 3000, resolution=30, sharp=True)
-        self.assertNotEqual(os.path.getsize(self.path("mesh.ply")), cut)
+        os.rename(self.path("mesh.ply"), self.path("cut.ply"))
+        for sharp in (False, True):
+            csrbf.reconstruct_tiles(
+                self.path("cloud.ply"), self.path("mesh.ply"), 3000, normals="estimate", resolution=30, sharp=sharp)
+            self.assertEqual(filecmp.cmp(self.path("mesh.ply"), self.path("cut.ply"), shallow=False), not sharp)
+
+    def test_volumes_are_filled_by_blocks_of_slices(self):
+        z, y, x = np.mgrid[:120, :40, :48]
+        truth = 1000 + 500 * np.sin(x / 8 + z / 10) * np.cos(y / 9 - z / 14)
+        truth += np.random.default_rng(2).normal(0, 20, truth.shape)
+        mask = np.zeros(truth.shape, np.uint8)
+        for k in range(11):
+            mask[(x - 4 * k) ** 2 + (y - 20) ** 2 + (z - 5 - 11 * k) ** 2 < 16] = 1
+        np.save(self.path("image.npy"), np.where(mask, 0, truth).astype(np.int16))
+        np.save(self.path("mask.npy"), mask)
+        report = csrbf.inpaint_slices(self.path("image.npy"), self.path("out.npy"), 45e6, self.path("mask.npy"))
+        self.assertEqual(report["missing"], mask.sum())
+        self.assertGreater(report["slice_blocks"], 1)
+        found = np.load(self.path("out.npy"))
+        self.assertEqual(found.dtype, np.int16)
+        self.assertTrue((found == truth.astype(np.int16))[mask == 0].all())
+        self.assertLess(np.sqrt(np.mean((found - truth)[mask > 0] ** 2)), 1.3 * 20)
+        with self.assertRaisesRegex(ValueError, "is too little; give at least"):
+            csrbf.inpaint_slices(self.path("image.npy"), self.path("out.npy"), 31e6, self.path("mask.npy"))
 
 
 if __name__ == "__main__":
