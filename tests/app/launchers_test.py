@@ -7,6 +7,7 @@ import filecmp
 import os
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -69,6 +70,22 @@ class Launchers(base.CommandLine):
         subprocess.run(self.mpirun(3), check=True)
         self.assert_same()
 
+    def wait_for_step(self, step):
+        steps = self.path("steps")
+        while not (os.path.isdir(steps) and any(name.startswith(step) for name in os.listdir(steps))):
+            time.sleep(0.001)
+
+    def test_a_killed_rank_ends_the_run_which_goes_on(self):
+        run = subprocess.Popen(self.mpirun(3), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.wait_for_step("fit_2")
+        ranks = subprocess.run(["pgrep", "-P", str(run.pid)], stdout=subprocess.PIPE, text=True).stdout.split()
+        self.assertEqual(len(ranks), 3)
+        os.kill(int(ranks[1]), signal.SIGKILL)
+        self.assertNotEqual(run.wait(), 0)
+        self.assertFalse(os.path.exists(self.mesh))
+        subprocess.run(self.mpirun(3), check=True)
+        self.assert_same()
+
     def test_mpirun_reports_an_error_of_the_input(self):
         self.arguments[2] = self.path("none.ply")
         done = subprocess.run(self.mpirun(2), capture_output=True, text=True)
@@ -88,6 +105,19 @@ class Launchers(base.CommandLine):
         self.assertTrue(reports[0]["watertight"])
         self.assert_same()
         print(f"CPU seconds: {self.seconds:.2f} alone, {used:.2f} on two workers of Dask")
+
+    @unittest.skipIf(dask is None, "no Dask, or no Python module; install python3-distributed")
+    def test_a_killed_worker_of_dask_is_replaced(self):
+        with dask.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+            with dask.Client(cluster) as client:
+                client.run(use_one_thread)
+                pids = list(client.run(os.getpid).values())
+                futures = client.map(share_of(self.cloud, self.mesh, self.path("steps")), [(0, 2), (1, 2)], pure=False)
+                self.wait_for_step("fit_2")
+                os.kill(pids[0], signal.SIGKILL)
+                client.gather(futures)
+                self.assertNotIn(pids[0], client.run(os.getpid).values())
+        self.assert_same()
 
 
 def use_one_thread():
