@@ -5,7 +5,7 @@ functions as accurate; large images slice by slice; and plans a billion points f
 usage: scaling.py [--program CSRBF] [--points N,...] [--tile-points N] [--processes P[xTHREADS],...] [--weak N]
                   [--samples N,...] [--image EDGE,...] [--large POINTS,SAMPLES] [--large-memory SIZE] [--mpirun] [--python COMMAND] [--folder DIR]
                   [--page FILE]
-       scaling.py --merge NEWER --page FILE
+       scaling.py --merge NEWER [--only WORDS] --page FILE
 
 Runs with one thread per process, but for the large ones. Processes share the cores of this machine, so judge CPU seconds:
 those of the busiest process stand for the time on as many cores as processes. They are started here, or by mpirun. Strong
@@ -447,13 +447,15 @@ def function_table(arguments):
                          whole.cpu[0], tiled.cpu[0])
 
 
-def merged(page, newer):
+def merged(page, newer, only):
     """The page with the sections of a newer one, each of which says when and how it was measured."""
     head, *sections = newer.split("\n## ")
     told = "\n".join([line for line in head.splitlines() if line.startswith("* ")][:1] + ["", head[head.index("```"):].strip()])
     parts = page.split("\n## ")
     for section in sections:
         title, rest = section.split("\n", 1)
+        if only not in title:
+            continue
         part = f"{title}\n\n{told}\n{rest.rstrip()}\n"
         same = [k for k, old in enumerate(parts) if k > 0 and old.split("\n", 1)[0] == title]
         parts[same[0] if same else len(parts):(same[0] + 1) if same else len(parts)] = [part]
@@ -476,10 +478,11 @@ def main():
     parser.add_argument("--folder", default="tiles-benchmark")
     parser.add_argument("--page")
     parser.add_argument("--merge")
+    parser.add_argument("--only", default="", help="words in the titles of the sections that are merged")
     arguments = parser.parse_args()
     if arguments.merge:
         with open(arguments.page) as file, open(arguments.merge) as newer:
-            page = merged(file.read(), newer.read())
+            page = merged(file.read(), newer.read(), arguments.only)
         with open(arguments.page, "w") as file:
             file.write(page)
         return
