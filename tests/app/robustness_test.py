@@ -247,9 +247,7 @@ class Valgrind(Robustness):
             self.skipTest("slow: run with --slow")
         if not shutil.which("valgrind"):
             self.skipTest("no valgrind")
-        # The program brings a malloc of its own, which valgrind shall replace too.
-        command = ["valgrind", "-q", "--error-exitcode=99", "--leak-check=full", "--errors-for-leak-kinds=definite",
-                   "--soname-synonyms=somalloc=NONE", PROGRAM]
+        command = ["valgrind", "-q", "--error-exitcode=99", "--leak-check=full", "--errors-for-leak-kinds=definite", PROGRAM]
         self.inputs(150)
         self.write_bytes("image.pgm", square_image(16))
         runs = [arguments + ["-o", self.path(output)] for arguments, output in self.runs()]
