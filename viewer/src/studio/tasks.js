@@ -121,6 +121,12 @@ function keyword([flag, value]) {
   return `${name}=${python(value)}`;
 }
 
+/** "2GB" or "2GiB" as a number of bytes, as the program reads sizes. */
+function bytes(text) {
+  const [, number, unit, binary] = /^([0-9.]+)([MGT])(i?)B$/.exec(text) || [];
+  return Number(number) * (binary ? 1024 : 1000) ** (2 + "MGT".indexOf(unit));
+}
+
 /**
  * The same in Python.
  * @param {{command: string, inputs: string[], flags: [string, string|true][], outputs: [string, string][],
@@ -195,6 +201,9 @@ export function pythonLines({command, inputs, flags, outputs, columns}) {
         "for i, frame in enumerate(t):", `    frame.save(f${python(`${folder}/labels_{i:04}${imageExtension(input)}`)})`];
     }
     case "inpaint":
+      if (value("--memory"))
+        return ["import csrbf", "",
+          call("inpaint_slices", [python(input), python(output("-o")), `memory=${bytes(value("--memory"))}`, ...except(["--memory"])])];
       return ["import csrbf", "", `filled = ${call("inpaint", [python(input), ...except([])])}`, `filled.save(${python(output("-o"))})`];
     case "curvature":
       return ["import csrbf", "", `surface = csrbf.load(${python(input)})`, `mesh = surface.polygonize(${of(["--resolution"]).join(", ")})`,
