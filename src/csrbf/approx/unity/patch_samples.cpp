@@ -1,6 +1,7 @@
 #include "csrbf/approx/unity/patch_samples.hpp"
 
 #include "csrbf/core/small_matrices.hpp"
+#include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,21 +22,26 @@ constexpr double reach_share = 0.45;        // estimate of the ball of a cell's 
 // Keeps the n / 2 nearest samples, and of the others those that are farthest from all kept before.
 template <int Dim>
 void spread(const Points<Dim>& points, Index n, std::vector<std::pair<double, std::uint32_t>>& found) {
-  const auto near = static_cast<std::size_t>(n / 2), wanted = static_cast<std::size_t>(n);
-  std::vector<double> distance(found.size(), std::numeric_limits<double>::infinity());
-  const auto keep = [&](std::size_t k) {
-    for (std::size_t i = k + 1; i < found.size(); ++i)
-      distance[i] = std::min(distance[i], (points.col(found[i].second) - points.col(found[k].second)).squaredNorm());
+  const Index near = n / 2, count = std::ssize(found);
+  Points<Dim> places(Dim, count);
+  for (Index i = 0; i < count; ++i) places.col(i) = points.col(found[static_cast<std::size_t>(i)].second);
+  Eigen::ArrayXd distance = Eigen::ArrayXd::Constant(count, std::numeric_limits<double>::infinity()), to_kept(count);
+  const auto keep = [&](Index k) {
+    const Index rest = count - k - 1;
+    const Point<Dim> kept = places.col(k);
+    squared_distances<Dim>(places.data() + Dim * (k + 1), rest, kept, to_kept.data());
+    distance.tail(rest) = distance.tail(rest).min(to_kept.head(rest));
   };
-  for (std::size_t k = 0; k < near; ++k) keep(k);
-  for (std::size_t k = near; k < wanted; ++k) {
-    const auto farthest = std::max_element(distance.begin() + static_cast<std::ptrdiff_t>(k), distance.end());
-    const auto at = static_cast<std::size_t>(farthest - distance.begin());
-    std::swap(found[k], found[at]);
+  for (Index k = 0; k < near; ++k) keep(k);
+  for (Index k = near; k < n; ++k) {
+    const double* farthest = std::max_element(distance.data() + k, distance.data() + count);
+    const Index at = farthest - distance.data();
+    std::swap(found[static_cast<std::size_t>(k)], found[static_cast<std::size_t>(at)]);
+    places.col(k).swap(places.col(at));
     std::swap(distance[k], distance[at]);
     keep(k);
   }
-  found.resize(wanted);
+  found.resize(static_cast<std::size_t>(n));
   std::sort(found.begin(), found.end());
 }
 
