@@ -8,6 +8,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 namespace csrbf {
 namespace {
@@ -38,6 +40,8 @@ constexpr double small_sample = 1e4;  // samples up to which time does not matte
 constexpr double little_work = 4e8;  // flops of a trial that may use all patches
 constexpr double most_work = 2e9;    // flops of a trial on one patch in usual_stride; on fewer if it takes more
 constexpr Index usual_stride = 4, largest_stride = 16;
+
+constexpr Index most_known = 400;  // samples of patches that are kept from trial to trial
 
 constexpr double even_share = 0.05;  // of lopsided patches, above which samples are unevenly spread; chosen by hand
 
@@ -86,6 +90,11 @@ class CrossValidation {
     const Index most = options.centers < options.samples ? least_squares_targets : interpolant_targets;
     const Index targets = std::clamp<Index>(options.samples / 5, 1, std::min(most, cover_.points().cols()));
     Eigen::ArrayXXd error = Eigen::ArrayXXd::Constant(targets, all, std::numeric_limits<double>::quiet_NaN());
+    std::vector<PatchSamples<Dim>>* known = nullptr;
+    if (const Index n = std::min(options.samples, cover_.points().cols()); n <= most_known) {
+      known = &known_[{n, options.centers > 0 ? options.anisotropy : 0}];
+      known->resize(cells_.size());
+    }
     const auto compute = [&](Index begin, Index end) {
       LocalFitter<Dim> fitter(cover_, values_, weights_, options);
       LocalModels<Dim> models = fitter.models();
@@ -94,8 +103,13 @@ class CrossValidation {
       for (Index b = begin; b < end; ++b) {
         const int used = static_cast<int>(std::min<Index>(batch_lanes, count - batch_lanes * b));
         std::array<Index, batch_lanes> cells{};
-        for (int l = 0; l < used; ++l) cells[l] = cells_[chosen[static_cast<std::size_t>(batch_lanes * b + l)]];
-        fitter.fit(cells.data(), used, models, 0);
+        std::array<PatchSamples<Dim>*, batch_lanes> patch_samples{};
+        for (int l = 0; l < used; ++l) {
+          const auto patch = static_cast<std::size_t>(chosen[static_cast<std::size_t>(batch_lanes * b + l)]);
+          cells[l] = cells_[patch];
+          if (known != nullptr) patch_samples[l] = &(*known)[patch];
+        }
+        fitter.fit(cells.data(), used, models, 0, known != nullptr ? patch_samples.data() : nullptr);
         fitter.left_out_errors(targets, left_out.data());
         for (int l = 0; l < used; ++l) {
           const Eigen::Map<const Eigen::ArrayXXd> lane(left_out.data() + components * targets * l, targets, components);
@@ -131,6 +145,8 @@ class CrossValidation {
   Eigen::VectorXd weights_;
   std::vector<Index> cells_;
   Index volume_cells_ = 0;
+  // Of each of the cells, by their number and anisotropy: many trials have the same.
+  mutable std::map<std::pair<Index, double>, std::vector<PatchSamples<Dim>>> known_;
 };
 
 // Samples per patch over the leaf size of the cover, as in leaf_size() of fit_patches.cpp: supports overlap, and the

@@ -105,18 +105,23 @@ LocalModels<Dim> LocalFitter<Dim>::models() const {
 
 // The samples in local coordinates; unused lanes repeat the first one.
 template <int Dim>
-void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& models, Index first) {
+void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& models, Index first,
+                              PatchSamples<Dim>* const* known) {
   for (int l = 0; l < L; ++l) {
     const int used = l < count ? l : 0;
     const Box<Dim>& cell = cover_.cell(cells[used]);
     const Point<Dim> center = cell.center();
-    Eigen::Matrix<double, Dim, Dim> metric =
-        find_patch_samples(cover_, cells[used], n_, anisotropic_ ? options_.anisotropy : 0, search_);
-    double radius = std::sqrt(search_.found.back().first);
+    PatchSamples<Dim>& patch = known != nullptr ? *known[used] : patch_;
+    if (known == nullptr || patch.found.empty()) {
+      patch.metric = find_patch_samples(cover_, cells[used], n_, anisotropic_ ? options_.anisotropy : 0, search_);
+      patch.found = search_.found;
+    }
+    Eigen::Matrix<double, Dim, Dim> metric = patch.metric;
+    double radius = std::sqrt(patch.found.back().first);
     if (!(radius > 0)) radius = cell.diagonal();
     if (anisotropic_) {
       double farthest2 = 0;
-      for (const auto& [d2, id] : search_.found)
+      for (const auto& [d2, id] : patch.found)
         farthest2 = std::max(farthest2, (metric * (cover_.points().col(id) - center)).squaredNorm());
       if (farthest2 > 0) metric *= radius / std::sqrt(farthest2);
       if (l < count) std::copy_n(metric.data(), Dim * Dim, models.metric.data() + Dim * Dim * (first + l));
@@ -126,7 +131,7 @@ void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& m
       models.radius[first + l] = radius;
     }
     for (Index k = 0; k < n_; ++k) {
-      const std::uint32_t id = search_.found[k].second;
+      const std::uint32_t id = patch.found[k].second;
       Point<Dim> q = (cover_.points().col(id) - center) / radius;
       if (anisotropic_) q = metric * q;
       for (int a = 0; a < Dim; ++a) q_[L * (Dim * k + a) + l] = q[a];
@@ -153,8 +158,9 @@ void LocalFitter<Dim>::polynomial_rows(Index width) {
 }
 
 template <int Dim>
-void LocalFitter<Dim>::fit(const Index* cells, int count, LocalModels<Dim>& models, Index first) {
-  gather(cells, count, models, first);
+void LocalFitter<Dim>::fit(const Index* cells, int count, LocalModels<Dim>& models, Index first,
+                           PatchSamples<Dim>* const* known) {
+  gather(cells, count, models, first, known);
   if (interpolates())
     fit_interpolant(models, first, count);
   else

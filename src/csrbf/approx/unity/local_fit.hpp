@@ -5,9 +5,19 @@
 #include "csrbf/approx/unity/partition_of_unity.hpp"
 #include "csrbf/linalg/batched_cholesky.hpp"
 
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace csrbf {
+
+/// The samples of a patch: squared distances and columns of the points of a cover; and a metric, see
+/// find_patch_samples().
+template <int Dim>
+struct PatchSamples {
+  std::vector<std::pair<double, std::uint32_t>> found = {};  ///< empty: not known yet
+  Eigen::Matrix<double, Dim, Dim> metric;
+};
 
 /// Fits local functions to samples around the middles of cells (see find_patch_samples), eight at a time:
 ///
@@ -29,8 +39,11 @@ class LocalFitter {
   /// An empty collection of models of the kind that this fitter fits.
   [[nodiscard]] LocalModels<Dim> models() const;
 
-  /// Fits `count` <= 8 models: model first + s of `models` for cell cells[s].
-  void fit(const Index* cells, int count, LocalModels<Dim>& models, Index first);
+  /// Fits `count` <= 8 models: model first + s of `models` for cell cells[s]. `known`: the samples of each, found by
+  /// another fitter with as many and the same anisotropy, or empty; they are then stored there. None: they are not
+  /// kept.
+  void fit(const Index* cells, int count, LocalModels<Dim>& models, Index first,
+           PatchSamples<Dim>* const* known = nullptr);
 
   /// Leave-one-out errors of the `targets` samples nearest to the middle of each of the patches last fitted:
   /// error[(lane * components + component) * targets + k]. With radial functions at all samples the polynomial is
@@ -40,7 +53,7 @@ class LocalFitter {
   [[nodiscard]] Index samples() const { return n_; }
 
  private:
-  void gather(const Index* cells, int count, LocalModels<Dim>& models, Index first);
+  void gather(const Index* cells, int count, LocalModels<Dim>& models, Index first, PatchSamples<Dim>* const* known);
   void polynomial_rows(Index width);
   void fit_interpolant(LocalModels<Dim>& models, Index first, int count);
   void fit_least_squares(LocalModels<Dim>& models, Index first, int count);
@@ -58,6 +71,7 @@ class LocalFitter {
   bool anisotropic_;
   double inverse_support2_;
   typename Cover<Dim>::Search search_;
+  PatchSamples<Dim> patch_;
   std::vector<Index> center_rows_;  // samples that are centres
   // Eight lanes interleaved in everything that follows.
   std::vector<double> q_;              // n x Dim
