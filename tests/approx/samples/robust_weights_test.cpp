@@ -62,6 +62,11 @@ TEST(RobustWeights, LooksAtAllOfManySamplesWhereSomeAreErrors) {
   EXPECT_EQ(robust_weights(data, "auto").gross_errors.size(), 400U);
 }
 
+TEST(RobustWeights, KeepsThinThings) {
+  const auto joints = [](const Point<2>& p) { return std::fmod(p[0], .25) < .01 ? 0. : 1 + .3 * p[1]; };
+  EXPECT_TRUE(robust_weights(noisy<2>(4000, joints, .02), "auto").gross_errors.empty());
+}
+
 TEST(RobustWeights, AreThoseOfTheLoss) {
   Samples<2> data = noisy<2>(500, franke, .02);
   data.values(7) += 9;

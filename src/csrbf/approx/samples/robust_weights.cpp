@@ -2,10 +2,12 @@
 
 #include "csrbf/approx/samples/local_deviations.hpp"
 #include "csrbf/spatial/chosen_points.hpp"
+#include "csrbf/spatial/kd_tree.hpp"
 #include "csrbf/spatial/squared_distances.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -65,6 +67,25 @@ bool any_in_blocks(const Samples<Dim>& samples) {
   return false;
 }
 
+// Whether the nearest samples of errors are errors too, clearly more often than by chance: errors have no company, but
+// what is thin does, such as joints between bricks.
+template <int Dim>
+bool keep_company(const Samples<Dim>& samples, const Eigen::Array<bool, Eigen::Dynamic, 1>& is_error) {
+  const auto errors = static_cast<double>(is_error.count());
+  const double by_chance = errors * errors / static_cast<double>(is_error.size());
+  const double clearly_more = std::max(2 * by_chance, by_chance + 4 * std::sqrt(by_chance) + 4);
+  const KdTree<Dim> tree(samples.points);
+  Index company = 0;
+  for (Index i = 0; i < samples.size(); ++i) {
+    if (!is_error[i]) continue;
+    std::array<Index, 2> found{};
+    std::array<double, 2> r2{};
+    tree.nearest(samples.points.col(i), 2, found.data(), r2.data());
+    company += is_error[found[found[0] == i ? 1 : 0]] ? 1 : 0;
+  }
+  return static_cast<double>(company) > clearly_more;
+}
+
 std::string far_samples(const std::vector<Index>& rows, Index samples, const char* what, const char* instead) {
   constexpr std::size_t most_named = 10;
   std::string names;
@@ -89,7 +110,7 @@ RobustWeights robust_weights(const Samples<Dim>& samples, const std::string& los
   if (loss == "auto") {
     const auto share = [&](double limit) { return (deviation > limit).cast<double>().mean(); };
     const double limit = share(gross) < few_errors ? gross_alone : gross;
-    if (share(limit) == 0 || share(limit) > most_errors) return {};
+    if (share(limit) == 0 || share(limit) > most_errors || keep_company<Dim>(samples, deviation > limit)) return {};
     if (n < least_dense * local_neighbors<Dim>) {
       for (Index i = 0; i < n; ++i)
         if (deviation[i] > limit) result.suspects.push_back(i);
