@@ -10,6 +10,7 @@
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/kriging/confirm_errors.hpp"
 #include "csrbf/approx/measure_errors.hpp"
+#include "csrbf/approx/replicate_noise.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
 #include "csrbf/approx/samples/mapped_field.hpp"
 #include "csrbf/approx/samples/merge_duplicates.hpp"
@@ -304,6 +305,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   start = std::chrono::steady_clock::now();
   MethodFields<Dim> fields = has_one ? fit_by_method(scaled, options, chosen, learned ? &*learned : nullptr, report)
                                      : fit_by_covariances(scaled, options, likely, report);
+  if (!covariance && !keep_duplicates)
+    add_replicate_noise<Dim>(samples, merged.place, merged.replicates, scaled.points, fields);
   if (frame.extrapolation == Extrapolation::trend && fields.method != FitMethod::interpolate)
     frame.extrapolation = Extrapolation::linear;
   for (auto& field : fields.components) result.components.push_back(placed(field));

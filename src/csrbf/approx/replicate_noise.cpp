@@ -1,0 +1,70 @@
+#include "csrbf/approx/replicate_noise.hpp"
+
+#include "csrbf/approx/samples/average_field.hpp"
+#include "csrbf/approx/unity/local_variance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace csrbf {
+namespace {
+
+// Mean squared difference of the samples at each of the first places to their
+// mean: components x places.
+template <int Dim>
+Eigen::MatrixXd scatter_of(const Samples<Dim>& samples, const std::vector<Index>& place, Index places) {
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(samples.components(), places), squares = mean;
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(places);
+  for (Index i = 0; i < samples.size(); ++i) {
+    const Index k = place[static_cast<std::size_t>(i)];
+    const double before = weight[k], w = samples.weight(i);
+    if (w == 0) continue;
+    weight[k] += w;
+    const Eigen::VectorXd step = samples.values.row(i).transpose() - mean.col(k);
+    mean.col(k) += w / weight[k] * step;
+    squares.col(k) += w * before / weight[k] * step.cwiseAbs2();
+  }
+  for (Index k = 0; k < places; ++k)
+    if (weight[k] > 0) squares.col(k) /= weight[k];
+  return squares;
+}
+
+}  // namespace
+
+template <int Dim>
+void add_replicate_noise(const Samples<Dim>& samples, const std::vector<Index>& place, const Replicates& replicates,
+                         const Points<Dim>& places, MethodFields<Dim>& fields) {
+  if (replicates.count == 0) return;
+  const Index known = 1 + *std::max_element(place.begin(), place.begin() + samples.size());
+  Eigen::MatrixXd squares;
+  if (fields.method == FitMethod::interpolate) {
+    const Eigen::VectorXd noise = replicates.squares / static_cast<double>(replicates.count);
+    fields.noise.resize(static_cast<std::size_t>(noise.size()), 0);
+    squares.resize(noise.size(), known);
+    const double of_means = static_cast<double>(known) / static_cast<double>(samples.size());
+    for (Index c = 0; c < noise.size(); ++c) {
+      double& deviation = fields.noise[static_cast<std::size_t>(c)];
+      const double unknown = std::max(0.0, noise[c] - deviation * deviation);
+      squares.row(c).setConstant((1 + of_means) * unknown);
+      deviation = std::sqrt(deviation * deviation + unknown);
+    }
+  } else {
+    squares = scatter_of(samples, place, known);
+  }
+  auto scatter = local_means<Dim>(places.leftCols(known), squares);
+  if (fields.variances.empty() && known == 1) {
+    fields.variances = std::move(scatter);
+    return;
+  }
+  for (std::size_t c = 0; c < fields.variances.size(); ++c)
+    fields.variances[c] = std::make_shared<const AverageField<Dim>>(
+        std::vector<std::shared_ptr<const Field<Dim>>>{fields.variances[c], scatter[c]}, std::vector<double>{1, 1});
+}
+
+#define CSRBF_INSTANTIATE(Dim)                                                                              \
+  template void add_replicate_noise<Dim>(const Samples<Dim>&, const std::vector<Index>&, const Replicates&, \
+                                         const Points<Dim>&, MethodFields<Dim>&);
+CSRBF_FOR_EACH_DIM(CSRBF_INSTANTIATE)
+#undef CSRBF_INSTANTIATE
+
+}  // namespace csrbf

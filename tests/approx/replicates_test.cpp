@@ -1,0 +1,56 @@
+#include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
+
+namespace csrbf::replicates_test {
+namespace {
+
+// `each` samples at every place, with noise.
+Samples<2> repeated(const Points<2>& places, Index each, double noise,
+                    const std::function<double(const Point<2>&)>& f) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> error(0, noise);
+  Samples<2> data{Points<2>(2, each * places.cols()), Eigen::MatrixXd(each * places.cols(), 1), {}};
+  for (Index i = 0; i < data.size(); ++i) {
+    data.points.col(i) = places.col(i / each);
+    data.values(i, 0) = f(data.points.col(i)) + error(random);
+  }
+  return data;
+}
+
+double left(const Point<2>& p) {
+  return p[0];
+}
+
+TEST(Replicates, TellTheNoiseOfFewPlaces) {
+  for (const Index places : {1, 2, 3, 4}) {
+    const Fit<2> fit = csrbf::fit<2>(repeated(random_points<2>(places, 1), 40, .3, left));
+    ASSERT_EQ(fit.variances.size(), 1u) << places;
+    const Eigen::VectorXd variance = fit.variances[0]->evaluate(random_points<2>(places, 1)).value;
+    EXPECT_NEAR(std::sqrt(variance.mean()), .3, .06) << places;
+  }
+}
+
+TEST(Replicates, TellTheNoiseOfPlacesWithOneMean) {
+  Samples<2> data = repeated(random_points<2>(6, 1), 20, 0, [](const Point<2>&) { return 1.; });
+  for (Index i = 0; i < data.size(); ++i) data.values(i, 0) += i % 2 == 0 ? .5 : -.5;
+  const Fit<2> fit = csrbf::fit<2>(data);
+  EXPECT_NEAR(fit.report.noise.at(0), .5, .05);
+  EXPECT_NEAR(std::sqrt(fit.variances.at(0)->evaluate(data.points).value.mean()), .5, .05);
+}
+
+// Of many places, some with many samples and most with one.
+TEST(Replicates, TellTheNoiseOfManyPlaces) {
+  const Points<2> places = random_points<2>(3000, 1);
+  Samples<2> data = repeated(places, 8, .2, franke);
+  std::vector<Index> rows;
+  for (Index i = 0; i < data.size(); ++i)
+    if (i % 8 == 0 || (i / 8) % 3 == 0) rows.push_back(i);
+  data = Samples<2>{data.points(Eigen::all, rows), data.values(rows, Eigen::all), {}};
+  const Fit<2> fit = csrbf::fit<2>(data);
+  ASSERT_EQ(fit.report.method, "partition-of-unity");
+  const Eigen::VectorXd deviation = fit.variances.at(0)->evaluate(places).value.cwiseSqrt();
+  EXPECT_NEAR(deviation.mean(), .2, .02);
+}
+
+}  // namespace
+}  // namespace csrbf::replicates_test
