@@ -31,8 +31,8 @@ TEST(Replicates, TellTheNoiseOfFewPlaces) {
 }
 
 TEST(Replicates, TellTheNoiseOfPlacesWithOneMean) {
-  Samples<2> data = repeated(random_points<2>(6, 1), 20, 0, [](const Point<2>&) { return 1.; });
-  for (Index i = 0; i < data.size(); ++i) data.values(i, 0) += i % 2 == 0 ? .5 : -.5;
+  Samples<2> data = repeated(random_points<2>(6, 1), 20, 1, [](const Point<2>&) { return 0.; });
+  for (Index i = 0; i < data.size(); ++i) data.values(i, 0) = i % 2 == 0 ? .5 : 1.5;
   const Fit<2> fit = csrbf::fit<2>(data);
   EXPECT_NEAR(fit.report.noise.at(0), .5, .05);
   EXPECT_NEAR(std::sqrt(fit.variances.at(0)->evaluate(data.points).value.mean()), .5, .05);
