@@ -113,6 +113,19 @@ class Values(unittest.TestCase):
         np.testing.assert_array_equal(csrbf.fit(x.tolist(), v.tolist(), **QUICK)(x.tolist()), expected)
 
 
+class Replicates(unittest.TestCase):
+    def test_models_keep_the_noise_of_replicates(self):
+        rng = np.random.default_rng(1)
+        for places in (3, 3000):
+            x = np.repeat(rng.random((places, 2)), 6, axis=0)
+            f = csrbf.fit(x, np.sin(5 * x[:, 0]) + 0.2 * rng.standard_normal(len(x)))
+            with tempfile.TemporaryDirectory() as folder:
+                f.save(os.path.join(folder, "f.csrbf"))
+                again = csrbf.load(os.path.join(folder, "f.csrbf"))
+            self.assertAlmostEqual(f.standard_deviation(x[:9]).mean(), 0.2, delta=0.08)
+            np.testing.assert_array_equal(again.standard_deviation(x[:9]), f.standard_deviation(x[:9]))
+
+
 class StandardDeviations(unittest.TestCase):
     def test_of_interpolation_are_zero_at_the_samples_and_grow_between_them(self):
         x, v = samples(150)
