@@ -8,8 +8,8 @@ namespace {
 constexpr Index width = 64;
 
 // A square of missing pixels.
-Mask hole_at(Index x, Index y, Index side) {
-  Mask mask(static_cast<std::size_t>(width * width), 0);
+VoxelMask hole_at(Index x, Index y, Index side) {
+  VoxelMask mask(static_cast<std::size_t>(width * width), 0);
   for (Index j = y; j < y + side; ++j)
     for (Index i = x; i < x + side; ++i) mask[static_cast<std::size_t>(j * width + i)] = 1;
   return mask;
@@ -19,7 +19,7 @@ struct Sides {
   Index left = 0, right = 0, above = 0, below = 0, in_hole = 0;
 };
 
-Sides sides_of(const Mask& trial, Index x, Index y, Index side) {
+Sides sides_of(const VoxelMask& trial, Index x, Index y, Index side) {
   Sides sides;
   for (Index j = 0; j < width; ++j)
     for (Index i = 0; i < width; ++i) {
@@ -57,11 +57,11 @@ TEST(MissingVoxels, TrialHolesAreWhereTheImageIs) {
 }
 
 TEST(MissingVoxels, ScatteredPixelsHaveNoTrialHoles) {
-  Mask mask(static_cast<std::size_t>(width * width), 0);
+  VoxelMask mask(static_cast<std::size_t>(width * width), 0);
   for (std::size_t i = 0; i < mask.size(); i += 7) mask[i] = 1;
   const Index known = std::count(mask.begin(), mask.end(), 0);
   EXPECT_EQ(std::count_if(mask.begin(), mask.end(), [](auto m) { return m != 0; }) + known, width * width);
-  const Mask trial = trial_holes(mask, pixels(), known);
+  const VoxelMask trial = trial_holes(mask, pixels(), known);
   EXPECT_EQ(std::count(trial.begin(), trial.end(), 1), 0);
 }
 
