@@ -34,6 +34,7 @@ constexpr double maybe_different = 2;   // ... or if cross-validation is in favo
 constexpr double rounding = 1e-12;      // relative
 constexpr double much_better = 2;       // errors of one system over those of patches, which have no covariance
 constexpr Index one_system = 2500;      // samples that one system is tried for; chosen by hand
+constexpr Index few_patches = 50;       // samples that patches are tried for beside one system; chosen by hand
 
 template <int Dim>
 void check(const FitOptions& options) {
@@ -88,9 +89,8 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
     largest = std::max(largest, extent[a]);
     smallest = std::min(smallest, extent[a]);
   }
-  if (!(largest > maybe_different * smallest)) return Point<Dim>::Ones();
   if (largest > different_units * smallest) return equal;
-  if (method != FitMethod::partition_of_unity) return Point<Dim>::Ones();
+  if (method != FitMethod::partition_of_unity || !(largest > maybe_different * smallest)) return Point<Dim>::Ones();
   Samples<Dim> scaled = samples;
   scaled.points.array().colwise() /= equal.array();
   const PartitionOfUnityOptions local = partition_options(options);
@@ -99,25 +99,25 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
              : Point<Dim>(Point<Dim>::Ones());
 }
 
-// For one system of all samples, when the kernel is left to choose: of few samples, and of more where it predicts
-// samples left out better than a partition of unity.
+// For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
+// unity predicts samples left out much better, which `method` then becomes.
 template <int Dim>
 CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
-                              FitMethod method) {
+                              FitMethod& method) {
   const bool is_free = options.kernel == "auto" && std::isnan(options.kernel_parameter) && !options.smoothing;
-  const bool compare = method == FitMethod::partition_of_unity && options.method == "auto" && !options.degree &&
-                       samples.size() <= one_system;
-  if (!is_free || !(compare || method == FitMethod::interpolate)) return {};
-  if (samples.size() > InterpolateOptions{}.dense_limit) return {};
-  const Samples<Dim> used = without_zero_weights(samples);
+  const bool is_cheap = method == FitMethod::interpolate && Dim <= 3 && samples.size() >= few_patches;
+  const bool compare = (is_cheap || method == FitMethod::partition_of_unity) && options.method == "auto" &&
+                       !options.degree && samples.size() <= one_system;
+  if (!is_free || !(compare || method == FitMethod::interpolate) || samples.size() > InterpolateOptions{}.dense_limit)
+    return {};
+  Samples<Dim> used = without_zero_weights(samples);
   auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
   if (!covariance.best || !compare) return covariance;
-  Samples<Dim> scaled = used;
-  const Point<Dim> scales = choose_scales(used, options, method);
-  scaled.points.array().colwise() /= scales.array();
-  const double of_patches = choose_local_options(scaled, partition_options(options)).error;
-  if (!(left_out_error(used, *covariance.best) < much_better * of_patches)) covariance = {};
-  return covariance;
+  const double of_one = left_out_error(used, *covariance.best);
+  used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
+  if (of_one < much_better * choose_local_options(used, partition_options(options)).error) return covariance;
+  method = FitMethod::partition_of_unity;
+  return {};
 }
 
 // The samples to fit, when they are not all of those given as they are.
@@ -270,15 +270,15 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   report.merged_duplicates = samples.size() - 1 - *std::max_element(place, place + samples.size());
   if (!keep_duplicates) scaled = std::move(merged.samples);
   report.samples = report.samples_fitted = samples.size() - (keep_duplicates ? 0 : report.merged_duplicates);
-  const FitMethodInfo& method = info_of(choose_method(options, report.samples, Dim));
-  require(std::isnan(options.kernel_parameter) || method.kernel_parameter, "fit", "kernel_parameter",
+  FitMethod chosen = choose_method(options, report.samples, Dim);
+  require(std::isnan(options.kernel_parameter) || info_of(chosen).kernel_parameter, "fit", "kernel_parameter",
           options.kernel_parameter,
-          std::string("is for the method interpolate; ") + method.name + " uses the default of the kernel");
-  const CovarianceEstimate<Dim> estimate = learn(scaled, merged.replicates, options, method.method);
+          std::string("is for the method interpolate; ") + info_of(chosen).name + " uses the default of the kernel");
+  const CovarianceEstimate<Dim> estimate = learn(scaled, merged.replicates, options, chosen);
   const std::vector<AxisCovariance<Dim>>& likely = estimate.likely;
   const bool has_one = likely.size() < 2;
   const std::optional<AxisCovariance<Dim>> covariance = likely.empty() ? estimate.best : likely.front();
-  const FitMethod chosen = covariance ? FitMethod::interpolate : method.method;
+  if (covariance) chosen = FitMethod::interpolate;
   std::optional<LearnedCovariance> learned;
   if (covariance) {
     frame.scales = covariance->lengths / covariance->lengths.minCoeff();
