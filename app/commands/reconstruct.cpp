@@ -81,7 +81,8 @@ void expect_tile_flags(const ReconstructCommand& command, const Session& session
 }
 
 void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
-  expect_mesh_output(command.output, session);
+  const bool in_tiles = works_in_tiles(command.tiles) && command.output.ends_with('/');  // a folder
+  if (!in_tiles) expect_mesh_output(command.output, session);
   if (command.model.empty()) return;
   if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
   const SurfaceMethod* method = find_surface_method(command.method);

@@ -65,7 +65,8 @@ TileShare tile_share(const TileFlags& flags) {
 }
 
 std::string tile_folder(const TileFlags& flags, const std::string& output) {
-  return flags.folder.empty() ? output + ".tiles" : flags.folder;
+  if (!flags.folder.empty()) return flags.folder;
+  return output.substr(0, output.find_last_not_of('/') + 1) + ".tiles";
 }
 
 void add_tile_options(Index points, const TileShare& share, const std::string& folder, Session& session) {

@@ -36,7 +36,7 @@ def reconstruct_tiles(
     points : file name
         Points with or without normals; binary .ply and .npy are read in pieces.
     mesh : file name
-        Written by the first process.
+        Written by the first process. With a slash at its end a folder: each tile gets a file tile_NNNN.ply.
     tile_points : int
         Points per tile, about; memory grows with it: about 1.8 GB for a million.
     memory : float, optional
@@ -91,7 +91,7 @@ def reconstruct_tiles(
         "model": None if model is None else os.fspath(model),
     }
     target = os.fspath(mesh)
-    work = f"{target}.tiles" if folder is None else os.fspath(folder)
+    work = f"{target.rstrip('/')}.tiles" if folder is None else os.fspath(folder)
     with listening(progress) as listener:
         return _csrbf.reconstruct_tiles(
             os.fspath(points),

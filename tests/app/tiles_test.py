@@ -193,6 +193,32 @@ class Tiles(base.CommandLine):
         self.assertTrue(result["watertight"])
         self.assertLess(self.distance(ply_mesh, self.mesh), 1e-6)
 
+    def test_a_folder_gets_a_file_for_each_tile_and_they_fit(self):
+        self.result()
+        rows, faces = base.read_ply(self.mesh)
+        self.arguments[3] = self.path("tiles/")
+        tiles = self.result()["result"]["tiles"]
+        files = sorted(os.listdir(self.path("tiles")))
+        self.assertFalse(os.path.exists(self.path("tiles.tiles")))
+        self.assertLessEqual(len(files), tiles)
+        self.assertGreater(len(files), 1)
+        corners, edges, count = set(), {}, 0
+        for name in files:
+            path = os.path.join(self.path("tiles"), name)
+            own, triangles = base.read_ply(path)
+            places = [(v["x"], v["y"], v["z"]) for v in own]
+            corners.update(places)
+            count += triangles
+            with open(path, "rb") as file:
+                data = file.read()[-13 * triangles:]
+            for three, a, b, c in struct.iter_unpack("<B3i", data):
+                self.assertEqual(three, 3)
+                for i, j in ((a, b), (b, c), (c, a)):
+                    edges[places[i], places[j]] = edges.get((places[i], places[j]), 0) + 1
+        self.assertEqual(corners, {(v["x"], v["y"], v["z"]) for v in rows})
+        self.assertEqual(count, faces)
+        self.assertTrue(all(n == 1 and edges.get((b, a)) == 1 for (a, b), n in edges.items()))
+
     def test_noise_and_outliers(self):
         noise = random.Random(2)
         rows = [[x + noise.gauss(0, 0.01) for x in row[:3]] for row in two_balls(8000)]

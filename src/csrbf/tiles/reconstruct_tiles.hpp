@@ -41,7 +41,8 @@ struct TileReport {
   Index weak_features = 0;  ///< bridges cut and holes filled, but for those where tiles meet
 };
 
-/// reconstruct() and polygonize() for more points than memory: from a file of points to a file of a mesh, tile by tile.
+/// reconstruct() and polygonize() for more points than memory: from a file of points to a file of a mesh, tile by tile;
+/// or, where `mesh` ends with a slash, to a folder of files tile_NNNN.ply, which meet in vertices of the same bits.
 ///
 /// Space is cut into tiles with about as many points each. A tile is reconstructed from all points in it and around it,
 /// and from ever fewer farther away, which tell it what it is part of; so it chooses its own settings. Where tiles

@@ -8,11 +8,18 @@
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/tiles/stages/number_parts.hpp"
 
+#include <filesystem>
+
 namespace csrbf {
 namespace {
 
 constexpr std::size_t written_at_once = std::size_t{4} << 20;  // bytes
+constexpr std::size_t tile_digits = 4;                         // of names of files
 constexpr std::size_t triangle_size = 13;                      // bytes in a .ply file
+
+bool is_folder(const std::string& output) {
+  return output.ends_with('/');
+}
 
 // Leaves the components that have data.
 TilePart kept_part(TilePart part, const std::vector<Index>& component, const std::set<std::int32_t>& dropped) {
@@ -24,13 +31,16 @@ TilePart kept_part(TilePart part, const std::vector<Index>& component, const std
   return part;
 }
 
-std::string ply_header(const WholeMesh& whole) {
-  const std::string type = whole.as_double ? "double" : "float";
-  std::string header =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(whole.topology.vertices) + "\n";
+std::string ply_header(Index vertices, Index triangles, bool as_double) {
+  const std::string type = as_double ? "double" : "float";
+  std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
   for (const char axis : {'x', 'y', 'z'}) header += "property " + type + " " + axis + "\n";
-  return header + "property float nx\nproperty float ny\nproperty float nz\nelement face " +
-         std::to_string(whole.topology.triangles) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  return header + "property float nx\nproperty float ny\nproperty float nz\nelement face " + std::to_string(triangles) +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string ply_header(const WholeMesh& whole) {
+  return ply_header(whole.topology.vertices, whole.topology.triangles, whole.as_double);
 }
 
 // A part whose vertices are numbered in the whole mesh.
@@ -64,7 +74,9 @@ class Welder {
     report(team_.progress(), "write", 0);
     leave_out();
     number();
-    if (file_extension(output_) == ".ply")
+    if (is_folder(output_))
+      write_tiles();
+    else if (file_extension(output_) == ".ply")
       write_ply();
     else if (team_.leads())
       write_at_once();
@@ -137,6 +149,37 @@ class Welder {
     mesh.commit();
   }
 
+  // What tiles share is in the file of each, with the same bits.
+  void write_tiles() {
+    team_.for_own("written", tiles(), [&](Index t) {
+      const Mesh mesh = read_part(part(t)).mesh;
+      if (mesh.triangles.cols() > 0) {
+        std::string bytes = ply_header(mesh.vertices.cols(), mesh.triangles.cols(), whole_.as_double);
+        for (Index v = 0; v < mesh.vertices.cols(); ++v) append_vertex(bytes, mesh, v);
+        for (const auto& triangle : mesh.triangles.colwise()) {
+          bytes += '\3';
+          for (const std::int32_t v : triangle) append_scalar(bytes, v);
+        }
+        std::string number = std::to_string(t);
+        number.insert(0, std::max<std::size_t>(tile_digits, number.size()) - number.size(), '0');
+        std::filesystem::create_directories(output_);
+        write_file(output_ + "tile_" + number + ".ply", bytes);
+      }
+      write_file(folder_.file("written", t), "");
+    });
+    if (team_.leads()) team_.wait_for_all("written", tiles());
+  }
+
+  void append_vertex(std::string& bytes, const Mesh& mesh, Index v) const {
+    for (const double x : mesh.vertices.col(v)) {
+      if (whole_.as_double)
+        append_scalar(bytes, x);
+      else
+        append_scalar(bytes, static_cast<float>(x));
+    }
+    for (const double x : mesh.normals.col(v)) append_scalar(bytes, static_cast<float>(x));
+  }
+
   [[nodiscard]] std::size_t vertex_size() const {
     return 3 * (whole_.as_double ? sizeof(double) : sizeof(float)) + 3 * sizeof(float);
   }
@@ -147,13 +190,7 @@ class Welder {
     std::string bytes;
     for (Index v = 0; v < part.mesh.vertices.cols(); ++v) {
       if (!part.is_fresh(v)) continue;
-      for (const double x : part.mesh.vertices.col(v)) {
-        if (whole_.as_double)
-          append_scalar(bytes, x);
-        else
-          append_scalar(bytes, static_cast<float>(x));
-      }
-      for (const double x : part.mesh.normals.col(v)) append_scalar(bytes, static_cast<float>(x));
+      append_vertex(bytes, part.mesh, v);
       flush(file, bytes, written_at_once);
     }
     flush(file, bytes, 0);
