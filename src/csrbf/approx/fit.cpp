@@ -100,7 +100,7 @@ Point<Dim> choose_scales(const Samples<Dim>& samples, const FitOptions& options,
 }
 
 // For one system of all samples, when the kernel is left to choose: of few samples, and of more, unless a partition of
-// unity predicts samples left out much better, which `method` then becomes.
+// unity predicts samples left out much better, which `method` then becomes. Few without noise are not asked.
 template <int Dim>
 CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& replicates, const FitOptions& options,
                               FitMethod& method) {
@@ -112,7 +112,7 @@ CovarianceEstimate<Dim> learn(const Samples<Dim>& samples, const Replicates& rep
     return {};
   Samples<Dim> used = without_zero_weights(samples);
   auto covariance = estimate_axis_covariance(used, replicates, !options.scale_axes);
-  if (!covariance.best || !compare) return covariance;
+  if (!covariance.best || !compare || (is_cheap && covariance.best->nugget == 0)) return covariance;
   const double of_one = left_out_error(used, *covariance.best);
   used.points.array().colwise() /= choose_scales(used, options, FitMethod::partition_of_unity).array();
   if (of_one < much_better * choose_local_options(used, partition_options(options)).error) return covariance;

@@ -90,7 +90,7 @@ class CrossValidation {
     const Index most = options.centers < options.samples ? least_squares_targets : interpolant_targets;
     const Index targets = std::clamp<Index>(options.samples / 5, 1, std::min(most, cover_.points().cols()));
     Eigen::ArrayXXd error = Eigen::ArrayXXd::Constant(targets, all, std::numeric_limits<double>::quiet_NaN());
-    std::vector<PatchSamples<Dim>>* known = nullptr;
+    std::vector<FoundSamples<Dim>>* known = nullptr;
     if (const Index n = std::min(options.samples, cover_.points().cols()); n <= most_known) {
       known = &known_[{n, options.centers > 0 ? options.anisotropy : 0}];
       known->resize(cells_.size());
@@ -103,7 +103,7 @@ class CrossValidation {
       for (Index b = begin; b < end; ++b) {
         const int used = static_cast<int>(std::min<Index>(batch_lanes, count - batch_lanes * b));
         std::array<Index, batch_lanes> cells{};
-        std::array<PatchSamples<Dim>*, batch_lanes> patch_samples{};
+        std::array<FoundSamples<Dim>*, batch_lanes> patch_samples{};
         for (int l = 0; l < used; ++l) {
           const auto patch = static_cast<std::size_t>(chosen[static_cast<std::size_t>(batch_lanes * b + l)]);
           cells[l] = cells_[patch];
@@ -146,7 +146,7 @@ class CrossValidation {
   std::vector<Index> cells_;
   Index volume_cells_ = 0;
   // Of each of the cells, by their number and anisotropy: many trials have the same.
-  mutable std::map<std::pair<Index, double>, std::vector<PatchSamples<Dim>>> known_;
+  mutable std::map<std::pair<Index, double>, std::vector<FoundSamples<Dim>>> known_;
 };
 
 // Samples per patch over the leaf size of the cover, as in leaf_size() of fit_patches.cpp: supports overlap, and the

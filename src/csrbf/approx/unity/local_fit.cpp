@@ -106,12 +106,12 @@ LocalModels<Dim> LocalFitter<Dim>::models() const {
 // The samples in local coordinates; unused lanes repeat the first one.
 template <int Dim>
 void LocalFitter<Dim>::gather(const Index* cells, int count, LocalModels<Dim>& models, Index first,
-                              PatchSamples<Dim>* const* known) {
+                              FoundSamples<Dim>* const* known) {
   for (int l = 0; l < L; ++l) {
     const int used = l < count ? l : 0;
     const Box<Dim>& cell = cover_.cell(cells[used]);
     const Point<Dim> center = cell.center();
-    PatchSamples<Dim>& patch = known != nullptr ? *known[used] : patch_;
+    FoundSamples<Dim>& patch = known != nullptr ? *known[used] : patch_;
     if (known == nullptr || patch.found.empty()) {
       patch.metric = find_patch_samples(cover_, cells[used], n_, anisotropic_ ? options_.anisotropy : 0, search_);
       patch.found = search_.found;
@@ -159,7 +159,7 @@ void LocalFitter<Dim>::polynomial_rows(Index width) {
 
 template <int Dim>
 void LocalFitter<Dim>::fit(const Index* cells, int count, LocalModels<Dim>& models, Index first,
-                           PatchSamples<Dim>* const* known) {
+                           FoundSamples<Dim>* const* known) {
   gather(cells, count, models, first, known);
   if (interpolates())
     fit_interpolant(models, first, count);

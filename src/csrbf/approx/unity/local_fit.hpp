@@ -14,7 +14,7 @@ namespace csrbf {
 /// The samples of a patch: squared distances and columns of the points of a cover; and a metric, see
 /// find_patch_samples().
 template <int Dim>
-struct PatchSamples {
+struct FoundSamples {
   std::vector<std::pair<double, std::uint32_t>> found = {};  ///< empty: not known yet
   Eigen::Matrix<double, Dim, Dim> metric;
 };
@@ -43,7 +43,7 @@ class LocalFitter {
   /// another fitter with as many and the same anisotropy, or empty; they are then stored there. None: they are not
   /// kept.
   void fit(const Index* cells, int count, LocalModels<Dim>& models, Index first,
-           PatchSamples<Dim>* const* known = nullptr);
+           FoundSamples<Dim>* const* known = nullptr);
 
   /// Leave-one-out errors of the `targets` samples nearest to the middle of each of the patches last fitted:
   /// error[(lane * components + component) * targets + k]. With radial functions at all samples the polynomial is
@@ -53,7 +53,7 @@ class LocalFitter {
   [[nodiscard]] Index samples() const { return n_; }
 
  private:
-  void gather(const Index* cells, int count, LocalModels<Dim>& models, Index first, PatchSamples<Dim>* const* known);
+  void gather(const Index* cells, int count, LocalModels<Dim>& models, Index first, FoundSamples<Dim>* const* known);
   void polynomial_rows(Index width);
   void fit_interpolant(LocalModels<Dim>& models, Index first, int count);
   void fit_least_squares(LocalModels<Dim>& models, Index first, int count);
@@ -71,7 +71,7 @@ class LocalFitter {
   bool anisotropic_;
   double inverse_support2_;
   typename Cover<Dim>::Search search_;
-  PatchSamples<Dim> patch_;
+  FoundSamples<Dim> patch_;
   std::vector<Index> center_rows_;  // samples that are centres
   // Eight lanes interleaved in everything that follows.
   std::vector<double> q_;              // n x Dim
