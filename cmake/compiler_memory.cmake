@@ -1,4 +1,4 @@
-# GCC searches its memory for garbage each time that it has grown by about a third, from 128 MB on: a sixth of the time
+# GCC searches its memory for garbage each time that it has grown by about a third, from 128 MB on: a tenth of the time
 # of files with many templates (benchmarks/BUILD.md). With more memory before the first search it finds less to do.
 include_guard()
 cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY)
