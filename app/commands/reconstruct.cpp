@@ -14,6 +14,7 @@
 #include "csrbf/surface/trim.hpp"
 #include "csrbf/tiles/reconstruct_tiles.hpp"
 
+#include <filesystem>
 #include <utility>
 #include <variant>
 
@@ -81,8 +82,13 @@ void expect_tile_flags(const ReconstructCommand& command, const Session& session
 }
 
 void expect_mesh_outputs(const ReconstructCommand& command, Session& session) {
-  const bool in_tiles = works_in_tiles(command.tiles) && command.output.ends_with('/');  // a folder
-  if (!in_tiles) expect_mesh_output(command.output, session);
+  if (works_in_tiles(command.tiles) && command.output.ends_with('/')) {
+    std::error_code error;
+    std::filesystem::create_directories(command.output, error);
+    session.expect_output(command.output + "tile_0000.ply");  // says why if there is no folder
+  } else {
+    expect_mesh_output(command.output, session);
+  }
   if (command.model.empty()) return;
   if (file_extension(command.model) != ".csrbf") throw UsageError("--model " + command.model + ": models are .csrbf");
   const SurfaceMethod* method = find_surface_method(command.method);

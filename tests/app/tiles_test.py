@@ -197,8 +197,13 @@ class Tiles(base.CommandLine):
         self.result()
         rows, faces = base.read_ply(self.mesh)
         self.arguments[3] = self.path("tiles/")
+        os.mkdir(self.path("tiles"))
+        for name in ("tile_0999.ply", "notes.ply"):
+            self.binary(os.path.join("tiles", name), b"of an earlier mesh")
         tiles = self.result()["result"]["tiles"]
         files = sorted(os.listdir(self.path("tiles")))
+        self.assertEqual(files.pop(0), "notes.ply")
+        self.assertNotIn("tile_0999.ply", files)
         self.assertFalse(os.path.exists(self.path("tiles.tiles")))
         self.assertLessEqual(len(files), tiles)
         self.assertGreater(len(files), 1)

@@ -96,8 +96,8 @@ TEST(FitAlongTracks, IsNotChosenForRoundingErrors) {
 
 // Every fifth sounding predicted by the others.
 double mean_error_over_that_of_patches(double offset) {
-  const Samples<2> all = soundings(4000, offset);
-  const auto kept = Eigen::seqN(0, 3200), rest = Eigen::seqN(3200, 800);
+  const Samples<2> all = soundings(8000, offset);
+  const auto kept = Eigen::seqN(0, 6400), rest = Eigen::seqN(6400, 1600);
   const Samples<2> data{all.points(Eigen::all, kept), all.values(kept, Eigen::all), {}};
   const Points<2> x = all.points(Eigen::all, rest);
   const auto mean_error = [&](const FitOptions& options) {

@@ -8,13 +8,16 @@
 #include "csrbf/io/mesh.hpp"
 #include "csrbf/tiles/stages/number_parts.hpp"
 
+#include <array>
+#include <cstdio>
 #include <filesystem>
+#include <regex>
+#include <set>
 
 namespace csrbf {
 namespace {
 
 constexpr std::size_t written_at_once = std::size_t{4} << 20;  // bytes
-constexpr std::size_t tile_digits = 4;                         // of names of files
 constexpr std::size_t triangle_size = 13;                      // bytes in a .ply file
 
 bool is_folder(const std::string& output) {
@@ -151,23 +154,52 @@ class Welder {
 
   // What tiles share is in the file of each, with the same bits.
   void write_tiles() {
-    team_.for_own("written", tiles(), [&](Index t) {
+    team_.for_own("mesh_tile", tiles(), [&](Index t) {
       const Mesh mesh = read_part(part(t)).mesh;
+      std::string bytes;
       if (mesh.triangles.cols() > 0) {
-        std::string bytes = ply_header(mesh.vertices.cols(), mesh.triangles.cols(), whole_.as_double);
+        bytes = ply_header(mesh.vertices.cols(), mesh.triangles.cols(), whole_.as_double);
         for (Index v = 0; v < mesh.vertices.cols(); ++v) append_vertex(bytes, mesh, v);
         for (const auto& triangle : mesh.triangles.colwise()) {
           bytes += '\3';
           for (const std::int32_t v : triangle) append_scalar(bytes, v);
         }
-        std::string number = std::to_string(t);
-        number.insert(0, std::max<std::size_t>(tile_digits, number.size()) - number.size(), '0');
-        std::filesystem::create_directories(output_);
-        write_file(output_ + "tile_" + number + ".ply", bytes);
       }
-      write_file(folder_.file("written", t), "");
+      write_file(folder_.file("mesh_tile", t), bytes);
     });
-    if (team_.leads()) team_.wait_for_all("written", tiles());
+    if (!team_.leads()) return;
+    team_.wait_for_all("mesh_tile", tiles());
+    namespace fs = std::filesystem;
+    std::error_code error;
+    fs::create_directories(utf8_path(output_), error);
+    std::set<std::string> written;
+    for (Index t = 0; t < tiles(); ++t) {
+      const std::string file = folder_.file("mesh_tile", t);
+      if (fs::file_size(utf8_path(file)) == 0) continue;
+      std::array<char, 32> name{};
+      std::snprintf(name.data(), name.size(), "tile_%04lld.ply", static_cast<long long>(t));
+      AtomicFile mesh(output_ + name.data());
+      mesh.take(file);
+      mesh.commit();
+      written.insert(name.data());
+    }
+    remove_others(written);
+  }
+
+  // What earlier meshes of more tiles left in the folder, which would not fit.
+  void remove_others(const std::set<std::string>& written) const {
+    static const std::regex pattern("tile_[0-9]{4,}\\.ply");
+    std::vector<std::filesystem::path> others;
+    for (const auto& entry : std::filesystem::directory_iterator(utf8_path(output_))) {
+      const std::string name = utf8_name(entry.path().filename());
+      if (entry.is_regular_file() && std::regex_match(name, pattern) && !written.contains(name))
+        others.push_back(entry.path());
+    }
+    for (const std::filesystem::path& other : others) {
+      std::error_code error;
+      if (!std::filesystem::remove(other, error))
+        throw IoError(utf8_name(other) + ": from an earlier run, cannot be removed: " + error.message());
+    }
   }
 
   void append_vertex(std::string& bytes, const Mesh& mesh, Index v) const {
