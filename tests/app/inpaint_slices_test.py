@@ -99,6 +99,8 @@ class InpaintSlices(command_line_test.CommandLine):
                        self.path("o.npy"), "--mask", small, "--memory", "60MB")
         self.fail_with(2, "an image of one slice", "inpaint", self.file("one.npy", npy_bytes((9, 9), [1] * 81, "|u1")), "-o",
                        self.path("o.npy"), "--memory", "60MB")
+        self.fail_with(2, "holds whole numbers, which cannot be NaN", "inpaint", self.image, "-o", self.path("o.npy"),
+                       "--mask", self.mask, "--memory", "60MB", "--extrapolation", "nan")
         for name in ("o.npy", "o.nrrd"):
             self.assertFalse(os.path.exists(self.path(name)))
 

@@ -323,6 +323,8 @@ InpaintSlicesReport inpaint_slices(const std::string& image, const std::string& 
   if (!VolumeWriter::can_write(output))
     throw InvalidInput(output + ": only .nii, .nii.gz and .npy files are written by slices");
   SlicesToFill slices(image, options);
+  require(options.inpaint.extrapolation != Extrapolation::nan || is_floating(slices.layout().type), slices_function,
+          "extrapolation", "nan", "the image holds whole numbers, which cannot be NaN");
   return FillBySlices(slices, options, output).run();
 }
 
