@@ -93,8 +93,8 @@ TEST(MedialAxis, ChoosesNearlyTheBestSmoothingUnderStrongNoise) {
     double noise;
     Index centers;
   };
-  for (const auto& [noise, centers] : {Case{0.01, 1500}, Case{0.02, 250}, Case{0.04, 500}}) {
-    PointCloud samples = with_noise(torus.cloud(4000), noise);  // 0.3 to 1.3 % of the diagonal
+  for (const auto& [noise, centers] : {Case{0.01, 1500}, Case{0.02, 250}, Case{0.04, 1200}}) {
+    PointCloud samples = with_noise(torus.cloud(10000), noise);  // 0.3 to 1.3 % of the diagonal
     samples.normals += 0.2 * random_points(samples.size(), {Point<3>::Constant(-1.7), Point<3>::Constant(1.7)}, 8);
     samples.normals.colwise().normalize();
     const PreparedCloud cloud = prepare(samples, Normals::file);
@@ -104,7 +104,7 @@ TEST(MedialAxis, ChoosesNearlyTheBestSmoothingUnderStrongNoise) {
     };
     const double automatic = error({}), best = std::min(error(0.1), error(10.0));
     EXPECT_LT(automatic, 1.2 * best) << noise << " " << centers;
-    EXPECT_LT(automatic, 0.5 * noise) << noise << " " << centers;
+    EXPECT_LT(automatic, 0.35 * noise) << noise << " " << centers;
   }
 }
 

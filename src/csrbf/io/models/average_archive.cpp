@@ -30,10 +30,11 @@ template <int Dim>
 std::shared_ptr<const Field<Dim>> average_from(
     const Archive& archive, const std::function<std::shared_ptr<const Field<Dim>>(const Archive&)>& from_archive) {
   const Eigen::VectorXd weights = archive.numbers("weights", -1, 1);
-  const bool is_mean = std::abs(weights.sum() - 1) < 1e-6, is_sum = (weights.array() == 1).all();
+  const bool has_variances = archive.integer("has_variances", 0, 1) == 1;
+  const bool is_mean = std::abs(weights.sum() - 1) < 1e-6;
+  const bool is_sum = !has_variances && (weights.array() == 1).all();
   if (weights.size() == 0 || weights.size() > most_averaged || !(weights.minCoeff() > 0) || !(is_mean || is_sum))
     archive.fail("the weights are damaged");
-  const bool has_variances = archive.integer("has_variances", 0, 1) == 1;
   std::vector<std::shared_ptr<const Field<Dim>>> fields, variances;
   const auto read = [&](const std::string& name) {
     const Archive part = archive.part(name);
