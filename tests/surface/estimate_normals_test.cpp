@@ -142,6 +142,18 @@ TEST(EstimateNormals, PointOutOfABodyInsideACavity) {
   EXPECT_GT(outward_share(estimate_normals(nested.points), nested.normals), 0.995);
 }
 
+// Two sheets 1.3 spacings apart, on the half that is seen twice, are no plate.
+TEST(EstimateNormals, PointOutOfASolidSeenTwiceByScansThatDoNotFit) {
+  const Shape whole = random_torus(6000, 44), again = random_torus(6000, 45);
+  std::vector<Index> half;
+  for (Index i = 0; i < again.size(); ++i)
+    if (again.points(0, i) < 0) half.push_back(i);
+  Shape second{again.points(Eigen::all, half), again.normals(Eigen::all, half), 0.5 * again.area};
+  second.points.row(2).array() += 1.3 * whole.spacing();
+  const Shape both = join(whole, second);
+  EXPECT_GT(outward_share(estimate_normals(both.points), both.normals), 0.99);
+}
+
 TEST(EstimateNormals, AreInvariantUnderSimilarities) {
   const Shape torus = random_torus(3000, 8);
   const Points<3> normals = estimate_normals(torus.points);

@@ -1,6 +1,7 @@
 #include "csrbf/surface/estimate_normals.hpp"
 
 #include "csrbf/core/parallel.hpp"
+#include "csrbf/core/percentile.hpp"
 #include "csrbf/core/small_matrices.hpp"
 #include "csrbf/spatial/morton_order.hpp"
 #include "csrbf/surface/normals/contradictions.hpp"
@@ -25,7 +26,11 @@ constexpr double close = 0.985, far = 0.87;  // cosines of 10 and 30 degrees bet
                                              // winding number: the first counts alone, the second does
 constexpr Index sheet_neighbors = 24;        // that tell whether normals know both sheets of a thin part ...
 constexpr double clear_majority = 0.5;       // ... by their sides: at least three quarters are the same
-constexpr double few_contradictions = 0.08;  // share of the points: two scans that do not quite fit have .04
+constexpr double few_contradictions = 0.08;  // share of the points
+constexpr std::size_t judged_places = 2000;  // points beside which the winding number tells plates from two scans ...
+constexpr double beyond = 2, far_enough = 1.2;  // ... at this distance and at least so far from others, in spacings
+constexpr double noise_of_two_scans = 0.3;      // at least, in spacings
+constexpr double much_better = 0.7;             // largest ratio of defects of two scans
 constexpr double usual_contradictions =
     1e-4;                                 // share of neighbours; bodies turned in part have two times that and more
 constexpr double few_differences = 2e-3;  // share of the signs that two ways of orientation may give otherwise
@@ -104,17 +109,16 @@ Fit fit_all(const Points<3>& points, const KdTree<3>& tree, Index neighbors, Ind
   return fit;
 }
 
-// Leaves those sheets that the normals do not tell apart: the normals of both should point away from each other or,
-// across a gap, towards each other. That they point the same way bounds no solid. None is left if they
-// are few.
-void keep_contradicted(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals, ThinSheets& sheets) {
-  if (!sheets.any()) return;
+// Whether the normals do not tell the sheets apart in some place: the normals of both should point away from each other
+// or, across a gap, towards each other. That they point the same way bounds no solid.
+bool contradict(const Points<3>& points, const KdTree<3>& tree, const Points<3>& normals, const ThinSheets& sheets) {
+  if (!sheets.any()) return false;
   Eigen::VectorXd side(points.cols());
   for (Index i = 0; i < side.size(); ++i) {
     const double cosine = sheets.normals.col(i).dot(normals.col(i));
     side[i] = cosine == 0 ? 0 : std::copysign(1.0, cosine);
   }
-  std::vector<char> left(points.cols(), 0);
+  std::vector<char> contradicted(points.cols(), 0);
   parallel_for(points.cols(), 512, [&](Index begin, Index end) {
     std::array<Index, sheet_neighbors> ids;
     std::array<double, sheet_neighbors> squared;
@@ -126,19 +130,60 @@ void keep_contradicted(const Points<3>& points, const KdTree<3>& tree, const Poi
         sum += side[ids[k]];
         count += std::abs(side[ids[k]]);
       }
-      left[i] = 2 * count >= sheet_neighbors && std::abs(sum) < clear_majority * count ? 1 : 0;
+      contradicted[i] = 2 * count >= sheet_neighbors && std::abs(sum) < clear_majority * count ? 1 : 0;
     }
   });
-  for (Index i = 0; i < points.cols(); ++i)
-    if (left[i] == 0) sheets.normals.col(i).setZero();
-  if (static_cast<double>(std::count(left.begin(), left.end(), 1)) <
-      few_contradictions * static_cast<double>(points.cols()))
-    sheets = {};
+  return static_cast<double>(std::count(contradicted.begin(), contradicted.end(), 1)) >=
+         few_contradictions * static_cast<double>(points.cols());
 }
 
-void put(const ThinSheets& sheets, Points<3>& normals) {
+Points<3> put(const ThinSheets& sheets, Points<3> normals) {
   for (Index i = 0; i < sheets.normals.cols(); ++i)
     if (sheets.has(i)) normals.col(i) = sheets.normals.col(i);
+  return normals;
+}
+
+Eigen::VectorXd spacing_of(const NeighborTable& table) {
+  Eigen::VectorXd spacing(table.size());
+  for (Index i = 0; i < spacing.size(); ++i) spacing[i] = std::sqrt(table.area(i));
+  return spacing;
+}
+
+// Places beyond both sheets, on either side of some thousand points that have two.
+Points<3> places_beside(const KdTree<3>& tree, const Points<3>& points, const ThinSheets& sheets, double spacing) {
+  std::vector<Index> doubled;
+  for (Index i = 0; i < points.cols(); ++i)
+    if (sheets.has(i)) doubled.push_back(i);
+  const std::size_t stride = 1 + doubled.size() / judged_places;
+  Points<3> places(3, 2 * std::ssize(doubled));
+  Index count = 0, nearest = 0;
+  double squared = 0;
+  for (std::size_t k = 0; k < doubled.size(); k += stride)
+    for (const double side : {-1.0, 1.0}) {
+      const Point<3> place = points.col(doubled[k]) + side * beyond * spacing * sheets.normals.col(doubled[k]);
+      tree.nearest(place, 1, &nearest, &squared);
+      if (std::sqrt(squared) > far_enough * spacing) places.col(count++) = place;
+    }
+  places.conservativeResize(3, count);
+  return places;
+}
+
+// Normals of points with two sheets from `start`, which does not tell these apart: those of the sheets, or, if two
+// scans that do not fit saw one surface twice, so that the distance of the sheets is noise, of one surface, without
+// sheets. The latter encloses a solid, with normals apart there is hardly any.
+ConsistentNormals normals_of_sheets(const Points<3>& points, const KdTree<3>& tree, const Points<3>& start,
+                                    ThinSheets& sheets) {
+  const Eigen::VectorXd spacing = spacing_of(make_neighbor_table(points, tree, graph_neighbors));
+  const double usual = median(std::vector<double>(spacing.begin(), spacing.end()));
+  const Points<3> places = places_beside(tree, points, sheets, usual);
+  ConsistentNormals apart = consistent_normals(points, tree, put(sheets, start), sheets.noise);
+  if (places.cols() == 0) return apart;
+  ConsistentNormals one = consistent_normals(points, noise_of_two_scans * usual);
+  if (winding_defect(points, one.normals, spacing, places) >=
+      much_better * winding_defect(points, put(sheets, apart.normals), spacing, places))
+    return apart;
+  sheets = {};
+  return one;
 }
 
 // Gives the fitted normals signs, and where they are far off, on thin parts and creases, other axes; false for sheets
@@ -146,11 +191,10 @@ void put(const ThinSheets& sheets, Points<3>& normals) {
 bool orient_by_winding(const Points<3>& points, const KdTree<3>& tree, ThinSheets& sheets, Points<3>& normals) {
   if (points.cols() < fewest_consistent || points.cols() > most_consistent) return false;
   ConsistentNormals consistent = consistent_normals(points, tree);
-  keep_contradicted(points, tree, consistent.normals, sheets);
-  if (sheets.any()) {
-    put(sheets, consistent.normals);
-    consistent = consistent_normals(points, tree, consistent.normals, sheets.noise);
-  }
+  if (contradict(points, tree, consistent.normals, sheets))
+    consistent = normals_of_sheets(points, tree, consistent.normals, sheets);
+  else
+    sheets = {};
   if (!sheets.any() && !(consistent.mean_winding > has_inside && consistent.energy < no_inside)) return false;
   for (Index i = 0; i < normals.cols(); ++i) {
     const Point<3> global = consistent.normals.col(i);
@@ -176,8 +220,7 @@ bool neighbors_know_better(const Points<3>& points, const NeighborTable& table, 
   Index differences = 0;
   for (Index i = 0; i < points.cols(); ++i) differences += by_winding.col(i).dot(by_neighbors.col(i)) < 0 ? 1 : 0;
   if (static_cast<double>(differences) <= few_differences * static_cast<double>(points.cols())) return false;
-  Eigen::VectorXd spacing(points.cols());
-  for (Index i = 0; i < points.cols(); ++i) spacing[i] = std::sqrt(table.area(i));
+  const Eigen::VectorXd spacing = spacing_of(table);
   const auto error = [&](const Points<3>& normals) {
     const WindingSides sides = winding_sides(points, normals, spacing);
     return sides.defect + sides.energy;
@@ -201,12 +244,12 @@ OrientReport orient(const Points<3>& points, const KdTree<3>& tree, Fit& fit, co
     const OrientReport by_neighbors = orient_normals(
         points, fit.table, fit.normals,
         [&](std::string_view, double fraction) { return !progress || progress(stage, 0.7 + 0.3 * fraction); });
-    if (!solid) keep_contradicted(points, tree, fit.normals, sheets);
+    if (!solid && !contradict(points, tree, fit.normals, sheets)) sheets = {};
     decided = solid && !neighbors_know_better(points, fit.table, by_winding, fit.normals);
     if (!decided) result = by_neighbors;
   }
   if (decided) fit.normals = std::move(by_winding);
-  put(sheets, fit.normals);
+  fit.normals = put(sheets, std::move(fit.normals));
   return result;
 }
 

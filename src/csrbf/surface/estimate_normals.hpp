@@ -44,7 +44,8 @@ struct NormalReport {
 /// 100,000. Where such normals of neighbours contradict each other, as of a body inside a cavity that was turned in
 /// part, signs by orient_normals() count instead if they enclose a solid clearly better (winding_sides()). On plates
 /// thinner than the distance between points both sheets look like one rough one: where the winding number takes them
-/// for that, though the points lie on two parallel quadrics, these give the normals, for plates, not for gaps.
+/// for that, though the points lie on two parallel quadrics, these give the normals, for plates, not for gaps; and not
+/// where the winding number beyond both sheets shows a solid seen twice, by scans that do not fit, rather than plates.
 ///
 /// Coinciding points count once. Where the neighbours lie on a line, their number is doubled until they do not, up to
 /// 256; a normal that remains undetermined is zero. Invariant under similarities, up to signs for Orient::none. Throws

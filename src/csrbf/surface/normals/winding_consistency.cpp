@@ -28,7 +28,7 @@ constexpr double usual_place = 0.4;            // ... as a share: noise along on
 constexpr Index fitted_points = 17;            // ... from the quadric of so many
 
 // Standard deviation of most points from quadrics through their neighbours: noise, or thin parts.
-double noise(const Points<3>& points, const KdTree<3>& tree) {
+double estimate_noise(const Points<3>& points, const KdTree<3>& tree) {
   const Index n = points.cols(), count = std::min(noise_points, n);
   if (n < fitted_points) return 0;
   std::vector<double> deviations(count);
@@ -138,8 +138,11 @@ Points<3> start_from(const Points<3>& coarse, const Points<3>& normals, const Po
 }  // namespace
 
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree) {
+  return consistent_normals(points, estimate_noise(points, tree));
+}
+
+ConsistentNormals consistent_normals(const Points<3>& points, double noise) {
   const Index n = points.cols();
-  const double deviation = noise(points, tree);
   Index stride = 1;
   while (n / stride > coarsest) stride *= level_ratio;
   Points<3> coarse(3, 0);
@@ -147,7 +150,7 @@ ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& t
   for (bool first = true; stride > 0; stride /= level_ratio, first = false) {
     const Points<3> some = points(Eigen::all, Eigen::seq(0, n - 1, stride));
     const Points<3> start = first ? Points<3>::Zero(3, some.cols()) : start_from(coarse, result.normals, some);
-    result = solve_level(some, KdTree<3>(some), deviation, first, start);
+    result = solve_level(some, KdTree<3>(some), noise, first, start);
     coarse = some;
   }
   return result;

@@ -21,6 +21,9 @@ struct ConsistentNormals {
 /// Points in Morton order, not all the same. O(n log n): 0.03 s for 1000 points on one core.
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree);
 
+/// The same for a given standard deviation of the points from the surface, which is estimated otherwise.
+ConsistentNormals consistent_normals(const Points<3>& points, double noise);
+
 /// The same from given normals, unit or zero, all points at once. `noise`: standard deviation of the points from the
 /// surface.
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree, const Points<3>& start,

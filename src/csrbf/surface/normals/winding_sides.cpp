@@ -9,6 +9,10 @@ namespace {
 constexpr Index probed = 4000;  // points
 constexpr double beside = 2;    // spacings: beyond the smoothing of w and the gap between bodies that touch
 
+double defect_of(const Eigen::ArrayXd& u) {
+  return (1 - u.abs()).square().mean();
+}  // u = 2 w - 1
+
 }  // namespace
 
 WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing) {
@@ -19,12 +23,18 @@ WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, co
   WindingSides result;
   for (const double side : {-1.0, 1.0}) {
     const Points<3> probes = middle + side * step;
-    const Eigen::ArrayXd u = winding.evaluate(PointsRef<3>(probes)).value;  // 2 w - 1
+    const Eigen::ArrayXd u = winding.evaluate(PointsRef<3>(probes)).value;
     result.mean += (1 + u.mean()) / 4;
-    result.defect += (1 - u.abs()).square().mean() / 2;
+    result.defect += defect_of(u) / 2;
   }
   result.energy = winding.evaluate(PointsRef<3>(middle)).value.squaredNorm() / static_cast<double>(middle.cols());
   return result;
+}
+
+double winding_defect(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing,
+                      const Points<3>& places) {
+  const WindingNumber winding(points, normals, spacing.cwiseAbs2(), spacing);
+  return defect_of(winding.evaluate(PointsRef<3>(places)).value);
 }
 
 }  // namespace csrbf

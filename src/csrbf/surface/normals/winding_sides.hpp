@@ -15,4 +15,8 @@ struct WindingSides {
 /// two bodies that touch both have their full area. O(n log n).
 WindingSides winding_sides(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing);
 
+/// The defect at other places. O(n log n).
+double winding_defect(const Points<3>& points, const Points<3>& normals, const Eigen::VectorXd& spacing,
+                      const Points<3>& places);
+
 }  // namespace csrbf
