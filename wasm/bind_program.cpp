@@ -63,9 +63,9 @@ EMSCRIPTEN_KEEPALIVE Answer* csrbf_look(const char* path, int most) {
   return csrbf::wasm::answer(
       [&](Answer& answer) { csrbf::wasm::add_look(answer, csrbf::wasm::looker().look(path, most)); });
 }
-EMSCRIPTEN_KEEPALIVE Answer* csrbf_slice(const char* path, int axis, int index) {
+EMSCRIPTEN_KEEPALIVE Answer* csrbf_slice(const char* path, int axis, int index, int frame) {
   return csrbf::wasm::answer(
-      [&](Answer& answer) { csrbf::wasm::add_look(answer, csrbf::wasm::looker().slice(path, axis, index)); });
+      [&](Answer& answer) { csrbf::wasm::add_look(answer, csrbf::wasm::looker().slice(path, axis, index, frame)); });
 }
 EMSCRIPTEN_KEEPALIVE Answer* csrbf_describe(const char* path) {
   return csrbf::wasm::answer([&](Answer& answer) { csrbf::wasm::describe_file(path, answer); });

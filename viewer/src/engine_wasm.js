@@ -179,7 +179,8 @@ export async function wasmEngine({surfaces = "csrbf_surfaces.wasm", program = "c
       return add(name, new Blob([text]), true);
     },
     look: async (name, most = MOST_POINTS) => decodeLook(await oneOf(previews).call("look", {name, most}, [known(name)])),
-    slice: async (name, axis, index) => decodeLook(await oneOf(previews).call("slice", {name, axis, index}, [known(name)])),
+    slice: async (name, axis, index, frame = 0) =>
+      decodeLook(await oneOf(previews).call("slice", {name, axis, index, frame}, [known(name)])),
     async download(name) {
       const {blob} = known(name);
       if (!/\.html?$/.test(name)) return blob;

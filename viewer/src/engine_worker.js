@@ -38,11 +38,14 @@ function answerOf(name, types, values) {
   }
 }
 
-function snapshot(folder) {
-  const found = new Map();
-  for (const name of program.FS.readdir(folder)) {
+/** The files in a folder and in those below it, by their paths from there, with what changes when they are written. */
+function snapshot(folder, below = "", found = new Map()) {
+  for (const entry of program.FS.readdir(`${folder}/${below}`)) {
+    if (entry === "." || entry === "..") continue;
+    const name = below + entry;
     const {mode, ino, mtime, size} = program.FS.stat(`${folder}/${name}`);
-    if (program.FS.isFile(mode)) found.set(name, `${ino} ${mtime.getTime()} ${size}`);
+    if (program.FS.isDir(mode)) snapshot(folder, `${name}/`, found);
+    else found.set(name, `${ino} ${mtime.getTime()} ${size}`);
   }
   return found;
 }
@@ -107,7 +110,9 @@ const CALLS = {
     return JSON.parse(output.join("\n"));
   },
   put({name, bytes}) {
-    program.FS.writeFile(pathOf(name), bytes, {canOwn: true});
+    const path = pathOf(name);
+    program.FS.mkdirTree(path.slice(0, path.lastIndexOf("/")));
+    program.FS.writeFile(path, bytes, {canOwn: true});
   },
   remove({name}) {
     const {exists} = program.FS.analyzePath(pathOf(name));
@@ -115,7 +120,7 @@ const CALLS = {
   },
   describe: ({name}) => describe(name),
   look: ({name, most}) => answerOf("look", ["string", "number"], [pathOf(name), most]).bytes.buffer,
-  slice: ({name, axis, index}) => answerOf("slice", ["string", "number", "number"], [pathOf(name), axis, index]).bytes.buffer,
+  slice: ({name, axis, index, frame}) => answerOf("slice", ["string", "number", "number", "number"], [pathOf(name), axis, index, frame]).bytes.buffer,
   run,
 };
 

@@ -1,5 +1,5 @@
-"""Drops a scan on the studio's static page in headless Chromium and waits for its mesh, made in the page; then cancels, and
-fits a function, for which the larger program is loaded.
+"""Drops a scan on the studio's static page in headless Chromium and waits for its mesh, made in the page; then cancels,
+fits a function, for which the larger program is loaded, and follows a disc through frames.
 
 usage: studio_test.py FOLDER-OF-THE-PAGE; exit status 77: Chromium, its driver or selenium are absent
 """
@@ -36,10 +36,17 @@ def scan(count):
     return (head + "property float x\nproperty float y\nproperty float z\nend_header\n").encode() + bytes(rows)
 
 
+def disc(t, n=24):
+    """A frame of a disc that moves, as .mha."""
+    head = f"ObjectType = Image\nNDims = 2\nDimSize = {n} {n}\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+    inside = (math.dist((x, y), (7 + 2 * t, 12)) < 4.5 for y in range(n) for x in range(n))
+    return head.encode() + bytes(100 if each else 10 + i % 3 for i, each in enumerate(inside))
+
+
 DROP = """
-const bytes = Uint8Array.from(atob(arguments[0]), (c) => c.charCodeAt(0));
 const transfer = new DataTransfer();
-transfer.items.add(new File([bytes], "scan.ply"));
+for (const [name, text] of arguments[0])
+  transfer.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name));
 document.body.dispatchEvent(new DragEvent("drop", {bubbles: true, cancelable: true, dataTransfer: transfer}));
 """
 MESHES = """const done = arguments[0];
@@ -57,6 +64,30 @@ studio.engine.open(new File([["x,y,v", ...rows].join("\\n")], "table.csv"), "tab
   .then(({items}) => done(items.map(({name, kind}) => `${name} ${kind}`)), (error) => done(error.message));"""
 
 
+LABELS = """const slices = studio.slices_, at = 12 * 24 + 7;
+return slices && slices.labels && [0, 2, 4].map((t) => slices.labels.values[at + 2 * t]);"""
+FRAME = """const frame = document.querySelector("[name=frame]");
+frame.value = arguments[0];
+frame.dispatchEvent(new Event("input", {bubbles: true}));"""
+
+
+def drop(browser, *files):
+    """Drops files on the page: their names and bytes."""
+    browser.execute_script(DROP, [(name, base64.b64encode(data).decode()) for name, data in files])
+
+
+def follow(browser, wait):
+    drop(browser, *((f"beat_{t}.mha", disc(t)) for t in range(5)))
+    wait.until(lambda b: b.execute_script("return studio.task_ === 'track' && studio.slices_ && studio.slices_.frames === 5"))
+    wait.until(lambda b: b.execute_script("const run = document.querySelector('[name=run]'); return run && !run.disabled"))
+    browser.execute_script("document.querySelector('[name=run]').click()")
+    wait.until(lambda b: b.execute_script(LABELS) == [1, 1, 0])  # radius 4.5: its centre moves by 2, the last is outside
+    browser.execute_script(FRAME, 4)
+    wait.until(lambda b: b.execute_script(LABELS) == [0, 1, 1])
+    text = browser.execute_script("return document.querySelector('[name=download-frames]').textContent")
+    assert "5 label images" in text, text
+
+
 def loaded(browser):
     """Names of the files that the page has asked for, and other hosts."""
     names = browser.execute_script("return performance.getEntriesByType('resource').map(({name}) => name)")
@@ -68,7 +99,7 @@ def work(browser, address):
     browser.get(address + "index.html")
     wait = WebDriverWait(browser, 60)
     wait.until(lambda b: b.execute_script("return Boolean(window.studio && document.querySelector('[type=file]'))"))
-    browser.execute_script(DROP, base64.b64encode(scan(1500)).decode())
+    drop(browser, ("scan.ply", scan(1500)))
     wait.until(lambda b: b.execute_script("const run = document.querySelector('[name=run]'); return run && !run.disabled"))
     browser.execute_script("document.querySelector('[name=run]').click()")
     wait.until(lambda b: b.execute_async_script(MESHES))
@@ -79,6 +110,7 @@ def work(browser, address):
     assert browser.execute_async_script(CANCEL) == "AbortError"
     assert browser.execute_async_script(FIT) == ["table.csrbf function"]
     assert "csrbf_program.wasm" in loaded(browser)
+    follow(browser, wait)
 
 
 def run(folder, work):

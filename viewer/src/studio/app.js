@@ -156,7 +156,7 @@ export class Studio {
     this.chooser.value = "";
     this.showFiles();
     if (!last || last.problem) return;
-    if (isSeries(opened) && this.canTrack()) {
+    if (isSeries(opened) && this.commands.has("track")) {
       [this.kindOfTask, this.task_] = [last.kind, "track"];
       last = opened[0];
     }
@@ -294,10 +294,6 @@ export class Studio {
     }
   }
 
-  canTrack() {
-    return this.engine.name === "native" && this.commands.has("track");
-  }
-
   /** The frames of a series, with the labels of each where they are known. */
   async showFrames(item, look, labels = []) {
     const frames = framesOf(item, this.items, look);
@@ -375,7 +371,7 @@ export class Studio {
       return;
     }
     this.task.hidden = false;
-    const names = TASKS[item.kind].filter((name) => this.commands.has(name) && (name !== "track" || this.canTrack()));
+    const names = TASKS[item.kind].filter((name) => this.commands.has(name));
     const select = element("select", {name: "command"}, ...names.map((name) => element("option", {value: name}, name)));
     select.value = this.task_;
     select.addEventListener("change", () => {
