@@ -29,6 +29,7 @@ constexpr double clear_majority = 0.5;       // ... by their sides: at least thr
 constexpr double few_contradictions = 0.08;  // share of the points
 constexpr std::size_t judged_places = 2000;  // points beside which the winding number tells plates from two scans ...
 constexpr double beyond = 2, far_enough = 1.2;  // ... at this distance and at least so far from others, in spacings
+constexpr double seen_as_one = 0.2;             // share of the points: two scans agree along their shift, walls nowhere
 constexpr double noise_of_two_scans = 0.3;      // at least, in spacings
 constexpr double much_better = 0.7;             // largest ratio of defects of two scans
 constexpr double usual_contradictions =
@@ -168,17 +169,21 @@ Points<3> places_beside(const KdTree<3>& tree, const Points<3>& points, const Th
   return places;
 }
 
-// Normals of points with two sheets from `start`, which does not tell these apart: those of the sheets, or, if two
+// Normals of points with two sheets from `start`, which does not tell these apart: those of the sheets; or, if two
 // scans that do not fit saw one surface twice, so that the distance of the sheets is noise, of one surface, without
-// sheets. The latter encloses a solid, with normals apart there is hardly any.
+// sheets. Such encloses a solid, with normals apart there is hardly any, and scans agree in some places, along their
+// shift.
 ConsistentNormals normals_of_sheets(const Points<3>& points, const KdTree<3>& tree, const Points<3>& start,
                                     ThinSheets& sheets) {
   const Eigen::VectorXd spacing = spacing_of(make_neighbor_table(points, tree, graph_neighbors));
   const double usual = median(std::vector<double>(spacing.begin(), spacing.end()));
   const Points<3> places = places_beside(tree, points, sheets, usual);
   ConsistentNormals apart = consistent_normals(points, tree, put(sheets, start), sheets.noise);
-  if (places.cols() == 0) return apart;
-  ConsistentNormals one = consistent_normals(points, noise_of_two_scans * usual);
+  Index single = 0;
+  for (Index i = 0; i < points.cols(); ++i) single += sheets.has(i) ? 0 : 1;
+  if (places.cols() == 0 || static_cast<double>(single) < seen_as_one * static_cast<double>(points.cols()))
+    return apart;
+  ConsistentNormals one = consistent_normals(points, tree, noise_of_two_scans * usual);
   if (winding_defect(points, one.normals, spacing, places) >=
       much_better * winding_defect(points, put(sheets, apart.normals), spacing, places))
     return apart;

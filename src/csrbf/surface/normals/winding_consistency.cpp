@@ -23,6 +23,7 @@ constexpr double width_of_noise = 4.8;         // last smoothing length in stand
 constexpr double clean_energy = 0.022;         // least with smoothing so narrow: clean clouds have less ...
 constexpr double noisy_energy = 0.036;         // ... noisy ones more
 constexpr double momentum = 0.7;               // largest share of the last change that is repeated
+constexpr double usual_sparseness = 4;         // largest ratio of areas that are taken for equal
 constexpr Index noise_points = 300;            // at which noise is measured
 constexpr double usual_place = 0.4;            // ... as a share: noise along one axis spares a third of the places
 constexpr Index fitted_points = 17;            // ... from the quadric of so many
@@ -120,6 +121,39 @@ ConsistentNormals solve_level(const Points<3>& points, const KdTree<3>& tree, do
   return noisy > 0 ? solve(narrowest + std::min(1.0, noisy) * (width - narrowest)).result() : thin.result();
 }
 
+// How much more of the surface each point stands for than usual: 1 where that is hardly more or less. From the median
+// of its neighbours' areas, for those of points off the surface are too large.
+Eigen::VectorXd sparseness(const NeighborTable& near) {
+  Eigen::VectorXd areas(near.size());
+  parallel_for(near.size(), 1024, [&](Index begin, Index end) {
+    std::vector<double> around(near.k);
+    for (Index i = begin; i < end; ++i) {
+      std::ranges::transform(near.of(i), around.begin(), [&](Index j) { return near.area(j); });
+      areas[i] = median(around);
+    }
+  });
+  const double usual = median(std::vector<double>(areas.begin(), areas.end()));
+  return areas.unaryExpr([&](double area) {
+    const double share = area / usual;
+    return share < usual_sparseness && share * usual_sparseness > 1 ? 1 : share;
+  });
+}
+
+// One of `stride` points in Morton order, fewer where they are dense, so that sparse parts keep theirs.
+Points<3> even_share(const Points<3>& points, const Eigen::VectorXd& sparseness, Index stride) {
+  const double step = sparseness.mean() * static_cast<double>(stride);
+  std::vector<Index> kept;
+  double sum = 0, next = 0;
+  for (Index i = 0; i < points.cols(); ++i) {
+    if (sum >= next) {
+      kept.push_back(i);
+      next = step * (std::floor(sum / step) + 1);
+    }
+    sum += sparseness[i];
+  }
+  return points(Eigen::all, kept);
+}
+
 // The normal of the nearest point of the level before.
 Points<3> start_from(const Points<3>& coarse, const Points<3>& normals, const Points<3>& points) {
   const KdTree<3> tree(coarse);
@@ -138,17 +172,18 @@ Points<3> start_from(const Points<3>& coarse, const Points<3>& normals, const Po
 }  // namespace
 
 ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree) {
-  return consistent_normals(points, estimate_noise(points, tree));
+  return consistent_normals(points, tree, estimate_noise(points, tree));
 }
 
-ConsistentNormals consistent_normals(const Points<3>& points, double noise) {
+ConsistentNormals consistent_normals(const Points<3>& points, const KdTree<3>& tree, double noise) {
   const Index n = points.cols();
   Index stride = 1;
   while (n / stride > coarsest) stride *= level_ratio;
+  const Eigen::VectorXd weights = sparseness(make_neighbor_table(points, tree, neighbors));
   Points<3> coarse(3, 0);
   ConsistentNormals result;
   for (bool first = true; stride > 0; stride /= level_ratio, first = false) {
-    const Points<3> some = points(Eigen::all, Eigen::seq(0, n - 1, stride));
+    const Points<3> some = stride == 1 ? points : even_share(points, weights, stride);
     const Points<3> start = first ? Points<3>::Zero(3, some.cols()) : start_from(coarse, result.normals, some);
     result = solve_level(some, KdTree<3>(some), noise, first, start);
     coarse = some;
