@@ -4,6 +4,7 @@
 #include "process/allocation.hpp"
 #include "process/interrupt.hpp"
 
+#include "csrbf/io/files/atomic_file.hpp"
 #include "csrbf/io/files/process_files.hpp"
 #include "csrbf/io/files/read_file.hpp"
 
@@ -75,7 +76,7 @@ int run(const CommandLine& line) {
     // A signal also interrupts reads and writes, which then fail with errors of their own.
     if (interrupted()) return fail(line.subcommand, "interrupted", interrupt_exit_code());
     if (is_one_of<std::bad_alloc>(error)) return fail(line.subcommand, "not enough memory", no_result);
-    const bool is_input = is_one_of<UsageError, InvalidInput, IoError>(error);
+    const bool is_input = is_one_of<UsageError, InvalidInput, IoError>(error) && !is_one_of<OutputError>(error);
     const bool has_parameters = is_one_of<InvalidInput>(error);
     return fail(line.subcommand, has_parameters ? in_terms_of_flags(error.what(), line) : error.what(),
                 is_input ? bad_input : no_result);

@@ -256,11 +256,7 @@ bool run_by_slices(const SegmentCommand& command, SegmentOptions options, Sessio
   VolumeWriter writer(command.output, layout);
   options.progress = session.progress();
   const auto write = [&](Index, std::span<const std::uint8_t> labels) {
-    try {
-      writer.write({reinterpret_cast<const char*>(labels.data()), labels.size()});
-    } catch (const IoError& error) {
-      throw WriteFailure(error.what());
-    }
+    writer.write({reinterpret_cast<const char*>(labels.data()), labels.size()});
   };
   const std::optional<Segmentation<3>> segmentation =
       session.timed("evolve", [&] { return segment_slices<3>(image, grid, options, write); });

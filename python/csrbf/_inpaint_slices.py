@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any
 
 from csrbf import _csrbf
@@ -67,7 +68,7 @@ def inpaint_slices(
     """
     options = fit_options(method, tolerance, centers, smoothing, kernel, kernel_parameter, degree, extrapolation)
     with listening(progress) as listener:
-        return _csrbf.inpaint_slices(
+        report: dict[str, Any] = _csrbf.inpaint_slices(
             os.fspath(image),
             os.fspath(output),
             float(memory),
@@ -77,3 +78,6 @@ def inpaint_slices(
             blocks,
             listener,
         )
+    if report["missing"] == 0:
+        warnings.warn("inpaint_slices: nothing is missing; give mask or missing", stacklevel=2)
+    return report

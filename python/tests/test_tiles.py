@@ -78,6 +78,14 @@ class Tiles(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "is too little; give at least"):
             csrbf.inpaint_slices(self.path("image.npy"), self.path("out.npy"), 31e6, self.path("mask.npy"))
 
+    def test_volumes_without_anything_missing_are_copied_with_a_warning(self):
+        image = np.arange(4 * 5 * 6, dtype=np.int16).reshape(4, 5, 6)
+        np.save(self.path("image.npy"), image)
+        with self.assertWarnsRegex(UserWarning, "nothing is missing; give mask or missing"):
+            report = csrbf.inpaint_slices(self.path("image.npy"), self.path("out.npy"))
+        self.assertEqual((report["missing"], report["slice_blocks"]), (0, 0))
+        self.assertTrue((np.load(self.path("out.npy")) == image).all())
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import random
+import subprocess
 import sys
 import unittest
 
@@ -103,6 +104,42 @@ class InpaintSlices(command_line_test.CommandLine):
                        "--mask", self.mask, "--memory", "60MB", "--extrapolation", "nan")
         for name in ("o.npy", "o.nrrd"):
             self.assertFalse(os.path.exists(self.path(name)))
+
+    # A small disk of its own, in a private mount namespace: full, then larger.
+    def on_small_disk(self, kilobytes, name, memory):
+        disk = self.path("disk")
+        os.makedirs(disk, exist_ok=True)
+        output = os.path.join(disk, name)
+        command = f"{PROGRAM} inpaint {self.image} -o {output} --mask {self.mask} --memory {memory} --quiet"
+        script = f"""
+mount -t tmpfs -o size={kilobytes}k csrbf-test {disk} || exit 77
+echo old > {output}
+{command}; echo "code $?" >&2
+ls -A {disk}; cat {output}
+mount -o remount,size=200m {disk}
+{command} && cp {output} {self.path("second-" + name)}
+"""
+        done = subprocess.run(["unshare", "--mount", "sh", "-c", script], capture_output=True, text=True)
+        if done.returncode == 77 or "unshare failed" in done.stderr:
+            self.skipTest("this user cannot mount a small disk")
+        return done
+
+    def test_a_full_disk_keeps_the_old_image(self):
+        self.fill("room.npy", "--mask", self.mask, "--memory", "60MB")
+        self.fill("room.nii.gz", "--mask", self.mask, "--memory", "60MB")
+        for name, kilobytes in (("room.npy", 16), ("room.npy", 440), ("room.nii.gz", 16), ("room.nii.gz", 200)):
+            with self.subTest(name=name, kilobytes=kilobytes):
+                done = self.on_small_disk(kilobytes, name, "60MB")
+                self.assertIn("code 1", done.stderr)
+                self.assertIn(name + ": cannot write the file: No space left on device", done.stderr)
+                self.assertEqual(done.stdout.splitlines(), [name, "old"])
+                self.assertEqual(self.content("second-" + name), self.content(name))
+
+    def test_a_small_disk_is_told_before_the_work(self):
+        done = self.on_small_disk(440, "room.npy", "31MB")  # which is too little, as the survey finds out
+        self.assertIn("No space left on device", done.stderr.split("code")[0])
+        self.assertNotIn("is too little", done.stderr.split("code")[0])
+        self.assertIn("is too little", done.stderr.split("code")[1])
 
 
 if __name__ == "__main__":

@@ -95,8 +95,12 @@ bool VolumeWriter::can_write(const std::string& path) {
 
 VolumeWriter::VolumeWriter(const std::string& path, const VolumeLayout& layout) : file_(path) {
   const std::string extension = stream_extension(path);
-  if (extension == ".nii.gz") gzip_.emplace(file_);
-  write((extension == ".npy" ? format_npy_volume(layout, {}) : format_nifti(layout, {})).head);
+  const std::string head = (extension == ".npy" ? format_npy_volume(layout, {}) : format_nifti(layout, {})).head;
+  if (extension == ".nii.gz")
+    gzip_.emplace(file_);
+  else
+    file_.reserve(head.size() + static_cast<std::size_t>(layout.grid.voxels()) * sample_size(layout.type));
+  write(head);
 }
 
 void VolumeWriter::write(std::string_view samples) {

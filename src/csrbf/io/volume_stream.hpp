@@ -47,7 +47,7 @@ class VolumeWriter {
   /// Whether the extension is one of these.
   static bool can_write(const std::string& path);
 
-  /// Samples are of layout.type. Throws IoError.
+  /// Samples are of layout.type. Throws OutputError, for a disk without room at once.
   VolumeWriter(const std::string& path, const VolumeLayout& layout);
 
   /// The next voxels, as little-endian samples.

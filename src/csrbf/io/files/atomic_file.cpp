@@ -1,6 +1,5 @@
 #include "csrbf/io/files/atomic_file.hpp"
 
-#include "csrbf/core/error.hpp"
 #include "csrbf/core/interruption.hpp"
 #include "csrbf/io/files/open_file.hpp"
 #include "csrbf/io/files/process_files.hpp"
@@ -14,6 +13,7 @@
 #include <io.h>
 #include <process.h>
 #else
+#include <fcntl.h>
 #include <unistd.h>
 #endif
 
@@ -99,6 +99,16 @@ AtomicFile::~AtomicFile() {
   if (!temporary_.empty()) fs::remove(utf8_path(temporary_), error);
 }
 
+void AtomicFile::reserve(std::uint64_t bytes) {
+#ifdef __linux__
+  const auto length = static_cast<off_t>(bytes);
+  if (!temporary_.empty() && fallocate(fileno(file_), FALLOC_FL_KEEP_SIZE, 0, length) != 0 && errno == ENOSPC)
+    fail("write");
+#else
+  static_cast<void>(bytes);
+#endif
+}
+
 void AtomicFile::write(std::string_view bytes) {
   constexpr std::size_t largest_write = std::size_t{1} << 24;
   while (!bytes.empty()) {
@@ -147,7 +157,7 @@ void AtomicFile::commit() {
 
 void AtomicFile::fail(const char* action) const {
   const int error = errno;
-  throw IoError(path_ + ": cannot " + action + " the file: " + reason(error));
+  throw OutputError(path_ + ": cannot " + action + " the file: " + reason(error));
 }
 
 void write_file(const std::string& path, std::string_view bytes) {
@@ -156,7 +166,7 @@ void write_file(const std::string& path, std::string_view bytes) {
     file.write(bytes);
     file.commit();
   } else if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() || std::fflush(stdout) != 0) {
-    throw IoError("standard output: cannot write: " + reason(errno));
+    throw OutputError("standard output: cannot write: " + reason(errno));
   }
 }
 
