@@ -43,7 +43,7 @@ class Segmenter {
   // The values, the source of the forces and the labels that the statistics start from.
   void start() {
     repaired_ = finite_values(image_, options_.mask);
-    values_ = repaired_.empty() ? std::span<const float>(image_.values) : repaired_;
+    values_ = given_values();
     check_contrast(values_, options_.mask);
     report(options_.progress, "prepare", 0);
     if (is_large(options_, grid_.voxels()) && partition_large()) return;
@@ -108,8 +108,7 @@ class Segmenter {
     found.iterations = result_.iterations;
     found.converged = result_.converged;
     found.energy = std::move(result_.energy);
-    found.regions = measure_regions(labels, repaired_.empty() ? std::span<const float>(image_.values) : repaired_,
-                                    grid_, options_.mask, options_.regions);
+    found.regions = measure_regions(labels, given_values(), grid_, options_.mask, options_.regions);
     found.components = count_components(labels, grid_);
     found.noise = noise_.size;
     found.noise_growth = noise_growth_;
@@ -118,6 +117,7 @@ class Segmenter {
     found.blur = blur_;
     found.prices = price_list(prices_);
     warn_of_empty(found.regions, found.warnings);
+    if (gain_ && *gain_ < 0) found.warnings.emplace_back(nothing_found);
     found.options = std::move(used_);
     return {std::move(labels), std::move(fields_), std::move(found)};
   }
@@ -156,13 +156,18 @@ class Segmenter {
     return true;
   }
 
-  // By that model, or by all.
+  [[nodiscard]] std::span<const float> given_values() const {
+    return repaired_.empty() ? std::span<const float>(image_.values) : repaired_;
+  }
+
   Partition find_labels(std::span<const float> values, std::optional<PartitionPrice>& price,
-                        const std::optional<PartitionModel>& model = {}) {
-    const IntensityBins bins = choose_bins(values, 256, options_.mask);
+                        const std::optional<PartitionModel>& model = {}, std::span<const std::uint8_t> start = {}) {
+    // Levels of an image stay as many on another scale.
+    const Index levels = choose_bins(given_values(), 256, options_.mask).count;
+    const IntensityBins bins = choose_bins(values, std::max<Index>(2, levels), options_.mask);
     price.emplace(values, bins.lo, bins.hi, grid_, options_.mask, contour_weight(grid_, contour_length), bins.count);
     price->set_seeds(seeds_);
-    return find_grained_partition(*price, {options_.regions, shape_of(used_.shading), model, options_.progress});
+    return find_grained_partition(*price, {options_.regions, shape_of(used_.shading), model, start, options_.progress});
   }
 
   // The shortest description of the image by regions, then their contours in CSRBFs.
@@ -175,15 +180,15 @@ class Segmenter {
       even_ = even_noise(values_, *law);
       values_ = even_;
       regions_.emplace(values_, grid_, options_.mask, law_of(options_.energy), options_.regions, prior_);
-      std::vector<ModelPrice> prices = std::move(found.prices);
-      found = find_labels(values_, price, found.model);
-      found.prices = std::move(prices);
+      const Partition first = std::move(found);
+      found = find_labels(values_, price, first.model, first.labels);
+      found.prices = first.prices;
     }
+    if (options_.regions == 2 && options_.seeds.empty()) gain_ = found.gain;
     blur_tissues(found);
     const bool given = used_.center_spacing.has_value();
     const LatticeOptions centers{used_.center_spacing.value_or(1), *used_.support, used_.kernel};
-    constexpr double tolerance =
-        0.1;  // of the contour's price; by hand: smaller follows the noise, larger is too smooth
+    constexpr double tolerance = 0.1;  // of the contour's price; by hand: less follows noise, more is too smooth
     const double most = options_.regions > 2
                             ? 0
                             : fit_blurred(*price, found.labels, found.model).price +
@@ -208,11 +213,7 @@ class Segmenter {
     keep_certain_seeds(seeds_, result_.labels);  // the lattice may leave out those of a voxel or two
     used_.energy = energy_of(found.model);
     used_.shading = shading_of(found.model.shape);
-    if (options_.regions == 2) {
-      std::vector<float> force(result_.labels.size());
-      price->force(force);
-      used_.smoothness = contour_length / mean_magnitude(force);
-    }
+    if (options_.regions == 2) used_.smoothness = contour_length / contours.force;
     prices_ = std::move(found.prices);
     fields_ = level_set_fields(lattice, result_.coefficients, grid_);
   }
@@ -350,7 +351,7 @@ class Segmenter {
   ForceNoise noise_;
   VariationalResult result_;
   std::vector<std::shared_ptr<const Field<Dim>>> fields_;
-  std::optional<double> noise_growth_, grain_, speckle_, blur_;
+  std::optional<double> noise_growth_, grain_, speckle_, blur_, gain_;
   std::vector<ModelPrice> prices_;
 };
 

@@ -35,6 +35,11 @@ LargePartitionOptions large_options(const Grid& grid, const SegmentSettings& set
 template <int Dim>
 void use_large(const LargePartition<Dim>& found, SegmentSettings& used);
 
+/// A warning where two regions describe an image in more nats than one.
+inline constexpr const char* nothing_found =
+    "one region would describe the image as shortly: what was found may be noise; mark some of it by seeds, or give "
+    "another energy, a mask, or a blurred image";
+
 /// A warning for each region without voxels.
 void warn_of_empty(const std::vector<RegionReport>& regions, std::vector<std::string>& warnings);
 

@@ -77,6 +77,19 @@ TEST(Partition, FindsAnObjectOfAThousandthOfTheImage) {
   EXPECT_FALSE(found.partition.model.own_deviations);
 }
 
+TEST(Partition, FindsBarsInMuchNoise) {
+  const Found found = find(paint([](double x, double) { return std::fmod(x, 24) < 12; },
+                                 [](double, double, bool in, double z) { return in + z; }));
+  EXPECT_GT(found.dice, 0.95);
+  EXPECT_GT(found.partition.gain, 300);
+}
+
+TEST(Partition, GainsNothingFromNoise) {
+  const Found found =
+      find(paint([](double, double) { return false; }, [](double, double, bool, double z) { return z; }));
+  EXPECT_LT(found.partition.gain, 0);
+}
+
 TEST(Partition, IsNoMoreExpensiveThanTheTruth) {
   for (const double noise : {0.1, 0.5, 1.0, 1.4}) {
     const Found found = find(paint([](double x, double y) { return disc(x, y, 50, 45, 25); },

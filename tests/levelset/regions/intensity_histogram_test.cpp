@@ -51,6 +51,27 @@ TEST(IntensityBins, HaveTheExtremesAtTheCentresOfTheEndBins) {
   EXPECT_NEAR(bins.center(100), .75, rounding);
 }
 
+TEST(IntensityBins, AreTheLevelsOfCounts) {
+  std::mt19937 random(11);
+  std::poisson_distribution<int> counts(3);
+  std::vector<float> photons, rounded, spread = normal_values(2000, 12);
+  int most = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const int count = counts(random);
+    most = std::max(most, count);
+    photons.push_back(1e-6f * (7 + .37f * static_cast<float>(count)));
+    rounded.push_back(std::round(455.3f * static_cast<float>(count)));
+  }
+  for (const std::vector<float>& values : {photons, rounded}) {
+    const IntensityBins bins = choose_bins(values);
+    EXPECT_EQ(bins.count, most + 1);
+    EXPECT_NEAR(bins.center(0), static_cast<double>(*std::min_element(values.begin(), values.end())),
+                bins.width() * .01);
+  }
+  EXPECT_EQ(choose_bins(spread).count, 256);
+  EXPECT_EQ(choose_bins(std::vector<float>{.25f, .3f, .75f}).count, 256);  // too few to tell
+}
+
 TEST(IntensityBins, MoveAndScaleWithTheIntensities) {
   const std::vector<float> values = normal_values(5000, 1);
   std::vector<float> changed = values;

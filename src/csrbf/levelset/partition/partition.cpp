@@ -52,6 +52,10 @@ class Search {
       for (Contest& contest : contests_)
         if (suits(contest.model.shape, start)) enter(contest, start.labels, measures);
     });
+    if (!options_.start.empty()) {
+      const std::vector<std::uint8_t> given(options_.start.begin(), options_.start.end());
+      for (Contest& contest : contests_) enter(contest, given, price_.measure(given, options_.regions));
+    }
     std::vector<std::vector<std::uint8_t>> simpler;  // of the quadratic means, for the smooth ones
     for (Contest& contest : contests_) {
       if (contest.model.shape == MeanShape::quadratic)
@@ -73,6 +77,7 @@ class Search {
     for (const Contest& contest : contests_)
       if (!contest.best.empty())
         result_.prices.push_back({contest.model, contest.price() - best_, contest.best.front().steps.size() > 1});
+    if (options_.regions == 2) result_.gain = price_of_one_region() - best_;
     return std::move(result_);
   }
 
@@ -97,10 +102,18 @@ class Search {
       contests_.push_back({{MeanShape::objects, false, false, label}, {}});
   }
 
+  double price_of_one_region() {
+    double least = std::numeric_limits<double>::infinity();
+    for (const PartitionModel& model : std::initializer_list<PartitionModel>{
+             {}, {MeanShape::linear}, {MeanShape::quadratic}, {MeanShape::constant, true, true}})
+      least = std::min(least, price_.price_of_one_region(model));
+    return least;
+  }
+
   // Means that follow the image closely go on from what simpler ones found.
   [[nodiscard]] bool suits(MeanShape shape, const PartitionStart& start) const {
     if (shape == MeanShape::constant) return start.classes || !start.local;
-    return (start.classes || start.local) && (shape != MeanShape::smooth || options_.shape);
+    return (start.classes || start.local) && (shape != MeanShape::smooth || options_.shape || options_.model);
   }
 
   static bool is_simplest(const PartitionModel& model) {

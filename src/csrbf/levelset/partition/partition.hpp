@@ -18,6 +18,7 @@ struct PartitionOptions {
   int regions = 2;
   std::optional<MeanShape> shape = {};       ///< default: chosen
   std::optional<PartitionModel> model = {};  ///< the only one to consider; default: all
+  std::span<const std::uint8_t> start = {};  ///< labels to start from, too
   Progress progress = {};                    ///< stage "evolve"
 };
 
@@ -26,6 +27,7 @@ struct Partition {
   PartitionModel model;
   std::vector<ModelPrice> prices;  ///< of all models considered
   std::vector<double> energy;      ///< the price in nats: the best start of each model taken, then its steps downwards
+  double gain = 0;                 ///< nats, over the shortest description as one region; of two regions
   int iterations = 0;
   bool converged = false;
 };

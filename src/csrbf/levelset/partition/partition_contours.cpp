@@ -2,6 +2,7 @@
 
 #include "csrbf/levelset/contour/label_contours.hpp"
 #include "csrbf/levelset/partition/blurred_price.hpp"
+#include "csrbf/levelset/regions/force_noise.hpp"
 
 namespace csrbf {
 
@@ -27,6 +28,7 @@ PartitionContours<Dim> partition_contours(PartitionPrice& price, Partition& part
     LatticeOptions options = given;
     options.center_spacing = spacing;
     PartitionContours<Dim> result{Lattice<Dim>(price.grid().size, price.grid().spacing, options), spacing, {}};
+    if (regions == 2) result.force = mean_magnitude(force);
     partition.labels = wanted;
     result.coefficients = label_contours(result.lattice, force, regions, partition.labels);
     return result;

@@ -11,6 +11,7 @@ struct PartitionContours {
   Lattice<Dim> lattice;
   double spacing;                                ///< of the centres, in voxels
   std::vector<std::vector<float>> coefficients;  ///< as of label_contours()
+  double force = 0;                              ///< mean size of those on voxels, of two regions
 };
 
 /// Writes the contours of a partition in CSRBFs on the coarsest lattice, of center spacings 4, 3, 2 and 1 voxels, whose

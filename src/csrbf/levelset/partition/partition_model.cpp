@@ -4,6 +4,7 @@
 #include "csrbf/levelset/image/box_mean.hpp"
 #include "csrbf/levelset/partition/nearest_component.hpp"
 #include "csrbf/levelset/regions/energy_table.hpp"
+#include "csrbf/levelset/regions/label_code.hpp"
 #include "csrbf/levelset/regions/label_runs.hpp"
 
 #include <limits>
@@ -12,9 +13,12 @@
 namespace csrbf {
 namespace {
 
-constexpr Index per_task = 1 << 14;            // voxels per task
-constexpr double least_deviation = 1.0 / 512;  // of the range: half a grey level of 256
+constexpr Index per_task = 1 << 14;     // voxels per task
 constexpr double least_contrast = 0.1;  // of an object, of that of the regions; by hand: less is the surroundings
+
+int degree_of(MeanShape shape) {
+  return shape == MeanShape::constant ? 0 : shape == MeanShape::linear ? 1 : 2;
+}
 
 }  // namespace
 
@@ -33,7 +37,9 @@ PartitionPrice::PartitionPrice(std::span<const float> values, double lo, double 
 
 void PartitionPrice::set_grain(double voxels) {
   const double dimension = grid_.dimension(), edges = (dimension - 1) / dimension;
-  weight_.length *= std::pow(grain_ / voxels, edges);
+  const double factor = std::pow(grain_ / voxels, edges);
+  weight_.length *= factor;
+  edge_scale_ *= factor;
   grain_ = voxels;
 }
 
@@ -63,8 +69,9 @@ LabelMeasures PartitionPrice::measure(std::span<const std::uint8_t> labels, int 
   if (regions == 2) {
     result.regions = {all_, moments(1)};
     result.regions[0].add(result.regions[1], -1);
-    result.price += contour_price(labels, 1, grid_.size, weight_) +
-                    place_price() * static_cast<double>(LabelRuns(labels, grid_).count_parts());
+    result.price +=
+        std::min(contour_price(labels, 1, grid_.size, weight_), label_code(labels, grid_, mask_) * edge_scale_) +
+        place_price() * static_cast<double>(LabelRuns(labels, grid_).count_parts());
     return result;
   }
   for (int k = 0; k < regions; ++k) {
@@ -89,7 +96,7 @@ double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeas
     means_[k] = measures.regions[k].mean();
   }
   const bool objects = model.shape == MeanShape::objects;
-  const int degree = model.shape == MeanShape::constant ? 0 : model.shape == MeanShape::linear ? 1 : 2;
+  const int degree = degree_of(model.shape);
   double parameters = model.own_deviations ? static_cast<double>(n) : 1;
   std::vector<double> squares;
   for (std::size_t k = 0; k < n; ++k) {
@@ -116,6 +123,17 @@ double PartitionPrice::fit(std::span<const std::uint8_t> labels, const LabelMeas
   }
   deviation_price_ /= grain_;
   return measures.price + deviation_price_ + 0.5 * parameters * place_price();
+}
+
+double PartitionPrice::price_of_one_region(const PartitionModel& model) {
+  model_ = model;
+  means_ = {all_.mean()};
+  counts_ = {count_};
+  const MeanPolynomial polynomial(all_, degree_of(model.shape), grid_);
+  deviation_price_ = fit_deviations({polynomial.residual(all_)});
+  if (model.own_shapes) deviation_price_ = fit_shapes(std::vector<std::uint8_t>(values_.size(), 0));
+  const double parameters = 1 + static_cast<double>(polynomial.parameters()) + (model.own_shapes ? 1 : 0);
+  return deviation_price_ / grain_ + 0.5 * parameters * place_price();
 }
 
 void PartitionPrice::fill_fields() {
@@ -227,8 +245,7 @@ double PartitionPrice::residual(std::span<const std::uint8_t> labels, std::size_
 // From the sums of the squares that the means leave.
 double PartitionPrice::fit_deviations(const std::vector<double>& squares) {
   double all = 0, price = 0;
-  const double own = model_.own_deviations ? 0.5 / static_cast<double>(bins_.count) : 0;
-  const double least = std::pow(std::max(least_deviation, own), 2);
+  const double least = std::pow(least_deviation(), 2);
   variances_.assign(squares.size(), 0);
   for (std::size_t k = 0; k < squares.size(); ++k) {
     all += squares[k];
@@ -275,7 +292,7 @@ double PartitionPrice::mixed_deviation_price(std::span<const float> share, std::
     if (model_.own_deviations) sum += 0.5 * (std::log(variance) + off / variance - 1);
   }
   if (model_.own_deviations) return sum / grain_;
-  return 0.5 * count_ * std::log(squares / count_ + least_deviation * least_deviation) / grain_;
+  return 0.5 * count_ * std::log(squares / count_ + least_deviation() * least_deviation()) / grain_;
 }
 
 void PartitionPrice::cost(int k, std::span<float> to) {
@@ -356,7 +373,7 @@ double PartitionPrice::variation(std::span<const std::uint8_t> labels) {
     most = std::max(most, squares / counts_[k] - std::pow(sum / counts_[k], 2));
   }
   const double contrast = std::abs(means_[1] - means_[0]);
-  return std::sqrt(most) / std::max(contrast, least_deviation);
+  return std::sqrt(most) / std::max(contrast, least_deviation());
 }
 
 }  // namespace csrbf

@@ -39,13 +39,13 @@ struct LabelMeasures {
 
 /// The description length of an image by regions and their model, in nats: - log likelihood of the voxels in the mask,
 /// half the logarithm of their number for each parameter (Rissanen 1978; Leclerc 1989), the price of the contours, and
-/// of two regions the logarithm of that number for the place of each connected part. A constant that is the same for
-/// all labels and models of the image is left out.
+/// of two regions the logarithm of that number for the place of each connected part. Instead of the contours of two
+/// regions a code for the labels counts where it is shorter: contours in much noise are long for what they tell apart.
+/// A constant that is the same for all labels and models of the image is left out.
 class PartitionPrice {
  public:
-  /// `values`: finite; lo < hi: the range that they are clipped to, whose 1/512 no deviation is below; `mask` may be
-  /// empty. Grid and mask must outlive this.
-  /// No region's own deviation is below half of one of `levels` intensities.
+  /// `values`: finite; lo < hi: the range that they are clipped to. No deviation is below half of one of its `levels`
+  /// intensities. `mask` may be empty. Grid and mask must outlive this.
   PartitionPrice(std::span<const float> values, double lo, double hi, const Grid& grid,
                  std::span<const std::uint8_t> mask, const ContourWeight& weight, Index levels = 256);
 
@@ -67,6 +67,9 @@ class PartitionPrice {
   double fit(std::span<const std::uint8_t> labels, const PartitionModel& model, int regions = 2) {
     return fit(labels, measure(labels, regions), model);
   }
+
+  /// The price of the image as one region, whose mean is a constant or a polynomial.
+  double price_of_one_region(const PartitionModel& model);
 
   /// What each voxel costs in region k, by the last fit(); 0 outside the mask.
   void cost(int k, std::span<float> to);
@@ -112,6 +115,8 @@ class PartitionPrice {
   [[nodiscard]] double mean(std::size_t k, std::size_t i) const {
     return fields_[k].empty() ? means_[k] : static_cast<double>(fields_[k][i]);
   }
+  // Half a level of the intensities, of the range.
+  [[nodiscard]] double least_deviation() const { return 0.5 / static_cast<double>(bins_.count); }
   [[nodiscard]] double place_price() const { return std::log(count_ / grain_); }
   [[nodiscard]] std::vector<std::uint8_t> masked(std::span<const std::uint8_t> labels) const;
   void fill_fields();
@@ -129,7 +134,8 @@ class PartitionPrice {
   std::vector<std::size_t> uncertain_;  // seeds
   ContourWeight weight_;
   double count_ = 0, grain_ = 1, deviation_price_ = 0;
-  RegionMoments all_;  // of both of two regions
+  double edge_scale_ = 1;  // what a voxel's edge of a contour costs, of what it costs without grain
+  RegionMoments all_;      // of both of two regions
   PartitionModel model_;
   IntensityBins bins_;
   std::vector<std::uint8_t> indices_;       // of the values, once they are asked for

@@ -106,14 +106,14 @@ class Starts {
   }
 
   // The brightest and the darkest voxels.
-  void shares(const Image& f, const std::vector<double>& parts) {
+  void shares(const Image& f, const std::vector<double>& parts, bool is_local = false) {
     Image sorted;
     for (std::size_t i = 0; i < f.size(); ++i)
       if (price_.inside(i)) sorted.push_back(f[i]);
     for (const double part : parts)
       for (const bool bright : {true, false}) {
         const float limit = percentile(sorted, bright ? 1 - part : part);
-        PartitionStart start{std::vector<std::uint8_t>(f.size())};
+        PartitionStart start{std::vector<std::uint8_t>(f.size()), false, is_local};
         for (std::size_t i = 0; i < f.size(); ++i) start.labels[i] = (bright ? f[i] > limit : f[i] < limit) ? 1 : 0;
         take_(std::move(start));
       }
@@ -137,6 +137,7 @@ class Starts {
     for (int pass = 0; pass < 3; ++pass) box_mean(mean, grid.size, half);
     for (std::size_t i = 0; i < f.size(); ++i) f[i] -= mean[i];
     classes(f, 2, true);
+    shares(f, {0.01}, true);
   }
 
   // By the size of what a Gaussian leaves.

@@ -76,6 +76,29 @@ void exclude_outliers(std::span<const float> values, std::span<const std::uint8_
   if (hi > high + far * R) hi = high + reach * R;
 }
 
+// The distance between the levels of counts and the like: the least between different values, of some of them, where
+// all are multiples of it apart and most occur more than once. 0 for others.
+double level_distance(std::span<const float> values, std::span<const std::uint8_t> mask) {
+  constexpr Index most_samples = 1 << 14;
+  const auto step = static_cast<std::size_t>(1 + std::ssize(values) / most_samples);
+  std::vector<float> samples;
+  for (std::size_t i = 0; i < values.size(); i += step)
+    if (mask.empty() || mask[i] != 0) samples.push_back(values[i]);
+  std::sort(samples.begin(), samples.end());
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    if (samples[i] > samples[i - 1])
+      gaps.push_back(static_cast<double>(samples[i]) - static_cast<double>(samples[i - 1]));
+  if (gaps.empty() || 4 * gaps.size() > samples.size()) return 0;
+  const double least = *std::min_element(gaps.begin(), gaps.end());
+  constexpr double rounded = 0.1;  // of the distance: by hand
+  for (const double gap : gaps)
+    if (std::abs(gap / least - std::round(gap / least)) > rounded) return 0;
+  // What is rounded is better known over the whole range.
+  const double range = static_cast<double>(samples.back()) - static_cast<double>(samples.front());
+  return range / std::round(range / least);
+}
+
 // As IntensityBins::index, bit for bit.
 CSRBF_SIMD_CLONES void write_indices(const float* values, Index n, const IntensityBins& bins, std::uint8_t* indices) {
   const double lo = bins.lo;
@@ -192,6 +215,12 @@ IntensityBins choose_bins(std::span<const float> values, Index count, std::span<
   double lo = range.lo;
   double hi = range.hi;
   exclude_outliers(values, mask, lo, hi);
+  const double gap = level_distance(values, mask);
+  const double between = gap > 0 ? std::round((hi - lo) / gap) : static_cast<double>(count);
+  if (between < static_cast<double>(count)) {
+    const double first = lo - .5 * gap;
+    return {first, first + (between + 1) * gap, static_cast<Index>(between) + 1};
+  }
   if (!range.integers) {
     const double width = (hi - lo) / static_cast<double>(count - 1);
     const double first = lo - .5 * width;

@@ -44,12 +44,13 @@ struct Histogram {
 };
 
 /// At most `count` bins for the intensities of an image: the least and the greatest value are the centres of the end
-/// bins. Integers get bins of a whole number of grey levels each, one where that many bins suffice. Where a few
-/// values lie far out, farther than 3.5 times the distance R of the quantiles .001 and .999, the bins end 3 R beyond
-/// these quantiles, so that outliers do not take the resolution from all others. `mask` (empty, or one entry per value)
-/// leaves out the voxels where it is 0. O(n); the quantiles are those of at most 16384 values at equal distances.
-/// Throws InvalidInput for NaN or infinite values, fewer than two different values, fewer than 2 or more than 256 bins,
-/// and a mask of another size or without voxels.
+/// bins. Integers get bins of a whole number of grey levels each, one where that many bins suffice, and so do other
+/// values that are levels at equal distances, as counts in any unit are. Where a few values lie far out, farther
+/// than 3.5 times the distance R of the quantiles .001 and .999, the bins end 3 R beyond these quantiles, so that
+/// outliers do not take the resolution from all others. `mask` (empty, or one entry per value) leaves out the voxels
+/// where it is 0. O(n); quantiles and levels are those of at most 16384 values at equal distances. Throws InvalidInput
+/// for NaN or infinite values, fewer than two different values, fewer than 2 or more than 256 bins, and a mask of
+/// another size or without voxels.
 IntensityBins choose_bins(std::span<const float> values, Index count = 256, std::span<const std::uint8_t> mask = {});
 
 /// The bin of every value: one byte per voxel that the statistics of all later iterations need. O(n), parallel. Throws

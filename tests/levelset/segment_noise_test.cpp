@@ -1,0 +1,79 @@
+#include "levelset/segment_testing.hpp"
+
+#include <algorithm>
+
+namespace csrbf {
+namespace {
+
+double disc(double x, double y) {
+  return 30 - std::hypot(x + 8, y - 5);
+}
+
+// A number of photons in each voxel, in any unit.
+void count_photons(Phantom& phantom, double mean, double unit) {
+  std::mt19937 random(5);
+  for (float& value : phantom.image.values) {
+    std::poisson_distribution<int> photons(mean * static_cast<double>(value) / 125);
+    value = static_cast<float>(unit * photons(random));
+  }
+}
+
+TEST(SegmentNoise, OfFewPhotonsIsNoPeak) {
+  for (const double unit : {1.0, 455.3, 1e-6}) {
+    Phantom phantom = make_phantom(120, disc, 1, 0);
+    count_photons(phantom, 1.5, unit);
+    EXPECT_GT(dice(segment<2>(phantom.image).labels, phantom.truth), 0.97) << unit;
+  }
+}
+
+TEST(SegmentNoise, ThatGrowsUnderLightThatVariesSmoothly) {
+  Phantom phantom = make_phantom(80, disc, 1, 0);
+  std::mt19937 random(6);
+  std::normal_distribution<double> normal(0, 1);
+  for (Index y = 0; y < 80; ++y)
+    for (Index x = 0; x < 80; ++x) {
+      float& value = phantom.image.values[x + 80 * y];
+      const double light = 1.5 + std::sin(0.09 * static_cast<double>(x)) * std::cos(0.07 * static_cast<double>(y));
+      value = static_cast<float>(light * static_cast<double>(value) * (1 + 0.05 * normal(random)));
+    }
+  EXPECT_GT(dice(segment<2>(phantom.image, {.shading = Shading::smooth}).labels, phantom.truth), 0.9);
+}
+
+TEST(SegmentNoise, ThatIsAllThereIsGivesAWarning) {
+  Phantom phantom = make_phantom(
+      100, [](double, double) { return -1.0; }, 1, 20);
+  const auto nothing = segment<2>(phantom.image).report.warnings;
+  ASSERT_EQ(nothing.size(), 1);
+  EXPECT_NE(nothing[0].find("may be noise"), std::string::npos);
+  EXPECT_TRUE(segment<2>(make_phantom(100, disc, 1, 150).image).report.warnings.empty());
+  SegmentOptions marked;
+  marked.seeds.assign(10000, 0);
+  marked.seeds[20] = 1;
+  marked.seeds[5050] = 2;
+  EXPECT_TRUE(segment<2>(phantom.image, marked).report.warnings.empty());
+}
+
+// Dots below the size of the grain: hardly anything is left of them in CSRBFs.
+TEST(SegmentNoise, WithGrainAndDotsFailsInNoWay) {
+  for (unsigned seed = 1; seed < 4; ++seed) {
+    Phantom phantom = make_phantom(
+        90, [](double x, double y) { return 1.3 - std::hypot(std::remainder(x, 29.0), std::remainder(y, 31.0)); }, 0.3,
+        0, seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal(0, 1);
+    std::vector<double> noise(phantom.image.values.size());
+    for (double& each : noise) each = normal(random);
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+      double sum = 0;
+      for (std::size_t y = 0; y < 4; ++y)
+        for (std::size_t x = 0; x < 4; ++x) sum += noise[(i + x + 90 * y) % noise.size()];
+      phantom.image.values[i] += static_cast<float>(4 * sum + 3 * static_cast<double>(i / 90));
+    }
+    const Segmentation<2> found = segment<2>(phantom.image);
+    EXPECT_GT(*std::max_element(found.labels.begin(), found.labels.end()), 0);
+    EXPECT_GT(*found.report.options.smoothness, 0);
+  }
+}
+
+}  // namespace
+}  // namespace csrbf
