@@ -281,6 +281,7 @@ def run(drawn, program, work, keep=None):
     if done.returncode == 0:
         labels = np.load(work / "labels.npy").reshape(truth.shape)
         report = json.loads((work / "report.json").read_text())
+        case["warning"] += "; ".join(report.get("warnings", []))
         case["chosen"] = f"{report['options']['energy']}, {report['options']['shading']}"
     case["dice"] = dice(labels, truth) if done.returncode == 0 else 0.0
     case.update(regions=regions, peers=peers(image, truth, spacing))

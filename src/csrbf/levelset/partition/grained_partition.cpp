@@ -6,6 +6,8 @@
 namespace csrbf {
 namespace {
 
+constexpr double cheaper = 0.6;  // contours where none are worth their price; by hand: 0.4 finds noise more often
+
 double grain_left(PartitionPrice& price, const Partition& found) {
   return noise_grain(fit_blurred(price, found.labels, found.model).residual, price.grid(), price.mask());
 }
@@ -30,6 +32,17 @@ Partition find_grained_partition(PartitionPrice& price, const PartitionOptions& 
     found = std::move(coarse);
     grain = now;
     now = then;
+  }
+  // In much noise contours may cost more than what they tell apart. The gain that is told stays negative.
+  if (found.gain < 0) {
+    price.scale_contours(cheaper);
+    Partition other = find_partition(price, options);
+    const bool worthy = other.gain > 0;
+    other.gain = found.gain;
+    if (worthy)
+      found = std::move(other);
+    else
+      price.scale_contours(1 / cheaper);
   }
   return found;
 }

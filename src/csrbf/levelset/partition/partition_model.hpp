@@ -58,6 +58,12 @@ class PartitionPrice {
   void set_grain(double voxels);
   [[nodiscard]] double grain() const { return grain_; }
 
+  /// Makes contours cheaper by that factor.
+  void scale_contours(double factor) {
+    weight_.length *= factor;
+    edge_scale_ *= factor;
+  }
+
   [[nodiscard]] LabelMeasures measure(std::span<const std::uint8_t> labels, int regions = 2) const;
 
   /// Fits the model to the regions of the labels and returns the price; infinite when a region has fewer than 3 voxels.
