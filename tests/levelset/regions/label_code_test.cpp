@@ -64,5 +64,16 @@ TEST(LabelCode, LeavesOutWhatIsNotInTheMask) {
   EXPECT_LT(label_code(labels, grid, right), 200);
 }
 
+TEST(LabelCode, IsTheSameWithAMaskOfAllVoxels) {
+  Grid solid;
+  solid.size = {37, 21, 19};
+  for (const Grid& grid : {square_grid(61), solid}) {
+    const auto labels = labels_of(grid, [](Index x, Index y, Index z) {
+      return std::hypot(x - 20, y - 12, z - 4) < 11 || (x > 25 && y > 8) || x == 2;
+    });
+    EXPECT_EQ(label_code(labels, grid, {}), label_code(labels, grid, std::vector<std::uint8_t>(labels.size(), 1)));
+  }
+}
+
 }  // namespace
 }  // namespace csrbf

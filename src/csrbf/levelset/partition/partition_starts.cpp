@@ -137,7 +137,7 @@ class Starts {
     for (int pass = 0; pass < 3; ++pass) box_mean(mean, grid.size, half);
     for (std::size_t i = 0; i < f.size(); ++i) f[i] -= mean[i];
     classes(f, 2, true);
-    shares(f, {0.01}, true);
+    if (part < 0.1) shares(f, {0.01}, true);
   }
 
   // By the size of what a Gaussian leaves.
