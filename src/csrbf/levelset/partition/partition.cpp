@@ -102,11 +102,12 @@ class Search {
       contests_.push_back({{MeanShape::objects, false, false, label}, {}});
   }
 
+  // Shapes count where the result has some: of one region they take its background for a peak.
   double price_of_one_region() {
+    std::vector<PartitionModel> models{{}, {MeanShape::linear}, {MeanShape::quadratic}};
+    if (result_.model.own_shapes) models.push_back({MeanShape::constant, true, true});
     double least = std::numeric_limits<double>::infinity();
-    for (const PartitionModel& model : std::initializer_list<PartitionModel>{
-             {}, {MeanShape::linear}, {MeanShape::quadratic}, {MeanShape::constant, true, true}})
-      least = std::min(least, price_.price_of_one_region(model));
+    for (const PartitionModel& model : models) least = std::min(least, price_.price_of_one_region(model));
     return least;
   }
 
