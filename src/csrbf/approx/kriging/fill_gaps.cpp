@@ -2,6 +2,7 @@
 
 #include "csrbf/approx/basis/expansion.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
+#include "csrbf/approx/kriging/distance_growth.hpp"
 #include "csrbf/approx/kriging/find_gaps.hpp"
 #include "csrbf/approx/kriging/local_kriging.hpp"
 #include "csrbf/approx/samples/blended_field.hpp"
@@ -24,17 +25,6 @@ constexpr double strain = 16;          // growth of the squared error of a patch
 constexpr Index largest_dense = 1000;  // system
 constexpr int deepest = 40;            // halvings of a cell; never reached unless samples are extremely uneven
 constexpr double least_variance = 1e-300;  // of a quotient
-
-// A part of a cell of the partition of unity, in preorder.
-template <int Dim>
-struct Node {
-  std::int8_t axis = -1;
-  double split = 0;
-  std::size_t right = 0;  // of the nodes of this cell
-  Eigen::VectorXd variance = {};
-  bool is_wide = false;                                    // with another function, in a gap
-  std::unique_ptr<const LocalModels<Dim>> wide = nullptr;  // which; null: not known yet
-};
 
 // By one system for some of the samples with a linear variogram, see Covariance; none if it cannot be solved.
 template <int Dim>
@@ -68,33 +58,70 @@ class GapFiller {
         cover_(fit.data->cover),
         patches_(fit),
         finder_(fit, patches_),
+        growth_(samples, fit, variances),
         noticeable_(noticeable_error(samples)) {}
 
   std::optional<FilledGaps<Dim>> fill() const {
-    std::vector<Index> cells = finder_.cells_with_gaps();
-    if (cells.empty()) return std::nullopt;
     Points<Dim> centers(Dim, cover_.size());
     for (Index i = 0; i < cover_.size(); ++i) centers.col(i) = cover_.cell(i).center();
     Eigen::MatrixXd errors(std::ssize(variances_), centers.cols());
     for (Index c = 0; c < errors.rows(); ++c) errors.row(c) = variances_[c]->evaluate(centers).value.transpose();
-    cells = finder_.doubtful(cells, samples_, errors);
+    CellParts<Dim> parts(static_cast<std::size_t>(cover_.size()));
+    std::optional<FilledGaps<Dim>> filled = with_other_functions(errors, parts);
+    const std::vector<Index> sparse = growth_.cells(patches_);
+    if (!filled && sparse.empty()) return std::nullopt;
+    parallel_for(std::ssize(sparse), 16, [&](Index first, Index last) {
+      typename PatchErrors<Dim>::Patch work;
+      for (Index k = first; k < last; ++k) {
+        const Index cell = sparse[static_cast<std::size_t>(k)];
+        if (parts[cell].size() > 1 || parts[cell].front().is_wide) continue;
+        parts[cell].clear();
+        work.cell = cell;
+        work.radius = fit_.data->models.radius[cell];
+        work.error = errors.col(cell);
+        growth_.split(patches_, work, parts[cell]);
+      }
+    });
+    if (!filled) filled = FilledGaps<Dim>{.fit = fit_, .variances = {}};
+    std::vector<PlacedPart<Dim>> leaves;
+    const Cover<Dim> cover(tree_of_parts<Dim>(cover_.tree(), parts, leaves));
+    Eigen::MatrixXd variance(samples_.components(), cover.size());
+    for (Index i = 0; i < cover.size(); ++i) variance.col(i) = leaves[static_cast<std::size_t>(i)].second->variance;
+    filled->variances = cell_constants<Dim>(cover, variance);
+    return filled;
+  }
+
+ private:
+  // Where there are gaps; sets the parts of all cells.
+  std::optional<FilledGaps<Dim>> with_other_functions(const Eigen::MatrixXd& errors, CellParts<Dim>& parts) const {
+    for (Index i = 0; i < cover_.size(); ++i) parts[i].emplace_back().variance = errors.col(i);
+    std::vector<Index> cells = finder_.cells_with_gaps();
+    if (!cells.empty()) cells = finder_.doubtful(cells, samples_, errors);
     if (cells.empty()) return std::nullopt;
     const LocalKriging<Dim> kriging(samples_, finder_.points_in_gaps(cells, errors));
-    std::vector<std::vector<Node<Dim>>> parts(static_cast<std::size_t>(cover_.size()));
     parallel_for(std::ssize(cells), 4, [&](Index first, Index last) {
       typename PatchErrors<Dim>::Patch work;
       for (Index k = first; k < last; ++k) {
         const Index cell = cells[static_cast<std::size_t>(k)];
+        parts[cell].clear();
         patches_.enter(cell, errors.col(cell), work);
         split(kriging, cover_.cell(cell), 0, work, parts[cell]);
       }
     });
-    for (Index i = 0; i < cover_.size(); ++i)
-      if (parts[i].empty()) parts[i].emplace_back().variance = errors.col(i);
-    return assemble(kriging, parts);
+    std::vector<PlacedPart<Dim>> leaves;
+    const Cover<Dim> cover(tree_of_parts<Dim>(cover_.tree(), parts, leaves));
+    const Index wide =
+        std::count_if(leaves.begin(), leaves.end(), [](const auto& leaf) { return leaf.second->is_wide; });
+    if (wide == 0) {
+      for (const Index cell : cells) {
+        parts[cell].clear();
+        parts[cell].emplace_back().variance = errors.col(cell);
+      }
+      return std::nullopt;
+    }
+    return with_cells(kriging, cover, leaves, wide);
   }
 
- private:
   // Of all components of local function i.
   static Eigen::VectorXd value(const LocalModels<Dim>& models, Index i, const Point<Dim>& x) {
     constexpr int lanes = LocalEvaluator<Dim>::lanes;
@@ -146,7 +173,7 @@ class GapFiller {
 
   // Where values are rough: what lies in a gap is wide, whatever the local function says of its errors.
   Choice choose_rough(const LocalKriging<Dim>& kriging, const Part& part, typename PatchErrors<Dim>::Patch& work,
-                      Node<Dim>& node) const {
+                      CellPart<Dim>& node) const {
     Index inside = 0;
     for (Index k = 0; k < probes_each<Dim>; ++k) inside += part.in_gap(k) ? 1 : 0;
     const bool is_inside = inside == probes_each<Dim> && part.half() <= shrink * part.distance[middle];
@@ -168,7 +195,7 @@ class GapFiller {
 
   // Otherwise what has the smaller expected error.
   Choice choose_smooth(const LocalKriging<Dim>& kriging, const Part& part, typename PatchErrors<Dim>::Patch& work,
-                       Node<Dim>& node) const {
+                       CellPart<Dim>& node) const {
     const KrigingPatch<Dim> patch = kriging.patch(part.box.center());
     const Eigen::VectorXd scale = patch.variance(part.box.center());
     auto model = std::make_unique<LocalModels<Dim>>(kriging.models(1));
@@ -204,7 +231,7 @@ class GapFiller {
   }
 
   void split(const LocalKriging<Dim>& kriging, const Box<Dim>& box, int depth, typename PatchErrors<Dim>::Patch& work,
-             std::vector<Node<Dim>>& nodes) const {
+             std::vector<CellPart<Dim>>& nodes) const {
     const std::size_t at = nodes.size();
     nodes.emplace_back();
     const Part part = part_of(kriging, box, depth, work);
@@ -214,6 +241,9 @@ class GapFiller {
     const Choice choice = kriging.is_linear() ? choose_rough(kriging, part, work, nodes[at])
                                               : choose_smooth(kriging, part, work, nodes[at]);
     nodes[at].is_wide = choice == Choice::wide;
+    if (choice == Choice::fine)
+      nodes[at].variance =
+          nodes[at].variance.cwiseMax(growth_.factor(part.distance[middle] / part.spacing).cwiseProduct(work.error));
     if (choice != Choice::split) return;
     Index axis = 0;
     box.extent().maxCoeff(&axis);
@@ -226,55 +256,15 @@ class GapFiller {
     split(kriging, upper, depth + 1, work, nodes);
   }
 
-  // The tree with the parts in place of their cells.
-  std::optional<FilledGaps<Dim>> assemble(const LocalKriging<Dim>& kriging,
-                                          const std::vector<std::vector<Node<Dim>>>& parts) const {
-    const typename Cover<Dim>::Tree& old = cover_.tree();
-    typename Cover<Dim>::Tree tree;
-    tree.box = old.box;
-    tree.growth = old.growth;
-    std::vector<std::pair<Index, const Node<Dim>*>> leaves;  // the cell that each is a part of
-    std::vector<std::uint32_t> place(old.axis.size());       // of the old nodes
-    Index wide = 0;
-    for (std::size_t i = 0; i < old.axis.size(); ++i) {
-      place[i] = static_cast<std::uint32_t>(tree.axis.size());
-      if (old.axis[i] >= 0) {
-        tree.axis.push_back(old.axis[i]);
-        tree.split.push_back(old.split[i]);
-        tree.right.push_back(old.right[i]);
-        continue;
-      }
-      const std::size_t first = tree.axis.size();
-      for (const Node<Dim>& node : parts[old.right[i]]) {
-        tree.axis.push_back(node.axis);
-        tree.split.push_back(node.split);
-        tree.right.push_back(static_cast<std::uint32_t>(node.axis >= 0 ? first + node.right : leaves.size()));
-        if (node.axis >= 0) continue;
-        leaves.emplace_back(old.right[i], &node);
-        wide += node.is_wide ? 1 : 0;
-      }
-    }
-    if (wide == 0) return std::nullopt;
-    for (std::size_t i = 0; i < old.axis.size(); ++i)
-      if (old.axis[i] >= 0) tree.right[place[i]] = place[old.right[i]];
-    return with_cells(kriging, std::move(tree), leaves, wide);
-  }
-
-  FilledGaps<Dim> with_cells(const LocalKriging<Dim>& kriging, typename Cover<Dim>::Tree tree,
-                             const std::vector<std::pair<Index, const Node<Dim>*>>& leaves, Index wide) const {
+  FilledGaps<Dim> with_cells(const LocalKriging<Dim>& kriging, const Cover<Dim>& cover,
+                             const std::vector<PlacedPart<Dim>>& leaves, Index wide) const {
     const Index count = std::ssize(leaves);
-    const Cover<Dim> cover(std::move(tree));
-    Eigen::MatrixXd variance(samples_.components(), count), outside(1, count);
-    for (Index i = 0; i < count; ++i) {
-      const Node<Dim>& node = *leaves[static_cast<std::size_t>(i)].second;
-      variance.col(i) = node.variance;
-      outside(0, i) = node.is_wide ? 0 : 1;
-    }
+    Eigen::MatrixXd outside(1, count);
+    for (Index i = 0; i < count; ++i) outside(0, i) = leaves[static_cast<std::size_t>(i)].second->is_wide ? 0 : 1;
     FilledGaps<Dim> result;
     result.fit = fit_;
     result.fit.report.patches = count;
     result.patches = wide;
-    result.variances = cell_constants<Dim>(cover, variance);
     result.outside = cell_constants<Dim>(cover, outside).front();
     if (kriging.is_linear()) result.inside = one_system(kriging, cover, leaves);
     if (result.inside.empty()) result.fit.data = with_wide_patches(kriging, cover, leaves, wide);
@@ -282,9 +272,8 @@ class GapFiller {
   }
 
   // One system of all samples that the patches in the gaps are made of; none if it cannot be solved.
-  std::vector<std::shared_ptr<const Field<Dim>>> one_system(
-      const LocalKriging<Dim>& kriging, const Cover<Dim>& cover,
-      const std::vector<std::pair<Index, const Node<Dim>*>>& leaves) const {
+  std::vector<std::shared_ptr<const Field<Dim>>> one_system(const LocalKriging<Dim>& kriging, const Cover<Dim>& cover,
+                                                            const std::vector<PlacedPart<Dim>>& leaves) const {
     std::vector<char> is_used(static_cast<std::size_t>(samples_.size()), 0);
     for (Index i = 0; i < cover.size(); ++i)
       if (leaves[static_cast<std::size_t>(i)].second->is_wide)
@@ -296,9 +285,10 @@ class GapFiller {
   }
 
   // The tree with the parts in place of their cells, and other functions in gaps.
-  std::shared_ptr<const PartitionOfUnityData<Dim>> with_wide_patches(
-      const LocalKriging<Dim>& kriging, const Cover<Dim>& cover,
-      const std::vector<std::pair<Index, const Node<Dim>*>>& leaves, Index wide) const {
+  std::shared_ptr<const PartitionOfUnityData<Dim>> with_wide_patches(const LocalKriging<Dim>& kriging,
+                                                                     const Cover<Dim>& cover,
+                                                                     const std::vector<PlacedPart<Dim>>& leaves,
+                                                                     Index wide) const {
     using Data = PartitionOfUnityData<Dim>;
     auto data = std::make_shared<Data>(Data{cover, {}});
     const LocalModels<Dim>& old = fit_.data->models;
@@ -353,6 +343,7 @@ class GapFiller {
   const Cover<Dim>& cover_;
   PatchErrors<Dim> patches_;
   GapFinder<Dim> finder_;
+  DistanceGrowth<Dim> growth_;
   Eigen::VectorXd noticeable_;
 };
 
