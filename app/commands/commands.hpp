@@ -82,7 +82,7 @@ struct FitFlags {
   std::string smoothing = "auto";
   std::optional<int> degree;
   std::string loss = "auto";
-  std::string extrapolation = "constant";
+  std::string extrapolation = "auto";
 };
 
 struct FitCommand {

@@ -31,10 +31,11 @@ void add_fit_flags(CommandFlags& v, FitFlags& f) {
        "what samples far from those around them count for: auto leaves gross errors out and names them, squares keeps "
        "all, huber and student give them less weight")
       ->check(CLI::IsMember({"auto", "squares", "huber", "student"}));
-  v.flag("extrapolation", f.extrapolation, "constant|linear|trend|nan", "constant",
+  v.flag("extrapolation", f.extrapolation, "auto|constant|linear|trend|nan", "auto",
          "outside the box of the samples: the value at the nearest point of the box, the same and its slope, the trend "
-         "of the samples, or none")
-      ->check(CLI::IsMember({"constant", "linear", "trend", "nan"}));
+         "of the samples, or none; auto: the trend where it predicts the outermost of few samples better, else the "
+         "nearest value")
+      ->check(CLI::IsMember({"auto", "constant", "linear", "trend", "nan"}));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ def fit(
     drift: Sequence[int | str] = (),
     derivatives: ArrayLike | None = None,
     faults: Sequence[ArrayLike] = (),
-    extrapolation: Extrapolation = "constant",
+    extrapolation: Extrapolation = "auto",
     loss: Loss = "auto",
     missing: float | None = None,
     scale_axes: bool = True,
@@ -82,9 +82,10 @@ def fit(
         Gradients at the points, as data (Hermite); NaN where unknown.
     faults : sequence of array_like (m, 2), optional
         Polylines in the plane across which the function may jump, for two coordinates.
-    extrapolation : "constant", "linear", "trend" or "nan"
+    extrapolation : "auto", "constant", "linear", "trend" or "nan"
         Outside the box of the samples: the value at the nearest point of the box; the same and its slope; the trend of
-        the samples, as the method "interpolate" continues (others as "linear"); or NaN.
+        the samples, as the method "interpolate" continues (others as "linear"); or NaN. "auto" is "trend" where that
+        predicts the outermost of few samples better, else "constant".
     loss : "auto", "squares", "huber" or "student"
         What samples far from those around them count for: "auto" leaves gross errors out and reports them, "squares"
         keeps all, "huber" and "student" give them less weight.

@@ -63,7 +63,7 @@ class CSRBFRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         sphere: Any = False,
         drift: Any = (),
         faults: Any = (),
-        extrapolation: Extrapolation = "constant",
+        extrapolation: Extrapolation = "auto",
         loss: Loss = "auto",
         missing: float | None = None,
         scale_axes: bool = True,

@@ -372,7 +372,7 @@ class Failures(unittest.TestCase):
             ("wendland", (x, v), {"kernel": "magic"}),
             ("weights", (x, v), {"weights": -np.ones(50)}),
             ("weights", (x, v), {"weights": np.ones(49)}),
-            ("extrapolation = mirror: unknown; use one of constant", (x, v), {"extrapolation": "mirror"}),
+            ("extrapolation = mirror: unknown; use one of auto, constant", (x, v), {"extrapolation": "mirror"}),
             ("loss = least: unknown; use one of auto", (x, v), {"loss": "least"}),
             ("neither", (x, v), {"smoothing": "much"}),
             ("progress", (x, v), {"progress": 5}),

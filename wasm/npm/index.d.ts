@@ -104,7 +104,7 @@ export interface FitOptions {
   smoothing?: number | "auto" | "none";
   degree?: number | "auto";
   loss?: "auto" | "squares" | "huber" | "student";
-  extrapolation?: "constant" | "linear" | "trend" | "nan";
+  extrapolation?: "auto" | "constant" | "linear" | "trend" | "nan";
   /** Period of each coordinate, 0 for none. */
   periods?: number[];
   /** The axes of longitude and latitude, from 0. */

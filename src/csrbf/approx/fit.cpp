@@ -9,6 +9,7 @@
 #include "csrbf/approx/fit_with_faults.hpp"
 #include "csrbf/approx/global/interpolate.hpp"
 #include "csrbf/approx/kriging/confirm_errors.hpp"
+#include "csrbf/approx/kriging/left_out_extremes.hpp"
 #include "csrbf/approx/measure_errors.hpp"
 #include "csrbf/approx/replicate_noise.hpp"
 #include "csrbf/approx/samples/fitted_field.hpp"
@@ -253,9 +254,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   report.missing = selected.missing;
   report.gross_errors = std::move(selected.gross_errors);
   report.suspects = std::move(selected.suspects);
-  typename FittedField<Dim>::Frame frame;
-  frame.box = bounding_box<Dim>(samples.points);
-  frame.extrapolation = options.extrapolation;
+  typename FittedField<Dim>::Frame frame{.box = bounding_box<Dim>(samples.points),
+                                         .extrapolation = options.extrapolation};
   for (std::size_t a = 0; a < options.periods.size(); ++a) frame.periods[static_cast<Index>(a)] = options.periods[a];
 
   // error_bounded treats duplicates itself: the bound holds for each of them.
@@ -279,6 +279,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
   const bool has_one = likely.size() < 2;
   const std::optional<AxisCovariance<Dim>> covariance = likely.empty() ? estimate.best : likely.front();
   if (covariance) chosen = FitMethod::interpolate;
+  if (covariance && frame.extrapolation == Extrapolation::automatic)
+    frame.extrapolation = best_for_extremes(without_zero_weights(scaled), *covariance);
   std::optional<LearnedCovariance> learned;
   if (covariance) {
     frame.scales = covariance->lengths / covariance->lengths.minCoeff();

@@ -49,6 +49,8 @@ std::string name_of(Extrapolation extrapolation) {
       return "linear";
     case Extrapolation::trend:
       return "trend";
+    case Extrapolation::automatic:
+      return "auto";
     case Extrapolation::constant:
       break;
   }
@@ -56,10 +58,10 @@ std::string name_of(Extrapolation extrapolation) {
 }
 
 Extrapolation extrapolation_of(const std::string& name) {
-  for (const Extrapolation one :
-       {Extrapolation::constant, Extrapolation::nan, Extrapolation::linear, Extrapolation::trend})
+  for (const Extrapolation one : {Extrapolation::automatic, Extrapolation::constant, Extrapolation::nan,
+                                  Extrapolation::linear, Extrapolation::trend})
     if (name == name_of(one)) return one;
-  throw InvalidInput("extrapolation = " + name + ": unknown; use one of constant, linear, trend, nan");
+  throw InvalidInput("extrapolation = " + name + ": unknown; use one of auto, constant, linear, trend, nan");
 }
 
 std::vector<std::string> fit_methods() {

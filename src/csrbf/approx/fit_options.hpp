@@ -14,13 +14,14 @@ namespace csrbf {
 
 /// The value of a function outside the box of its samples.
 enum class Extrapolation {
-  constant,  ///< its value at the nearest point of the box: bounded and continuous
-  nan,       ///< NaN
-  linear,    ///< its value and slope at the nearest point of the box
-  trend,     ///< returns to the trend of the samples, as its covariance says; for interpolate, elsewhere as linear
+  automatic,  ///< trend where left-out extremes of few samples are predicted better by it, else constant
+  constant,   ///< its value at the nearest point of the box: bounded and continuous
+  nan,        ///< NaN
+  linear,     ///< its value and slope at the nearest point of the box
+  trend,      ///< returns to the trend of the samples, as its covariance says; for interpolate, elsewhere as linear
 };
 
-/// constant, nan, linear or trend, and back. Throws InvalidInput for other names.
+/// auto, constant, nan, linear or trend, and back. Throws InvalidInput for other names.
 std::string name_of(Extrapolation extrapolation);
 Extrapolation extrapolation_of(const std::string& name);
 
@@ -60,7 +61,7 @@ struct FitOptions {
   /// Polylines in the plane (2 x vertices each) across which the function may jump: samples behind a fault do not
   /// count. For two coordinates.
   std::vector<Eigen::Matrix2Xd> faults = {};
-  Extrapolation extrapolation = Extrapolation::constant;
+  Extrapolation extrapolation = Extrapolation::automatic;
   /// auto: samples far from what those around them say (gross errors) are left out and reported; squares: none is;
   /// huber, student: all samples have less weight the farther they are (Huber 1964; Lange et al. 1989). auto keeps all
   /// where a tolerance, or smoothing 0, asks for them.

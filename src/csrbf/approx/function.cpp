@@ -241,6 +241,8 @@ std::vector<bool> Function::covered(const Eigen::Ref<const Eigen::MatrixXd>& x, 
 }
 
 Function Function::extrapolated(Extrapolation extrapolation) const {
+  require(extrapolation != Extrapolation::automatic, "extrapolation", "of a function", "auto",
+          "is for fits; use constant, linear, trend or nan");
   return visit_fit(*fit_, [&]<int Dim>(const Fit<Dim>& fit) {
     Fit<Dim> result = fit;
     const bool has_trend = fit.report.method == info_of(FitMethod::interpolate).name;

@@ -146,6 +146,44 @@ TEST(FillGaps, DeviationsBesideGapsAreNoLargerThanThoseInThem) {
   EXPECT_GE(static_cast<double>((error.abs() <= 1.96 * deviation).count()), .9 * static_cast<double>(x.cols()));
 }
 
+// Waves of all lengths up to one, the longer the larger by a power.
+Samples<2> waves_at(const Points<2>& x, double power) {
+  constexpr Index waves = 600;
+  const Points<3> random = random_points<3>(waves, 13);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(x.cols());
+  for (Index k = 0; k < waves; ++k) {
+    const double frequency = 5 * std::pow(1 - random(0, k), -1 / power), angle = 6.283185307179586 * random(1, k);
+    sum.array() += (frequency * (std::cos(angle) * x.row(0) + std::sin(angle) * x.row(1)).array() + 100 * random(2, k))
+                       .cos()
+                       .transpose();
+  }
+  return {x, std::sqrt(2. / waves) * sum, {}};
+}
+
+// Blocks that twenty samples are missing from: too small for another function, and too wide for errors of samples that
+// have neighbours.
+TEST(FillGaps, DeviationsAreHonestInBlocksThatAreNoGap) {
+  const auto in_block = [](const Point<2>& x) {
+    const Index cell = 14 * static_cast<Index>(14 * x[0]) + static_cast<Index>(14 * x[1]);
+    return cell * 37 % 101 < 10;
+  };
+  const Points<2> all = random_points<2>(4000, 1);
+  std::vector<Index> kept, left_out;
+  for (Index i = 0; i < all.cols(); ++i) (in_block(all.col(i)) ? left_out : kept).push_back(i);
+  for (const double power : {1.5, 2.0, 3.0}) {
+    const Fit<2> result = fit(waves_at(all(Eigen::all, kept), power));
+    EXPECT_EQ(result.report.method, "partition-of-unity");
+    const Samples<2> blocks = waves_at(all(Eigen::all, left_out), power);
+    const Eigen::ArrayXd error =
+        result.components[0]->evaluate(blocks.points).value.array() - blocks.values.col(0).array();
+    const Eigen::ArrayXd deviation = result.variances[0]->evaluate(blocks.points).value.array().sqrt();
+    const double within =
+        static_cast<double>((error.abs() <= 1.96 * deviation).count()) / static_cast<double>(error.size());
+    EXPECT_GE(within, .85) << power;
+    EXPECT_LE(rms(deviation), 3 * rms(error)) << power;
+  }
+}
+
 TEST(FillGaps, TracksHaveFewerGaps) {
   const Samples<2> data = rough_where(5000, 1, true);
   const auto patches = partition_of_unity(data);

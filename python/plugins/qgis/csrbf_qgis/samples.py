@@ -18,7 +18,7 @@ from qgis.core import (
 from .engine import Canceled, Failure, Fitted
 
 SMOOTHING = ["auto", "none"]
-EXTRAPOLATION = ["constant", "linear", "trend", "nan"]
+EXTRAPOLATION = ["auto", "constant", "linear", "trend", "nan"]
 CELLS = 250  # along the longer side, when no cell size is given
 MOST_CELLS = 10**8  # half a gigabyte of output
 
@@ -48,7 +48,8 @@ class SampleAlgorithm(QgsProcessingAlgorithm):
             "SMOOTHING", "Smoothing", ["by cross-validation", "none: through all samples"], defaultValue=0))
         self.addParameter(QgsProcessingParameterEnum(
             "EXTRAPOLATION", "Outside the box of the samples",
-            ["the value at its edge", "value and slope at its edge", "the trend", "no value"], defaultValue=0))
+            ["the trend or the value at its edge, as the samples tell", "the value at its edge",
+             "value and slope at its edge", "the trend", "no value"], defaultValue=0))
         missing = QgsProcessingParameterNumber(
             "MISSING", "Value of samples that have none, such as -9999", QgsProcessingParameterNumber.Double,
             optional=True)

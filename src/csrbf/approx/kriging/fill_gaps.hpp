@@ -30,6 +30,8 @@ struct FilledGaps {
 /// samples around them, dense near gaps and sparse far from them. Elsewhere it is made of wide patches. Cells full of
 /// samples and their local functions stay as they are, bit for bit.
 ///
+/// Variances also grow with the distance to the samples where they are sparse, but no gap is seen (DistanceGrowth).
+///
 /// `variances`: those of `fit`, see local_variance. `tracks`: the samples lie on tracks, between which another function
 /// is right; only what is far from all of them is a gap then. In up to three dimensions; in more, and where there are
 /// no gaps, returns what it was given. O(n) to look for gaps; where there are some, O(n log n), and some tenths of a

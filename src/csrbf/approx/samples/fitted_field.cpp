@@ -28,6 +28,7 @@ bool is_same_inside(const typename FittedField<Dim>::Frame& frame) {
 template <int Dim>
 FittedField<Dim>::FittedField(std::shared_ptr<const Field<Dim>> inner, const Frame& frame)
     : inner_(std::move(inner)), repeated_(inner_), frame_(frame) {
+  if (frame.extrapolation == Extrapolation::automatic) frame_.extrapolation = Extrapolation::constant;
   for (int a = 0; a < Dim; ++a)
     if (frame.periods[a] > 0)
       repeated_ = std::make_shared<const PeriodicField<Dim>>(repeated_, a, frame.box.lo[a] / frame.scales[a],

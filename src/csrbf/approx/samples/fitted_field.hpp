@@ -22,8 +22,8 @@ class FittedField : public Field<Dim> {
     Point<Dim> scales = Point<Dim>::Ones();
     Point<Dim> periods = Point<Dim>::Zero();  ///< 0 for axes that are not periodic; the first period starts at box.lo
     Box<Dim> box;                             ///< of the samples, in the coordinates of the user
-    Extrapolation extrapolation = Extrapolation::constant;
-    double unit = 1;     ///< of the values: f = unit inner
+    Extrapolation extrapolation = Extrapolation::constant;  ///< automatic, which fits decide, is constant
+    double unit = 1;                                        ///< of the values: f = unit inner
     Growth growth = {};  ///< added outside the box, at the distance from it in the coordinates of the inner field
   };
 

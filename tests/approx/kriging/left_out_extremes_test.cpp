@@ -1,0 +1,60 @@
+#include "csrbf/approx/kriging/left_out_extremes.hpp"
+
+#include "approx/approx_testing.hpp"
+#include "csrbf/approx/fit.hpp"
+
+namespace csrbf::left_out_extremes_test {
+namespace {
+
+// 40 samples with some noise.
+template <class Function>
+Samples<2> samples_of(const Function& function) {
+  const Points<2> x = random_points<2>(40, 3), noise = random_points<2>(40, 4);
+  Samples<2> samples = sample<2>(x, function);
+  samples.values.col(0) += .05 * (noise.row(0).array() - .5).matrix().transpose();
+  return samples;
+}
+
+double plane(const Point<2>& x) {
+  return 3 * x[0] - x[1];
+}
+
+// Flat near the sides of the square, steep in the middle.
+double saturated(const Point<2>& x) {
+  return std::tanh(12 * (x[0] - .5)) + std::tanh(12 * (x[1] - .5));
+}
+
+AxisCovariance<2> smooth_covariance() {
+  return {Kernel("matern-c2", 2), Point<2>(.5, .5), 1e-3, 1};
+}
+
+TEST(LeftOutExtremes, ATrendThatHoldsIsContinued) {
+  EXPECT_EQ(best_for_extremes(samples_of(plane), smooth_covariance()), Extrapolation::trend);
+  EXPECT_EQ(best_for_extremes(samples_of(saturated), smooth_covariance()), Extrapolation::constant);
+}
+
+// On a lattice whole lines are outermost.
+TEST(LeftOutExtremes, LatticesHaveThemToo) {
+  Points<2> x(2, 64);
+  for (Index i = 0; i < 64; ++i) x.col(i) = Point<2>(static_cast<double>(i % 8), static_cast<double>(i / 8)) / 7;
+  EXPECT_EQ(best_for_extremes(sample<2>(x, plane), smooth_covariance()), Extrapolation::trend);
+}
+
+TEST(LeftOutExtremes, ManySamplesKeepTheirNearestValue) {
+  EXPECT_EQ(best_for_extremes(sample<2>(random_points<2>(900, 3), plane), smooth_covariance()),
+            Extrapolation::constant);
+}
+
+TEST(LeftOutExtremes, FitsFollowThem) {
+  Points<2> outside(2, 2);
+  outside << 1.4, -.3, .5, 1.3;
+  const Fit<2> continued = fit(samples_of(plane)), flat = fit(samples_of(saturated));
+  const Eigen::VectorXd f = continued.components[0]->evaluate(outside).value;
+  for (Index i = 0; i < 2; ++i) EXPECT_NEAR(f[i], plane(outside.col(i)), .3);
+  EXPECT_LE(flat.components[0]->evaluate(outside).value.cwiseAbs().maxCoeff(), 2.3);
+  const Fit<2> told = fit(samples_of(plane), {.extrapolation = Extrapolation::constant});
+  EXPECT_NEAR(told.components[0]->evaluate(outside).value[0], plane(Point<2>(1, .5)), .3);
+}
+
+}  // namespace
+}  // namespace csrbf::left_out_extremes_test
