@@ -295,10 +295,8 @@ Fit<Dim> fit_in_usual_units(const Samples<Dim>& given_samples, const FitOptions&
     if (has_one) map = frame.scales.cwiseInverse().asDiagonal() * covariance->axes->transpose();
   }
   if (map) scaled.points = *map * scaled.points;
-  if (map || !has_one)  // several have scales of their own
-    frame.scales.setOnes();
-  else if ((frame.scales.array() != 1).any())
-    scaled.points.array().colwise() /= frame.scales.array();
+  if (map || !has_one) frame.scales.setOnes();  // several have scales of their own
+  scaled.points.array().colwise() /= frame.scales.array();
   const auto placed = [&](std::shared_ptr<const Field<Dim>>& field) -> std::shared_ptr<const Field<Dim>> {
     if (map) field = std::make_shared<MappedField<Dim>>(std::move(field), *map);
     return std::make_shared<FittedField<Dim>>(std::move(field), frame);

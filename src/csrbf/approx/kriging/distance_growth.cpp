@@ -188,6 +188,7 @@ void DistanceGrowth<Dim>::split(const PatchErrors<Dim>& patches, const Box<Dim>&
     mean += simpson_weight<Dim>(k) * factor(distance / spacing);
   }
   parts[at].variance = mean.cwiseProduct(patch.error);
+  parts[at].grows = largest > begin_ * spacing;
   const double half = 0.5 * box.diagonal();
   if (largest <= begin_ * spacing || half <= std::max(part_width * middle, narrowest * spacing) ||
       depth >= most_halvings)

@@ -69,29 +69,44 @@ class GapFiller {
     CellParts<Dim> parts(static_cast<std::size_t>(cover_.size()));
     std::optional<FilledGaps<Dim>> filled = with_other_functions(errors, parts);
     const std::vector<Index> sparse = growth_.cells(patches_);
-    if (!filled && sparse.empty()) return std::nullopt;
+    if (sparse.empty()) return filled;
+    if (!filled) filled = FilledGaps<Dim>{.fit = fit_, .variances = variances_};
+    grow(sparse, errors, parts, filled->variances);
+    return filled;
+  }
+
+ private:
+  // Variances in cells where samples are sparse, but for those with gaps.
+  void grow(const std::vector<Index>& sparse, const Eigen::MatrixXd& errors, const CellParts<Dim>& with_gaps,
+            std::vector<std::shared_ptr<const Field<Dim>>>& variances) const {
+    CellParts<Dim> parts(with_gaps.size());
     parallel_for(std::ssize(sparse), 16, [&](Index first, Index last) {
       typename PatchErrors<Dim>::Patch work;
       for (Index k = first; k < last; ++k) {
         const Index cell = sparse[static_cast<std::size_t>(k)];
-        if (parts[cell].size() > 1 || parts[cell].front().is_wide) continue;
-        parts[cell].clear();
+        if (with_gaps[cell].size() > 1 || with_gaps[cell].front().is_wide) continue;
         work.cell = cell;
         work.radius = fit_.data->models.radius[cell];
         work.error = errors.col(cell);
         growth_.split(patches_, work, parts[cell]);
       }
     });
-    if (!filled) filled = FilledGaps<Dim>{.fit = fit_, .variances = {}};
+    for (Index i = 0; i < cover_.size(); ++i)
+      if (parts[i].empty()) parts[i].emplace_back().variance = errors.col(i);
     std::vector<PlacedPart<Dim>> leaves;
     const Cover<Dim> cover(tree_of_parts<Dim>(cover_.tree(), parts, leaves));
-    Eigen::MatrixXd variance(samples_.components(), cover.size());
-    for (Index i = 0; i < cover.size(); ++i) variance.col(i) = leaves[static_cast<std::size_t>(i)].second->variance;
-    filled->variances = cell_constants<Dim>(cover, variance);
-    return filled;
+    Eigen::MatrixXd variance(errors.rows(), cover.size()), dense(1, cover.size());
+    for (Index i = 0; i < cover.size(); ++i) {
+      const CellPart<Dim>& part = *leaves[static_cast<std::size_t>(i)].second;
+      variance.col(i) = part.variance;
+      dense(0, i) = part.grows ? 0 : 1;
+    }
+    const auto grown = cell_constants<Dim>(cover, variance);
+    const auto share = cell_constants<Dim>(cover, dense).front();
+    for (std::size_t c = 0; c < variances.size(); ++c)
+      variances[c] = std::make_shared<const BlendedField<Dim>>(variances[c], grown[c], share);
   }
 
- private:
   // Where there are gaps; sets the parts of all cells.
   std::optional<FilledGaps<Dim>> with_other_functions(const Eigen::MatrixXd& errors, CellParts<Dim>& parts) const {
     for (Index i = 0; i < cover_.size(); ++i) parts[i].emplace_back().variance = errors.col(i);
@@ -113,10 +128,7 @@ class GapFiller {
     const Index wide =
         std::count_if(leaves.begin(), leaves.end(), [](const auto& leaf) { return leaf.second->is_wide; });
     if (wide == 0) {
-      for (const Index cell : cells) {
-        parts[cell].clear();
-        parts[cell].emplace_back().variance = errors.col(cell);
-      }
+      for (const Index cell : cells) parts[cell] = std::vector<CellPart<Dim>>(1);
       return std::nullopt;
     }
     return with_cells(kriging, cover, leaves, wide);
@@ -259,12 +271,17 @@ class GapFiller {
   FilledGaps<Dim> with_cells(const LocalKriging<Dim>& kriging, const Cover<Dim>& cover,
                              const std::vector<PlacedPart<Dim>>& leaves, Index wide) const {
     const Index count = std::ssize(leaves);
-    Eigen::MatrixXd outside(1, count);
-    for (Index i = 0; i < count; ++i) outside(0, i) = leaves[static_cast<std::size_t>(i)].second->is_wide ? 0 : 1;
+    Eigen::MatrixXd variance(samples_.components(), count), outside(1, count);
+    for (Index i = 0; i < count; ++i) {
+      const CellPart<Dim>& part = *leaves[static_cast<std::size_t>(i)].second;
+      variance.col(i) = part.variance;
+      outside(0, i) = part.is_wide ? 0 : 1;
+    }
     FilledGaps<Dim> result;
     result.fit = fit_;
     result.fit.report.patches = count;
     result.patches = wide;
+    result.variances = cell_constants<Dim>(cover, variance);
     result.outside = cell_constants<Dim>(cover, outside).front();
     if (kriging.is_linear()) result.inside = one_system(kriging, cover, leaves);
     if (result.inside.empty()) result.fit.data = with_wide_patches(kriging, cover, leaves, wide);
