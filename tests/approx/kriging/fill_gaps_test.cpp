@@ -197,13 +197,31 @@ TEST(FillGaps, TracksHaveFewerGaps) {
 }
 
 TEST(FillGaps, WithoutGapsNothingChanges) {
-  const Samples<2> data = sample<2>(random_points<2>(3000, 1), franke);
+  Points<2> x(2, 3025);
+  for (Index i = 0; i < x.cols(); ++i)
+    x.col(i) = Point<2>(static_cast<double>(i % 55), static_cast<double>(i / 55)) / 54;
+  const Samples<2> data = sample<2>(x, franke);
   const auto fit = partition_of_unity(data);
   const auto variance = local_variance(data, fit);
   const FilledGaps<2> filled = fill_gaps(data, fit, variance);
   EXPECT_EQ(filled.patches, 0);
   EXPECT_EQ(filled.fit.data, fit.data);
   EXPECT_EQ(filled.variances, variance);
+}
+
+// Random samples leave places that are farther from them than usual.
+TEST(FillGaps, WithoutGapsDeviationsOnlyGrow) {
+  const Samples<2> data = sample<2>(random_points<2>(3000, 1), franke);
+  const auto fit = partition_of_unity(data);
+  const auto variance = local_variance(data, fit);
+  const FilledGaps<2> filled = fill_gaps(data, fit, variance);
+  EXPECT_EQ(filled.patches, 0);
+  EXPECT_EQ(filled.fit.data, fit.data);
+  const Points<2> x = random_points<2>(2000, 3);
+  const Eigen::ArrayXd ratio = filled.variances[0]->evaluate(x).value.array() / variance[0]->evaluate(x).value.array();
+  EXPECT_GE((ratio == 1).count(), x.cols() / 2);
+  EXPECT_LE((ratio < .5).count(), x.cols() / 100);
+  EXPECT_GE((ratio > 2).count(), x.cols() / 50);
 }
 
 TEST(FillGaps, AmongManySamplesWithNoiseChanceMakesNoGaps) {
