@@ -142,6 +142,19 @@ TEST(EstimateNormals, PointOutOfABodyInsideACavity) {
   EXPECT_GT(outward_share(estimate_normals(nested.points), nested.normals), 0.995);
 }
 
+// The density falls by a factor of 400 along x.
+TEST(EstimateNormals, PointOutwardWherePointsAreFarBetween) {
+  const Shape dense = random_torus(120'000, 46);
+  std::mt19937_64 random(47);
+  std::uniform_real_distribution<double> uniform;
+  const double reach = torus_major + torus_minor;
+  std::vector<Index> kept;
+  for (Index i = 0; i < dense.size(); ++i)
+    if (uniform(random) < std::exp(-3 * (1 + dense.points(0, i) / reach))) kept.push_back(i);
+  const Shape fading{dense.points(Eigen::all, kept), dense.normals(Eigen::all, kept), dense.area};
+  EXPECT_GT(outward_share(estimate_normals(fading.points), fading.normals), 0.9995);
+}
+
 // Two sheets 1.3 spacings apart, on the half that is seen twice, are no plate.
 TEST(EstimateNormals, PointOutOfASolidSeenTwiceByScansThatDoNotFit) {
   const Shape whole = random_torus(6000, 44), again = random_torus(6000, 45);

@@ -77,7 +77,8 @@ void exclude_outliers(std::span<const float> values, std::span<const std::uint8_
 }
 
 // The distance between the levels of counts and the like: the least between different values, of some of them, where
-// all are multiples of it apart and most occur more than once. 0 for others.
+// all are multiples of it apart and most occur more than once. 0 for others, and for drawings of few values, which are
+// exact.
 double level_distance(std::span<const float> values, std::span<const std::uint8_t> mask) {
   constexpr Index most_samples = 1 << 14;
   const auto step = static_cast<std::size_t>(1 + std::ssize(values) / most_samples);
@@ -89,7 +90,8 @@ double level_distance(std::span<const float> values, std::span<const std::uint8_
   for (std::size_t i = 1; i < samples.size(); ++i)
     if (samples[i] > samples[i - 1])
       gaps.push_back(static_cast<double>(samples[i]) - static_cast<double>(samples[i - 1]));
-  if (gaps.empty() || 4 * gaps.size() > samples.size()) return 0;
+  constexpr std::size_t fewest_levels = 8;  // of counts: by hand
+  if (gaps.size() + 1 < fewest_levels || 4 * gaps.size() > samples.size()) return 0;
   const double least = *std::min_element(gaps.begin(), gaps.end());
   constexpr double rounded = 0.1;  // of the distance: by hand
   for (const double gap : gaps)
