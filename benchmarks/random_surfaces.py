@@ -56,8 +56,9 @@ WORST = 5
 
 LEGEND = """Random solids, {points:,} points each; {solids} solids a row, from seed {seed}. Distances of 10,000 points of
 each surface from 100,000 of the other one, in spacings (the root of the area per point; equal surfaces have means of
-about 0.15): **mean** and **99 %**, medians and, after the stroke, the worst. **right**: meshes with the true number of components and the true Euler number. **worst**: the
-five largest 99 % with the seeds of their solids. Made by `benchmarks/random_surfaces.py`, whose help tells the ways.
+about 0.16): **mean** and **99 %**, medians and, after the stroke, the worst. **right**: meshes with the true number of
+components and the true Euler number. **worst**: the five largest 99 % with the seeds of their solids. Made by
+`benchmarks/random_surfaces.py`, whose help tells the ways.
 """
 
 
